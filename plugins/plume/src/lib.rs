@@ -1,0 +1,1 @@
+//! Maps a scalar plume and circles its maximum.

@@ -1,0 +1,2 @@
+//! The `backseat` program.
+fn main() {}

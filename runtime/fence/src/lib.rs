@@ -1,0 +1,1 @@
+//! Geofences: inclusion and exclusion polygons, depth and altitude bands, swept-shape checks.

@@ -1,0 +1,1 @@
+//! Missions on disk: mission.toml, fence.geojson, world.toml.

@@ -1,0 +1,1 @@
+//! A mock of the Bluefin main vehicle computer: mission executive, vehicle, sensors, SPI server side.

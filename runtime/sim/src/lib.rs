@@ -1,0 +1,1 @@
+//! Runtime, plugins and mock vehicle on a virtual clock.

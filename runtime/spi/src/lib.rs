@@ -1,0 +1,1 @@
+//! The Bluefin Standard Payload Interface: framing, typed messages, catalogue.

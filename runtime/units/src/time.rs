@@ -1,0 +1,235 @@
+use core::fmt;
+use core::ops::{Add, Sub};
+use core::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+const NANOS_PER_SECOND: u64 = 1_000_000_000;
+const SECONDS_PER_DAY: u64 = 86_400;
+const NANOS_PER_DAY: u64 = SECONDS_PER_DAY * NANOS_PER_SECOND;
+
+/// Nanoseconds since the start of the run: the only clock that the deterministic crates know, and it is given to them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Timestamp(u64);
+
+impl Timestamp {
+    /// The start of the run.
+    pub const ZERO: Self = Self(0);
+    /// Later than anything: never.
+    pub const MAX: Self = Self(u64::MAX);
+
+    /// From nanoseconds since the start.
+    #[must_use]
+    pub const fn from_nanos(nanos: u64) -> Self {
+        Self(nanos)
+    }
+
+    /// From whole milliseconds since the start.
+    #[must_use]
+    pub const fn from_millis(millis: u64) -> Self {
+        Self(millis * 1_000_000)
+    }
+
+    /// From whole seconds since the start.
+    #[must_use]
+    pub const fn from_secs(seconds: u64) -> Self {
+        Self(seconds * NANOS_PER_SECOND)
+    }
+
+    /// Nanoseconds since the start.
+    #[must_use]
+    pub const fn as_nanos(self) -> u64 {
+        self.0
+    }
+
+    /// Seconds since the start.
+    #[must_use]
+    pub fn as_secs_f64(self) -> f64 {
+        self.0 as f64 / 1e9
+    }
+
+    /// How long after `earlier` this is; zero where it is before.
+    #[must_use]
+    pub const fn since(self, earlier: Self) -> Duration {
+        Duration::from_nanos(self.0.saturating_sub(earlier.0))
+    }
+}
+
+impl Add<Duration> for Timestamp {
+    type Output = Self;
+    /// Saturates at [`Timestamp::MAX`], which means never.
+    fn add(self, later: Duration) -> Self {
+        let nanos = u64::try_from(later.as_nanos()).unwrap_or(u64::MAX);
+        Self(self.0.saturating_add(nanos))
+    }
+}
+
+impl Sub<Duration> for Timestamp {
+    type Output = Self;
+    /// Saturates at [`Timestamp::ZERO`].
+    fn sub(self, earlier: Duration) -> Self {
+        let nanos = u64::try_from(earlier.as_nanos()).unwrap_or(u64::MAX);
+        Self(self.0.saturating_sub(nanos))
+    }
+}
+
+impl fmt::Display for Timestamp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.3} s", self.as_secs_f64())
+    }
+}
+
+/// An instant in UTC: nanoseconds since 1970-01-01T00:00:00, leap seconds not counted (as POSIX counts).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Utc(u64);
+
+impl Utc {
+    /// From nanoseconds since 1970.
+    #[must_use]
+    pub const fn from_unix_nanos(nanos: u64) -> Self {
+        Self(nanos)
+    }
+
+    /// Nanoseconds since 1970.
+    #[must_use]
+    pub const fn as_unix_nanos(self) -> u64 {
+        self.0
+    }
+
+    /// The time within its day.
+    #[must_use]
+    pub const fn time_of_day(self) -> TimeOfDay {
+        TimeOfDay(self.0 % NANOS_PER_DAY)
+    }
+}
+
+impl Add<Duration> for Utc {
+    type Output = Self;
+    fn add(self, later: Duration) -> Self {
+        let nanos = u64::try_from(later.as_nanos()).unwrap_or(u64::MAX);
+        Self(self.0.saturating_add(nanos))
+    }
+}
+
+/// A UTC time without its date, as SPI's timestamps are (section 4.2, Table 1): nanoseconds since midnight.
+///
+/// The leap second 23:59:60 is legal and is the last second of its day.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct TimeOfDay(u64);
+
+impl TimeOfDay {
+    /// Midnight.
+    pub const MIDNIGHT: Self = Self(0);
+
+    /// From nanoseconds since midnight; `None` past the end of a leap second.
+    #[must_use]
+    pub const fn from_nanos(nanos: u64) -> Option<Self> {
+        if nanos < NANOS_PER_DAY + NANOS_PER_SECOND { Some(Self(nanos)) } else { None }
+    }
+
+    /// From hours, minutes, seconds and nanoseconds; `None` where that is no time of day. Second 60 only as 23:59:60.
+    #[must_use]
+    pub const fn from_hms_nano(hour: u32, minute: u32, second: u32, nanos: u32) -> Option<Self> {
+        let leap = hour == 23 && minute == 59 && second == 60;
+        if hour > 23 || minute > 59 || (second > 59 && !leap) || nanos >= 1_000_000_000 {
+            return None;
+        }
+        let seconds = hour as u64 * 3600 + minute as u64 * 60 + second as u64;
+        Some(Self(seconds * NANOS_PER_SECOND + nanos as u64))
+    }
+
+    /// Nanoseconds since midnight, below 86 401 s.
+    #[must_use]
+    pub const fn as_nanos(self) -> u64 {
+        self.0
+    }
+
+    /// Hour, minute, second (60 in a leap second) and nanoseconds.
+    #[must_use]
+    pub const fn hms_nano(self) -> (u32, u32, u32, u32) {
+        let seconds = self.0 / NANOS_PER_SECOND;
+        let nanos = (self.0 % NANOS_PER_SECOND) as u32;
+        if seconds >= SECONDS_PER_DAY {
+            return (23, 59, 60, nanos);
+        }
+        ((seconds / 3600) as u32, (seconds / 60 % 60) as u32, (seconds % 60) as u32, nanos)
+    }
+
+    /// The same time cut (never rounded up, which could reach the next day) to whole milliseconds.
+    #[must_use]
+    pub const fn truncated_to_millis(self) -> Self {
+        Self(self.0 - self.0 % 1_000_000)
+    }
+
+    /// Nanoseconds from `earlier` to this, the short way round midnight: within ±12 h.
+    #[must_use]
+    pub const fn nanos_since(self, earlier: Self) -> i64 {
+        let day = NANOS_PER_DAY as i64;
+        let difference = (self.0 as i64 - earlier.0 as i64) % day;
+        if difference >= day / 2 {
+            difference - day
+        } else if difference < -day / 2 {
+            difference + day
+        } else {
+            difference
+        }
+    }
+}
+
+impl Add<Duration> for TimeOfDay {
+    type Output = Self;
+    /// Passes midnight.
+    fn add(self, later: Duration) -> Self {
+        let nanos = (self.0 as u128 + later.as_nanos()) % NANOS_PER_DAY as u128;
+        Self(nanos as u64)
+    }
+}
+
+impl fmt::Display for TimeOfDay {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (hour, minute, second, nanos) = self.hms_nano();
+        write!(f, "{hour:02}:{minute:02}:{second:02}.{:03}", nanos / 1_000_000)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(hour: u32, minute: u32, second: u32) -> TimeOfDay {
+        TimeOfDay::from_hms_nano(hour, minute, second, 0).unwrap()
+    }
+
+    #[test]
+    fn differences_pass_midnight_the_short_way() {
+        assert_eq!(at(0, 0, 1).nanos_since(at(23, 59, 59)), 2_000_000_000);
+        assert_eq!(at(23, 59, 59).nanos_since(at(0, 0, 1)), -2_000_000_000);
+        assert_eq!(at(12, 0, 1).nanos_since(at(12, 0, 0)), 1_000_000_000);
+    }
+
+    #[test]
+    fn the_leap_second_is_legal_only_at_the_end_of_a_day() {
+        let leap = at(23, 59, 60);
+        assert_eq!(leap.hms_nano(), (23, 59, 60, 0));
+        assert_eq!(leap.nanos_since(at(23, 59, 59)), 1_000_000_000);
+        assert_eq!(TimeOfDay::from_hms_nano(12, 0, 60, 0), None);
+        assert_eq!(TimeOfDay::from_hms_nano(24, 0, 0, 0), None);
+    }
+
+    #[test]
+    fn time_of_day_follows_utc_over_midnight() {
+        let utc = Utc::from_unix_nanos(86_399_500_000_000);
+        assert_eq!(utc.time_of_day().to_string(), "23:59:59.500");
+        assert_eq!((utc + Duration::from_secs(1)).time_of_day().to_string(), "00:00:00.500");
+    }
+
+    #[test]
+    fn timestamps_saturate() {
+        assert_eq!(Timestamp::ZERO - Duration::from_secs(1), Timestamp::ZERO);
+        assert_eq!(Timestamp::MAX + Duration::from_secs(1), Timestamp::MAX);
+        assert_eq!(Timestamp::from_secs(1).since(Timestamp::from_secs(2)), Duration::ZERO);
+    }
+}

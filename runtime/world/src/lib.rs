@@ -1,0 +1,1 @@
+//! What only simulation knows: seabed, current, scalar fields; seeded.

@@ -1,1 +1,3 @@
-//! The backseat's state machine: session, control, leases, plan, ledger, assurance; sans-IO and deterministic.
+//! The backseat state machine: session, control, leases, plan, ledger, assurance; sans-IO and deterministic.
+
+pub mod plugin;

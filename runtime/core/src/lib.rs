@@ -1,3 +1,44 @@
-//! The backseat state machine: session, control, leases, plan, ledger, assurance; sans-IO and deterministic.
+//! The backseat's state machine: session, control, leases, plan, ledger, assurance.
+//!
+//! Sans-IO and deterministic: no clock, no thread, no hash order. A driver hands [`Core::handle`] what happens, with
+//! the time, then drains [`Core::poll_output`], and calls again no later than [`Core::poll_timeout`]:
+//!
+//! ```text
+//! loop {
+//!     core.handle(now, input);
+//!     while let Some(output) = core.poll_output() { carry_out(output) }
+//!     input = whichever_is_first(what_happens(), core.poll_timeout());
+//! }
+//! ```
+//!
+//! The driver at sea and the virtual clock of the simulation are both such loops, so what was simulated is what goes
+//! to sea. Plugins are effects: [`Output::Invoke`] goes out and [`Input::Returned`] comes back.
+//!
+//! The safety requirements that code here keeps are cited where it keeps them, by their number in
+//! `runtime/docs/safety.md`.
 
+mod clock;
+mod commands;
+mod conductor;
+mod envelope;
+mod helm;
+mod inserts;
+mod io;
+mod ledger;
+mod limits;
+mod machine;
+mod navigation;
+mod plan;
 pub mod plugin;
+mod receive;
+mod session;
+mod settings;
+mod stamp;
+mod timer;
+
+pub use envelope::Envelope;
+pub use io::{Identifiers, Input, Note, Operator, Output, Restarted, Start};
+pub use ledger::{RequestCounts, RequestKind, Transition};
+pub use limits::{FailAction, Grant, HeadingFrame, LimitError, Limits};
+pub use machine::Core;
+pub use settings::{ControlHook, PluginSetup, Settings, StatusCondition};

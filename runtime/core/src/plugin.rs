@@ -89,7 +89,10 @@ pub struct PositionRequest {
 
 impl From<Position> for PositionRequest {
     fn from(position: Position) -> Self {
-        Self { latitude_deg: position.latitude.as_deg(), longitude_deg: position.longitude.as_deg() }
+        Self {
+            latitude_deg: position.latitude.as_deg(),
+            longitude_deg: position.longitude.as_deg(),
+        }
     }
 }
 

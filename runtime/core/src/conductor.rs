@@ -1,0 +1,378 @@
+//! Plugins as core sees them: when each is stepped, what it is told, what it may ask, and what becomes of it when it
+//! fails. One step of a plugin is under way at a time; core never waits for it.
+
+use std::time::Duration;
+
+use backseat_spi::{LogMessage, Text, ToVehicle};
+use backseat_units::Timestamp;
+
+use crate::envelope::limit;
+use crate::helm::refused;
+use crate::io::{Note, Output, Restarted};
+use crate::limits::{FailAction, Grant};
+use crate::machine::Core;
+use crate::plugin::{
+    Event, FaultKind, LogLevel, PluginFault, PluginId, Refusal, Request, RequestState, Returned, StepInput, Topic,
+};
+use crate::settings::PluginSetup;
+
+/// More events than this for one plugin while it runs, and it has failed.
+const EVENTS_MAX: usize = 256;
+/// A plugin that fails this often is quarantined.
+const FAILURES_MAX: u32 = 5;
+/// Failures longer ago than this are forgiven.
+const FORGIVEN_AFTER: Duration = Duration::from_secs(600);
+const BACK_OFF: Duration = Duration::from_secs(1);
+const TIMERS_MAX: usize = 64;
+const MESSAGE_BYTES_MAX: usize = 200;
+
+/// Where a plugin stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Idle,
+    /// A step is under way.
+    Running,
+    /// A step is under way whose return is no longer wanted.
+    Condemned,
+    BackingOff {
+        until: Timestamp,
+    },
+    Restarting,
+    Quarantined,
+}
+
+#[derive(Debug)]
+pub(crate) struct Slot {
+    setup: PluginSetup,
+    state: State,
+    events: Vec<Event>,
+    due: Timestamp,
+    /// It was due while a step was under way.
+    overdue: bool,
+    timers: Vec<(Timestamp, u64)>,
+    failures: u32,
+    failed_at: Timestamp,
+    /// Requests that it may still ask, and since when that holds.
+    allowance: f64,
+    allowance_at: Timestamp,
+}
+
+impl Slot {
+    pub(crate) fn new(setup: PluginSetup) -> Self {
+        Self {
+            setup,
+            state: State::Idle,
+            events: Vec::new(),
+            due: Timestamp::ZERO,
+            overdue: false,
+            timers: Vec::new(),
+            failures: 0,
+            failed_at: Timestamp::ZERO,
+            allowance: 1.0,
+            allowance_at: Timestamp::ZERO,
+        }
+    }
+
+    pub(crate) fn wants(&self, topic: Topic) -> bool {
+        self.setup.description.topics.contains(&topic)
+    }
+
+    pub(crate) fn is_quarantined(&self) -> bool {
+        self.state == State::Quarantined
+    }
+
+    fn period(&self) -> Duration {
+        self.setup
+            .description
+            .step_period
+            .clamp(Duration::from_millis(20), Duration::from_secs(60))
+    }
+
+    /// Steps go with navigation; where none comes they go without, half a period late.
+    fn due_without_navigation(&self) -> Timestamp {
+        self.due + self.period() / 2
+    }
+
+    fn wakes_at(&self) -> Option<Timestamp> {
+        match self.state {
+            State::Idle => {
+                let timer = self.timers.iter().map(|(at, _)| *at).min();
+                let due = self.due_without_navigation();
+                Some(timer.map_or(due, |timer| timer.min(due)))
+            }
+            State::BackingOff { until } => Some(until),
+            State::Running | State::Condemned | State::Restarting | State::Quarantined => None,
+        }
+    }
+
+    /// Takes one request from the plugin's allowance.
+    fn may_ask(&mut self, now: Timestamp, per_second: f64) -> bool {
+        let earned = now.since(self.allowance_at).as_secs_f64() * per_second;
+        self.allowance = (self.allowance + earned).min(per_second.max(1.0));
+        self.allowance_at = now;
+        let may = self.allowance >= 1.0;
+        if may {
+            self.allowance -= 1.0;
+        }
+        may
+    }
+}
+
+impl Core {
+    pub(crate) fn tell(&mut self, plugin: PluginId, event: Event) {
+        let slot = &mut self.plugins[plugin.0];
+        match slot.state {
+            State::Quarantined => {}
+            State::Idle | State::Running if slot.events.len() >= EVENTS_MAX => {
+                let fault = PluginFault {
+                    kind: FaultKind::Overflow,
+                    text: format!("more than {EVENTS_MAX} events came before it returned"),
+                };
+                self.failed(plugin, fault);
+            }
+            State::Condemned | State::BackingOff { .. } | State::Restarting if slot.events.len() >= EVENTS_MAX => {}
+            State::Idle | State::Running | State::Condemned | State::BackingOff { .. } | State::Restarting => {
+                slot.events.push(event);
+            }
+        }
+    }
+
+    /// When the next plugin is due for something.
+    pub(crate) fn plugins_due(&self) -> Option<Timestamp> {
+        self.plugins.iter().filter_map(Slot::wakes_at).min()
+    }
+
+    /// Steps every plugin that is due: with navigation, at its period; without, when that is overdue.
+    pub(crate) fn step_due(&mut self, with_navigation: bool) {
+        let now = self.now;
+        for index in 0..self.plugins.len() {
+            let slot = &mut self.plugins[index];
+            // Navigation's own jitter must not make a step wait for the next one.
+            let early = if with_navigation {
+                slot.period() / 10
+            } else {
+                Duration::ZERO
+            };
+            let due = if with_navigation {
+                slot.due
+            } else {
+                slot.due_without_navigation()
+            };
+            match slot.state {
+                State::Idle => {
+                    let mut timed = false;
+                    slot.timers.retain(|(at, id)| {
+                        let expired = *at <= now;
+                        if expired {
+                            slot.events.push(Event::Timer(*id));
+                            timed = true;
+                        }
+                        !expired
+                    });
+                    if timed || now + early >= due {
+                        self.invoke(index);
+                    }
+                }
+                State::Running if with_navigation && now + early >= due => slot.overdue = true,
+                State::BackingOff { until } if until <= now => {
+                    slot.state = State::Restarting;
+                    self.outputs.push_back(Output::Restart(PluginId(index)));
+                }
+                State::Running
+                | State::Condemned
+                | State::BackingOff { .. }
+                | State::Restarting
+                | State::Quarantined => {}
+            }
+        }
+    }
+
+    fn invoke(&mut self, index: usize) {
+        let navigation = self.tracker.fresh(self.now).copied();
+        let utc = self.utc();
+        let (now, control) = (self.now, self.granted);
+        let slot = &mut self.plugins[index];
+        slot.state = State::Running;
+        slot.overdue = false;
+        let next = slot.due + slot.period();
+        slot.due = if next > now { next } else { now + slot.period() };
+        let events = std::mem::take(&mut slot.events);
+        self.outputs.push_back(Output::Invoke(
+            PluginId(index),
+            StepInput {
+                now,
+                utc,
+                navigation,
+                control,
+                events,
+            },
+        ));
+    }
+
+    pub(crate) fn returned(&mut self, plugin: PluginId, returned: Returned) {
+        for line in returned.log {
+            self.note(Note::PluginLog { plugin, line });
+        }
+        let Some(slot) = self.plugins.get_mut(plugin.0) else {
+            return;
+        };
+        match slot.state {
+            State::Running => slot.state = State::Idle,
+            State::Condemned => return self.back_off(plugin),
+            State::Idle | State::BackingOff { .. } | State::Restarting | State::Quarantined => return,
+        }
+        match returned.result {
+            Ok(requests) => {
+                for request in requests {
+                    self.ask(plugin, request);
+                }
+            }
+            Err(fault) => self.failed(plugin, fault),
+        }
+        let slot = &self.plugins[plugin.0];
+        if slot.overdue && slot.state == State::Idle {
+            self.invoke(plugin.0);
+        }
+    }
+
+    pub(crate) fn restarted(&mut self, plugin: PluginId, restarted: Restarted) {
+        let Some(slot) = self.plugins.get_mut(plugin.0) else {
+            return;
+        };
+        if slot.state != State::Restarting {
+            return;
+        }
+        match restarted.result {
+            Ok(()) => {
+                slot.state = State::Idle;
+                slot.events.clear();
+                slot.timers.clear();
+                self.note(Note::PluginRestarted { plugin });
+                let open = self
+                    .ledger
+                    .iter()
+                    .filter(|(_, entry)| entry.plugin == plugin)
+                    .map(|(_, entry)| entry.tag)
+                    .collect();
+                self.tell(
+                    plugin,
+                    Event::Restored {
+                        lost_steps: restarted.lost_steps,
+                        open,
+                    },
+                );
+                self.tell(plugin, Event::Control(self.granted));
+            }
+            Err(fault) => self.failed(plugin, fault),
+        }
+    }
+
+    /// A plugin has failed: it steers no longer, what it declared for the case is done, and it comes back later or not
+    /// at all. Its siblings notice nothing.
+    fn failed(&mut self, plugin: PluginId, fault: PluginFault) {
+        let now = self.now;
+        let slot = &mut self.plugins[plugin.0];
+        if now.since(slot.failed_at) > FORGIVEN_AFTER {
+            slot.failures = 0;
+        }
+        slot.failures += 1;
+        slot.failed_at = now;
+        let on_failure = slot.setup.on_failure;
+        let lost = fault.kind != FaultKind::Error;
+        let running = slot.state == State::Running;
+        let then = if slot.failures > FAILURES_MAX {
+            slot.state = State::Quarantined;
+            slot.events.clear();
+            "it is quarantined"
+        } else if lost && running {
+            slot.state = State::Condemned;
+            "it will be restarted"
+        } else if lost {
+            "it will be restarted"
+        } else {
+            "it goes on"
+        };
+        self.note(Note::PluginFailed { plugin, fault, then });
+        if self.lease.is_some_and(|lease| lease.plugin == plugin) {
+            self.end_lease("its plugin failed");
+        }
+        match on_failure {
+            FailAction::Yield => {}
+            FailAction::Cancel => self.cancel_all_of(Some(plugin), "its plugin failed"),
+        }
+        let slot = &self.plugins[plugin.0];
+        if lost && !matches!(slot.state, State::Condemned | State::Quarantined) {
+            self.back_off(plugin);
+        }
+    }
+
+    fn back_off(&mut self, plugin: PluginId) {
+        let now = self.now;
+        let slot = &mut self.plugins[plugin.0];
+        let doublings = slot.failures.saturating_sub(1).min(8);
+        slot.state = State::BackingOff {
+            until: now + BACK_OFF * (1 << doublings),
+        };
+    }
+
+    fn ask(&mut self, plugin: PluginId, request: Request) {
+        match request {
+            Request::Modify(modify) => self.ask_modify(plugin, &modify),
+            Request::EndModify => self.ask_end_modify(plugin),
+            Request::Trackline(_) | Request::Trackcircle(_) => self.ask_insert(plugin, &request),
+            Request::Cancel(tag) => self.ask_cancel(plugin, tag),
+            Request::Message(text) => self.ask_message(plugin, &text),
+            Request::Timer { id, after } => {
+                let slot = &mut self.plugins[plugin.0];
+                if slot.timers.len() < TIMERS_MAX {
+                    slot.timers.push((self.now + after, id));
+                } else {
+                    let text = format!("a timer was dropped: {TIMERS_MAX} are set already");
+                    let line = crate::plugin::LogLine {
+                        level: LogLevel::Warn,
+                        text,
+                    };
+                    self.note(Note::PluginLog { plugin, line });
+                }
+            }
+        }
+    }
+
+    /// What every request that steers must pass before its figures are looked at.
+    pub(crate) fn admit(&mut self, plugin: PluginId, grant: Grant) -> Result<(), Refusal> {
+        let per_second = f64::from(self.envelope.limits().requests_per_s);
+        let now = self.now;
+        let slot = &mut self.plugins[plugin.0];
+        if !slot.setup.grants.contains(&grant) {
+            return Err(limit(format!("the mission does not grant it {grant:?}")));
+        }
+        if !slot.may_ask(now, per_second) {
+            return Err(refused("rate", &format!("more than {per_second} requests a second")));
+        }
+        if let Some(reason) = self.lost_because() {
+            return Err(refused("control", reason));
+        }
+        if !self.start.armed {
+            return Err(refused("control", "the runtime is not armed"));
+        }
+        Ok(())
+    }
+
+    pub(crate) fn reject(&mut self, request: u64, refusal: Refusal) {
+        self.transition(request, RequestState::Rejected(refusal.text));
+    }
+
+    fn ask_message(&mut self, plugin: PluginId, text: &str) {
+        let now = self.now;
+        let slot = &mut self.plugins[plugin.0];
+        if !slot.setup.grants.contains(&Grant::Message) || !slot.may_ask(now, 1.0) {
+            return;
+        }
+        let created = self.stamper.stamp(now, "MSG");
+        let cut: String = text.chars().take(MESSAGE_BYTES_MAX).collect();
+        // In lower case: there are vehicles that take a sentence for the one whose name its text contains.
+        let text = Text::cleaned(&cut.to_lowercase());
+        let command = self.courtesy("MSG", Some(created));
+        self.transmit(&ToVehicle::LogMessage(LogMessage { created, text }), Some(command));
+    }
+}

@@ -1,0 +1,517 @@
+//! The monitor's judgement: what the operator's fence and limits say of a request, of the way to it and of what
+//! follows it. Pure: the same question gives the same answer, to core before anything is sent and to plugins that ask.
+
+use std::time::Duration;
+
+use backseat_fence::{Breach, Fence, Rule, Shape, Sweep, VerticalExtent};
+use backseat_units::math::{PI, cos, hypot};
+use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Speed, Timestamp, utm_convergence_deg};
+
+use crate::limits::Limits;
+use crate::plugin::{
+    Judge, ModifyRequest, NavigationSample, PositionRequest, Refusal, Request, StepInput, TrackcircleRequest,
+    TracklineRequest, VerticalRequest,
+};
+
+/// The vehicle keeps a modify for this long after the last BPRMB that it received (SPI 7.12).
+pub(crate) const MODIFY_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// A vertical setpoint that is one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Vertical {
+    Depth(Depth),
+    Altitude(Altitude),
+}
+
+/// What a modify sets: always all three, never left for the vehicle to inherit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Setpoint {
+    pub(crate) heading: Heading,
+    pub(crate) vertical: Vertical,
+    pub(crate) speed: Speed,
+}
+
+/// Where an insert goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum InsertPath {
+    Line {
+        start: Position,
+        end: Position,
+    },
+    Circle {
+        centre: Position,
+        radius_m: f64,
+        orbits: f64,
+        entry_angle_deg: Option<f64>,
+    },
+}
+
+/// An insert whose figures have been checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Insert {
+    pub(crate) path: InsertPath,
+    pub(crate) vertical: Vertical,
+    pub(crate) speed: Speed,
+    pub(crate) interrupt: bool,
+}
+
+/// The ends of an insert in the fence's frame; `None` where the vehicle chooses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum End {
+    At(EastNorth),
+    Anywhere { centre: EastNorth, radius_m: f64 },
+}
+
+impl End {
+    /// The point itself, or the middle of where it may be.
+    pub(crate) fn point(self) -> EastNorth {
+        point_and_radius(self).0
+    }
+}
+
+/// A water depth that bottom lock gave, and where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BottomLock {
+    pub(crate) water_depth_m: f64,
+    pub(crate) at: EastNorth,
+}
+
+/// What surrounds a request: where the vehicle may be when it begins, and what it may go on to after it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Route {
+    /// Where it may come from.
+    pub(crate) from: Vec<End>,
+    /// The first points of what may come next.
+    pub(crate) to: Vec<EastNorth>,
+    /// The planned legs that it may be on now, to which a lapsed modify returns.
+    pub(crate) legs: Vec<(EastNorth, EastNorth)>,
+}
+
+/// The operator's fence and limits, immutable for the run.
+pub struct Envelope {
+    fence: Fence,
+    limits: Limits,
+}
+
+impl Envelope {
+    /// From a fence and validated limits.
+    #[must_use]
+    pub fn new(fence: Fence, limits: Limits) -> Self {
+        Self { fence, limits }
+    }
+
+    /// The fence.
+    #[must_use]
+    pub const fn fence(&self) -> &Fence {
+        &self.fence
+    }
+
+    /// The limits.
+    #[must_use]
+    pub const fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    pub(crate) fn admit_modify(&self, request: &ModifyRequest) -> Result<Setpoint, Refusal> {
+        if request.duration.is_zero() || request.duration > self.limits.modify_term_max() {
+            return Err(limit(format!(
+                "a modify may stand for more than 0 and at most {} s, not {} s",
+                self.limits.modify_term_max_s,
+                request.duration.as_secs_f64()
+            )));
+        }
+        Ok(Setpoint {
+            heading: Heading::from_deg(request.heading_deg).map_err(|error| limit(error.to_string()))?,
+            vertical: vertical(request.vertical)?,
+            speed: self.speed(request.speed_mps)?,
+        })
+    }
+
+    pub(crate) fn admit_trackline(&self, request: &TracklineRequest) -> Result<Insert, Refusal> {
+        let (start, end) = (position(request.start)?, position(request.end)?);
+        let frame = self.fence.frame();
+        if frame.to_local(start).distance_m(frame.to_local(end)) < 1.0 {
+            return Err(limit(
+                "a trackline's start and end are less than a metre apart".to_owned(),
+            ));
+        }
+        Ok(Insert {
+            path: InsertPath::Line { start, end },
+            vertical: vertical(request.vertical)?,
+            speed: self.speed(request.speed_mps)?,
+            interrupt: request.interrupt,
+        })
+    }
+
+    pub(crate) fn admit_trackcircle(&self, request: &TrackcircleRequest) -> Result<Insert, Refusal> {
+        let speed = self.speed(request.speed_mps)?;
+        let least = turn_radius_m(speed.as_mps(), self.limits.turn_rate_dps);
+        if !(request.radius_m >= least && request.radius_m <= 10_000.0) {
+            return Err(limit(format!(
+                "a circle's radius must be within {least:.1} (the vehicle's turn) to 10000 m, not {} m",
+                request.radius_m
+            )));
+        }
+        if !(request.orbits.abs() > 0.0 && request.orbits.abs() <= 100.0) {
+            return Err(limit(format!(
+                "a circle has more than 0 and at most 100 orbits, not {}",
+                request.orbits
+            )));
+        }
+        let entry_angle_deg = match request.entry_angle_deg {
+            Some(deg) => Some(
+                Heading::from_deg(deg)
+                    .map_err(|error| limit(error.to_string()))?
+                    .as_deg(),
+            ),
+            None => None,
+        };
+        Ok(Insert {
+            path: InsertPath::Circle {
+                centre: position(request.centre)?,
+                radius_m: request.radius_m,
+                orbits: request.orbits,
+                entry_angle_deg,
+            },
+            vertical: vertical(request.vertical)?,
+            speed,
+            interrupt: request.interrupt,
+        })
+    }
+
+    /// Safety requirement 002 for a modify: every position that the vehicle can reach until it has noticed our silence
+    /// and turned away, and the ways back to its plan.
+    pub(crate) fn judge_modify(
+        &self,
+        setpoint: &Setpoint,
+        navigation: &NavigationSample,
+        lock: Option<BottomLock>,
+        route: &Route,
+        now: Timestamp,
+    ) -> Result<f64, Refusal> {
+        let limits = &self.limits;
+        let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
+        let speed_mps = setpoint.speed.as_mps().max(ground_mps);
+        let turn_radius_m = turn_radius_m(speed_mps, limits.turn_rate_dps);
+        let turn_deg = navigation.heading.turn_to_deg(setpoint.heading).abs();
+        let obeyed_s =
+            MODIFY_TIMEOUT.as_secs_f64() + now.since(navigation.solution).as_secs_f64() + limits.link_delay_max_s;
+        let turn_away_s = 180.0 / limits.turn_rate_dps;
+        let here = navigation.local;
+        let along_m = speed_mps * obeyed_s;
+        let convergence_deg = self.fence.frame().convergence_deg(navigation.position);
+        let ahead = here.offset(setpoint.heading.as_deg() - convergence_deg, along_m);
+        // The specification does not say which north the vehicle counts from, so the set covers both.
+        let other_north_m = along_m * utm_convergence_deg(navigation.position).to_radians().abs();
+        // Sideways in the turn onto the heading, a whole turn's width in the turn away from it, and the current's part.
+        let radius_m = turn_radius_m * (1.0 - cos(turn_deg.to_radians()))
+            + 2.0 * turn_radius_m
+            + limits.current_max_mps * (obeyed_s + turn_away_s)
+            + limits.navigation_error_m
+            + other_north_m;
+        let extent = self.extent(setpoint.vertical, navigation.depth, lock, here, along_m + radius_m)?;
+        let mut least_m = self.sweep(Shape::leg(here, ahead), radius_m, &extent)?;
+        // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane.
+        for &(start, end) in &route.legs {
+            least_m = least_m.min(self.sweep(Shape::quadrilateral([here, ahead, start, end]), radius_m, &extent)?);
+        }
+        for &next in &route.to {
+            least_m = least_m.min(self.sweep(Shape::triangle(here, ahead, next), radius_m, &extent)?);
+        }
+        Ok(least_m)
+    }
+
+    /// Safety requirement 002 for an insert: the transit to it, its lead-in and lead-out, its whole geometry, and the
+    /// way on to what comes after it.
+    pub(crate) fn judge_insert(
+        &self,
+        insert: &Insert,
+        depth: Depth,
+        lock: Option<BottomLock>,
+        route: &Route,
+    ) -> Result<f64, Refusal> {
+        let limits = &self.limits;
+        let frame = self.fence.frame();
+        let strayed_m = limits.tracking_error_m
+            + limits.navigation_error_m
+            + turn_radius_m(insert.speed.as_mps(), limits.turn_rate_dps);
+        let (shape, reach_m) = match insert.path {
+            InsertPath::Line { start, end } => {
+                let (start, end) = self.with_leads(frame.to_local(start), frame.to_local(end));
+                (Shape::leg(start, end), start.distance_m(end))
+            }
+            InsertPath::Circle { centre, radius_m, .. } => {
+                (Shape::rim(frame.to_local(centre), radius_m), 2.0 * radius_m)
+            }
+        };
+        let ends = self.ends(insert);
+        let extent = self.extent(insert.vertical, depth, lock, ends.0.point(), reach_m + strayed_m)?;
+        let mut least_m = self.sweep(shape, strayed_m, &extent)?;
+        for from in &route.from {
+            least_m = least_m.min(self.way(*from, ends.0, strayed_m, &extent)?);
+        }
+        for to in &route.to {
+            least_m = least_m.min(self.way(ends.1, End::At(*to), strayed_m, &extent)?);
+        }
+        Ok(least_m)
+    }
+
+    /// The way from one end to another alone: what remains when an insert between them is cancelled.
+    pub(crate) fn judge_way(&self, from: End, to: End, depth: Depth) -> Result<f64, Refusal> {
+        let limits = &self.limits;
+        let strayed_m = limits.tracking_error_m
+            + limits.navigation_error_m
+            + turn_radius_m(limits.speed_max_mps, limits.turn_rate_dps);
+        let depth_m = depth.as_m();
+        let extent = VerticalExtent {
+            depth_min_m: depth_m,
+            depth_max_m: depth_m,
+            altitude_min_m: limits.water_depth_min_m.unwrap_or(0.0) - depth_m,
+        };
+        self.way(from, to, strayed_m, &extent)
+    }
+
+    /// Where an insert begins and ends, leads included.
+    pub(crate) fn ends(&self, insert: &Insert) -> (End, End) {
+        let frame = self.fence.frame();
+        match insert.path {
+            InsertPath::Line { start, end } => {
+                let (start, end) = self.with_leads(frame.to_local(start), frame.to_local(end));
+                (End::At(start), End::At(end))
+            }
+            InsertPath::Circle {
+                centre,
+                radius_m,
+                orbits,
+                entry_angle_deg,
+            } => {
+                let local = frame.to_local(centre);
+                match entry_angle_deg {
+                    Some(entry_deg) => {
+                        let entry_deg = entry_deg - frame.convergence_deg(centre);
+                        (
+                            End::At(local.offset(entry_deg, radius_m)),
+                            End::At(local.offset(entry_deg + 360.0 * orbits, radius_m)),
+                        )
+                    }
+                    None => {
+                        let anywhere = End::Anywhere {
+                            centre: local,
+                            radius_m,
+                        };
+                        (anywhere, anywhere)
+                    }
+                }
+            }
+        }
+    }
+
+    /// The lines between which a vehicle lies that flies an insert: the line itself, or the sides of a circle's box.
+    pub(crate) fn legs(&self, insert: &Insert) -> Vec<(EastNorth, EastNorth)> {
+        match insert.path {
+            InsertPath::Line { .. } => {
+                let (start, end) = self.ends(insert);
+                vec![(start.point(), end.point())]
+            }
+            InsertPath::Circle { centre, radius_m, .. } => {
+                let centre = self.fence.frame().to_local(centre);
+                let corner = |east, north| centre + EastNorth::new(east, north) * radius_m;
+                let corners = [
+                    corner(-1.0, -1.0),
+                    corner(-1.0, 1.0),
+                    corner(1.0, 1.0),
+                    corner(1.0, -1.0),
+                ];
+                (0..4).map(|side| (corners[side], corners[(side + 1) % 4])).collect()
+            }
+        }
+    }
+
+    /// How long an insert flies at most, its transit from `from` included, seconds.
+    pub(crate) fn duration_s(&self, insert: &Insert, from: &[End]) -> f64 {
+        let frame = self.fence.frame();
+        let length_m = match insert.path {
+            InsertPath::Line { start, end } => {
+                frame.to_local(start).distance_m(frame.to_local(end)) + 2.0 * self.limits.lead_max_m
+            }
+            InsertPath::Circle { radius_m, orbits, .. } => 2.0 * PI * radius_m * orbits.abs(),
+        };
+        let transit_m = from
+            .iter()
+            .map(|from| farthest_m(*from, self.ends(insert).0))
+            .fold(0.0, f64::max);
+        let turns_s = 2.0 * 180.0 / self.limits.turn_rate_dps;
+        (length_m + transit_m) / (insert.speed.as_mps() - self.limits.current_max_mps) + turns_s
+    }
+
+    fn way(&self, from: End, to: End, strayed_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {
+        let (from, from_m) = point_and_radius(from);
+        let (to, to_m) = point_and_radius(to);
+        self.sweep(Shape::leg(from, to), strayed_m + from_m.max(to_m), extent)
+    }
+
+    fn sweep(&self, shape: Shape, radius_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {
+        match self.fence.check(&Sweep { shape, radius_m }, extent) {
+            Ok(clearance) => Ok(clearance.metres),
+            Err(breach) => Err(refusal(&breach)),
+        }
+    }
+
+    fn with_leads(&self, start: EastNorth, end: EastNorth) -> (EastNorth, EastNorth) {
+        let length_m = start.distance_m(end).max(1e-3);
+        let lead = (end - start) * (self.limits.lead_max_m / length_m);
+        (start - lead, end + lead)
+    }
+
+    fn speed(&self, mps: f64) -> Result<Speed, Refusal> {
+        let allowed = self.limits.speed_min_mps..=self.limits.speed_max_mps;
+        match Speed::from_mps(mps) {
+            Ok(speed) if allowed.contains(&mps) => Ok(speed),
+            _ => Err(limit(format!(
+                "speed must be within {} to {} m/s, not {mps} m/s",
+                allowed.start(),
+                allowed.end()
+            ))),
+        }
+    }
+
+    /// The depths and the least altitude that a setpoint may lead to within `reach_m` of a point.
+    fn extent(
+        &self,
+        vertical: Vertical,
+        depth: Depth,
+        lock: Option<BottomLock>,
+        around: EastNorth,
+        reach_m: f64,
+    ) -> Result<VerticalExtent, Refusal> {
+        let limits = &self.limits;
+        let error_m = limits.vertical_error_m;
+        let by_lock = lock.map(|lock| {
+            let change_m = limits.seabed_slope_max * (lock.at.distance_m(around) + reach_m);
+            (lock.water_depth_m - change_m, lock.water_depth_m + change_m)
+        });
+        let shallowest_m = match (by_lock, limits.water_depth_min_m) {
+            (Some((lock_m, _)), Some(known_m)) => lock_m.max(known_m),
+            (Some((lock_m, _)), None) => lock_m,
+            (None, Some(known_m)) => known_m,
+            (None, None) => 0.0,
+        };
+        let deepest_m = match (by_lock, limits.water_depth_max_m) {
+            (Some((_, lock_m)), Some(known_m)) => Some(lock_m.min(known_m)),
+            (Some((_, lock_m)), None) => Some(lock_m),
+            (None, known_m) => known_m,
+        };
+        let now_m = depth.as_m();
+        Ok(match vertical {
+            Vertical::Depth(set) => VerticalExtent {
+                depth_min_m: now_m.min(set.as_m() - error_m).max(0.0),
+                depth_max_m: now_m.max(set.as_m() + error_m),
+                altitude_min_m: shallowest_m - set.as_m() - error_m,
+            },
+            Vertical::Altitude(set) => {
+                let Some(deepest_m) = deepest_m else {
+                    return Err(Refusal {
+                        rule: "altitude",
+                        metres: 0.0,
+                        text: "an altitude setpoint needs bottom lock or the mission's water_depth_max_m".to_owned(),
+                    });
+                };
+                VerticalExtent {
+                    depth_min_m: now_m.min(shallowest_m - set.as_m() - error_m).max(0.0),
+                    depth_max_m: now_m.max(deepest_m - set.as_m() + error_m),
+                    altitude_min_m: set.as_m() - error_m,
+                }
+            }
+        })
+    }
+}
+
+impl Judge for Envelope {
+    fn judge(&self, request: &Request, input: &StepInput) -> Result<f64, Refusal> {
+        let Some(navigation) = &input.navigation else {
+            return Err(limit("no navigation".to_owned()));
+        };
+        let lock = bottom_lock(navigation);
+        let alone = Route::default();
+        let from_here = Route {
+            from: vec![End::At(navigation.local)],
+            ..Route::default()
+        };
+        match request {
+            Request::Modify(modify) => {
+                let setpoint = self.admit_modify(modify)?;
+                self.judge_modify(&setpoint, navigation, lock, &alone, input.now)
+            }
+            Request::Trackline(line) => {
+                self.judge_insert(&self.admit_trackline(line)?, navigation.depth, lock, &from_here)
+            }
+            Request::Trackcircle(circle) => {
+                self.judge_insert(&self.admit_trackcircle(circle)?, navigation.depth, lock, &from_here)
+            }
+            Request::EndModify | Request::Cancel(_) | Request::Message(_) | Request::Timer { .. } => Ok(f64::MAX),
+        }
+    }
+}
+
+/// The water depth under a sample with bottom lock.
+pub(crate) fn bottom_lock(navigation: &NavigationSample) -> Option<BottomLock> {
+    let altitude = navigation.altitude?;
+    Some(BottomLock {
+        water_depth_m: navigation.depth.as_m() + altitude.as_m(),
+        at: navigation.local,
+    })
+}
+
+fn turn_radius_m(speed_mps: f64, turn_rate_dps: f64) -> f64 {
+    speed_mps / turn_rate_dps.to_radians()
+}
+
+fn point_and_radius(end: End) -> (EastNorth, f64) {
+    match end {
+        End::At(point) => (point, 0.0),
+        End::Anywhere { centre, radius_m } => (centre, radius_m),
+    }
+}
+
+fn farthest_m(from: End, to: End) -> f64 {
+    let (from, from_m) = point_and_radius(from);
+    let (to, to_m) = point_and_radius(to);
+    from.distance_m(to) + from_m + to_m
+}
+
+fn vertical(request: VerticalRequest) -> Result<Vertical, Refusal> {
+    let refused = |error: backseat_units::OutOfRange| limit(error.to_string());
+    match request {
+        VerticalRequest::DepthM(m) if m < 0.0 => Err(limit(format!("depth must be 0 m or more, not {m} m"))),
+        VerticalRequest::DepthM(m) => Ok(Vertical::Depth(Depth::from_m(m).map_err(refused)?)),
+        VerticalRequest::AltitudeM(m) => Ok(Vertical::Altitude(Altitude::from_m(m).map_err(refused)?)),
+    }
+}
+
+fn position(request: PositionRequest) -> Result<Position, Refusal> {
+    Position::from_deg(request.latitude_deg, request.longitude_deg).map_err(|error| limit(error.to_string()))
+}
+
+/// A figure that is no such quantity, or beyond the operator's limits.
+pub(crate) fn limit(text: String) -> Refusal {
+    Refusal {
+        rule: "limit",
+        metres: 0.0,
+        text,
+    }
+}
+
+fn refusal(breach: &Breach) -> Refusal {
+    let rule = match breach.rule {
+        Rule::Inclusion => "inclusion",
+        Rule::Exclusion => "exclusion",
+        Rule::DepthMin | Rule::DepthMax => "depth",
+        Rule::AltitudeMin => "altitude",
+        Rule::NotFinite => "limit",
+    };
+    Refusal {
+        rule,
+        metres: breach.metres,
+        text: breach.to_string(),
+    }
+}

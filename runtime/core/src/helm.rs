@@ -1,0 +1,262 @@
+//! The lease: one plugin's BPRMB, refreshed while it stands (SPI 7.12, 7.13; safety requirements 003, 004, 008).
+
+use std::time::Duration;
+
+use backseat_spi::{EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode, ToVehicle};
+use backseat_units::{Timestamp, utm_convergence_deg};
+
+use crate::commands::{Command, FIRST_WITHIN, Purpose};
+use crate::envelope::{Route, Setpoint, Vertical};
+use crate::io::Note;
+use crate::ledger::RequestKind;
+use crate::limits::{Grant, HeadingFrame};
+use crate::machine::Core;
+use crate::plugin::{ModifyRequest, PluginId, Refusal, RequestState};
+use crate::session::name;
+use crate::timer::Timer;
+
+/// The vehicle forgets a modify after 5 s (7.12).
+const REFRESH_EVERY: Duration = Duration::from_secs(1);
+/// Past this since the last one it is too late to refresh: the lease ends.
+const REFRESH_AT_MOST: Duration = Duration::from_millis(2500);
+/// A changed modify is sent at once, at 5 Hz at most.
+const REFRESH_AT_LEAST: Duration = Duration::from_millis(200);
+
+/// Who steers, and where to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lease {
+    pub(crate) plugin: PluginId,
+    pub(crate) request: u64,
+    tag: u64,
+    setpoint: Setpoint,
+    /// When the last BPRMB left, of this lease or of the one that it took over.
+    sent: Option<Timestamp>,
+    /// When the setpoint was last judged.
+    judged: Timestamp,
+}
+
+impl Core {
+    pub(crate) fn ask_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) {
+        let request = self.ledger.propose(plugin, modify.tag, RequestKind::Modify);
+        let setpoint = match self.admit_modify(plugin, modify) {
+            Ok(setpoint) => setpoint,
+            Err(refusal) => return self.reject(request, refusal),
+        };
+        let mut sent = None;
+        let mut changed = true;
+        if let Some(lease) = self.lease.take() {
+            sent = lease.sent;
+            changed = lease.setpoint != setpoint;
+            if lease.plugin == plugin && lease.tag == modify.tag {
+                self.transition_quietly(lease.request, RequestState::Ended("replaced".to_owned()));
+            } else {
+                self.transition(
+                    lease.request,
+                    RequestState::Ended("another modify took its place".to_owned()),
+                );
+            }
+        }
+        self.lease = Some(Lease {
+            plugin,
+            request,
+            tag: modify.tag,
+            setpoint,
+            sent,
+            judged: self.now,
+        });
+        self.timers.set(Timer::Term, self.now + modify.duration);
+        match sent {
+            None => self.refresh(),
+            Some(sent) if changed && self.now.since(sent) >= REFRESH_AT_LEAST => self.refresh(),
+            Some(sent) if changed => self.timers.set(Timer::Refresh, sent + REFRESH_AT_LEAST),
+            Some(sent) => self.timers.set(Timer::Refresh, sent + REFRESH_EVERY),
+        }
+    }
+
+    fn admit_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) -> Result<Setpoint, Refusal> {
+        self.admit(plugin, Grant::Modify)?;
+        if let Some(lease) = &self.lease
+            && lease.plugin < plugin
+        {
+            return Err(refused("priority", "a plugin of higher priority steers"));
+        }
+        let setpoint = self.envelope.admit_modify(modify)?;
+        self.judge(&setpoint)?;
+        Ok(setpoint)
+    }
+
+    /// The whole judgement of a setpoint, with what is known at this moment.
+    fn judge(&self, setpoint: &Setpoint) -> Result<f64, Refusal> {
+        let Some(navigation) = self.tracker.fresh(self.now) else {
+            return Err(refused("navigation", "navigation is stale"));
+        };
+        if self.envelope.limits().modify_needs_plan && !self.plan.is_complete() {
+            return Err(refused(
+                "plan",
+                "the vehicle's plan is not known, nor so the way back to it",
+            ));
+        }
+        let route = self.route_of_modify();
+        self.envelope.judge_modify(
+            setpoint,
+            navigation,
+            self.tracker.bottom_lock(self.now),
+            &route,
+            self.now,
+        )
+    }
+
+    /// Sends the lease's BPRMB, checked anew.
+    pub(crate) fn refresh(&mut self) {
+        let Some(lease) = self.lease else { return };
+        if let Some(sent) = lease.sent
+            && self.now.since(sent) > REFRESH_AT_MOST
+        {
+            return self.end_lease("it was not refreshed in time");
+        }
+        if lease.judged < self.now
+            && let Err(refusal) = self.judge(&lease.setpoint)
+        {
+            return self.end_lease(&refusal.text);
+        }
+        let Some(navigation) = self.tracker.fresh(self.now).copied() else {
+            return self.end_lease("navigation is stale");
+        };
+        let Setpoint {
+            heading,
+            vertical,
+            speed,
+        } = lease.setpoint;
+        let heading_deg = match self.settings.heading_frame {
+            HeadingFrame::True => heading.as_deg(),
+            HeadingFrame::Grid => heading.to_grid(utm_convergence_deg(navigation.position)).as_deg(),
+        };
+        let (vertical_m, vertical_mode) = match vertical {
+            Vertical::Depth(depth) => (depth.as_m(), ModifyVerticalMode::Depth),
+            Vertical::Altitude(altitude) => (altitude.as_m(), ModifyVerticalMode::Altitude),
+        };
+        let created = self.stamper.stamp(self.now, "RMB");
+        let message = ToVehicle::ModifyBehavior(ModifyBehavior {
+            created,
+            horizontal: Some(heading_deg),
+            vertical_m: Some(vertical_m),
+            vertical_mode: Some(vertical_mode),
+            speed: Some(speed.as_mps()),
+            speed_mode: Some(ModifySpeedMode::MetresPerSecond),
+            horizontal_mode: Some(HorizontalMode::Heading),
+        });
+        let command = Command {
+            name: name("RMB"),
+            created: Some(created),
+            identifier: None,
+            purpose: Purpose::Lease(lease.request),
+            deadline: self.now + FIRST_WITHIN,
+            pending: false,
+        };
+        if !self.transmit(&message, Some(command)) {
+            return self.end_lease("it could not be sent");
+        }
+        if let Some(lease) = &mut self.lease {
+            lease.sent = Some(self.now);
+        }
+        self.timers.set(Timer::Refresh, self.now + REFRESH_EVERY);
+        self.transition(lease.request, RequestState::Sent);
+    }
+
+    /// Ends the lease, if there is one: one BPEMB where the link is up, then silence.
+    pub(crate) fn end_lease(&mut self, reason: &str) {
+        self.close_lease(reason, |reason| RequestState::Ended(reason.to_owned()));
+    }
+
+    /// As [`Core::end_lease`], with the state that the lease's request comes to.
+    pub(crate) fn close_lease(&mut self, reason: &str, state: impl FnOnce(&str) -> RequestState) {
+        let Some(lease) = self.lease.take() else { return };
+        self.timers.stop(Timer::Refresh);
+        self.timers.stop(Timer::Term);
+        self.commands.forget_lease();
+        if lease.sent.is_some() {
+            let created = self.stamper.stamp(self.now, "EMB");
+            let command = self.courtesy("EMB", Some(created));
+            self.transmit(&ToVehicle::EndModify(EndModify { created }), Some(command));
+        }
+        self.transition(lease.request, state(reason));
+        self.note(Note::LeaseEnded {
+            plugin: lease.plugin,
+            reason: reason.to_owned(),
+        });
+    }
+
+    /// The plugin ends its own lease.
+    pub(crate) fn ask_end_modify(&mut self, plugin: PluginId) {
+        if self.lease.is_some_and(|lease| lease.plugin == plugin) {
+            self.end_lease("its plugin ended it");
+        }
+    }
+
+    /// An answer to a refresh.
+    pub(crate) fn lease_answered(&mut self, request: u64, refused_with: Option<&str>) {
+        let live = self.lease.is_some_and(|lease| lease.request == request);
+        match refused_with {
+            None => self.transition_once_accepted(request),
+            Some(text) if live => {
+                let reason = format!("the vehicle refused it: {text}");
+                self.close_lease(&reason, |_| RequestState::Failed(text.to_owned()));
+            }
+            // The refused one was replaced meanwhile; the next refresh tells of the new one.
+            Some(_) => {}
+        }
+    }
+
+    fn transition_once_accepted(&mut self, request: u64) {
+        if self
+            .ledger
+            .get(request)
+            .is_some_and(|entry| entry.state == RequestState::Sent)
+        {
+            self.transition(request, RequestState::Accepted);
+        }
+    }
+
+    /// A refresh was not acknowledged in time.
+    pub(crate) fn lease_unanswered(&mut self, request: u64) {
+        if self.lease.is_some_and(|lease| lease.request == request) {
+            self.close_lease("the vehicle did not acknowledge it", |_| RequestState::TimedOut);
+        } else if self.lease.is_some() {
+            // An older request of a lease that goes on: the vehicle has been silent for as long.
+            self.end_lease("the vehicle did not acknowledge it");
+        }
+    }
+
+    /// Where a lapsed modify leads back to: the leg that is flown, and what comes after it.
+    fn route_of_modify(&self) -> Route {
+        let mut route = Route {
+            from: Vec::new(),
+            to: self.plan.next_points(),
+            legs: Vec::new(),
+        };
+        let mut flying = false;
+        for (_, insert, started) in self.chain() {
+            if started {
+                flying = true;
+                route.legs.extend(self.envelope.legs(&insert));
+            } else {
+                route.to.push(self.envelope.ends(&insert).0.point());
+            }
+        }
+        if !flying {
+            route
+                .legs
+                .extend(self.plan.current().flat_map(crate::plan::Element::legs));
+        }
+        route
+    }
+}
+
+/// A rejection that is not the fence's.
+pub(crate) fn refused(rule: &'static str, text: &str) -> Refusal {
+    Refusal {
+        rule,
+        metres: 0.0,
+        text: text.to_owned(),
+    }
+}

@@ -1,0 +1,417 @@
+//! Inserts: tracklines and trackcircles that the vehicle flies by itself once it has accepted them (SPI 7.5, 7.6), and
+//! their cancelling (7.8). Safety requirements 002, 009, 019.
+
+use backseat_spi::{BehaviorId, CancelBehavior, Interrupt, SpeedMode, ToVehicle, Trackcircle, Trackline, VerticalMode};
+
+use crate::commands::{Command, FIRST_WITHIN, Purpose};
+use crate::envelope::{End, Insert, InsertPath, Route, Vertical};
+use crate::helm::refused;
+use crate::io::Output;
+use crate::ledger::RequestKind;
+use crate::limits::Grant;
+use crate::machine::Core;
+use crate::plan::Element;
+use crate::plugin::{PluginId, Refusal, Request, RequestState};
+use crate::session::name;
+
+/// How many identifiers are reserved on disk at a time.
+const RESERVE: u32 = 32;
+/// When so few are left, more are reserved.
+const RESERVE_LOW: u32 = 8;
+
+impl Core {
+    pub(crate) fn ask_insert(&mut self, plugin: PluginId, asked: &Request) {
+        let (tag, kind, insert) = match asked {
+            Request::Trackline(line) => (line.tag, RequestKind::Trackline, self.envelope.admit_trackline(line)),
+            Request::Trackcircle(circle) => (
+                circle.tag,
+                RequestKind::Trackcircle,
+                self.envelope.admit_trackcircle(circle),
+            ),
+            Request::Modify(_)
+            | Request::EndModify
+            | Request::Cancel(_)
+            | Request::Message(_)
+            | Request::Timer { .. } => return,
+        };
+        let request = self.ledger.propose(plugin, tag, kind);
+        let admitted = insert.and_then(|insert| {
+            let (route, duration_s) = self.admit_insert(plugin, tag, &insert)?;
+            self.judge_insert(&insert, &route)?;
+            Ok((insert, duration_s))
+        });
+        match admitted {
+            Ok((insert, duration_s)) => self.send_insert(request, insert, duration_s),
+            Err(refusal) => self.reject(request, refusal),
+        }
+    }
+
+    /// All but the geometry: grants, the plan, doubt, caps. The route and how long the insert flies.
+    fn admit_insert(&mut self, plugin: PluginId, tag: u64, insert: &Insert) -> Result<(Route, f64), Refusal> {
+        self.admit(plugin, Grant::Insert)?;
+        if !self.plan.is_complete() {
+            return Err(refused(
+                "plan",
+                "the vehicle's plan is not known, nor so where the insert would begin",
+            ));
+        }
+        if self.ledger.in_doubt() {
+            return Err(refused(
+                "doubt",
+                "the vehicle has not answered for an earlier insert since the link was lost",
+            ));
+        }
+        if self.open_insert(plugin, tag).is_some() {
+            return Err(refused("tag", "an insert with this tag is still open"));
+        }
+        let interrupts = self
+            .ledger
+            .iter()
+            .any(|(_, entry)| entry.is_open_insert() && entry.insert.is_some_and(|insert| insert.interrupt));
+        if insert.interrupt && interrupts {
+            return Err(refused(
+                "interrupt",
+                "an insert that interrupts is open, and none may interrupt it (SPI 7.5)",
+            ));
+        }
+        let limits = self.envelope.limits();
+        if self.ledger.open_inserts() >= limits.inserts_open_max {
+            return Err(refused(
+                "cap",
+                &format!("{} inserts are open, the most there may be", limits.inserts_open_max),
+            ));
+        }
+        if self.inserts_sent >= limits.inserts_total_max {
+            return Err(refused(
+                "cap",
+                &format!(
+                    "{} inserts have been sent, the most of a mission",
+                    limits.inserts_total_max
+                ),
+            ));
+        }
+        let route = self.route_of_insert(insert.interrupt);
+        let duration_s = self.envelope.duration_s(insert, &route.from);
+        let open_s = self.ledger.open_duration_s();
+        if open_s + duration_s > limits.inserts_duration_max_s {
+            return Err(refused(
+                "cap",
+                &format!(
+                    "it may fly for {duration_s:.0} s and the open inserts for {open_s:.0} s, together over {} s",
+                    limits.inserts_duration_max_s
+                ),
+            ));
+        }
+        match self.start.identifiers {
+            None => Err(refused("identifier", "the identifiers' state on disk is missing")),
+            Some(identifiers) if identifiers.next >= identifiers.reserved => {
+                Err(refused("identifier", "no identifier is reserved on disk yet"))
+            }
+            Some(_) => Ok((route, duration_s)),
+        }
+    }
+
+    fn judge_insert(&self, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
+        let Some(navigation) = self.tracker.fresh(self.now) else {
+            return Err(refused("navigation", "navigation is stale"));
+        };
+        self.envelope
+            .judge_insert(insert, navigation.depth, self.tracker.bottom_lock(self.now), route)
+    }
+
+    fn send_insert(&mut self, request: u64, insert: Insert, duration_s: f64) {
+        let Some(identifiers) = &mut self.start.identifiers else {
+            return;
+        };
+        let identifier = BehaviorId::new(identifiers.next);
+        identifiers.next += 1;
+        self.reserve();
+        let (vertical_m, vertical_mode) = match insert.vertical {
+            Vertical::Depth(depth) => (depth.as_m(), VerticalMode::Depth),
+            Vertical::Altitude(altitude) => (altitude.as_m(), VerticalMode::Altitude),
+        };
+        let interrupt = if insert.interrupt {
+            Interrupt::InterruptCurrent
+        } else {
+            Interrupt::AfterCurrent
+        };
+        let speed = insert.speed.as_mps();
+        let (message, letters, created) = match insert.path {
+            InsertPath::Line { start, end } => {
+                let created = self.stamper.stamp(self.now, "RTK");
+                let message = ToVehicle::Trackline(Trackline {
+                    created,
+                    identifier,
+                    start,
+                    end,
+                    vertical_mode,
+                    vertical_m,
+                    speed,
+                    speed_mode: SpeedMode::MetresPerSecond,
+                    interrupt,
+                });
+                (message, "RTK", created)
+            }
+            InsertPath::Circle {
+                centre,
+                radius_m,
+                orbits,
+                entry_angle_deg,
+            } => {
+                let created = self.stamper.stamp(self.now, "RTC");
+                let message = ToVehicle::Trackcircle(Trackcircle {
+                    created,
+                    identifier,
+                    centre,
+                    radius_m,
+                    orbits,
+                    vertical_mode,
+                    vertical_m,
+                    speed,
+                    speed_mode: SpeedMode::MetresPerSecond,
+                    entry_angle_deg,
+                    interrupt,
+                });
+                (message, "RTC", created)
+            }
+        };
+        let command = Command {
+            name: name(letters),
+            created: Some(created),
+            identifier: Some(identifier),
+            purpose: Purpose::Insert(request),
+            deadline: self.now + 2 * FIRST_WITHIN,
+            pending: false,
+        };
+        if !self.transmit(&message, Some(command)) {
+            return self.reject(request, refused("control", "it could not be sent"));
+        }
+        self.inserts_sent += 1;
+        if let Some(entry) = self.ledger.get_mut(request) {
+            entry.identifier = Some(identifier);
+            entry.insert = Some(insert);
+            entry.duration_s = duration_s;
+        }
+        self.transition(request, RequestState::Sent);
+    }
+
+    pub(crate) fn ask_cancel(&mut self, plugin: PluginId, tag: u64) {
+        let cancel = self.ledger.propose(plugin, tag, RequestKind::Cancel);
+        match self.admit_cancel(plugin, tag) {
+            Ok(insert) => self.send_cancel(Some(cancel), insert),
+            Err(refusal) => self.reject(cancel, refusal),
+        }
+    }
+
+    fn admit_cancel(&mut self, plugin: PluginId, tag: u64) -> Result<u64, Refusal> {
+        self.admit(plugin, Grant::Insert)?;
+        let Some(insert) = self.open_insert(plugin, tag) else {
+            return Err(refused("tag", "no insert with this tag is open"));
+        };
+        if self
+            .ledger
+            .get(insert)
+            .is_some_and(|entry| entry.state == RequestState::Started)
+        {
+            return Err(refused(
+                "tag",
+                "the insert has begun and can no longer be cancelled (SPI 7.8)",
+            ));
+        }
+        // Without it the vehicle goes from what was before it to what comes after it.
+        let chain = self.chain();
+        let Some(at) = chain.iter().position(|(request, _, _)| *request == insert) else {
+            return Ok(insert);
+        };
+        let Some(navigation) = self.tracker.fresh(self.now) else {
+            return Err(refused("navigation", "navigation is stale"));
+        };
+        if chain.len() > 1 {
+            let from: Vec<End> = match at.checked_sub(1) {
+                Some(before) => vec![self.envelope.ends(&chain[before].1).1],
+                None => self.plan.current().map(|element| End::At(element.last())).collect(),
+            };
+            let to: Vec<End> = match chain.get(at + 1) {
+                Some(after) => vec![self.envelope.ends(&after.1).0],
+                None => self.plan.next_points().into_iter().map(End::At).collect(),
+            };
+            for from in &from {
+                for to in &to {
+                    self.envelope.judge_way(*from, *to, navigation.depth)?;
+                }
+            }
+        }
+        Ok(insert)
+    }
+
+    fn send_cancel(&mut self, cancel: Option<u64>, insert: u64) {
+        let Some(identifier) = self.ledger.get(insert).and_then(|entry| entry.identifier) else {
+            return;
+        };
+        let created = self.stamper.stamp(self.now, "RCN");
+        let command = Command {
+            name: name("RCN"),
+            created: Some(created),
+            identifier: Some(identifier),
+            purpose: Purpose::Cancel { cancel, insert },
+            deadline: self.now + 2 * FIRST_WITHIN,
+            pending: false,
+        };
+        let sent = self.transmit(
+            &ToVehicle::CancelBehavior(CancelBehavior { created, identifier }),
+            Some(command),
+        );
+        if let Some(cancel) = cancel {
+            if sent {
+                self.transition(cancel, RequestState::Sent);
+            } else {
+                self.reject(cancel, refused("control", "it could not be sent"));
+            }
+        }
+    }
+
+    /// Cancels every insert that has not begun, of one plugin or of all: one by one by identifier, never BPRCA, which
+    /// may take another payload's too.
+    pub(crate) fn cancel_all_of(&mut self, plugin: Option<PluginId>, _reason: &str) {
+        let inserts: Vec<u64> = self
+            .ledger
+            .iter()
+            .filter(|(_, entry)| {
+                entry.is_open_insert()
+                    && entry.state != RequestState::Started
+                    && plugin.is_none_or(|plugin| plugin == entry.plugin)
+            })
+            .map(|(request, _)| request)
+            .collect();
+        for insert in inserts {
+            self.send_cancel(None, insert);
+        }
+    }
+
+    /// The vehicle's answer to an insert.
+    pub(crate) fn insert_answered(&mut self, request: u64, to: RequestState) {
+        self.transition(request, to);
+    }
+
+    /// The vehicle's answer to a cancel.
+    pub(crate) fn cancel_answered(&mut self, cancel: Option<u64>, insert: u64, refused_with: Option<&str>) {
+        match refused_with {
+            None => {
+                self.transition(insert, RequestState::Cancelled);
+                if let Some(cancel) = cancel {
+                    self.transition(cancel, RequestState::Accepted);
+                    self.transition(cancel, RequestState::Ended("done".to_owned()));
+                }
+            }
+            Some(text) => {
+                if let Some(cancel) = cancel {
+                    self.transition(cancel, RequestState::Failed(text.to_owned()));
+                }
+            }
+        }
+    }
+
+    /// An insert was not answered: it counts as one that the vehicle may fly, and is called back where that is possible.
+    pub(crate) fn insert_unanswered(&mut self, request: u64) {
+        self.send_cancel(None, request);
+        self.transition(request, RequestState::TimedOut);
+    }
+
+    /// The plan has come whole: inserts in doubt are in it or are not.
+    pub(crate) fn resolve_by_plan(&mut self) {
+        let open: Vec<(u64, BehaviorId, RequestState)> = self
+            .ledger
+            .iter()
+            .filter_map(|(request, entry)| Some((request, entry.identifier?, entry.state.clone())))
+            .collect();
+        for (request, identifier, state) in open {
+            if state != RequestState::Unknown {
+                continue;
+            }
+            let to = if self.plan.has(identifier) {
+                RequestState::Accepted
+            } else {
+                RequestState::Failed("it is not in the vehicle's plan".to_owned())
+            };
+            self.transition(request, to);
+        }
+    }
+
+    /// The mission no longer runs: what it held is over.
+    pub(crate) fn end_inserts(&mut self, reason: &str) {
+        let open: Vec<u64> = self
+            .ledger
+            .iter()
+            .filter(|(_, entry)| entry.is_open_insert())
+            .map(|(request, _)| request)
+            .collect();
+        for request in open {
+            self.transition(request, RequestState::Ended(reason.to_owned()));
+        }
+    }
+
+    /// Our open inserts in the order that they fly, with their requests and whether they have begun.
+    pub(crate) fn chain(&self) -> Vec<(u64, Insert, bool)> {
+        self.ledger
+            .iter()
+            .filter_map(|(request, entry)| Some((request, entry.insert?, entry.state == RequestState::Started)))
+            .collect()
+    }
+
+    fn open_insert(&self, plugin: PluginId, tag: u64) -> Option<u64> {
+        self.ledger
+            .iter()
+            .find(|(_, entry)| entry.is_open_insert() && entry.plugin == plugin && entry.tag == tag)
+            .map(|(request, _)| request)
+    }
+
+    /// Where the vehicle will be when an insert begins, and what it may go on to after it.
+    fn route_of_insert(&self, interrupt: bool) -> Route {
+        let chain = self.chain();
+        let mut route = Route {
+            from: Vec::new(),
+            to: self.plan.next_points(),
+            legs: Vec::new(),
+        };
+        let here = self.tracker.newest().map(|navigation| End::At(navigation.local));
+        if interrupt {
+            route.from.extend(here);
+            // After an interruption the vehicle goes on to the next behaviour, or back: readings differ (SPI 7.5).
+            route.to.extend(
+                self.plan
+                    .current()
+                    .flat_map(|element| [element.first(), element.last()]),
+            );
+            route
+                .to
+                .extend(chain.iter().map(|(_, insert, _)| self.envelope.ends(insert).0.point()));
+        } else if let Some((_, last, _)) = chain.last() {
+            route.from.push(self.envelope.ends(last).1);
+        } else {
+            route.from.extend(self.plan.current().map(Element::last).map(End::At));
+            if route.from.is_empty() {
+                route.from.extend(here);
+            }
+        }
+        route
+    }
+
+    /// Asks for more identifiers where few are left.
+    pub(crate) fn reserve(&mut self) {
+        let Some(identifiers) = self.start.identifiers else {
+            return;
+        };
+        if identifiers.reserved.saturating_sub(identifiers.next) < RESERVE_LOW && !self.reserve_asked {
+            self.reserve_asked = true;
+            self.outputs
+                .push_back(Output::Reserve(identifiers.next.saturating_add(RESERVE)));
+        }
+    }
+
+    pub(crate) fn reserved(&mut self, below: u32) {
+        self.reserve_asked = false;
+        if let Some(identifiers) = &mut self.start.identifiers {
+            identifiers.reserved = identifiers.reserved.max(below);
+        }
+    }
+}

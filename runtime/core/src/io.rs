@@ -1,0 +1,288 @@
+use std::fmt;
+use std::time::Duration;
+
+use backseat_spi::FrameCounts;
+use backseat_units::{TimeOfDay, Utc};
+use serde::{Deserialize, Serialize};
+
+use crate::ledger::Transition;
+use crate::plugin::{LogLine, PluginFault, PluginId, RequestState, Returned, StepInput};
+
+/// What a driver hands to core.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Input<'a> {
+    /// The connection to the vehicle is up.
+    LinkUp,
+    /// The connection is gone, or could not be made.
+    LinkDown,
+    /// Bytes from the vehicle, in any split.
+    Received(&'a [u8]),
+    /// A plugin's step has returned.
+    Returned(PluginId, Returned),
+    /// A plugin that was to be restarted has been, or has not.
+    Restarted(PluginId, Restarted),
+    /// The operator.
+    Operator(Operator),
+    /// All SPI identifiers below this are reserved on disk.
+    Reserved(u32),
+    /// The time that `poll_timeout` said has come.
+    Timeout,
+}
+
+/// What came of a plugin's restart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Restarted {
+    /// Fuel used, which in simulation is time.
+    pub fuel: u64,
+    /// Steps since the last snapshot.
+    pub lost_steps: u64,
+    /// Why it failed, if it did.
+    pub result: Result<(), PluginFault>,
+}
+
+/// What the operator does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Operator {
+    /// Take the helm from every plugin, end leases, cancel inserts. The driver keeps it across restarts.
+    Hold,
+    /// Let plugins ask again.
+    Release,
+    /// End the run: leases end.
+    Stop,
+}
+
+/// What core wants done.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Output {
+    /// Write this to the vehicle, at once and whole.
+    Send(Vec<u8>),
+    /// Connect to the vehicle after a while.
+    Connect {
+        /// Back-off with jitter.
+        after: Duration,
+    },
+    /// Reset the connection (not close: nothing that waits in its buffers may be delivered) and report `LinkDown`.
+    ResetLink,
+    /// Run a step of a plugin and return it.
+    Invoke(PluginId, StepInput),
+    /// Make a new instance of a plugin from its last snapshot.
+    Restart(PluginId),
+    /// Reserve all SPI identifiers below this on disk.
+    Reserve(u32),
+    /// Close the logs: power goes, or the operator stopped the run.
+    Finish,
+    /// For the log and for whoever watches.
+    Note(Note),
+}
+
+/// What is worth knowing of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "note", rename_all = "kebab-case")]
+pub enum Note {
+    /// The connection came up.
+    LinkUp,
+    /// The connection was lost; the sentences and the dropped lines of it.
+    LinkDown {
+        /// Counts by cause.
+        #[serde(skip)]
+        counts: FrameCounts,
+        /// The next attempt comes after this, seconds.
+        retry_s: f64,
+    },
+    /// The vehicle's interface version (BFVER).
+    VehicleVersion {
+        /// As the vehicle says it.
+        version: String,
+    },
+    /// The vehicle's clock: ours less its, the smallest delay included.
+    Clock {
+        /// Seconds.
+        offset_s: f64,
+        /// The vehicle's time.
+        vehicle: TimeOfDay,
+    },
+    /// The vehicle's mission status (BFMIS).
+    Mission {
+        /// As the vehicle says it.
+        status: String,
+    },
+    /// Control was gained or lost.
+    Control {
+        /// Whether requests can be sent.
+        granted: bool,
+        /// Why it was lost.
+        reason: String,
+    },
+    /// A request has come to another state.
+    Request(Transition),
+    /// A lease ended.
+    LeaseEnded {
+        /// Whose it was.
+        plugin: PluginId,
+        /// Why.
+        reason: String,
+    },
+    /// The vehicle's plan is known.
+    Plan {
+        /// How many elements it has.
+        elements: usize,
+    },
+    /// The vehicle's behaviour (BFMBS, BFMBE).
+    Behavior {
+        /// It began, or it ended.
+        began: bool,
+        /// Its number in the dive file.
+        number: Option<u32>,
+        /// Our identifier, where it is ours.
+        identifier: Option<u32>,
+        /// Its type.
+        kind: String,
+    },
+    /// Navigation came to nothing: stale, jumped, or well again.
+    Navigation {
+        /// What happened.
+        text: String,
+    },
+    /// A sentence that cannot be read.
+    Malformed {
+        /// Message, field and fault.
+        text: String,
+        /// How many there were on this connection.
+        count: u64,
+    },
+    /// A plugin failed.
+    PluginFailed {
+        /// Which.
+        plugin: PluginId,
+        /// How.
+        fault: PluginFault,
+        /// What is done about it.
+        then: &'static str,
+    },
+    /// A plugin works again after it had failed.
+    PluginRestarted {
+        /// Which.
+        plugin: PluginId,
+    },
+    /// A plugin's own line.
+    PluginLog {
+        /// Whose.
+        plugin: PluginId,
+        /// The line.
+        line: LogLine,
+    },
+    /// The operator's act.
+    Operator {
+        /// What.
+        act: Operator,
+    },
+    /// Core was called later than it had asked for.
+    Late {
+        /// By how much, seconds.
+        seconds: f64,
+    },
+    /// Anything else that somebody should read.
+    Text {
+        /// In a line.
+        text: String,
+    },
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LinkUp => write!(f, "connected to the vehicle"),
+            Self::LinkDown { retry_s, .. } => write!(f, "no connection to the vehicle; next attempt in {retry_s:.1} s"),
+            Self::VehicleVersion { version } => write!(f, "the vehicle speaks SPI {version}"),
+            Self::Clock { offset_s, vehicle } => {
+                write!(f, "the vehicle's clock says {vehicle}, {offset_s:+.3} s from ours")
+            }
+            Self::Mission { status } => write!(f, "mission {status}"),
+            Self::Control { granted: true, .. } => write!(f, "control granted"),
+            Self::Control { granted: false, reason } => write!(f, "no control: {reason}"),
+            Self::Request(transition) => write_transition(f, transition),
+            Self::LeaseEnded { plugin, reason } => write!(f, "plugin {} no longer steers: {reason}", plugin.0),
+            Self::Plan { elements } => write!(f, "the vehicle's plan has {elements} elements"),
+            Self::Behavior {
+                began,
+                number,
+                identifier,
+                kind,
+            } => {
+                write!(f, "{kind} ")?;
+                match (number, identifier) {
+                    (_, Some(identifier)) => write!(f, "of request {identifier}")?,
+                    (Some(number), None) => write!(f, "{number} of the plan")?,
+                    (None, None) => write!(f, "without a number")?,
+                }
+                write!(f, " {}", if *began { "began" } else { "ended" })
+            }
+            Self::Navigation { text } | Self::Text { text } => write!(f, "{text}"),
+            Self::Malformed { text, count } => write!(f, "{text} (number {count} on this connection)"),
+            Self::PluginFailed { plugin, fault, then } => {
+                write!(
+                    f,
+                    "plugin {} failed ({:?}): {}; {then}",
+                    plugin.0, fault.kind, fault.text
+                )
+            }
+            Self::PluginRestarted { plugin } => write!(f, "plugin {} works again", plugin.0),
+            Self::PluginLog { plugin, line } => write!(f, "plugin {} says: {}", plugin.0, line.text),
+            Self::Operator { act } => write!(f, "operator: {act:?}"),
+            Self::Late { seconds } => write!(f, "woke {seconds:.3} s late"),
+        }
+    }
+}
+
+fn write_transition(f: &mut fmt::Formatter<'_>, transition: &Transition) -> fmt::Result {
+    let Transition {
+        request,
+        plugin,
+        tag,
+        kind,
+        identifier,
+        state,
+    } = transition;
+    write!(f, "{kind:?} {request} (plugin {}, tag {tag}", plugin.0)?;
+    if let Some(identifier) = identifier {
+        write!(f, ", identifier {identifier}")?;
+    }
+    write!(f, ") ")?;
+    match state {
+        RequestState::Rejected(text) => write!(f, "rejected: {text}"),
+        RequestState::Failed(text) => write!(f, "failed: {text}"),
+        RequestState::Ended(text) => write!(f, "ended: {text}"),
+        RequestState::Sent => write!(f, "sent"),
+        RequestState::Pending => write!(f, "pending"),
+        RequestState::Accepted => write!(f, "accepted"),
+        RequestState::TimedOut => write!(f, "not answered"),
+        RequestState::Unknown => write!(f, "in doubt"),
+        RequestState::Started => write!(f, "started"),
+        RequestState::Cancelled => write!(f, "cancelled"),
+    }
+}
+
+/// The SPI identifiers that this run may use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identifiers {
+    /// The first that has not been used.
+    pub next: u32,
+    /// All below this are reserved on disk.
+    pub reserved: u32,
+}
+
+/// What a driver knows when it starts core.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Start {
+    /// Our UTC at time zero.
+    pub utc: Utc,
+    /// `None` where the state on disk is missing: then no insert is sent.
+    pub identifiers: Option<Identifiers>,
+    /// Whether dynamic requests may be sent at all.
+    pub armed: bool,
+    /// Whether the operator's hold stands from before.
+    pub held: bool,
+    /// Seed of the back-off's jitter.
+    pub jitter: u64,
+}

@@ -1,0 +1,270 @@
+use std::collections::BTreeMap;
+
+use backseat_spi::BehaviorId;
+use serde::{Deserialize, Serialize};
+
+use crate::envelope::Insert;
+use crate::plugin::{PluginId, RequestState};
+
+/// What kind of request an entry of the ledger is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RequestKind {
+    /// BPRMB.
+    Modify,
+    /// BPRTK.
+    Trackline,
+    /// BPRTC.
+    Trackcircle,
+    /// BPRCN.
+    Cancel,
+}
+
+/// How many requests have come how far. A request counts once in `proposed`, and once in each state that it reached.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RequestCounts {
+    /// Asked for by plugins.
+    pub proposed: u64,
+    /// Refused before they were sent.
+    pub rejected: u64,
+    /// Written to the link.
+    pub sent: u64,
+    /// Accepted by the vehicle.
+    pub accepted: u64,
+    /// Refused by the vehicle, or never answered.
+    pub failed: u64,
+}
+
+/// A request that is not at its end.
+#[derive(Clone, Debug)]
+pub(crate) struct Entry {
+    pub(crate) plugin: PluginId,
+    pub(crate) tag: u64,
+    pub(crate) kind: RequestKind,
+    pub(crate) state: RequestState,
+    /// Of an insert that has been sent.
+    pub(crate) identifier: Option<BehaviorId>,
+    /// Of an insert.
+    pub(crate) insert: Option<Insert>,
+    /// How long an insert flies at most, seconds.
+    pub(crate) duration_s: f64,
+}
+
+impl Entry {
+    /// Whether the vehicle may yet fly this insert.
+    pub(crate) fn is_open_insert(&self) -> bool {
+        self.identifier.is_some()
+    }
+}
+
+/// A request has come to another state.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Transition {
+    /// The request's number in this run.
+    pub request: u64,
+    /// Whose it is.
+    pub plugin: PluginId,
+    /// The plugin's name for it.
+    pub tag: u64,
+    /// What it is.
+    pub kind: RequestKind,
+    /// The SPI identifier of an insert.
+    pub identifier: Option<u32>,
+    /// Its state now.
+    pub state: RequestState,
+}
+
+/// Every request and its one outcome (safety requirement 009).
+///
+/// Open entries are kept; an entry that has come to its end is told once and forgotten.
+#[derive(Debug, Default)]
+pub(crate) struct Ledger {
+    open: BTreeMap<u64, Entry>,
+    last: u64,
+    counts: RequestCounts,
+    /// Inserts that ended without the vehicle's word: it may fly them yet, so they stay under the caps.
+    doubtful: u32,
+}
+
+impl Ledger {
+    /// Enters a request; its number.
+    pub(crate) fn propose(&mut self, plugin: PluginId, tag: u64, kind: RequestKind) -> u64 {
+        self.last += 1;
+        self.counts.proposed += 1;
+        let entry = Entry {
+            plugin,
+            tag,
+            kind,
+            state: PROPOSED,
+            identifier: None,
+            insert: None,
+            duration_s: 0.0,
+        };
+        self.open.insert(self.last, entry);
+        self.last
+    }
+
+    pub(crate) fn get_mut(&mut self, request: u64) -> Option<&mut Entry> {
+        self.open.get_mut(&request)
+    }
+
+    pub(crate) fn get(&self, request: u64) -> Option<&Entry> {
+        self.open.get(&request)
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (u64, &Entry)> + '_ {
+        self.open.iter().map(|(request, entry)| (*request, entry))
+    }
+
+    /// The open request that the vehicle knows by an identifier.
+    pub(crate) fn by_identifier(&self, identifier: BehaviorId) -> Option<u64> {
+        self.iter()
+            .find(|(_, entry)| entry.identifier == Some(identifier))
+            .map(|(request, _)| request)
+    }
+
+    pub(crate) const fn counts(&self) -> RequestCounts {
+        self.counts
+    }
+
+    /// How many inserts the vehicle may yet fly.
+    pub(crate) fn open_inserts(&self) -> u32 {
+        self.doubtful
+            + u32::try_from(self.iter().filter(|(_, entry)| entry.is_open_insert()).count()).unwrap_or(u32::MAX)
+    }
+
+    /// How long they fly at most, seconds.
+    pub(crate) fn open_duration_s(&self) -> f64 {
+        self.iter()
+            .filter(|(_, entry)| entry.is_open_insert())
+            .map(|(_, entry)| entry.duration_s)
+            .sum()
+    }
+
+    /// Whether an insert is in doubt: no further one is sent until the vehicle has named it.
+    pub(crate) fn in_doubt(&self) -> bool {
+        self.iter().any(|(_, entry)| entry.state == RequestState::Unknown)
+    }
+
+    /// Takes a request to another state. `None` where it is at its end already or cannot go there: what came too late
+    /// or twice changes nothing.
+    pub(crate) fn transition(&mut self, request: u64, to: RequestState) -> Option<Transition> {
+        let entry = self.open.get_mut(&request)?;
+        if !may_follow(&entry.state, &to) {
+            return None;
+        }
+        match &to {
+            RequestState::Rejected(_) => self.counts.rejected += 1,
+            RequestState::Sent => self.counts.sent += 1,
+            RequestState::Accepted if entry.state != RequestState::Unknown => self.counts.accepted += 1,
+            RequestState::Failed(_) | RequestState::TimedOut => self.counts.failed += 1,
+            RequestState::Accepted
+            | RequestState::Pending
+            | RequestState::Unknown
+            | RequestState::Started
+            | RequestState::Ended(_)
+            | RequestState::Cancelled => {}
+        }
+        entry.state = to.clone();
+        let transition = Transition {
+            request,
+            plugin: entry.plugin,
+            tag: entry.tag,
+            kind: entry.kind,
+            identifier: entry.identifier.map(BehaviorId::get),
+            state: to,
+        };
+        if is_end(&transition.state) {
+            if transition.state == RequestState::TimedOut && entry.is_open_insert() {
+                self.doubtful += 1;
+            }
+            self.open.remove(&request);
+        }
+        Some(transition)
+    }
+}
+
+/// A proposed request stands as rejected-for-no-reason until something is decided, so that nothing can take an
+/// undecided one for a good one.
+const PROPOSED: RequestState = RequestState::Rejected(String::new());
+
+/// Whether a state is an end.
+pub(crate) fn is_end(state: &RequestState) -> bool {
+    match state {
+        RequestState::Rejected(_)
+        | RequestState::Failed(_)
+        | RequestState::TimedOut
+        | RequestState::Ended(_)
+        | RequestState::Cancelled => true,
+        RequestState::Sent
+        | RequestState::Pending
+        | RequestState::Accepted
+        | RequestState::Unknown
+        | RequestState::Started => false,
+    }
+}
+
+/// The matrix of transitions: rows are where a request stands, columns where it may go.
+fn may_follow(from: &RequestState, to: &RequestState) -> bool {
+    use RequestState as S;
+    match from {
+        // Proposed; a real rejection is an end and no longer open.
+        S::Rejected(_) => matches!(to, S::Rejected(_) | S::Sent | S::Ended(_)),
+        S::Sent => !matches!(to, S::Rejected(_) | S::Sent),
+        S::Pending => !matches!(to, S::Rejected(_) | S::Sent | S::Pending),
+        S::Unknown => matches!(to, S::Accepted | S::Started | S::Failed(_) | S::Ended(_)),
+        S::Accepted => matches!(to, S::Started | S::Ended(_) | S::Cancelled | S::Failed(_) | S::TimedOut),
+        S::Started => matches!(to, S::Ended(_)),
+        S::Failed(_) | S::TimedOut | S::Ended(_) | S::Cancelled => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_request_has_one_end_and_late_answers_change_nothing() {
+        let mut ledger = Ledger::default();
+        let request = ledger.propose(PluginId(0), 1, RequestKind::Trackline);
+        assert!(
+            ledger.transition(request, RequestState::Accepted).is_none(),
+            "not sent yet"
+        );
+        assert!(ledger.transition(request, RequestState::Sent).is_some());
+        assert!(ledger.transition(request, RequestState::Failed("no".into())).is_some());
+        assert!(ledger.transition(request, RequestState::Accepted).is_none());
+        assert_eq!(
+            ledger.counts(),
+            RequestCounts {
+                proposed: 1,
+                rejected: 0,
+                sent: 1,
+                accepted: 0,
+                failed: 1
+            }
+        );
+        assert_eq!(ledger.iter().count(), 0);
+    }
+
+    #[test]
+    fn an_unanswered_insert_stays_under_the_cap() {
+        let mut ledger = Ledger::default();
+        let request = ledger.propose(PluginId(0), 1, RequestKind::Trackline);
+        ledger.get_mut(request).unwrap().identifier = Some(BehaviorId::new(5));
+        ledger.transition(request, RequestState::Sent);
+        ledger.transition(request, RequestState::TimedOut);
+        assert_eq!(ledger.open_inserts(), 1);
+    }
+
+    #[test]
+    fn an_unknown_one_is_in_doubt_until_the_vehicle_names_it() {
+        let mut ledger = Ledger::default();
+        let request = ledger.propose(PluginId(0), 1, RequestKind::Trackline);
+        ledger.transition(request, RequestState::Sent);
+        ledger.transition(request, RequestState::Unknown);
+        assert!(ledger.in_doubt());
+        ledger.transition(request, RequestState::Accepted);
+        assert!(!ledger.in_doubt());
+    }
+}

@@ -1,0 +1,328 @@
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+
+use backseat_spi::{Framer, Policy, ToVehicle};
+use backseat_units::{Timestamp, Utc};
+
+use crate::commands::{Command, Commands};
+use crate::conductor::Slot;
+use crate::envelope::Envelope;
+use crate::helm::Lease;
+use crate::io::{Input, Note, Operator, Output, Start};
+use crate::ledger::{Ledger, RequestCounts};
+use crate::navigation::Tracker;
+use crate::plan::Plan;
+use crate::plugin::{Event, PluginId, RequestState};
+use crate::session::Session;
+use crate::settings::{PluginSetup, Settings};
+use crate::stamp::Stamper;
+use crate::timer::{Timer, Timers};
+
+/// Called later than this after the promised time, every lease ends before anything else is done: what we know of the
+/// vehicle is old, and so is what it knows of us.
+const LATE: Duration = Duration::from_millis(500);
+/// Logs are closed within 10 s of BFSHT (safety requirement 011).
+pub(crate) const CLOSE_AFTER_SHUTDOWN: Duration = Duration::from_secs(8);
+
+/// The backseat's state machine.
+///
+/// Hand it what happens with [`Core::handle`], then drain [`Core::poll_output`] until it is empty, then call again at
+/// [`Core::poll_timeout`] or when something happens, whichever is first.
+pub struct Core {
+    pub(crate) settings: Settings,
+    pub(crate) envelope: Arc<Envelope>,
+    pub(crate) now: Timestamp,
+    pub(crate) outputs: VecDeque<Output>,
+    pub(crate) timers: Timers,
+    pub(crate) framer: Framer,
+    pub(crate) stamper: Stamper,
+    pub(crate) session: Session,
+    pub(crate) commands: Commands,
+    pub(crate) tracker: Tracker,
+    pub(crate) plan: Plan,
+    pub(crate) ledger: Ledger,
+    pub(crate) lease: Option<Lease>,
+    pub(crate) plugins: Vec<Slot>,
+    pub(crate) start: Start,
+    /// Backseat control as the configured hook last said.
+    pub(crate) handed_over: Option<bool>,
+    /// BFMIS begins with `Running`.
+    pub(crate) running: Option<bool>,
+    pub(crate) held: bool,
+    pub(crate) stopping: bool,
+    pub(crate) granted: bool,
+    pub(crate) late_count: u64,
+    pub(crate) inserts_sent: u32,
+    pub(crate) reserve_asked: bool,
+}
+
+impl Core {
+    /// A core that has not yet heard of anything. Its first output connects.
+    #[must_use]
+    pub fn new(settings: Settings, envelope: Arc<Envelope>, plugins: Vec<PluginSetup>, start: Start) -> Self {
+        let tracker = Tracker::new(*envelope.fence().frame(), envelope.limits());
+        let slots: Vec<Slot> = plugins.into_iter().map(Slot::new).collect();
+        let mut core = Self {
+            settings,
+            envelope,
+            now: Timestamp::ZERO,
+            outputs: VecDeque::new(),
+            timers: Timers::default(),
+            framer: Framer::new(Policy::FromVehicle),
+            stamper: Stamper::new(start.utc),
+            session: Session::new(&slots),
+            commands: Commands::default(),
+            tracker,
+            plan: Plan::default(),
+            ledger: Ledger::default(),
+            lease: None,
+            plugins: slots,
+            start,
+            handed_over: None,
+            running: None,
+            held: start.held,
+            stopping: false,
+            granted: false,
+            late_count: 0,
+            inserts_sent: 0,
+            reserve_asked: false,
+        };
+        core.outputs.push_back(Output::Connect { after: Duration::ZERO });
+        core.reserve();
+        core.settle();
+        core
+    }
+
+    /// Something has happened. `now` never runs backwards; a smaller one is taken for the last.
+    pub fn handle(&mut self, now: Timestamp, input: Input<'_>) {
+        let promised = self.timers.next();
+        self.now = self.now.max(now);
+        if let Some(promised) = promised
+            && self.now.since(promised) > LATE
+        {
+            self.late_count += 1;
+            self.note(Note::Late {
+                seconds: self.now.since(promised).as_secs_f64(),
+            });
+            self.end_lease("the runtime woke late");
+        }
+        match input {
+            Input::LinkUp => self.link_up(),
+            Input::LinkDown => self.link_down(),
+            Input::Received(bytes) => self.receive(bytes),
+            Input::Returned(plugin, returned) => self.returned(plugin, returned),
+            Input::Restarted(plugin, restarted) => self.restarted(plugin, restarted),
+            Input::Operator(act) => self.operator(act),
+            Input::Reserved(below) => self.reserved(below),
+            Input::Timeout => {}
+        }
+        while let Some(timer) = self.timers.expired(self.now) {
+            self.expired(timer);
+        }
+        self.settle();
+    }
+
+    /// What is to be done, oldest first; `None` until something happens again.
+    #[must_use]
+    pub fn poll_output(&mut self) -> Option<Output> {
+        self.outputs.pop_front()
+    }
+
+    /// When to call [`Core::handle`] with [`Input::Timeout`] if nothing happens before.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Timestamp> {
+        self.timers.next()
+    }
+
+    /// How many requests have come how far.
+    #[must_use]
+    pub fn request_counts(&self) -> RequestCounts {
+        self.ledger.counts()
+    }
+
+    /// Whether requests can be sent now.
+    #[must_use]
+    pub const fn has_control(&self) -> bool {
+        self.granted
+    }
+
+    /// How many requests are not at their end.
+    #[must_use]
+    pub fn open_requests(&self) -> usize {
+        self.ledger.iter().count()
+    }
+
+    /// How often core was called more than half a second late.
+    #[must_use]
+    pub const fn late_count(&self) -> u64 {
+        self.late_count
+    }
+
+    /// Our UTC now.
+    pub(crate) fn utc(&self) -> Utc {
+        self.stamper.utc(self.now)
+    }
+
+    pub(crate) fn note(&mut self, note: Note) {
+        self.outputs.push_back(Output::Note(note));
+    }
+
+    /// The last place before the wire. Safety requirements 001 and 014: what steers the vehicle passes only with
+    /// control; everything else only where the list for lost control has it.
+    pub(crate) fn transmit(&mut self, message: &ToVehicle, command: Option<Command>) -> bool {
+        if !self.session.is_up() {
+            return false;
+        }
+        let steers = match message {
+            ToVehicle::ModifyBehavior(_) | ToVehicle::Trackline(_) | ToVehicle::Trackcircle(_) => true,
+            ToVehicle::PayloadVersion(_)
+            | ToVehicle::LoggingControl(_)
+            | ToVehicle::PayloadStatus(_)
+            | ToVehicle::LogMessage(_)
+            | ToVehicle::EndModify(_)
+            | ToVehicle::CancelBehavior(_)
+            | ToVehicle::RequestPlan(_) => false,
+            // Never sent: BPRCA may take another payload's inserts too, and what is unknown is not ours.
+            ToVehicle::CancelAll(_) | ToVehicle::Unknown(_) => return false,
+        };
+        if steers && (!self.start.armed || self.lost_because().is_some()) {
+            return false;
+        }
+        let mut bytes = Vec::with_capacity(96);
+        if let Err(error) = message.encode(&mut bytes) {
+            self.note(Note::Text {
+                text: format!("{} was not sent: {error}", message.name()),
+            });
+            return false;
+        }
+        if let Some(command) = command {
+            // A command that is given up for want of room was sent long ago and its answer is overdue anyway.
+            let _given_up = self.commands.push(command);
+        }
+        self.outputs.push_back(Output::Send(bytes));
+        true
+    }
+
+    /// Why we have no control; `None` where it is ours.
+    pub(crate) fn lost_because(&self) -> Option<&'static str> {
+        let reason = if !self.session.is_up() {
+            "the link is down"
+        } else if self.stopping {
+            "the run is ending"
+        } else if self.held {
+            "the operator holds"
+        } else if self.handed_over.is_none() {
+            "the vehicle has not said who has control"
+        } else if self.handed_over == Some(false) {
+            "the vehicle has control"
+        } else if self.running.is_none() {
+            "the vehicle has not said whether its mission runs"
+        } else if self.running == Some(false) {
+            "the mission is not running"
+        } else if self.tracker.fresh(self.now).is_none() {
+            "navigation is stale"
+        } else if !self.tracker.steady(self.now) {
+            "navigation has not been steady for long enough"
+        } else {
+            return None;
+        };
+        Some(reason)
+    }
+
+    /// Brings what follows from the state up to date: control, and when to wake.
+    fn settle(&mut self) {
+        self.settle_control();
+        let navigation = match self.tracker.stale_at().filter(|at| *at > self.now) {
+            Some(stale) if self.tracker.steady(self.now) => Some(stale),
+            Some(stale) => Some(stale.min(self.now + Duration::from_millis(500))),
+            None => None,
+        };
+        self.timers.set_or_stop(Timer::Navigation, navigation);
+        self.timers
+            .set_or_stop(Timer::Acknowledgement, self.commands.next_deadline());
+        let plugins = self.plugins_due();
+        self.timers.set_or_stop(Timer::Plugins, plugins);
+    }
+
+    /// Control is gained and lost by what has become known: tells of it and ends the lease.
+    pub(crate) fn settle_control(&mut self) {
+        let lost = self.lost_because();
+        let granted = lost.is_none();
+        if granted != self.granted {
+            self.granted = granted;
+            if let Some(reason) = lost {
+                self.end_lease(reason);
+            }
+            self.note(Note::Control {
+                granted,
+                reason: lost.unwrap_or("").to_owned(),
+            });
+            self.tell_all(&Event::Control(granted));
+        }
+    }
+
+    fn expired(&mut self, timer: Timer) {
+        match timer {
+            Timer::Refresh => self.refresh(),
+            Timer::Term => self.end_lease("its term is over"),
+            // What follows from navigation's age is drawn in `settle`.
+            Timer::Navigation => {}
+            Timer::Acknowledgement => {
+                while let Some(command) = self.commands.late(self.now) {
+                    self.unanswered(command);
+                }
+            }
+            Timer::Silence => self.silence(),
+            Timer::Plan => self.ask_for_plan(),
+            Timer::Status => self.send_status(),
+            Timer::Plugins => self.step_due(false),
+            Timer::Shutdown => self.outputs.push_back(Output::Finish),
+        }
+    }
+
+    fn operator(&mut self, act: Operator) {
+        self.note(Note::Operator { act });
+        match act {
+            Operator::Hold => {
+                self.held = true;
+                self.end_lease("the operator holds");
+                self.cancel_all_of(None, "the operator holds");
+            }
+            Operator::Release => self.held = false,
+            Operator::Stop => {
+                self.end_lease("the run is ending");
+                self.stopping = true;
+                self.outputs.push_back(Output::Finish);
+            }
+        }
+    }
+
+    /// Takes a request on, tells its plugin and the log.
+    pub(crate) fn transition(&mut self, request: u64, to: RequestState) {
+        let Some(transition) = self.ledger.transition(request, to) else {
+            return;
+        };
+        self.tell(
+            transition.plugin,
+            Event::Outcome {
+                tag: transition.tag,
+                state: transition.state.clone(),
+            },
+        );
+        self.note(Note::Request(transition));
+    }
+
+    /// As [`Core::transition`], for the log alone: the plugin replaced its own request under the same tag.
+    pub(crate) fn transition_quietly(&mut self, request: u64, to: RequestState) {
+        if let Some(transition) = self.ledger.transition(request, to) {
+            self.note(Note::Request(transition));
+        }
+    }
+
+    pub(crate) fn tell_all(&mut self, event: &Event) {
+        for index in 0..self.plugins.len() {
+            self.tell(PluginId(index), event.clone());
+        }
+    }
+}

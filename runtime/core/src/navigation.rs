@@ -1,0 +1,180 @@
+use std::time::Duration;
+
+use backseat_spi::{Navigation, PositionQuality, VelocityAndRates};
+use backseat_units::math::hypot;
+use backseat_units::{LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
+
+use crate::clock::VehicleClock;
+use crate::envelope::{BottomLock, bottom_lock};
+use crate::limits::Limits;
+use crate::plugin::NavigationSample;
+
+/// After a jump, navigation must be steady for this long (safety requirement 021).
+const STEADY_AFTER_JUMP: Duration = Duration::from_secs(10);
+/// On a new connection the first samples only show how the clocks lie: what was buffered for us is old.
+const STEADY_AFTER_CONNECT: Duration = Duration::from_millis(500);
+/// A jump is more than the vehicle can move, and this.
+const JUMP_ALLOWANCE_M: f64 = 10.0;
+/// A bottom lock speaks of its place for this long.
+const LOCK_LASTS: Duration = Duration::from_secs(5);
+
+/// What a new solution is to the tracker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Change {
+    /// It follows from the last one.
+    Follows,
+    /// It is further from the last one than the vehicle can have come, metres.
+    Jumped { metres: f64 },
+}
+
+/// Follows the vehicle's navigation: pairs BFNVG with its BFNVR, counts its age, and sees it jump.
+#[derive(Debug)]
+pub(crate) struct Tracker {
+    frame: LocalFrame,
+    age_max: Duration,
+    speed_max_mps: f64,
+    clock: VehicleClock,
+    newest: Option<Newest>,
+    lock: Option<(BottomLock, Timestamp)>,
+    /// Since when it has been steady; `None` before the first sample of this connection.
+    steady_since: Option<Timestamp>,
+    steady_for: Duration,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Newest {
+    sample: NavigationSample,
+    written: TimeOfDay,
+    solution: TimeOfDay,
+}
+
+impl Tracker {
+    pub(crate) fn new(frame: LocalFrame, limits: &Limits) -> Self {
+        Self {
+            frame,
+            age_max: limits.navigation_age_max(),
+            speed_max_mps: limits.speed_max_mps.max(3.0) + limits.current_max_mps,
+            clock: VehicleClock::default(),
+            newest: None,
+            lock: None,
+            steady_since: None,
+            steady_for: STEADY_AFTER_CONNECT,
+        }
+    }
+
+    /// A new connection: nothing of the old one's clock or navigation holds.
+    pub(crate) fn reset(&mut self) {
+        self.clock = VehicleClock::default();
+        self.newest = None;
+        self.lock = None;
+        self.steady_since = None;
+        self.steady_for = STEADY_AFTER_CONNECT;
+    }
+
+    /// Any message's timestamp tells of the clocks.
+    pub(crate) fn heard(&mut self, now: Timestamp, utc: Utc, written: TimeOfDay) {
+        self.clock.observe(now, utc, written);
+    }
+
+    pub(crate) fn clock(&self) -> &VehicleClock {
+        &self.clock
+    }
+
+    /// A BFNVG. Velocities are those of the last sample until its BFNVR comes. Returns `None` where its solution is
+    /// not newer than the last one's.
+    pub(crate) fn position(&mut self, now: Timestamp, utc: Utc, message: &Navigation) -> Option<Change> {
+        self.clock.observe(now, utc, message.created);
+        self.clock.observe(now, utc, message.solution);
+        let age = self.clock.age(now, utc, message.solution).unwrap_or(Duration::MAX);
+        let solution = now - age;
+        let local = self.frame.to_local(message.position);
+        let mut change = Change::Follows;
+        let mut velocity = (0.0, 0.0, 0.0, 0.0);
+        if let Some(last) = &self.newest {
+            let elapsed_nanos = message.solution.nanos_since(last.solution);
+            if elapsed_nanos <= 0 {
+                return None;
+            }
+            let metres = local.distance_m(last.sample.local);
+            if metres > self.speed_max_mps * 1.5 * (elapsed_nanos as f64 / 1e9) + JUMP_ALLOWANCE_M {
+                change = Change::Jumped { metres };
+                self.steady_since = Some(now);
+                self.steady_for = STEADY_AFTER_JUMP;
+            }
+            let sample = &last.sample;
+            velocity = (sample.east_mps, sample.north_mps, sample.down_mps, sample.yaw_rate_dps);
+        }
+        if self.steady_since.is_none() {
+            self.steady_since = Some(now);
+        }
+        let sample = NavigationSample {
+            solution,
+            position: message.position,
+            local,
+            depth: message.depth,
+            altitude: message.altitude,
+            heading: message.heading.to_true(utm_convergence_deg(message.position)),
+            roll_deg: message.roll_deg,
+            pitch_deg: message.pitch_deg,
+            east_mps: velocity.0,
+            north_mps: velocity.1,
+            down_mps: velocity.2,
+            yaw_rate_dps: velocity.3,
+            gps: message.quality == PositionQuality::Gps,
+        };
+        if let Some(lock) = bottom_lock(&sample) {
+            self.lock = Some((lock, now));
+        }
+        self.newest = Some(Newest {
+            sample,
+            written: message.created,
+            solution: message.solution,
+        });
+        Some(change)
+    }
+
+    /// A BFNVR. True where it completes the newest BFNVG.
+    pub(crate) fn velocity(&mut self, message: &VelocityAndRates) -> bool {
+        let Some(newest) = &mut self.newest else { return false };
+        newest.sample.east_mps = message.east_mps;
+        newest.sample.north_mps = message.north_mps;
+        newest.sample.down_mps = message.down_mps;
+        newest.sample.yaw_rate_dps = message.yaw_rate_dps;
+        newest.written == message.created
+    }
+
+    /// The newest sample, however old.
+    pub(crate) fn newest(&self) -> Option<&NavigationSample> {
+        self.newest.as_ref().map(|newest| &newest.sample)
+    }
+
+    /// The newest sample while it is fresh (safety requirement 008).
+    pub(crate) fn fresh(&self, now: Timestamp) -> Option<&NavigationSample> {
+        let sample = self.newest()?;
+        (now.since(sample.solution) <= self.age_max).then_some(sample)
+    }
+
+    /// When the newest sample will have become stale.
+    pub(crate) fn stale_at(&self) -> Option<Timestamp> {
+        self.newest()
+            .map(|sample| sample.solution + self.age_max + Duration::from_nanos(1))
+    }
+
+    /// Whether navigation has been steady for long enough since the connection or its last jump.
+    pub(crate) fn steady(&self, now: Timestamp) -> bool {
+        self.steady_since
+            .is_some_and(|since| now.since(since) >= self.steady_for)
+    }
+
+    /// The last bottom lock, while it is young.
+    pub(crate) fn bottom_lock(&self, now: Timestamp) -> Option<BottomLock> {
+        let (lock, at) = self.lock?;
+        (now.since(at) <= LOCK_LASTS).then_some(lock)
+    }
+
+    /// Speed over ground of the newest sample, m/s.
+    pub(crate) fn ground_speed_mps(&self) -> f64 {
+        self.newest()
+            .map_or(0.0, |sample| hypot(sample.east_mps, sample.north_mps))
+    }
+}

@@ -1,0 +1,206 @@
+use backseat_spi::{BehaviorId, PlanElement};
+use backseat_units::{EastNorth, LocalFrame};
+
+/// How many elements a plan may have before it is taken for nonsense.
+const ELEMENTS_MAX: usize = 10_000;
+
+/// One behaviour of the vehicle's plan, from a series of BFPLN with one number (SPI 6.20).
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Element {
+    pub(crate) number: Option<u32>,
+    pub(crate) identifier: Option<BehaviorId>,
+    /// In the order that they are passed; never empty.
+    pub(crate) points: Vec<EastNorth>,
+}
+
+impl Element {
+    fn is_of(&self, message: &PlanElement) -> bool {
+        self.number == message.number && self.identifier == message.identifier
+    }
+
+    /// The first point.
+    pub(crate) fn first(&self) -> EastNorth {
+        self.points[0]
+    }
+
+    /// The last point.
+    pub(crate) fn last(&self) -> EastNorth {
+        self.points[self.points.len() - 1]
+    }
+
+    /// The legs between its points; a single point is a leg of no length.
+    pub(crate) fn legs(&self) -> impl Iterator<Item = (EastNorth, EastNorth)> + '_ {
+        let single = (self.points.len() == 1).then(|| (self.points[0], self.points[0]));
+        single
+            .into_iter()
+            .chain(self.points.windows(2).map(|pair| (pair[0], pair[1])))
+    }
+}
+
+/// The vehicle's plan as BPRMP last gave it, and where in it the vehicle is.
+#[derive(Debug, Default)]
+pub(crate) struct Plan {
+    elements: Vec<Element>,
+    collecting: Option<Vec<Element>>,
+    complete: bool,
+    current: Option<u32>,
+}
+
+impl Plan {
+    /// Nothing is known.
+    pub(crate) fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The plan no longer holds, but where the vehicle is in it does.
+    pub(crate) fn invalidate(&mut self) {
+        self.complete = false;
+    }
+
+    /// BPRMP has been sent: what comes now is a new plan.
+    pub(crate) fn begin(&mut self) {
+        self.collecting = Some(Vec::new());
+    }
+
+    /// A BFPLN.
+    pub(crate) fn collect(&mut self, frame: &LocalFrame, message: &PlanElement) {
+        let Some(elements) = &mut self.collecting else { return };
+        let point = frame.to_local(message.position);
+        match elements.last_mut() {
+            Some(last) if last.is_of(message) => last.points.push(point),
+            _ => elements.push(Element {
+                number: message.number,
+                identifier: message.identifier,
+                points: vec![point],
+            }),
+        }
+        if elements.len() > ELEMENTS_MAX {
+            self.collecting = None;
+        }
+    }
+
+    /// The final acknowledgement of BPRMP: the series is whole, or it failed.
+    pub(crate) fn end(&mut self, whole: bool) {
+        match self.collecting.take() {
+            Some(elements) if whole && !elements.is_empty() => {
+                self.elements = elements;
+                self.complete = true;
+            }
+            _ => {}
+        }
+    }
+
+    pub(crate) fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    pub(crate) fn is_collecting(&self) -> bool {
+        self.collecting.is_some()
+    }
+
+    /// A planned behaviour has begun. False where the plan does not have it, so that it is not the current plan.
+    pub(crate) fn began(&mut self, number: u32) -> bool {
+        self.current = Some(number);
+        !self.complete || self.planned().any(|element| element.number == Some(number))
+    }
+
+    /// Whether the plan names one of our inserts.
+    pub(crate) fn has(&self, identifier: BehaviorId) -> bool {
+        self.elements
+            .iter()
+            .any(|element| element.identifier == Some(identifier))
+    }
+
+    /// The front seat's own elements.
+    fn planned(&self) -> impl Iterator<Item = &Element> {
+        self.elements.iter().filter(|element| element.identifier.is_none())
+    }
+
+    /// The elements that the vehicle may be on now: the current one, or every one where that is not known.
+    pub(crate) fn current(&self) -> impl Iterator<Item = &Element> {
+        let current = self.current;
+        self.planned()
+            .filter(move |element| current.is_none() || element.number == current)
+    }
+
+    /// The first points of what may come after the current element.
+    pub(crate) fn next_points(&self) -> Vec<EastNorth> {
+        let Some(current) = self.current else {
+            return self.planned().map(Element::first).collect();
+        };
+        let mut after = self.planned().skip_while(|element| element.number != Some(current));
+        // A number that recurs (several elements of one behaviour) is passed over whole.
+        after
+            .find(|element| element.number != Some(current))
+            .map(Element::first)
+            .into_iter()
+            .collect()
+    }
+
+    /// How many elements there are, the inserts included.
+    pub(crate) fn len(&self) -> usize {
+        self.elements.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use backseat_spi::PlanElementKind;
+    use backseat_units::{Position, TimeOfDay};
+
+    use super::*;
+
+    fn frame() -> LocalFrame {
+        LocalFrame::new(Position::from_deg(42.0, -70.0).unwrap())
+    }
+
+    fn collect(plan: &mut Plan, number: Option<u32>, identifier: Option<u32>, index: u32, east_m: f64) {
+        let frame = frame();
+        plan.collect(
+            &frame,
+            &PlanElement {
+                created: TimeOfDay::MIDNIGHT,
+                number,
+                identifier: identifier.map(BehaviorId::new),
+                index,
+                element: PlanElementKind::Waypoint,
+                position: frame.to_position(EastNorth::new(east_m, 0.0)),
+            },
+        );
+    }
+
+    fn plan() -> Plan {
+        let mut plan = Plan::default();
+        plan.begin();
+        collect(&mut plan, Some(1), None, 0, 0.0);
+        collect(&mut plan, Some(2), None, 0, 100.0);
+        collect(&mut plan, Some(2), None, 1, 200.0);
+        collect(&mut plan, None, Some(7), 0, 250.0);
+        collect(&mut plan, Some(3), None, 0, 300.0);
+        plan
+    }
+
+    #[test]
+    fn a_plan_counts_only_when_its_series_is_whole() {
+        let mut whole = plan();
+        assert!(!whole.is_complete());
+        whole.end(true);
+        assert!(whole.is_complete() && whole.has(BehaviorId::new(7)));
+        let mut cut = plan();
+        cut.end(false);
+        assert!(!cut.is_complete());
+    }
+
+    #[test]
+    fn what_comes_next_is_the_front_seats_next_element_or_any_where_the_current_is_unknown() {
+        let mut plan = plan();
+        plan.end(true);
+        assert_eq!(plan.next_points().len(), 3);
+        assert!(plan.began(2));
+        let next = plan.next_points();
+        assert_eq!(next.len(), 1);
+        assert!((next[0].east_m - 300.0).abs() < 1e-3);
+        assert_eq!(plan.current().flat_map(Element::legs).count(), 1);
+        assert!(!plan.began(9), "a behaviour that the plan does not have");
+    }
+}

@@ -1,0 +1,313 @@
+//! What the vehicle says (SPI 5 and 6).
+
+use backseat_spi::{
+    AckStatus, Acknowledgement, BehaviorBegin, BehaviorEnd, Ctd, DecodeError, FromVehicle, MissionCommand,
+    MissionStatus, Navigation, VelocityAndRates,
+};
+use backseat_units::TimeOfDay;
+
+use crate::commands::{Command, Purpose};
+use crate::io::Note;
+use crate::machine::{CLOSE_AFTER_SHUTDOWN, Core};
+use crate::navigation::Change;
+use crate::plugin::{Behavior, CtdSample, Event, PluginId, RequestState, Topic};
+use crate::settings::ControlHook;
+use crate::timer::Timer;
+
+impl Core {
+    pub(crate) fn receive(&mut self, bytes: &[u8]) {
+        if !self.session.is_up() {
+            return;
+        }
+        self.framer.push(bytes);
+        loop {
+            let decoded = match self.framer.next_sentence() {
+                Some(sentence) => FromVehicle::decode(&sentence),
+                None => break,
+            };
+            match decoded {
+                Ok(message) => self.message(message),
+                Err(error) => self.malformed(&error),
+            }
+        }
+    }
+
+    fn malformed(&mut self, error: &DecodeError) {
+        if let Some(count) = self.session.malformed() {
+            self.note(Note::Malformed {
+                text: error.to_string(),
+                count,
+            });
+        }
+    }
+
+    fn message(&mut self, message: FromVehicle) {
+        match message {
+            FromVehicle::Navigation(message) => self.navigation(&message),
+            FromVehicle::VelocityAndRates(message) => self.velocity(&message),
+            FromVehicle::Acknowledgement(message) => self.acknowledged(&message),
+            FromVehicle::BackseatControl(message) => {
+                self.heard(message.created);
+                if self.settings.control == ControlHook::Bfctl {
+                    self.handed_over = Some(message.granted);
+                }
+            }
+            FromVehicle::MissionStatus(message) => self.mission_status(&message),
+            FromVehicle::BehaviorBegin(message) => self.behavior_began(message),
+            FromVehicle::BehaviorEnd(message) => self.behavior_ended(message),
+            FromVehicle::MissionCommand(message) => self.mission_command(&message),
+            FromVehicle::Shutdown(message) => {
+                self.heard(message.created);
+                self.note(Note::Text {
+                    text: "the vehicle shuts our power off in a minute".to_owned(),
+                });
+                self.end_lease("power goes");
+                self.stopping = true;
+                self.tell_all(&Event::Shutdown);
+                self.timers.set(Timer::Shutdown, self.now + CLOSE_AFTER_SHUTDOWN);
+            }
+            FromVehicle::Ctd(message) => self.ctd(&message),
+            FromVehicle::PlanElement(message) => {
+                self.heard(message.created);
+                let frame = *self.envelope.fence().frame();
+                self.plan.collect(&frame, &message);
+            }
+            FromVehicle::VehicleVersion(message) => {
+                self.heard(message.created);
+                self.note(Note::VehicleVersion {
+                    version: message.version.as_str().to_owned(),
+                });
+                let offset_s = self.tracker.clock().offset_nanos(self.now).unwrap_or(0) as f64 / 1e9;
+                self.note(Note::Clock {
+                    offset_s,
+                    vehicle: message.created,
+                });
+            }
+            FromVehicle::Unknown(_) => {}
+        }
+    }
+
+    fn heard(&mut self, created: TimeOfDay) {
+        let utc = self.utc();
+        self.tracker.heard(self.now, utc, created);
+    }
+
+    fn navigation(&mut self, message: &Navigation) {
+        let utc = self.utc();
+        let Some(change) = self.tracker.position(self.now, utc, message) else {
+            return;
+        };
+        self.navigation_came();
+        if let Change::Jumped { metres } = change {
+            // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
+            self.note(Note::Navigation {
+                text: format!("navigation jumped by {metres:.1} m"),
+            });
+            self.end_lease("navigation jumped");
+        }
+    }
+
+    fn velocity(&mut self, message: &VelocityAndRates) {
+        if self.tracker.velocity(message) {
+            // Control may have come with this navigation, and plugins are to know.
+            self.settle_control();
+            self.step_due(true);
+        }
+    }
+
+    fn mission_status(&mut self, message: &MissionStatus) {
+        self.heard(message.created);
+        let running = message.is_running();
+        self.note(Note::Mission {
+            status: message.status.as_str().trim().to_owned(),
+        });
+        if self.running != Some(running) {
+            self.running = Some(running);
+            if running {
+                self.plan.forget();
+                self.ask_for_plan();
+            } else {
+                self.end_lease("the mission is not running");
+                self.end_inserts("the mission is not running");
+            }
+        }
+        if self.settings.control == ControlHook::Running {
+            self.handed_over = Some(running);
+        }
+    }
+
+    fn behavior_began(&mut self, message: BehaviorBegin) {
+        self.heard(message.created);
+        self.note(Note::Behavior {
+            began: true,
+            number: message.number,
+            identifier: message.identifier.map(|identifier| identifier.get()),
+            kind: message.kind.as_str().to_owned(),
+        });
+        // It modified another one (SPI 7.12).
+        self.end_lease("a behaviour began under it");
+        let mut own = None;
+        match (message.identifier, message.number) {
+            (Some(identifier), _) => {
+                if let Some(request) = self.ledger.by_identifier(identifier) {
+                    own = self.ledger.get(request).map(|entry| (entry.plugin, entry.tag));
+                    self.transition(request, RequestState::Started);
+                }
+            }
+            (None, Some(number)) => {
+                if !self.plan.began(number) {
+                    self.plan.invalidate();
+                    self.ask_for_plan();
+                }
+            }
+            (None, None) => {}
+        }
+        self.tell_of_behavior(true, own, message.kind.as_str());
+    }
+
+    fn behavior_ended(&mut self, message: BehaviorEnd) {
+        self.heard(message.created);
+        self.note(Note::Behavior {
+            began: false,
+            number: message.number,
+            identifier: message.identifier.map(|identifier| identifier.get()),
+            kind: message.kind.as_str().to_owned(),
+        });
+        self.end_lease("a behaviour ended under it");
+        let mut own = None;
+        if let Some(request) = message
+            .identifier
+            .and_then(|identifier| self.ledger.by_identifier(identifier))
+        {
+            own = self.ledger.get(request).map(|entry| (entry.plugin, entry.tag));
+            self.transition(request, RequestState::Ended("flown".to_owned()));
+        }
+        self.tell_of_behavior(false, own, message.kind.as_str());
+    }
+
+    fn tell_of_behavior(&mut self, began: bool, own: Option<(PluginId, u64)>, kind: &str) {
+        for index in 0..self.plugins.len() {
+            let plugin = PluginId(index);
+            if self.plugins[index].wants(Topic::Behavior) {
+                let tag = own.filter(|(owner, _)| *owner == plugin).map(|(_, tag)| tag);
+                let behavior = Behavior {
+                    kind: kind.to_owned(),
+                    tag,
+                };
+                self.tell(
+                    plugin,
+                    if began {
+                        Event::BehaviorBegan(behavior)
+                    } else {
+                        Event::BehaviorEnded(behavior)
+                    },
+                );
+            }
+        }
+    }
+
+    fn mission_command(&mut self, message: &MissionCommand) {
+        self.heard(message.created);
+        let text = message.text.as_str();
+        if let ControlHook::MissionCommand { grant, revoke } = &self.settings.control {
+            if text == grant {
+                self.handed_over = Some(true);
+            } else if text == revoke {
+                self.handed_over = Some(false);
+            }
+        }
+        self.note(Note::Text {
+            text: format!("mission command: {text}"),
+        });
+        self.tell_wanting(Topic::MissionCommand, &Event::MissionCommand(text.to_owned()));
+    }
+
+    fn ctd(&mut self, message: &Ctd) {
+        let utc = self.utc();
+        self.tracker.heard(self.now, utc, message.created);
+        let age = self
+            .tracker
+            .clock()
+            .age(self.now, utc, message.measured)
+            .unwrap_or_default();
+        let sample = CtdSample {
+            measured: self.now - age,
+            conductivity_us_per_cm: message.conductivity_us_per_cm,
+            temperature_c: message.temperature_c,
+            pressure_kpa: message.pressure_kpa,
+        };
+        self.tell_wanting(Topic::Ctd, &Event::Ctd(sample));
+    }
+
+    fn tell_wanting(&mut self, topic: Topic, event: &Event) {
+        for index in 0..self.plugins.len() {
+            if self.plugins[index].wants(topic) {
+                self.tell(PluginId(index), event.clone());
+            }
+        }
+    }
+
+    /// Acknowledgements never refresh navigation's clock, but they do tell of the vehicle's.
+    fn acknowledged(&mut self, ack: &Acknowledgement) {
+        self.heard(ack.created);
+        let pending = ack.status == AckStatus::Pending;
+        let Some(command) = self.commands.answer(ack, pending, self.now) else {
+            return;
+        };
+        let text = ack.text.as_str();
+        let refused_with = (ack.status != AckStatus::Succeeded).then_some(text);
+        match (command.purpose, pending) {
+            (Purpose::Insert(request), true) => self.insert_answered(request, RequestState::Pending),
+            (_, true) => {}
+            (Purpose::Insert(request), false) => {
+                let to = refused_with.map_or(RequestState::Accepted, |text| RequestState::Failed(text.to_owned()));
+                self.insert_answered(request, to);
+            }
+            (Purpose::Lease(request), false) => self.lease_answered(request, refused_with),
+            (Purpose::Cancel { cancel, insert }, false) => self.cancel_answered(cancel, insert, refused_with),
+            (Purpose::Subscription(index), false) => {
+                self.session.confirm(index);
+                if let Some(text) = refused_with {
+                    self.note(Note::Text {
+                        text: format!("the vehicle refused a subscription: {text}"),
+                    });
+                }
+            }
+            (Purpose::Plan, false) if refused_with.is_none() => {
+                self.plan.end(true);
+                if self.plan.is_complete() {
+                    self.note(Note::Plan {
+                        elements: self.plan.len(),
+                    });
+                    self.resolve_by_plan();
+                } else {
+                    self.plan_failed();
+                }
+            }
+            (Purpose::Plan, false) => self.plan_failed(),
+            (Purpose::Courtesy, false) => {
+                if let Some(text) = refused_with {
+                    self.note(Note::Text {
+                        text: format!("the vehicle refused {}: {text}", command.name.as_str()),
+                    });
+                }
+            }
+        }
+    }
+
+    /// No answer came in time.
+    pub(crate) fn unanswered(&mut self, command: Command) {
+        match command.purpose {
+            Purpose::Subscription(index) => self.subscription_unanswered(index),
+            Purpose::Plan => self.plan_failed(),
+            Purpose::Lease(request) => self.lease_unanswered(request),
+            Purpose::Insert(request) => self.insert_unanswered(request),
+            Purpose::Cancel { cancel, .. } => {
+                if let Some(cancel) = cancel {
+                    self.transition(cancel, RequestState::TimedOut);
+                }
+            }
+            Purpose::Courtesy => {}
+        }
+    }
+}

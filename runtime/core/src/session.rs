@@ -1,0 +1,271 @@
+//! The session: connection, subscriptions, the plan's asking, silence, status (SPI 4, 7.1, 7.2, 7.19, 7.25).
+
+use std::time::Duration;
+
+use backseat_spi::{CommandName, LoggingControl, PayloadStatus, PayloadVersion, RequestPlan, Text, ToVehicle};
+
+use crate::commands::{Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
+use crate::conductor::Slot;
+use crate::io::{Note, Output};
+use crate::machine::Core;
+use crate::plugin::{RequestState, Topic};
+use crate::settings::StatusCondition;
+use crate::timer::Timer;
+
+/// The interface that we speak.
+const VERSION: &str = "1.12";
+/// Navigation comes at 10 Hz: nothing for this long, and we subscribe anew.
+const SILENT: Duration = Duration::from_secs(5);
+/// Nothing for this many times in a row, and the connection is reset.
+const SILENCES_MAX: u32 = 3;
+const PLAN_RETRY: Duration = Duration::from_secs(5);
+const STATUS_EVERY: Duration = Duration::from_secs(10);
+const RETRY_MIN_S: f64 = 0.5;
+const RETRY_MAX_S: f64 = 10.0;
+
+/// BFCTL before all: real vehicles send it only on the transition, and who subscribes late misses the hand-over. The
+/// acknowledgements next, and BFCTL once more, so that it is acknowledged too.
+const SUBSCRIPTIONS: [&str; 9] = ["CTL", "ACK", "MIS", "CTL", "NVG", "NVR", "MBS", "MBE", "CTD"];
+
+/// Where the connection stands.
+#[derive(Debug)]
+pub(crate) struct Session {
+    up: bool,
+    /// Connections tried since navigation last came.
+    attempts: u32,
+    /// How often in a row navigation has not come.
+    silences: u32,
+    wants_ctd: bool,
+    confirmed: [bool; SUBSCRIPTIONS.len()],
+    malformed: u64,
+}
+
+impl Session {
+    pub(crate) fn new(plugins: &[Slot]) -> Self {
+        Self {
+            up: false,
+            attempts: 0,
+            silences: 0,
+            wants_ctd: plugins.iter().any(|slot| slot.wants(Topic::Ctd)),
+            confirmed: [false; SUBSCRIPTIONS.len()],
+            malformed: 0,
+        }
+    }
+
+    pub(crate) const fn is_up(&self) -> bool {
+        self.up
+    }
+
+    pub(crate) fn confirm(&mut self, index: usize) {
+        self.confirmed[index] = true;
+    }
+
+    /// Counts a sentence that cannot be read; how many there were. Told at 1, 10, 100, ...
+    pub(crate) fn malformed(&mut self) -> Option<u64> {
+        self.malformed += 1;
+        let mut told = 1;
+        while told < self.malformed {
+            told *= 10;
+        }
+        (told == self.malformed).then_some(told)
+    }
+
+    /// Navigation came: the connection is good.
+    pub(crate) fn heard_navigation(&mut self) {
+        self.attempts = 0;
+        self.silences = 0;
+    }
+}
+
+impl Core {
+    pub(crate) fn link_up(&mut self) {
+        self.framer.clear();
+        self.tracker.reset();
+        self.commands.clear();
+        self.plan.forget();
+        self.handed_over = None;
+        self.running = None;
+        self.session.up = true;
+        self.session.silences = 0;
+        self.session.malformed = 0;
+        self.session.confirmed = [false; SUBSCRIPTIONS.len()];
+        self.note(Note::LinkUp);
+        let created = self.stamper.stamp(self.now, "VER");
+        let version = ToVehicle::PayloadVersion(PayloadVersion {
+            created,
+            version: Text::cleaned(VERSION),
+        });
+        self.transmit(&version, None);
+        self.subscribe_all();
+        self.ask_for_plan();
+        self.timers.set(Timer::Silence, self.now + SILENT);
+        self.timers.set(Timer::Status, self.now + STATUS_EVERY);
+    }
+
+    pub(crate) fn link_down(&mut self) {
+        // No BPEMB reaches the vehicle: its own clock ends the modify.
+        self.session.up = false;
+        self.end_lease("the link is down");
+        self.handed_over = None;
+        self.running = None;
+        self.commands.clear();
+        self.plan.forget();
+        self.tracker.reset();
+        let undecided: Vec<u64> = self
+            .ledger
+            .iter()
+            .filter(|(_, entry)| matches!(entry.state, RequestState::Sent | RequestState::Pending))
+            .map(|(request, _)| request)
+            .collect();
+        for request in undecided {
+            self.transition(request, RequestState::Unknown);
+        }
+        for timer in [Timer::Silence, Timer::Plan, Timer::Status] {
+            self.timers.stop(timer);
+        }
+        if self.stopping {
+            return;
+        }
+        let after_s = self.retry_s();
+        self.note(Note::LinkDown {
+            counts: self.framer.counts(),
+            retry_s: after_s,
+        });
+        self.outputs.push_back(Output::Connect {
+            after: Duration::from_secs_f64(after_s),
+        });
+        self.session.attempts = self.session.attempts.saturating_add(1);
+    }
+
+    /// Doubled at each attempt, within half and one and a half of it by chance, so that payloads that lost the vehicle
+    /// together do not come back together.
+    fn retry_s(&self) -> f64 {
+        let doubled = RETRY_MIN_S * f64::from(1u32 << self.session.attempts.min(5));
+        let mut bits = self.start.jitter ^ u64::from(self.session.attempts) ^ self.now.as_nanos();
+        // The finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014): every bit of the state counts.
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let chance = ((bits ^ (bits >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+        (doubled.min(RETRY_MAX_S) * (0.5 + chance)).max(RETRY_MIN_S)
+    }
+
+    fn subscribe_all(&mut self) {
+        for index in 0..SUBSCRIPTIONS.len() {
+            if SUBSCRIPTIONS[index] != "CTD" || self.session.wants_ctd {
+                self.subscribe(index);
+            }
+        }
+    }
+
+    pub(crate) fn subscribe(&mut self, index: usize) {
+        let message = ToVehicle::LoggingControl(LoggingControl {
+            message: Text::cleaned(SUBSCRIPTIONS[index]),
+            on: true,
+        });
+        // The first comes before acknowledgements are on.
+        let command = (index > 0).then(|| Command {
+            name: name("LOG"),
+            created: None,
+            identifier: None,
+            purpose: Purpose::Subscription(index),
+            deadline: self.now + 2 * FIRST_WITHIN,
+            pending: false,
+        });
+        self.transmit(&message, command);
+    }
+
+    /// A subscription was not acknowledged. What it asked for may come all the same.
+    pub(crate) fn subscription_unanswered(&mut self, index: usize) {
+        if !self.session.confirmed[index] {
+            self.subscribe(index);
+        }
+    }
+
+    pub(crate) fn ask_for_plan(&mut self) {
+        if self.plan.is_collecting() {
+            return;
+        }
+        let created = self.stamper.stamp(self.now, "RMP");
+        let command = Command {
+            name: name("RMP"),
+            created: Some(created),
+            identifier: None,
+            purpose: Purpose::Plan,
+            deadline: self.now + PLAN_WITHIN,
+            pending: false,
+        };
+        if self.transmit(&ToVehicle::RequestPlan(RequestPlan { created }), Some(command)) {
+            self.plan.begin();
+        }
+    }
+
+    /// The plan did not come: it is asked for again.
+    pub(crate) fn plan_failed(&mut self) {
+        self.plan.end(false);
+        self.timers.set(Timer::Plan, self.now + PLAN_RETRY);
+    }
+
+    pub(crate) fn navigation_came(&mut self) {
+        self.session.heard_navigation();
+        self.timers.set(Timer::Silence, self.now + SILENT);
+    }
+
+    /// Keep-alive is by navigation, never by acknowledgements.
+    pub(crate) fn silence(&mut self) {
+        self.session.silences += 1;
+        if self.session.silences >= SILENCES_MAX {
+            self.note(Note::Text {
+                text: "no navigation: the connection is reset".to_owned(),
+            });
+            self.outputs.push_back(Output::ResetLink);
+        } else {
+            self.note(Note::Text {
+                text: "no navigation for 5 s: subscribing anew".to_owned(),
+            });
+            self.subscribe_all();
+        }
+        self.timers.set(Timer::Silence, self.now + SILENT);
+    }
+
+    pub(crate) fn send_status(&mut self) {
+        let failed = self
+            .settings
+            .status_failed_when
+            .iter()
+            .any(|condition| match condition {
+                StatusCondition::PluginQuarantined => self.plugins.iter().any(Slot::is_quarantined),
+                StatusCondition::NavigationStale => self.tracker.fresh(self.now).is_none(),
+            });
+        let text = match (self.lease.is_some(), self.lost_because()) {
+            (true, _) => "steering",
+            (false, None) => "has control",
+            (false, Some(reason)) => reason,
+        };
+        let created = self.stamper.stamp(self.now, "STS");
+        let status = PayloadStatus {
+            created,
+            ok: !failed,
+            text: Text::cleaned(text),
+        };
+        let command = self.courtesy("STS", Some(created));
+        self.transmit(&ToVehicle::PayloadStatus(status), Some(command));
+        self.timers.set(Timer::Status, self.now + STATUS_EVERY);
+    }
+
+    /// A command whose answer is taken note of and no more.
+    pub(crate) fn courtesy(&self, command: &'static str, created: Option<backseat_units::TimeOfDay>) -> Command {
+        Command {
+            name: name(command),
+            created,
+            identifier: None,
+            purpose: Purpose::Courtesy,
+            deadline: self.now + 2 * FIRST_WITHIN,
+            pending: false,
+        }
+    }
+}
+
+/// A command's three letters.
+pub(crate) fn name(letters: &'static str) -> CommandName {
+    CommandName::new(letters).expect("the names of our commands are three letters")
+}

@@ -1,0 +1,58 @@
+use serde::{Deserialize, Serialize};
+
+use crate::limits::{FailAction, Grant, HeadingFrame};
+use crate::plugin::Description;
+
+/// What hands control to the backseat.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum ControlHook {
+    /// BFCTL 1 (SPI 6.24).
+    #[default]
+    Bfctl,
+    /// The mission's running, for vehicles configured to hand over when it starts (SPI 6.24).
+    Running,
+    /// A mission command (BFMSC, SPI 5.1) with a text of the operator's.
+    MissionCommand {
+        /// Hands control over.
+        grant: String,
+        /// Takes it back.
+        revoke: String,
+    },
+}
+
+/// How the session is held: the `[session]` table of a mission.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Settings {
+    /// What hands control to the backseat.
+    pub control: ControlHook,
+    /// Which north BPRMB's heading is counted from.
+    pub heading_frame: HeadingFrame,
+    /// The conditions under which BPSTS says 0, which feeds the vehicle's own fixed safety rules (SPI 3). None by
+    /// default: a plugin's failure is text.
+    pub status_failed_when: Vec<StatusCondition>,
+}
+
+/// A condition of ours that the operator may make the vehicle's affair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StatusCondition {
+    /// A plugin is quarantined.
+    PluginQuarantined,
+    /// Navigation is stale.
+    NavigationStale,
+}
+
+/// A plugin of the mission, in priority order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PluginSetup {
+    /// Its name in the mission.
+    pub name: String,
+    /// What it says of itself.
+    pub description: Description,
+    /// What it may do.
+    pub grants: Vec<Grant>,
+    /// What is done when it fails.
+    pub on_failure: FailAction,
+}

@@ -1,1 +1,316 @@
-//! Plugins that misbehave, for tests.
+//! Plugins that misbehave, for tests: one component whose configuration picks the fault.
+//!
+//! Until its fault comes it is a good plugin: it asks each second for a modify of 5 s.
+
+use backseat_sdk::units::EastNorth;
+use backseat_sdk::{Description, Modify, Plugin, Position, Request, StepInput, Trackline, Vertical, fence, log};
+use serde::Deserialize;
+
+/// The plugin's table in the mission file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// What goes wrong.
+    #[serde(default)]
+    pub fault: Fault,
+    /// When it does, seconds since the plugin's first step.
+    #[serde(default)]
+    pub after_s: f64,
+    /// True heading of the modify, degrees.
+    #[serde(default)]
+    pub heading_deg: f64,
+    /// Depth of every request, metres.
+    #[serde(default = "default_depth_m")]
+    pub depth_m: f64,
+    /// Speed of every request, metres per second.
+    #[serde(default = "default_speed_mps")]
+    pub speed_mps: f64,
+    /// Where `cross_fence` goes, metres east in the mission's local frame.
+    #[serde(default = "default_target_m")]
+    pub target_east_m: f64,
+    /// Where `cross_fence` goes, metres north in the mission's local frame.
+    #[serde(default = "default_target_m")]
+    pub target_north_m: f64,
+}
+
+fn default_depth_m() -> f64 {
+    10.0
+}
+
+fn default_speed_mps() -> f64 {
+    1.5
+}
+
+fn default_target_m() -> f64 {
+    20_000.0
+}
+
+/// What goes wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fault {
+    /// Nothing.
+    #[default]
+    None,
+    /// It panics.
+    Trap,
+    /// It never returns.
+    Loop,
+    /// It takes memory until there is none.
+    Grow,
+    /// It returns 10,000 requests.
+    Flood,
+    /// Its figures are not numbers.
+    Nan,
+    /// Its figures are infinite.
+    Infinite,
+    /// Its figures are the largest that there are.
+    Huge,
+    /// It asks for a trackline from latitude 91.
+    #[serde(rename = "latitude_91")]
+    Latitude91,
+    /// It returns an error.
+    Error,
+    /// It logs 1,000 lines.
+    LogFlood,
+    /// It asks for a message of 16 MiB.
+    HugeString,
+    /// Its snapshot is 2 MiB.
+    BigSnapshot,
+    /// It asks once for what stands for a year, and then falls silent.
+    Stale,
+    /// It asks at once for opposite headings, ends what it asks for, and uses one tag for all.
+    Contradict,
+    /// It asks for a trackline to the target, and for a modify towards it, whatever the fence says.
+    CrossFence,
+}
+
+/// A plugin that misbehaves.
+#[derive(Debug)]
+pub struct Faulty {
+    config: Config,
+    first_ns: Option<u64>,
+    /// The fault has come.
+    begun: bool,
+    tag: u64,
+}
+
+const SECOND_NS: u64 = 1_000_000_000;
+const YEAR_NS: u64 = 365 * 86_400 * SECOND_NS;
+
+impl Plugin for Faulty {
+    type Config = Config;
+
+    fn describe() -> Description {
+        Description {
+            name: "faulty".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            step_period_ns: SECOND_NS,
+            topics: vec![],
+        }
+    }
+
+    fn new(config: Config) -> Result<Self, String> {
+        Ok(Self {
+            config,
+            first_ns: None,
+            begun: false,
+            tag: 0,
+        })
+    }
+
+    fn step(&mut self, input: &StepInput) -> Result<Vec<Request>, String> {
+        let first_ns = *self.first_ns.get_or_insert(input.now_ns);
+        let elapsed_s = input.now_ns.saturating_sub(first_ns) as f64 / 1e9;
+        let first_time = !self.begun;
+        self.begun = self.config.fault != Fault::None && elapsed_s >= self.config.after_s;
+        if !self.begun {
+            return Ok(vec![self.steady()]);
+        }
+        match self.config.fault {
+            Fault::None | Fault::BigSnapshot => Ok(vec![self.steady()]),
+            Fault::Trap => panic!("faulty was told to panic"),
+            Fault::Loop => loop {
+                std::hint::black_box(&mut self.tag);
+            },
+            Fault::Grow => {
+                let mut hoard: Vec<Vec<u8>> = Vec::new();
+                loop {
+                    // An allocation that fails aborts.
+                    hoard.push(std::hint::black_box(Vec::with_capacity(1 << 20)));
+                }
+            }
+            Fault::Flood => Ok((0..10_000).map(|_| self.steady()).collect()),
+            Fault::Nan => Ok(self.figures(f64::NAN)),
+            Fault::Infinite => Ok(self.figures(f64::INFINITY)),
+            Fault::Huge => Ok(self.figures(f64::MAX)),
+            Fault::Latitude91 => {
+                let start = Position {
+                    latitude: 91.0,
+                    longitude: 0.0,
+                };
+                Ok(vec![self.line(
+                    start,
+                    Position {
+                        latitude: 42.0,
+                        longitude: -70.0,
+                    },
+                )])
+            }
+            Fault::Error => Err("faulty was told to fail".into()),
+            Fault::LogFlood => {
+                for line in 0..1_000 {
+                    log::info!("line {line}");
+                }
+                Ok(vec![self.steady()])
+            }
+            Fault::HugeString => Ok(vec![Request::Message("x".repeat(16 << 20))]),
+            Fault::Stale => {
+                let lasting = self.modify(self.config.heading_deg, YEAR_NS);
+                Ok(if first_time { vec![lasting] } else { vec![] })
+            }
+            Fault::Contradict => Ok(self.contradictions()),
+            Fault::CrossFence => Ok(self.cross_fence(input)),
+        }
+    }
+
+    fn snapshot(&self) -> Vec<u8> {
+        if self.begun && self.config.fault == Fault::BigSnapshot {
+            return vec![0; 2 << 20];
+        }
+        let first_ns = self.first_ns.unwrap_or(u64::MAX);
+        [first_ns.to_le_bytes(), self.tag.to_le_bytes()].concat()
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        let (first_ns, tag) = state.split_first_chunk::<8>().ok_or("no time of the first step")?;
+        let tag = tag.try_into().map_err(|_| "no tag")?;
+        self.first_ns = Some(u64::from_le_bytes(*first_ns)).filter(|first_ns| *first_ns != u64::MAX);
+        self.tag = u64::from_le_bytes(tag);
+        Ok(())
+    }
+}
+
+backseat_sdk::export!(Faulty);
+
+impl Faulty {
+    fn next_tag(&mut self) -> u64 {
+        self.tag += 1;
+        self.tag
+    }
+
+    fn steady(&mut self) -> Request {
+        self.modify(self.config.heading_deg, 5 * SECOND_NS)
+    }
+
+    fn modify(&mut self, heading: f64, duration_ns: u64) -> Request {
+        let vertical = Vertical::Depth(self.config.depth_m);
+        Request::Modify(Modify {
+            tag: self.next_tag(),
+            heading,
+            vertical,
+            speed: self.config.speed_mps,
+            duration_ns,
+        })
+    }
+
+    fn line(&mut self, start: Position, end: Position) -> Request {
+        Request::Trackline(Trackline {
+            tag: self.next_tag(),
+            start,
+            end,
+            vertical: Vertical::Depth(self.config.depth_m),
+            speed: self.config.speed_mps,
+            interrupt: true,
+        })
+    }
+
+    /// One value wherever a request has a figure.
+    fn figures(&mut self, value: f64) -> Vec<Request> {
+        let (vertical, speed) = (Vertical::Depth(value), value);
+        let position = Position {
+            latitude: value,
+            longitude: value,
+        };
+        let (first, second) = (self.next_tag(), self.next_tag());
+        vec![
+            Request::Modify(Modify {
+                tag: first,
+                heading: value,
+                vertical,
+                speed,
+                duration_ns: u64::MAX,
+            }),
+            Request::Trackline(Trackline {
+                tag: second,
+                start: position,
+                end: position,
+                vertical,
+                speed,
+                interrupt: true,
+            }),
+        ]
+    }
+
+    fn contradictions(&mut self) -> Vec<Request> {
+        let vertical = Vertical::Depth(self.config.depth_m);
+        let modify = |heading| {
+            let (speed, duration_ns) = (self.config.speed_mps, 5 * SECOND_NS);
+            Request::Modify(Modify {
+                tag: 1,
+                heading,
+                vertical,
+                speed,
+                duration_ns,
+            })
+        };
+        vec![
+            modify(0.0),
+            modify(180.0),
+            Request::EndModify,
+            modify(90.0),
+            Request::Cancel(1),
+            Request::Cancel(u64::MAX),
+        ]
+    }
+
+    fn cross_fence(&mut self, input: &StepInput) -> Vec<Request> {
+        let Some(navigation) = &input.navigation else {
+            return vec![self.steady()];
+        };
+        let target = EastNorth::new(self.config.target_east_m, self.config.target_north_m);
+        let bearing_deg = navigation.local().bearing_deg(target);
+        let line = self.line(navigation.position, navigation.position_of(target));
+        match fence::check(&line) {
+            Ok(metres) => log::info!("the fence holds by {metres:.1} m"),
+            Err(breach) => log::warn!("the fence says {}: {}", breach.rule, breach.text),
+        }
+        vec![line, self.modify(bearing_deg, 5 * SECOND_NS)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_behaves_until_its_fault_comes() {
+        let config = Config {
+            fault: Fault::Error,
+            after_s: 2.0,
+            heading_deg: 45.0,
+            depth_m: 10.0,
+            speed_mps: 1.5,
+            target_east_m: 0.0,
+            target_north_m: 0.0,
+        };
+        let mut plugin = Faulty::new(config).unwrap();
+        let at = |second: u64| StepInput {
+            now_ns: (100 + second) * SECOND_NS,
+            ..StepInput::default()
+        };
+        assert!(plugin.step(&at(0)).is_ok());
+        assert!(plugin.step(&at(1)).is_ok());
+        assert!(plugin.step(&at(2)).is_err());
+    }
+}

@@ -1,1 +1,76 @@
-//! What a plugin's author depends on.
+//! What a plugin's author depends on: the types of the WIT world, the [`Plugin`] trait and the [`export!`] macro.
+//!
+//! A plugin is a function of its inputs. The runtime steps it now and then (as often as its [`Description`] says);
+//! each [`StepInput`] holds the time, the vehicle's navigation, whether the backseat has control, and all that has
+//! happened since the last step. The plugin answers with [`Request`]s. It has no clock, no random numbers, no files
+//! and no network: the same inputs give the same requests, in simulation and at sea.
+//!
+//! ```
+//! use backseat_sdk::{Description, Modify, NoConfig, Plugin, Request, StepInput, Vertical};
+//!
+//! struct NorthAtTenMetres;
+//!
+//! impl Plugin for NorthAtTenMetres {
+//!     type Config = NoConfig;
+//!
+//!     fn describe() -> Description {
+//!         Description { name: "north".into(), version: "0.1.0".into(), step_period_ns: 1_000_000_000, topics: vec![] }
+//!     }
+//!
+//!     fn new(_: NoConfig) -> Result<Self, String> {
+//!         Ok(Self)
+//!     }
+//!
+//!     fn step(&mut self, input: &StepInput) -> Result<Vec<Request>, String> {
+//!         if !input.control {
+//!             return Ok(vec![]);
+//!         }
+//!         Ok(vec![Request::Modify(Modify {
+//!             tag: 1,
+//!             heading: 0.0,
+//!             vertical: Vertical::Depth(10.0),
+//!             speed: 1.5,
+//!             duration_ns: 5_000_000_000,
+//!         })])
+//!     }
+//! }
+//!
+//! backseat_sdk::export!(NorthAtTenMetres);
+//!
+//! let mut plugin = NorthAtTenMetres;
+//! let input = StepInput { control: true, ..StepInput::default() };
+//! assert_eq!(plugin.step(&input).unwrap().len(), 1);
+//! ```
+//!
+//! # A plugin's crate
+//! Start from `plugins/template`. Its `Cargo.toml` has `crate-type = ["cdylib", "rlib"]`: the first is what becomes the
+//! component, the second lets `cargo test` run the unit tests on the host, as plain Rust, where [`mod@log`] writes to
+//! standard error and [`fence::check`] answers with a breach, as there is no runtime to ask.
+//!
+//! # What the runtime bounds
+//! Each call has a budget of fuel (roughly, WebAssembly instructions), each plugin a limit of memory. A step returns at
+//! most 256 requests; a message is at most 256 bytes, a snapshot at most 1 MiB. A plugin that breaks a bound or panics
+//! is started anew: a new instance gets [`Plugin::new`], [`Plugin::restore`] with the last snapshot, and an
+//! [`Event::Restored`]. An `Err` from `step` is recorded as a failure, and the instance lives on.
+//!
+//! # Requests and outcomes
+//! Every request that can come to an end carries a `tag` of the plugin's choosing, which returns in
+//! [`Event::Outcome`]: use a new one for each request whose fate matters. A [`Modify`] stands for its duration and the
+//! runtime refreshes it, so ask again before it runs out, or whenever the setpoint changes. A [`Trackline`] or
+//! [`Trackcircle`] is flown by the vehicle by itself once it has accepted it.
+
+#[doc(hidden)]
+pub mod bindings;
+mod defaults;
+#[doc(hidden)]
+pub mod exports;
+pub mod fence;
+pub mod log;
+mod plugin;
+
+pub use backseat_units as units;
+pub use bindings::backseat::plugin::types::{
+    Behavior, Ctd, Description, Event, Modify, Navigation, Outcome, Position, Request, Restored, State, StepInput,
+    Timer, Topic, Trackcircle, Trackline, Vertical,
+};
+pub use plugin::{NoConfig, Plugin};

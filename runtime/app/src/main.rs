@@ -1,2 +1,52 @@
-//! The `backseat` program.
-fn main() {}
+//! `backseat`: simulates, deploys and checks plugins that steer a Bluefin vehicle through the Standard Payload
+//! Interface. The logic is in the crates below; here are the command line and the drivers that read clocks and
+//! sockets.
+
+mod check;
+mod cli;
+mod clock;
+mod link;
+mod mvc;
+mod operator;
+mod plugins;
+mod run;
+mod sim;
+mod state;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::cli::{Cli, Command};
+
+/// Ran, and not every expectation held.
+const UNMET: u8 = 1;
+/// Wrong usage or input.
+const UNUSABLE: u8 = 2;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_target(false)
+        .with_env_filter(
+            tracing_subscriber::EnvFilter::try_from_env("BACKSEAT_LOG")
+                .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info")),
+        )
+        .init();
+    let result = match &cli.command {
+        Command::Sim(arguments) => sim::sim(arguments),
+        Command::Run(arguments) => run::run(arguments),
+        Command::Mvc(arguments) => mvc::mvc(arguments),
+        Command::Check(arguments) => check::check(arguments),
+    };
+    match result {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(UNMET),
+        Err(error) => {
+            // One line: what, where, what to do.
+            eprintln!("error: {error:#}");
+            ExitCode::from(UNUSABLE)
+        }
+    }
+}

@@ -147,6 +147,18 @@ impl Core {
         self.granted
     }
 
+    /// The newest navigation, however old.
+    #[must_use]
+    pub fn navigation(&self) -> Option<&crate::plugin::NavigationSample> {
+        self.tracker.newest()
+    }
+
+    /// Whether a lease stands.
+    #[must_use]
+    pub const fn is_steering(&self) -> bool {
+        self.lease.is_some()
+    }
+
     /// How many requests are not at their end.
     #[must_use]
     pub fn open_requests(&self) -> usize {

@@ -1,7 +1,6 @@
 use std::time::Duration;
 
 use backseat_spi::{Navigation, PositionQuality, VelocityAndRates};
-use backseat_units::math::hypot;
 use backseat_units::{LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 
 use crate::clock::VehicleClock;
@@ -170,11 +169,5 @@ impl Tracker {
     pub(crate) fn bottom_lock(&self, now: Timestamp) -> Option<BottomLock> {
         let (lock, at) = self.lock?;
         (now.since(at) <= LOCK_LASTS).then_some(lock)
-    }
-
-    /// Speed over ground of the newest sample, m/s.
-    pub(crate) fn ground_speed_mps(&self) -> f64 {
-        self.newest()
-            .map_or(0.0, |sample| hypot(sample.east_mps, sample.north_mps))
     }
 }

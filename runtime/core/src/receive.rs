@@ -20,12 +20,8 @@ impl Core {
             return;
         }
         self.framer.push(bytes);
-        loop {
-            let decoded = match self.framer.next_sentence() {
-                Some(sentence) => FromVehicle::decode(&sentence),
-                None => break,
-            };
-            match decoded {
+        while let Some(sentence) = self.framer.next_sentence() {
+            match FromVehicle::decode(&sentence) {
                 Ok(message) => self.message(message),
                 Err(error) => self.malformed(&error),
             }
@@ -43,7 +39,7 @@ impl Core {
 
     fn message(&mut self, message: FromVehicle) {
         match message {
-            FromVehicle::Navigation(message) => self.navigation(&message),
+            FromVehicle::Navigation(message) => self.navigated(&message),
             FromVehicle::VelocityAndRates(message) => self.velocity(&message),
             FromVehicle::Acknowledgement(message) => self.acknowledged(&message),
             FromVehicle::BackseatControl(message) => {
@@ -92,7 +88,7 @@ impl Core {
         self.tracker.heard(self.now, utc, created);
     }
 
-    fn navigation(&mut self, message: &Navigation) {
+    fn navigated(&mut self, message: &Navigation) {
         let utc = self.utc();
         let Some(change) = self.tracker.position(self.now, utc, message) else {
             return;

@@ -150,8 +150,8 @@ impl Core {
     }
 
     fn subscribe_all(&mut self) {
-        for index in 0..SUBSCRIPTIONS.len() {
-            if SUBSCRIPTIONS[index] != "CTD" || self.session.wants_ctd {
+        for (index, message) in SUBSCRIPTIONS.iter().enumerate() {
+            if *message != "CTD" || self.session.wants_ctd {
                 self.subscribe(index);
             }
         }

@@ -1,1 +1,78 @@
 //! Geofences: inclusion and exclusion polygons, depth and altitude bands, swept-shape checks.
+//!
+//! A [`Fence`] is read from GeoJSON once ([`Fence::from_geojson`]) and never changes. [`Fence::check`] judges a
+//! [`Sweep`] (a point, a leg, a solid triangle or quadrilateral, a circle's rim, each with a radius) together with a
+//! [`VerticalExtent`], and answers with a [`Clearance`] or a [`Breach`].
+//!
+//! # What holds
+//! - The sweep, with its radius and the zone's margin, lies wholly inside **one** polygon of one inclusion zone. Two
+//!   that overlap or touch are not joined: a leg from one into the other is refused. This is stricter than need be,
+//!   and never laxer; draw one polygon where the vehicle shall pass.
+//! - The sweep's depths lie within that zone's band, and its least altitude is at least the zone's.
+//! - The sweep, with its radius and the zone's margin, stays clear of each exclusion zone whose band shares a depth
+//!   with the sweep; a band's two ends belong to it.
+//! - Distance equal to margin plus radius is enough. An edge itself is a micrometre thick, so that a sweep of no
+//!   radius on the edge of a zone of no margin is refused.
+//! - What is not a finite number is refused, never passed.
+//!
+//! # File
+//! A `FeatureCollection` of `Polygon` and `MultiPolygon` features, in longitude and latitude of WGS84. Each
+//! feature's properties:
+//!
+//! | key | zone | meaning |
+//! |---|---|---|
+//! | `name` | both | unlike all others |
+//! | `kind` | both | `"inclusion"` or `"exclusion"` |
+//! | `margin_m` | both | kept from the edge, 0 or more |
+//! | `depth_min_m` | inclusion | shallowest allowed, 0 where absent |
+//! | `depth_max_m` | inclusion | deepest allowed, required |
+//! | `altitude_min_m` | inclusion | least height above the bottom, required |
+//! | `depth_min_m`, `depth_max_m` | exclusion | the depths that are forbidden; all, on the side of an absent key |
+//!
+//! Edges are straight in longitude and latitude (RFC 7946, section 3.1.1); they are divided at load so that the
+//! plane's straight pieces follow them to a centimetre. Features, polygons, rings, vertices and edges count from 1 in
+//! all texts; edge 4 runs from vertex 4 to vertex 5, in the order of the file.
+
+//!
+//! # Example
+//! ```
+//! use backseat_fence::{Fence, Rule, Shape, Sweep, VerticalExtent};
+//! use backseat_units::EastNorth;
+//!
+//! let fence = Fence::from_geojson(
+//!     r#"{"type": "FeatureCollection", "features": [{
+//!         "type": "Feature",
+//!         "properties": {
+//!             "name": "survey box", "kind": "inclusion", "margin_m": 10, "depth_max_m": 30, "altitude_min_m": 3
+//!         },
+//!         "geometry": {"type": "Polygon", "coordinates": [
+//!             [[-70.0, 42.0], [-69.99, 42.0], [-69.99, 42.01], [-70.0, 42.01], [-70.0, 42.0]]
+//!         ]}
+//!     }]}"#,
+//! )?;
+//! let vertical = VerticalExtent { depth_min_m: 5.0, depth_max_m: 12.0, altitude_min_m: 8.0 };
+//! let leg = |length_m| Sweep::new(Shape::leg(EastNorth::new(0.0, 0.0), EastNorth::new(length_m, 0.0)), 5.0);
+//!
+//! assert!(fence.check(&leg(300.0), &vertical)?.metres > 90.0);
+//! let breach = fence.check(&leg(500.0), &vertical).unwrap_err();
+//! assert_eq!(breach.rule, Rule::Inclusion);
+//! println!("rejected: {breach}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod distance;
+mod error;
+mod fence;
+mod load;
+mod outline;
+mod polygon;
+mod question;
+mod sweep;
+mod verdict;
+mod zone;
+
+pub use error::{FenceError, Place};
+pub use fence::Fence;
+pub use sweep::{Hull, Shape, Sweep, VerticalExtent};
+pub use verdict::{Breach, Clearance, EdgeId, EdgeInfo, Rule};
+pub use zone::{Band, Kind, Ring, Zone};

@@ -1,1 +1,15 @@
-//! Missions on disk: mission.toml, fence.geojson, world.toml.
+//! Missions on disk: a folder with `mission.toml`, `fence.geojson` and, for simulation, `world.toml`.
+//!
+//! Each file is parsed alone first, so that a fault is told with its line; then `mission.toml` is layered: defaults,
+//! the file, the environment (`BACKSEAT__LIMITS__SPEED_MAX_MPS=1.8`), the command line (`--set limits.speed_max_mps=1.8`).
+//! The whole that results can be printed, and its hash is in every log.
+
+mod component;
+mod error;
+mod file;
+mod mission;
+
+pub use component::find_component;
+pub use error::MissionError;
+pub use file::{BudgetTable, MissionFile, PluginTable, VehicleTable};
+pub use mission::{Layers, Mission};

@@ -1,1 +1,51 @@
 //! A mock of the Bluefin main vehicle computer: mission executive, vehicle, sensors, SPI server side.
+//!
+//! Sans-IO: [`Mvc`] reads no clock and no socket. A driver calls, in this order:
+//!
+//! 1. an input: [`Mvc::connect`], [`Mvc::disconnect`], [`Mvc::receive`] or [`Mvc::handle_timeout`], each with the time
+//!    of now, which never goes back;
+//! 2. then [`Mvc::poll_transmit`], [`Mvc::poll_disconnect`] and [`Mvc::poll_event`], each until it has no more;
+//! 3. then [`Mvc::poll_timeout`], which says when to call `handle_timeout`.
+//!
+//! Everything happens in steps of the vehicle, ten a second unless configured: its motion, its navigation messages,
+//! the lapse of a modify, the outcome of a pending request. What a client sends is answered at once.
+//!
+//! The mock is the honest other side: it shares the sentences and the quantities with the runtime, and nothing that
+//! judges. What it knows and a payload cannot is in [`Mvc::truth`] and [`Mvc::world`]. The same [`WorldFile`], seed
+//! and inputs give the same bytes.
+//!
+//! Deliberately absent so far: GPS hits, trim and buoyancy, silent mode, the hovering hull's suspension, DVL
+//! triggering, acoustic communications, and the payload's abort and kill. Those commands are known and refused.
+
+mod commands;
+mod course;
+mod error;
+mod event;
+mod executive;
+mod file;
+mod hull;
+mod insert;
+mod interpretation;
+mod modify;
+mod mvc;
+mod plan;
+mod plan_report;
+mod sensors;
+mod server;
+mod truth;
+mod vehicle;
+
+pub use error::MvcError;
+pub use event::{
+    Behavior, CancelCause, ClientId, DropReason, EndReason, ModifyEnd, ModifyValues, ModifyVertical, MvcEvent,
+    MvcEventKind, Refusal, Source, Status,
+};
+pub use file::{
+    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, Expectations, HeadingFrame,
+    InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig, ModifyLimit, PlaceConfig, PlanEntry,
+    PlanKind, Profile, SensorConfig, SpiConfig, StartConfig, VehicleConfig, WorldFile, WrapUp,
+};
+pub use hull::{Hull, HullClass};
+pub use interpretation::Interpretation;
+pub use mvc::Mvc;
+pub use truth::{Activity, Truth};

@@ -1,1 +1,23 @@
-//! Runtime, plugins and mock vehicle on a virtual clock.
+//! Runtime, plugins and mock vehicle in one process on a virtual clock.
+//!
+//! [`Simulation`] is the second driver of `backseat_core::Core`, beside the one at sea: it carries out the same outputs
+//! and gives the same inputs, and only its clock, its link and its vehicle are made. Time jumps from one event to the
+//! next, so a mission takes as long as its computing.
+//!
+//! The same mission, seed and components give the same bytes on the link, which the digest shows.
+
+mod digest;
+mod expectation;
+mod link;
+mod load;
+mod report;
+mod simulation;
+mod survey_map;
+mod trace;
+
+pub use digest::{Digest, Direction};
+pub use load::{LoadError, Loaded, load_plugins};
+pub use report::Report;
+pub use simulation::{SimError, Simulation};
+pub use survey_map::survey_map;
+pub use trace::{Sample, Steering, Trace};

@@ -95,7 +95,10 @@ impl LocalFrame {
     #[must_use]
     pub fn new(origin: Position) -> Self {
         let (sin, cos) = sin_cos(origin.latitude.as_deg().to_radians());
-        Self { origin, origin_arc_m: meridian_arc_m(origin.latitude.as_deg().to_radians(), sin, cos) }
+        Self {
+            origin,
+            origin_arc_m: meridian_arc_m(origin.latitude.as_deg().to_radians(), sin, cos),
+        }
     }
 
     /// Where east and north are zero.
@@ -116,9 +119,8 @@ impl LocalFrame {
         let c = EP2 * cos * cos;
         let a = longitude * cos;
         let a2 = a * a;
-        let east_m = n
-            * a
-            * (1.0 + a2 / 6.0 * (1.0 - t + c + a2 / 20.0 * (5.0 - 18.0 * t + t * t + 72.0 * c - 58.0 * EP2)));
+        let east_m =
+            n * a * (1.0 + a2 / 6.0 * (1.0 - t + c + a2 / 20.0 * (5.0 - 18.0 * t + t * t + 72.0 * c - 58.0 * EP2)));
         let north_m = meridian_arc_m(latitude, sin, cos) - self.origin_arc_m
             + n * tan
                 * a2
@@ -138,8 +140,7 @@ impl LocalFrame {
     pub fn to_position(&self, point: EastNorth) -> Position {
         let e1 = (1.0 - (1.0 - E2).sqrt()) / (1.0 + (1.0 - E2).sqrt());
         let arc = self.origin_arc_m + point.north_m;
-        let mu =
-            arc / (SEMI_MAJOR_AXIS_M * (1.0 - E2 / 4.0 - 3.0 * E2 * E2 / 64.0 - 5.0 * E2 * E2 * E2 / 256.0));
+        let mu = arc / (SEMI_MAJOR_AXIS_M * (1.0 - E2 / 4.0 - 3.0 * E2 * E2 / 64.0 - 5.0 * E2 * E2 * E2 / 256.0));
         let (s2, c2) = sin_cos(2.0 * mu);
         // sin 4mu, 6mu, 8mu from sin 2mu and cos 2mu.
         let s4 = 2.0 * s2 * c2;
@@ -166,7 +167,9 @@ impl LocalFrame {
                 * d2
                 * (0.5
                     - d2 / 24.0
-                        * (5.0 + 3.0 * t + 10.0 * c - 4.0 * c * c - 9.0 * EP2
+                        * (5.0 + 3.0 * t + 10.0 * c
+                            - 4.0 * c * c
+                            - 9.0 * EP2
                             - d2 / 30.0 * (61.0 + 90.0 * t + 298.0 * c + 45.0 * t * t - 252.0 * EP2 - 3.0 * c * c)));
         let longitude = d
             * (1.0
@@ -229,7 +232,10 @@ mod tests {
         // 40 30 N, 73 30 W in UTM zone 18 (scale 0.9996, false easting 500 km) by PROJ 9.
         let frame = LocalFrame::new(position(0.0, -75.0));
         let point = frame.to_local(position(40.5, -73.5));
-        assert!((point.east_m * 0.9996 + 500_000.0 - 627_103.087_3).abs() < 1e-3, "{point:?}");
+        assert!(
+            (point.east_m * 0.9996 + 500_000.0 - 627_103.087_3).abs() < 1e-3,
+            "{point:?}"
+        );
         assert!((point.north_m * 0.9996 - 4_484_335.401_7).abs() < 1e-3, "{point:?}");
     }
 

@@ -68,6 +68,9 @@ impl Position {
     /// # Errors
     /// [`OutOfRange`] where latitude is beyond ±90 or longitude beyond ±180.
     pub fn from_deg(latitude_deg: f64, longitude_deg: f64) -> Result<Self, OutOfRange> {
-        Ok(Self { latitude: Latitude::from_deg(latitude_deg)?, longitude: Longitude::from_deg(longitude_deg)? })
+        Ok(Self {
+            latitude: Latitude::from_deg(latitude_deg)?,
+            longitude: Longitude::from_deg(longitude_deg)?,
+        })
     }
 }

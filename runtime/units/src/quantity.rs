@@ -94,7 +94,13 @@ macro_rules! heading {
                 if deg.abs() <= 1e6 {
                     Ok(Self(wrap_360(deg)))
                 } else {
-                    Err(OutOfRange { quantity: $lower, value: deg, unit: "deg", min: -1e6, max: 1e6 })
+                    Err(OutOfRange {
+                        quantity: $lower,
+                        value: deg,
+                        unit: "deg",
+                        min: -1e6,
+                        max: 1e6,
+                    })
                 }
             }
 

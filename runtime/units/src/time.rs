@@ -127,7 +127,11 @@ impl TimeOfDay {
     /// From nanoseconds since midnight; `None` past the end of a leap second.
     #[must_use]
     pub const fn from_nanos(nanos: u64) -> Option<Self> {
-        if nanos < NANOS_PER_DAY + NANOS_PER_SECOND { Some(Self(nanos)) } else { None }
+        if nanos < NANOS_PER_DAY + NANOS_PER_SECOND {
+            Some(Self(nanos))
+        } else {
+            None
+        }
     }
 
     /// From hours, minutes, seconds and nanoseconds; `None` where that is no time of day. Second 60 only as 23:59:60.
@@ -155,7 +159,12 @@ impl TimeOfDay {
         if seconds >= SECONDS_PER_DAY {
             return (23, 59, 60, nanos);
         }
-        ((seconds / 3600) as u32, (seconds / 60 % 60) as u32, (seconds % 60) as u32, nanos)
+        (
+            (seconds / 3600) as u32,
+            (seconds / 60 % 60) as u32,
+            (seconds % 60) as u32,
+            nanos,
+        )
     }
 
     /// The same time cut (never rounded up, which could reach the next day) to whole milliseconds.

@@ -1,0 +1,95 @@
+use backseat_sdk::units::math::{asin, hypot, sin_cos, wrap_360};
+use serde::{Deserialize, Serialize};
+
+/// How long the estimate remembers, seconds.
+const MEMORY_S: f64 = 30.0;
+/// In a faster turn than this the vehicle slips sideways: not a current, degrees per second.
+const TURN_MAX_DPS: f64 = 4.0;
+/// A stronger current than this is a fault of the figures, metres per second.
+const CURRENT_MAX_MPS: f64 = 1.5;
+
+/// The current, from velocity over ground less velocity through the water, low-passed.
+///
+/// Speed through the water is taken to be what was asked for. Where it is not, the error lies along the heading, and
+/// what matters to the crab angle, the part across, is right all the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CurrentEstimate {
+    east_mps: f64,
+    north_mps: f64,
+    /// How long it has listened, seconds, up to [`MEMORY_S`].
+    heard_s: f64,
+}
+
+impl CurrentEstimate {
+    /// Takes `over_s` seconds at a heading and velocity over ground (east, north).
+    pub fn measure(
+        &mut self,
+        heading_deg: f64,
+        speed_mps: f64,
+        ground_mps: (f64, f64),
+        yaw_rate_dps: f64,
+        over_s: f64,
+    ) {
+        let (sin, cos) = sin_cos(heading_deg.to_radians());
+        let seen = (ground_mps.0 - speed_mps * sin, ground_mps.1 - speed_mps * cos);
+        let plausible = hypot(seen.0, seen.1) <= CURRENT_MAX_MPS;
+        if !plausible || yaw_rate_dps.abs() > TURN_MAX_DPS || !(over_s > 0.0 && over_s < 60.0) {
+            return;
+        }
+        // A mean at first, a low pass after that.
+        self.heard_s = (self.heard_s + over_s).min(MEMORY_S);
+        let gain = over_s / self.heard_s;
+        self.east_mps += gain * (seen.0 - self.east_mps);
+        self.north_mps += gain * (seen.1 - self.north_mps);
+    }
+
+    /// Where the water goes, metres per second east and north.
+    #[must_use]
+    pub const fn mps(&self) -> (f64, f64) {
+        (self.east_mps, self.north_mps)
+    }
+
+    /// The heading that makes good a course over ground, degrees in [0, 360).
+    ///
+    /// The crab angle of Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control* (2nd ed. 2021), chapter
+    /// 12: the heading whose part across the course cancels the current's.
+    #[must_use]
+    pub fn heading_deg(&self, course_deg: f64, speed_mps: f64) -> f64 {
+        let (sin, cos) = sin_cos(course_deg.to_radians());
+        let set_right_mps = self.east_mps * cos - self.north_mps * sin;
+        wrap_360(course_deg - asin((set_right_mps / speed_mps).clamp(-0.8, 0.8)).to_degrees())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn the_heading_makes_the_course_good(
+            east in -0.3..0.3f64, north in -0.3..0.3f64, heading in 0.0..360.0f64, course in 0.0..360.0f64,
+        ) {
+            let mut current = CurrentEstimate::default();
+            let (sin, cos) = sin_cos(heading.to_radians());
+            for _ in 0..20 {
+                current.measure(heading, 1.5, (1.5 * sin + east, 1.5 * cos + north), 0.0, 0.5);
+            }
+            let (sin, cos) = sin_cos(current.heading_deg(course, 1.5).to_radians());
+            let ground = (1.5 * sin + east, 1.5 * cos + north);
+            let (sin, cos) = sin_cos(course.to_radians());
+            prop_assert!((ground.0 * cos - ground.1 * sin).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn turns_and_nonsense_are_no_current() {
+        let mut current = CurrentEstimate::default();
+        current.measure(0.0, 1.5, (0.5, 1.5), 9.0, 0.5);
+        current.measure(0.0, 1.5, (9.0, 1.5), 0.0, 0.5);
+        current.measure(0.0, 1.5, (f64::NAN, 1.5), 0.0, 0.5);
+        assert_eq!(current.mps(), (0.0, 0.0));
+    }
+}

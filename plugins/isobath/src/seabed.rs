@@ -1,0 +1,338 @@
+#![expect(
+    clippy::needless_range_loop,
+    reason = "matrix formulas read best with their indices"
+)]
+
+use backseat_sdk::units::EastNorth;
+use backseat_sdk::units::math::{exp, hypot};
+use serde::{Deserialize, Serialize};
+
+/// How many coefficients the surface has: depth, its gradient, and its three second derivatives.
+const N: usize = 6;
+/// Coordinates are counted in this length, so that all coefficients are metres and of like size.
+const UNIT_M: f64 = 50.0;
+/// What the slope may differ from the general one, one standard deviation, metres per metre.
+const SLOPE_SIGMA: f64 = 0.02;
+/// How much the seabed may bend, one standard deviation, per metre: a meander of 400 m that adds 0.6 % of slope has
+/// 0.0001.
+const BEND_SIGMA_PER_M: f64 = 0.8e-4;
+/// Samples farther than this many standard deviations from the surface are outliers.
+const GATE: f64 = 4.0;
+/// After so many outliers in a row it is the surface that is wrong.
+const OUTLIERS_MAX: u32 = 10;
+/// The noise of a sample, metres: what is assumed first, and between what it is learnt.
+const NOISE_FIRST_M: f64 = 0.2;
+const NOISE_MIN_M: f64 = 0.05;
+const NOISE_MAX_M: f64 = 0.5;
+/// Weight of the newest sample in the noise.
+const NOISE_GAIN: f64 = 0.02;
+
+type Vector = [f64; N];
+type Matrix = [[f64; N]; N];
+
+/// A surface fitted to the water depth around the vehicle, by recursive least squares in information form.
+///
+/// The surface is D + g·x + x·Hx/2 around the vehicle, and moves along with it exactly. A straight run along a contour
+/// says nothing of the slope across it, and plain exponential forgetting would let that estimate wind up (Åström and
+/// Wittenmark, *Adaptive Control*, section 11.5). So it forgets towards a general slope without bends, not towards
+/// nothing: stabilised forgetting, Λ ← λΛ + (1 - λ)Λ₀ (Kulhavý and Zarrop, "On a general concept of forgetting",
+/// Int. J. Control 58(4), 1993). λ falls with the way made, not with time: the seabed does not change.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Seabed {
+    memory_m: f64,
+    /// The general gradient, metres deeper per metre.
+    general: EastNorth,
+    /// Where the coefficients are counted from; none before the first sample.
+    at: Option<EastNorth>,
+    information: Matrix,
+    vector: Vector,
+    noise_m: f64,
+    outliers: u32,
+}
+
+/// The seabed at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Water depth, metres.
+    pub depth_m: f64,
+    /// Metres deeper per metre, east and north.
+    pub gradient: EastNorth,
+    /// Second derivatives of depth, per metre: east-east, east-north, north-north.
+    pub bend_per_m: [f64; 3],
+    /// Standard deviation of `depth_m`, metres.
+    pub depth_sigma_m: f64,
+}
+
+impl Estimate {
+    /// The gradient this far from the place.
+    #[must_use]
+    pub fn gradient_at(&self, from: EastNorth) -> EastNorth {
+        let [ee, en, nn] = self.bend_per_m;
+        self.gradient
+            + EastNorth::new(
+                ee * from.east_m + en * from.north_m,
+                en * from.east_m + nn * from.north_m,
+            )
+    }
+
+    /// Steepness, metres per metre.
+    #[must_use]
+    pub fn slope(&self) -> f64 {
+        hypot(self.gradient.east_m, self.gradient.north_m)
+    }
+}
+
+impl Seabed {
+    /// Nothing measured yet: `slope` metres deeper per metre towards `deeper_toward_deg`, which `memory_m` metres of
+    /// way forget towards.
+    #[must_use]
+    pub fn new(slope: f64, deeper_toward_deg: f64, memory_m: f64) -> Self {
+        Self {
+            memory_m,
+            general: EastNorth::default().offset(deeper_toward_deg, slope),
+            at: None,
+            information: [[0.0; N]; N],
+            vector: [0.0; N],
+            noise_m: NOISE_FIRST_M,
+            outliers: 0,
+        }
+    }
+
+    /// Takes a measured water depth at a place. False where it was an outlier, and so was not used.
+    pub fn measure(&mut self, at: EastNorth, water_depth_m: f64) -> bool {
+        if !(at.east_m.is_finite() && at.north_m.is_finite() && water_depth_m.is_finite()) {
+            return false;
+        }
+        self.move_to(at);
+        if let Some(estimate) = self.estimate() {
+            let residual_m = water_depth_m - estimate.depth_m;
+            let sigma_m = hypot(self.noise_m, estimate.depth_sigma_m);
+            if residual_m.abs() > GATE * sigma_m && self.outliers < OUTLIERS_MAX {
+                self.outliers += 1;
+                return false;
+            }
+            if residual_m.abs() > GATE * sigma_m {
+                self.forget_all();
+            }
+            // The mean size of a normal number is √(2/π) of its standard deviation.
+            let size_m = residual_m.abs() * 1.2533;
+            self.noise_m = (self.noise_m + NOISE_GAIN * (size_m - self.noise_m)).clamp(NOISE_MIN_M, NOISE_MAX_M);
+        }
+        self.outliers = 0;
+        // At the place itself only the depth coefficient is seen.
+        let weight = 1.0 / (self.noise_m * self.noise_m);
+        self.information[0][0] += weight;
+        self.vector[0] += weight * water_depth_m;
+        true
+    }
+
+    /// Brings the surface to where the vehicle is, and forgets as much as the way there asks for.
+    pub fn move_to(&mut self, at: EastNorth) {
+        let Some(before) = self.at else {
+            self.at = Some(at);
+            self.forget_all();
+            return;
+        };
+        let way = at - before;
+        let way_m = before.distance_m(at);
+        self.at = Some(at);
+        if way_m <= 0.0 {
+            return;
+        }
+        self.shift(way.east_m / UNIT_M, way.north_m / UNIT_M);
+        let keep = exp(-way_m / self.memory_m);
+        let (information, vector) = self.prior();
+        for row in 0..N {
+            for column in 0..N {
+                self.information[row][column] *= keep;
+            }
+            self.information[row][row] += (1.0 - keep) * information[row];
+            self.vector[row] = keep * self.vector[row] + (1.0 - keep) * vector[row];
+        }
+    }
+
+    /// The seabed where the vehicle is; none before a sample, or where the samples do not say.
+    #[must_use]
+    pub fn estimate(&self) -> Option<Estimate> {
+        if self.information[0][0] < 1e-3 {
+            return None;
+        }
+        let factor = cholesky(&self.information)?;
+        let theta = solve(&factor, &self.vector);
+        let mut unit = [0.0; N];
+        unit[0] = 1.0;
+        let variance = solve(&factor, &unit)[0];
+        let square = UNIT_M * UNIT_M;
+        Some(Estimate {
+            depth_m: theta[0],
+            gradient: EastNorth::new(theta[1] / UNIT_M, theta[2] / UNIT_M),
+            bend_per_m: [theta[3] / square, theta[4] / square, theta[5] / square],
+            depth_sigma_m: variance.max(0.0).sqrt(),
+        })
+    }
+
+    /// What the noise of a sample has been learnt to be, metres.
+    #[must_use]
+    pub const fn noise_m(&self) -> f64 {
+        self.noise_m
+    }
+
+    fn forget_all(&mut self) {
+        let (information, vector) = self.prior();
+        self.information = [[0.0; N]; N];
+        for row in 0..N {
+            self.information[row][row] = information[row];
+        }
+        self.vector = vector;
+    }
+
+    /// Λ₀ (its diagonal) and Λ₀θ₀.
+    fn prior(&self) -> (Vector, Vector) {
+        let slope = 1.0 / (SLOPE_SIGMA * UNIT_M * SLOPE_SIGMA * UNIT_M);
+        let bend_sigma = BEND_SIGMA_PER_M * UNIT_M * UNIT_M;
+        let bend = 1.0 / (bend_sigma * bend_sigma);
+        // The depth itself has no general value; the trace keeps the matrix regular.
+        let information = [1e-6, slope, slope, bend, 2.0 * bend, bend];
+        let gradient = self.general * UNIT_M;
+        let vector = [0.0, slope * gradient.east_m, slope * gradient.north_m, 0.0, 0.0, 0.0];
+        (information, vector)
+    }
+
+    /// Counts the coefficients from a place (e, n) units away: θ' = Tθ, so Λ' = SᵀΛS and η' = Sᵀη with S = T⁻¹, which
+    /// is the same shift the other way.
+    fn shift(&mut self, e: f64, n: f64) {
+        let mut back = [[0.0; N]; N];
+        for (index, row) in back.iter_mut().enumerate() {
+            row[index] = 1.0;
+        }
+        back[0] = [1.0, -e, -n, 0.5 * e * e, e * n, 0.5 * n * n];
+        back[1][3] = -e;
+        back[1][4] = -n;
+        back[2][4] = -e;
+        back[2][5] = -n;
+        let product = |left: &Matrix, right: &Matrix, transposed: bool| {
+            let mut out = [[0.0; N]; N];
+            for row in 0..N {
+                for column in 0..N {
+                    for inner in 0..N {
+                        let factor = if transposed { left[inner][row] } else { left[row][inner] };
+                        out[row][column] += factor * right[inner][column];
+                    }
+                }
+            }
+            out
+        };
+        self.information = product(&back, &product(&self.information, &back, false), true);
+        let mut vector = [0.0; N];
+        for row in 0..N {
+            for inner in 0..N {
+                vector[row] += back[inner][row] * self.vector[inner];
+            }
+        }
+        self.vector = vector;
+    }
+}
+
+/// The lower factor of a symmetric positive definite matrix; none where it is not.
+fn cholesky(matrix: &Matrix) -> Option<Matrix> {
+    let mut factor = [[0.0; N]; N];
+    for row in 0..N {
+        for column in 0..=row {
+            let mut sum = matrix[row][column];
+            for inner in 0..column {
+                sum -= factor[row][inner] * factor[column][inner];
+            }
+            if row == column {
+                if sum.is_nan() || sum <= 0.0 {
+                    return None;
+                }
+                factor[row][row] = sum.sqrt();
+            } else {
+                factor[row][column] = sum / factor[column][column];
+            }
+        }
+    }
+    Some(factor)
+}
+
+fn solve(factor: &Matrix, right: &Vector) -> Vector {
+    let mut x = *right;
+    for row in 0..N {
+        for inner in 0..row {
+            x[row] -= factor[row][inner] * x[inner];
+        }
+        x[row] /= factor[row][row];
+    }
+    for row in (0..N).rev() {
+        for inner in row + 1..N {
+            x[row] -= factor[inner][row] * x[inner];
+        }
+        x[row] /= factor[row][row];
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A weaving run of `count` samples over a plane.
+    fn run(seabed: &mut Seabed, depth: impl Fn(EastNorth) -> f64, count: u32) -> EastNorth {
+        let mut at = EastNorth::default();
+        for index in 0..count {
+            let t = f64::from(index);
+            at = EastNorth::new(0.75 * t, 10.0 * backseat_sdk::units::math::sin(t / 12.0));
+            seabed.measure(at, depth(at));
+        }
+        at
+    }
+
+    proptest! {
+        #[test]
+        fn a_plane_is_found_whatever_was_assumed(
+            slope in 0.015..0.07f64, toward in 0.0..360.0f64, assumed in 0.0..360.0f64,
+        ) {
+            let gradient = EastNorth::default().offset(toward, slope);
+            let depth = |at: EastNorth| 30.0 + gradient.east_m * at.east_m + gradient.north_m * at.north_m;
+            let mut seabed = Seabed::new(0.03, assumed, 40.0);
+            let at = run(&mut seabed, depth, 300);
+            let estimate = seabed.estimate().unwrap();
+            prop_assert!((estimate.depth_m - depth(at)).abs() < 0.05, "{estimate:?}");
+            prop_assert!(estimate.gradient.distance_m(gradient) < 0.006, "{estimate:?} {gradient:?}");
+        }
+    }
+
+    #[test]
+    fn outliers_are_left_out_but_a_step_of_the_seabed_is_believed() {
+        let mut seabed = Seabed::new(0.03, 0.0, 40.0);
+        let at = run(&mut seabed, |at| 30.0 + 0.03 * at.north_m, 100);
+        let before = seabed.estimate().unwrap();
+        assert!(!seabed.measure(at, 55.0));
+        assert_eq!(seabed.estimate().unwrap(), before);
+        let used = (0..20).filter(|_| seabed.measure(at, 40.0)).count();
+        assert!(used >= 9, "{used}");
+        assert!((seabed.estimate().unwrap().depth_m - 40.0).abs() < 0.2);
+    }
+
+    #[test]
+    fn a_straight_run_keeps_a_slope_across() {
+        // Plain forgetting would lose it, and the matrix with it.
+        let mut seabed = Seabed::new(0.04, 0.0, 40.0);
+        for index in 0..4000 {
+            seabed.measure(EastNorth::new(0.75 * f64::from(index), 0.0), 30.0);
+        }
+        let estimate = seabed.estimate().unwrap();
+        assert!((estimate.gradient.north_m - 0.04).abs() < 1e-3, "{estimate:?}");
+        assert!(estimate.gradient.east_m.abs() < 1e-3, "{estimate:?}");
+    }
+
+    #[test]
+    fn nonsense_is_not_measured() {
+        let mut seabed = Seabed::new(0.03, 0.0, 40.0);
+        assert!(!seabed.measure(EastNorth::default(), f64::NAN));
+        assert!(!seabed.measure(EastNorth::new(f64::INFINITY, 0.0), 3.0));
+        assert!(seabed.estimate().is_none());
+    }
+}

@@ -1,0 +1,211 @@
+use backseat_sdk::units::EastNorth;
+use backseat_sdk::units::math::{exp, ln};
+
+use crate::matrix::LeastSquares;
+use crate::samples::Bin;
+
+/// Lengths are counted in this, so that all coefficients are of like size.
+const UNIT_M: f64 = 100.0;
+/// A fit whose standard deviation leaves this is none, metres.
+const SIGMA_MIN_M: f64 = 10.0;
+const SIGMA_MAX_M: f64 = 1000.0;
+/// Rounds of the fit at most, and the step of its centre that ends it.
+const ROUNDS: u32 = 20;
+const SETTLED_M: f64 = 0.05;
+/// Below this part of the peak the logarithm says more of the background than of the peak.
+const FOOT: f64 = 0.1;
+/// And below so many standard deviations of a bin's noise.
+const FOOT_SIGMAS: f64 = 3.0;
+/// Fewer bins on the peak than this do not tell its shape.
+const BINS_MIN: u32 = 8;
+
+/// A Gaussian over a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gaussian {
+    /// Metres from the area's middle.
+    pub centre: EastNorth,
+    /// Height over the background at the centre.
+    pub amplitude: f64,
+    /// Inverse covariance, per square metre: east-east, east-north, north-north.
+    pub tightness: [f64; 3],
+    /// Background at the area's middle, and its gradient east and north per metre.
+    pub background: [f64; 3],
+}
+
+impl Gaussian {
+    /// A round one, with nothing known of height and background.
+    #[must_use]
+    pub fn round(centre: EastNorth, sigma_m: f64) -> Self {
+        let tightness = 1.0 / (sigma_m * sigma_m);
+        Self {
+            centre,
+            amplitude: 1.0,
+            tightness: [tightness, 0.0, tightness],
+            background: [0.0; 3],
+        }
+    }
+
+    /// The smaller and the greater standard deviation, metres: of the ellipse's axes.
+    #[must_use]
+    pub fn sigmas_m(&self) -> (f64, f64) {
+        let [ee, en, nn] = self.tightness;
+        let mean = 0.5 * (ee + nn);
+        let spread = (0.25 * (ee - nn) * (ee - nn) + en * en).sqrt();
+        (1.0 / (mean + spread).sqrt(), 1.0 / (mean - spread).max(1e-12).sqrt())
+    }
+
+    /// The background at a place.
+    #[must_use]
+    pub fn background_at(&self, at: EastNorth) -> f64 {
+        let [middle, east, north] = self.background;
+        middle + east * at.east_m + north * at.north_m
+    }
+
+    /// Its height at a place, as a part of its amplitude.
+    #[must_use]
+    pub fn shape_at(&self, at: EastNorth) -> f64 {
+        let from = at - self.centre;
+        let [ee, en, nn] = self.tightness;
+        let square =
+            ee * from.east_m * from.east_m + 2.0 * en * from.east_m * from.north_m + nn * from.north_m * from.north_m;
+        if square > 100.0 { 0.0 } else { exp(-0.5 * square) }
+    }
+
+    /// Fits a Gaussian over a sloping background, from a first guess of centre and shape. `noise` is a single sample's
+    /// standard deviation. None where the bins do not show one.
+    ///
+    /// The logarithm of a Gaussian is a quadratic, which linear least squares can fit (Caruana et al., *Analytical
+    /// Chemistry* 58, 1986). As the logarithm blows up the noise of the foot, each bin is weighted by the square of its
+    /// value, and by that of the last round's fit rather than of the noisy bin itself: Guo, "A simple algorithm for
+    /// fitting a Gaussian function", IEEE Signal Processing Magazine 28(5), 2011, equations 9 and 14, here in two
+    /// dimensions. The background is not known as it is there: every round begins with background and amplitude, which
+    /// are linear once the shape is given, over all bins, those of the foot included.
+    #[must_use]
+    pub fn fit(bins: &[Bin], guess: Self, noise: f64) -> Option<Self> {
+        let mut fit = guess;
+        for _ in 0..ROUNDS {
+            fit = fit.with_background(bins)?;
+            let before = fit.centre;
+            fit = fit.with_shape(bins, noise)?;
+            if before.distance_m(fit.centre) < SETTLED_M {
+                break;
+            }
+        }
+        fit.with_background(bins)
+    }
+
+    fn with_background(self, bins: &[Bin]) -> Option<Self> {
+        let mut squares = LeastSquares::<4>::new();
+        for bin in bins {
+            let at = bin.at * (1.0 / UNIT_M);
+            let row = [1.0, at.east_m, at.north_m, self.shape_at(bin.at)];
+            squares.add(row, bin.value, f64::from(bin.count));
+        }
+        let [middle, east, north, amplitude] = squares.solve()?;
+        if amplitude <= 0.0 {
+            return None;
+        }
+        Some(Self {
+            amplitude,
+            background: [middle, east / UNIT_M, north / UNIT_M],
+            ..self
+        })
+    }
+
+    fn with_shape(self, bins: &[Bin], noise: f64) -> Option<Self> {
+        let mut ellipse = LeastSquares::<6>::new();
+        let mut circle = LeastSquares::<4>::new();
+        let mut used = 0;
+        for bin in bins {
+            let count = f64::from(bin.count);
+            let fitted = self.amplitude * self.shape_at(bin.at);
+            let value = bin.value - self.background_at(bin.at);
+            // Chosen by the fit, not by the bin: choosing the high bins of the foot would widen it.
+            if fitted < FOOT * self.amplitude || fitted < FOOT_SIGMAS * noise / count.sqrt() || value < 0.2 * fitted {
+                continue;
+            }
+            let from = (bin.at - self.centre) * (1.0 / UNIT_M);
+            let (x, y) = (from.east_m, from.north_m);
+            let (log, weight) = (ln(value), count * fitted * fitted);
+            ellipse.add([1.0, x, y, x * x, x * y, y * y], log, weight);
+            circle.add([1.0, x, y, x * x + y * y], log, weight);
+            used += 1;
+        }
+        if used < BINS_MIN {
+            return None;
+        }
+        let by_ellipse = ellipse.solve().and_then(|[_, x, y, xx, xy, yy]| self.with_quadratic(x, y, [xx, xy, yy]));
+        by_ellipse
+            .or_else(|| circle.solve().and_then(|[_, x, y, square]| self.with_quadratic(x, y, [square, 0.0, square])))
+    }
+
+    /// From the logarithm's linear and quadratic coefficients around the last centre. None where it has no maximum, or
+    /// one that is absurdly narrow, wide or far.
+    fn with_quadratic(self, x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> Option<Self> {
+        let (ee, en, nn) = (-2.0 * xx, -xy, -2.0 * yy);
+        let determinant = ee * nn - en * en;
+        if ee.is_nan() || ee <= 0.0 || determinant <= 0.0 {
+            return None;
+        }
+        let step = EastNorth::new((nn * x - en * y) / determinant, (ee * y - en * x) / determinant) * UNIT_M;
+        let square = UNIT_M * UNIT_M;
+        let fit = Self {
+            centre: self.centre + step,
+            tightness: [ee / square, en / square, nn / square],
+            ..self
+        };
+        let (least_m, most_m) = fit.sigmas_m();
+        let plausible = least_m >= SIGMA_MIN_M && most_m <= SIGMA_MAX_M && step.distance_m(EastNorth::default()) < 500.0;
+        plausible.then_some(fit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn a_gaussian_without_noise_is_found_to_a_metre(
+            east in -200.0..200.0f64, north in -150.0..150.0f64, wide in 60.0..150.0f64, narrow in 60.0..150.0f64,
+            correlation in -0.5..0.5f64, slope in -3e-4..3e-4f64,
+        ) {
+            let (ee, nn) = (1.0 / (wide * wide), 1.0 / (narrow * narrow));
+            let truth = Gaussian {
+                centre: EastNorth::new(east, north),
+                amplitude: 1.0,
+                tightness: [ee, correlation / (wide * narrow), nn],
+                background: [12.0, slope, -slope],
+            };
+            let bins: Vec<Bin> = (0..8)
+                .flat_map(|row| (0..60).map(move |column| (f64::from(row), f64::from(column))))
+                .map(|(row, column)| {
+                    let at = EastNorth::new(column * 10.0 - 295.0, row * 66.0 - 231.0);
+                    Bin { at, value: truth.background_at(at) + truth.shape_at(at), count: 6 }
+                })
+                .collect();
+            let guess = Gaussian::round(truth.centre + EastNorth::new(25.0, -25.0), 90.0);
+            let fit = Gaussian::fit(&bins, guess, 0.02).unwrap();
+            prop_assert!(fit.centre.distance_m(truth.centre) < 1.0, "{fit:?} {truth:?}");
+            prop_assert!((fit.amplitude - 1.0).abs() < 0.05, "{fit:?}");
+        }
+    }
+
+    #[test]
+    fn a_plane_has_no_peak() {
+        let bins: Vec<Bin> = (0..100)
+            .map(|index| {
+                let at = EastNorth::new(f64::from(index % 10) * 50.0, f64::from(index / 10) * 50.0);
+                Bin {
+                    at,
+                    value: 12.0 + 1e-3 * at.east_m,
+                    count: 6,
+                }
+            })
+            .collect();
+        let guess = Gaussian::round(EastNorth::new(200.0, 200.0), 80.0);
+        assert!(Gaussian::fit(&bins, guess, 0.02).is_none_or(|fit| fit.amplitude < 0.02));
+    }
+}

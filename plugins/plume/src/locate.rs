@@ -1,0 +1,229 @@
+use backseat_sdk::units::EastNorth;
+
+use crate::area::Area;
+use crate::gaussian::Gaussian;
+use crate::matrix::LeastSquares;
+use crate::samples::Bin;
+
+/// A peak lower than so many standard deviations of a single sample is none.
+const AMPLITUDE_SIGMAS: f64 = 4.0;
+/// What is over the background by more than this many of its own deviations is not background.
+const BACKGROUND_SIGMAS: f64 = 1.0;
+const BACKGROUND_ROUNDS: u32 = 8;
+/// Fewer bins than this tell nothing.
+const BINS_MIN: usize = 20;
+
+/// How the maximum was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// By a Gaussian that fits.
+    Fit,
+    /// By the mean of what is high: no Gaussian fitted, or not inside the area.
+    Centroid,
+}
+
+/// Where the maximum is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Located {
+    /// Metres from the area's middle, inside the area.
+    pub centre: EastNorth,
+    /// Height over the background.
+    pub amplitude: f64,
+    /// Standard deviation of a single sample.
+    pub noise: f64,
+    /// The smaller and the greater standard deviation of the peak, metres; none of a centroid.
+    pub sigmas_m: Option<(f64, f64)>,
+    /// How it was found.
+    pub method: Method,
+}
+
+/// The maximum of what has been measured over an area with lines `spacing_m` apart. None where nothing stands out.
+///
+/// The background is a plane, fitted robustly; the highest of a kernel smooth (Epanechnikov's kernel) over it is the
+/// first guess for [`Gaussian::fit`]. A fit that is not to be believed gives way to the centroid of what is high
+/// around the guess.
+#[must_use]
+pub fn locate(bins: &[Bin], area: &Area, spacing_m: f64) -> Option<Located> {
+    if bins.len() < BINS_MIN {
+        return None;
+    }
+    let noise = noise(bins);
+    let background = background(bins)?;
+    let over = |bin: &Bin| bin.value - (background[0] + background[1] * bin.at.east_m + background[2] * bin.at.north_m);
+    let inside: Vec<(EastNorth, f64, f64)> = bins
+        .iter()
+        .filter(|bin| area.contains(bin.at, spacing_m))
+        .map(|bin| (bin.at, over(bin), f64::from(bin.count)))
+        .collect();
+    let (guess, smooth) = highest(&inside, 0.75 * spacing_m)?;
+    let believed = |fit: &Gaussian| {
+        area.contains(fit.centre, 0.0)
+            && fit.amplitude > AMPLITUDE_SIGMAS * noise
+            && fit.centre.distance_m(guess) < 3.0 * fit.sigmas_m().1
+            && fit.amplitude < 5.0 * smooth.max(noise)
+    };
+    let fit = [1.0, 2.0].into_iter().find_map(|wide| {
+        let start = Gaussian::round(guess, wide * spacing_m.max(30.0));
+        Gaussian::fit(bins, start, noise).filter(believed)
+    });
+    if let Some(fit) = fit {
+        return Some(Located {
+            centre: fit.centre,
+            amplitude: fit.amplitude,
+            noise,
+            sigmas_m: Some(fit.sigmas_m()),
+            method: Method::Fit,
+        });
+    }
+    if smooth < AMPLITUDE_SIGMAS * noise {
+        return None;
+    }
+    Some(Located {
+        centre: area.nearest(centroid(&inside, guess, 1.5 * spacing_m, smooth)),
+        amplitude: smooth,
+        noise,
+        sigmas_m: None,
+        method: Method::Centroid,
+    })
+}
+
+/// The noise of a single sample, from the second differences of bins in a row: what is smooth over three bins is none.
+fn noise(bins: &[Bin]) -> f64 {
+    let mut differences: Vec<f64> = bins
+        .windows(3)
+        .map(|three| {
+            let difference = three[0].value - 2.0 * three[1].value + three[2].value;
+            let variance = 1.0 / f64::from(three[0].count)
+                + 4.0 / f64::from(three[1].count)
+                + 1.0 / f64::from(three[2].count);
+            difference.abs() / variance.sqrt()
+        })
+        .collect();
+    // A normal number's median size is 0.6745 of its standard deviation.
+    median(&mut differences).unwrap_or(0.0) / 0.6745
+}
+
+fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len().checked_sub(1)? / 2;
+    let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(*median)
+}
+
+/// A plane through what is not high: fitted to all, then again and again to what is not far over it.
+fn background(bins: &[Bin]) -> Option<[f64; 3]> {
+    let mut plane: Option<[f64; 3]> = None;
+    let mut most_over = f64::INFINITY;
+    for _ in 0..BACKGROUND_ROUNDS {
+        let over = |bin: &Bin| {
+            plane.map_or(0.0, |[middle, east, north]| {
+                bin.value - (middle + east * bin.at.east_m + north * bin.at.north_m)
+            })
+        };
+        let mut squares = LeastSquares::<3>::new();
+        let kept = bins.iter().filter(|bin| over(bin) <= most_over);
+        for bin in kept {
+            squares.add([1.0, bin.at.east_m, bin.at.north_m], bin.value, f64::from(bin.count));
+        }
+        let Some([middle, east, north]) = squares.solve() else { break };
+        let mut sizes: Vec<f64> =
+            bins.iter().map(|bin| (bin.value - (middle + east * bin.at.east_m + north * bin.at.north_m)).abs()).collect();
+        plane = Some([middle, east, north]);
+        most_over = BACKGROUND_SIGMAS * median(&mut sizes)? / 0.6745;
+    }
+    plane
+}
+
+/// The highest of the kernel means at the bins.
+fn highest(values: &[(EastNorth, f64, f64)], reach_m: f64) -> Option<(EastNorth, f64)> {
+    let square = reach_m * reach_m;
+    let mut best: Option<(EastNorth, f64)> = None;
+    for &(middle, _, _) in values {
+        let (mut sum, mut weights, mut used) = (0.0, 0.0, 0);
+        for &(at, value, count) in values {
+            let from = at - middle;
+            let near = 1.0 - (from.east_m * from.east_m + from.north_m * from.north_m) / square;
+            if near > 0.0 {
+                sum += count * near * value;
+                weights += count * near;
+                used += 1;
+            }
+        }
+        let mean = sum / weights;
+        if used >= 3 && best.is_none_or(|(_, highest)| mean > highest) {
+            best = Some((middle, mean));
+        }
+    }
+    best
+}
+
+/// The mean place of what is over half the height, weighted by how much.
+fn centroid(values: &[(EastNorth, f64, f64)], around: EastNorth, reach_m: f64, height: f64) -> EastNorth {
+    let (mut sum, mut weights) = (EastNorth::default(), 0.0);
+    for &(at, value, count) in values {
+        let weight = count * (value - 0.5 * height);
+        if weight > 0.0 && at.distance_m(around) < reach_m {
+            sum = sum + at * weight;
+            weights += weight;
+        }
+    }
+    if weights > 0.0 { sum * (1.0 / weights) } else { around }
+}
+
+#[cfg(test)]
+mod tests {
+    use backseat_sdk::units::Position;
+    use backseat_sdk::units::math::{exp, sin};
+
+    use super::*;
+
+    fn area() -> Area {
+        Area::new(Position::from_deg(42.0, -70.0).unwrap(), EastNorth::new(600.0, 500.0), 0.0)
+    }
+
+    /// Lines 70 m apart over a field, with a wobble for noise.
+    fn map(field: impl Fn(EastNorth) -> f64) -> Vec<Bin> {
+        area()
+            .lawnmower(70.0, EastNorth::default())
+            .iter()
+            .flat_map(|line| (0..60).map(|step| line.start + (line.end - line.start) * (f64::from(step) / 59.0)))
+            .enumerate()
+            .map(|(index, at)| {
+                let wobble = 0.01 * sin(index as f64 * 12.9898);
+                Bin {
+                    at,
+                    value: field(at) + wobble,
+                    count: 6,
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn nothing_is_found_where_there_is_nothing() {
+        assert_eq!(locate(&[], &area(), 70.0), None);
+        assert_eq!(locate(&map(|at| 12.0 + 4e-4 * at.east_m), &area(), 70.0), None);
+    }
+
+    #[test]
+    fn a_peak_that_is_no_gaussian_is_found_too() {
+        // A flat disc: its logarithm is no parabola.
+        let middle = EastNorth::new(120.0, -60.0);
+        let disc = |at: EastNorth| if at.distance_m(middle) < 90.0 { 12.8 } else { 12.0 };
+        let found = locate(&map(disc), &area(), 70.0).unwrap();
+        assert!(found.centre.distance_m(middle) < 25.0, "{found:?}");
+    }
+
+    #[test]
+    fn a_peak_on_a_slope_is_found_inside_the_area_only() {
+        for middle in [EastNorth::new(-250.0, 200.0), EastNorth::new(0.0, 0.0)] {
+            let field = |at: EastNorth| {
+                let from_m = at.distance_m(middle);
+                12.0 + 5e-4 * at.east_m + 0.6 * exp(-0.5 * from_m * from_m / (80.0 * 80.0))
+            };
+            let found = locate(&map(field), &area(), 70.0).unwrap();
+            assert!(found.centre.distance_m(middle) < 10.0, "{found:?}");
+            assert_eq!(found.method, Method::Fit);
+            assert!(area().contains(found.centre, 1e-6));
+        }
+    }
+}

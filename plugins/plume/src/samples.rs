@@ -1,0 +1,189 @@
+use backseat_sdk::units::EastNorth;
+use serde::{Deserialize, Serialize};
+
+const SECOND_NS: u64 = 1_000_000_000;
+/// How much navigation is kept to place samples in: more than any sample is late.
+const FIXES_MAX: usize = 64;
+/// How far beyond the newest fix its velocity is trusted.
+const BEYOND_NS: u64 = 2 * SECOND_NS;
+/// Between two fixes that lie farther apart than this the way is not known.
+const GAP_NS: u64 = 10 * SECOND_NS;
+/// So many samples make a bin, or as many as fit in this length and time.
+const BIN_SAMPLES: u32 = 6;
+const BIN_LENGTH_M: f64 = 12.0;
+const BIN_NS: u64 = 10 * SECOND_NS;
+/// More bins than this are not kept: some 14 hours of way.
+const BINS_MAX: usize = 8192;
+
+/// Where the vehicle was.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Fix {
+    at_ns: u64,
+    at: EastNorth,
+    depth_m: f64,
+    velocity_mps: EastNorth,
+}
+
+/// The mean of some samples in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bin {
+    /// Mean place, metres from the area's middle.
+    pub at: EastNorth,
+    /// Mean value.
+    pub value: f64,
+    /// How many samples.
+    pub count: u32,
+}
+
+/// Measurements with the places where they were made.
+///
+/// A sample tells when it was measured; its place is interpolated between the fixes around that time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Samples {
+    fixes: Vec<Fix>,
+    bins: Vec<Bin>,
+    open: Option<Open>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Open {
+    first: EastNorth,
+    first_ns: u64,
+    sum: EastNorth,
+    value: f64,
+    count: u32,
+}
+
+impl Samples {
+    /// The vehicle was here at a time, nanoseconds, and went this way. A time before the newest is passed over.
+    pub fn fix(&mut self, at_ns: u64, at: EastNorth, depth_m: f64, velocity_mps: EastNorth) {
+        let numbers = [at.east_m, at.north_m, depth_m, velocity_mps.east_m, velocity_mps.north_m];
+        let late = self.fixes.last().is_some_and(|last| at_ns <= last.at_ns);
+        if late || numbers.iter().any(|number| !number.is_finite()) {
+            return;
+        }
+        if self.fixes.len() >= FIXES_MAX {
+            self.fixes.remove(0);
+        }
+        self.fixes.push(Fix {
+            at_ns,
+            at,
+            depth_m,
+            velocity_mps,
+        });
+    }
+
+    /// Where the vehicle was at a time, and how deep; none where the fixes do not say.
+    #[must_use]
+    pub fn place(&self, at_ns: u64) -> Option<(EastNorth, f64)> {
+        let after = self.fixes.partition_point(|fix| fix.at_ns < at_ns);
+        let Some(next) = self.fixes.get(after) else {
+            let last = self.fixes.last()?;
+            let beyond_ns = at_ns - last.at_ns;
+            if beyond_ns > BEYOND_NS {
+                return None;
+            }
+            let beyond_s = beyond_ns as f64 / SECOND_NS as f64;
+            return Some((last.at + last.velocity_mps * beyond_s, last.depth_m));
+        };
+        if next.at_ns == at_ns {
+            return Some((next.at, next.depth_m));
+        }
+        let before = self.fixes.get(after.checked_sub(1)?)?;
+        let apart_ns = next.at_ns - before.at_ns;
+        if apart_ns > GAP_NS {
+            return None;
+        }
+        let share = (at_ns - before.at_ns) as f64 / apart_ns as f64;
+        let depth_m = before.depth_m + (next.depth_m - before.depth_m) * share;
+        Some((before.at + (next.at - before.at) * share, depth_m))
+    }
+
+    /// Takes a value that was measured at a place and time.
+    pub fn sample(&mut self, at_ns: u64, at: EastNorth, value: f64) {
+        if !value.is_finite() {
+            return;
+        }
+        let goes_on = self.open.is_some_and(|open| {
+            open.count < BIN_SAMPLES
+                && open.first.distance_m(at) <= BIN_LENGTH_M
+                && at_ns.saturating_sub(open.first_ns) <= BIN_NS
+        });
+        if !goes_on {
+            self.close();
+        }
+        let open = self.open.get_or_insert(Open {
+            first: at,
+            first_ns: at_ns,
+            sum: EastNorth::default(),
+            value: 0.0,
+            count: 0,
+        });
+        open.sum = open.sum + at;
+        open.value += value;
+        open.count += 1;
+    }
+
+    /// What has been measured, in order, the bin that is being filled left out.
+    #[must_use]
+    pub fn bins(&self) -> &[Bin] {
+        &self.bins
+    }
+
+    fn close(&mut self) {
+        let Some(open) = self.open.take() else { return };
+        if self.bins.len() >= BINS_MAX {
+            return;
+        }
+        let share = 1.0 / f64::from(open.count);
+        self.bins.push(Bin {
+            at: open.sum * share,
+            value: open.value * share,
+            count: open.count,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples() -> Samples {
+        let mut samples = Samples::default();
+        for second in 0..4u64 {
+            let east_m = 1.5 * second as f64;
+            samples.fix(
+                second * SECOND_NS,
+                EastNorth::new(east_m, 0.0),
+                10.0 + second as f64,
+                EastNorth::new(1.5, 0.0),
+            );
+        }
+        samples
+    }
+
+    #[test]
+    fn a_place_is_interpolated_and_a_little_beyond_extrapolated() {
+        let samples = samples();
+        let (at, depth_m) = samples.place(1_500_000_000).unwrap();
+        assert!((at.east_m - 2.25).abs() < 1e-9 && (depth_m - 11.5).abs() < 1e-9);
+        assert!((samples.place(4 * SECOND_NS).unwrap().0.east_m - 6.0).abs() < 1e-9);
+        assert_eq!(samples.place(2 * SECOND_NS).unwrap().0.east_m, 3.0);
+        assert_eq!(samples.place(6 * SECOND_NS), None);
+        assert_eq!(Samples::default().place(0), None);
+    }
+
+    #[test]
+    fn samples_in_a_row_are_averaged_and_a_jump_begins_anew() {
+        let mut samples = samples();
+        for index in 0..13u64 {
+            let east_m = 1.5 * index as f64;
+            samples.sample(index * SECOND_NS, EastNorth::new(east_m, 0.0), 12.0 + east_m);
+        }
+        samples.sample(13 * SECOND_NS, EastNorth::new(500.0, 0.0), 1.0);
+        samples.sample(14 * SECOND_NS, EastNorth::new(500.0, 0.0), f64::NAN);
+        assert_eq!(samples.bins().iter().map(|bin| bin.count).collect::<Vec<_>>(), [6, 6, 1]);
+        assert!((samples.bins()[0].at.east_m - 3.75).abs() < 1e-9);
+        assert!((samples.bins()[0].value - 15.75).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,164 @@
+//! What the code that [`crate::export!`] writes calls. Nothing here is for authors.
+
+use std::cell::RefCell;
+
+use crate::{Plugin, Request, StepInput, log};
+
+/// Where the one instance of a component lives.
+pub type Slot<P> = RefCell<Option<P>>;
+
+const NOT_INITIALISED: &str = "called before init";
+
+/// Exports a type that implements [`Plugin`] as the component's plugin. Once a crate.
+///
+/// On the host (unit tests) it only checks that the type is a plugin.
+#[macro_export]
+macro_rules! export {
+    ($plugin:ty) => {
+        const _: () = {
+            #[cfg(not(target_arch = "wasm32"))]
+            const fn is_a_plugin<P: $crate::Plugin>() {}
+            #[cfg(not(target_arch = "wasm32"))]
+            const _: () = is_a_plugin::<$plugin>();
+
+            #[cfg(target_arch = "wasm32")]
+            ::std::thread_local! {
+                static SLOT: $crate::exports::Slot<$plugin> = const { ::std::cell::RefCell::new(None) };
+            }
+
+            #[cfg(target_arch = "wasm32")]
+            struct Component;
+
+            #[cfg(target_arch = "wasm32")]
+            impl $crate::bindings::Guest for Component {
+                fn describe() -> $crate::Description {
+                    <$plugin as $crate::Plugin>::describe()
+                }
+                fn init(config: ::std::string::String) -> ::std::result::Result<(), ::std::string::String> {
+                    SLOT.with(|slot| $crate::exports::init(slot, &config))
+                }
+                fn step(
+                    input: $crate::StepInput,
+                ) -> ::std::result::Result<::std::vec::Vec<$crate::Request>, ::std::string::String> {
+                    SLOT.with(|slot| $crate::exports::step(slot, &input))
+                }
+                fn snapshot() -> ::std::vec::Vec<u8> {
+                    SLOT.with(|slot| $crate::exports::snapshot(slot))
+                }
+                fn restore(state: ::std::vec::Vec<u8>) -> ::std::result::Result<(), ::std::string::String> {
+                    SLOT.with(|slot| $crate::exports::restore(slot, &state))
+                }
+            }
+
+            #[cfg(target_arch = "wasm32")]
+    $crate::bindings::export_component!(Component with_types_in $crate::bindings);
+        };
+    };
+}
+
+/// Makes the instance from its configuration.
+pub fn init<P: Plugin>(slot: &Slot<P>, config: &str) -> Result<(), String> {
+    // A panic ends in a bare trap, which has no text: say where it was while the instance still can.
+    std::panic::set_hook(Box::new(|panic| log::write(log::Level::Error, &panic.to_string())));
+    *slot.borrow_mut() = Some(P::new(parse(config)?)?);
+    Ok(())
+}
+
+/// Steps the instance.
+pub fn step<P: Plugin>(slot: &Slot<P>, input: &StepInput) -> Result<Vec<Request>, String> {
+    slot.borrow_mut().as_mut().ok_or(NOT_INITIALISED)?.step(input)
+}
+
+/// The instance's state; nothing where there is no instance.
+pub fn snapshot<P: Plugin>(slot: &Slot<P>) -> Vec<u8> {
+    slot.borrow().as_ref().map(P::snapshot).unwrap_or_default()
+}
+
+/// Gives the instance the state of an earlier one.
+pub fn restore<P: Plugin>(slot: &Slot<P>, state: &[u8]) -> Result<(), String> {
+    slot.borrow_mut().as_mut().ok_or(NOT_INITIALISED)?.restore(state)
+}
+
+/// Reads the configuration; a failure names the key.
+fn parse<C: serde::de::DeserializeOwned>(json: &str) -> Result<C, String> {
+    let mut deserializer = serde_json::Deserializer::from_str(json);
+    serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
+        let key = error.path().to_string();
+        let fault = error.into_inner().to_string();
+        // The place in the JSON means nothing to who wrote TOML.
+        let fault = fault.split(" at line ").next().unwrap_or_default();
+        if key == "." {
+            format!("config: {fault}")
+        } else {
+            format!("config: {key}: {fault}")
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Description;
+
+    #[derive(Debug, serde::Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Config {
+        count: u8,
+    }
+
+    struct Counter(u8);
+
+    impl Plugin for Counter {
+        type Config = Config;
+        fn describe() -> Description {
+            Description {
+                name: "counter".into(),
+                version: "1".into(),
+                step_period_ns: 1,
+                topics: vec![],
+            }
+        }
+        fn new(config: Config) -> Result<Self, String> {
+            Ok(Self(config.count))
+        }
+        fn step(&mut self, _: &StepInput) -> Result<Vec<Request>, String> {
+            self.0 += 1;
+            Ok(vec![])
+        }
+        fn snapshot(&self) -> Vec<u8> {
+            vec![self.0]
+        }
+        fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+            self.0 = *state.first().ok_or("empty state")?;
+            Ok(())
+        }
+    }
+
+    crate::export!(Counter);
+
+    #[test]
+    fn an_instance_lives_from_init_to_restore() {
+        let slot = Slot::<Counter>::default();
+        assert_eq!(step(&slot, &StepInput::default()).unwrap_err(), NOT_INITIALISED);
+        init(&slot, r#"{"count": 3}"#).unwrap();
+        step(&slot, &StepInput::default()).unwrap();
+        assert_eq!(snapshot(&slot), [4]);
+        restore(&slot, &[9]).unwrap();
+        assert_eq!(snapshot(&slot), [9]);
+        assert_eq!(restore(&slot, &[]).unwrap_err(), "empty state");
+    }
+
+    #[test]
+    fn a_wrong_configuration_is_refused_by_its_key() {
+        let refusal = |json| parse::<Config>(json).unwrap_err();
+        assert_eq!(
+            refusal(r#"{"cuont": 3}"#),
+            "config: cuont: unknown field `cuont`, expected `count`"
+        );
+        assert_eq!(refusal("{}"), "config: missing field `count`");
+        assert_eq!(
+            refusal(r#"{"count": "x"}"#),
+            "config: count: invalid type: string \"x\", expected u8"
+        );
+    }
+}

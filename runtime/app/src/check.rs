@@ -1,0 +1,94 @@
+use anyhow::Result;
+use backseat_core::plugin::Topic;
+use backseat_fence::Kind;
+use backseat_mission::Mission;
+use backseat_plugin_host::Host;
+use backseat_sim::load_plugins;
+
+use crate::cli::Check;
+
+/// Everything that can be known before a dive. True where the mission can be flown.
+pub(crate) fn check(arguments: &Check) -> Result<bool> {
+    let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
+    if arguments.resolved {
+        print!("{}", mission.resolved);
+        return Ok(true);
+    }
+    println!("{} (hash {})", mission.name, &mission.hash()[..16]);
+    print_fence(&mission);
+    let host = Host::new()?;
+    let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
+    for ((setup, table), (_, bytes)) in loaded.setups.iter().zip(&mission.file.plugins).zip(&loaded.components) {
+        let description = &setup.description;
+        let topics: Vec<&str> = description
+            .topics
+            .iter()
+            .map(|topic| match topic {
+                Topic::Ctd => "CTD",
+                Topic::MissionCommand => "mission commands",
+                Topic::Behavior => "behaviours",
+            })
+            .collect();
+        println!(
+            "plugin {}: {} {}, {} kB, a step every {} ms, listens to {}; granted {:?}",
+            setup.name,
+            description.name,
+            description.version,
+            bytes.len() / 1024,
+            description.step_period.as_millis(),
+            if topics.is_empty() { "nothing more".to_owned() } else { topics.join(", ") },
+            table.grants,
+        );
+    }
+    let mut good = true;
+    match &mission.world {
+        None => println!("no world.toml: this mission cannot be simulated"),
+        Some(world) => {
+            let vehicle = backseat_mvc::Mvc::new(world, 1)?;
+            let frame = mission.envelope.fence().frame();
+            let mut outside = 0;
+            let legs = vehicle.plan_points();
+            for (number, position) in &legs {
+                if let Err(breach) = mission.envelope.fence().contains(frame.to_local(*position)) {
+                    println!("plan element {number}: {breach}");
+                    outside += 1;
+                }
+            }
+            let start = vehicle.truth().position;
+            if let Err(breach) = mission.envelope.fence().contains(frame.to_local(start)) {
+                println!("start: {breach}");
+                outside += 1;
+            }
+            if outside == 0 {
+                println!("plan: start and all {} points lie inside the fence", legs.len());
+            } else {
+                good = false;
+            }
+        }
+    }
+    println!("{}", if good { "ready" } else { "not ready" });
+    Ok(good)
+}
+
+fn print_fence(mission: &Mission) {
+    let origin = mission.envelope.fence().frame().origin();
+    println!(
+        "fence around latitude {:.5} longitude {:.5}:",
+        origin.latitude.as_deg(),
+        origin.longitude.as_deg()
+    );
+    for zone in mission.envelope.fence().zones() {
+        let vertices: usize = zone.rings().map(|ring| ring.points.len()).sum();
+        let what = match zone.kind() {
+            Kind::Inclusion { depth, altitude_min_m } => {
+                format!(
+                    "inclusion, depth {} to {} m, altitude at least {altitude_min_m} m",
+                    depth.min_m, depth.max_m
+                )
+            }
+            Kind::Exclusion { depth: None } => "exclusion at all depths".to_owned(),
+            Kind::Exclusion { depth: Some(band) } => format!("exclusion from {} to {} m", band.min_m, band.max_m),
+        };
+        println!("  {}: {what}, margin {} m, {vertices} vertices", zone.name(), zone.margin_m());
+    }
+}

@@ -1,0 +1,143 @@
+use std::path::PathBuf;
+
+use backseat_mission::Layers;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Fly adaptive-survey plugins on a Bluefin vehicle: in simulation, and at sea.
+#[derive(Debug, Parser)]
+#[command(version, propagate_version = true, max_term_width = 100)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Fly a mission in simulation: runtime, plugins and mock vehicle on a virtual clock
+    Sim(Sim),
+    /// Fly a mission on a vehicle, over TCP; without --arm it sends nothing that steers
+    Run(Run),
+    /// Run the mock vehicle alone, for any SPI client
+    Mvc(Mvc),
+    /// Check a mission before a dive: its files, fence, plugins and plan
+    Check(Check),
+}
+
+/// What all commands that read a mission share.
+#[derive(Debug, Args)]
+pub(crate) struct MissionArguments {
+    /// The mission's folder, with mission.toml, fence.geojson and world.toml
+    pub(crate) mission: PathBuf,
+    /// Look for plugins given by bare name in this folder first
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plugins: Option<PathBuf>,
+    /// Set a key of mission.toml, over the file and the environment, such as limits.speed_max_mps=1.8
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+impl MissionArguments {
+    pub(crate) fn layers(&self) -> Layers {
+        Layers { set: self.set.clone(), environment: true }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Sim {
+    #[command(flatten)]
+    pub(crate) mission: MissionArguments,
+    /// Draws the world, the noise and what the specification leaves open
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Write the log here
+    #[arg(long, value_name = "FILE.mcap")]
+    pub(crate) log: Option<PathBuf>,
+    /// Draw the run here
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) map: Option<PathBuf>,
+    /// How many times faster than life, or `max`
+    #[arg(long, default_value = "max", value_name = "X|max")]
+    pub(crate) speed: Speed,
+    /// Print one JSON object on standard output and nothing else
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Run {
+    #[command(flatten)]
+    pub(crate) mission: MissionArguments,
+    /// The vehicle's address, instead of the mission's
+    #[arg(long, value_name = "HOST:PORT")]
+    pub(crate) connect: Option<String>,
+    /// Send what steers the vehicle; without it all else is done
+    #[arg(long)]
+    pub(crate) arm: bool,
+    /// Write logs into this folder
+    #[arg(long, value_name = "DIR", default_value = "logs")]
+    pub(crate) log: PathBuf,
+    /// Keep identifiers and the operator's hold in this folder [default: the user's state folder]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
+    /// Start a new record of SPI identifiers at this number, which no payload of this vehicle's mission has used
+    #[arg(long, value_name = "N")]
+    pub(crate) first_identifier: Option<u32>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Mvc {
+    #[command(flatten)]
+    pub(crate) mission: MissionArguments,
+    /// Where to listen
+    #[arg(long, default_value = "127.0.0.1:29500", value_name = "ADDR:PORT")]
+    pub(crate) listen: String,
+    /// How many times faster than life
+    #[arg(long, default_value = "1", value_name = "X")]
+    pub(crate) speed: Speed,
+    /// Whose habits: the specification's, or real vehicles' [default: the world's]
+    #[arg(long)]
+    pub(crate) profile: Option<Profile>,
+    /// Draws the world and the noise
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Write every sentence and event here, with the vehicle's clock
+    #[arg(long, value_name = "FILE")]
+    pub(crate) log: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    #[command(flatten)]
+    pub(crate) mission: MissionArguments,
+    /// Print mission.toml as it is after all layers, and stop
+    #[arg(long)]
+    pub(crate) resolved: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Profile {
+    /// As the specification has it: all status messages off
+    Spec,
+    /// As real vehicles are: CTL and MIS on from the start
+    Field,
+}
+
+/// A factor on real time, or as fast as it goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Speed {
+    Times(f64),
+    Max,
+}
+
+impl std::str::FromStr for Speed {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "max" {
+            return Ok(Self::Max);
+        }
+        match text.parse::<f64>() {
+            Ok(times) if times > 0.0 && times.is_finite() => Ok(Self::Times(times)),
+            _ => Err("expected a number above 0, or `max`".to_owned()),
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! The TCP connection to the vehicle, so kept that nothing old is ever delivered.
+
+use std::io;
+use std::time::Duration;
+
+use backseat_units::Timestamp;
+use socket2::SockRef;
+use tokio::net::TcpStream;
+
+/// Unacknowledged data older than this ends the connection.
+const USER_TIMEOUT: Duration = Duration::from_secs(2);
+/// A write that has waited this long resets it.
+const WRITE_WITHIN: Duration = Duration::from_secs(1);
+const CONNECT_WITHIN: Duration = Duration::from_secs(5);
+
+/// A connection, or none.
+#[derive(Default)]
+pub(crate) struct Link {
+    stream: Option<TcpStream>,
+    pending: Vec<u8>,
+    pending_since: Option<Timestamp>,
+}
+
+/// Connects, once.
+pub(crate) async fn connect(address: &str) -> io::Result<TcpStream> {
+    let connecting = TcpStream::connect(address);
+    let stream = tokio::time::timeout(CONNECT_WITHIN, connecting)
+        .await
+        .map_err(|_| io::Error::new(io::ErrorKind::TimedOut, "no answer within 5 s"))??;
+    stream.set_nodelay(true)?;
+    SockRef::from(&stream).set_tcp_user_timeout(Some(USER_TIMEOUT))?;
+    Ok(stream)
+}
+
+impl Link {
+    pub(crate) fn open(&mut self, stream: TcpStream) {
+        self.stream = Some(stream);
+        self.pending.clear();
+        self.pending_since = None;
+    }
+
+    pub(crate) const fn is_open(&self) -> bool {
+        self.stream.is_some()
+    }
+
+    /// Resets: what waits in the socket's buffers is thrown away, not delivered later.
+    pub(crate) fn reset(&mut self) {
+        if let Some(stream) = self.stream.take() {
+            // Where it fails the connection is gone already.
+            let _gone = SockRef::from(&stream).set_linger(Some(Duration::ZERO));
+        }
+        self.pending.clear();
+        self.pending_since = None;
+    }
+
+    /// Closes in order: what was written is delivered.
+    pub(crate) fn close(&mut self) {
+        self.stream = None;
+    }
+
+    /// Writes at once what can be written; the rest waits, for [`WRITE_WITHIN`] at most.
+    pub(crate) fn send(&mut self, now: Timestamp, bytes: &[u8]) -> io::Result<()> {
+        self.pending.extend_from_slice(bytes);
+        self.flush(now)
+    }
+
+    pub(crate) fn flush(&mut self, now: Timestamp) -> io::Result<()> {
+        let Some(stream) = &self.stream else {
+            self.pending.clear();
+            return Ok(());
+        };
+        while !self.pending.is_empty() {
+            match stream.try_write(&self.pending) {
+                Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
+                Ok(written) => {
+                    self.pending.drain(..written);
+                }
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => break,
+                Err(error) => return Err(error),
+            }
+        }
+        self.pending_since = if self.pending.is_empty() { None } else { Some(self.pending_since.unwrap_or(now)) };
+        Ok(())
+    }
+
+    /// When the waiting write has waited too long.
+    pub(crate) fn write_deadline(&self) -> Option<Timestamp> {
+        self.pending_since.map(|since| since + WRITE_WITHIN)
+    }
+
+    /// Waits until something can be read or, where something waits to be written, written; for ever without a
+    /// connection. Reads what there is.
+    pub(crate) async fn ready(&self, buffer: &mut [u8]) -> Ready {
+        let Some(stream) = &self.stream else { return std::future::pending().await };
+        loop {
+            let interest = if self.pending.is_empty() {
+                tokio::io::Interest::READABLE
+            } else {
+                tokio::io::Interest::READABLE | tokio::io::Interest::WRITABLE
+            };
+            match stream.ready(interest).await {
+                Ok(ready) if ready.is_readable() || ready.is_read_closed() => match stream.try_read(buffer) {
+                    Ok(0) => return Ready::Closed,
+                    Ok(read) => return Ready::Read(read),
+                    Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                    Err(_) => return Ready::Closed,
+                },
+                Ok(_) => return Ready::Writable,
+                Err(_) => return Ready::Closed,
+            }
+        }
+    }
+}
+
+/// What a connection is ready for.
+pub(crate) enum Ready {
+    /// So many bytes have been read.
+    Read(usize),
+    /// Something that waits can be written.
+    Writable,
+    /// The other side has closed it.
+    Closed,
+}

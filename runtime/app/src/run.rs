@@ -1,0 +1,339 @@
+//! The driver at sea: core on a real clock, a TCP link, and plugins on threads of their own.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+use std::pin::Pin;
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use backseat_core::{Core, Input, Operator, Output, Start};
+use backseat_mission::Mission;
+use backseat_plugin_host::Host;
+use backseat_recorder::{Header, Rate, Recorder};
+use backseat_sim::load_plugins;
+use backseat_units::Timestamp;
+use tokio::net::TcpStream;
+use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
+use tracing::{error, info, warn};
+
+use crate::cli::Run;
+use crate::clock::Clock;
+use crate::link::{Link, Ready, connect};
+use crate::operator::Signals;
+use crate::plugins::{Answer, Crew};
+use crate::state::State;
+
+const FLUSH_EVERY: Duration = Duration::from_secs(2);
+/// How long a last BPEMB may take to leave when the run ends.
+const FAREWELL: Duration = Duration::from_millis(300);
+
+pub(crate) fn run(arguments: &Run) -> Result<bool> {
+    let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
+    let host = Host::new()?;
+    let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
+    let state = State::open(arguments.state.as_deref(), &mission.name)?;
+    let identifiers = state.identifiers(arguments.first_identifier)?;
+    if identifiers.is_none() {
+        info!(
+            "no record of SPI identifiers at {}: tracklines and circles are off; begin one with --first-identifier N",
+            state.identifiers_path().display()
+        );
+    }
+    let clock = Clock::start();
+    let mut recorder = open_log(&arguments.log, &mission, &loaded.components, &clock)?;
+    let start = Start {
+        utc: clock.utc_at_start(),
+        identifiers,
+        armed: arguments.arm,
+        held: state.held(),
+        jitter: u64::from(std::process::id()),
+    };
+    if start.held {
+        warn!("the operator's hold stands ({}): nothing will be sent that steers", state.hold_path().display());
+    }
+    if !start.armed {
+        info!("not armed: nothing will be sent that steers; --arm arms");
+    }
+    recorder.start(&start)?;
+    let core = Core::new(mission.file.session.clone(), mission.envelope.clone(), loaded.setups, start);
+    let (sender, answers) = unbounded_channel();
+    let driver = Driver {
+        core,
+        clock,
+        link: Link::default(),
+        address: arguments.connect.clone().unwrap_or_else(|| mission.file.vehicle.address.clone()),
+        connect_at: None,
+        connecting: None,
+        crew: Crew::new(host, loaded.plugins, sender),
+        state,
+        recorder: Some(recorder),
+        finished: false,
+        reset: false,
+        reserve: None,
+        last_refusal: None,
+        recorded_navigation: None,
+    };
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    runtime.block_on(driver.drive(answers))?;
+    Ok(true)
+}
+
+fn open_log(
+    folder: &Path,
+    mission: &Mission,
+    components: &[(String, Vec<u8>)],
+    clock: &Clock,
+) -> Result<Recorder<BufWriter<File>>> {
+    std::fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
+    let path = folder.join(format!("{}-{}.mcap", mission.name, clock.utc_at_start().as_unix_nanos() / 1_000_000));
+    info!("log: {}", path.display());
+    Ok(Recorder::create(
+        &path,
+        &Header {
+            utc_at_start: clock.utc_at_start(),
+            rate: Rate::Deployed,
+            mission: &mission.name,
+            seed: None,
+            resolved_mission: &mission.resolved,
+            fence: &mission.fence_text,
+            components,
+            version: env!("CARGO_PKG_VERSION"),
+        },
+    )?)
+}
+
+/// What comes of an attempt to connect; never, while there is none.
+async fn connected(
+    connecting: &mut Option<Pin<Box<dyn Future<Output = std::io::Result<TcpStream>>>>>,
+) -> std::io::Result<TcpStream> {
+    match connecting {
+        Some(connecting) => connecting.await,
+        None => std::future::pending().await,
+    }
+}
+
+struct Driver {
+    core: Core,
+    clock: Clock,
+    link: Link,
+    address: String,
+    connect_at: Option<Timestamp>,
+    connecting: Option<Pin<Box<dyn Future<Output = std::io::Result<TcpStream>>>>>,
+    crew: Crew,
+    state: State,
+    /// Gone once it has failed: a full disk stops the log, not the vehicle.
+    recorder: Option<Recorder<BufWriter<File>>>,
+    finished: bool,
+    reset: bool,
+    reserve: Option<u32>,
+    last_refusal: Option<String>,
+    recorded_navigation: Option<Timestamp>,
+}
+
+impl Driver {
+    async fn drive(mut self, mut answers: UnboundedReceiver<Answer>) -> Result<()> {
+        let mut signals = Signals::new()?;
+        let mut buffer = vec![0; 64 * 1024];
+        let mut flush_at = Timestamp::ZERO + FLUSH_EVERY;
+        self.carry_out_all();
+        while !self.finished {
+            let wake = [self.core.poll_timeout(), self.connect_at, self.link.write_deadline(), Some(flush_at)];
+            let wake = self.clock.instant(wake.into_iter().flatten().min().unwrap_or(flush_at));
+            tokio::select! {
+                // Core's timers first: a late wake-up must be seen as one before what has piled up is read.
+                biased;
+                () = tokio::time::sleep_until(wake) => self.feed(Input::Timeout),
+                act = signals.next() => self.operator(act),
+                Some(answer) = answers.recv() => match answer {
+                    Answer::Returned(plugin, returned) => self.feed(Input::Returned(plugin, returned)),
+                    Answer::Restarted(plugin, restarted) => self.feed(Input::Restarted(plugin, restarted)),
+                },
+                connected = connected(&mut self.connecting) => self.connected(connected),
+                ready = self.link.ready(&mut buffer) => match ready {
+                    Ready::Read(read) => self.feed(Input::Received(&buffer[..read])),
+                    Ready::Writable => self.flush(),
+                    Ready::Closed => self.lose_link("the vehicle closed the connection"),
+                },
+            }
+            let now = self.clock.now();
+            if self.link.write_deadline().is_some_and(|at| at <= now) {
+                self.lose_link("a write has waited for a second");
+            }
+            if self.connect_at.is_some_and(|at| at <= now) {
+                self.connect_at = None;
+                let address = self.address.clone();
+                self.connecting = Some(Box::pin(async move { connect(&address).await }));
+            }
+            if flush_at <= now {
+                flush_at = now + FLUSH_EVERY;
+                self.record(Recorder::flush);
+            }
+        }
+        self.farewell().await;
+        if let Some(recorder) = self.recorder.take() {
+            recorder.finish()?;
+        }
+        Ok(())
+    }
+
+    fn feed(&mut self, input: Input<'_>) {
+        let now = self.clock.now();
+        self.record(|recorder| recorder.input(now, &input));
+        self.core.handle(now, input);
+        if let Some(sample) = self.core.navigation().copied()
+            && self.recorded_navigation != Some(sample.solution)
+        {
+            self.recorded_navigation = Some(sample.solution);
+            self.record(|recorder| recorder.navigation(now, &sample));
+        }
+        self.carry_out_all();
+    }
+
+    fn carry_out_all(&mut self) {
+        loop {
+            let now = self.clock.now();
+            while let Some(output) = self.core.poll_output() {
+                self.record(|recorder| recorder.output(now, &output));
+                self.carry_out(now, output);
+            }
+            // What the driver answers at once is an input like any other.
+            let input = if let Some(below) = self.reserve.take() {
+                Input::Reserved(below)
+            } else if std::mem::take(&mut self.reset) {
+                self.link.reset();
+                Input::LinkDown
+            } else {
+                return;
+            };
+            self.record(|recorder| recorder.input(now, &input));
+            self.core.handle(now, input);
+        }
+    }
+
+    fn carry_out(&mut self, now: Timestamp, output: Output) {
+        match output {
+            Output::Send(bytes) => {
+                if let Err(error) = self.link.send(now, &bytes) {
+                    warn!("the connection broke: {error}");
+                    self.reset = self.link.is_open();
+                }
+            }
+            Output::Connect { after } => self.connect_at = Some(now + after),
+            Output::ResetLink => self.reset = true,
+            Output::Invoke(plugin, input) => self.crew.step(plugin, input),
+            Output::Restart(plugin) => self.crew.restart(plugin),
+            Output::Reserve(below) => match self.state.reserve(below) {
+                Ok(()) => self.reserve = Some(below),
+                Err(error) => error!("identifiers cannot be reserved, no more inserts are sent: {error:#}"),
+            },
+            Output::Finish => self.finished = true,
+            Output::Note(note) => self.tell(&note),
+        }
+    }
+
+    fn tell(&mut self, note: &backseat_core::Note) {
+        use backseat_core::Note;
+        match note {
+            Note::LinkDown { .. } | Note::PluginFailed { .. } | Note::Late { .. } | Note::Malformed { .. } => {
+                warn!("{note}");
+            }
+            Note::Request(transition) => {
+                use backseat_core::plugin::RequestState;
+                match &transition.state {
+                    // A plugin that asks the same again and again is told of once.
+                    RequestState::Rejected(reason) if self.last_refusal.as_ref() == Some(reason) => {}
+                    RequestState::Rejected(reason) => {
+                        self.last_refusal = Some(reason.clone());
+                        warn!("{note}");
+                    }
+                    RequestState::Ended(reason) if reason == "replaced" => {}
+                    RequestState::Sent | RequestState::Pending => {}
+                    RequestState::Accepted if transition.identifier.is_none() => {}
+                    RequestState::Accepted
+                    | RequestState::Failed(_)
+                    | RequestState::TimedOut
+                    | RequestState::Unknown
+                    | RequestState::Started
+                    | RequestState::Ended(_)
+                    | RequestState::Cancelled => info!("{note}"),
+                }
+            }
+            Note::LinkUp
+            | Note::VehicleVersion { .. }
+            | Note::Clock { .. }
+            | Note::Mission { .. }
+            | Note::Control { .. }
+            | Note::LeaseEnded { .. }
+            | Note::Plan { .. }
+            | Note::Behavior { .. }
+            | Note::Navigation { .. }
+            | Note::PluginRestarted { .. }
+            | Note::PluginLog { .. }
+            | Note::Operator { .. }
+            | Note::Text { .. } => info!("{note}"),
+        }
+    }
+
+    fn operator(&mut self, act: Operator) {
+        let kept = match act {
+            Operator::Hold => self.state.set_held(true),
+            Operator::Release => self.state.set_held(false),
+            Operator::Stop => Ok(()),
+        };
+        if let Err(error) = kept {
+            error!("the operator's act holds for this run only, it could not be kept: {error:#}");
+        }
+        self.feed(Input::Operator(act));
+    }
+
+    fn connected(&mut self, connected: std::io::Result<TcpStream>) {
+        self.connecting = None;
+        match connected {
+            Ok(stream) => {
+                self.link.open(stream);
+                self.feed(Input::LinkUp);
+            }
+            Err(error) => {
+                warn!("no vehicle at {}: {error}", self.address);
+                self.feed(Input::LinkDown);
+            }
+        }
+    }
+
+    fn flush(&mut self) {
+        if self.link.flush(self.clock.now()).is_err() {
+            self.lose_link("the connection broke");
+        }
+    }
+
+    fn lose_link(&mut self, why: &str) {
+        warn!("{why}");
+        self.link.reset();
+        self.feed(Input::LinkDown);
+    }
+
+    /// Lets what is written leave, then closes in order.
+    async fn farewell(&mut self) {
+        let until = self.clock.now() + FAREWELL;
+        while self.link.write_deadline().is_some() && self.clock.now() < until {
+            tokio::time::sleep(Duration::from_millis(10)).await;
+            if self.link.flush(self.clock.now()).is_err() {
+                return;
+            }
+        }
+        self.link.close();
+    }
+
+    fn record(
+        &mut self,
+        act: impl FnOnce(&mut Recorder<BufWriter<File>>) -> Result<(), backseat_recorder::RecorderError>,
+    ) {
+        if let Some(recorder) = &mut self.recorder
+            && let Err(error) = act(recorder)
+        {
+            error!("the log ends here, the run goes on: {error}");
+            self.recorder = None;
+        }
+    }
+}

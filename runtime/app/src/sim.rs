@@ -1,0 +1,144 @@
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use backseat_mission::Mission;
+use backseat_plugin_host::Host;
+use backseat_recorder::{Header, Rate, Recorder};
+use backseat_sim::{Report, Simulation, load_plugins, survey_map};
+use backseat_units::Timestamp;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::cli::{Sim, Speed};
+use crate::clock::{Clock, pause};
+
+pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
+    let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
+    let world = mission.world()?;
+    let loading = Clock::start();
+    let host = Host::new()?;
+    let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
+    let load_seconds = loading.elapsed().as_secs_f64();
+
+    let recorder = match &arguments.log {
+        Some(path) => Some(Recorder::create(
+            path,
+            &Header {
+                utc_at_start: world.start.utc,
+                rate: Rate::Simulation,
+                mission: &mission.name,
+                seed: Some(arguments.seed),
+                resolved_mission: &mission.resolved,
+                fence: &mission.fence_text,
+                components: &loaded.components,
+                version: env!("CARGO_PKG_VERSION"),
+            },
+        )?),
+        None => None,
+    };
+    if let Some(path) = &arguments.map {
+        // A place that cannot be written to is told before the run, not after it.
+        std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
+    }
+
+    let flying = Clock::start();
+    let mut simulation = Simulation::new(&mission, arguments.seed, loaded, recorder)?;
+    let progress = progress_bar(arguments.json);
+    match arguments.speed {
+        Speed::Max => simulation.run(|simulation| show(&progress, simulation, &flying))?,
+        Speed::Times(times) => paced(&mut simulation, times, &progress, &flying)?,
+    }
+    let (mut report, trace, mvc) = simulation.finish()?;
+    report.wall_seconds = flying.elapsed().as_secs_f64();
+    report.load_seconds = load_seconds;
+    progress.finish_and_clear();
+
+    if let Some(path) = &arguments.map {
+        let picture = survey_map(&mission, &report, &trace, &mvc);
+        std::fs::write(path, picture).with_context(|| format!("{}", path.display()))?;
+    }
+    if arguments.json {
+        println!("{}", serde_json::to_string(&report)?);
+    } else {
+        print_report(&report, arguments);
+    }
+    Ok(report.passed())
+}
+
+/// Goes no faster than a multiple of life.
+fn paced(simulation: &mut Simulation, times: f64, progress: &ProgressBar, clock: &Clock) -> Result<()> {
+    let mut next_show = Timestamp::ZERO;
+    while simulation.advance()? {
+        let due = Duration::from_secs_f64(simulation.now().as_secs_f64() / times);
+        let ahead = due.saturating_sub(clock.elapsed());
+        if ahead > Duration::from_millis(5) {
+            pause(ahead);
+        }
+        if simulation.now() >= next_show {
+            next_show = simulation.now() + Duration::from_secs_f64(times.min(60.0));
+            show(progress, simulation, clock);
+        }
+    }
+    Ok(())
+}
+
+fn progress_bar(quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+fn show(progress: &ProgressBar, simulation: &Simulation, clock: &Clock) {
+    let sim_s = simulation.now().as_secs_f64();
+    let wall_s = clock.elapsed().as_secs_f64().max(1e-9);
+    let truth = simulation.truth();
+    progress.set_message(format!(
+        "{:.0} min simulated, {:.0} x life: depth {:.1} m over {:.1} m of water, {} requests sent",
+        sim_s / 60.0,
+        sim_s / wall_s,
+        truth.depth_m,
+        truth.water_depth_m,
+        simulation.request_counts().sent,
+    ));
+    progress.tick();
+}
+
+fn print_report(report: &Report, arguments: &Sim) {
+    let Report { mission, seed, outcome, sim_seconds, wall_seconds, load_seconds, requests, .. } = report;
+    println!("{mission}, seed {seed}: {outcome} after {:.1} min", sim_seconds / 60.0);
+    println!(
+        "  {:.0} x life ({wall_seconds:.2} s, and {load_seconds:.2} s to load plugins)",
+        sim_seconds / wall_seconds.max(1e-9)
+    );
+    println!(
+        "  requests: {} proposed, {} rejected, {} sent, {} accepted, {} failed",
+        requests.proposed, requests.rejected, requests.sent, requests.accepted, requests.failed
+    );
+    for reason in &report.rejections {
+        println!("    rejected {reason}");
+    }
+    for (name, value) in &report.measures {
+        println!("  {name}: {value:.1}");
+    }
+    match report.violations.len() {
+        0 => println!("  no violation"),
+        count => println!("  {count} violations:"),
+    }
+    for violation in &report.violations {
+        println!("    {violation}");
+    }
+    for unmet in &report.unmet {
+        println!("  not as expected: {unmet}");
+    }
+    println!("  digest {}", report.digest);
+    if let Some(path) = &arguments.log {
+        println!("  log: {}", path.display());
+    }
+    if let Some(path) = &arguments.map {
+        println!("  map: {}", path.display());
+    }
+}

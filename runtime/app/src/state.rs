@@ -1,0 +1,104 @@
+//! What outlives the process: the SPI identifiers that are reserved, and the operator's hold.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use backseat_core::Identifiers;
+
+pub(crate) struct State {
+    folder: PathBuf,
+}
+
+impl State {
+    /// The state of a mission: in the given folder, or in the user's.
+    pub(crate) fn open(folder: Option<&Path>, mission: &str) -> Result<Self> {
+        let folder = match folder {
+            Some(folder) => folder.to_path_buf(),
+            None => user_state_folder()?.join("backseat").join(mission),
+        };
+        fs::create_dir_all(&folder).with_context(|| format!("{}", folder.display()))?;
+        Ok(Self { folder })
+    }
+
+    /// The identifiers that may be used: everything from the recorded number on. `None` where there is no record: then
+    /// no insert is sent, because a number might be used twice.
+    pub(crate) fn identifiers(&self, first: Option<u32>) -> Result<Option<Identifiers>> {
+        let path = self.identifiers_path();
+        match (fs::read_to_string(&path), first) {
+            (Ok(text), None) => {
+                let Ok(next) = text.trim().parse() else {
+                    bail!("{}: expected a number, found {:?}", path.display(), text.trim());
+                };
+                Ok(Some(Identifiers { next, reserved: next }))
+            }
+            (Ok(text), Some(first)) => {
+                bail!(
+                    "{}: there is a record already, at {}; leave --first-identifier {first} away, or remove the file if \
+                     this is another mission of the vehicle",
+                    path.display(),
+                    text.trim()
+                );
+            }
+            (Err(_), Some(first)) => {
+                self.reserve(first)?;
+                Ok(Some(Identifiers { next: first, reserved: first }))
+            }
+            (Err(error), None) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            (Err(error), None) => Err(error).with_context(|| format!("{}", path.display())),
+        }
+    }
+
+    /// Records that all identifiers below a number may have been used; returns when it is on disk.
+    pub(crate) fn reserve(&self, below: u32) -> Result<()> {
+        self.write("identifiers", below.to_string().as_bytes())
+    }
+
+    pub(crate) fn identifiers_path(&self) -> PathBuf {
+        self.folder.join("identifiers")
+    }
+
+    /// Whether the operator holds.
+    pub(crate) fn held(&self) -> bool {
+        self.hold_path().exists()
+    }
+
+    pub(crate) fn hold_path(&self) -> PathBuf {
+        self.folder.join("hold")
+    }
+
+    pub(crate) fn set_held(&self, held: bool) -> Result<()> {
+        if held {
+            return self.write("hold", b"held by the operator\n");
+        }
+        match fs::remove_file(self.hold_path()) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(error.into()),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whole or not at all, and on disk.
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
+        let path = self.folder.join(name);
+        let draft = self.folder.join(format!("{name}.new"));
+        let written = || -> std::io::Result<()> {
+            let mut file = fs::File::create(&draft)?;
+            file.write_all(bytes)?;
+            file.sync_all()?;
+            fs::rename(&draft, &path)?;
+            fs::File::open(&self.folder)?.sync_all()
+        };
+        written().with_context(|| format!("{}", path.display()))
+    }
+}
+
+fn user_state_folder() -> Result<PathBuf> {
+    if let Some(folder) = std::env::var_os("XDG_STATE_HOME").filter(|folder| !folder.is_empty()) {
+        return Ok(PathBuf::from(folder));
+    }
+    match std::env::var_os("HOME").filter(|folder| !folder.is_empty()) {
+        Some(home) => Ok(PathBuf::from(home).join(".local").join("state")),
+        None => bail!("neither XDG_STATE_HOME nor HOME is set: say where with --state DIR"),
+    }
+}

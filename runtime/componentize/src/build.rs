@@ -1,0 +1,273 @@
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use crate::{Error, componentize};
+
+/// What plugins are compiled for.
+pub const TARGET: &str = "wasm32-unknown-unknown";
+
+/// The profile `plugin`, given on the command line too, so that a crate outside of this workspace, or with a changed
+/// profile, is built alike.
+const PROFILE: [&str; 7] = [
+    "profile.plugin.inherits='release'",
+    "profile.plugin.opt-level=3",
+    "profile.plugin.lto=true",
+    "profile.plugin.codegen-units=1",
+    "profile.plugin.panic='abort'",
+    "profile.plugin.strip=true",
+    "profile.plugin.debug=false",
+];
+
+/// What separates the flags in `CARGO_ENCODED_RUSTFLAGS`.
+const FLAG_SEPARATOR: &str = "\x1f";
+
+/// Builds the packages of a workspace, or the crate in a folder (then `packages` may be empty), and writes each as a
+/// component to `out_dir/NAME.wasm`, NAME the package's. Gives the paths, in the order of `packages` (by name, where
+/// that is empty).
+///
+/// Cargo is the one that runs this (`$CARGO`), or else the one in the path; what it has to say goes to standard error.
+///
+/// # Errors
+/// [`Error::TargetMissing`] where the toolchain lacks the target, [`Error::Failed`] where the code does not compile,
+/// [`Error::NoModule`] where a package is no `cdylib`, [`Error::Encode`] where its module is no plugin, [`Error::Tool`] and
+/// [`Error::File`] where tools or folders are missing.
+pub fn build(workspace_or_crate_dir: &Path, packages: &[&str], out_dir: &Path) -> Result<Vec<PathBuf>, Error> {
+    require_target(workspace_or_crate_dir)?;
+    let modules = compile(workspace_or_crate_dir, packages)?;
+    fs::create_dir_all(out_dir).map_err(|source| Error::File {
+        path: out_dir.into(),
+        source,
+    })?;
+    let names: Vec<&str> = if packages.is_empty() {
+        if modules.is_empty() {
+            return Err(Error::NoModule(format!("in {}", workspace_or_crate_dir.display())));
+        }
+        modules.keys().map(String::as_str).collect()
+    } else {
+        packages.to_vec()
+    };
+    names
+        .into_iter()
+        .map(|name| {
+            let module = modules.get(name).ok_or_else(|| Error::NoModule(name.to_owned()))?;
+            let bytes = fs::read(module).map_err(|source| Error::File {
+                path: module.clone(),
+                source,
+            })?;
+            let path = out_dir.join(format!("{name}.wasm"));
+            write_whole(&path, &componentize(&bytes)?)?;
+            Ok(path)
+        })
+        .collect()
+}
+
+/// Asks the compiler itself where the target's libraries would be: it knows of toolchains without rustup too.
+fn require_target(directory: &Path) -> Result<(), Error> {
+    let libraries = rustc(directory, &["--print", "target-libdir", "--target", TARGET])?;
+    if Path::new(libraries.trim()).is_dir() {
+        Ok(())
+    } else {
+        Err(Error::TargetMissing)
+    }
+}
+
+/// Runs cargo; gives the module of each package that has one, by the package's name.
+fn compile(directory: &Path, packages: &[&str]) -> Result<BTreeMap<String, PathBuf>, Error> {
+    let cargo = cargo();
+    let mut command = Command::new(&cargo);
+    command.args(["build", "--profile", "plugin", "--target", TARGET, "--lib"]);
+    command.arg("--message-format=json-render-diagnostics");
+    for setting in PROFILE {
+        command.args(["--config", setting]);
+    }
+    for package in packages {
+        command.args(["-p", package]);
+    }
+    command.current_dir(directory).stderr(Stdio::inherit());
+    command.env("CARGO_ENCODED_RUSTFLAGS", flags(directory)?);
+    let output = run(command, &cargo.to_string_lossy())?;
+    if !output.status.success() {
+        return Err(Error::Failed {
+            tool: "cargo build",
+            directory: directory.into(),
+            status: output.status,
+        });
+    }
+    let messages = String::from_utf8_lossy(&output.stdout);
+    Ok(messages
+        .lines()
+        .filter_map(module)
+        .filter(|(name, _)| packages.is_empty() || packages.contains(&&**name))
+        .collect())
+}
+
+/// The module that a line of cargo's JSON messages tells of, with its package's name.
+fn module(message: &str) -> Option<(String, PathBuf)> {
+    let message: serde_json::Value = serde_json::from_str(message).ok()?;
+    if message["reason"] != "compiler-artifact" {
+        return None;
+    }
+    let is_wasm = |name: &&str| name.ends_with(".wasm");
+    let file = message["filenames"]
+        .as_array()?
+        .iter()
+        .filter_map(|name| name.as_str())
+        .find(is_wasm)?;
+    Some((package_name(message["package_id"].as_str()?)?.to_owned(), file.into()))
+}
+
+/// The name in a package ID (the Cargo book, "Package ID Specifications"): `URL#NAME@VERSION`, or `URL#VERSION` where the
+/// name is the last part of the URL.
+fn package_name(id: &str) -> Option<&str> {
+    let (url, fragment) = id.rsplit_once('#')?;
+    match fragment.split_once('@') {
+        Some((name, _)) => Some(name),
+        None => url.trim_end_matches('/').rsplit('/').next(),
+    }
+}
+
+/// Compiler flags that take the machine's paths out of the artefact: panics carry the names of source files.
+fn flags(directory: &Path) -> Result<OsString, Error> {
+    let mut prefixes = local_sources(directory)?;
+    if let Some(home) = cargo_home() {
+        // The folders' names hold a hash of the registry's address, which a mirror changes.
+        let registries = fs::read_dir(home.join("registry/src")).into_iter().flatten().flatten();
+        prefixes.extend(registries.map(|entry| (entry.path(), "/registry".into())));
+    }
+    // Where the library's sources are installed, the compiler names them by their place on this machine.
+    let sysroot = rustc(directory, &["--print", "sysroot"])?;
+    let version = rustc(directory, &["-vV"])?;
+    if let Some(commit) = version.lines().find_map(|line| line.strip_prefix("commit-hash: ")) {
+        prefixes.push((
+            Path::new(sysroot.trim()).join("lib/rustlib/src/rust"),
+            format!("/rustc/{commit}"),
+        ));
+    }
+    // The last prefix that matches counts: the longest has to come last.
+    prefixes.sort();
+    let mut flags = OsString::new();
+    for (from, to) in prefixes {
+        if !flags.is_empty() {
+            flags.push(FLAG_SEPARATOR);
+        }
+        flags.push("--remap-path-prefix=");
+        flags.push(from);
+        flags.push("=");
+        flags.push(to);
+    }
+    Ok(flags)
+}
+
+/// Where the sources are that come from no registry, and what the artefact calls those places: the workspace, and
+/// packages outside of it that it names by path (the SDK, for a plugin of its own folder).
+fn local_sources(directory: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
+    let cargo = cargo();
+    let mut command = Command::new(&cargo);
+    command
+        .args(["metadata", "--format-version", "1", "--filter-platform", TARGET])
+        .current_dir(directory);
+    command.stderr(Stdio::inherit());
+    let output = run(command, &cargo.to_string_lossy())?;
+    if !output.status.success() {
+        return Err(Error::Failed {
+            tool: "cargo metadata",
+            directory: directory.into(),
+            status: output.status,
+        });
+    }
+    // Fields that are missing give no prefixes, which costs reproducible bytes and nothing else.
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
+    let root = Path::new(metadata["workspace_root"].as_str().unwrap_or_default());
+    let mut sources = vec![(root.to_owned(), "/plugin".to_owned())];
+    for package in metadata["packages"].as_array().into_iter().flatten() {
+        let manifest = package["manifest_path"].as_str().map(Path::new).and_then(Path::parent);
+        if let (Some(folder), Some(name), true) = (manifest, package["name"].as_str(), package["source"].is_null())
+            && !folder.starts_with(root)
+        {
+            sources.push((folder.to_owned(), format!("/{name}")));
+        }
+    }
+    sources.retain(|(folder, _)| !folder.as_os_str().is_empty());
+    Ok(sources)
+}
+
+/// The cargo that runs this program, or else the one in the path.
+fn cargo() -> OsString {
+    std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
+}
+
+fn cargo_home() -> Option<PathBuf> {
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo")))
+}
+
+/// What rustc prints. It is run in the crate's folder, as a toolchain file there decides which one it is.
+fn rustc(directory: &Path, arguments: &[&str]) -> Result<String, Error> {
+    let mut command = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+    command.args(arguments).current_dir(directory).stderr(Stdio::inherit());
+    let output = run(command, "rustc")?;
+    if !output.status.success() {
+        return Err(Error::Failed {
+            tool: "rustc",
+            directory: directory.into(),
+            status: output.status,
+        });
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+fn run(mut command: Command, tool: &str) -> Result<Output, Error> {
+    command.output().map_err(|source| Error::Tool {
+        tool: tool.to_owned(),
+        source,
+    })
+}
+
+/// Writes a file so that whoever reads it sees the old bytes or the new, never a part: tests build side by side.
+fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let part = path.with_extension(format!("wasm.{}", std::process::id()));
+    fs::write(&part, bytes)
+        .and_then(|()| fs::rename(&part, path))
+        .map_err(|source| Error::File {
+            path: path.into(),
+            source,
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packages_are_named_as_cargo_writes_their_ids() {
+        for (id, name) in [
+            ("path+file:///work/plugins/isobath#0.1.0", "isobath"),
+            ("path+file:///work/plugins/survey#isobath@0.1.0", "isobath"),
+            (
+                "registry+https://github.com/rust-lang/crates.io-index#serde@1.0.0",
+                "serde",
+            ),
+        ] {
+            assert_eq!(package_name(id), Some(name));
+        }
+    }
+
+    #[test]
+    fn a_folder_without_a_crate_is_an_error() {
+        let empty = tempfile::tempdir().unwrap();
+        let error = build(empty.path(), &[], &empty.path().join("out")).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                Error::Failed {
+                    tool: "cargo metadata",
+                    ..
+                } | Error::TargetMissing
+            ),
+            "{error}"
+        );
+    }
+}

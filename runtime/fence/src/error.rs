@@ -1,0 +1,223 @@
+use core::fmt;
+
+/// Why a fence was refused. One line each; the caller names the file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FenceError {
+    /// Not JSON, or one that names a key twice.
+    #[error("line {line} column {column}: {message}")]
+    Json {
+        /// Counted from 1.
+        line: usize,
+        /// Counted from 1.
+        column: usize,
+        /// What the parser says.
+        message: String,
+    },
+    /// JSON, but not of the form of GeoJSON.
+    #[error("{place}: {found}, expected {expected}")]
+    Form {
+        /// Where in the document.
+        place: String,
+        /// What is there.
+        found: String,
+        /// What should be.
+        expected: &'static str,
+    },
+    /// A key that has no meaning here.
+    #[error("{place}: unknown key `{key}`, expected {expected}")]
+    UnknownKey {
+        /// Where in the document.
+        place: String,
+        /// The key.
+        key: String,
+        /// The keys that have a meaning.
+        expected: &'static str,
+    },
+    /// A property that must be there.
+    #[error("{feature}: `{key}` is missing, expected {expected}")]
+    MissingKey {
+        /// The feature.
+        feature: String,
+        /// The key.
+        key: &'static str,
+        /// What it should hold.
+        expected: &'static str,
+    },
+    /// A property whose value is not allowed.
+    #[error("{feature}: `{key}` is {found}, expected {expected}")]
+    BadValue {
+        /// The feature.
+        feature: String,
+        /// The key.
+        key: &'static str,
+        /// Its value, as JSON.
+        found: String,
+        /// What it should hold.
+        expected: String,
+    },
+    /// Two features of one name.
+    #[error("feature {second}: `name` is '{name}', as that of feature {first}, expected unlike names")]
+    DuplicateName {
+        /// The name.
+        name: String,
+        /// The feature that has it first, from 1.
+        first: usize,
+        /// The feature that has it again, from 1.
+        second: usize,
+    },
+    /// A collection without features.
+    #[error("no features, expected at least one inclusion zone")]
+    Empty,
+    /// Exclusions only: the vehicle could be nowhere.
+    #[error("no inclusion zone among {features} features, expected at least one")]
+    NoInclusion {
+        /// How many features there are.
+        features: usize,
+    },
+    /// More vertices than are taken, those that divide long edges included.
+    #[error("{found} vertices, expected at most {limit}")]
+    TooManyVertices {
+        /// How many there are, or would be.
+        found: usize,
+        /// How many are taken.
+        limit: usize,
+    },
+    /// A position that is none, or too near to a pole for the plane.
+    #[error("{place} vertex {vertex}: {found}, expected {expected}")]
+    Vertex {
+        /// The ring.
+        place: Place,
+        /// The vertex, from 1.
+        vertex: usize,
+        /// What is there.
+        found: String,
+        /// What should be.
+        expected: &'static str,
+    },
+    /// The last vertex is not the first.
+    #[error("{place}: ring is open, vertex {last} differs from vertex 1, expected the first vertex again as the last")]
+    OpenRing {
+        /// The ring.
+        place: Place,
+        /// The last vertex, from 1.
+        last: usize,
+    },
+    /// A ring of less than three distinct vertices.
+    #[error("{place}: {found} distinct vertices, expected at least 3")]
+    TooFewVertices {
+        /// The ring.
+        place: Place,
+        /// How many there are.
+        found: usize,
+    },
+    /// A ring whose vertices lie on one line.
+    #[error("{place}: zero area, all vertices lie on one line, expected a ring that encloses something")]
+    ZeroArea {
+        /// The ring.
+        place: Place,
+    },
+    /// A corner so sharp that the ring runs back on itself.
+    #[error(
+        "{place}: ring runs back on itself at vertex {vertex} (latitude {latitude:.6} longitude {longitude:.6}), expected a corner of over 0.006 degrees"
+    )]
+    Spike {
+        /// The ring.
+        place: Place,
+        /// The vertex, from 1.
+        vertex: usize,
+        /// Where, degrees.
+        latitude: f64,
+        /// Where, degrees.
+        longitude: f64,
+    },
+    /// Two edges of a polygon that cross or come within a micrometre of each other.
+    #[error(
+        "{place}: edge {edge} crosses or touches {other}edge {other_edge} at latitude {latitude:.6} longitude {longitude:.6}, expected edges that meet at their shared vertices only"
+    )]
+    Crossing {
+        /// The ring of the first edge.
+        place: Place,
+        /// The first edge: from this vertex to the next one.
+        edge: usize,
+        /// The ring of the second edge and a blank, where it is another one of the same polygon; else empty.
+        other: String,
+        /// The second edge.
+        other_edge: usize,
+        /// Where, degrees.
+        latitude: f64,
+        /// Where, degrees.
+        longitude: f64,
+    },
+    /// A hole that is not inside its outer ring.
+    #[error("{place}: hole lies outside of its polygon, expected it inside the outer ring")]
+    HoleOutside {
+        /// The hole.
+        place: Place,
+    },
+    /// A hole inside another hole.
+    #[error("{place}: hole lies inside hole {outer}, expected holes apart from each other")]
+    HoleInHole {
+        /// The inner hole.
+        place: Place,
+        /// The hole around it, from 1.
+        outer: usize,
+    },
+    /// A fence that spans the antimeridian, or more than half of the earth.
+    #[error("{place}: crosses the antimeridian (longitudes {west} to {east}), expected a fence on one side of it")]
+    Antimeridian {
+        /// The feature, or the collection.
+        place: String,
+        /// The lowest longitude, degrees.
+        west: f64,
+        /// The highest longitude, degrees.
+        east: f64,
+    },
+    /// A fence too wide for one plane.
+    #[error("fence is {across_km:.1} km across, expected at most {limit_km} km")]
+    TooWide {
+        /// Its greater side, from west to east or from south to north.
+        across_km: f64,
+        /// What is taken.
+        limit_km: f64,
+    },
+    /// An inclusion zone in which no point keeps the margin.
+    #[error("{place}: `margin_m` of {margin_m} leaves nothing inside, expected under {:.3}, half of its width", width_m / 2.0)]
+    NothingReachable {
+        /// The polygon, by its outer ring.
+        place: Place,
+        /// The margin.
+        margin_m: f64,
+        /// An upper bound of the widest circle inside, metres across.
+        width_m: f64,
+    },
+}
+
+/// A ring of the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The feature, by its name, or by its number where it has none.
+    pub feature: String,
+    /// Which polygon, from 1; none for the one of a `Polygon`.
+    pub polygon: Option<usize>,
+    /// Which hole, from 1; none for the outer ring.
+    pub hole: Option<usize>,
+}
+
+impl Place {
+    /// The ring within its polygon: `outer ring`, `hole 2`.
+    #[must_use]
+    pub fn ring(&self) -> String {
+        self.hole
+            .map_or_else(|| "outer ring".to_owned(), |hole| format!("hole {hole}"))
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.feature)?;
+        if let Some(polygon) = self.polygon {
+            write!(f, " polygon {polygon}")?;
+        }
+        write!(f, " {}", self.ring())
+    }
+}

@@ -1,0 +1,159 @@
+//! A feature's properties: name, kind, limits.
+
+use backseat_units::Depth;
+use serde_json::{Map, Value};
+
+use crate::error::FenceError;
+use crate::zone::{Band, Kind};
+
+/// What the properties say.
+pub(super) struct Properties {
+    pub(super) name: String,
+    pub(super) kind: Kind,
+    pub(super) margin_m: f64,
+}
+
+const INCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m` or `altitude_min_m`";
+const EXCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m` or `depth_max_m`";
+const NAME: &str = "a name of 1 to 100 printable characters";
+const KIND: &str = "\"inclusion\" or \"exclusion\"";
+
+/// How a feature is called in errors: by its name where it has a usable one.
+pub(super) fn label(properties: Option<&Map<String, Value>>, index: usize) -> String {
+    match properties
+        .and_then(|map| map.get("name"))
+        .and_then(Value::as_str)
+        .filter(|name| usable_name(name))
+    {
+        Some(name) => format!("feature '{name}'"),
+        None => format!("feature {}", index + 1),
+    }
+}
+
+/// Reads all properties and refuses unknown ones.
+pub(super) fn read(map: &Map<String, Value>, feature: &str) -> Result<Properties, FenceError> {
+    let source = Source { map, feature };
+    let name = source.required("name", NAME)?;
+    let name = match name.as_str() {
+        Some(text) if usable_name(text) => text.to_owned(),
+        _ => return Err(source.bad("name", name, NAME)),
+    };
+    let kind = source.required("kind", KIND)?;
+    let inclusion = match kind.as_str() {
+        Some("inclusion") => true,
+        Some("exclusion") => false,
+        _ => return Err(source.bad("kind", kind, KIND)),
+    };
+    for (key, value) in map {
+        let known = match key.as_str() {
+            "name" | "kind" | "margin_m" | "depth_min_m" | "depth_max_m" => true,
+            // Geographic information systems write every column for every feature.
+            "altitude_min_m" => inclusion || value.is_null(),
+            _ => false,
+        };
+        if !known {
+            let (place, key) = (feature.to_owned(), key.clone());
+            return Err(FenceError::UnknownKey {
+                place,
+                key,
+                expected: if inclusion { INCLUSION_KEYS } else { EXCLUSION_KEYS },
+            });
+        }
+    }
+    let margin_m = source.metres("margin_m", 0.0, 50_000.0)?;
+    let margin_m = margin_m.ok_or_else(|| source.missing("margin_m", "metres, 0 or more"))?;
+    let (depth_min_m, depth_max_m) = (source.depth("depth_min_m")?, source.depth("depth_max_m")?);
+    if let (Some(min_m), Some(max_m)) = (depth_min_m, depth_max_m)
+        && min_m > max_m
+    {
+        let found = Value::from(max_m);
+        return Err(source.bad("depth_max_m", &found, &format!("at least the `depth_min_m` of {min_m}")));
+    }
+    let kind = if inclusion {
+        let max_m = depth_max_m.ok_or_else(|| source.missing("depth_max_m", "metres"))?;
+        let min_m = depth_min_m.unwrap_or(0.0);
+        if min_m > max_m {
+            return Err(source.bad("depth_max_m", &Value::from(max_m), "at least the `depth_min_m` of 0"));
+        }
+        let altitude_min_m = source.metres("altitude_min_m", 0.0, 12_000.0)?;
+        let altitude_min_m = altitude_min_m.ok_or_else(|| source.missing("altitude_min_m", "metres, 0 or more"))?;
+        Kind::Inclusion {
+            depth: Band { min_m, max_m },
+            altitude_min_m,
+        }
+    } else if depth_min_m.is_none() && depth_max_m.is_none() {
+        Kind::Exclusion { depth: None }
+    } else {
+        let (min_m, max_m) = (
+            depth_min_m.unwrap_or(f64::NEG_INFINITY),
+            depth_max_m.unwrap_or(f64::INFINITY),
+        );
+        Kind::Exclusion {
+            depth: Some(Band { min_m, max_m }),
+        }
+    };
+    Ok(Properties { name, kind, margin_m })
+}
+
+fn usable_name(name: &str) -> bool {
+    !name.trim().is_empty() && name.chars().count() <= 100 && !name.chars().any(char::is_control)
+}
+
+struct Source<'a> {
+    map: &'a Map<String, Value>,
+    feature: &'a str,
+}
+
+impl Source<'_> {
+    /// A value; null counts as absent.
+    fn get(&self, key: &str) -> Option<&Value> {
+        self.map.get(key).filter(|value| !value.is_null())
+    }
+
+    fn required(&self, key: &'static str, expected: &'static str) -> Result<&Value, FenceError> {
+        self.get(key).ok_or_else(|| self.missing(key, expected))
+    }
+
+    fn metres(&self, key: &'static str, min: f64, max: f64) -> Result<Option<f64>, FenceError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        match value.as_f64() {
+            Some(metres) if (min..=max).contains(&metres) => Ok(Some(metres)),
+            _ => Err(self.bad(key, value, &format!("metres within {min} to {max}"))),
+        }
+    }
+
+    fn depth(&self, key: &'static str) -> Result<Option<f64>, FenceError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let metres = value.as_f64().unwrap_or(f64::NAN);
+        match Depth::from_m(metres) {
+            Ok(depth) => Ok(Some(depth.as_m())),
+            Err(range) => Err(self.bad(key, value, &format!("metres within {} to {}", range.min, range.max))),
+        }
+    }
+
+    fn missing(&self, key: &'static str, expected: &'static str) -> FenceError {
+        FenceError::MissingKey {
+            feature: self.feature.to_owned(),
+            key,
+            expected,
+        }
+    }
+
+    fn bad(&self, key: &'static str, found: &Value, expected: &str) -> FenceError {
+        let feature = self.feature.to_owned();
+        FenceError::BadValue {
+            feature,
+            key,
+            found: shortened(&found.to_string()),
+            expected: expected.to_owned(),
+        }
+    }
+}
+
+/// What is shown of a value: enough to find it.
+pub(super) fn shortened(text: &str) -> String {
+    match text.char_indices().nth(60) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
+    }
+}

@@ -1,0 +1,344 @@
+//! Rings of the file made into polygons of the plane, or refused.
+
+use backseat_units::{EastNorth, LocalFrame, Position};
+use parry2d_f64::bounding_volume::Aabb;
+use parry2d_f64::math::Vector;
+
+use crate::distance::{LegProbe, Probe, vector};
+use crate::error::{FenceError, Place};
+use crate::load::VERTICES_MAX;
+use crate::polygon::{GoodRing, Polygon};
+use crate::question::EDGE_THICKNESS_M;
+
+/// Sharper corners are refused, radians: so near to its corner that the two edges are within a rounding error of each
+/// other, a sharper one would leave no room to tell its inside from its outside.
+pub(crate) const SHARPEST_RAD: f64 = 1e-4;
+
+/// How far a straight piece of the plane may be from the straight line in longitude and latitude, metres.
+const SAGITTA_M: f64 = 0.01;
+
+/// The positions of a ring as they stand in the file.
+pub(crate) type RawRing = Vec<Position>;
+
+/// The outer ring, then the holes.
+pub(crate) type RawPolygon = Vec<RawRing>;
+
+/// Makes polygons, and keeps account of all of them.
+pub(crate) struct Outliner<'a> {
+    frame: &'a LocalFrame,
+    vertices: usize,
+    min: Vector,
+    max: Vector,
+}
+
+/// Names a ring of the polygon at hand: 0 is the outer one.
+type Placer<'a> = &'a dyn Fn(usize) -> Place;
+
+impl<'a> Outliner<'a> {
+    pub(crate) fn new(frame: &'a LocalFrame) -> Self {
+        Self {
+            frame,
+            vertices: 0,
+            min: Vector::splat(f64::INFINITY),
+            max: Vector::splat(f64::NEG_INFINITY),
+        }
+    }
+
+    /// The greater side of the box around all polygons, metres.
+    pub(crate) fn across_m(&self) -> f64 {
+        (self.max - self.min).max_element()
+    }
+
+    /// A polygon in which a margin leaves something.
+    pub(crate) fn polygon(
+        &mut self,
+        raw: &RawPolygon,
+        margin_m: f64,
+        place: Placer<'_>,
+    ) -> Result<Polygon, FenceError> {
+        let mut rings = Vec::with_capacity(raw.len());
+        for (index, ring) in raw.iter().enumerate() {
+            rings.push(self.ring(ring, index > 0, &|| place(index))?);
+        }
+        let polygon = Polygon::new(rings);
+        self.min = self.min.min(polygon.min);
+        self.max = self.max.max(polygon.max);
+        self.refuse_spikes(&polygon, place)?;
+        self.refuse_crossings(&polygon, place)?;
+        refuse_stray_holes(&polygon, place)?;
+        let width_m = width_bound_m(&polygon);
+        if 2.0 * margin_m >= width_m {
+            return Err(FenceError::NothingReachable {
+                place: place(0),
+                margin_m,
+                width_m,
+            });
+        }
+        Ok(polygon)
+    }
+
+    fn ring(&mut self, raw: &RawRing, hole: bool, place: &dyn Fn() -> Place) -> Result<GoodRing, FenceError> {
+        let mut distinct: Vec<_> = raw
+            .iter()
+            .map(|position| (position.longitude.as_deg(), position.latitude.as_deg()))
+            .collect();
+        distinct.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        distinct.dedup();
+        if distinct.len() < 3 {
+            return Err(FenceError::TooFewVertices {
+                place: place(),
+                found: distinct.len(),
+            });
+        }
+        if raw.first() != raw.last() {
+            return Err(FenceError::OpenRing {
+                place: place(),
+                last: raw.len(),
+            });
+        }
+        let mut ring = self.project(raw)?;
+        if on_one_line(&ring.vertices) {
+            return Err(FenceError::ZeroArea { place: place() });
+        }
+        if (signed_area_m2(&ring.vertices) < 0.0) != hole {
+            ring.vertices.reverse();
+            ring.numbers.reverse();
+        }
+        Ok(ring)
+    }
+
+    /// The ring on the plane: long edges divided, repeated vertices left out.
+    fn project(&mut self, raw: &RawRing) -> Result<GoodRing, FenceError> {
+        let mut ring = GoodRing {
+            vertices: vec![self.frame.to_local(raw[0])],
+            numbers: Vec::new(),
+        };
+        let mut from = ring.vertices[0];
+        for (ends, number) in raw.windows(2).zip(1..) {
+            let to = self.frame.to_local(ends[1]);
+            let middle = self.frame.to_local(between(ends[0], ends[1], 0.5));
+            let sagitta_m = middle.distance_m((from + to) * 0.5);
+            // A quarter of the sagitta remains of each half.
+            let pieces = (sagitta_m / SAGITTA_M).sqrt().ceil().max(1.0) as usize;
+            self.vertices += pieces;
+            if self.vertices > VERTICES_MAX {
+                return Err(FenceError::TooManyVertices {
+                    found: self.vertices,
+                    limit: VERTICES_MAX,
+                });
+            }
+            for piece in 1..=pieces {
+                let vertex = if piece == pieces {
+                    to
+                } else {
+                    self.frame
+                        .to_local(between(ends[0], ends[1], piece as f64 / pieces as f64))
+                };
+                let last = ring.vertices[ring.vertices.len() - 1];
+                if last.distance_m(vertex) > EDGE_THICKNESS_M {
+                    ring.vertices.push(vertex);
+                    ring.numbers.push(number);
+                }
+            }
+            from = to;
+        }
+        // The last vertex is the first one again: its own repetitions before the end go.
+        let first = ring.vertices[0];
+        while ring.vertices.len() > 1 && ring.vertices[ring.vertices.len() - 1].distance_m(first) <= EDGE_THICKNESS_M {
+            ring.vertices.pop();
+        }
+        ring.vertices.push(first);
+        ring.numbers.truncate(ring.vertices.len() - 1);
+        Ok(ring)
+    }
+
+    fn refuse_spikes(&self, polygon: &Polygon, place: Placer<'_>) -> Result<(), FenceError> {
+        for (index, ring) in polygon.rings().enumerate() {
+            let edges = ring.len() - 1;
+            for vertex in 0..edges {
+                let before = ring[if vertex == 0 { edges - 1 } else { vertex - 1 }];
+                let incoming = vector(ring[vertex]) - vector(before);
+                let outgoing = vector(ring[vertex + 1]) - vector(ring[vertex]);
+                let sine = incoming.perp_dot(outgoing).abs() / (incoming.length() * outgoing.length());
+                if incoming.dot(outgoing) < 0.0 && sine < SHARPEST_RAD {
+                    let (latitude, longitude) = self.degrees(vector(ring[vertex]));
+                    let vertex = polygon.vertex_number(index, vertex);
+                    return Err(FenceError::Spike {
+                        place: place(index),
+                        vertex,
+                        latitude,
+                        longitude,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn refuse_crossings(&self, polygon: &Polygon, place: Placer<'_>) -> Result<(), FenceError> {
+        let Some((first, second, at)) = polygon.crossing() else {
+            return Ok(());
+        };
+        let (latitude, longitude) = self.degrees(at);
+        let ((ring, edge), (other, other_edge)) = (polygon.locate(first), polygon.locate(second));
+        // A ring that was turned round meets its later edge first.
+        let swap = ring == other && edge > other_edge;
+        let (edge, other_edge) = if swap { (other_edge, edge) } else { (edge, other_edge) };
+        let other = if ring == other {
+            String::new()
+        } else {
+            format!("{} ", place(other).ring())
+        };
+        Err(FenceError::Crossing {
+            place: place(ring),
+            edge,
+            other,
+            other_edge,
+            latitude,
+            longitude,
+        })
+    }
+
+    fn degrees(&self, point: Vector) -> (f64, f64) {
+        let position = self.frame.to_position(EastNorth::new(point.x, point.y));
+        (position.latitude.as_deg(), position.longitude.as_deg())
+    }
+}
+
+impl Polygon {
+    /// Two edges that cross or come within an edge's thickness of each other without sharing a vertex, and where.
+    pub(crate) fn crossing(&self) -> Option<(u32, u32, Vector)> {
+        let thickness = Vector::splat(EDGE_THICKNESS_M);
+        for (first, last) in self.ring_edges() {
+            for edge in first..=last {
+                let [a, b] = self.ends(edge).map(vector);
+                let probe = LegProbe::new(a, b);
+                let around = Aabb::new(a.min(b) - thickness, a.max(b) + thickness);
+                let mut found: Option<u32> = None;
+                for run in self.tree().intersect_aabb(&around) {
+                    for other in self.run_edges(run).filter(|other| *other > edge + 1) {
+                        let neighbours = edge == first && other == last;
+                        let [c, d] = self.ends(other).map(vector);
+                        if !neighbours && probe.edge_d2(c, d) <= EDGE_THICKNESS_M * EDGE_THICKNESS_M {
+                            found = Some(found.map_or(other, |found| found.min(other)));
+                        }
+                    }
+                }
+                if let Some(other) = found {
+                    let [c, d] = self.ends(other).map(vector);
+                    return Some((edge, other, probe.contact(c, d).at));
+                }
+            }
+        }
+        None
+    }
+}
+
+/// The position at a fraction of the straight line in longitude and latitude.
+fn between(a: Position, b: Position, fraction: f64) -> Position {
+    let mix = |a: f64, b: f64| a + (b - a) * fraction;
+    let latitude = mix(a.latitude.as_deg(), b.latitude.as_deg());
+    let longitude = mix(a.longitude.as_deg(), b.longitude.as_deg());
+    Position::from_deg(latitude, longitude).unwrap_or(a)
+}
+
+/// Whether a closed ring has no width.
+fn on_one_line(vertices: &[EastNorth]) -> bool {
+    let first = vertices[0];
+    let farthest = vertices.iter().fold(first, |farthest, vertex| {
+        if vertex.distance_m(first) > farthest.distance_m(first) {
+            *vertex
+        } else {
+            farthest
+        }
+    });
+    let line = vector(farthest) - vector(first);
+    let length = line.length();
+    vertices
+        .iter()
+        .all(|vertex| line.perp_dot(vector(*vertex) - vector(first)).abs() <= EDGE_THICKNESS_M * length)
+}
+
+/// The area of a closed ring, positive where it runs counterclockwise.
+fn signed_area_m2(vertices: &[EastNorth]) -> f64 {
+    let first = vector(vertices[0]);
+    vertices
+        .windows(2)
+        .map(|ends| (vector(ends[0]) - first).perp_dot(vector(ends[1]) - first))
+        .sum::<f64>()
+        / 2.0
+}
+
+/// Holes that are outside of the outer ring or inside another hole. No two rings touch, so one vertex decides.
+fn refuse_stray_holes(polygon: &Polygon, place: Placer<'_>) -> Result<(), FenceError> {
+    let rings: Vec<_> = polygon.rings().map(|ring| (ring, bounds(ring))).collect();
+    for (index, (ring, _)) in rings.iter().enumerate().skip(1) {
+        if !encloses(rings[0].0, ring[0]) {
+            return Err(FenceError::HoleOutside { place: place(index) });
+        }
+        for (outer, (other, (min, max))) in rings.iter().enumerate().skip(1) {
+            let point = vector(ring[0]);
+            let in_box = point.cmpge(*min).all() && point.cmple(*max).all();
+            if outer != index && in_box && encloses(other, ring[0]) {
+                return Err(FenceError::HoleInHole {
+                    place: place(index),
+                    outer,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn bounds(ring: &[EastNorth]) -> (Vector, Vector) {
+    ring.iter().fold(
+        (Vector::splat(f64::INFINITY), Vector::splat(f64::NEG_INFINITY)),
+        |(min, max), point| (min.min(vector(*point)), max.max(vector(*point))),
+    )
+}
+
+/// Whether a closed ring goes round a point: a ray towards the east crosses it an odd number of times.
+fn encloses(ring: &[EastNorth], point: EastNorth) -> bool {
+    let crossed = |ends: &&[EastNorth]| {
+        let (a, b) = (ends[0], ends[1]);
+        (a.north_m > point.north_m) != (b.north_m > point.north_m) && {
+            let t = (point.north_m - a.north_m) / (b.north_m - a.north_m);
+            a.east_m + t * (b.east_m - a.east_m) > point.east_m
+        }
+    };
+    ring.windows(2).filter(crossed).count() % 2 == 1
+}
+
+/// An upper bound of the diameter of the widest circle inside: the least width in some directions, and the circle of
+/// the same area. Cheap rather than exact: it finds the margin that was typed in the wrong unit.
+fn width_bound_m(polygon: &Polygon) -> f64 {
+    let area_m2: f64 = polygon.rings().map(signed_area_m2).sum();
+    let round_m = 2.0 * (area_m2.max(0.0) / core::f64::consts::PI).sqrt();
+    let outer = polygon.rings().next().unwrap_or_default();
+    let mut narrowest = (f64::INFINITY, 90.0);
+    // All directions in steps of 10 degrees, then finer and finer about the best one: a long strip is wide already a
+    // little off its own direction.
+    for step_deg in [10.0, 2.0, 0.4, 0.08, 0.016] {
+        let middle_deg = narrowest.1;
+        for step in -9..=9 {
+            let direction_deg: f64 = middle_deg + f64::from(step) * step_deg;
+            let width_m = width_m(outer, direction_deg);
+            if width_m < narrowest.0 {
+                narrowest = (width_m, direction_deg);
+            }
+        }
+    }
+    round_m.min(narrowest.0)
+}
+
+/// How wide a ring is in a direction.
+fn width_m(ring: &[EastNorth], direction_deg: f64) -> f64 {
+    let (sin, cos) = backseat_units::math::sin_cos(direction_deg.to_radians());
+    let (min, max) = ring
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), point| {
+            let at = cos * point.east_m + sin * point.north_m;
+            (at.min(min), at.max(max))
+        });
+    max - min
+}

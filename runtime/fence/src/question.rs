@@ -1,0 +1,94 @@
+//! What is asked of a fence beside the shape, and whether it can be asked.
+
+use backseat_units::EastNorth;
+
+use crate::sweep::{Shape, Sweep, VerticalExtent};
+use crate::verdict::Rule;
+use crate::zone::{Band, Kind, Zone};
+
+/// The thickness of an edge, metres: what comes nearer touches it. Far above the rounding errors of the distances
+/// (1e-11 m at 50 km), far below what a vehicle knows of its position.
+pub(crate) const EDGE_THICKNESS_M: f64 = 1e-6;
+
+/// Greater lengths are no lengths of this earth, and their squares would cost the distances their precision.
+pub(crate) const LIMIT_M: f64 = 1e9;
+
+/// What is asked beside the shape. Without a vertical extent margins do not count either.
+#[derive(Clone, Copy)]
+pub(crate) struct Question {
+    pub(crate) radius_m: f64,
+    pub(crate) vertical: Option<VerticalExtent>,
+}
+
+impl Question {
+    /// How far from the edges of a zone the shape must be, metres.
+    pub(crate) fn reach_m(&self, zone: &Zone) -> f64 {
+        let margin_m = if self.vertical.is_some() { zone.margin_m } else { 0.0 };
+        (margin_m + self.radius_m).max(EDGE_THICKNESS_M)
+    }
+
+    /// The worst fault against the vertical limits of an inclusion zone.
+    pub(crate) fn vertical_fault(&self, zone: &Zone) -> Option<(Rule, f64)> {
+        let (vertical, depth, altitude_min_m) = match (self.vertical, zone.kind) {
+            (Some(vertical), Kind::Inclusion { depth, altitude_min_m }) => (vertical, depth, altitude_min_m),
+            (None, _) | (Some(_), Kind::Exclusion { .. }) => return None,
+        };
+        let faults = [
+            (Rule::DepthMin, depth.min_m - vertical.depth_min_m),
+            (Rule::DepthMax, vertical.depth_max_m - depth.max_m),
+            (Rule::AltitudeMin, altitude_min_m - vertical.altitude_min_m),
+        ];
+        faults
+            .into_iter()
+            .filter(|(_, metres)| *metres > 0.0)
+            .max_by(|(_, a), (_, b)| a.total_cmp(b))
+    }
+
+    /// Whether an exclusion zone counts at the depths of this question.
+    pub(crate) fn meets(&self, zone: &Zone) -> bool {
+        match (self.vertical, zone.kind) {
+            (
+                Some(vertical),
+                Kind::Exclusion {
+                    depth: Some(Band { min_m, max_m }),
+                },
+            ) => vertical.depth_min_m <= max_m && vertical.depth_max_m >= min_m,
+            (None, _) | (Some(_), Kind::Exclusion { depth: None } | Kind::Inclusion { .. }) => true,
+        }
+    }
+}
+
+/// The first number of a sweep that cannot be used.
+pub(crate) fn unusable(sweep: &Sweep) -> Option<&'static str> {
+    // Written so that what is no number fails.
+    let length = |value: f64| (0.0..=LIMIT_M).contains(&value);
+    let point = |point: &EastNorth| point.east_m.abs() <= LIMIT_M && point.north_m.abs() <= LIMIT_M;
+    if !length(sweep.radius_m) {
+        return Some("radius_m of the sweep");
+    }
+    match &sweep.shape {
+        Shape::Hull(hull) => (!hull.points().iter().all(point)).then_some("point of the hull"),
+        Shape::Rim { centre, radius_m } => match (point(centre), length(*radius_m)) {
+            (false, _) => Some("centre of the rim"),
+            (true, false) => Some("radius_m of the rim"),
+            (true, true) => None,
+        },
+    }
+}
+
+/// The first number of a vertical extent that cannot be used.
+pub(crate) fn unusable_vertical(vertical: &VerticalExtent) -> Option<&'static str> {
+    let VerticalExtent {
+        depth_min_m,
+        depth_max_m,
+        altitude_min_m,
+    } = *vertical;
+    let finite = |value: f64| value.abs() <= LIMIT_M;
+    match () {
+        () if !finite(depth_min_m) => Some("depth_min_m"),
+        () if !finite(depth_max_m) => Some("depth_max_m"),
+        () if !finite(altitude_min_m) => Some("altitude_min_m"),
+        () if depth_min_m > depth_max_m => Some("depth_max_m under depth_min_m"),
+        () => None,
+    }
+}

@@ -1,0 +1,100 @@
+use backseat_units::EastNorth;
+
+/// Everything within `radius_m` of a shape: where the vehicle may come while it does what was asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    /// What is swept.
+    pub shape: Shape,
+    /// How far from the shape the vehicle may be, metres, 0 or more.
+    pub radius_m: f64,
+}
+
+impl Sweep {
+    /// Everything within `radius_m` metres of `shape`.
+    #[must_use]
+    pub const fn new(shape: Shape, radius_m: f64) -> Self {
+        Self { shape, radius_m }
+    }
+}
+
+/// A shape on the plane of the fence's [`LocalFrame`](backseat_units::LocalFrame).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// The convex hull of one to four points, solid: a fence edge wholly inside it is touched.
+    Hull(Hull),
+    /// A circle's line, not its disc: a fence edge wholly inside the circle is not touched.
+    Rim {
+        /// The circle's centre.
+        centre: EastNorth,
+        /// The circle's radius, metres, 0 or more.
+        radius_m: f64,
+    },
+}
+
+/// One to four points that stand for their convex hull. In any order; points may repeat or lie on one line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hull {
+    points: [EastNorth; 4],
+    len: u8,
+}
+
+impl Hull {
+    /// The points, in the order in which they were given.
+    #[must_use]
+    pub fn points(&self) -> &[EastNorth] {
+        &self.points[..usize::from(self.len)]
+    }
+}
+
+impl Shape {
+    /// One point.
+    #[must_use]
+    pub const fn point(a: EastNorth) -> Self {
+        Self::Hull(Hull {
+            points: [a, a, a, a],
+            len: 1,
+        })
+    }
+
+    /// The straight way from one point to another, which may be the same.
+    #[must_use]
+    pub const fn leg(a: EastNorth, b: EastNorth) -> Self {
+        Self::Hull(Hull {
+            points: [a, b, b, b],
+            len: 2,
+        })
+    }
+
+    /// A solid triangle.
+    #[must_use]
+    pub const fn triangle(a: EastNorth, b: EastNorth, c: EastNorth) -> Self {
+        Self::Hull(Hull {
+            points: [a, b, c, c],
+            len: 3,
+        })
+    }
+
+    /// The solid convex hull of four points.
+    #[must_use]
+    pub const fn quadrilateral(points: [EastNorth; 4]) -> Self {
+        Self::Hull(Hull { points, len: 4 })
+    }
+
+    /// A circle's line.
+    #[must_use]
+    pub const fn rim(centre: EastNorth, radius_m: f64) -> Self {
+        Self::Rim { centre, radius_m }
+    }
+}
+
+/// What the vehicle may do vertically along a sweep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VerticalExtent {
+    /// The shallowest that it may be, metres below the surface.
+    pub depth_min_m: f64,
+    /// The deepest that it may be, metres below the surface; not less than `depth_min_m`.
+    pub depth_max_m: f64,
+    /// The lowest height above the bottom that it may have, metres. Finite: where the bottom is unknown, the caller
+    /// says what it is known to be at least.
+    pub altitude_min_m: f64,
+}

@@ -1,0 +1,193 @@
+use core::fmt;
+use std::sync::Arc;
+
+use backseat_units::EastNorth;
+
+use crate::fence::Map;
+use crate::zone::Kind;
+
+/// An edge of a fence. [`Fence::describe_edge`](crate::Fence::describe_edge) tells what it is.
+///
+/// Edges that were divided at load, to follow the straight line of longitude and latitude, have several identifiers
+/// and one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct EdgeId {
+    pub(crate) zone: u32,
+    pub(crate) polygon: u32,
+    pub(crate) edge: u32,
+}
+
+/// What an [`EdgeId`] stands for, in the terms of the fence's file. Everything counts from 1, as the errors do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeInfo<'a> {
+    /// The name of the zone.
+    pub zone: &'a str,
+    /// Which polygon of the zone: 1, or more for a `MultiPolygon`.
+    pub polygon: usize,
+    /// Which hole of the polygon; none for the outer ring.
+    pub hole: Option<usize>,
+    /// The edge from the ring's vertex of this number to the next one.
+    pub number: usize,
+    /// The two ends of the edge, or of the piece of it that the identifier stands for.
+    pub ends: [EastNorth; 2],
+}
+
+impl fmt::Display for EdgeInfo<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.polygon > 1 {
+            write!(f, "polygon {} ", self.polygon)?;
+        }
+        if let Some(hole) = self.hole {
+            write!(f, "hole {hole} ")?;
+        }
+        write!(f, "edge {}", self.number)
+    }
+}
+
+/// The fence holds, with this to spare.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[must_use]
+pub struct Clearance {
+    /// How many metres the sweep keeps beyond its own radius and the zone's margin, 0 or more. Horizontal; depth and
+    /// altitude bands hold, by how much is not told.
+    pub metres: f64,
+    /// The edge that is nearest in this sense.
+    pub edge: EdgeId,
+}
+
+/// What a request offends against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rule {
+    /// The sweep lies wholly inside no inclusion zone and its margin.
+    Inclusion,
+    /// The sweep comes into an exclusion zone or its margin.
+    Exclusion,
+    /// The sweep may come shallower than the inclusion zone allows.
+    DepthMin,
+    /// The sweep may come deeper than the inclusion zone allows.
+    DepthMax,
+    /// The sweep may come nearer to the bottom than the inclusion zone allows.
+    AltitudeMin,
+    /// A number of the request is unusable: not finite, beyond ±1e9, a negative radius, or a depth range that is the
+    /// wrong way round.
+    NotFinite,
+}
+
+/// The fence does not hold. Cheap to make; its text is made when it is printed, from the fence that it keeps alive.
+#[derive(Clone)]
+#[must_use]
+pub struct Breach {
+    /// What is offended against.
+    pub rule: Rule,
+    /// How many metres are missing, over 0; infinite for [`Rule::NotFinite`].
+    ///
+    /// For [`Rule::Inclusion`]: how far the worst point would have to come in, margin and radius included. Exact for a
+    /// point, for a sweep that lies inside and only too near, and for a hull in a convex zone without holes; else a
+    /// lower bound, taken from the hull's corners, or from eight points of a rim, and where the sweep is nearest.
+    ///
+    /// For [`Rule::Exclusion`]: margin and radius less the distance, or, where the sweep touches the zone, margin and
+    /// radius plus the depth of its deepest corner inside: a lower bound of what it would have to move.
+    pub metres: f64,
+    /// The nearest edge of the zone; none for [`Rule::NotFinite`].
+    pub edge: Option<EdgeId>,
+    /// The place on that edge.
+    pub at: Option<EastNorth>,
+    pub(crate) cause: Cause,
+    pub(crate) map: Arc<Map>,
+}
+
+/// What the text needs beside the edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Cause {
+    Zone(u32),
+    Number(&'static str),
+}
+
+impl Breach {
+    /// The zone that is breached, or that came nearest to holding; none for [`Rule::NotFinite`].
+    #[must_use]
+    pub fn zone(&self) -> Option<&str> {
+        match self.cause {
+            Cause::Zone(zone) => Some(self.map.zones[zone as usize].name()),
+            Cause::Number(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Breach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let zone = match self.cause {
+            Cause::Zone(zone) => &self.map.zones[zone as usize],
+            Cause::Number(what) => return write!(f, "not a usable number: {what}"),
+        };
+        let (name, metres) = (zone.name(), Metres(self.metres));
+        let limits = match zone.kind() {
+            Kind::Inclusion { depth, altitude_min_m } => Some((depth, altitude_min_m)),
+            Kind::Exclusion { .. } => None,
+        };
+        match (self.rule, limits) {
+            (Rule::DepthMin, Some((depth, _))) => {
+                return write!(f, "{metres} shallower than the {} m of inclusion '{name}'", depth.min_m);
+            }
+            (Rule::DepthMax, Some((depth, _))) => {
+                return write!(f, "{metres} deeper than the {} m of inclusion '{name}'", depth.max_m);
+            }
+            (Rule::AltitudeMin, Some((_, altitude_min_m))) => {
+                return write!(
+                    f,
+                    "{metres} below the altitude of {altitude_min_m} m of inclusion '{name}'"
+                );
+            }
+            (Rule::Exclusion, _) => write!(f, "inside exclusion '{name}'")?,
+            _ => write!(f, "outside inclusion '{name}'")?,
+        }
+        if zone.margin_m() > 0.0 {
+            write!(f, " with its margin of {} m", zone.margin_m())?;
+        }
+        write!(f, " by {metres}")?;
+        if let (Some(edge), Some(at)) = (self.edge, self.at) {
+            let position = self.map.frame.to_position(at);
+            let (latitude, longitude) = (position.latitude.as_deg(), position.longitude.as_deg());
+            write!(
+                f,
+                " at {} (latitude {latitude:.6} longitude {longitude:.6})",
+                self.map.describe(edge)
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Debug for Breach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Breach")
+            .field("rule", &self.rule)
+            .field("metres", &self.metres)
+            .field("edge", &self.edge)
+            .field("text", &self.to_string())
+            .finish_non_exhaustive()
+    }
+}
+
+impl PartialEq for Breach {
+    /// Same rule, metres and place; the fences are taken to be the same.
+    fn eq(&self, other: &Self) -> bool {
+        (self.rule, self.metres, self.edge, self.at, self.cause)
+            == (other.rule, other.metres, other.edge, other.at, other.cause)
+    }
+}
+
+impl core::error::Error for Breach {}
+
+/// A length in a text: to the decimetre, small ones as they are.
+struct Metres(f64);
+
+impl fmt::Display for Metres {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0 >= 0.1 {
+            write!(f, "{:.1} m", self.0)
+        } else {
+            write!(f, "{:.1e} m", self.0)
+        }
+    }
+}

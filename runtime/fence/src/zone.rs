@@ -1,0 +1,81 @@
+use backseat_units::EastNorth;
+
+use crate::polygon::Polygon;
+
+/// One feature of the fence's file.
+#[derive(Clone, Debug)]
+pub struct Zone {
+    pub(crate) name: String,
+    pub(crate) kind: Kind,
+    pub(crate) margin_m: f64,
+    pub(crate) polygons: Vec<Polygon>,
+}
+
+/// Whether the vehicle must be inside or outside of a zone, and what the zone limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// Inside.
+    Inclusion {
+        /// The depths that are allowed.
+        depth: Band,
+        /// The least height above the bottom, metres.
+        altitude_min_m: f64,
+    },
+    /// Outside, at the depths of the band; at all depths where there is none.
+    Exclusion {
+        /// The depths that are forbidden.
+        depth: Option<Band>,
+    },
+}
+
+/// A range of depths, metres below the surface, both ends included. An exclusion's may be open on one side: infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    /// The shallowest.
+    pub min_m: f64,
+    /// The deepest.
+    pub max_m: f64,
+}
+
+/// One ring of a zone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ring<'a> {
+    /// Which polygon of the zone, from 1.
+    pub polygon: usize,
+    /// Which hole of the polygon, from 1; none for the outer ring.
+    pub hole: Option<usize>,
+    /// The vertices, the first repeated as the last; outer rings run counterclockwise, holes clockwise. Long edges
+    /// have extra vertices, so that they follow the straight line of longitude and latitude to a centimetre.
+    pub points: &'a [EastNorth],
+}
+
+impl Zone {
+    /// The name, unlike all others of the fence.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Inclusion or exclusion, and its limits.
+    #[must_use]
+    pub const fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// How far from the zone's edge a sweep must keep, metres.
+    #[must_use]
+    pub const fn margin_m(&self) -> f64 {
+        self.margin_m
+    }
+
+    /// The rings of all the zone's polygons, each outer ring before its holes.
+    pub fn rings(&self) -> impl Iterator<Item = Ring<'_>> {
+        self.polygons.iter().enumerate().flat_map(|(index, polygon)| {
+            polygon.rings().enumerate().map(move |(ring, points)| Ring {
+                polygon: index + 1,
+                hole: (ring > 0).then_some(ring),
+                points,
+            })
+        })
+    }
+}

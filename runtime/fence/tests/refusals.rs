@@ -1,0 +1,574 @@
+//! What is no fence is refused, with the place and what was expected, in one line.
+#![expect(clippy::unwrap_used, reason = "a test may fail so")]
+
+use backseat_fence::{Fence, FenceError};
+use serde_json::{Value, json};
+
+const SQUARE: &str = "[[-70.0, 42.0], [-69.99, 42.0], [-69.99, 42.01], [-70.0, 42.01], [-70.0, 42.0]]";
+
+/// A document of one feature, whose properties and geometry are given.
+fn feature(properties: &Value, geometry: &Value) -> Value {
+    json!({ "type": "Feature", "properties": properties, "geometry": geometry })
+}
+
+fn collection(features: &[Value]) -> String {
+    json!({ "type": "FeatureCollection", "features": features }).to_string()
+}
+
+fn inclusion() -> Value {
+    json!({ "name": "survey box", "kind": "inclusion", "margin_m": 10, "depth_max_m": 30, "altitude_min_m": 3 })
+}
+
+fn exclusion() -> Value {
+    json!({ "name": "wreck", "kind": "exclusion", "margin_m": 10 })
+}
+
+fn polygon(rings: &[Vec<(f64, f64)>]) -> Value {
+    json!({ "type": "Polygon", "coordinates": rings })
+}
+
+fn square() -> Value {
+    json!({ "type": "Polygon", "coordinates": [serde_json::from_str::<Value>(SQUARE).unwrap()] })
+}
+
+/// Offsets in thousandths of a degree from 42 N 70 W, east then north.
+fn ring(offsets: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    offsets
+        .iter()
+        .map(|(east, north)| (-70.0 + east / 1000.0, 42.0 + north / 1000.0))
+        .collect()
+}
+
+#[track_caller]
+fn refused(text: &str) -> String {
+    let error = Fence::from_geojson(text).expect_err("it should be refused").to_string();
+    assert!(!error.contains('\n'), "one line: {error}");
+    error
+}
+
+#[track_caller]
+fn with_ring(offsets: &[(f64, f64)]) -> String {
+    refused(&collection(&[feature(&inclusion(), &polygon(&[ring(offsets)]))]))
+}
+
+#[track_caller]
+fn with_holes(holes: &[&[(f64, f64)]]) -> String {
+    let mut rings = vec![ring(&[(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0)])];
+    rings.extend(holes.iter().map(|hole| ring(hole)));
+    refused(&collection(&[feature(&inclusion(), &polygon(&rings))]))
+}
+
+#[track_caller]
+fn with_property(key: &str, value: Value) -> String {
+    let mut properties = inclusion();
+    properties[key] = value;
+    refused(&collection(&[feature(&properties, &square())]))
+}
+
+#[test]
+fn a_good_fence_is_taken() {
+    let text = collection(&[feature(&inclusion(), &square())]);
+    let fence = Fence::from_geojson(&text).unwrap();
+    assert_eq!(fence.zones().count(), 1);
+    // As written by editors and by GDAL.
+    let decorated = format!(
+        "\u{feff}{}",
+        text.replacen(
+            '{',
+            r#"{"name": "fence", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:OGC:1.3:CRS84"}}, "#,
+            1
+        )
+    );
+    assert!(Fence::from_geojson(&decorated).is_ok());
+}
+
+#[test]
+fn json_faults_have_their_line() {
+    assert_eq!(refused(""), "line 1 column 0: EOF while parsing a value");
+    assert_eq!(
+        refused("{\n  \"type\": \"FeatureCollection\",\n}"),
+        "line 3 column 1: trailing comma"
+    );
+    assert_eq!(refused("{\n\"type\": 1e999}"), "line 2 column 13: number out of range");
+    assert!(refused("{\n\"a\": NaN}").starts_with("line 2 column 6"));
+    assert_eq!(
+        refused("{\"type\": 1,\n\n\"type\": 2}"),
+        "line 3 column 6: key `type` is given twice, expected it once"
+    );
+    let deep = "[".repeat(100_000);
+    assert!(refused(&deep).contains("recursion limit"));
+}
+
+#[test]
+fn what_is_no_feature_collection_is_named() {
+    assert_eq!(refused("[]"), "document: an array, expected a FeatureCollection");
+    assert_eq!(
+        refused("{}"),
+        "document: no `type`, expected `type` of \"FeatureCollection\""
+    );
+    assert_eq!(
+        refused(&square().to_string()),
+        "document: Polygon, expected a FeatureCollection"
+    );
+    assert_eq!(
+        refused(r#"{"type": "FeatureCollection"}"#),
+        "document: no `features`, expected an array of features"
+    );
+    assert_eq!(
+        refused(r#"{"type": "FeatureCollection", "features": 3}"#),
+        "`features`: a number, expected an array of features"
+    );
+    assert_eq!(
+        refused(r#"{"type": "FeatureCollection", "features": [4]}"#),
+        "feature 1: a number, expected a Feature with properties and geometry"
+    );
+    assert_eq!(
+        refused(r#"{"type": "FeatureCollection", "features": [], "margin_m": 3}"#),
+        "document: unknown key `margin_m`, expected `type`, `name`, `crs`, `bbox` or `features`"
+    );
+    assert_eq!(
+        refused(r#"{"type": "FeatureCollection", "crs": {"properties": {"name": "EPSG:32619"}}, "features": []}"#),
+        "`crs`: {\"properties\":{\"name\":\"EPSG:32619\"}}, expected urn:ogc:def:crs:OGC:1.3:CRS84, or no `crs`"
+    );
+}
+
+#[test]
+fn fences_without_zones_are_refused() {
+    assert_eq!(
+        refused(&collection(&[])),
+        "no features, expected at least one inclusion zone"
+    );
+    assert_eq!(
+        refused(&collection(&[feature(&exclusion(), &square())])),
+        "no inclusion zone among 1 features, expected at least one"
+    );
+}
+
+#[test]
+fn geometry_is_polygons_only() {
+    let with = |geometry: Value| refused(&collection(&[feature(&inclusion(), &geometry)]));
+    assert_eq!(
+        with(json!({ "type": "Point", "coordinates": [1, 2] })),
+        "feature 'survey box': geometry is Point, expected Polygon or MultiPolygon"
+    );
+    assert_eq!(
+        with(Value::Null),
+        "feature 'survey box': no geometry, expected Polygon or MultiPolygon"
+    );
+    assert_eq!(
+        with(json!({ "type": "Polygon", "coordinates": [] })),
+        "feature 'survey box': polygon without rings, expected an outer ring"
+    );
+    assert_eq!(
+        with(json!({ "type": "MultiPolygon", "coordinates": [] })),
+        "feature 'survey box': polygon without rings, expected an outer ring"
+    );
+    assert_eq!(
+        with(json!({ "type": "Polygon", "coordinates": [], "margin_m": 2 })),
+        "feature 'survey box' geometry: unknown key `margin_m`, expected `type` or `coordinates`"
+    );
+    assert!(with(json!({ "type": "Polygon", "coordinates": [["a"]] })).starts_with("feature 'survey box': "));
+    assert!(with(json!({ "type": "Polygons" })).ends_with("expected a Feature of RFC 7946"));
+}
+
+#[test]
+fn properties_are_complete_and_known() {
+    let without = |key: &str| {
+        let mut properties = inclusion();
+        properties.as_object_mut().unwrap().remove(key);
+        refused(&collection(&[feature(&properties, &square())]))
+    };
+    assert_eq!(
+        without("name"),
+        "feature 1: `name` is missing, expected a name of 1 to 100 printable characters"
+    );
+    assert_eq!(
+        without("kind"),
+        "feature 'survey box': `kind` is missing, expected \"inclusion\" or \"exclusion\""
+    );
+    assert_eq!(
+        without("margin_m"),
+        "feature 'survey box': `margin_m` is missing, expected metres, 0 or more"
+    );
+    assert_eq!(
+        without("depth_max_m"),
+        "feature 'survey box': `depth_max_m` is missing, expected metres"
+    );
+    assert_eq!(
+        without("altitude_min_m"),
+        "feature 'survey box': `altitude_min_m` is missing, expected metres, 0 or more"
+    );
+    let mut exclusion = exclusion();
+    exclusion.as_object_mut().unwrap().remove("margin_m");
+    assert_eq!(
+        refused(&collection(&[feature(&exclusion, &square())])),
+        "feature 'wreck': `margin_m` is missing, expected metres, 0 or more"
+    );
+    assert_eq!(
+        with_property("depth_max", json!(3)),
+        "feature 'survey box': unknown key `depth_max`, expected `name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m` or `altitude_min_m`"
+    );
+    exclusion["margin_m"] = json!(1);
+    exclusion["altitude_min_m"] = json!(1);
+    assert_eq!(
+        refused(&collection(&[feature(&exclusion, &square())])),
+        "feature 'wreck': unknown key `altitude_min_m`, expected `name`, `kind`, `margin_m`, `depth_min_m` or `depth_max_m`"
+    );
+    let mut stray = feature(&inclusion(), &square());
+    stray["margin_m"] = json!(5);
+    assert_eq!(
+        refused(&collection(&[stray])),
+        "feature 'survey box': unknown key `margin_m`, expected `type`, `id`, `bbox`, `properties` or `geometry`"
+    );
+    let mut bare = feature(&inclusion(), &square());
+    bare["properties"] = Value::Null;
+    assert_eq!(
+        refused(&collection(&[bare])),
+        "feature 1: no `properties`, expected an object with `name` and `kind`"
+    );
+}
+
+#[test]
+fn values_are_in_range() {
+    for (key, value, expected) in [
+        (
+            "margin_m",
+            json!(-1),
+            "`margin_m` is -1, expected metres within 0 to 50000",
+        ),
+        (
+            "margin_m",
+            json!("5"),
+            "`margin_m` is \"5\", expected metres within 0 to 50000",
+        ),
+        (
+            "kind",
+            json!("Inclusion"),
+            "`kind` is \"Inclusion\", expected \"inclusion\" or \"exclusion\"",
+        ),
+        (
+            "depth_max_m",
+            json!(20_000),
+            "`depth_max_m` is 20000, expected metres within -100 to 12000",
+        ),
+        (
+            "depth_max_m",
+            json!(-3),
+            "`depth_max_m` is -3.0, expected at least the `depth_min_m` of 0",
+        ),
+        (
+            "depth_min_m",
+            json!(31),
+            "`depth_max_m` is 30.0, expected at least the `depth_min_m` of 31",
+        ),
+        (
+            "depth_min_m",
+            json!([1]),
+            "`depth_min_m` is [1], expected metres within -100 to 12000",
+        ),
+        (
+            "altitude_min_m",
+            json!(-0.5),
+            "`altitude_min_m` is -0.5, expected metres within 0 to 12000",
+        ),
+    ] {
+        assert_eq!(with_property(key, value), format!("feature 'survey box': {expected}"));
+    }
+    assert_eq!(
+        with_property("name", json!(" ")),
+        "feature 1: `name` is \" \", expected a name of 1 to 100 printable characters"
+    );
+    assert!(with_property("name", json!("a\nb")).starts_with("feature 1: `name` is \"a\\nb\""));
+    let huge = with_property("margin_m", json!("x".repeat(10_000)));
+    assert!(huge.len() < 200, "{huge}");
+}
+
+#[test]
+fn names_are_unlike() {
+    let features = [
+        feature(&inclusion(), &square()),
+        feature(&exclusion(), &square()),
+        feature(&inclusion(), &square()),
+    ];
+    assert_eq!(
+        refused(&collection(&features)),
+        "feature 3: `name` is 'survey box', as that of feature 1, expected unlike names"
+    );
+}
+
+#[test]
+fn positions_are_on_earth_and_away_from_the_poles() {
+    let with = |position: Value| {
+        let mut geometry = square();
+        geometry["coordinates"][0][2] = position;
+        refused(&collection(&[feature(&inclusion(), &geometry)]))
+    };
+    let place = "feature 'survey box' outer ring vertex 3";
+    assert_eq!(
+        with(json!([-70.0, 95.0])),
+        format!("{place}: latitude 95 deg is not within -90 to 90, expected longitude, then latitude")
+    );
+    assert_eq!(
+        with(json!([-190.0, 42.0])),
+        format!("{place}: longitude -190 deg is not within -180 to 180, expected longitude, then latitude")
+    );
+    assert_eq!(
+        with(json!([-70.0, 86.0])),
+        format!("{place}: latitude 86 deg, expected at most 85 degrees north or south")
+    );
+    assert_eq!(
+        with(json!([-70.0, 42.0, 5.0])),
+        format!("{place}: 3 numbers, expected longitude and latitude")
+    );
+    for position in [json!([]), json!([-70.0]), json!([-70.0, "42"]), json!([-70.0, null])] {
+        assert!(with(position).starts_with("feature 'survey box'"));
+    }
+}
+
+#[test]
+fn rings_are_closed_and_enclose_something() {
+    assert_eq!(
+        with_ring(&[(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]),
+        "feature 'survey box' outer ring: ring is open, vertex 4 differs from vertex 1, expected the first vertex again as the last"
+    );
+    assert_eq!(
+        with_ring(&[(0.0, 0.0), (10.0, 0.0), (0.0, 0.0)]),
+        "feature 'survey box' outer ring: 2 distinct vertices, expected at least 3"
+    );
+    assert_eq!(
+        with_ring(&[]),
+        "feature 'survey box' outer ring: 0 distinct vertices, expected at least 3"
+    );
+    assert_eq!(
+        with_ring(&[(0.0, 0.0), (0.0, 5.0), (0.0, 10.0), (0.0, 0.0)]),
+        "feature 'survey box' outer ring: zero area, all vertices lie on one line, expected a ring that encloses something"
+    );
+    assert_eq!(
+        with_ring(&[
+            (0.0, 0.0),
+            (10.0, 0.0),
+            (10.0, 10.0),
+            (10.0, 20.0),
+            (10.0, 10.0),
+            (0.0, 10.0),
+            (0.0, 0.0)
+        ]),
+        "feature 'survey box' outer ring: ring runs back on itself at vertex 4 (latitude 42.020000 longitude -69.990000), expected a corner of over 0.006 degrees"
+    );
+}
+
+#[test]
+fn edges_that_cross_are_named_with_their_place() {
+    let bow_tie = [(0.0, 0.0), (10.0, 10.0), (10.0, 0.0), (0.0, 10.0), (0.0, 0.0)];
+    let text = "feature 'survey box' outer ring: edge 1 crosses or touches edge 3 at latitude 42.005000 longitude -69.995000, expected edges that meet at their shared vertices only";
+    assert_eq!(with_ring(&bow_tie), text);
+    let turned: Vec<_> = bow_tie.into_iter().rev().collect();
+    // The other way round edge 2 leads from the third vertex to the first crossing's other edge.
+    assert!(with_ring(&turned).contains("edge 2 crosses or touches edge 4 at latitude 42.005000 longitude -69.995000"));
+    // A vertex that touches an edge, and a vertex met twice.
+    let touch = [
+        (0.0, 0.0),
+        (10.0, 0.0),
+        (10.0, 10.0),
+        (5.0, 0.0),
+        (0.0, 10.0),
+        (0.0, 0.0),
+    ];
+    assert!(with_ring(&touch).contains("edge 1 crosses or touches edge 3"));
+    let twice = [
+        (0.0, 0.0),
+        (5.0, 5.0),
+        (10.0, 0.0),
+        (10.0, 10.0),
+        (5.0, 5.0),
+        (0.0, 10.0),
+        (0.0, 0.0),
+    ];
+    assert!(with_ring(&twice).contains("crosses or touches"));
+    // Lines that run along each other.
+    let along = [
+        (0.0, 0.0),
+        (10.0, 0.0),
+        (10.0, 5.0),
+        (8.0, 0.0),
+        (4.0, 0.0),
+        (2.0, 5.0),
+        (0.0, 0.0),
+    ];
+    assert!(with_ring(&along).contains("crosses or touches"));
+}
+
+#[test]
+fn a_crossing_is_named_by_the_files_own_numbers_whichever_way_the_ring_runs() {
+    // Its edge 3 is crossed by edge 5; the other way round, and after a repeated vertex.
+    let text = with_ring(&[
+        (0.0, 0.0),
+        (10.0, 0.0),
+        (10.0, 10.0),
+        (6.0, 10.0),
+        (6.5, 11.0),
+        (7.0, 9.0),
+        (0.0, 10.0),
+        (0.0, 0.0),
+    ]);
+    assert!(text.contains("edge 3 crosses or touches edge 5"), "{text}");
+    let clockwise = [
+        (0.0, 0.0),
+        (0.0, 10.0),
+        (7.0, 9.0),
+        (6.5, 11.0),
+        (6.0, 10.0),
+        (10.0, 10.0),
+        (10.0, 0.0),
+        (0.0, 0.0),
+    ];
+    let text = with_ring(&clockwise);
+    assert!(text.contains("edge 3 crosses or touches edge 5"), "{text}");
+    let repeated = [
+        (0.0, 0.0),
+        (10.0, 0.0),
+        (10.0, 0.0),
+        (10.0, 10.0),
+        (6.0, 10.0),
+        (6.5, 11.0),
+        (7.0, 9.0),
+        (0.0, 10.0),
+        (0.0, 0.0),
+    ];
+    let text = with_ring(&repeated);
+    assert!(text.contains("edge 4 crosses or touches edge 6"), "{text}");
+}
+
+#[test]
+fn holes_lie_inside_their_polygon_and_apart() {
+    let small = [(1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0), (1.0, 1.0)];
+    let outside = small.map(|(east, north)| (east + 20.0, north));
+    let within = [(1.2, 1.2), (1.8, 1.2), (1.8, 1.8), (1.2, 1.2)];
+    let across = small.map(|(east, north)| (east - 1.5, north));
+    let overlapping = small.map(|(east, north)| (east + 0.5, north + 0.5));
+    assert_eq!(
+        with_holes(&[&small, &outside]),
+        "feature 'survey box' hole 2: hole lies outside of its polygon, expected it inside the outer ring"
+    );
+    assert_eq!(
+        with_holes(&[&within, &small]),
+        "feature 'survey box' hole 1: hole lies inside hole 2, expected holes apart from each other"
+    );
+    let text = with_holes(&[&across]);
+    assert!(
+        text.starts_with("feature 'survey box' outer ring: edge 4 crosses or touches hole 1 edge 3 at"),
+        "{text}"
+    );
+    let text = with_holes(&[&small, &overlapping]);
+    assert!(
+        text.starts_with("feature 'survey box' hole 1: edge 3 crosses or touches hole 2 edge 4 at"),
+        "{text}"
+    );
+}
+
+#[test]
+fn polygons_of_a_multipolygon_are_numbered() {
+    let good = ring(&[(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 0.0)]);
+    let open = ring(&[(20.0, 0.0), (30.0, 0.0), (30.0, 10.0), (20.0, 10.0)]);
+    let geometry = json!({ "type": "MultiPolygon", "coordinates": [[good], [open]] });
+    assert!(
+        refused(&collection(&[feature(&inclusion(), &geometry)]))
+            .starts_with("feature 'survey box' polygon 2 outer ring: ring is open")
+    );
+}
+
+#[test]
+fn the_antimeridian_is_not_crossed() {
+    let across = polygon(&[vec![(179.99, 10.0), (-179.99, 10.0), (-179.99, 10.01), (179.99, 10.0)]]);
+    assert_eq!(
+        refused(&collection(&[feature(&inclusion(), &across)])),
+        "feature 'survey box': crosses the antimeridian (longitudes -179.99 to 179.99), expected a fence on one side of it"
+    );
+    let west = polygon(&[vec![(179.98, 10.0), (179.99, 10.0), (179.99, 10.01), (179.98, 10.0)]]);
+    let east = polygon(&[vec![
+        (-179.99, 10.0),
+        (-179.98, 10.0),
+        (-179.98, 10.01),
+        (-179.99, 10.0),
+    ]]);
+    assert!(
+        refused(&collection(&[
+            feature(&inclusion(), &west),
+            feature(&exclusion(), &east)
+        ]))
+        .starts_with("fence: crosses the antimeridian")
+    );
+    // Up to it is well.
+    let beside = polygon(&[vec![(179.99, 10.0), (180.0, 10.0), (180.0, 10.01), (179.99, 10.0)]]);
+    assert!(Fence::from_geojson(&collection(&[feature(&inclusion(), &beside)])).is_ok());
+}
+
+#[test]
+fn fences_over_fifty_kilometres_are_refused() {
+    assert_eq!(
+        with_ring(&[(0.0, 0.0), (10.0, 0.0), (10.0, 455.0), (0.0, 455.0), (0.0, 0.0)]),
+        "fence is 50.5 km across, expected at most 50 km"
+    );
+    let text = with_ring(&[(0.0, 0.0), (10_000.0, 0.0), (10_000.0, 10_000.0), (0.0, 0.0)]);
+    assert!(text.ends_with("km across, expected at most 50 km"), "{text}");
+    // An exclusion far away counts too.
+    let far = polygon(&[ring(&[(0.0, 500.0), (1.0, 500.0), (1.0, 501.0), (0.0, 500.0)])]);
+    let text = refused(&collection(&[
+        feature(&inclusion(), &square()),
+        feature(&exclusion(), &far),
+    ]));
+    assert!(text.ends_with("km across, expected at most 50 km"), "{text}");
+    let near = polygon(&[ring(&[
+        (0.0, 0.0),
+        (10.0, 0.0),
+        (10.0, 445.0),
+        (0.0, 445.0),
+        (0.0, 0.0),
+    ])]);
+    assert!(Fence::from_geojson(&collection(&[feature(&inclusion(), &near)])).is_ok());
+}
+
+#[test]
+fn a_margin_that_leaves_nothing_is_refused() {
+    let text = with_property("margin_m", json!(450));
+    assert_eq!(
+        text,
+        "feature 'survey box' outer ring: `margin_m` of 450 leaves nothing inside, expected under 414.254, half of its width"
+    );
+    // A slanting strip is as narrow as it is wide.
+    let strip = ring(&[(0.0, 0.0), (0.2, 0.0), (10.2, 10.0), (10.0, 10.0), (0.0, 0.0)]);
+    let text = refused(&collection(&[feature(&inclusion(), &polygon(&[strip]))]));
+    assert!(text.contains("leaves nothing inside"), "{text}");
+    // An exclusion's margin may be as wide as it likes.
+    let mut wide = exclusion();
+    wide["margin_m"] = json!(450);
+    assert!(
+        Fence::from_geojson(&collection(&[
+            feature(&inclusion(), &square()),
+            feature(&wide, &square())
+        ]))
+        .is_ok()
+    );
+}
+
+#[test]
+fn more_than_a_million_vertices_are_refused() {
+    let mut text = String::from(
+        r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"a","kind":"inclusion","margin_m":0,"depth_max_m":9,"altitude_min_m":1},"geometry":{"type":"Polygon","coordinates":[["#,
+    );
+    text.push_str(&"[1,2],".repeat(1_000_000));
+    text.push_str("[1,2]]]}}]}");
+    assert_eq!(refused(&text), "1000001 vertices, expected at most 1000000");
+}
+
+#[test]
+fn errors_can_be_told_apart_by_programs() {
+    let error = Fence::from_geojson(&collection(&[feature(&inclusion(), &polygon(&[ring(&[])]))])).unwrap_err();
+    let FenceError::TooFewVertices { place, found: 0 } = error else {
+        panic!("{error}")
+    };
+    assert_eq!(
+        (place.feature.as_str(), place.polygon, place.hole),
+        ("feature 'survey box'", None, None)
+    );
+}

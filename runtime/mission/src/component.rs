@@ -1,0 +1,47 @@
+use std::path::{Path, PathBuf};
+
+use crate::error::MissionError;
+
+/// Finds a plugin's component: a path (with a separator or an ending) counts from the mission's folder; a bare name is
+/// looked up as `NAME.wasm` in the given folder, in `$BACKSEAT_PLUGINS`, then in `target/plugins`.
+///
+/// # Errors
+/// [`MissionError::NoComponent`] names the places.
+pub fn find_component(
+    mission: &Path,
+    plugin: &str,
+    component: &str,
+    folder: Option<&Path>,
+) -> Result<PathBuf, MissionError> {
+    let is_path = component.contains(['/', '\\']) || component.ends_with(".wasm");
+    let places: Vec<PathBuf> = if is_path {
+        vec![mission.join(component)]
+    } else {
+        let file = format!("{component}.wasm");
+        let environment = std::env::var_os("BACKSEAT_PLUGINS").map(PathBuf::from);
+        let built = PathBuf::from("target/plugins");
+        folder
+            .map(Path::to_path_buf)
+            .into_iter()
+            .chain(environment)
+            .chain([built])
+            .map(|folder| folder.join(&file))
+            .collect()
+    };
+    if let Some(found) = places.iter().find(|place| place.is_file()) {
+        return Ok(found.clone());
+    }
+    let mut looked = places
+        .iter()
+        .map(|place| place.display().to_string())
+        .collect::<Vec<_>>()
+        .join(", ");
+    if !is_path {
+        looked.push_str(" (`cargo xtask plugins` builds the project's own)");
+    }
+    Err(MissionError::NoComponent {
+        plugin: plugin.to_owned(),
+        component: component.to_owned(),
+        looked,
+    })
+}

@@ -1,0 +1,75 @@
+use backseat_core::{FailAction, Grant, Limits, Settings};
+use serde::{Deserialize, Serialize};
+
+/// `mission.toml` as it is written.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct MissionFile {
+    /// Where the vehicle is.
+    #[serde(default)]
+    pub vehicle: VehicleTable,
+    /// How the session is held.
+    #[serde(default)]
+    pub session: Settings,
+    /// What the operator allows.
+    pub limits: Limits,
+    /// The plugins, the first of the highest priority.
+    #[serde(default, rename = "plugin")]
+    pub plugins: Vec<PluginTable>,
+}
+
+/// The `[vehicle]` table.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct VehicleTable {
+    /// The main vehicle computer's address (SPI 4.1).
+    pub address: String,
+}
+
+impl Default for VehicleTable {
+    fn default() -> Self {
+        Self {
+            address: "127.0.0.1:29500".to_owned(),
+        }
+    }
+}
+
+/// A `[[plugin]]` table.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PluginTable {
+    /// Its name in this mission.
+    pub name: String,
+    /// Its component: a path from the mission's folder, or a bare name that is looked up.
+    pub component: String,
+    /// What it may do.
+    pub grants: Vec<Grant>,
+    /// What is done when it fails.
+    #[serde(default)]
+    pub on_failure: FailAction,
+    /// What it may use.
+    #[serde(default)]
+    pub budget: BudgetTable,
+    /// Its own configuration, handed to it as JSON.
+    #[serde(default)]
+    pub config: toml::Table,
+}
+
+/// The `[plugin.budget]` table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BudgetTable {
+    /// Fuel for a step, about one for a WebAssembly instruction.
+    pub fuel_per_step: u64,
+    /// Memory, mebibytes.
+    pub memory_mib: u32,
+}
+
+impl Default for BudgetTable {
+    fn default() -> Self {
+        Self {
+            fuel_per_step: 20_000_000,
+            memory_mib: 64,
+        }
+    }
+}

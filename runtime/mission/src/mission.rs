@@ -1,0 +1,329 @@
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use backseat_core::Envelope;
+use backseat_fence::Fence;
+use backseat_mvc::WorldFile;
+use config::{Config, Environment, File, FileFormat};
+use sha2::{Digest, Sha256};
+
+use crate::component::find_component;
+use crate::error::MissionError;
+use crate::file::{MissionFile, PluginTable};
+
+/// What lies over `mission.toml`.
+#[derive(Clone, Debug, Default)]
+pub struct Layers {
+    /// `KEY=VALUE` of the command line, keys with dots.
+    pub set: Vec<String>,
+    /// Whether the environment's `BACKSEAT__*` counts.
+    pub environment: bool,
+}
+
+/// A mission, parsed and checked.
+pub struct Mission {
+    /// The folder's name.
+    pub name: String,
+    /// The folder.
+    pub folder: PathBuf,
+    /// `mission.toml` with its layers.
+    pub file: MissionFile,
+    /// Fence and limits.
+    pub envelope: Arc<Envelope>,
+    /// `fence.geojson` as it is.
+    pub fence_text: String,
+    /// `world.toml`, where there is one.
+    pub world: Option<WorldFile>,
+    /// The whole mission file after layering, as TOML.
+    pub resolved: String,
+}
+
+impl Mission {
+    /// Reads a mission's folder.
+    ///
+    /// # Errors
+    /// [`MissionError`] on one line, with file and place.
+    pub fn load(folder: &Path, layers: &Layers) -> Result<Self, MissionError> {
+        let path = folder.join("mission.toml");
+        if !path.is_file() {
+            return Err(MissionError::NoMission {
+                path: folder.to_path_buf(),
+            });
+        }
+        let text = read(&path)?;
+        // Alone first: the layers would lose the line.
+        toml::from_str::<MissionFile>(&text).map_err(|error| toml_error(&path, &text, &error))?;
+        let file = layered(&path, &text, layers)?;
+        file.limits
+            .validate()
+            .map_err(|error| value(&path, format!("limits.{error}")))?;
+        check_plugins(&path, &file.plugins)?;
+
+        let fence_path = folder.join("fence.geojson");
+        let fence_text = read(&fence_path)?;
+        let fence = Fence::from_geojson(&fence_text).map_err(|error| value(&fence_path, error.to_string()))?;
+
+        let world_path = folder.join("world.toml");
+        let world = if world_path.is_file() {
+            let text = read(&world_path)?;
+            Some(WorldFile::from_toml(&text).map_err(|error| value(&world_path, error.to_string()))?)
+        } else {
+            None
+        };
+        let resolved =
+            toml::to_string(&file).map_err(|error| value(&path, format!("cannot be written as TOML: {error}")))?;
+        let name = folder
+            .canonicalize()
+            .unwrap_or_else(|_| folder.to_path_buf())
+            .file_name()
+            .map_or_else(|| "mission".to_owned(), |name| name.to_string_lossy().into_owned());
+        let envelope = Arc::new(Envelope::new(fence, file.limits.clone()));
+        Ok(Self {
+            name,
+            folder: folder.to_path_buf(),
+            file,
+            envelope,
+            fence_text,
+            world,
+            resolved,
+        })
+    }
+
+    /// The world, which simulation needs.
+    ///
+    /// # Errors
+    /// [`MissionError`] where the mission has no `world.toml`.
+    pub fn world(&self) -> Result<&WorldFile, MissionError> {
+        self.world.as_ref().ok_or_else(|| {
+            value(
+                &self.folder.join("world.toml"),
+                "not there: a mission needs its world to be simulated".to_owned(),
+            )
+        })
+    }
+
+    /// Where each plugin's component is, in priority order.
+    ///
+    /// # Errors
+    /// [`MissionError::NoComponent`] for the first that is nowhere.
+    pub fn components(&self, folder: Option<&Path>) -> Result<Vec<PathBuf>, MissionError> {
+        self.file
+            .plugins
+            .iter()
+            .map(|plugin| find_component(&self.folder, &plugin.name, &plugin.component, folder))
+            .collect()
+    }
+
+    /// SHA-256 of the resolved mission file, the fence's text and nothing else, in hexadecimal.
+    #[must_use]
+    pub fn hash(&self) -> String {
+        let mut hash = Sha256::new();
+        hash.update(self.resolved.as_bytes());
+        hash.update([0]);
+        hash.update(self.fence_text.as_bytes());
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, MissionError> {
+    let mut builder = Config::builder().add_source(File::from_str(text, FileFormat::Toml));
+    let mut names = vec![path.display().to_string()];
+    if layers.environment {
+        builder = builder.add_source(
+            Environment::with_prefix("BACKSEAT")
+                .prefix_separator("__")
+                .separator("__")
+                .try_parsing(true),
+        );
+        names.push("the environment's BACKSEAT__*".to_owned());
+    }
+    for set in &layers.set {
+        let Some((key, value)) = set.split_once('=') else {
+            return Err(MissionError::Layer {
+                layer: format!("--set {set}"),
+                message: "expected KEY=VALUE, such as limits.speed_max_mps=1.8".to_owned(),
+            });
+        };
+        // As TOML where it is TOML, so that 1.8 is a number and true a truth; else as text.
+        let line = format!("{key} = {value}");
+        let line = if toml::from_str::<toml::Table>(&line).is_ok() {
+            line
+        } else {
+            format!("{key} = {value:?}")
+        };
+        if toml::from_str::<toml::Table>(&line).is_err() {
+            return Err(MissionError::Layer {
+                layer: format!("--set {set}"),
+                message: format!("`{key}` is no key: expected names joined by dots"),
+            });
+        }
+        builder = builder.add_source(File::from_str(&line, FileFormat::Toml));
+        names.push(format!("--set {set}"));
+    }
+    let over = |error: config::ConfigError| MissionError::Layer {
+        layer: names.join(" with "),
+        message: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
+    };
+    builder.build().map_err(over)?.try_deserialize().map_err(over)
+}
+
+fn check_plugins(path: &Path, plugins: &[PluginTable]) -> Result<(), MissionError> {
+    let mut names = BTreeSet::new();
+    for plugin in plugins {
+        if plugin.name.is_empty() || !names.insert(&plugin.name) {
+            return Err(value(
+                path,
+                format!(
+                    "plugin name `{}`: expected one that is not empty and not used twice",
+                    plugin.name
+                ),
+            ));
+        }
+        let budget = &plugin.budget;
+        if budget.fuel_per_step == 0 || !(1..=1024).contains(&budget.memory_mib) {
+            return Err(value(
+                path,
+                format!(
+                    "plugin `{}`: budget needs fuel_per_step above 0 and memory_mib within 1 to 1024",
+                    plugin.name
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<String, MissionError> {
+    std::fs::read_to_string(path).map_err(|source| MissionError::Read {
+        path: path.to_path_buf(),
+        source,
+    })
+}
+
+fn value(path: &Path, message: String) -> MissionError {
+    MissionError::Value {
+        path: path.to_path_buf(),
+        message,
+    }
+}
+
+fn toml_error(path: &Path, text: &str, error: &toml::de::Error) -> MissionError {
+    let start = error.span().map_or(0, |span| span.start).min(text.len());
+    let line = text.get(..start).unwrap_or("").matches('\n').count() + 1;
+    let message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+    MissionError::Toml {
+        path: path.to_path_buf(),
+        line,
+        message,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MISSION: &str = r#"
+[limits]
+speed_min_mps = 1.0
+speed_max_mps = 2.0
+turn_rate_dps = 8.0
+current_max_mps = 0.3
+
+[[plugin]]
+name = "isobath"
+component = "isobath"
+grants = ["modify"]
+config = { contour_m = 30.0 }
+"#;
+    const FENCE: &str = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3},"geometry":{"type":"Polygon","coordinates":[[[-70.9,42.3],[-70.89,42.3],[-70.89,42.31],[-70.9,42.31],[-70.9,42.3]]]}}]}"#;
+
+    fn folder(mission: &str, fence: &str) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("mission.toml"), mission).unwrap();
+        std::fs::write(folder.path().join("fence.geojson"), fence).unwrap();
+        folder
+    }
+
+    fn load(mission: &str, fence: &str, set: &[&str]) -> Result<Mission, MissionError> {
+        let folder = folder(mission, fence);
+        let layers = Layers {
+            set: set.iter().map(|set| (*set).to_owned()).collect(),
+            environment: false,
+        };
+        Mission::load(folder.path(), &layers)
+    }
+
+    fn fault(mission: &str, set: &[&str]) -> String {
+        let message = load(mission, FENCE, set).err().expect("a fault").to_string();
+        assert!(!message.contains('\n'), "{message}");
+        message
+    }
+
+    #[test]
+    fn flags_lie_over_the_file() {
+        let mission = load(
+            MISSION,
+            FENCE,
+            &["limits.speed_max_mps=1.8", "vehicle.address=10.0.0.1:29500"],
+        )
+        .unwrap();
+        assert_eq!(mission.file.limits.speed_max_mps, 1.8);
+        assert_eq!(mission.file.vehicle.address, "10.0.0.1:29500");
+        assert_eq!(mission.file.plugins[0].config["contour_m"].as_float(), Some(30.0));
+        assert!(
+            mission.resolved.contains("navigation_age_max_s = 1.0"),
+            "defaults are in the resolved whole"
+        );
+        assert_eq!(mission.hash().len(), 64);
+    }
+
+    #[test]
+    fn faults_name_file_line_and_what_was_expected() {
+        let unknown = fault(&MISSION.replace("turn_rate_dps", "turn_rate"), &[]);
+        assert!(
+            unknown.contains("mission.toml:5: unknown field `turn_rate`, expected one of"),
+            "{unknown}"
+        );
+        let wrong = fault(&MISSION.replace("= 2.0", "= \"fast\""), &[]);
+        assert!(
+            wrong.contains("mission.toml:4:") && wrong.contains("expected f64"),
+            "{wrong}"
+        );
+        let range = fault(&MISSION.replace("= 2.0", "= 0.5"), &[]);
+        assert!(
+            range.contains("limits.speed_max_mps is 0.5: expected at least speed_min_mps"),
+            "{range}"
+        );
+        let flag = fault(MISSION, &["limits.speed=1"]);
+        assert!(
+            flag.contains("--set limits.speed=1") && flag.contains("unknown field"),
+            "{flag}"
+        );
+        assert!(fault(MISSION, &["nonsense"]).contains("expected KEY=VALUE"));
+        let twice = fault(
+            &format!("{MISSION}\n[[plugin]]\nname = \"isobath\"\ncomponent = \"x\"\ngrants = []\n"),
+            &[],
+        );
+        assert!(twice.contains("not used twice"), "{twice}");
+    }
+
+    #[test]
+    fn a_missing_file_or_component_is_named() {
+        let empty = tempfile::tempdir().unwrap();
+        let error = Mission::load(empty.path(), &Layers::default())
+            .err()
+            .expect("no mission")
+            .to_string();
+        assert!(error.contains("expected a folder with mission.toml"), "{error}");
+        let broken = load(MISSION, "{", &[]).err().expect("no fence").to_string();
+        assert!(broken.contains("fence.geojson"), "{broken}");
+        let error = find_component(empty.path(), "x", "nowhere", Some(empty.path()))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("nowhere.wasm") && error.contains("cargo xtask plugins"),
+            "{error}"
+        );
+    }
+}

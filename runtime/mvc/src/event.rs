@@ -1,0 +1,375 @@
+use core::fmt;
+use core::time::Duration;
+
+use backseat_spi::{BehaviorId, CommandName, Text};
+use backseat_units::Timestamp;
+
+/// A client of the server, as the driver numbers its connections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ClientId(pub u32);
+
+impl fmt::Display for ClientId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "client {}", self.0)
+    }
+}
+
+/// Something that happened in the vehicle: a line of its log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MvcEvent {
+    /// When.
+    pub at: Timestamp,
+    /// What.
+    pub kind: MvcEventKind,
+}
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MvcEventKind {
+    /// A client connected.
+    Connected(ClientId),
+    /// A client is gone.
+    Disconnected(ClientId),
+    /// The server cut a client off.
+    Dropped(ClientId, DropReason),
+    /// A client switched a status message on or off.
+    Subscribed {
+        /// Which client.
+        client: ClientId,
+        /// The message's three letters, or `ALL`.
+        message: Text,
+        /// On or off.
+        on: bool,
+    },
+    /// The mission's status changed.
+    Mission {
+        /// As BFMIS says it.
+        status: Status,
+        /// Why, where there is more to say.
+        details: &'static str,
+    },
+    /// The vehicle gave (true) or took back (false) control.
+    Control(bool),
+    /// A behavior began.
+    BehaviorBegan(Behavior),
+    /// A behavior ended.
+    BehaviorEnded(Behavior, EndReason),
+    /// A payload began to modify the current behavior, or changed what it asks for.
+    Modify(ClientId, ModifyValues),
+    /// The modify ended.
+    ModifyEnded(ModifyEnd),
+    /// An insert was added to the plan.
+    InsertAccepted(ClientId, BehaviorId),
+    /// An insert was not added.
+    InsertRefused(ClientId, BehaviorId, Refusal),
+    /// An insert was taken out of the plan before it began.
+    InsertCancelled(BehaviorId, CancelCause),
+    /// A command that could not be read, or is none.
+    CommandInvalid(ClientId, CommandName, Text),
+    /// BPSTS.
+    PayloadStatus {
+        /// Which client.
+        client: ClientId,
+        /// All OK, or failed.
+        ok: bool,
+        /// Its text.
+        text: Text,
+    },
+    /// BPMSG.
+    PayloadMessage(ClientId, Text),
+    /// BPVER.
+    PayloadVersion(ClientId, Text),
+    /// BFSHT was sent: the payload's power goes off in a minute.
+    ShutdownSoon,
+    /// The payload's power went off, and every client with it.
+    PowerOff,
+    /// The vehicle touched the seabed.
+    Grounded,
+    /// A sentence could not be written: its name.
+    NotEncoded(Box<str>),
+    /// Events were not fetched in time, and so many are lost.
+    EventsLost(u64),
+}
+
+/// Why the server cut a client off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DropReason {
+    /// It does not fetch what is due to it.
+    Backlog,
+    /// Too many clients are connected.
+    TooMany,
+    /// The payload has no power.
+    PowerOff,
+}
+
+/// The status of the mission (SPI 6.11).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Loaded, not started.
+    Ready,
+    /// Running.
+    Running,
+    /// Climbing to the surface after the last element.
+    WrappingUp,
+    /// Over, as planned.
+    Completed,
+    /// Over, before its end.
+    Aborted,
+}
+
+impl Status {
+    /// Its name in BFMIS.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ready => "Ready",
+            Self::Running => "Running",
+            Self::WrappingUp => "WrappingUp",
+            Self::Completed => "Completed",
+            Self::Aborted => "Aborted",
+        }
+    }
+}
+
+/// Which behavior: an element of the plan, or an insert.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Behavior {
+    /// Where it comes from.
+    pub source: Source,
+    /// Its type, as in BFMBS: `trackline`.
+    pub kind: &'static str,
+}
+
+/// Where a behavior comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The element of the plan with this number, from 1.
+    Plan(u32),
+    /// The insert with this identifier.
+    Insert(BehaviorId),
+}
+
+/// Why a behavior ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EndReason {
+    /// It was flown to its end.
+    Done,
+    /// It took longer than its element allows.
+    TimedOut,
+    /// An insert interrupted it.
+    Interrupted,
+    /// A modify went beyond the mission's limits.
+    ModifyLimit,
+    /// Control was taken back, and with it the inserts.
+    ControlLost,
+    /// The mission ended.
+    MissionOver,
+}
+
+/// What a modify asks for; none inherits from the behavior (SPI 7.12).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModifyValues {
+    /// Heading, degrees from true north.
+    pub heading_deg: Option<f64>,
+    /// What is held vertically.
+    pub vertical: Option<ModifyVertical>,
+    /// Speed through the water, metres a second.
+    pub speed_mps: Option<f64>,
+}
+
+/// What a modify holds vertically.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ModifyVertical {
+    /// Depth, metres.
+    Depth(f64),
+    /// Height above the seabed, metres.
+    Altitude(f64),
+    /// Pitch, degrees, positive up.
+    Pitch(f64),
+}
+
+/// Why a modify ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModifyEnd {
+    /// BPEMB.
+    Ended,
+    /// No BPRMB came for 5 s.
+    Lapsed,
+    /// Dynamic requests are no longer allowed.
+    ControlLost,
+    /// It went beyond the mission's limits.
+    Limit,
+    /// The mission ended.
+    MissionOver,
+}
+
+/// Why an insert was not added.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refusal {
+    /// `allowDynamicRequests` is false.
+    NotAllowed,
+    /// The identifier has been used in this mission.
+    Duplicate,
+    /// An interrupting insert is running.
+    InterruptsInterrupt,
+    /// So many are waiting already.
+    Full(u32),
+    /// The depth or altitude is beyond the vehicle's limits.
+    Vertical(f64),
+    /// The speed is beyond the vehicle's limits.
+    Speed(f64),
+    /// The place is over 50 km from the origin.
+    FarAway,
+    /// The line is too short, or the circle too small or too long.
+    Geometry,
+    /// Taken back by BPRCA before it was decided.
+    Cancelled,
+}
+
+/// Why a waiting insert was taken out of the plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CancelCause {
+    /// BPRCN or BPRCA.
+    Asked(ClientId),
+    /// Control was taken back.
+    ControlLost,
+    /// The mission ended.
+    MissionOver,
+}
+
+/// A modify lapses this long after the last BPRMB (SPI 7.12).
+pub(crate) const MODIFY_LASTS: Duration = Duration::from_secs(5);
+
+impl fmt::Display for MvcEvent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.at, self.kind)
+    }
+}
+
+impl fmt::Display for MvcEventKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Connected(client) => write!(f, "{client} connected"),
+            Self::Disconnected(client) => write!(f, "{client} disconnected"),
+            Self::Dropped(client, reason) => write!(f, "{client} cut off: {reason}"),
+            Self::Subscribed { client, message, on } => {
+                write!(f, "{client} switched {message} {}", if *on { "on" } else { "off" })
+            }
+            Self::Mission { status, details: "" } => write!(f, "mission {}", status.name()),
+            Self::Mission { status, details } => write!(f, "mission {}: {details}", status.name()),
+            Self::Control(true) => f.write_str("control given to the payload"),
+            Self::Control(false) => f.write_str("control taken back"),
+            Self::BehaviorBegan(behavior) => write!(f, "{behavior} began"),
+            Self::BehaviorEnded(behavior, reason) => write!(f, "{behavior} ended: {reason}"),
+            Self::Modify(client, values) => write!(f, "{client} modifies the behavior: {values}"),
+            Self::ModifyEnded(why) => write!(f, "modify ended: {why}"),
+            Self::InsertAccepted(client, id) => write!(f, "insert {id} of {client} accepted"),
+            Self::InsertRefused(client, id, why) => write!(f, "insert {id} of {client} refused: {why}"),
+            Self::InsertCancelled(id, cause) => write!(f, "insert {id} cancelled: {cause}"),
+            Self::CommandInvalid(client, name, text) => write!(f, "{client} sent an invalid command ({name}): {text}"),
+            Self::PayloadStatus { client, ok, text } => {
+                write!(
+                    f,
+                    "{client} says that it is {}: {text}",
+                    if *ok { "ok" } else { "failed" }
+                )
+            }
+            Self::PayloadMessage(client, text) => write!(f, "{client} says: {text}"),
+            Self::PayloadVersion(client, text) => write!(f, "{client} speaks version {text}"),
+            Self::ShutdownSoon => f.write_str("payload power goes off in 60 s"),
+            Self::PowerOff => f.write_str("payload power is off"),
+            Self::Grounded => f.write_str("the vehicle touched the seabed"),
+            Self::NotEncoded(name) => write!(f, "a {name} could not be encoded"),
+            Self::EventsLost(count) => write!(f, "{count} events were not fetched and are lost"),
+        }
+    }
+}
+
+impl fmt::Display for DropReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Backlog => "it does not fetch what is due to it",
+            Self::TooMany => "too many clients",
+            Self::PowerOff => "the payload has no power",
+        })
+    }
+}
+
+impl fmt::Display for Behavior {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.source {
+            Source::Plan(number) => write!(f, "{} {number} of the plan", self.kind),
+            Source::Insert(id) => write!(f, "inserted {} {id}", self.kind),
+        }
+    }
+}
+
+impl fmt::Display for EndReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Done => "done",
+            Self::TimedOut => "it took too long",
+            Self::Interrupted => "interrupted by an insert",
+            Self::ModifyLimit => "modified for too long or too far",
+            Self::ControlLost => "control was taken back",
+            Self::MissionOver => "the mission ended",
+        })
+    }
+}
+
+impl fmt::Display for ModifyValues {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.heading_deg {
+            Some(heading) => write!(f, "heading {heading:.1} deg")?,
+            None => f.write_str("heading its own")?,
+        }
+        match self.vertical {
+            Some(ModifyVertical::Depth(depth)) => write!(f, ", depth {depth:.2} m")?,
+            Some(ModifyVertical::Altitude(altitude)) => write!(f, ", altitude {altitude:.2} m")?,
+            Some(ModifyVertical::Pitch(pitch)) => write!(f, ", pitch {pitch:.1} deg")?,
+            None => f.write_str(", depth its own")?,
+        }
+        match self.speed_mps {
+            Some(speed) => write!(f, ", speed {speed:.2} m/s"),
+            None => f.write_str(", speed its own"),
+        }
+    }
+}
+
+impl fmt::Display for ModifyEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Ended => "by the payload",
+            Self::Lapsed => "5 s without a refresh",
+            Self::ControlLost => "control was taken back",
+            Self::Limit => "too long or too far",
+            Self::MissionOver => "the mission ended",
+        })
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotAllowed => f.write_str("dynamic requests are not allowed now"),
+            Self::Duplicate => f.write_str("the identifier has been used in this mission"),
+            Self::InterruptsInterrupt => f.write_str("an interrupting insert is running"),
+            Self::Full(count) => write!(f, "{count} inserts are waiting already"),
+            Self::Vertical(metres) => write!(f, "depth or altitude {metres} m is beyond the limits of the vehicle"),
+            Self::Speed(speed) => write!(f, "speed {speed} m/s is beyond the limits of the vehicle"),
+            Self::FarAway => f.write_str("the place is over 50 km from the origin"),
+            Self::Geometry => f.write_str("the line is too short or the circle too small or too long"),
+            Self::Cancelled => f.write_str("cancelled before it was decided"),
+        }
+    }
+}
+
+impl fmt::Display for CancelCause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Asked(client) => write!(f, "{client} asked"),
+            Self::ControlLost => f.write_str("control was taken back"),
+            Self::MissionOver => f.write_str("the mission ended"),
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! `world.toml` as it is written: every section, parsed and range-checked, before anything is drawn.
+
+mod expect;
+mod interpretation;
+mod mission;
+mod plan;
+mod sensors;
+mod spi;
+mod start;
+mod vehicle;
+
+use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, WorldConfig};
+use serde::Deserialize;
+
+pub use expect::{ContourExpectation, Expectations, MaximumExpectation};
+pub use interpretation::{
+    AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertsAfterControl, InterpretationConfig,
+};
+pub use mission::{MissionConfig, ModifyLimit, WrapUp};
+pub use plan::{PlaceConfig, PlanEntry, PlanKind};
+pub use sensors::SensorConfig;
+pub use spi::{AcknowledgeConfig, Profile, SpiConfig};
+pub use start::StartConfig;
+pub use vehicle::VehicleConfig;
+
+use crate::error::{MvcError, check};
+
+/// The whole of `world.toml`.
+///
+/// Only `[start]`, `[origin]` and at least one `[[plan]]` must be there; all else has defaults. A number of
+/// `[seabed]`, `[current]` or a plume may be a span, `[least, most]`, from which the seed draws.
+///
+/// ```
+/// let file = backseat_mvc::WorldFile::from_toml(r#"
+/// [start]
+/// utc = 2026-06-01T08:00:00Z
+/// east_m = -50
+///
+/// [origin]
+/// latitude_deg = 42.3
+/// longitude_deg = -70.9
+///
+/// [seabed]
+/// depth_m = [40, 60]
+/// slope = [0.03, 0.045]
+/// banks = 2
+///
+/// [current]
+/// speed_mps = [0.0, 0.3]
+/// rotation_h = 12.42
+///
+/// [[field.plumes]]
+/// east_m = [-300, 300]
+/// north_m = [-300, 300]
+/// sigma_m = 120
+/// temperature_c = 3
+///
+/// [vehicle]
+/// class = "12-inch"
+/// depth_max_m = 80
+///
+/// [sensors]
+/// position_drift_m_per_sqrt_h = 4
+///
+/// [mission]
+/// starts_after_s = 10
+///
+/// [spi]
+/// profile = "field"
+///
+/// [interpretation]
+/// after_interrupt = "seed"
+/// lead_in_m = "seed"
+///
+/// [expect]
+/// max_violations = 0
+/// mission_completed = true
+///
+/// [[plan]]
+/// kind = "waypoint"
+/// at = { east_m = 0, north_m = 0 }
+/// depth_m = 5
+/// speed_mps = 1.5
+///
+/// [[plan]]
+/// kind = "trackline"
+/// start = { latitude_deg = 42.301, longitude_deg = -70.9 }
+/// end = { latitude_deg = 42.305, longitude_deg = -70.9 }
+/// altitude_m = 10
+/// speed_mps = 1.5
+/// dynamic = true
+///
+/// [[plan]]
+/// kind = "setpoint"
+/// heading_deg = 90
+/// duration_s = 60
+/// depth_m = 10
+/// speed_mps = 1.5
+/// dynamic = true
+/// dynamic_from_s = 10
+///
+/// [[plan]]
+/// kind = "trackcircle"
+/// centre = { east_m = 100, north_m = 0 }
+/// radius_m = 40
+/// orbits = -1.5
+/// depth_m = 5
+/// speed_mps = 1.5
+/// "#)?;
+/// assert_eq!(file.plan.len(), 4);
+/// # Ok::<(), backseat_mvc::MvcError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorldFile {
+    /// When and where the run starts.
+    pub start: StartConfig,
+    /// Where the world's frame has its zero.
+    pub origin: OriginConfig,
+    /// The seabed.
+    #[serde(default)]
+    pub seabed: SeabedConfig,
+    /// The current.
+    #[serde(default)]
+    pub current: CurrentConfig,
+    /// Temperature and conductivity.
+    #[serde(default)]
+    pub field: FieldConfig,
+    /// The vehicle's hull and its own limits.
+    #[serde(default)]
+    pub vehicle: VehicleConfig,
+    /// Noise of the sensors.
+    #[serde(default)]
+    pub sensors: SensorConfig,
+    /// How the mission starts, ends and bounds what a payload may do.
+    #[serde(default)]
+    pub mission: MissionConfig,
+    /// The front seat's plan, in order.
+    pub plan: Vec<PlanEntry>,
+    /// The SPI server.
+    #[serde(default)]
+    pub spi: SpiConfig,
+    /// What the specification leaves open.
+    #[serde(default)]
+    pub interpretation: InterpretationConfig,
+    /// What the run must fulfil. The mock carries it and does not judge.
+    #[serde(default)]
+    pub expect: Expectations,
+    /// Faults of the link, for whoever simulates it. The mock carries the section as it stands.
+    #[serde(default)]
+    pub faults: Option<toml::Table>,
+}
+
+impl WorldFile {
+    /// Parses and checks a file's text.
+    ///
+    /// # Errors
+    /// [`MvcError`] on one line, with line and column where the text itself is wrong, with the key where a value is.
+    /// The file's name is the caller's to add.
+    pub fn from_toml(text: &str) -> Result<Self, MvcError> {
+        let file: Self = toml::from_str(text).map_err(|error| toml_error(text, &error))?;
+        file.validate()?;
+        Ok(file)
+    }
+
+    /// The part that the world is made from.
+    #[must_use]
+    pub fn world_config(&self) -> WorldConfig {
+        WorldConfig {
+            origin: self.origin,
+            seabed: self.seabed.clone(),
+            current: self.current.clone(),
+            field: self.field.clone(),
+        }
+    }
+
+    fn validate(&self) -> Result<(), MvcError> {
+        self.start.validate()?;
+        self.vehicle.validate()?;
+        self.sensors.validate()?;
+        self.mission.validate()?;
+        self.spi.validate()?;
+        self.interpretation.validate()?;
+        let (most_s, tick_s) = (self.spi.pending_s.most(), 1.0 / f64::from(self.vehicle.tick_hz));
+        let expected = "2 s less one step of the vehicle: requests are decided at a step, within 2 s";
+        check(most_s <= 2.0 - tick_s + 1e-9, "spi.pending_s", most_s, expected)?;
+        // The world and the plan have their own rules; the seed does not matter to them.
+        let world = backseat_world::World::new(&self.world_config(), 0)?;
+        crate::plan::resolve(&self.plan, world.frame(), &self.vehicle)?;
+        Ok(())
+    }
+}
+
+/// The TOML crate's error on one line. Its own display spreads over five.
+fn toml_error(text: &str, error: &toml::de::Error) -> MvcError {
+    let start = error.span().map_or(0, |span| span.start).min(text.len());
+    let before = text.get(..start).unwrap_or("");
+    let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+    let line_text = text
+        .get(line_start..)
+        .and_then(|rest| rest.lines().next())
+        .unwrap_or("");
+    MvcError::Toml {
+        line: before.matches('\n').count() + 1,
+        column: before.get(line_start..).map_or(0, |rest| rest.chars().count()) + 1,
+        message: error.message().split_whitespace().collect::<Vec<_>>().join(" "),
+        text: line_text.trim().chars().take(100).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SMALL: &str = r#"
+[start]
+utc = 2026-06-01T08:00:00Z
+[origin]
+latitude_deg = 42.3
+longitude_deg = -70.9
+[[plan]]
+kind = "trackline"
+start = { east_m = 0, north_m = 100 }
+end = { latitude_deg = 42.31, longitude_deg = -70.9 }
+depth_m = 10
+speed_mps = 1.5
+dynamic = true
+"#;
+
+    fn fault(from: &str, to: &str) -> String {
+        assert!(SMALL.contains(from));
+        WorldFile::from_toml(&SMALL.replace(from, to)).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_small_file_is_enough() {
+        let file = WorldFile::from_toml(SMALL).unwrap();
+        assert_eq!(file.start.utc.as_unix_nanos(), 1_780_300_800_000_000_000);
+        assert_eq!(file.plan.len(), 1);
+        assert_eq!(file.expect, Expectations::default());
+    }
+
+    #[test]
+    fn errors_are_one_line_with_place_key_and_what_was_expected() {
+        let unknown = fault("depth_m = 10", "depth = 10");
+        assert!(
+            unknown.starts_with("line 11, column 1: unknown field `depth`, expected one of"),
+            "{unknown}"
+        );
+        let kind = fault("speed_mps = 1.5", "speed_mps = \"fast\"");
+        assert!(
+            kind.starts_with("line 12, column 13: invalid type: string \"fast\", expected f64"),
+            "{kind}"
+        );
+        assert!(kind.ends_with("`speed_mps = \"fast\"`"), "{kind}");
+        for message in [
+            unknown,
+            kind,
+            fault("kind = \"trackline\"", "kind = \"loop\""),
+            fault("08:00:00Z", "08:00:00"),
+            fault("[origin]", "[origin"),
+        ] {
+            assert!(!message.contains('\n') && message.starts_with("line "), "{message}");
+        }
+    }
+
+    #[test]
+    fn values_out_of_range_name_their_key() {
+        let message = fault("[origin]", "[sensors]\nheading_noise_deg = -1\n[origin]");
+        assert_eq!(message, "sensors.heading_noise_deg is -1, expected 0 to 1000");
+        let message = fault("speed_mps = 1.5", "speed_mps = 9");
+        assert!(
+            message.starts_with("plan element 1: speed_mps is 9, expected"),
+            "{message}"
+        );
+        let message = fault("end = {", "centre = {");
+        assert_eq!(message, "plan element 1: a trackline needs `end`");
+        let message = fault("end = {", "centre = { east_m = 1, north_m = 2 }\nend = {");
+        assert_eq!(message, "plan element 1: a trackline has no `centre`");
+        let message = fault("north_m = 100", "north_m = 100000");
+        assert!(message.contains("within 50 km of the origin"), "{message}");
+    }
+}

@@ -1,0 +1,182 @@
+use core::fmt;
+use core::marker::PhantomData;
+
+use serde::de::{Error, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use crate::error::{MvcError, check};
+
+/// The `[interpretation]` section: what the specification leaves open. Each is one reading, or `"seed"` for whichever
+/// the seed draws, so that nothing comes to depend on one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct InterpretationConfig {
+    /// What becomes of inserts when BFCTL falls to 0 (SPI 6.24 and 7.5 do not say).
+    pub inserts_after_control: InsertsAfterControl,
+    /// What follows an insert that has interrupted a behavior (SPI 7.5 says both).
+    pub after_interrupt: AfterInterrupt,
+    /// Length of the lead-in before and of the lead-out after an inserted trackline, metres, 0 to 500 (SPI 7.5:
+    /// "any default leadin/leadout behavior"). The seed draws up to 50 m.
+    pub lead_in_m: Choice<f64>,
+    /// Whether BFCTL and BFMIS are repeated to a client that subscribes to them late.
+    pub control_replay: Choice<bool>,
+    /// Whose inserts BPRCA cancels (SPI 7.9 does not say).
+    pub cancel_all_scope: CancelAllScope,
+    /// What BPRMB's heading counts from (SPI 7.12 does not say).
+    pub modify_heading: HeadingFrame,
+}
+
+/// What becomes of inserts when BFCTL falls to 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum InsertsAfterControl {
+    /// They are flown.
+    #[default]
+    Fly,
+    /// The waiting ones are deleted and a running one ends.
+    Drop,
+    /// The seed draws.
+    Seed,
+}
+
+/// What follows an insert that has interrupted a behavior.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AfterInterrupt {
+    /// The behavior after the interrupted one.
+    #[default]
+    Next,
+    /// The interrupted one, where it was left.
+    Resume,
+    /// The seed draws.
+    Seed,
+}
+
+/// Whose inserts BPRCA cancels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CancelAllScope {
+    /// Those of every client.
+    #[default]
+    All,
+    /// Those of the client that asks.
+    Own,
+    /// The seed draws.
+    Seed,
+}
+
+/// What BPRMB's heading counts from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HeadingFrame {
+    /// True north.
+    #[default]
+    True,
+    /// North of the UTM grid, as BFNVG's.
+    Grid,
+    /// The seed draws.
+    Seed,
+}
+
+/// A value, or `"seed"`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice<T> {
+    /// This, whatever the seed.
+    Fixed(T),
+    /// The seed draws.
+    Seed,
+}
+
+impl<T: Default> Default for Choice<T> {
+    fn default() -> Self {
+        Self::Fixed(T::default())
+    }
+}
+
+impl InterpretationConfig {
+    pub(crate) fn validate(&self) -> Result<(), MvcError> {
+        match self.lead_in_m {
+            Choice::Fixed(metres) => check(
+                (0.0..=500.0).contains(&metres),
+                "interpretation.lead_in_m",
+                metres,
+                "0 to 500 m",
+            ),
+            Choice::Seed => Ok(()),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Choice<f64> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let visitor = ChoiceVisitor {
+            expected: "a number or \"seed\"",
+            of: PhantomData::<f64>,
+        };
+        deserializer.deserialize_any(visitor)
+    }
+}
+
+impl<'de> Deserialize<'de> for Choice<bool> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let visitor = ChoiceVisitor {
+            expected: "true, false or \"seed\"",
+            of: PhantomData::<bool>,
+        };
+        deserializer.deserialize_any(visitor)
+    }
+}
+
+struct ChoiceVisitor<T> {
+    expected: &'static str,
+    of: PhantomData<T>,
+}
+
+macro_rules! choice_visitor {
+    ($kind:ty, $($visit:ident($value:ident: $from:ty) => $into:expr),+) => {
+        impl Visitor<'_> for ChoiceVisitor<$kind> {
+            type Value = Choice<$kind>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(self.expected)
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
+                if text == "seed" {
+                    Ok(Choice::Seed)
+                } else {
+                    Err(E::invalid_value(serde::de::Unexpected::Str(text), &self))
+                }
+            }
+
+            $(fn $visit<E: Error>(self, $value: $from) -> Result<Self::Value, E> {
+                Ok(Choice::Fixed($into))
+            })+
+        }
+    };
+}
+
+choice_visitor!(f64, visit_f64(value: f64) => value, visit_i64(value: i64) => value as f64);
+choice_visitor!(bool, visit_bool(value: bool) => value);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_and_the_word_seed() {
+        let parse = |text: &str| toml::from_str::<InterpretationConfig>(text);
+        let config = parse("lead_in_m = 30\ncontrol_replay = true\nafter_interrupt = \"seed\"").unwrap();
+        assert_eq!(config.lead_in_m, Choice::Fixed(30.0));
+        assert_eq!(config.control_replay, Choice::Fixed(true));
+        assert_eq!(config.after_interrupt, AfterInterrupt::Seed);
+        assert_eq!(parse("lead_in_m = \"seed\"").unwrap().lead_in_m, Choice::Seed);
+        for bad in [
+            "lead_in_m = \"sometimes\"",
+            "control_replay = 1",
+            "modify_heading = \"magnetic\"",
+        ] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+}

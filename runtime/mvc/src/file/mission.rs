@@ -1,0 +1,118 @@
+use serde::Deserialize;
+
+use crate::error::{MvcError, check};
+
+/// The `[mission]` section: how the mission starts, ends, and bounds what a payload may do.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MissionConfig {
+    /// The mission starts this long after the run, seconds, 0 to 86400.
+    pub starts_after_s: f64,
+    /// Name of the dive file that BFMIS, BFMBS and BFMBE carry.
+    pub dive_file: String,
+    /// The logging directory that follows `Running` in BFMIS (SPI 6.11); may be empty.
+    pub log_dir: String,
+    /// What the vehicle does after the last element.
+    pub wrap_up: WrapUp,
+    /// The mission is aborted where it takes longer, seconds; none has no limit.
+    pub time_limit_s: Option<f64>,
+    /// How many inserts may wait, 1 to 1000.
+    pub inserts_max: u32,
+    /// The most time that one behavior may be modified, in all, seconds; none has no limit (SPI 7.12).
+    pub modify_total_s: Option<f64>,
+    /// The farthest that a modify may take the vehicle from the behavior's own line, metres; none has no limit
+    /// (SPI 7.12). A setpoint has no line.
+    pub modify_deviation_m: Option<f64>,
+    /// What a modify beyond those limits ends.
+    pub modify_limit: ModifyLimit,
+    /// The payload's power goes off this long after the start of the run, seconds, 60 or more: BFSHT comes 60 s
+    /// before (SPI 5.2), and at the end every client is cut off. None leaves it on.
+    pub shutdown_after_s: Option<f64>,
+}
+
+/// What the vehicle does after the last element of its plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum WrapUp {
+    /// The mission is completed at once.
+    #[default]
+    None,
+    /// BFMIS says `WrappingUp` while the vehicle climbs to the surface, then `Completed`.
+    Surface,
+}
+
+/// What a modify beyond the mission's limits ends (SPI 7.12 lets it terminate the behavior).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ModifyLimit {
+    /// The behavior itself: the next one begins.
+    #[default]
+    Behavior,
+    /// The modify alone, and no other is allowed under the same behavior.
+    Modify,
+}
+
+impl Default for MissionConfig {
+    fn default() -> Self {
+        Self {
+            starts_after_s: 10.0,
+            dive_file: "survey.dive".to_owned(),
+            log_dir: "/logs/survey".to_owned(),
+            wrap_up: WrapUp::None,
+            time_limit_s: None,
+            inserts_max: 32,
+            modify_total_s: None,
+            modify_deviation_m: None,
+            modify_limit: ModifyLimit::Behavior,
+            shutdown_after_s: None,
+        }
+    }
+}
+
+impl MissionConfig {
+    pub(crate) fn validate(&self) -> Result<(), MvcError> {
+        let starts = self.starts_after_s;
+        check(
+            (0.0..=86_400.0).contains(&starts),
+            "mission.starts_after_s",
+            starts,
+            "0 to 86400 s",
+        )?;
+        let inserts = self.inserts_max;
+        check(
+            (1..=1000).contains(&inserts),
+            "mission.inserts_max",
+            f64::from(inserts),
+            "1 to 1000",
+        )?;
+        for (key, least, value) in [
+            ("mission.time_limit_s", 1.0, self.time_limit_s),
+            ("mission.modify_total_s", 1.0, self.modify_total_s),
+            ("mission.modify_deviation_m", 1.0, self.modify_deviation_m),
+            ("mission.shutdown_after_s", 60.0, self.shutdown_after_s),
+        ] {
+            if let Some(value) = value {
+                check(
+                    value >= least && value <= 1e7,
+                    key,
+                    value,
+                    "1 (shutdown_after_s: 60) to 1e7",
+                )?;
+            }
+        }
+        for (key, value) in [
+            ("mission.dive_file", &self.dive_file),
+            ("mission.log_dir", &self.log_dir),
+        ] {
+            if backseat_spi::Text::new(value).is_err() || value.len() > 200 {
+                let expected = "at most 200 printable ascii characters without comma, asterisk and dollar";
+                return Err(MvcError::Value {
+                    key,
+                    value: format!("{value:?}"),
+                    expected,
+                });
+            }
+        }
+        Ok(())
+    }
+}

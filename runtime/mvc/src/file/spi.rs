@@ -1,0 +1,79 @@
+use backseat_world::Span;
+use serde::Deserialize;
+
+use crate::error::{MvcError, check};
+
+/// The `[spi]` section: the server that payloads talk to.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SpiConfig {
+    /// The interface version that BFVER announces.
+    pub version: String,
+    /// What a new client is sent unasked.
+    pub profile: Profile,
+    /// When requests that change the plan are answered.
+    pub acknowledge: AcknowledgeConfig,
+    /// How long such a request stays pending, seconds, drawn for each, at most 2 (SPI 4.4).
+    pub pending_s: Span,
+    /// How many clients may be connected at once, 1 to 64.
+    pub clients_max: u32,
+}
+
+/// What a new client is sent unasked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Profile {
+    /// Status messages are all off, as the specification says (section 6).
+    #[default]
+    Spec,
+    /// CTL and MIS are on from the start, as vehicles in the field have them.
+    Field,
+}
+
+/// When requests that change the plan are answered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AcknowledgeConfig {
+    /// First "pending", then the outcome.
+    #[default]
+    Pending,
+    /// The outcome at once.
+    Immediate,
+}
+
+impl Default for SpiConfig {
+    fn default() -> Self {
+        Self {
+            version: "1.12".to_owned(),
+            profile: Profile::Spec,
+            acknowledge: AcknowledgeConfig::Pending,
+            pending_s: Span::between(0.1, 1.5),
+            clients_max: 8,
+        }
+    }
+}
+
+impl SpiConfig {
+    pub(crate) fn validate(&self) -> Result<(), MvcError> {
+        let (least, most) = (self.pending_s.least(), self.pending_s.most());
+        check(least >= 0.0 && least <= most, "spi.pending_s", least, "0 to 1.9 s")?;
+        // A tick may pass between the due time and the answer.
+        check(most <= 1.9, "spi.pending_s", most, "0 to 1.9 s")?;
+        let clients = self.clients_max;
+        check(
+            (1..=64).contains(&clients),
+            "spi.clients_max",
+            f64::from(clients),
+            "1 to 64",
+        )?;
+        if backseat_spi::Text::new(&self.version).is_err() || self.version.len() > 40 {
+            let expected = "at most 40 printable ascii characters without comma, asterisk and dollar";
+            return Err(MvcError::Value {
+                key: "spi.version",
+                value: format!("{:?}", self.version),
+                expected,
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,142 @@
+use serde::Deserialize;
+
+/// The vehicle classes that the interface covers (SPI 1).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+pub enum HullClass {
+    /// The small torpedo.
+    #[serde(rename = "9-inch")]
+    NineInch,
+    /// The survey torpedo.
+    #[default]
+    #[serde(rename = "12-inch")]
+    TwelveInch,
+    /// The deep torpedo.
+    #[serde(rename = "21-inch")]
+    TwentyOneInch,
+    /// The hull inspector, which stands still at will.
+    #[serde(rename = "hovering")]
+    Hovering,
+}
+
+/// What a hull can do, as a first-order model.
+///
+/// The figures are typical of vehicles of these sizes, put together from public data sheets and common sense. They
+/// are not the maker's, and no vehicle has validated them: they are good for timing and room to turn, not for trim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hull {
+    /// The slowest that it steers and holds depth, metres a second; 0 where it hovers.
+    pub speed_min_mps: f64,
+    /// The fastest through the water, metres a second.
+    pub speed_max_mps: f64,
+    /// The deepest, metres.
+    pub depth_max_m: f64,
+    /// Time constant of the speed, seconds.
+    pub surge_tau_s: f64,
+    /// The most that the speed changes, metres a second squared.
+    pub surge_accel_mps2: f64,
+    /// The fastest turn, degrees a second.
+    pub yaw_rate_max_dps: f64,
+    /// Time constant of the turn, seconds.
+    pub yaw_tau_s: f64,
+    /// Turn asked for a degree of heading error, per second.
+    pub yaw_gain_per_s: f64,
+    /// The steepest climb and dive, degrees; a hovering hull does not pitch.
+    pub pitch_max_deg: f64,
+    /// The fastest climb and dive, metres a second.
+    pub depth_rate_max_mps: f64,
+    /// Time constant of the depth rate, seconds.
+    pub heave_tau_s: f64,
+    /// Depth rate asked for a metre of depth error, per second.
+    pub depth_gain_per_s: f64,
+    /// How fast it floats up where nothing holds it down, metres a second.
+    pub buoyant_rise_mps: f64,
+    /// Turns of the thruster a minute for each metre a second: what commands in rpm are read by.
+    pub rpm_per_mps: f64,
+    /// Whether it turns and holds depth without way on.
+    pub hovers: bool,
+}
+
+const NINE_INCH: Hull = Hull {
+    speed_min_mps: 0.5,
+    speed_max_mps: 2.5,
+    depth_max_m: 200.0,
+    surge_tau_s: 3.0,
+    surge_accel_mps2: 0.3,
+    yaw_rate_max_dps: 15.0,
+    yaw_tau_s: 0.6,
+    yaw_gain_per_s: 0.5,
+    pitch_max_deg: 30.0,
+    depth_rate_max_mps: 0.8,
+    heave_tau_s: 1.5,
+    depth_gain_per_s: 0.25,
+    buoyant_rise_mps: 0.1,
+    rpm_per_mps: 600.0,
+    hovers: false,
+};
+
+const TWELVE_INCH: Hull = Hull {
+    speed_min_mps: 0.5,
+    speed_max_mps: 2.5,
+    depth_max_m: 200.0,
+    surge_tau_s: 5.0,
+    surge_accel_mps2: 0.2,
+    yaw_rate_max_dps: 10.0,
+    yaw_tau_s: 1.0,
+    yaw_gain_per_s: 0.35,
+    pitch_max_deg: 25.0,
+    depth_rate_max_mps: 0.6,
+    heave_tau_s: 2.0,
+    depth_gain_per_s: 0.2,
+    buoyant_rise_mps: 0.1,
+    rpm_per_mps: 300.0,
+    hovers: false,
+};
+
+const TWENTY_ONE_INCH: Hull = Hull {
+    speed_min_mps: 0.5,
+    speed_max_mps: 2.3,
+    depth_max_m: 4500.0,
+    surge_tau_s: 8.0,
+    surge_accel_mps2: 0.12,
+    yaw_rate_max_dps: 6.0,
+    yaw_tau_s: 1.6,
+    yaw_gain_per_s: 0.22,
+    pitch_max_deg: 25.0,
+    depth_rate_max_mps: 0.6,
+    heave_tau_s: 3.0,
+    depth_gain_per_s: 0.12,
+    buoyant_rise_mps: 0.1,
+    rpm_per_mps: 180.0,
+    hovers: false,
+};
+
+const HOVERING: Hull = Hull {
+    speed_min_mps: 0.0,
+    speed_max_mps: 0.75,
+    depth_max_m: 60.0,
+    surge_tau_s: 1.5,
+    surge_accel_mps2: 0.2,
+    yaw_rate_max_dps: 20.0,
+    yaw_tau_s: 0.5,
+    yaw_gain_per_s: 0.6,
+    pitch_max_deg: 0.0,
+    depth_rate_max_mps: 0.3,
+    heave_tau_s: 1.0,
+    depth_gain_per_s: 0.4,
+    buoyant_rise_mps: 0.05,
+    rpm_per_mps: 1200.0,
+    hovers: true,
+};
+
+impl Hull {
+    /// The data of a class.
+    #[must_use]
+    pub const fn of(class: HullClass) -> &'static Self {
+        match class {
+            HullClass::NineInch => &NINE_INCH,
+            HullClass::TwelveInch => &TWELVE_INCH,
+            HullClass::TwentyOneInch => &TWENTY_ONE_INCH,
+            HullClass::Hovering => &HOVERING,
+        }
+    }
+}

@@ -1,0 +1,141 @@
+use backseat_spi::{BehaviorId, Interrupt, SpeedMode, Trackcircle, Trackline, VerticalMode};
+use backseat_units::{EastNorth, LocalFrame};
+
+use crate::event::{ClientId, Refusal};
+use crate::hull::Hull;
+use crate::plan::{RADIUS_M, Shape, Vertical};
+
+/// A behavior that a payload asks to insert into the plan (SPI 7.5, 7.6).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Insert {
+    pub(crate) client: ClientId,
+    pub(crate) id: BehaviorId,
+    /// As asked for, without lead-in and lead-out.
+    pub(crate) shape: Shape,
+    pub(crate) vertical: Vertical,
+    pub(crate) speed_mps: f64,
+    pub(crate) interrupt: bool,
+}
+
+impl Insert {
+    /// From BPRTK. An error is the text that says which field has a value without a meaning.
+    pub(crate) fn trackline(
+        client: ClientId,
+        request: &Trackline,
+        frame: &LocalFrame,
+        hull: &Hull,
+    ) -> Result<Self, String> {
+        let shape = Shape::Trackline {
+            start: frame.to_local(request.start),
+            end: frame.to_local(request.end),
+        };
+        Ok(Self {
+            client,
+            id: request.identifier,
+            shape,
+            vertical: vertical(request.vertical_mode, request.vertical_m)?,
+            speed_mps: speed_mps(request.speed_mode, request.speed, hull)?,
+            interrupt: interrupt(request.interrupt)?,
+        })
+    }
+
+    /// From BPRTC.
+    pub(crate) fn trackcircle(
+        client: ClientId,
+        request: &Trackcircle,
+        frame: &LocalFrame,
+        hull: &Hull,
+    ) -> Result<Self, String> {
+        let shape = Shape::Trackcircle {
+            centre: frame.to_local(request.centre),
+            radius_m: request.radius_m,
+            orbits: request.orbits,
+            entry_deg: request.entry_angle_deg,
+        };
+        Ok(Self {
+            client,
+            id: request.identifier,
+            shape,
+            vertical: vertical(request.vertical_mode, request.vertical_m)?,
+            speed_mps: speed_mps(request.speed_mode, request.speed, hull)?,
+            interrupt: interrupt(request.interrupt)?,
+        })
+    }
+
+    /// Whether this vehicle can fly it at all.
+    pub(crate) fn within(&self, hull: &Hull, altitude_min_m: f64) -> Result<(), Refusal> {
+        let vertical_ok = match self.vertical {
+            Vertical::Depth(depth_m) => (0.0..=hull.depth_max_m).contains(&depth_m),
+            Vertical::Altitude(altitude_m) => (altitude_min_m..=1000.0).contains(&altitude_m),
+            Vertical::Pitch(_) => false,
+        };
+        if !vertical_ok {
+            let (Vertical::Depth(value) | Vertical::Altitude(value) | Vertical::Pitch(value)) = self.vertical;
+            return Err(Refusal::Vertical(value));
+        }
+        // Standing still is no way to fly a line, even for a hull that can.
+        if !(hull.speed_min_mps.max(0.05)..=hull.speed_max_mps).contains(&self.speed_mps) {
+            return Err(Refusal::Speed(self.speed_mps));
+        }
+        let near = |point: EastNorth| point.distance_m(EastNorth::default()) <= RADIUS_M;
+        let (near, flyable) = match self.shape {
+            Shape::Trackline { start, end } => (near(start) && near(end), start.distance_m(end) >= 1.0),
+            Shape::Trackcircle {
+                centre,
+                radius_m,
+                orbits,
+                entry_deg,
+            } => (
+                near(centre),
+                (5.0..=20_000.0).contains(&radius_m)
+                    && (0.01..=1000.0).contains(&orbits.abs())
+                    && entry_deg.is_none_or(|angle| angle.abs() <= 360.0),
+            ),
+            Shape::Waypoint { to } => (near(to), true),
+            Shape::Setpoint { .. } => (true, true),
+        };
+        match (near, flyable) {
+            (false, _) => Err(Refusal::FarAway),
+            (true, false) => Err(Refusal::Geometry),
+            (true, true) => Ok(()),
+        }
+    }
+
+    /// What is flown: a trackline gets its lead-in and lead-out.
+    pub(crate) fn flown(&self, lead_in_m: f64) -> Shape {
+        match self.shape {
+            Shape::Trackline { start, end } => {
+                let lead = (end - start) * (lead_in_m / start.distance_m(end).max(1.0));
+                Shape::Trackline {
+                    start: start - lead,
+                    end: end + lead,
+                }
+            }
+            other @ (Shape::Waypoint { .. } | Shape::Setpoint { .. } | Shape::Trackcircle { .. }) => other,
+        }
+    }
+}
+
+fn vertical(mode: VerticalMode, metres: f64) -> Result<Vertical, String> {
+    match mode {
+        VerticalMode::Depth => Ok(Vertical::Depth(metres)),
+        VerticalMode::Altitude => Ok(Vertical::Altitude(metres)),
+        VerticalMode::Other(code) => Err(format!("vertical_mode {code}: expected 0 or 1")),
+    }
+}
+
+fn speed_mps(mode: SpeedMode, speed: f64, hull: &Hull) -> Result<f64, String> {
+    match mode {
+        SpeedMode::MetresPerSecond => Ok(speed),
+        SpeedMode::Rpm => Ok(speed / hull.rpm_per_mps),
+        SpeedMode::Other(code) => Err(format!("speed_mode {code}: expected 0 or 1")),
+    }
+}
+
+fn interrupt(code: Interrupt) -> Result<bool, String> {
+    match code {
+        Interrupt::AfterCurrent => Ok(false),
+        Interrupt::InterruptCurrent => Ok(true),
+        Interrupt::Other(code) => Err(format!("interrupt {code}: expected 0 or 4")),
+    }
+}

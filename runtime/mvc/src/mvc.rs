@@ -1,0 +1,444 @@
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use backseat_spi::{
+    BackseatControl, BehaviorBegin, BehaviorEnd, FromVehicle, MissionStatus, Shutdown, Text, VehicleVersion,
+};
+use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
+use backseat_world::{Span, Stream, World};
+
+use crate::commands::Pending;
+use crate::error::MvcError;
+use crate::event::{Behavior, ClientId, DropReason, MvcEvent, MvcEventKind, Source, Status};
+use crate::executive::Executive;
+use crate::file::{AcknowledgeConfig, Profile, WorldFile};
+use crate::interpretation::Interpretation;
+use crate::sensors::{Sensors, true_heading};
+use crate::server::{Received, Server, Topic};
+use crate::truth::Truth;
+use crate::vehicle::{Drive, Vehicle};
+
+/// How many events may wait to be fetched.
+const EVENTS_MAX: usize = 10_000;
+/// A framer is given no more at once, so that a flood is worked off as it comes, bytes.
+const CHUNK: usize = 4096;
+/// BFSHT comes this long before the payload's power goes off (SPI 5.2: at least 1 minute).
+const SHUTDOWN_NOTICE: Duration = Duration::from_secs(60);
+
+/// The mock main vehicle computer. See the crate's documentation for the order of calls.
+#[derive(Debug)]
+pub struct Mvc {
+    pub(crate) world: World,
+    pub(crate) vehicle: Vehicle,
+    pub(crate) executive: Executive,
+    pub(crate) server: Server,
+    pub(crate) interpretation: Interpretation,
+    pub(crate) pending: VecDeque<Pending>,
+    pub(crate) pending_s: Span,
+    pub(crate) acknowledge: AcknowledgeConfig,
+    pub(crate) delays: Stream,
+    /// Angles from true north to the frame's north and to the UTM grid's, where the vehicle is.
+    pub(crate) frame_convergence_deg: f64,
+    pub(crate) grid_convergence_deg: f64,
+    sensors: Sensors,
+    utc_at_start: Utc,
+    version: Text,
+    dive_file: Text,
+    running_text: Text,
+    profile: Profile,
+    period: Duration,
+    ticks: u64,
+    next_tick: Timestamp,
+    last_tick: Timestamp,
+    ctd_period: Duration,
+    next_ctd: Timestamp,
+    shutdown_at: Option<Timestamp>,
+    shutdown_said: bool,
+    powered: bool,
+    grounded: bool,
+    events: VecDeque<MvcEvent>,
+    events_lost: u64,
+}
+
+impl Mvc {
+    /// A vehicle at its start, its mission loaded.
+    ///
+    /// # Errors
+    /// [`MvcError`] where the world or the plan cannot be made from the file. A file that
+    /// [`WorldFile::from_toml`] has passed gives none.
+    pub fn new(file: &WorldFile, seed: u64) -> Result<Self, MvcError> {
+        let world = World::new(&file.world_config(), seed)?;
+        let plan = crate::plan::resolve(&file.plan, world.frame(), &file.vehicle)?;
+        let interpretation = Interpretation::new(&file.interpretation, seed);
+        let period = Duration::from_nanos(1_000_000_000 / u64::from(file.vehicle.tick_hz.clamp(1, 100)));
+        let at = EastNorth::new(file.start.east_m, file.start.north_m);
+        let position = world.frame().to_position(at);
+        let frame_convergence_deg = world.frame().convergence_deg(position);
+        let heading_deg = file.start.heading_deg - frame_convergence_deg;
+        let hull = file.vehicle.hull();
+        let mut vehicle = Vehicle::new(hull, file.vehicle.altitude_min_m, at, file.start.depth_m, heading_deg);
+        vehicle.sense(&world, Timestamp::ZERO);
+        let running = format!("{} {}", Status::Running.name(), file.mission.log_dir);
+        Ok(Self {
+            vehicle,
+            executive: Executive::new(plan, &file.mission, interpretation, period),
+            server: Server::new(file.spi.clients_max),
+            interpretation,
+            pending: VecDeque::new(),
+            pending_s: file.spi.pending_s,
+            acknowledge: file.spi.acknowledge,
+            delays: Stream::new(seed, "acknowledgement delays"),
+            frame_convergence_deg,
+            grid_convergence_deg: utm_convergence_deg(position),
+            sensors: Sensors::new(file.sensors, file.vehicle.tick_hz, seed),
+            utc_at_start: file.start.utc,
+            version: Text::cleaned(&file.spi.version),
+            dive_file: Text::cleaned(&file.mission.dive_file),
+            running_text: Text::cleaned(running.trim_end()),
+            profile: file.spi.profile,
+            period,
+            ticks: 0,
+            next_tick: Timestamp::ZERO + period,
+            last_tick: Timestamp::ZERO,
+            ctd_period: Duration::from_secs_f64(file.sensors.ctd_period_s),
+            next_ctd: Timestamp::ZERO,
+            shutdown_at: file
+                .mission
+                .shutdown_after_s
+                .map(|s| Timestamp::ZERO + Duration::from_secs_f64(s)),
+            shutdown_said: false,
+            powered: true,
+            grounded: false,
+            events: VecDeque::new(),
+            events_lost: 0,
+            world,
+        })
+    }
+
+    /// The sea.
+    #[must_use]
+    pub const fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The world's frame.
+    #[must_use]
+    pub const fn frame(&self) -> &LocalFrame {
+        self.world.frame()
+    }
+
+    /// How this run reads what the specification leaves open.
+    #[must_use]
+    pub const fn interpretation(&self) -> &Interpretation {
+        &self.interpretation
+    }
+
+    /// A client has connected: it is told the interface version (SPI 5.7).
+    ///
+    /// Where the identifier is known already, the old connection is forgotten. Where there is no room or no power,
+    /// [`Mvc::poll_disconnect`] says so.
+    pub fn connect(&mut self, now: Timestamp, client: ClientId) {
+        self.handle_timeout(now);
+        self.mute(client);
+        if !self.powered {
+            self.server.cut_off(client, DropReason::PowerOff);
+            self.settle(now);
+            return;
+        }
+        let topics = match self.profile {
+            Profile::Spec => 0,
+            Profile::Field => Topic::Control.bit() | Topic::Mission.bit(),
+        };
+        if self.server.connect(client, topics) {
+            self.note(now, MvcEventKind::Connected(client));
+            let created = self.stamp(now);
+            self.send(
+                now,
+                client,
+                VehicleVersion {
+                    created,
+                    version: self.version.clone(),
+                }
+                .into(),
+            );
+        }
+        self.settle(now);
+    }
+
+    /// A client's connection is gone, with all that it had switched on and all that was due to it. What it has asked
+    /// of the vehicle stands: inserts are flown, a modify lapses by the vehicle's clock.
+    pub fn disconnect(&mut self, now: Timestamp, client: ClientId) {
+        self.handle_timeout(now);
+        self.mute(client);
+        if self.server.disconnect(client) {
+            self.note(now, MvcEventKind::Disconnected(client));
+        }
+    }
+
+    /// Bytes from a client, as they came: any number of sentences, the last perhaps cut.
+    pub fn receive(&mut self, now: Timestamp, client: ClientId, bytes: &[u8]) {
+        self.handle_timeout(now);
+        for chunk in bytes.chunks(CHUNK) {
+            self.server.push(client, chunk);
+            while let Some(received) = self.server.next_received(client) {
+                match received {
+                    Received::Command(command) => self.command(now, client, command),
+                    Received::Malformed(name, text) => self.malformed(now, client, name, text),
+                }
+                self.settle(now);
+            }
+        }
+    }
+
+    /// When [`Mvc::handle_timeout`] is due.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Timestamp> {
+        Some(self.next_tick)
+    }
+
+    /// Takes every step of the vehicle that is due. A late call takes them all, each at its own time, so that a call
+    /// an hour late costs an hour's steps. The inputs do the same before anything else.
+    pub fn handle_timeout(&mut self, now: Timestamp) {
+        while self.next_tick <= now {
+            let tick = self.next_tick;
+            self.ticks += 1;
+            self.next_tick = tick + self.period;
+            self.last_tick = tick;
+            self.tick(tick);
+        }
+    }
+
+    /// Fills `out` with all that is due to one client now, for one write; none where nothing is due to any.
+    ///
+    /// The buffer's content is thrown away and its allocation kept for the next message.
+    #[must_use]
+    pub fn poll_transmit(&mut self, out: &mut Vec<u8>) -> Option<ClientId> {
+        self.server.poll_transmit(out)
+    }
+
+    /// The next client that the server has cut off: the driver closes its connection.
+    #[must_use]
+    pub fn poll_disconnect(&mut self) -> Option<ClientId> {
+        self.server.poll_disconnect()
+    }
+
+    /// The next line of the vehicle's log.
+    #[must_use]
+    pub fn poll_event(&mut self) -> Option<MvcEvent> {
+        if self.events.is_empty() && self.events_lost > 0 {
+            let lost = core::mem::take(&mut self.events_lost);
+            return Some(MvcEvent {
+                at: self.last_tick,
+                kind: MvcEventKind::EventsLost(lost),
+            });
+        }
+        self.events.pop_front()
+    }
+
+    /// The vehicle as it is after its last step.
+    #[must_use]
+    pub fn truth(&self) -> Truth {
+        let vehicle = &self.vehicle;
+        let position = self.frame().to_position(vehicle.at);
+        Truth {
+            time: self.last_tick,
+            position,
+            local: vehicle.at,
+            depth_m: vehicle.depth_m,
+            altitude_m: vehicle.water_depth_m - vehicle.depth_m,
+            water_depth_m: vehicle.water_depth_m,
+            heading_deg: true_heading(vehicle.heading_deg, self.frame(), position).as_deg(),
+            speed_mps: vehicle.surge_mps,
+            east_mps: vehicle.ground.0,
+            north_mps: vehicle.ground.1,
+            activity: self.executive.activity(),
+            control: self.executive.control(),
+        }
+    }
+
+    /// Whether the mission has completed or was aborted.
+    #[must_use]
+    pub fn mission_over(&self) -> bool {
+        matches!(self.executive.status(), Status::Completed | Status::Aborted)
+    }
+
+    /// The mission's status.
+    #[must_use]
+    pub fn mission_status(&self) -> Status {
+        self.executive.status()
+    }
+
+    /// Vehicle UTC, as its sentences carry it.
+    #[must_use]
+    pub fn utc(&self, now: Timestamp) -> Utc {
+        self.utc_at_start + now.since(Timestamp::ZERO)
+    }
+
+    pub(crate) fn stamp(&self, now: Timestamp) -> TimeOfDay {
+        self.utc(now).time_of_day()
+    }
+
+    fn tick(&mut self, now: Timestamp) {
+        self.resolve_pending(now);
+        let drive = self.executive.tick(now, &self.vehicle, self.frame_convergence_deg);
+        self.vehicle.step(drive, self.period.as_secs_f64());
+        self.vehicle.sense(&self.world, now);
+        if self.vehicle.grounded != self.grounded {
+            self.grounded = self.vehicle.grounded;
+            if self.grounded && drive != Drive::Held {
+                self.note(now, MvcEventKind::Grounded);
+            }
+        }
+        // The angles change by a hundred-thousandth of a degree a metre.
+        if self.ticks.is_multiple_of(10) {
+            let position = self.frame().to_position(self.vehicle.at);
+            self.frame_convergence_deg = self.frame().convergence_deg(position);
+            self.grid_convergence_deg = utm_convergence_deg(position);
+        }
+        self.settle(now);
+        self.report_navigation(now);
+        self.watch_power(now);
+    }
+
+    fn report_navigation(&mut self, now: Timestamp) {
+        let stamp = self.stamp(now);
+        if self.server.wanted(Topic::Navigation.bit() | Topic::Velocity.bit()) {
+            let navigation = self.sensors.navigation(&self.vehicle, self.world.frame(), now, stamp);
+            self.publish(now, Some(Topic::Navigation), &FromVehicle::Navigation(navigation));
+            let velocity = self.sensors.velocity(&self.vehicle, stamp);
+            self.publish(now, Some(Topic::Velocity), &FromVehicle::VelocityAndRates(velocity));
+        }
+        if now >= self.next_ctd {
+            self.next_ctd = now + self.ctd_period;
+            if self.server.wanted(Topic::Ctd.bit()) {
+                let ctd = self.sensors.ctd(&self.vehicle, &self.world, now, stamp);
+                self.publish(now, Some(Topic::Ctd), &FromVehicle::Ctd(ctd));
+            }
+        }
+    }
+
+    fn watch_power(&mut self, now: Timestamp) {
+        let Some(at) = self.shutdown_at else { return };
+        if !self.shutdown_said && now + SHUTDOWN_NOTICE >= at {
+            self.shutdown_said = true;
+            let created = self.stamp(now);
+            self.note(now, MvcEventKind::ShutdownSoon);
+            self.publish(now, None, &Shutdown { created }.into());
+        }
+        if self.powered && now >= at {
+            self.powered = false;
+            self.note(now, MvcEventKind::PowerOff);
+            self.server.cut_off_all(DropReason::PowerOff);
+            self.settle(now);
+        }
+    }
+
+    /// Tells the clients and the log what the executive and the server have done.
+    pub(crate) fn settle(&mut self, now: Timestamp) {
+        if !self.executive.log.is_empty() {
+            let mut log = core::mem::take(&mut self.executive.log);
+            for kind in log.drain(..) {
+                self.tell(now, &kind);
+                self.note(now, kind);
+            }
+            // Nothing above asks the executive for more: its log is still empty, and keeps its room this way.
+            self.executive.log = log;
+        }
+        while let Some((client, reason)) = self.server.dropped.pop_front() {
+            self.mute(client);
+            self.note(now, MvcEventKind::Dropped(client, reason));
+        }
+    }
+
+    fn tell(&mut self, now: Timestamp, kind: &MvcEventKind) {
+        let created = self.stamp(now);
+        #[expect(
+            clippy::wildcard_enum_match_arm,
+            reason = "the rest is the vehicle's own affair, or acknowledged"
+        )]
+        match kind {
+            MvcEventKind::Control(granted) => {
+                self.publish(
+                    now,
+                    Some(Topic::Control),
+                    &BackseatControl {
+                        created,
+                        granted: *granted,
+                    }
+                    .into(),
+                );
+            }
+            MvcEventKind::Mission { status, details } => {
+                let message = self.mission_message(now, *status, details);
+                self.publish(now, Some(Topic::Mission), &message);
+            }
+            MvcEventKind::BehaviorBegan(behavior) => {
+                let (dive_file, number, identifier, kind) = self.behavior_fields(*behavior);
+                let message = BehaviorBegin {
+                    created,
+                    dive_file,
+                    number,
+                    identifier,
+                    kind,
+                };
+                self.publish(now, Some(Topic::BehaviorBegin), &message.into());
+            }
+            MvcEventKind::BehaviorEnded(behavior, _) => {
+                let (dive_file, number, identifier, kind) = self.behavior_fields(*behavior);
+                let message = BehaviorEnd {
+                    created,
+                    dive_file,
+                    number,
+                    identifier,
+                    kind,
+                };
+                self.publish(now, Some(Topic::BehaviorEnd), &message.into());
+            }
+            _ => {}
+        }
+    }
+
+    /// A behavior as BFMBS and BFMBE give it (SPI 6.9): an insert has an identifier, an element file and number.
+    fn behavior_fields(&self, behavior: Behavior) -> (Text, Option<u32>, Option<backseat_spi::BehaviorId>, Text) {
+        let kind = Text::cleaned(behavior.kind);
+        match behavior.source {
+            Source::Plan(number) => (self.dive_file.clone(), Some(number), None, kind),
+            Source::Insert(id) => (Text::default(), None, Some(id), kind),
+        }
+    }
+
+    pub(crate) fn mission_message(&self, now: Timestamp, status: Status, details: &str) -> FromVehicle {
+        let text = match status {
+            Status::Running => self.running_text.clone(),
+            Status::Ready | Status::WrappingUp | Status::Completed | Status::Aborted => Text::cleaned(status.name()),
+        };
+        let (dive_file, details) = (self.dive_file.clone(), Text::cleaned(details));
+        MissionStatus {
+            created: self.stamp(now),
+            dive_file,
+            status: text,
+            details,
+        }
+        .into()
+    }
+
+    pub(crate) fn send(&mut self, now: Timestamp, client: ClientId, message: FromVehicle) {
+        if let Err(name) = self.server.send(client, &message) {
+            self.note(now, MvcEventKind::NotEncoded(name));
+        }
+    }
+
+    fn publish(&mut self, now: Timestamp, topic: Option<Topic>, message: &FromVehicle) {
+        if let Err(name) = self.server.publish(topic, message) {
+            self.note(now, MvcEventKind::NotEncoded(name));
+        }
+    }
+
+    pub(crate) fn note(&mut self, at: Timestamp, kind: MvcEventKind) {
+        if self.events.len() < EVENTS_MAX {
+            self.events.push_back(MvcEvent { at, kind });
+        } else {
+            self.events_lost += 1;
+        }
+    }
+}

@@ -1,0 +1,59 @@
+use backseat_spi::BehaviorId;
+use backseat_units::{EastNorth, Position, Timestamp};
+
+/// The vehicle as it is, without any sensor's error: what a judge sees, never a payload.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Truth {
+    /// The step of the vehicle that this is the result of.
+    pub time: Timestamp,
+    /// Where it is on the globe.
+    pub position: Position,
+    /// Where it is in the world's frame.
+    pub local: EastNorth,
+    /// Depth, metres.
+    pub depth_m: f64,
+    /// Height above the seabed, metres.
+    pub altitude_m: f64,
+    /// Depth of the water there, metres.
+    pub water_depth_m: f64,
+    /// Heading, degrees from true north, in [0, 360).
+    pub heading_deg: f64,
+    /// Speed through the water, metres a second.
+    pub speed_mps: f64,
+    /// Velocity over ground, metres a second towards the frame's east.
+    pub east_mps: f64,
+    /// Velocity over ground, metres a second towards the frame's north.
+    pub north_mps: f64,
+    /// What it is doing.
+    pub activity: Activity,
+    /// Whether the payload has control: what BFCTL last said.
+    pub control: bool,
+}
+
+/// What the vehicle is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Activity {
+    /// Its mission has not started.
+    Waiting,
+    /// It flies an element of its plan, unmodified.
+    Plan {
+        /// The element's number, from 1.
+        number: u32,
+    },
+    /// It flies an insert, unmodified.
+    Insert {
+        /// The insert's identifier.
+        id: BehaviorId,
+    },
+    /// A payload modifies what it flies.
+    Modified {
+        /// The element's number where an element of the plan is modified.
+        number: Option<u32>,
+        /// The insert's identifier where an insert is modified.
+        id: Option<BehaviorId>,
+    },
+    /// It climbs to the surface after its mission.
+    WrappingUp,
+    /// Its mission is over; it drifts.
+    Stopped,
+}

@@ -1,0 +1,316 @@
+use backseat_units::math::{asin, sin, sin_cos, wrap_180, wrap_360};
+use backseat_units::{EastNorth, Timestamp};
+use backseat_world::World;
+
+use crate::hull::Hull;
+use crate::plan::Vertical;
+
+/// What the vehicle is asked to hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Demand {
+    /// Degrees from the frame's north.
+    pub(crate) heading_deg: f64,
+    pub(crate) vertical: Vertical,
+    pub(crate) speed_mps: f64,
+}
+
+/// What moves the vehicle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Drive {
+    /// Held where it is: before its mission.
+    Held,
+    Under(Demand),
+    /// Nothing: it drifts and floats up.
+    Adrift,
+}
+
+/// The vehicle: a first-order model of surge, yaw and depth, which the current carries along.
+#[derive(Clone, Debug)]
+pub(crate) struct Vehicle {
+    hull: Hull,
+    altitude_min_m: f64,
+    pub(crate) at: EastNorth,
+    pub(crate) depth_m: f64,
+    /// Degrees from the frame's north, in [0, 360).
+    pub(crate) heading_deg: f64,
+    pub(crate) surge_mps: f64,
+    /// Positive down.
+    pub(crate) heave_mps: f64,
+    pub(crate) yaw_rate_dps: f64,
+    pub(crate) pitch_deg: f64,
+    pub(crate) pitch_rate_dps: f64,
+    pub(crate) roll_deg: f64,
+    pub(crate) roll_rate_dps: f64,
+    /// Velocity of the water where the vehicle is, east and north.
+    pub(crate) current: (f64, f64),
+    /// Velocity over ground, east and north.
+    pub(crate) ground: (f64, f64),
+    pub(crate) water_depth_m: f64,
+    pub(crate) gradient: EastNorth,
+    pub(crate) grounded: bool,
+}
+
+impl Vehicle {
+    pub(crate) fn new(hull: Hull, altitude_min_m: f64, at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
+        Self {
+            hull,
+            altitude_min_m,
+            at,
+            depth_m,
+            heading_deg: wrap_360(heading_deg),
+            surge_mps: 0.0,
+            heave_mps: 0.0,
+            yaw_rate_dps: 0.0,
+            pitch_deg: 0.0,
+            pitch_rate_dps: 0.0,
+            roll_deg: 0.0,
+            roll_rate_dps: 0.0,
+            current: (0.0, 0.0),
+            ground: (0.0, 0.0),
+            water_depth_m: f64::INFINITY,
+            gradient: EastNorth::default(),
+            grounded: false,
+        }
+    }
+
+    pub(crate) const fn hull(&self) -> &Hull {
+        &self.hull
+    }
+
+    pub(crate) const fn altitude_min_m(&self) -> f64 {
+        self.altitude_min_m
+    }
+
+    /// Reads the sea where the vehicle is.
+    pub(crate) fn sense(&mut self, world: &World, now: Timestamp) {
+        (self.water_depth_m, self.gradient) = world.seabed().depth_and_gradient(self.at);
+        self.current = world.current_at(self.at, self.depth_m, now);
+        self.grounded = self.depth_m >= self.water_depth_m;
+        if self.grounded {
+            self.depth_m = self.water_depth_m;
+            self.heave_mps = self.heave_mps.min(0.0);
+        }
+    }
+
+    /// One step of `dt_s`, by semi-implicit Euler: rates first, then what they move.
+    pub(crate) fn step(&mut self, drive: Drive, dt_s: f64) {
+        match drive {
+            Drive::Held => {
+                (self.surge_mps, self.heave_mps, self.yaw_rate_dps) = (0.0, 0.0, 0.0);
+                self.ground = (0.0, 0.0);
+                return;
+            }
+            Drive::Under(demand) => self.rates(&demand, dt_s),
+            Drive::Adrift => {
+                self.surge(0.0, dt_s);
+                self.yaw_rate_dps -= self.yaw_rate_dps * share(dt_s, self.hull.yaw_tau_s);
+                self.heave(-self.hull.buoyant_rise_mps, dt_s);
+            }
+        }
+        self.heading_deg = wrap_360(self.heading_deg + self.yaw_rate_dps * dt_s);
+        let (sin, cos) = sin_cos(self.heading_deg.to_radians());
+        self.ground = (
+            self.surge_mps * sin + self.current.0,
+            self.surge_mps * cos + self.current.1,
+        );
+        self.at = EastNorth::new(
+            self.at.east_m + self.ground.0 * dt_s,
+            self.at.north_m + self.ground.1 * dt_s,
+        );
+        self.depth_m += self.heave_mps * dt_s;
+        if self.depth_m <= 0.0 {
+            self.depth_m = 0.0;
+            self.heave_mps = self.heave_mps.max(0.0);
+        }
+        self.attitude(dt_s);
+    }
+
+    fn rates(&mut self, demand: &Demand, dt_s: f64) {
+        let hull = self.hull;
+        let speed_mps = demand.speed_mps.clamp(hull.speed_min_mps, hull.speed_max_mps);
+        self.surge(speed_mps, dt_s);
+        // A rudder needs way on: below the least speed the turn fades with it.
+        let authority = if hull.hovers {
+            1.0
+        } else {
+            (self.surge_mps / hull.speed_min_mps.max(0.1)).clamp(0.05, 1.0)
+        };
+        let rate_max_dps = hull.yaw_rate_max_dps * authority;
+        let error_deg = wrap_180(demand.heading_deg - self.heading_deg);
+        let rate_dps = (hull.yaw_gain_per_s * error_deg).clamp(-rate_max_dps, rate_max_dps);
+        self.yaw_rate_dps += (rate_dps - self.yaw_rate_dps) * share(dt_s, hull.yaw_tau_s);
+        let rate_max_mps = self.depth_rate_max_mps();
+        let wanted_mps = match demand.vertical {
+            Vertical::Depth(depth_m) => self.towards_mps(depth_m),
+            Vertical::Altitude(altitude_m) => self.towards_mps(self.water_depth_m - altitude_m),
+            Vertical::Pitch(pitch_deg) => {
+                let pitch_deg = pitch_deg.clamp(-hull.pitch_max_deg, hull.pitch_max_deg);
+                let by_pitch_mps = -self.surge_mps * sin(pitch_deg.to_radians());
+                by_pitch_mps.min(self.towards_mps(f64::INFINITY))
+            }
+        };
+        // Over a slope the depth to hold moves with the vehicle.
+        let follow_mps = match demand.vertical {
+            Vertical::Altitude(_) => self.ground.0 * self.gradient.east_m + self.ground.1 * self.gradient.north_m,
+            Vertical::Depth(_) | Vertical::Pitch(_) => 0.0,
+        };
+        self.heave((wanted_mps + follow_mps).clamp(-rate_max_mps, rate_max_mps), dt_s);
+    }
+
+    /// Depth rate towards a depth, clipped to the vehicle's own safe limits: not above the surface, not below its
+    /// greatest depth, not nearer the seabed of now and of 10 s ahead than its least altitude.
+    fn towards_mps(&self, depth_m: f64) -> f64 {
+        let ahead_m = 10.0 * (self.ground.0 * self.gradient.east_m + self.ground.1 * self.gradient.north_m);
+        let floor_m = self.water_depth_m + ahead_m.min(0.0) - self.altitude_min_m;
+        let depth_m = depth_m.min(self.hull.depth_max_m).min(floor_m).max(0.0);
+        self.hull.depth_gain_per_s * (depth_m - self.depth_m)
+    }
+
+    fn depth_rate_max_mps(&self) -> f64 {
+        if self.hull.hovers {
+            return self.hull.depth_rate_max_mps;
+        }
+        let by_pitch_mps = self.surge_mps * sin(self.hull.pitch_max_deg.to_radians());
+        by_pitch_mps.clamp(0.02, self.hull.depth_rate_max_mps)
+    }
+
+    fn surge(&mut self, speed_mps: f64, dt_s: f64) {
+        let change = (speed_mps - self.surge_mps) * share(dt_s, self.hull.surge_tau_s);
+        let most = self.hull.surge_accel_mps2 * dt_s;
+        self.surge_mps += change.clamp(-most, most);
+    }
+
+    fn heave(&mut self, rate_mps: f64, dt_s: f64) {
+        self.heave_mps += (rate_mps - self.heave_mps) * share(dt_s, self.hull.heave_tau_s);
+    }
+
+    fn attitude(&mut self, dt_s: f64) {
+        let pitch_deg = if self.hull.hovers {
+            0.0
+        } else {
+            // Climbs and dives by its attitude: pitch is what the depth rate needs at this speed.
+            asin((-self.heave_mps / self.surge_mps.max(0.4)).clamp(-0.7, 0.7)).to_degrees()
+        };
+        // Leans into turns a little.
+        let roll_deg = 0.3 * self.yaw_rate_dps;
+        self.pitch_rate_dps = (pitch_deg - self.pitch_deg) / dt_s;
+        self.roll_rate_dps = (roll_deg - self.roll_deg) / dt_s;
+        (self.pitch_deg, self.roll_deg) = (pitch_deg, roll_deg);
+    }
+}
+
+/// The part of the way that a first-order lag goes in a step.
+fn share(dt_s: f64, tau_s: f64) -> f64 {
+    dt_s / (tau_s + dt_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, Span, WorldConfig};
+
+    use super::*;
+    use crate::hull::HullClass;
+
+    fn world() -> World {
+        let config = WorldConfig {
+            origin: OriginConfig {
+                latitude_deg: 42.0,
+                longitude_deg: -70.0,
+            },
+            seabed: SeabedConfig {
+                downslope_deg: Span::fixed(90.0),
+                ..SeabedConfig::default()
+            },
+            current: CurrentConfig::default(),
+            field: FieldConfig::default(),
+        };
+        World::new(&config, 4).unwrap()
+    }
+
+    fn fly(class: HullClass, demand: Demand, seconds: u32) -> Vehicle {
+        let world = world();
+        let mut vehicle = Vehicle::new(*Hull::of(class), 2.0, EastNorth::default(), 0.0, 0.0);
+        for _ in 0..seconds * 10 {
+            vehicle.sense(&world, Timestamp::ZERO);
+            vehicle.step(Drive::Under(demand), 0.1);
+        }
+        vehicle.sense(&world, Timestamp::ZERO);
+        vehicle
+    }
+
+    const CLASSES: [HullClass; 4] = [
+        HullClass::NineInch,
+        HullClass::TwelveInch,
+        HullClass::TwentyOneInch,
+        HullClass::Hovering,
+    ];
+
+    #[test]
+    fn every_hull_reaches_heading_depth_and_speed() {
+        for class in CLASSES {
+            let demand = Demand {
+                heading_deg: 180.0,
+                vertical: Vertical::Depth(20.0),
+                speed_mps: 0.7,
+            };
+            let vehicle = fly(class, demand, 200);
+            assert!(wrap_180(vehicle.heading_deg - 180.0).abs() < 0.5, "{class:?}");
+            assert!((vehicle.depth_m - 20.0).abs() < 0.2, "{class:?} {}", vehicle.depth_m);
+            assert!((vehicle.surge_mps - 0.7).abs() < 0.01, "{class:?}");
+        }
+    }
+
+    #[test]
+    fn altitude_follows_the_bottom() {
+        // Up the slope.
+        let demand = Demand {
+            heading_deg: 270.0,
+            vertical: Vertical::Altitude(10.0),
+            speed_mps: 1.5,
+        };
+        let vehicle = fly(HullClass::TwelveInch, demand, 400);
+        let altitude = vehicle.water_depth_m - vehicle.depth_m;
+        assert!((altitude - 10.0).abs() < 0.6, "{altitude}");
+    }
+
+    #[test]
+    fn nothing_leads_beyond_its_own_limits() {
+        for class in CLASSES {
+            for vertical in [Vertical::Depth(5000.0), Vertical::Altitude(0.0), Vertical::Pitch(-20.0)] {
+                let demand = Demand {
+                    heading_deg: 270.0,
+                    vertical,
+                    speed_mps: 99.0,
+                };
+                let world = world();
+                let hull = *Hull::of(class);
+                let mut vehicle = Vehicle::new(hull, 2.0, EastNorth::default(), 0.0, 0.0);
+                for _ in 0..5000 {
+                    vehicle.sense(&world, Timestamp::ZERO);
+                    let altitude = vehicle.water_depth_m - vehicle.depth_m;
+                    assert!(
+                        altitude > 0.5 && vehicle.depth_m <= hull.depth_max_m + 0.5,
+                        "{class:?} {altitude}"
+                    );
+                    assert!(vehicle.surge_mps <= hull.speed_max_mps);
+                    vehicle.step(Drive::Under(demand), 0.1);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn adrift_it_floats_up_and_stops() {
+        let demand = Demand {
+            heading_deg: 0.0,
+            vertical: Vertical::Depth(5.0),
+            speed_mps: 1.5,
+        };
+        let mut vehicle = fly(HullClass::NineInch, demand, 100);
+        for _ in 0..1200 {
+            vehicle.step(Drive::Adrift, 0.1);
+        }
+        assert_eq!(vehicle.depth_m, 0.0);
+        assert!(vehicle.surge_mps < 0.01);
+    }
+}

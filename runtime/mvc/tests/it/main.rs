@@ -1,0 +1,11 @@
+//! The mock as a payload meets it: sentences in, sentences out, and the truth beside them.
+
+mod conversation;
+mod determinism;
+mod files;
+mod inserts;
+mod mission;
+mod modify;
+mod navigation;
+mod payload;
+mod session;

@@ -1,0 +1,206 @@
+use backseat_mvc::Activity;
+
+use crate::files::CALM;
+use crate::payload::{ME, Payload};
+
+fn modified(payload: &Payload) -> bool {
+    matches!(
+        payload.mvc.truth().activity,
+        Activity::Modified {
+            number: Some(1),
+            id: None
+        }
+    )
+}
+
+#[test]
+fn a_modify_lapses_five_seconds_after_the_last_one_to_the_tick() {
+    let mut payload = Payload::connected(CALM, 1, &["ACK"]);
+    payload.until(10.0);
+    payload.say("$BPRMB,070000.000,90,15,0,1.5,1,0");
+    payload.until(13.04);
+    payload.say("$BPRMB,070000.001,90,15,0,1.5,1,0");
+    payload.until(18.0);
+    assert!(modified(&payload));
+    payload.until(18.1);
+    assert!(!modified(&payload));
+    assert_eq!(payload.mvc.truth().activity, Activity::Plan { number: 1 });
+    let log = payload.log();
+    assert!(
+        log.contains(
+            &"10.000 s: client 1 modifies the behavior: heading 90.0 deg, depth 15.00 m, speed 1.50 m/s".into()
+        )
+    );
+    assert!(
+        log.contains(&"18.100 s: modify ended: 5 s without a refresh".into()),
+        "{log:?}"
+    );
+}
+
+#[test]
+fn a_lapse_does_not_need_the_client() {
+    let mut payload = Payload::connected(CALM, 1, &[]);
+    payload.until(10.0);
+    payload.say("$BPRMB,070000.000,90,15,0,1.5,1,0");
+    payload.mvc.disconnect(payload.now, ME);
+    payload.until(14.9);
+    assert!(modified(&payload));
+    payload.until(15.0);
+    assert!(!modified(&payload));
+}
+
+#[test]
+fn a_late_refresh_finds_the_modify_lapsed() {
+    let mut payload = Payload::connected(CALM, 1, &[]);
+    payload.until(10.0);
+    payload.say("$BPRMB,070000.000,90,15,0,1.5,1,0");
+    // The driver overslept: the refresh comes before any timeout was handled.
+    payload.now = backseat_units::Timestamp::from_millis(15_050);
+    payload.say("$BPRMB,070000.001,90,15,0,1.5,1,0");
+    assert!(
+        payload
+            .log()
+            .iter()
+            .any(|line| line == "15.000 s: modify ended: 5 s without a refresh")
+    );
+}
+
+#[test]
+fn heading_depth_and_speed_are_flown_and_empty_fields_inherit() {
+    let mut payload = Payload::connected(CALM, 1, &[]);
+    for second in 10..60 {
+        payload.until(f64::from(second));
+        payload.say(&format!("$BPRMB,0700{second:02}.000,90,20,0,1.2,1,0"));
+    }
+    let truth = payload.mvc.truth();
+    assert!((truth.heading_deg - 90.0).abs() < 0.5, "{truth:?}");
+    assert!(
+        (truth.depth_m - 20.0).abs() < 0.2 && (truth.speed_mps - 1.2).abs() < 0.02,
+        "{truth:?}"
+    );
+    for second in 60..100 {
+        payload.until(f64::from(second));
+        payload.say("$BPRMB,070000.000,,40,1,,,");
+    }
+    let truth = payload.mvc.truth();
+    // 60 m of water and 40 m of altitude; speed of the plan again; heading back to its line.
+    assert!(
+        (truth.altitude_m - 40.0).abs() < 0.2 && (truth.speed_mps - 2.0).abs() < 0.02,
+        "{truth:?}"
+    );
+    assert!(truth.heading_deg > 270.0 || truth.heading_deg < 10.0, "{truth:?}");
+}
+
+#[test]
+fn end_modify_ends_it_at_once_and_the_vehicle_returns_to_its_line() {
+    let mut payload = Payload::connected(CALM, 1, &[]);
+    for second in 10..40 {
+        payload.until(f64::from(second));
+        payload.say("$BPRMB,070000.000,45,20,0,2,1,0");
+    }
+    assert!(payload.mvc.truth().local.east_m > 30.0);
+    payload.say("$BPEMB,070000.000");
+    assert!(!modified(&payload));
+    payload.until(110.0);
+    let truth = payload.mvc.truth();
+    assert!(
+        truth.local.east_m.abs() < 1.5 && (truth.depth_m - 10.0).abs() < 0.2,
+        "{truth:?}"
+    );
+}
+
+#[test]
+fn the_vehicle_stays_within_its_own_limits() {
+    let mut payload = Payload::connected(CALM, 1, &[]);
+    for second in 10..150 {
+        payload.until(f64::from(second));
+        payload.say("$BPRMB,070000.000,90,5000,0,20,1,0");
+        let truth = payload.mvc.truth();
+        assert!(truth.altitude_m > 1.5 && truth.speed_mps <= 2.5, "{truth:?}");
+    }
+    assert!(payload.mvc.truth().depth_m > 55.0);
+}
+
+#[test]
+fn the_behavior_under_a_modify_ends_by_its_own_progress() {
+    let mut payload = Payload::connected(CALM, 1, &["MBE", "CTL"]);
+    let mut ended = None;
+    for second in 10..400 {
+        payload.until(f64::from(second));
+        payload.say("$BPRMB,070000.000,30,10,0,2,1,0");
+        let heard = payload.heard();
+        if let Some(line) = heard.iter().find(|line| line.starts_with("$BFMBE")) {
+            assert!(line.ends_with(",survey.dive,1,,trackline"), "{line}");
+            assert!(
+                heard
+                    .iter()
+                    .any(|line| line.starts_with("$BFCTL") && line.ends_with(",0"))
+            );
+            ended = Some(payload.mvc.truth());
+            break;
+        }
+    }
+    let truth = ended.expect("the line ends although the vehicle is far off it");
+    assert!(
+        truth.local.east_m > 150.0 && (truth.local.north_m - 400.0).abs() < 5.0,
+        "{truth:?}"
+    );
+    // The next one allows no dynamic requests: the modify ended with control.
+    assert!(
+        payload
+            .log()
+            .iter()
+            .any(|line| line.ends_with("modify ended: control was taken back"))
+    );
+}
+
+#[test]
+fn limits_on_duration_and_deviation_end_the_behavior_or_the_modify() {
+    for (limit, what, next) in [
+        ("modify_total_s = 20", "behavior", Activity::Plan { number: 2 }),
+        ("modify_deviation_m = 15", "behavior", Activity::Plan { number: 2 }),
+        ("modify_deviation_m = 15", "modify", Activity::Plan { number: 1 }),
+    ] {
+        let mission = format!("[mission]\n{limit}\nmodify_limit = \"{what}\"");
+        let mut payload = Payload::connected(&CALM.replace("[mission]", &mission), 1, &["ACK"]);
+        for second in 20..45 {
+            payload.until(f64::from(second));
+            payload.say("$BPRMB,070000.000,90,10,0,2,1,0");
+        }
+        assert_eq!(payload.mvc.truth().activity, next, "{limit} {what}");
+        let heard = payload.heard();
+        assert!(
+            heard.last().is_some_and(|line| line.contains(",RMB,070000.000,0,1,0,")),
+            "{heard:?}"
+        );
+    }
+}
+
+#[test]
+fn without_control_a_modify_is_refused() {
+    let mut payload = Payload::connected(CALM, 1, &["ACK"]);
+    payload.say("$BPRMB,070000.000,90,15,0,1.5,1,0");
+    assert_eq!(
+        payload.heard(),
+        ["$BFACK,080000.000,RMB,070000.000,0,1,0,dynamic requests are not allowed now"]
+    );
+}
+
+#[test]
+fn the_heading_frame_is_a_setting() {
+    // At 70.9 W the UTM grid's north differs from true north by 1.27 degrees: zone 19 is centred on 69 W.
+    for (frame, heading_deg) in [("true", 90.0), ("grid", 90.0 - 1.279)] {
+        let text = format!("{CALM}\n[interpretation]\nmodify_heading = \"{frame}\"");
+        let mut payload = Payload::connected(&text, 1, &[]);
+        for second in 10..60 {
+            payload.until(f64::from(second));
+            payload.say("$BPRMB,070000.000,90,10,0,2,1,0");
+        }
+        let truth = payload.mvc.truth();
+        assert!(
+            (truth.heading_deg - heading_deg).abs() < 0.1,
+            "{frame} {}",
+            truth.heading_deg
+        );
+    }
+}

@@ -1,0 +1,125 @@
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use backseat_mvc::{ClientId, Mvc, MvcEvent, Truth, WorldFile};
+use backseat_units::Timestamp;
+
+/// A vehicle with clients, on a clock that jumps from one wake-up to the next.
+pub(crate) struct Payload {
+    pub(crate) mvc: Mvc,
+    pub(crate) now: Timestamp,
+    pub(crate) events: Vec<MvcEvent>,
+    pub(crate) cut_off: Vec<ClientId>,
+    lines: BTreeMap<ClientId, Vec<String>>,
+    out: Vec<u8>,
+}
+
+/// The client of all tests with one.
+pub(crate) const ME: ClientId = ClientId(1);
+
+impl Payload {
+    pub(crate) fn new(text: &str, seed: u64) -> Self {
+        let file = WorldFile::from_toml(text).expect("the test's file is right");
+        let mvc = Mvc::new(&file, seed).expect("the test's world is possible");
+        Self {
+            mvc,
+            now: Timestamp::ZERO,
+            events: Vec::new(),
+            cut_off: Vec::new(),
+            lines: BTreeMap::new(),
+            out: Vec::new(),
+        }
+    }
+
+    /// Connected as [`ME`], with these messages on and what that was answered thrown away.
+    pub(crate) fn connected(text: &str, seed: u64, messages: &[&str]) -> Self {
+        let mut payload = Self::new(text, seed);
+        payload.connect(ME);
+        for message in messages {
+            payload.say(&format!("$BPLOG,{message},ON"));
+        }
+        payload.heard();
+        payload
+    }
+
+    pub(crate) fn connect(&mut self, client: ClientId) {
+        self.mvc.connect(self.now, client);
+        self.drain();
+    }
+
+    pub(crate) fn say(&mut self, sentence: &str) {
+        self.say_as(ME, sentence);
+    }
+
+    pub(crate) fn say_as(&mut self, client: ClientId, sentence: &str) {
+        self.bytes(client, format!("{sentence}\r\n").as_bytes());
+    }
+
+    pub(crate) fn bytes(&mut self, client: ClientId, bytes: &[u8]) {
+        self.mvc.receive(self.now, client, bytes);
+        self.drain();
+    }
+
+    /// Lets the time pass to so many seconds after the start.
+    pub(crate) fn until(&mut self, seconds: f64) {
+        let end = Timestamp::ZERO + Duration::from_secs_f64(seconds);
+        while let Some(at) = self.mvc.poll_timeout().filter(|at| *at <= end) {
+            self.now = at;
+            self.mvc.handle_timeout(at);
+            self.drain();
+        }
+        self.now = end;
+    }
+
+    /// Lets the time pass until something holds, at most so many seconds.
+    pub(crate) fn until_that(&mut self, seconds: f64, holds: impl Fn(&Truth) -> bool) -> bool {
+        let end = Timestamp::ZERO + Duration::from_secs_f64(seconds);
+        while let Some(at) = self.mvc.poll_timeout().filter(|at| *at <= end) {
+            self.now = at;
+            self.mvc.handle_timeout(at);
+            self.drain();
+            if holds(&self.mvc.truth()) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// What [`ME`] has heard since last asked, without the checksums, which were checked.
+    pub(crate) fn heard(&mut self) -> Vec<String> {
+        self.heard_by(ME)
+    }
+
+    pub(crate) fn heard_by(&mut self, client: ClientId) -> Vec<String> {
+        self.lines.remove(&client).unwrap_or_default()
+    }
+
+    /// Events of the vehicle since last asked, as its log shows them.
+    pub(crate) fn log(&mut self) -> Vec<String> {
+        self.events.drain(..).map(|event| event.to_string()).collect()
+    }
+
+    fn drain(&mut self) {
+        while let Some(client) = self.mvc.poll_transmit(&mut self.out) {
+            let text = std::str::from_utf8(&self.out).expect("sentences are ascii");
+            assert!(text.ends_with("\r\n"), "{text:?}");
+            for line in text.split_terminator("\r\n") {
+                self.lines.entry(client).or_default().push(checked(line));
+            }
+        }
+        while let Some(client) = self.mvc.poll_disconnect() {
+            self.cut_off.push(client);
+        }
+        while let Some(event) = self.mvc.poll_event() {
+            self.events.push(event);
+        }
+    }
+}
+
+/// The sentence without its checksum. The sum is computed here anew: the tests share no code with the writer.
+fn checked(line: &str) -> String {
+    let (body, sum) = line.split_at(line.len() - 3);
+    let xor = body.trim_start_matches('$').bytes().fold(0, |xor, byte| xor ^ byte);
+    assert_eq!(sum, format!("*{xor:02X}"), "{line}");
+    body.to_owned()
+}

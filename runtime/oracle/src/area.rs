@@ -1,0 +1,386 @@
+use backseat_units::math::wrap_180;
+use backseat_units::{LocalFrame, Position};
+
+use crate::error::OracleError;
+use crate::geojson;
+use crate::plane::{Plane, Point, Vector, between_m, length_m, rim_to_segment_m, to_segment_m};
+
+/// Legs are judged in pieces of this length, metres: the plane of a piece is true to millimetres.
+const PIECE_M: f64 = 250.0;
+/// A longer leg is out of any fence (the local frame ends at 50 km).
+const LEG_MAX_M: f64 = 100_000.0;
+/// What the wire's resolution and two ways of projecting may differ by, metres.
+const SLACK_M: f64 = 0.05;
+
+/// Where the vehicle may be.
+#[derive(Clone, Debug)]
+pub(crate) struct Area {
+    reference_deg: f64,
+    frame: LocalFrame,
+    zones: Vec<Zone>,
+}
+
+/// One feature of the fence.
+#[derive(Clone, Debug)]
+pub(crate) struct Zone {
+    pub(crate) name: String,
+    pub(crate) kind: Kind,
+    pub(crate) margin_m: f64,
+    pub(crate) depth_min_m: f64,
+    pub(crate) depth_max_m: f64,
+    pub(crate) altitude_min_m: f64,
+    rings: Vec<Vec<Point>>,
+    min: Point,
+    max: Point,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Inclusion,
+    Exclusion,
+}
+
+/// The vertical setpoint of a request, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Setpoint {
+    Depth(f64),
+    Altitude(f64),
+    /// A mode that says neither.
+    Unknown,
+}
+
+/// How a request breaks the fence.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Fault {
+    Horizontal(String),
+    Vertical(String),
+}
+
+/// What surrounds a point.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Surroundings {
+    /// The zones that hold it.
+    pub(crate) zones: Vec<usize>,
+    /// From it to the nearest edge of any zone, metres.
+    pub(crate) edge_m: f64,
+}
+
+/// The shape of a request.
+enum Shape<'a> {
+    Leg(&'a [(Plane, [Vector; 2])]),
+    Rim { plane: Plane, radius_m: f64 },
+}
+
+impl Area {
+    pub(crate) fn read(geojson: &str) -> Result<Self, OracleError> {
+        let (reference_deg, zones) = geojson::read(geojson)?;
+        let (mut min, mut max) = (Point { x: 360.0, y: 90.0 }, Point { x: -360.0, y: -90.0 });
+        for zone in zones.iter().filter(|zone| zone.kind == Kind::Inclusion) {
+            min = Point {
+                x: min.x.min(zone.min.x),
+                y: min.y.min(zone.min.y),
+            };
+            max = Point {
+                x: max.x.max(zone.max.x),
+                y: max.y.max(zone.max.y),
+            };
+        }
+        let centre = Position::from_deg((min.y + max.y) / 2.0, wrap_180(reference_deg + (min.x + max.x) / 2.0));
+        let Ok(centre) = centre else {
+            return Err(OracleError::Document {
+                expected: "positions on the earth",
+            });
+        };
+        Ok(Self {
+            reference_deg,
+            frame: LocalFrame::new(centre),
+            zones,
+        })
+    }
+
+    pub(crate) fn zone(&self, index: usize) -> Option<&Zone> {
+        self.zones.get(index)
+    }
+
+    pub(crate) fn point(&self, position: Position) -> Point {
+        Point {
+            x: wrap_180(position.longitude.as_deg() - self.reference_deg),
+            y: position.latitude.as_deg(),
+        }
+    }
+
+    /// Between two positions, metres.
+    pub(crate) fn distance_m(&self, from: Position, to: Position) -> f64 {
+        self.frame.to_local(from).distance_m(self.frame.to_local(to))
+    }
+
+    /// What surrounds a point; fills what is given, to spare the allocation.
+    pub(crate) fn survey(&self, point: Point, surroundings: &mut Surroundings) {
+        surroundings.zones.clear();
+        let mut nearest_m = f64::INFINITY;
+        let plane = Plane::at(point);
+        for (index, zone) in self.zones.iter().enumerate() {
+            if zone.contains(point) {
+                surroundings.zones.push(index);
+            }
+            for edge in zone.edges() {
+                nearest_m = nearest_m.min(to_segment_m([0.0, 0.0], edge.map(|end| plane.vector(end))));
+            }
+        }
+        surroundings.edge_m = nearest_m;
+    }
+
+    /// Whether a straight leg and its setpoint keep inside one inclusion zone and clear of exclusions.
+    pub(crate) fn judge_leg(&self, from: Position, to: Position, setpoint: Setpoint) -> Result<(), Fault> {
+        let (from, to) = (self.frame.to_local(from), self.frame.to_local(to));
+        let length_m = from.distance_m(to);
+        if !length_m.is_finite() || length_m > LEG_MAX_M {
+            return Err(Fault::Horizontal(format!("a leg of {length_m:.0} m")));
+        }
+        let count = (length_m / PIECE_M).ceil().max(1.0);
+        let at = |index: f64| self.point(self.frame.to_position(from + (to - from) * (index / count)));
+        let mut pieces = Vec::with_capacity(count as usize);
+        let mut start = at(0.0);
+        for index in 1..=count as usize {
+            let end = at(index as f64);
+            let plane = Plane::at(Point {
+                x: (start.x + end.x) / 2.0,
+                y: (start.y + end.y) / 2.0,
+            });
+            pieces.push((plane, [plane.vector(start), plane.vector(end)]));
+            start = end;
+        }
+        self.judge(&Shape::Leg(&pieces), setpoint)
+    }
+
+    /// Whether a circle's rim and its setpoint keep inside one inclusion zone and clear of exclusions.
+    pub(crate) fn judge_circle(&self, centre: Position, radius_m: f64, setpoint: Setpoint) -> Result<(), Fault> {
+        if !(0.0..=LEG_MAX_M).contains(&radius_m) {
+            return Err(Fault::Horizontal(format!("a circle of radius {radius_m:.0} m")));
+        }
+        let plane = Plane::at(self.point(centre));
+        self.judge(&Shape::Rim { plane, radius_m }, setpoint)
+    }
+
+    /// Whether a setpoint is within the bands of any inclusion zone.
+    pub(crate) fn judge_setpoint(&self, setpoint: Setpoint) -> Result<(), Fault> {
+        let mut inclusions = self.zones.iter().filter(|zone| zone.kind == Kind::Inclusion);
+        if inclusions.any(|zone| zone.allows(setpoint)) {
+            return Ok(());
+        }
+        Err(Fault::Vertical(format!("{setpoint} is allowed in no inclusion zone")))
+    }
+
+    fn judge(&self, shape: &Shape<'_>, setpoint: Setpoint) -> Result<(), Fault> {
+        let mut fault = None;
+        let mut vertical = None;
+        let mut inside = false;
+        for zone in self.zones.iter().filter(|zone| zone.kind == Kind::Inclusion) {
+            match zone.clearance(shape) {
+                (true, clear_m) if clear_m >= zone.margin_m - shape.slack_m(zone.margin_m) => {
+                    if zone.allows(setpoint) {
+                        inside = true;
+                        break;
+                    }
+                    vertical = Some(zone);
+                }
+                (true, clear_m) => fault = Some((zone, clear_m)),
+                (false, _) => {}
+            }
+        }
+        if !inside {
+            return Err(match (vertical, fault) {
+                (Some(zone), _) => Fault::Vertical(format!(
+                    "{setpoint} is not allowed in zone {}: {} to {} m deep, {} m above the seabed",
+                    zone.name, zone.depth_min_m, zone.depth_max_m, zone.altitude_min_m
+                )),
+                (None, Some((zone, clear_m))) => Fault::Horizontal(format!(
+                    "{clear_m:.2} m from the edge of inclusion zone {}, its margin is {} m",
+                    zone.name, zone.margin_m
+                )),
+                (None, None) => Fault::Horizontal("begins in no inclusion zone".to_owned()),
+            });
+        }
+        let exclusions = self.zones.iter().filter(|zone| zone.kind == Kind::Exclusion);
+        for zone in exclusions.filter(|zone| zone.forbids(setpoint)) {
+            let (inside, clear_m) = zone.clearance(shape);
+            if inside || clear_m < zone.margin_m - shape.slack_m(zone.margin_m) {
+                let clear_m = if inside { 0.0 } else { clear_m };
+                return Err(Fault::Horizontal(format!(
+                    "{clear_m:.2} m from exclusion zone {}, its margin is {} m",
+                    zone.name, zone.margin_m
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Zone {
+    pub(crate) fn new(
+        name: String,
+        kind: Kind,
+        margin_m: f64,
+        [depth_min_m, depth_max_m]: [f64; 2],
+        altitude_min_m: f64,
+        rings: Vec<Vec<Point>>,
+    ) -> Self {
+        let (mut min, mut max) = (Point { x: 360.0, y: 90.0 }, Point { x: -360.0, y: -90.0 });
+        for point in rings.iter().flatten() {
+            min = Point {
+                x: min.x.min(point.x),
+                y: min.y.min(point.y),
+            };
+            max = Point {
+                x: max.x.max(point.x),
+                y: max.y.max(point.y),
+            };
+        }
+        Self {
+            name,
+            kind,
+            margin_m,
+            depth_min_m,
+            depth_max_m,
+            altitude_min_m,
+            rings,
+            min,
+            max,
+        }
+    }
+
+    /// Whether a point is inside, by how often a line to the east crosses the edges.
+    pub(crate) fn contains(&self, point: Point) -> bool {
+        if point.x < self.min.x || point.x > self.max.x || point.y < self.min.y || point.y > self.max.y {
+            return false;
+        }
+        let crossings = self.edges().filter(|[a, b]| {
+            (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+        });
+        crossings.count() % 2 == 1
+    }
+
+    fn edges(&self) -> impl Iterator<Item = [Point; 2]> {
+        self.rings.iter().flat_map(|ring| ring.array_windows::<2>().copied())
+    }
+
+    fn allows(&self, setpoint: Setpoint) -> bool {
+        match setpoint {
+            Setpoint::Depth(depth_m) => (self.depth_min_m - 0.01..=self.depth_max_m + 0.01).contains(&depth_m),
+            Setpoint::Altitude(altitude_m) => altitude_m > 0.0 && altitude_m >= self.altitude_min_m - 0.01,
+            Setpoint::Unknown => true,
+        }
+    }
+
+    /// Whether an exclusion surely holds at the setpoint; one with a band says nothing of an altitude.
+    fn forbids(&self, setpoint: Setpoint) -> bool {
+        match setpoint {
+            Setpoint::Depth(depth_m) => self.depth_min_m < depth_m && depth_m < self.depth_max_m,
+            Setpoint::Altitude(_) | Setpoint::Unknown => {
+                self.depth_min_m == f64::NEG_INFINITY && self.depth_max_m == f64::INFINITY
+            }
+        }
+    }
+
+    /// Whether the shape begins inside, and from it to the nearest edge, metres; zero where they cross.
+    fn clearance(&self, shape: &Shape<'_>) -> (bool, f64) {
+        let mut clear_m = f64::INFINITY;
+        let begin = match shape {
+            Shape::Leg(pieces) => {
+                for (plane, piece) in *pieces {
+                    for edge in self.edges() {
+                        clear_m = clear_m.min(between_m(*piece, edge.map(|end| plane.vector(end))));
+                    }
+                }
+                pieces.first().map(|(plane, piece)| plane.point(piece[0]))
+            }
+            Shape::Rim { plane, radius_m } => {
+                for edge in self.edges() {
+                    clear_m = clear_m.min(rim_to_segment_m(*radius_m, edge.map(|end| plane.vector(end))));
+                }
+                Some(plane.point([0.0, *radius_m]))
+            }
+        };
+        (begin.is_some_and(|begin| self.contains(begin)), clear_m)
+    }
+}
+
+impl Shape<'_> {
+    /// What the judgement of a margin may be wrong by, metres.
+    fn slack_m(&self, margin_m: f64) -> f64 {
+        match self {
+            Self::Leg(pieces) => pieces.first().map_or(SLACK_M, |(plane, piece)| {
+                SLACK_M + plane.error_m(margin_m + length_m(piece[0]))
+            }),
+            Self::Rim { plane, radius_m } => SLACK_M + plane.error_m(margin_m + radius_m),
+        }
+    }
+}
+
+impl std::fmt::Display for Setpoint {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Depth(metres) => write!(f, "depth {metres} m"),
+            Self::Altitude(metres) => write!(f, "altitude {metres} m"),
+            Self::Unknown => f.write_str("an unknown setpoint"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use backseat_units::EastNorth;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const FENCE: &str = r#"{ "type": "FeatureCollection", "features": [
+        { "type": "Feature", "properties": { "name": "a", "kind": "inclusion", "margin_m": 15 },
+          "geometry": { "type": "Polygon", "coordinates": [
+            [[5.0, 60.0], [5.2, 60.0], [5.3, 60.1], [5.1, 60.05], [5.0, 60.2], [5.0, 60.0]] ] } },
+        { "type": "Feature", "properties": { "name": "b", "kind": "exclusion", "margin_m": 40 },
+          "geometry": { "type": "Polygon", "coordinates": [
+            [[5.08, 60.02], [5.12, 60.03], [5.1, 60.01], [5.08, 60.02]] ] } } ] }"#;
+
+    /// Whether a point keeps all margins with some metres to spare.
+    fn keeps(area: &Area, position: Position, spare_m: f64) -> bool {
+        let point = area.point(position);
+        let plane = Plane::at(point);
+        area.zones.iter().all(|zone| {
+            let edges = zone
+                .edges()
+                .map(|edge| to_segment_m([0.0, 0.0], edge.map(|end| plane.vector(end))));
+            let clear_m = edges.fold(f64::INFINITY, f64::min);
+            zone.contains(point) == (zone.kind == Kind::Inclusion) && clear_m >= zone.margin_m + spare_m
+        })
+    }
+
+    proptest! {
+        /// A judgement agrees with that of many points of the same shape; the spacing of the points is what may differ.
+        #[test]
+        fn shapes_are_judged_as_their_points_are(
+            from in (-9000.0..9000.0f64, -12000.0..12000.0f64), bearing in 0.0..360.0f64, length in 1.0..4000.0f64,
+            rim: bool,
+        ) {
+            let area = Area::read(FENCE).unwrap();
+            let from = EastNorth::new(from.0, from.1);
+            let position = |point| area.frame.to_position(point);
+            let count = 2000;
+            let (good, points): (bool, Vec<EastNorth>) = if rim {
+                let radius_m = length / 10.0;
+                let points = (0..count).map(|index| from.offset(f64::from(index) * 360.0 / f64::from(count), radius_m));
+                (area.judge_circle(position(from), radius_m, Setpoint::Depth(5.0)).is_ok(), points.collect())
+            } else {
+                let end = from.offset(bearing, length);
+                let points = (0..=count).map(|index| from + (end - from) * (f64::from(index) / f64::from(count)));
+                (area.judge_leg(position(from), position(end), Setpoint::Depth(5.0)).is_ok(), points.collect())
+            };
+            let all = |spare_m| points.iter().all(|point| keeps(&area, position(*point), spare_m));
+            if good {
+                prop_assert!(all(-2.0));
+            } else {
+                prop_assert!(!all(1.0));
+            }
+        }
+    }
+}

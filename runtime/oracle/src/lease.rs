@@ -1,0 +1,134 @@
+use std::time::Duration;
+
+use backseat_units::Timestamp;
+
+use crate::rule::Rule;
+use crate::violation::Findings;
+
+/// The longest between two BPRMB of a live lease.
+const GAP_MAX: Duration = Duration::from_millis(2500);
+/// When the vehicle ends a modify by itself (SPI 7.12).
+const LAPSE: Duration = Duration::from_secs(5);
+/// The shortest between two BPRMB: 5 Hz, less 5 ms for jitter.
+const GAP_MIN: Duration = Duration::from_millis(195);
+
+/// The cadence of our modifies: a lease lives from its first BPRMB to its BPEMB, or until the vehicle forgets it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lease {
+    last_modify: Option<Timestamp>,
+    alive_since: Option<Timestamp>,
+    /// A BPRMB was sent and no BPEMB since.
+    unended: bool,
+    gap_told: bool,
+    stale_told: bool,
+    /// Control is lost and a BPEMB must come by then.
+    end_due: Option<Timestamp>,
+    opened: u64,
+    alive: Duration,
+}
+
+impl Lease {
+    pub(crate) const fn is_alive(&self) -> bool {
+        self.alive_since.is_some()
+    }
+
+    /// Whether a BPEMB has something to end.
+    pub(crate) const fn is_unended(&self) -> bool {
+        self.unended
+    }
+
+    pub(crate) const fn last_modify(&self) -> Option<Timestamp> {
+        self.last_modify
+    }
+
+    pub(crate) const fn opened(&self) -> u64 {
+        self.opened
+    }
+
+    /// How long leases lived, until now.
+    pub(crate) fn alive_s(&self, now: Timestamp) -> f64 {
+        let open = self.alive_since.map_or(Duration::ZERO, |since| now.since(since));
+        (self.alive + open).as_secs_f64()
+    }
+
+    /// Judges what silence does.
+    pub(crate) fn check(&mut self, now: Timestamp, findings: &mut Findings) {
+        if self.alive_since.is_none() {
+            return;
+        }
+        if let Some(due) = self.end_due
+            && now > due
+        {
+            findings.add(now, Rule::EndModifyMissing, || {
+                format!("no BPEMB by {due} though control was lost under a lease")
+            });
+            self.close(now);
+            return;
+        }
+        let Some(last) = self.last_modify else { return };
+        let idle = now.since(last);
+        if idle > GAP_MAX && !self.gap_told {
+            self.gap_told = true;
+            findings.add(now, Rule::ModifyGap, || {
+                format!("no BPRMB for over 2.5 s after the one at {last}")
+            });
+        }
+        if idle > LAPSE {
+            findings.add(now, Rule::ModifyAbandoned, || {
+                format!("the lease stopped at {last} without BPEMB while the link was up")
+            });
+            self.close(last + LAPSE);
+        }
+    }
+
+    /// We wrote a BPRMB. `counts` where the vehicle may take it; `end_due` where control is already lost.
+    pub(crate) fn modify(&mut self, at: Timestamp, counts: bool, end_due: Option<Timestamp>, findings: &mut Findings) {
+        if let Some(last) = self.last_modify
+            && at.since(last) < GAP_MIN
+        {
+            findings.add(at, Rule::ModifyTooFast, || {
+                format!("{} ms after the BPRMB at {last}", at.since(last).as_millis())
+            });
+        }
+        self.last_modify = Some(at);
+        self.unended = true;
+        self.gap_told = false;
+        if counts && self.alive_since.is_none() {
+            self.alive_since = Some(at);
+            self.opened += 1;
+            self.stale_told = false;
+            self.end_due = end_due;
+        }
+    }
+
+    /// We wrote a BPEMB.
+    pub(crate) fn end(&mut self, at: Timestamp) {
+        self.unended = false;
+        self.close(at);
+    }
+
+    /// Control was lost under the lease: a BPEMB is due.
+    pub(crate) fn must_end_by(&mut self, due: Timestamp) {
+        if self.alive_since.is_some() && self.end_due.is_none() {
+            self.end_due = Some(due);
+        }
+    }
+
+    /// The link was lost: nothing more can be said, the vehicle ends the modify by itself.
+    pub(crate) fn cut(&mut self, at: Timestamp) {
+        self.close(at);
+    }
+
+    /// Whether this is the first time that stale navigation is told of this lease.
+    pub(crate) const fn tell_stale(&mut self) -> bool {
+        !core::mem::replace(&mut self.stale_told, true)
+    }
+
+    fn close(&mut self, at: Timestamp) {
+        if let Some(since) = self.alive_since.take() {
+            self.alive += at.since(since);
+        }
+        self.end_due = None;
+        self.gap_told = false;
+    }
+}

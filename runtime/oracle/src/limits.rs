@@ -1,0 +1,128 @@
+use std::time::Duration;
+
+use backseat_units::{Position, Timestamp};
+
+use crate::error::OracleError;
+
+/// What the mission allows and how the simulated link behaves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limits {
+    /// What hands control to the backseat.
+    pub control: ControlHook,
+    /// The least speed that may be asked for, m/s.
+    pub speed_min_mps: f64,
+    /// The greatest speed that may be asked for, m/s.
+    pub speed_max_mps: f64,
+    /// How far the vehicle strays from a planned leg and still flies it, metres.
+    pub tracking_error_m: f64,
+    /// Navigation older than this is stale, seconds.
+    pub navigation_age_max_s: f64,
+    /// How many inserts may be open at once.
+    pub inserts_open_max: u32,
+    /// How many inserts may be sent in the whole run; those that the vehicle refused do not count.
+    pub inserts_total_max: u32,
+    /// How long the open inserts together may still fly, seconds.
+    pub inserts_duration_max_s: f64,
+    /// The longest delay of the simulated link, seconds, one way, its faults included.
+    pub link_delay_s: f64,
+    /// Whether the operator's policy may send what no plugin can: aborts, kills, cancels without identifier, and
+    /// what moves the vehicle's idea of where it is.
+    pub operator_commands: bool,
+}
+
+impl Default for Limits {
+    /// Speeds from 0.5 to 2.5 m/s, 5 m of tracking error, 1 s of navigation age; 4 inserts open, 100 in all, 3600 s of
+    /// them; a link that delays nothing; no operator commands.
+    fn default() -> Self {
+        Self {
+            control: ControlHook::BackseatControl,
+            speed_min_mps: 0.5,
+            speed_max_mps: 2.5,
+            tracking_error_m: 5.0,
+            navigation_age_max_s: 1.0,
+            inserts_open_max: 4,
+            inserts_total_max: 100,
+            inserts_duration_max_s: 3600.0,
+            link_delay_s: 0.0,
+            operator_commands: false,
+        }
+    }
+}
+
+impl Limits {
+    pub(crate) fn check(&self) -> Result<(), OracleError> {
+        let limits = [
+            ("speed_min_mps", self.speed_min_mps),
+            ("speed_max_mps", self.speed_max_mps),
+            ("tracking_error_m", self.tracking_error_m),
+            ("navigation_age_max_s", self.navigation_age_max_s),
+            ("inserts_duration_max_s", self.inserts_duration_max_s),
+            ("link_delay_s", self.link_delay_s),
+        ];
+        for (what, value) in limits {
+            if !(0.0..=1e6).contains(&value) {
+                return Err(OracleError::Limit {
+                    what,
+                    value,
+                    expected: "a number from 0 to 1e6",
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The longest delay of the link.
+    pub(crate) fn link_delay(&self) -> Duration {
+        seconds(self.link_delay_s)
+    }
+}
+
+/// A duration of a checked limit.
+pub(crate) fn seconds(seconds: f64) -> Duration {
+    Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
+}
+
+/// What hands control to the backseat (SPI 6.24).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum ControlHook {
+    /// BFCTL 1.
+    #[default]
+    BackseatControl,
+    /// The mission's running.
+    MissionRunning,
+    /// A mission command (SPI 5.1) with the operator's text.
+    MissionCommand {
+        /// The text that hands control over.
+        grant: String,
+        /// The text that takes it back.
+        revoke: String,
+    },
+}
+
+/// What the mock vehicle truly does, which no sentence can hide.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Truth {
+    /// When.
+    pub at: Timestamp,
+    /// Where it is.
+    pub position: Position,
+    /// How deep, metres below the surface.
+    pub depth_m: f64,
+    /// How high above the seabed, metres; zero or less is aground.
+    pub altitude_m: f64,
+    /// What it flies.
+    pub activity: Activity,
+}
+
+/// What the vehicle flies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Activity {
+    /// A behavior of its own plan.
+    Plan,
+    /// An insert of ours, by its identifier; its transit and lead-in are part of it.
+    Insert(u32),
+    /// Any behavior under our modify.
+    Modified,
+    /// No mission runs, or it is being aborted or wrapped up.
+    Other,
+}

@@ -1,0 +1,101 @@
+use backseat_spi::MAX_LINE;
+use memchr::memchr;
+
+/// Cuts a stream of writes into lines. Whole lines of one write are not copied.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lines {
+    partial: Vec<u8>,
+    /// The current line is too long and was reported; its rest is dropped.
+    dropping: bool,
+}
+
+/// What was cut off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Piece<'a> {
+    /// A line, without its line feed.
+    Line(&'a [u8]),
+    /// A line that is longer than any sentence; once for each.
+    TooLong,
+}
+
+impl Lines {
+    /// Adds a write and gives out each line that it completes.
+    pub(crate) fn push(&mut self, mut bytes: &[u8], mut take: impl FnMut(Piece<'_>)) {
+        while let Some(end) = memchr(b'\n', bytes) {
+            let (line, rest) = (&bytes[..end], &bytes[end + 1..]);
+            bytes = rest;
+            if core::mem::take(&mut self.dropping) {
+                continue;
+            }
+            if self.partial.len() + line.len() >= MAX_LINE {
+                take(Piece::TooLong);
+            } else if self.partial.is_empty() {
+                take(Piece::Line(line));
+            } else {
+                self.partial.extend_from_slice(line);
+                take(Piece::Line(&self.partial));
+            }
+            self.partial.clear();
+        }
+        if bytes.is_empty() || self.dropping {
+            return;
+        }
+        if self.partial.len() + bytes.len() >= MAX_LINE {
+            self.partial.clear();
+            self.dropping = true;
+            take(Piece::TooLong);
+        } else {
+            self.partial.extend_from_slice(bytes);
+        }
+    }
+
+    /// Whether a line has begun and not ended.
+    pub(crate) const fn is_open(&self) -> bool {
+        !self.partial.is_empty()
+    }
+
+    /// Forgets what has begun, for a new connection.
+    pub(crate) fn clear(&mut self) {
+        self.partial.clear();
+        self.dropping = false;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(writes: &[&[u8]]) -> Vec<Option<Vec<u8>>> {
+        let mut cutter = Lines::default();
+        let mut out = Vec::new();
+        for write in writes {
+            cutter.push(write, |piece| {
+                out.push(match piece {
+                    Piece::Line(line) => Some(line.to_vec()),
+                    Piece::TooLong => None,
+                });
+            });
+        }
+        out
+    }
+
+    #[test]
+    fn lines_are_the_same_in_any_split() {
+        let whole = b"$A\r\n$B\r\n\n$C";
+        let expected = [b"$A\r".as_slice(), b"$B\r", b""].map(|line| Some(line.to_vec()));
+        assert_eq!(lines(&[whole]), expected);
+        for cut in 0..whole.len() {
+            assert_eq!(lines(&[&whole[..cut], &whole[cut..]]), expected, "{cut}");
+        }
+    }
+
+    #[test]
+    fn a_line_without_end_takes_no_memory_and_is_told_once() {
+        let long = [b'x'; 3 * MAX_LINE];
+        assert_eq!(lines(&[&long, &long, b"\n$A\n"]), [None, Some(b"$A".to_vec())]);
+        assert_eq!(
+            lines(&[&long[..600], &long[..600], b"\n$A\n"]),
+            [None, Some(b"$A".to_vec())]
+        );
+    }
+}

@@ -1,0 +1,191 @@
+use std::time::Duration;
+
+use backseat_spi::{
+    HorizontalMode, Interrupt, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode, SpeedMode, ToVehicle, Trackcircle,
+    Trackline, VerticalMode,
+};
+use backseat_units::{TimeOfDay, Timestamp};
+
+use super::{END_WITHIN, Oracle};
+use crate::area::{Fault, Setpoint};
+use crate::inserts::{Insert, State};
+use crate::rule::Rule;
+
+/// What the wire's three decimals may change of a speed, m/s.
+const SPEED_SLACK_MPS: f64 = 0.001;
+
+impl Oracle {
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "sentences that no rule is about, those of later versions included"
+    )]
+    /// Judges what a sentence of ours asks for. `denied` where control surely is not ours.
+    pub(super) fn we_say(
+        &mut self,
+        at: Timestamp,
+        message: &ToVehicle,
+        name: &[u8; 5],
+        created: Option<TimeOfDay>,
+        denied: bool,
+    ) {
+        match message {
+            ToVehicle::ModifyBehavior(modify) => self.judge_modify(at, modify, denied),
+            ToVehicle::EndModify(_) => {
+                self.counts.end_modifies += 1;
+                self.lease.end(at);
+            }
+            ToVehicle::Trackline(line) => self.judge_trackline(at, line),
+            ToVehicle::Trackcircle(circle) => self.judge_trackcircle(at, circle),
+            ToVehicle::CancelBehavior(cancel) => {
+                self.inserts.cancel_sent(cancel.created, cancel.identifier.get());
+            }
+            ToVehicle::RequestPlan(_) => self.plan.asked(),
+            ToVehicle::Unknown(unknown) if name == b"BPRGP" => {
+                let identifier = unknown.fields().nth(1).and_then(|field| field.trim().parse().ok());
+                let Some(identifier) = identifier else {
+                    self.findings
+                        .add(at, Rule::Malformed, || "BPRGP without identifier".to_owned());
+                    return;
+                };
+                let insert = Insert {
+                    created,
+                    interrupts: false,
+                    duration_s: 0.0,
+                    state: State::Sent,
+                };
+                self.insert_sent(at, identifier, insert);
+            }
+            _ => {}
+        }
+    }
+
+    fn judge_modify(&mut self, at: Timestamp, modify: &ModifyBehavior, denied: bool) {
+        self.counts.modifies += 1;
+        // Where control is just being lost, the lease that this opens ends with it.
+        let end_due = self
+            .control
+            .denied_since()
+            .map(|since| since + self.link_delay + END_WITHIN);
+        let counts = self.control.is_up() && !denied;
+        self.lease.modify(at, counts, end_due, &mut self.findings);
+        // What the vehicle refuses is judged once, as that.
+        if denied {
+            return;
+        }
+        if self.is_stale(at, Duration::ZERO) && self.lease.tell_stale() {
+            let age = self.navigation.age(at);
+            self.findings.add(at, Rule::StaleNavigation, || match age {
+                Some(age) => format!("BPRMB while navigation is {:.3} s old", age.as_secs_f64()),
+                None => "BPRMB without any navigation on this connection".to_owned(),
+            });
+        }
+        let complete = modify.horizontal.is_some()
+            && modify.horizontal_mode.is_some()
+            && modify.vertical_m.is_some()
+            && modify.vertical_mode.is_some()
+            && modify.speed.is_some()
+            && modify.speed_mode.is_some();
+        if !complete {
+            self.findings.add(at, Rule::ModifyInherits, || {
+                "BPRMB leaves heading, vertical, speed or a mode to the current behavior".to_owned()
+            });
+        }
+        if modify.horizontal_mode == Some(HorizontalMode::Heading)
+            && let Some(heading) = modify.horizontal
+            && !(0.0..=360.0).contains(&heading)
+        {
+            self.findings
+                .add(at, Rule::Malformed, || format!("BPRMB with heading {heading}"));
+        }
+        if modify.speed_mode == Some(ModifySpeedMode::MetresPerSecond)
+            && let Some(speed) = modify.speed
+        {
+            self.judge_speed(at, "BPRMB", speed);
+        }
+        let setpoint = match (modify.vertical_mode, modify.vertical_m) {
+            (Some(ModifyVerticalMode::Depth), Some(metres)) => Setpoint::Depth(metres),
+            (Some(ModifyVerticalMode::Altitude), Some(metres)) => Setpoint::Altitude(metres),
+            (Some(_) | None, Some(_) | None) => return,
+        };
+        let verdict = self.area.judge_setpoint(setpoint);
+        self.tell_fault(at, "BPRMB", verdict);
+    }
+
+    fn judge_trackline(&mut self, at: Timestamp, line: &Trackline) {
+        let identifier = line.identifier.get();
+        let length_m = self.area.distance_m(line.start, line.end);
+        let insert = Insert {
+            created: Some(line.created),
+            interrupts: line.interrupt == Interrupt::InterruptCurrent,
+            duration_s: self.duration_s(length_m, line.speed, line.speed_mode),
+            state: State::Sent,
+        };
+        self.insert_sent(at, identifier, insert);
+        let what = format!("BPRTK {identifier}");
+        if line.speed_mode == SpeedMode::MetresPerSecond {
+            self.judge_speed(at, &what, line.speed);
+        }
+        let setpoint = setpoint(line.vertical_mode, line.vertical_m);
+        let verdict = self.area.judge_leg(line.start, line.end, setpoint);
+        self.tell_fault(at, &what, verdict);
+    }
+
+    fn judge_trackcircle(&mut self, at: Timestamp, circle: &Trackcircle) {
+        let identifier = circle.identifier.get();
+        let length_m = backseat_units::math::TAU * circle.radius_m.abs() * circle.orbits.abs();
+        let insert = Insert {
+            created: Some(circle.created),
+            interrupts: circle.interrupt == Interrupt::InterruptCurrent,
+            duration_s: self.duration_s(length_m, circle.speed, circle.speed_mode),
+            state: State::Sent,
+        };
+        self.insert_sent(at, identifier, insert);
+        let what = format!("BPRTC {identifier}");
+        if circle.speed_mode == SpeedMode::MetresPerSecond {
+            self.judge_speed(at, &what, circle.speed);
+        }
+        let setpoint = setpoint(circle.vertical_mode, circle.vertical_m);
+        let verdict = self.area.judge_circle(circle.centre, circle.radius_m, setpoint);
+        self.tell_fault(at, &what, verdict);
+    }
+
+    fn insert_sent(&mut self, at: Timestamp, identifier: u32, insert: Insert) {
+        let total_max = self.limits.inserts_total_max;
+        self.inserts.sent(at, identifier, insert, total_max, &mut self.findings);
+    }
+
+    /// How long a way takes, seconds. What turns make is not known: the slowest speed is taken.
+    fn duration_s(&self, length_m: f64, speed: f64, mode: SpeedMode) -> f64 {
+        let speed_mps = match mode {
+            SpeedMode::MetresPerSecond => speed,
+            SpeedMode::Rpm | SpeedMode::Other(_) => self.limits.speed_min_mps,
+        };
+        length_m / speed_mps.max(0.1)
+    }
+
+    fn judge_speed(&mut self, at: Timestamp, what: &str, speed_mps: f64) {
+        let (min, max) = (self.limits.speed_min_mps, self.limits.speed_max_mps);
+        if !(min - SPEED_SLACK_MPS..=max + SPEED_SLACK_MPS).contains(&speed_mps) {
+            self.findings.add(at, Rule::RequestSpeed, || {
+                format!("{what}: {speed_mps} m/s is not within {min} to {max}")
+            });
+        }
+    }
+
+    fn tell_fault(&mut self, at: Timestamp, what: &str, verdict: Result<(), Fault>) {
+        let (rule, text) = match verdict {
+            Ok(()) => return,
+            Err(Fault::Horizontal(text)) => (Rule::RequestFence, text),
+            Err(Fault::Vertical(text)) => (Rule::RequestVertical, text),
+        };
+        self.findings.add(at, rule, || format!("{what}: {text}"));
+    }
+}
+
+fn setpoint(mode: VerticalMode, metres: f64) -> Setpoint {
+    match mode {
+        VerticalMode::Depth => Setpoint::Depth(metres),
+        VerticalMode::Altitude => Setpoint::Altitude(metres),
+        VerticalMode::Other(_) => Setpoint::Unknown,
+    }
+}

@@ -1,0 +1,48 @@
+use serde::Serialize;
+
+/// How much there was to judge.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Statistics {
+    /// Bytes that the vehicle wrote.
+    pub bytes_from_vehicle: u64,
+    /// Bytes that we wrote.
+    pub bytes_to_vehicle: u64,
+    /// Whole sentences of ours.
+    pub sentences_to_vehicle: u64,
+    /// BFNVG whose solution time advanced.
+    pub navigations: u64,
+    /// How often the link came up.
+    pub connections: u64,
+    /// How often control was handed to us.
+    pub control_spans: u64,
+    /// How long we had control, seconds.
+    pub control_s: f64,
+    /// BPRMB.
+    pub modifies: u64,
+    /// BPEMB.
+    pub end_modifies: u64,
+    /// Leases: a BPRMB while none was alive opens one.
+    pub leases: u64,
+    /// How long leases were alive, by our sentences, seconds.
+    pub lease_s: f64,
+    /// BPRTK, BPRTC and BPRGP.
+    pub inserts_sent: u64,
+    /// Of those, refused by the vehicle.
+    pub inserts_refused: u64,
+    /// Of those, accepted by the vehicle.
+    pub inserts_accepted: u64,
+    /// Of those, begun.
+    pub inserts_begun: u64,
+    /// Of those, cancelled before they began.
+    pub inserts_cancelled: u64,
+    /// Reports of the vehicle's truth.
+    pub truths: u64,
+    /// How long the vehicle truly flew inserts, seconds.
+    pub truth_insert_s: f64,
+    /// How long the vehicle truly flew under a modify, seconds.
+    pub truth_modified_s: f64,
+    /// How often the true position was held against the fence.
+    pub truth_judged: u64,
+    /// All violations, the ones that are not listed included.
+    pub violations: u64,
+}

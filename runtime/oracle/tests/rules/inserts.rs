@@ -1,0 +1,235 @@
+//! Requirements 002, 009, 010 and 019: what inserts may be.
+
+use backseat_oracle::Activity;
+
+use crate::scenario::Scenario;
+
+/// A line of 1.65 km less 2 times the distance from the east and west edges, at a latitude of 42 N and some minutes.
+fn trackline(identifier: u32, minutes: f64, west: f64, east: f64, rest: &str) -> String {
+    format!("BPRTK,{{t}},{identifier},42{minutes:09.6},N,070{west:09.6},W,42{minutes:09.6},N,070{east:09.6},W,{rest}")
+}
+
+fn good(identifier: u32) -> String {
+    trackline(identifier, 0.3, 0.9, 0.8, "0,10,1.5,0,0")
+}
+
+fn interrupting(identifier: u32) -> String {
+    trackline(identifier, 0.3, 0.9, 0.8, "0,10,1.5,0,4")
+}
+
+fn ack(identifier: u32, status: u32) -> String {
+    format!("BFACK,{{t}},RTK,000000.000,{identifier},{status},0,text")
+}
+
+fn circle(radius: f64, minutes: f64, rest: &str) -> String {
+    format!("BPRTC,{{t}},8,42{minutes:09.6},N,07000.300000,W,{radius},2,{rest}")
+}
+
+#[test]
+fn an_insert_inside_the_fence_finds_nothing() {
+    let outcome = Scenario::with_control()
+        .ours(2000, &good(7))
+        .vehicle(2100, &ack(7, 3))
+        .vehicle(2200, &ack(7, 2))
+        .vehicle(3000, "BFMBS,{t},,,7,trackline")
+        .activity(3000, Activity::Insert(7))
+        .vehicle(8000, "BFMBE,{t},,,7,trackline")
+        .activity(8000, Activity::Plan)
+        .finds_nothing();
+    let statistics = outcome.statistics;
+    assert_eq!(
+        (
+            statistics.inserts_sent,
+            statistics.inserts_accepted,
+            statistics.inserts_begun
+        ),
+        (1, 1, 1)
+    );
+    assert!((statistics.truth_insert_s - 5.0).abs() < 1e-9, "{statistics:?}");
+}
+
+#[test]
+fn requirement_002_a_line_keeps_its_margin_to_the_edge() {
+    // A minute of longitude is 1379.9 m here: 0.0145 of it 20.01 m.
+    let line = |west| Scenario::with_control().ours(2000, &trackline(7, 0.3, west, 0.8, "0,10,1.5,0,0"));
+    line(1.2 - 0.0146).finds_nothing();
+    line(1.2 - 0.0143).finds(&["request-fence"]);
+    line(1.25).finds(&["request-fence"]);
+    // Over the sea between two corners of nothing.
+    Scenario::with_control()
+        .ours(2000, &trackline(7, 3.0, 1.3, 1.4, "0,10,1.5,0,0"))
+        .finds(&["request-fence"]);
+}
+
+#[test]
+fn requirement_002_a_line_keeps_clear_of_exclusions() {
+    // Through the mooring, and past its south edge at 30 m; a minute of latitude is 1851.0 m.
+    let line = |minutes| Scenario::with_control().ours(2000, &trackline(7, minutes, 0.9, 0.3, "0,10,1.5,0,0"));
+    line(0.66).finds(&["request-fence"]);
+    line(0.6 - 0.0161).finds(&["request-fence"]);
+    line(0.6 - 0.0163).finds_nothing();
+    // Altogether inside it.
+    Scenario::with_control()
+        .ours(2000, &trackline(7, 0.66, 0.66, 0.659, "0,10,1.5,0,0"))
+        .finds(&["request-fence"]);
+    // The wreck is deeper than this line.
+    line(0.18).finds_nothing();
+    Scenario::with_control()
+        .ours(2000, &trackline(7, 0.18, 0.9, 0.3, "0,35,1.5,0,0"))
+        .finds(&["request-fence"]);
+}
+
+#[test]
+fn requirement_002_a_circle_keeps_its_whole_rim_inside() {
+    // 414 m from the east edge, 555 m from the south one.
+    let circle = |radius| Scenario::with_control().ours(2000, &circle(radius, 0.3, "0,10,1.5,0,0,0"));
+    circle(380.0).finds_nothing();
+    circle(393.7).finds_nothing();
+    circle(394.5).finds(&["request-fence"]);
+    circle(500.0).finds(&["request-fence"]);
+    circle(90_000.0).finds(&["request-fence"]);
+    // A rim around everything is inside nothing.
+    circle(9_000.0).finds(&["request-fence"]);
+}
+
+#[test]
+fn requirement_002_setpoints_keep_to_the_bands() {
+    let line = |rest| Scenario::with_control().ours(2000, &trackline(7, 0.3, 0.9, 0.8, rest));
+    line("0,40,1.5,0,0").finds_nothing();
+    line("0,40.1,1.5,0,0").finds(&["request-vertical"]);
+    line("0,1.9,1.5,0,0").finds(&["request-vertical"]);
+    line("1,3,1.5,0,0").finds_nothing();
+    line("1,2.9,1.5,0,0").finds(&["request-vertical"]);
+    line("0,10,2.6,0,0").finds(&["request-speed"]);
+    line("0,10,0.4,0,0").finds(&["request-speed"]);
+    let rim = |rest| Scenario::with_control().ours(2000, &circle(100.0, 0.3, rest));
+    rim("0,41,1.5,0,0,0").finds(&["request-vertical"]);
+    rim("0,10,3,0,0,0").finds(&["request-speed"]);
+}
+
+#[test]
+fn requirement_009_identifiers_never_repeat_even_after_a_reconnect() {
+    Scenario::with_control()
+        .ours(2000, &good(7))
+        .link(3000, false)
+        .link(4000, true)
+        .vehicle(4100, "BFMIS,{t},a.dive,Running,")
+        .vehicle(4100, "BFCTL,{t},1")
+        .ours(5000, &good(7))
+        .finds(&["identifier-repeated"]);
+    Scenario::with_control()
+        .ours(2000, &good(7))
+        .ours(3000, &good(8))
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_009_timestamps_never_repeat_under_one_name() {
+    Scenario::with_control()
+        .ours(2000, "BPMSG,{t},one")
+        .ours(2000, "BPSTS,{t},1,ok")
+        .finds_nothing();
+    Scenario::with_control()
+        .ours(2000, "BPMSG,{t},one")
+        .ours(2000, "BPMSG,{t},two")
+        .finds(&["stamp-repeated"]);
+    // The 0.1 ms that the wire does not carry are no difference.
+    Scenario::with_control()
+        .ours(2000, "BPMSG,000100.0001,one")
+        .ours(3000, "BPMSG,000100.0002,two")
+        .finds(&["stamp-repeated"]);
+}
+
+#[test]
+fn requirement_010_an_interrupt_is_not_interrupted() {
+    let run = Scenario::with_control()
+        .ours(2000, &interrupting(7))
+        .vehicle(2200, &ack(7, 2));
+    run.clone()
+        .ours(5000, &interrupting(8))
+        .finds(&["interrupt-of-interrupt"]);
+    run.clone().ours(5000, &good(8)).finds_nothing();
+    run.clone()
+        .vehicle(4000, "BFMBE,{t},,,7,trackline")
+        .ours(5000, &interrupting(8))
+        .finds_nothing();
+    Scenario::with_control()
+        .ours(2000, &interrupting(7))
+        .vehicle(2200, &ack(7, 1))
+        .ours(5000, &interrupting(8))
+        .finds_nothing();
+    // The end met a dead link; the truth tells it.
+    run.activity(2500, Activity::Insert(7))
+        .link(3000, false)
+        .activity(4000, Activity::Plan)
+        .link(4500, true)
+        .vehicle(4600, "BFMIS,{t},a.dive,Running,")
+        .vehicle(4600, "BFCTL,{t},1")
+        .ours(6000, &interrupting(8))
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_019_the_number_of_inserts_is_capped() {
+    let two = || Scenario::with_control().limits(|limits| limits.inserts_total_max = 2);
+    let run = two().ours(2000, &good(7)).ours(3000, &good(8)).ours(4000, &good(9));
+    run.finds(&["inserts-total"]);
+    two()
+        .ours(2000, &good(7))
+        .vehicle(2100, &ack(7, 0))
+        .ours(3000, &good(8))
+        .ours(4000, &good(9))
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_019_the_open_inserts_are_capped() {
+    let both = || {
+        Scenario::with_control()
+            .limits(|limits| limits.inserts_open_max = 1)
+            .ours(2000, &good(7))
+            .vehicle(2100, &ack(7, 2))
+    };
+    let second = |run: Scenario| run.ours(5000, &good(8)).vehicle(5100, &ack(8, 2));
+    second(both()).finds(&["inserts-open"]);
+    second(both().vehicle(4000, "BFMBE,{t},,,7,trackline")).finds_nothing();
+    let cancelled = both()
+        .ours(3000, "BPRCN,{t},7")
+        .vehicle(3100, "BFACK,{t},RCN,000002.000,0,2,0,cancelled");
+    assert_eq!(second(cancelled).finds_nothing().statistics.inserts_cancelled, 1);
+    // A refused cancel leaves it open.
+    let kept = both()
+        .ours(3000, "BPRCN,{t},7")
+        .vehicle(3100, "BFACK,{t},RCN,000002.000,0,1,0,it runs");
+    second(kept).finds(&["inserts-open"]);
+    let aborted = both()
+        .vehicle(3000, "BFMIS,{t},a.dive,Stopped,")
+        .vehicle(4000, "BFMIS,{t},a.dive,Running,");
+    second(aborted).finds_nothing();
+}
+
+#[test]
+fn requirement_019_what_the_plan_holds_counts_without_its_acknowledgement() {
+    let run = Scenario::with_control()
+        .limits(|limits| limits.inserts_open_max = 1)
+        .ours(2000, &good(7))
+        .vehicle(3000, "BFPLN,{t},,7,0,1,4200.300,N,07000.900,W,,,")
+        .ours(5000, &good(8))
+        .vehicle(5100, &ack(8, 2));
+    run.finds(&["inserts-open"]);
+}
+
+#[test]
+fn requirement_019_the_time_of_open_inserts_is_capped() {
+    // 138 m at 1.5 m/s are 92 s.
+    let run = |cap: f64| {
+        Scenario::with_control()
+            .limits(|limits| limits.inserts_duration_max_s = cap)
+            .ours(2000, &good(7))
+            .vehicle(2100, &ack(7, 2))
+            .ours(3000, &good(8))
+            .vehicle(3100, &ack(8, 2))
+    };
+    run(185.0).finds_nothing();
+    run(180.0).finds(&["inserts-duration"]);
+}

@@ -1,0 +1,221 @@
+//! A run written by hand: what is not said is a healthy vehicle that flies its plan inside the fence.
+
+#![expect(clippy::unwrap_used, reason = "a scenario that cannot be built fails its test")]
+
+use std::fmt::Write;
+
+use backseat_oracle::{Activity, Limits, Oracle, Statistics, Truth, Violation};
+use backseat_units::{Position, TimeOfDay, Timestamp};
+
+/// 2.2 km by 1.7 km with a hole of 220 m by 170 m that is forbidden, and a wreck that is at 30 to 40 m only.
+pub(crate) const FENCE: &str = r#"{ "type": "FeatureCollection", "features": [
+    { "type": "Feature",
+      "properties": { "name": "site", "kind": "inclusion", "margin_m": 20, "depth_min_m": 2, "depth_max_m": 40,
+                      "altitude_min_m": 3 },
+      "geometry": { "type": "Polygon", "coordinates": [[
+        [-70.02, 42.0], [-70.0, 42.0], [-70.0, 42.02], [-70.02, 42.02], [-70.02, 42.0]]] } },
+    { "type": "Feature",
+      "properties": { "name": "mooring", "kind": "exclusion", "margin_m": 30 },
+      "geometry": { "type": "Polygon", "coordinates": [[
+        [-70.012, 42.01], [-70.01, 42.01], [-70.01, 42.012], [-70.012, 42.012], [-70.012, 42.01]]] } },
+    { "type": "Feature",
+      "properties": { "name": "wreck", "kind": "exclusion", "margin_m": 30, "depth_min_m": 30 },
+      "geometry": { "type": "Polygon", "coordinates": [[
+        [-70.012, 42.002], [-70.01, 42.002], [-70.01, 42.004], [-70.012, 42.004], [-70.012, 42.002]]] } }
+] }"#;
+
+/// A full BPRMB.
+pub(crate) const MODIFY: &str = "BPRMB,{t},90,10,0,1.5,1,0";
+pub(crate) const END: &str = "BPEMB,{t}";
+
+#[derive(Clone)]
+enum Event {
+    Link(bool),
+    Vehicle(String),
+    Ours(Vec<u8>),
+    Activity(Activity),
+    Place(f64, f64),
+    Depth(f64),
+    Altitude(f64),
+    Navigation(bool),
+    Stopped,
+}
+
+/// What happens, and when.
+#[derive(Clone)]
+pub(crate) struct Scenario {
+    events: Vec<(u64, Event)>,
+    limits: Limits,
+}
+
+/// What the oracle made of it.
+pub(crate) struct Outcome {
+    pub(crate) violations: Vec<Violation>,
+    pub(crate) statistics: Statistics,
+}
+
+impl Scenario {
+    /// The link is up and control is ours from 0.1 s on.
+    pub(crate) fn with_control() -> Self {
+        Self::without_control()
+            .vehicle(100, "BFMIS,{t},a.dive,Running /logs/1,")
+            .vehicle(100, "BFCTL,{t},1")
+    }
+
+    pub(crate) fn without_control() -> Self {
+        Self {
+            events: Vec::new(),
+            limits: Limits {
+                link_delay_s: 0.2,
+                ..Limits::default()
+            },
+        }
+        .link(0, true)
+    }
+
+    pub(crate) fn limits(mut self, change: impl FnOnce(&mut Limits)) -> Self {
+        change(&mut self.limits);
+        self
+    }
+
+    pub(crate) fn link(self, ms: u64, up: bool) -> Self {
+        self.event(ms, Event::Link(up))
+    }
+
+    /// The vehicle writes a sentence; `{t}` is the time.
+    pub(crate) fn vehicle(self, ms: u64, body: &str) -> Self {
+        let text = sentence(&body.replace("{t}", &stamp(ms)));
+        self.event(ms, Event::Vehicle(text))
+    }
+
+    /// We write a sentence; `{t}` is the time.
+    pub(crate) fn ours(self, ms: u64, body: &str) -> Self {
+        let text = sentence(&body.replace("{t}", &stamp(ms)));
+        self.bytes(ms, text.as_bytes())
+    }
+
+    pub(crate) fn bytes(self, ms: u64, bytes: &[u8]) -> Self {
+        self.event(ms, Event::Ours(bytes.to_vec()))
+    }
+
+    /// BPRMB every second from one time to another, both included, and the modified vehicle.
+    pub(crate) fn lease(mut self, from_ms: u64, to_ms: u64) -> Self {
+        for ms in (from_ms..=to_ms).step_by(1000) {
+            self = self.ours(ms, MODIFY);
+        }
+        self.activity(from_ms + 100, Activity::Modified)
+    }
+
+    pub(crate) fn activity(self, ms: u64, activity: Activity) -> Self {
+        self.event(ms, Event::Activity(activity))
+    }
+
+    pub(crate) fn place(self, ms: u64, latitude: f64, longitude: f64) -> Self {
+        self.event(ms, Event::Place(latitude, longitude))
+    }
+
+    pub(crate) fn depth(self, ms: u64, metres: f64) -> Self {
+        self.event(ms, Event::Depth(metres))
+    }
+
+    pub(crate) fn altitude(self, ms: u64, metres: f64) -> Self {
+        self.event(ms, Event::Altitude(metres))
+    }
+
+    /// Whether the vehicle writes BFNVG.
+    pub(crate) fn navigation(self, ms: u64, on: bool) -> Self {
+        self.event(ms, Event::Navigation(on))
+    }
+
+    /// A fault stops the runtime.
+    pub(crate) fn stopped(self, ms: u64) -> Self {
+        self.event(ms, Event::Stopped)
+    }
+
+    fn event(mut self, ms: u64, event: Event) -> Self {
+        self.events.push((ms, event));
+        self
+    }
+
+    /// Runs for so many milliseconds.
+    pub(crate) fn run(mut self, until_ms: u64) -> Outcome {
+        self.events.sort_by_key(|(ms, _)| *ms);
+        let mut oracle = Oracle::new(FENCE, self.limits).unwrap();
+        let mut truth = Truth {
+            at: Timestamp::ZERO,
+            position: Position::from_deg(42.005, -70.015).unwrap(),
+            depth_m: 10.0,
+            altitude_m: 30.0,
+            activity: Activity::Plan,
+        };
+        let (mut navigation, mut up) = (true, false);
+        let mut events = self.events.into_iter().peekable();
+        for ms in 0..=until_ms {
+            let at = Timestamp::from_millis(ms);
+            while let Some((_, event)) = events.next_if(|(due, _)| *due <= ms) {
+                match event {
+                    Event::Link(now) => {
+                        up = now;
+                        oracle.link(at, now);
+                    }
+                    Event::Vehicle(text) => oracle.from_vehicle(at, text.as_bytes()),
+                    Event::Ours(bytes) => oracle.to_vehicle(at, &bytes),
+                    Event::Activity(activity) => truth.activity = activity,
+                    Event::Place(latitude, longitude) => {
+                        truth.position = Position::from_deg(latitude, longitude).unwrap();
+                    }
+                    Event::Depth(metres) => truth.depth_m = metres,
+                    Event::Altitude(metres) => truth.altitude_m = metres,
+                    Event::Navigation(on) => navigation = on,
+                    Event::Stopped => oracle.runtime_stopped(at),
+                }
+            }
+            if ms % 100 != 0 {
+                continue;
+            }
+            if navigation && up {
+                let time = stamp(ms);
+                let text = sentence(&format!("BFNVG,{time},4200.300,N,07000.900,W,1,30,10,90,0,0,{time}"));
+                let (first, second) = text.as_bytes().split_at(ms as usize / 100 % text.len());
+                oracle.from_vehicle(at, first);
+                oracle.from_vehicle(at, second);
+            }
+            truth.at = at;
+            oracle.truth(&truth);
+        }
+        let statistics = oracle.statistics();
+        Outcome {
+            violations: oracle.finish(Timestamp::from_millis(until_ms)),
+            statistics,
+        }
+    }
+
+    /// Runs for 20 s, and has found exactly these rules.
+    #[track_caller]
+    pub(crate) fn finds(self, rules: &[&str]) -> Outcome {
+        let outcome = self.run(20_000);
+        let found: Vec<_> = outcome.violations.iter().map(|violation| violation.rule).collect();
+        assert_eq!(found, rules, "{:#?}", outcome.violations);
+        outcome
+    }
+
+    #[track_caller]
+    pub(crate) fn finds_nothing(self) -> Outcome {
+        self.finds(&[])
+    }
+}
+
+/// A body with its dollar sign, checksum and line end.
+pub(crate) fn sentence(body: &str) -> String {
+    let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+    let mut text = format!("${body}");
+    write!(text, "*{sum:02X}\r\n").unwrap();
+    text
+}
+
+/// The run begins one second before midnight.
+fn stamp(ms: u64) -> String {
+    let nanos = (86_399_000 + ms) % 86_400_000 * 1_000_000;
+    let (hour, minute, second, nanos) = TimeOfDay::from_nanos(nanos).unwrap().hms_nano();
+    format!("{hour:02}{minute:02}{second:02}.{:03}", nanos / 1_000_000)
+}

@@ -1,0 +1,96 @@
+//! Requirement 002: what the vehicle truly did under our commands.
+
+use backseat_oracle::Activity;
+
+use crate::scenario::Scenario;
+
+/// The vehicle flies an insert from 3 s to 8 s.
+fn insert() -> Scenario {
+    Scenario::with_control()
+        .activity(3000, Activity::Insert(7))
+        .activity(8000, Activity::Plan)
+}
+
+#[test]
+fn requirement_002_the_vehicle_stays_in_the_fence_under_our_commands() {
+    insert()
+        .place(5000, 42.005, -70.021)
+        .place(6000, 42.005, -70.019)
+        .finds(&["truth-fence"]);
+    insert()
+        .place(5000, 42.011, -70.011)
+        .place(6000, 42.005, -70.019)
+        .finds(&["truth-fence"]);
+    // The bare edge counts, not the margin.
+    insert().place(5000, 42.005, -70.01999).finds_nothing();
+    // One excursion is told once, a second one again.
+    insert()
+        .place(4000, 42.005, -70.021)
+        .place(5000, 42.005, -70.019)
+        .place(6000, 42.005, -70.021)
+        .place(7000, 42.005, -70.019)
+        .finds(&["truth-fence", "truth-fence"]);
+}
+
+#[test]
+fn requirement_002_the_plan_may_lead_where_it_likes() {
+    Scenario::with_control()
+        .place(5000, 42.005, -70.03)
+        .depth(5000, 90.0)
+        .altitude(5000, 0.0)
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_002_what_follows_within_15_s_is_our_doing() {
+    insert().place(10_000, 42.005, -70.021).finds(&["truth-fence"]);
+    let outcome = insert().place(23_200, 42.005, -70.021).run(30_000);
+    assert_eq!(outcome.violations, []);
+    // An abort is not.
+    insert()
+        .activity(9000, Activity::Other)
+        .place(10_000, 42.005, -70.021)
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_002_a_planned_leg_excuses_what_follows() {
+    let planned = |longitude: &str| {
+        insert()
+            .ours(500, "BPRMP,{t}")
+            .vehicle(600, "BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,")
+            .vehicle(601, &format!("BFPLN,{{t}},1,,1,2,4200.300,N,{longitude},W,,,"))
+            .place(10_000, 42.005, -70.021)
+    };
+    planned("07001.500").finds_nothing();
+    planned("07001.100").finds(&["truth-fence"]);
+    // A newer plan replaces the old one.
+    planned("07001.500")
+        .ours(1000, "BPRMP,{t}")
+        .vehicle(1100, "BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,")
+        .finds(&["truth-fence"]);
+}
+
+#[test]
+fn requirement_002_the_vehicle_keeps_to_the_depths() {
+    insert().depth(5000, 40.9).finds_nothing();
+    insert().depth(5000, 41.1).depth(6000, 30.0).finds(&["truth-depth"]);
+    insert().depth(5000, 0.9).finds(&["truth-depth"]);
+    // What the plan does afterwards with its depth is its own, unless it is deep.
+    insert().depth(9000, 0.0).finds_nothing();
+    insert().depth(9000, 42.0).finds(&["truth-depth"]);
+}
+
+#[test]
+fn requirement_002_an_exclusion_holds_at_its_depths() {
+    let over = |metres| insert().place(5000, 42.003, -70.011).depth(4900, metres);
+    over(20.0).finds_nothing();
+    over(35.0).finds(&["truth-fence"]);
+}
+
+#[test]
+fn requirement_002_the_vehicle_does_not_run_aground_under_our_commands() {
+    insert().altitude(5000, 0.0).finds(&["truth-grounded"]);
+    insert().altitude(5000, f64::NAN).finds(&["truth-grounded"]);
+    insert().altitude(5000, 0.5).finds_nothing();
+}

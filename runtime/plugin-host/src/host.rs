@@ -1,0 +1,148 @@
+use std::sync::Arc;
+
+use backseat_core::plugin::Judge;
+use wasmtime::component::Linker;
+use wasmtime::{Config, Engine, OperatorCost, VariableOperatorCost};
+
+use crate::error::{HostError, one_line};
+use crate::instance::State;
+use crate::plugin::{Plugin, Started};
+use crate::{Budget, inspection, v0_1_0};
+
+/// The largest component that is loaded, bytes: an interpreter with its library fits.
+pub const COMPONENT_BYTES: usize = 64 << 20;
+
+/// Stack of a plugin, bytes. An overflow is a trap.
+const STACK_BYTES: usize = 512 << 10;
+
+/// Loads components. A clone is another handle of the same host, for a watchdog's thread for example.
+#[derive(Clone)]
+pub struct Host {
+    engine: Engine,
+    linker: Arc<Linker<State>>,
+}
+
+/// A component that is compiled and is known to be a plugin. A clone shares the code.
+#[derive(Clone)]
+pub struct Component {
+    inner: Arc<Inner>,
+}
+
+struct Inner {
+    name: String,
+    engine: Engine,
+    plugin: v0_1_0::bindings::PluginPre<State>,
+}
+
+impl Host {
+    /// One engine, with settings that make a plugin's run the same everywhere.
+    ///
+    /// # Errors
+    /// [`HostError::Engine`] where this machine cannot run WebAssembly.
+    pub fn new() -> Result<Self, HostError> {
+        let engine_error = |error: wasmtime::Error| HostError::Engine(one_line(&error));
+        let engine = Engine::new(&config()).map_err(engine_error)?;
+        let mut linker = Linker::new(&engine);
+        v0_1_0::link(&mut linker).map_err(engine_error)?;
+        Ok(Self {
+            engine,
+            linker: Arc::new(linker),
+        })
+    }
+
+    /// Checks and compiles a component. `name` stands in errors and in nothing else.
+    ///
+    /// # Errors
+    /// A [`HostError`] that says in a line what the bytes are instead of a plugin.
+    pub fn load(&self, name: &str, bytes: &[u8]) -> Result<Component, HostError> {
+        let plugin = || name.to_owned();
+        let component = inspection::compile(&self.engine, name, bytes)?;
+        inspection::require_plugin(&self.engine, name, &component)?;
+        let interface = |error: wasmtime::Error| HostError::Interface {
+            plugin: plugin(),
+            interface: v0_1_0::INTERFACE,
+            reason: one_line(&error),
+        };
+        let linked = self.linker.instantiate_pre(&component).map_err(interface)?;
+        let linked = v0_1_0::bindings::PluginPre::new(linked).map_err(interface)?;
+        Ok(Component {
+            inner: Arc::new(Inner {
+                name: plugin(),
+                engine: self.engine.clone(),
+                plugin: linked,
+            }),
+        })
+    }
+
+    /// Moves the epoch on by one tick, for plugins with [`Plugin::set_deadline_ticks`]. A deployed runtime's watchdog
+    /// calls it from a thread of its own; in simulation nobody does.
+    pub fn increment_epoch(&self) {
+        self.engine.increment_epoch();
+    }
+
+    pub(crate) fn engine(&self) -> &Engine {
+        &self.engine
+    }
+}
+
+impl Component {
+    /// The name that it was loaded under.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.inner.name
+    }
+
+    /// Starts a plugin: a new instance, `describe`, `init`. `config_json` is the plugin's table of the mission file.
+    ///
+    /// # Errors
+    /// [`HostError::Start`] where `describe` or `init` fails or goes over its bounds, [`HostError::Description`] where the
+    /// description does, [`HostError::Interface`] where its functions have other types.
+    pub fn start(&self, budget: Budget, config_json: &str, judge: Arc<dyn Judge>) -> Result<Started, HostError> {
+        Plugin::start(self.clone(), budget, config_json, judge)
+    }
+
+    pub(crate) fn engine(&self) -> &Engine {
+        &self.inner.engine
+    }
+
+    pub(crate) fn linked(&self) -> &v0_1_0::bindings::PluginPre<State> {
+        &self.inner.plugin
+    }
+}
+
+fn config() -> Config {
+    let mut config = Config::new();
+    config.wasm_component_model(true).concurrency_support(false);
+    config
+        .consume_fuel(true)
+        .epoch_interruption(true)
+        .operator_cost(operator_cost());
+    // The bits of a NaN differ between processors, and a relaxed instruction may do as its processor does.
+    config
+        .cranelift_nan_canonicalization(true)
+        .relaxed_simd_deterministic(true)
+        .wasm_relaxed_simd(false);
+    config
+        .wasm_memory64(false)
+        .wasm_multi_memory(false)
+        .wasm_custom_page_sizes(false)
+        .wasm_wide_arithmetic(false);
+    config.shared_memory(false).max_wasm_stack(STACK_BYTES);
+    // A fault is told in one line; its backtrace would name functions that release builds have stripped.
+    config.wasm_backtrace_max_frames(None).generate_address_map(false);
+    config
+}
+
+/// Growing memory asks the operating system: dear, even where it is refused, so that a plugin cannot spend a second of
+/// the host's time on a millisecond's worth of fuel. Bulk operations cost a unit for each byte already.
+fn operator_cost() -> OperatorCost {
+    OperatorCost {
+        MemoryGrow: u8::MAX,
+        TableGrow: u8::MAX,
+        variable: VariableOperatorCost {
+            memory_grow_per_page: u8::MAX,
+            ..VariableOperatorCost::new()
+        },
+        ..OperatorCost::new()
+    }
+}

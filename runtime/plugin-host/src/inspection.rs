@@ -1,0 +1,89 @@
+use wasmtime::Engine;
+use wasmtime::component::Component;
+use wasmtime::component::types::ComponentItem;
+
+use crate::error::{HostError, one_line};
+use crate::host::{COMPONENT_BYTES, Host};
+use crate::v0_1_0;
+
+/// What a component asks for and offers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Inspection {
+    /// The interfaces and functions that it imports, with their versions.
+    pub imports: Vec<String>,
+    /// What it exports.
+    pub exports: Vec<String>,
+    /// Bytes.
+    pub size: usize,
+}
+
+/// What a component asks for and offers, plugin or not.
+///
+/// # Errors
+/// A [`HostError`] where the bytes are no valid component.
+pub fn inspect(bytes: &[u8]) -> Result<Inspection, HostError> {
+    let host = Host::new()?;
+    let component = compile(host.engine(), "component", bytes)?;
+    let ty = component.component_type();
+    Ok(Inspection {
+        imports: ty.imports(host.engine()).map(|(name, _)| name.to_owned()).collect(),
+        exports: ty.exports(host.engine()).map(|(name, _)| name.to_owned()).collect(),
+        size: bytes.len(),
+    })
+}
+
+/// Compiles a component; what is none is refused by what it is.
+pub(crate) fn compile(engine: &Engine, name: &str, bytes: &[u8]) -> Result<Component, HostError> {
+    /// Magic number, version, and layer of a core module.
+    const CORE: &[u8] = b"\0asm\x01\0\0\0";
+    let plugin = || name.to_owned();
+    if bytes.is_empty() {
+        return Err(HostError::Empty { plugin: plugin() });
+    }
+    if bytes.len() > COMPONENT_BYTES {
+        return Err(HostError::TooLarge {
+            plugin: plugin(),
+            bytes: bytes.len(),
+        });
+    }
+    if !bytes.starts_with(&CORE[..4]) {
+        return Err(HostError::NotWasm { plugin: plugin() });
+    }
+    if bytes.starts_with(CORE) {
+        return Err(HostError::CoreModule { plugin: plugin() });
+    }
+    Component::new(engine, bytes).map_err(|error| HostError::Invalid {
+        plugin: plugin(),
+        reason: one_line(&error),
+    })
+}
+
+/// Whether a component imports no more and exports no less than a plugin does.
+pub(crate) fn require_plugin(engine: &Engine, name: &str, component: &Component) -> Result<(), HostError> {
+    let ty = component.component_type();
+    for (import, _) in ty.imports(engine) {
+        if !v0_1_0::IMPORTS.contains(&import) {
+            let (plugin, import) = (name.to_owned(), import.to_owned());
+            return Err(HostError::Import {
+                plugin,
+                import,
+                allowed: v0_1_0::IMPORTS_TEXT,
+            });
+        }
+    }
+    let missing: Vec<&str> = v0_1_0::EXPORTS
+        .into_iter()
+        .filter(|function| {
+            !ty.get_export(engine, function)
+                .is_some_and(|export| matches!(export.ty, ComponentItem::ComponentFunc(_)))
+        })
+        .collect();
+    if missing.is_empty() {
+        Ok(())
+    } else {
+        Err(HostError::Exports {
+            plugin: name.to_owned(),
+            missing: missing.join(", "),
+        })
+    }
+}

@@ -1,0 +1,253 @@
+//! One instance of a component: its store, its limits, and what its imports write to.
+
+use std::sync::Arc;
+
+use backseat_core::plugin::{FaultKind, Judge, LogLevel, LogLine, PluginFault, StepInput};
+use wasmtime::{ResourceLimiter, Store, StoreContextMut, Trap};
+
+use crate::error::one_line;
+use crate::v0_1_0::bindings;
+use crate::{Budget, Component};
+
+/// Fuel of a log line, and one unit more for each of its bytes.
+pub const LOG_FUEL: u64 = 1_000;
+/// Fuel of a question to the fence.
+pub const FENCE_FUEL: u64 = 10_000;
+
+/// Log lines that are kept of one call.
+const LOG_LINES: usize = 32;
+/// The longest text of a line, a fault or a message, bytes.
+pub(crate) const TEXT_BYTES: usize = 256;
+
+/// Bytes that a plugin passes to the host in one call of an import, or returns from one call, unless said otherwise.
+pub(crate) const CALL_BYTES: usize = 128 << 10;
+
+/// A deadline that is never reached. Not the largest number: wasmtime adds the current epoch to it.
+const NO_DEADLINE: u64 = u64::MAX / 2;
+
+/// A live instance. It is thrown away after a fault.
+pub(crate) struct Instance {
+    store: Store<State>,
+    exports: bindings::Plugin,
+}
+
+/// What a call did.
+pub(crate) struct Called<T> {
+    pub(crate) fuel: u64,
+    pub(crate) result: Result<T, PluginFault>,
+}
+
+/// The store's data.
+pub(crate) struct State {
+    limits: Limits,
+    judge: Arc<dyn Judge>,
+    /// The step that runs, without its events; none in other calls.
+    step: Option<StepInput>,
+    log: Vec<LogLine>,
+    lines_dropped: u64,
+}
+
+impl Instance {
+    /// Makes an instance and runs the component's own initialisation, on `fuel`. The fault is [`FaultKind::Start`] where
+    /// nothing was run, because the exports have other types.
+    pub(crate) fn new(
+        component: &Component,
+        budget: &Budget,
+        judge: Arc<dyn Judge>,
+        fuel: u64,
+        deadline_ticks: Option<u64>,
+    ) -> Result<Self, PluginFault> {
+        let limits = Limits {
+            bytes_left: budget.memory_bytes,
+            elements_left: TABLE_ELEMENTS,
+            refused: false,
+        };
+        let state = State {
+            limits,
+            judge,
+            step: None,
+            log: Vec::new(),
+            lines_dropped: 0,
+        };
+        let mut store = Store::new(component.engine(), state);
+        store.limiter(|state| &mut state.limits);
+        store.set_hostcall_fuel(CALL_BYTES);
+        store.set_epoch_deadline(deadline_ticks.unwrap_or(NO_DEADLINE));
+        set_fuel(&mut store, fuel);
+        match component.linked().instantiate(&mut store) {
+            Ok(exports) => Ok(Self { store, exports }),
+            Err(error) => {
+                let fault = fault(&error, store.data());
+                let ran = fault.kind != FaultKind::Trap || error.is::<Trap>();
+                Err(if ran {
+                    fault
+                } else {
+                    PluginFault {
+                        kind: FaultKind::Start,
+                        ..fault
+                    }
+                })
+            }
+        }
+    }
+
+    /// Calls an export with `fuel`; the export may return `bytes` to the host. A fault takes the whole of the fuel.
+    pub(crate) fn call<T>(
+        &mut self,
+        fuel: u64,
+        bytes: usize,
+        deadline_ticks: Option<u64>,
+        call: impl FnOnce(&bindings::Plugin, &mut Store<State>) -> wasmtime::Result<T>,
+    ) -> Called<T> {
+        set_fuel(&mut self.store, fuel);
+        self.store.set_epoch_deadline(deadline_ticks.unwrap_or(NO_DEADLINE));
+        self.store.set_hostcall_fuel(bytes);
+        self.store.data_mut().limits.refused = false;
+        match call(&self.exports, &mut self.store) {
+            Ok(value) => Called {
+                fuel: fuel - self.fuel_left(),
+                result: Ok(value),
+            },
+            Err(error) => Called {
+                fuel,
+                result: Err(fault(&error, self.store.data())),
+            },
+        }
+    }
+
+    /// What the `fence` import answers from, until the next call of this.
+    pub(crate) fn set_step(&mut self, step: Option<StepInput>) {
+        self.store.data_mut().step = step;
+    }
+
+    /// Fuel that the last call left.
+    pub(crate) fn fuel_left(&self) -> u64 {
+        self.store.get_fuel().expect("the engine counts fuel")
+    }
+
+    /// The lines logged since the last time, with a last one that counts those that were not kept.
+    pub(crate) fn take_log(&mut self) -> Vec<LogLine> {
+        let state = self.store.data_mut();
+        let dropped = std::mem::take(&mut state.lines_dropped);
+        let mut log = std::mem::take(&mut state.log);
+        if dropped > 0 {
+            log.push(LogLine {
+                level: LogLevel::Warn,
+                text: format!("{dropped} more lines were not kept"),
+            });
+        }
+        log
+    }
+}
+
+impl State {
+    pub(crate) fn judge(&self) -> &dyn Judge {
+        &*self.judge
+    }
+
+    pub(crate) fn step(&self) -> Option<&StepInput> {
+        self.step.as_ref()
+    }
+
+    /// Whether another log line is kept; one that is not is counted.
+    pub(crate) fn admit_line(&mut self) -> bool {
+        let admitted = self.log.len() < LOG_LINES;
+        self.lines_dropped += u64::from(!admitted);
+        admitted
+    }
+
+    pub(crate) fn write_line(&mut self, level: LogLevel, text: String) {
+        self.log.push(LogLine { level, text });
+    }
+}
+
+/// Takes an import's price from the plugin's fuel.
+pub(crate) fn charge(store: &mut StoreContextMut<'_, State>, price: u64) -> wasmtime::Result<()> {
+    let left = store.get_fuel()?.checked_sub(price);
+    store.set_fuel(left.unwrap_or(0))?;
+    if left.is_some() {
+        Ok(())
+    } else {
+        Err(Trap::OutOfFuel.into())
+    }
+}
+
+/// The text up to the bound, cut between characters.
+pub(crate) fn cut(text: &str) -> &str {
+    &text[..text.floor_char_boundary(TEXT_BYTES)]
+}
+
+fn set_fuel(store: &mut Store<State>, fuel: u64) {
+    store.set_fuel(fuel).expect("the engine counts fuel");
+}
+
+/// Which bound a plugin broke.
+fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
+    /// wasmtime's type of this error is private; its version is fixed, and a test holds this text to it.
+    const TOO_MUCH: &str = "too much data is being copied between the host and the guest";
+    let text = one_line(error);
+    let kind = match error.downcast_ref::<Trap>() {
+        Some(Trap::OutOfFuel) => FaultKind::OutOfFuel,
+        Some(Trap::Interrupt) => FaultKind::Deadline,
+        _ if text.contains(TOO_MUCH) => FaultKind::TooMuch,
+        _ if state.limits.refused => FaultKind::Memory,
+        _ => FaultKind::Trap,
+    };
+    let text = match kind {
+        FaultKind::OutOfFuel => "used all its fuel".to_owned(),
+        FaultKind::Deadline => "ran past its deadline".to_owned(),
+        FaultKind::TooMuch => "passed more bytes to the host than one call may".to_owned(),
+        FaultKind::Memory => format!("was refused memory, and failed: {}", cut(&text)),
+        FaultKind::Trap | FaultKind::Error | FaultKind::Overflow | FaultKind::Start => cut(&text).to_owned(),
+    };
+    PluginFault { kind, text }
+}
+
+/// Elements of all tables: functions that are called through pointers.
+const TABLE_ELEMENTS: usize = 100_000;
+
+/// What an instance may still take.
+struct Limits {
+    bytes_left: usize,
+    elements_left: usize,
+    /// A growth was refused in this call.
+    refused: bool,
+}
+
+impl Limits {
+    fn take(left: &mut usize, refused: &mut bool, current: usize, desired: usize) -> bool {
+        match left.checked_sub(desired.saturating_sub(current)) {
+            Some(rest) => *left = rest,
+            None => *refused = true,
+        }
+        !*refused
+    }
+}
+
+impl ResourceLimiter for Limits {
+    fn memory_growing(&mut self, current: usize, desired: usize, _: Option<usize>) -> wasmtime::Result<bool> {
+        let mut refused = false;
+        let granted = Self::take(&mut self.bytes_left, &mut refused, current, desired);
+        self.refused |= refused;
+        Ok(granted)
+    }
+
+    fn table_growing(&mut self, current: usize, desired: usize, _: Option<usize>) -> wasmtime::Result<bool> {
+        let mut refused = false;
+        let granted = Self::take(&mut self.elements_left, &mut refused, current, desired);
+        self.refused |= refused;
+        Ok(granted)
+    }
+
+    fn instances(&self) -> usize {
+        64
+    }
+
+    fn tables(&self) -> usize {
+        32
+    }
+
+    fn memories(&self) -> usize {
+        8
+    }
+}

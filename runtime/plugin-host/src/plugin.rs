@@ -1,0 +1,274 @@
+use std::sync::Arc;
+
+use backseat_core::plugin::{Description, FaultKind, Judge, LogLine, PluginFault, Returned, StepInput};
+
+use crate::instance::{CALL_BYTES, Called, Instance, cut};
+use crate::{Budget, Component, HostError, v0_1_0};
+
+/// The largest snapshot, bytes.
+const SNAPSHOT_BYTES: usize = 1 << 20;
+
+/// A plugin that runs, or has failed and waits to be started again.
+pub struct Plugin {
+    component: Component,
+    budget: Budget,
+    config_json: String,
+    judge: Arc<dyn Judge>,
+    deadline_ticks: Option<u64>,
+    /// None after a fault that loses it.
+    instance: Option<Instance>,
+    /// The last step's input as the guest gets it, kept for its allocations.
+    input: v0_1_0::Input,
+    snapshot: Option<Vec<u8>>,
+    inputs_since_snapshot: u64,
+    steps_to_snapshot: u32,
+}
+
+/// A plugin that has been started.
+pub struct Started {
+    /// The plugin.
+    pub plugin: Plugin,
+    /// What it says of itself.
+    pub description: Description,
+    /// Fuel used.
+    pub fuel: u64,
+    /// Lines that it logged.
+    pub log: Vec<LogLine>,
+}
+
+/// What came of starting a plugin again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Restarted {
+    /// Fuel used.
+    pub fuel: u64,
+    /// Lines that it logged.
+    pub log: Vec<LogLine>,
+    /// Whether it runs; if not, why, as [`FaultKind::Start`].
+    pub result: Result<(), PluginFault>,
+    /// Inputs since the last snapshot, the fatal one too: the new instance has not seen them.
+    pub lost_steps: u64,
+}
+
+impl Plugin {
+    pub(crate) fn start(
+        component: Component,
+        budget: Budget,
+        config_json: &str,
+        judge: Arc<dyn Judge>,
+    ) -> Result<Started, HostError> {
+        let mut plugin = Self {
+            steps_to_snapshot: budget.snapshot_every_steps,
+            component,
+            budget,
+            config_json: config_json.to_owned(),
+            judge,
+            deadline_ticks: None,
+            instance: None,
+            input: v0_1_0::Input::default(),
+            snapshot: None,
+            inputs_since_snapshot: 0,
+        };
+        let name = plugin.component.name().to_owned();
+        let start = |fault| HostError::Start {
+            plugin: name.clone(),
+            fault,
+        };
+        let mut instance = plugin.instantiate().map_err(|fault| {
+            if fault.kind == FaultKind::Start {
+                HostError::Interface {
+                    plugin: name.clone(),
+                    interface: v0_1_0::INTERFACE,
+                    reason: fault.text,
+                }
+            } else {
+                start(fault)
+            }
+        })?;
+        let fuel = instance.fuel_left();
+        let described = instance.call(fuel, CALL_BYTES, None, |exports, store| exports.call_describe(store));
+        let described = described.result.map_err(start)?;
+        let description = v0_1_0::description(described).map_err(|(what, expected)| HostError::Description {
+            plugin: name.clone(),
+            what,
+            expected,
+        })?;
+        let left = plugin.init(&mut instance);
+        let log = instance.take_log();
+        let left = left.map_err(|fault| start(with_last_line(fault, &log)))?;
+        plugin.instance = Some(instance);
+        Ok(Started {
+            fuel: plugin.budget.fuel_init - left,
+            description,
+            log,
+            plugin,
+        })
+    }
+
+    /// Gives one input. The fuel is that of the step and, where one was taken, of the snapshot; a fault that loses the
+    /// instance takes the whole of the budget of the call that failed.
+    ///
+    /// The judge gets the input without its events.
+    pub fn step(&mut self, input: &StepInput) -> Returned {
+        self.inputs_since_snapshot += 1;
+        let Some(instance) = &mut self.instance else {
+            let text = "not running: it failed and was not started again".to_owned();
+            return Returned {
+                fuel: 0,
+                log: Vec::new(),
+                result: Err(PluginFault {
+                    kind: FaultKind::Start,
+                    text,
+                }),
+            };
+        };
+        let guest_input = self.input.fill(input);
+        instance.set_step(Some(StepInput {
+            events: Vec::new(),
+            ..*input
+        }));
+        let Called { mut fuel, result } = instance.call(
+            self.budget.fuel_per_step,
+            CALL_BYTES,
+            self.deadline_ticks,
+            |exports, store| exports.call_step(store, guest_input),
+        );
+        instance.set_step(None);
+        let mut result = result.and_then(|returned| match returned {
+            Ok(requests) => v0_1_0::requests(requests),
+            Err(text) => Err(PluginFault {
+                kind: FaultKind::Error,
+                text: cut(&text).to_owned(),
+            }),
+        });
+        if result.as_ref().is_err_and(loses_the_instance) {
+            fuel = self.budget.fuel_per_step;
+        }
+        if result.is_ok() && self.budget.snapshot_every_steps > 0 {
+            self.steps_to_snapshot -= 1;
+            if self.steps_to_snapshot == 0 {
+                self.steps_to_snapshot = self.budget.snapshot_every_steps;
+                let taken = instance.call(
+                    self.budget.fuel_snapshot,
+                    SNAPSHOT_BYTES,
+                    self.deadline_ticks,
+                    |exports, store| exports.call_snapshot(store),
+                );
+                fuel += taken.fuel;
+                match taken.result {
+                    Ok(state) => {
+                        self.snapshot = Some(state);
+                        self.inputs_since_snapshot = 0;
+                    }
+                    Err(fault) => {
+                        result = Err(PluginFault {
+                            text: format!("snapshot: {}", fault.text),
+                            kind: fault.kind,
+                        });
+                    }
+                }
+            }
+        }
+        let log = instance.take_log();
+        if result.as_ref().is_err_and(loses_the_instance) {
+            self.instance = None;
+        }
+        Returned { fuel, log, result }
+    }
+
+    /// Starts the plugin again: a new instance, `init`, and `restore` where there is a snapshot. Also one that still runs.
+    pub fn restart(&mut self) -> Restarted {
+        self.instance = None;
+        self.steps_to_snapshot = self.budget.snapshot_every_steps;
+        let (mut log, mut left) = (Vec::new(), 0);
+        let result = self.instantiate().and_then(|mut instance| {
+            let started = self
+                .init(&mut instance)
+                .and_then(|fuel| self.restore(&mut instance, fuel));
+            log = instance.take_log();
+            left = started?;
+            Ok(instance)
+        });
+        let result = match result {
+            Ok(instance) => {
+                self.instance = Some(instance);
+                Ok(())
+            }
+            Err(fault) => Err(PluginFault {
+                kind: FaultKind::Start,
+                ..with_last_line(fault, &log)
+            }),
+        };
+        Restarted {
+            fuel: self.budget.fuel_init - left,
+            log,
+            result,
+            lost_steps: self.inputs_since_snapshot,
+        }
+    }
+
+    /// The wall-clock backstop of a deployed run: how many times [`crate::Host::increment_epoch`] may be called during a
+    /// call of the plugin before that ends as [`FaultKind::Deadline`]. None, as it is at first: any number.
+    pub fn set_deadline_ticks(&mut self, ticks: Option<u64>) {
+        self.deadline_ticks = ticks;
+    }
+
+    /// Whether it can be stepped, rather than started again.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        self.instance.is_some()
+    }
+
+    fn instantiate(&self) -> Result<Instance, PluginFault> {
+        let fuel = self.budget.fuel_init;
+        Instance::new(
+            &self.component,
+            &self.budget,
+            self.judge.clone(),
+            fuel,
+            self.deadline_ticks,
+        )
+    }
+
+    /// Calls `init` with the fuel that is left; gives what is left of it then.
+    fn init(&self, instance: &mut Instance) -> Result<u64, PluginFault> {
+        let fuel = instance.fuel_left();
+        let called = instance.call(fuel, CALL_BYTES, self.deadline_ticks, |exports, store| {
+            exports.call_init(store, &self.config_json)
+        });
+        called.result?.map_err(|text| PluginFault {
+            kind: FaultKind::Start,
+            text: cut(&text).to_owned(),
+        })?;
+        Ok(instance.fuel_left())
+    }
+
+    /// Calls `restore`, where there is a snapshot, with the fuel that is left; gives what is left of it then.
+    fn restore(&self, instance: &mut Instance, fuel: u64) -> Result<u64, PluginFault> {
+        let Some(snapshot) = &self.snapshot else {
+            return Ok(fuel);
+        };
+        let called = instance.call(fuel, CALL_BYTES, self.deadline_ticks, |exports, store| {
+            exports.call_restore(store, snapshot)
+        });
+        called.result?.map_err(|text| PluginFault {
+            kind: FaultKind::Start,
+            text: format!("restore: {}", cut(&text)),
+        })?;
+        Ok(instance.fuel_left())
+    }
+}
+
+fn loses_the_instance(fault: &PluginFault) -> bool {
+    fault.kind != FaultKind::Error
+}
+
+/// A trap says nothing of why; the line that the plugin logged before it often does.
+fn with_last_line(fault: PluginFault, log: &[LogLine]) -> PluginFault {
+    match log.last() {
+        Some(line) if fault.kind == FaultKind::Trap => PluginFault {
+            text: format!("{}; it logged: {}", fault.text, line.text),
+            ..fault
+        },
+        Some(_) | None => fault,
+    }
+}

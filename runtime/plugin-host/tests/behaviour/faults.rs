@@ -1,0 +1,166 @@
+use backseat_core::plugin::{FaultKind, Request, VerticalRequest};
+use backseat_plugin_host::Budget;
+
+use crate::fixture::{fault_kind, faulty, input, only_modify, template};
+
+/// Every fault that ends the instance, and what it is called.
+const LOST: [(&str, FaultKind); 5] = [
+    ("trap", FaultKind::Trap),
+    ("loop", FaultKind::OutOfFuel),
+    ("grow", FaultKind::Memory),
+    ("flood", FaultKind::TooMuch),
+    ("huge_string", FaultKind::TooMuch),
+];
+
+/// Room for all that the faults do within their budget.
+fn roomy() -> Budget {
+    Budget {
+        fuel_per_step: 100_000_000,
+        ..Budget::default()
+    }
+}
+
+#[test]
+fn each_fault_is_told_by_its_kind_and_takes_the_whole_budget() {
+    for (fault, kind) in LOST {
+        let mut plugin = faulty(fault, 1, roomy());
+        only_modify(&plugin.step(&input(0)));
+        let returned = plugin.step(&input(1));
+        assert_eq!(fault_kind(&returned), Some(kind), "{fault}: {returned:?}");
+        assert_eq!(returned.fuel, roomy().fuel_per_step, "{fault}");
+        assert!(!plugin.is_running(), "{fault}");
+        let text = &returned.result.as_ref().unwrap_err().text;
+        assert!(
+            !text.is_empty() && text.len() < 400 && !text.contains('\n'),
+            "{fault}: {text}"
+        );
+    }
+}
+
+#[test]
+fn a_lost_plugin_answers_start_until_it_is_started_again() {
+    for (fault, _) in LOST {
+        let mut plugin = faulty(fault, 1, roomy());
+        plugin.step(&input(0));
+        plugin.step(&input(1));
+        let dead = plugin.step(&input(2));
+        assert_eq!((fault_kind(&dead), dead.fuel), (Some(FaultKind::Start), 0), "{fault}");
+        let restarted = plugin.restart();
+        assert_eq!(restarted.result, Ok(()), "{fault}");
+        // Nothing was snapshot, so the new instance counts its seconds anew.
+        only_modify(&plugin.step(&input(3)));
+    }
+}
+
+#[test]
+fn siblings_are_untouched_by_any_fault() {
+    let alone: Vec<_> = {
+        let mut sibling = template();
+        (0..6).map(|second| sibling.step(&input(second))).collect()
+    };
+    for (fault, _) in LOST
+        .into_iter()
+        .chain([("log_flood", FaultKind::Trap), ("error", FaultKind::Error)])
+    {
+        let (mut sibling, mut plugin) = (template(), faulty(fault, 2, roomy()));
+        let beside: Vec<_> = (0..6)
+            .map(|second| {
+                plugin.step(&input(second));
+                sibling.step(&input(second))
+            })
+            .collect();
+        assert_eq!(beside, alone, "{fault}");
+    }
+}
+
+#[test]
+fn an_error_of_its_own_leaves_the_instance() {
+    let mut plugin = faulty("error", 1, Budget::default());
+    only_modify(&plugin.step(&input(0)));
+    let failed = plugin.step(&input(1));
+    let fault = failed.result.unwrap_err();
+    assert_eq!(
+        (fault.kind, &*fault.text),
+        (FaultKind::Error, "faulty was told to fail")
+    );
+    assert!(failed.fuel < 1_000_000, "only what was used: {}", failed.fuel);
+    assert!(plugin.is_running());
+}
+
+#[test]
+fn a_panic_says_in_the_log_where_it_was() {
+    let returned = faulty("trap", 0, Budget::default()).step(&input(0));
+    let text = &returned.log[0].text;
+    assert!(
+        text.starts_with("panicked at plugins/faulty/src/lib.rs:") && text.contains("faulty was told to panic"),
+        "{text}"
+    );
+}
+
+#[test]
+fn wild_figures_reach_core_as_they_are() {
+    for (fault, matches) in [
+        ("nan", (|value| value.is_nan()) as fn(f64) -> bool),
+        ("infinite", |value| value == f64::INFINITY),
+        ("huge", |value| value == f64::MAX),
+    ] {
+        let returned = faulty(fault, 0, Budget::default()).step(&input(0));
+        let requests = returned.result.unwrap();
+        let [Request::Modify(modify), Request::Trackline(line)] = &requests[..] else {
+            panic!("{fault}: {requests:?}");
+        };
+        let VerticalRequest::DepthM(depth_m) = line.vertical else {
+            panic!("{fault}: {line:?}")
+        };
+        for value in [
+            modify.heading_deg,
+            modify.speed_mps,
+            line.start.latitude_deg,
+            line.end.longitude_deg,
+            depth_m,
+        ] {
+            assert!(matches(value), "{fault}: {value}");
+        }
+    }
+    let requests = faulty("latitude_91", 0, Budget::default())
+        .step(&input(0))
+        .result
+        .unwrap();
+    assert!(
+        matches!(&requests[..], [Request::Trackline(line)] if line.start.latitude_deg == 91.0),
+        "{requests:?}"
+    );
+}
+
+#[test]
+fn bad_manners_within_the_bounds_are_for_core_to_judge() {
+    let mut stale = faulty("stale", 0, Budget::default());
+    assert!(only_modify(&stale.step(&input(0))).duration.as_secs() > 300 * 86_400);
+    assert_eq!(stale.step(&input(1)).result, Ok(vec![]));
+    let contradictory = faulty("contradict", 0, Budget::default())
+        .step(&input(0))
+        .result
+        .unwrap();
+    assert_eq!(contradictory.len(), 6);
+    assert!(contradictory.contains(&Request::EndModify));
+}
+
+#[test]
+fn the_fence_answers_from_the_judge_with_this_steps_input() {
+    let returned = faulty("cross_fence", 0, Budget::default()).step(&input(0));
+    assert_eq!(returned.log[0].text, "the fence says inclusion: the end is out");
+    let requests = returned.result.unwrap();
+    let [Request::Trackline(line), Request::Modify(modify)] = &requests[..] else {
+        panic!("{requests:?}")
+    };
+    // 20 km north-east of the frame's origin, seen from 100 m east and 200 m north of it.
+    assert!(
+        (line.end.latitude_deg - 42.178).abs() < 0.01 && (line.end.longitude_deg + 69.76).abs() < 0.01,
+        "{line:?}"
+    );
+    assert!((modify.heading_deg - 45.0).abs() < 1.0, "{modify:?}");
+    assert!(
+        returned.fuel > backseat_plugin_host::FENCE_FUEL,
+        "the question has its price"
+    );
+}

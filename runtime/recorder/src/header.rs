@@ -1,0 +1,139 @@
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::time::Duration;
+
+use backseat_units::Utc;
+use sha2::{Digest, Sha256};
+
+/// A component larger than this is recorded by its SHA-256 alone, bytes.
+pub const COMPONENT_LIMIT: usize = 8 << 20;
+
+/// The format that this crate writes and reads.
+pub(crate) const FORMAT: &str = "1";
+/// Name of the metadata record about the run.
+pub(crate) const RUN: &str = "backseat";
+/// Name of the metadata record of the components' hashes.
+pub(crate) const COMPONENTS: &str = "components";
+
+/// How much is decoded, and how often the log is written out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rate {
+    /// Navigation and truth once a second; written out every 60 s of the run's time.
+    Simulation,
+    /// All of it; written out every 3 s.
+    Deployed,
+}
+
+impl Rate {
+    /// The least time between two messages of a decoded channel.
+    pub(crate) const fn period(self) -> Duration {
+        match self {
+            Self::Simulation => Duration::from_secs(1),
+            Self::Deployed => Duration::ZERO,
+        }
+    }
+
+    /// How long a chunk stays open at most, in the run's time.
+    pub(crate) const fn flush_period(self) -> Duration {
+        match self {
+            Self::Simulation => Duration::from_secs(60),
+            Self::Deployed => Duration::from_secs(3),
+        }
+    }
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Simulation => "simulation",
+            Self::Deployed => "deployed",
+        }
+    }
+
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
+        [Self::Simulation, Self::Deployed]
+            .into_iter()
+            .find(|rate| rate.name() == name)
+    }
+}
+
+/// What is known of a run before it begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Header<'a> {
+    /// The run's UTC at its time zero.
+    pub utc_at_start: Utc,
+    /// How much is decoded.
+    pub rate: Rate,
+    /// The mission's name.
+    pub mission: &'a str,
+    /// The simulation's seed; `None` at sea.
+    pub seed: Option<u64>,
+    /// The mission as resolved from all its layers, TOML.
+    pub resolved_mission: &'a str,
+    /// The fence, GeoJSON.
+    pub fence: &'a str,
+    /// The plugins' names and components.
+    pub components: &'a [(String, Vec<u8>)],
+    /// The program's version.
+    pub version: &'a str,
+}
+
+impl Header<'_> {
+    /// The metadata record about the run.
+    pub(crate) fn run(&self) -> BTreeMap<String, String> {
+        let mut run = BTreeMap::new();
+        let mut put = |key: &str, value: String| run.insert(key.to_owned(), value);
+        put("format", FORMAT.to_owned());
+        put("version", self.version.to_owned());
+        put("mission", self.mission.to_owned());
+        if let Some(seed) = self.seed {
+            put("seed", seed.to_string());
+        }
+        put("rate", self.rate.name().to_owned());
+        put("utc_at_start_ns", self.utc_at_start.as_unix_nanos().to_string());
+        put("mission_sha256", sha256(self.resolved_mission.as_bytes()));
+        put("fence_sha256", sha256(self.fence.as_bytes()));
+        run
+    }
+
+    /// The metadata record of the components' hashes.
+    pub(crate) fn component_hashes(&self) -> BTreeMap<String, String> {
+        self.components
+            .iter()
+            .map(|(name, component)| (component_name(name), sha256(component)))
+            .collect()
+    }
+
+    /// What is attached: name, media type and content.
+    pub(crate) fn attachments(&self) -> impl Iterator<Item = (Cow<'static, str>, &'static str, &[u8])> {
+        let texts = [
+            ("mission.toml", "application/toml", self.resolved_mission.as_bytes()),
+            ("fence.geojson", "application/geo+json", self.fence.as_bytes()),
+        ];
+        let texts = texts.map(|(name, media_type, data)| (Cow::Borrowed(name), media_type, data));
+        let components = self
+            .components
+            .iter()
+            .filter(|(_, component)| component.len() <= COMPONENT_LIMIT)
+            .map(|(name, component)| {
+                (
+                    Cow::Owned(component_name(name)),
+                    "application/wasm",
+                    component.as_slice(),
+                )
+            });
+        texts.into_iter().chain(components)
+    }
+}
+
+fn component_name(plugin: &str) -> String {
+    format!("components/{plugin}.wasm")
+}
+
+fn sha256(data: &[u8]) -> String {
+    Sha256::digest(data)
+        .iter()
+        .fold(String::with_capacity(64), |mut hex, byte| {
+            write!(hex, "{byte:02x}").expect("a String takes everything");
+            hex
+        })
+}

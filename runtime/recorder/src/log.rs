@@ -1,0 +1,322 @@
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use backseat_core::Start;
+use backseat_units::{Timestamp, Utc};
+use mcap::McapError;
+use mcap::read::{ChunkFlattener, Options};
+use mcap::records::{MessageHeader, Record as Raw};
+use serde_json::Value;
+
+use crate::channel::Channel;
+use crate::error::RecorderError;
+use crate::header::{COMPONENTS, FORMAT, RUN, Rate};
+use crate::message::{InputOwned, Line, LoggedInput};
+
+/// A log, read back whole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Log {
+    /// What the run was.
+    pub run: Run,
+    /// What is attached to it, in file order.
+    pub attachments: Vec<Attachment>,
+    /// All messages in the order of their sequence numbers.
+    pub entries: Vec<Entry>,
+    /// The file has its end; without it, the process was killed and what it had not yet written out is missing.
+    pub complete: bool,
+}
+
+/// What a log says of its run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// The program's version.
+    pub version: String,
+    /// The mission's name.
+    pub mission: String,
+    /// The simulation's seed; `None` at sea.
+    pub seed: Option<u64>,
+    /// How much was decoded.
+    pub rate: Rate,
+    /// The run's UTC at its time zero.
+    pub utc_at_start: Utc,
+    /// SHA-256 of the resolved mission, hexadecimal.
+    pub mission_sha256: String,
+    /// SHA-256 of the fence, hexadecimal.
+    pub fence_sha256: String,
+    /// SHA-256 of each component by its attachment's name, whether or not it is attached.
+    pub components: BTreeMap<String, String>,
+}
+
+/// A file attached to a log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Attachment {
+    /// Its name.
+    pub name: String,
+    /// Its media type.
+    pub media_type: String,
+    /// Its content.
+    pub data: Vec<u8>,
+}
+
+/// One message of a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Its place in the order of all messages.
+    pub sequence: u32,
+    /// The run's time.
+    pub now: Timestamp,
+    /// What it says.
+    pub record: Record,
+}
+
+/// What a message says. JSON is as its channel's schema has it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Record {
+    /// What core was started with.
+    Start(Start),
+    /// An input of core, the link's bytes included.
+    Input(LoggedInput),
+    /// Bytes written to the link.
+    Sent(Vec<u8>),
+    /// Another output of core.
+    Output(Value),
+    /// A note.
+    Note(Value),
+    /// A state that a request came to.
+    Request(Value),
+    /// Control gained or lost.
+    Control(Value),
+    /// Navigation.
+    Navigation(Value),
+    /// The simulation's truth.
+    Truth(Value),
+    /// A line of the simulated vehicle's own log.
+    Vehicle(String),
+}
+
+impl Log {
+    /// The inputs of core in the order in which it handled them.
+    pub fn inputs(&self) -> impl Iterator<Item = (Timestamp, &LoggedInput)> {
+        self.entries.iter().filter_map(|entry| {
+            let Record::Input(input) = &entry.record else {
+                return None;
+            };
+            Some((entry.now, input))
+        })
+    }
+
+    /// What core was started with, where it was recorded.
+    #[must_use]
+    pub fn start(&self) -> Option<Start> {
+        self.entries.iter().find_map(|entry| {
+            let Record::Start(start) = &entry.record else {
+                return None;
+            };
+            Some(*start)
+        })
+    }
+
+    /// All bytes of the link in order: the time, whether they came from the vehicle, and what they were.
+    pub fn link(&self) -> impl Iterator<Item = (Timestamp, bool, &[u8])> {
+        self.entries.iter().filter_map(|entry| {
+            if let Record::Input(LoggedInput::Received(bytes)) = &entry.record {
+                Some((entry.now, true, bytes.as_slice()))
+            } else if let Record::Sent(bytes) = &entry.record {
+                Some((entry.now, false, bytes.as_slice()))
+            } else {
+                None
+            }
+        })
+    }
+
+    /// The lines that say what happened: of notes, requests and control.
+    pub fn notes(&self) -> impl Iterator<Item = (Timestamp, &str)> {
+        self.entries.iter().filter_map(|entry| {
+            let (Record::Note(json) | Record::Request(json) | Record::Control(json)) = &entry.record else {
+                return None;
+            };
+            Some((entry.now, json.get("text").and_then(Value::as_str)?))
+        })
+    }
+
+    /// An attachment's content.
+    #[must_use]
+    pub fn attachment(&self, name: &str) -> Option<&[u8]> {
+        self.attachments
+            .iter()
+            .find(|attachment| attachment.name == name)
+            .map(|attachment| attachment.data.as_slice())
+    }
+}
+
+/// Reads a log file into memory.
+///
+/// # Errors
+/// [`RecorderError::Open`], and those of [`parse`].
+pub fn read(path: &Path) -> Result<Log, RecorderError> {
+    let bytes = std::fs::read(path).map_err(|source| RecorderError::Open {
+        path: path.to_owned(),
+        source,
+    })?;
+    parse_named(&bytes, &path.display().to_string())
+}
+
+/// Reads a log from its bytes.
+///
+/// Channels that it does not know are passed over: a newer program may write more.
+///
+/// # Errors
+/// [`RecorderError::Damaged`], [`RecorderError::Foreign`], [`RecorderError::Message`].
+pub fn parse(bytes: &[u8]) -> Result<Log, RecorderError> {
+    parse_named(bytes, "in memory")
+}
+
+fn parse_named(bytes: &[u8], log: &str) -> Result<Log, RecorderError> {
+    let damaged = |source| RecorderError::Damaged {
+        log: log.to_owned(),
+        source: Box::new(source),
+    };
+    let options = Options::IgnoreEndMagic | Options::ValidateChunkCrcs;
+    let records = ChunkFlattener::new_with_options(bytes, options).map_err(damaged)?;
+    let mut channels: BTreeMap<u16, Channel> = BTreeMap::new();
+    let mut run = None;
+    let mut components = BTreeMap::new();
+    let mut attachments = Vec::new();
+    let mut entries = Vec::new();
+    let mut complete = false;
+    for record in records {
+        let record = match record {
+            Ok(record) => record,
+            // The limit is the file's own length: a record that says it is longer was cut short.
+            Err(McapError::UnexpectedEof | McapError::UnexpectedEoc | McapError::RecordTooLarge { .. }) => break,
+            Err(source) => return Err(damaged(source)),
+        };
+        match record {
+            Raw::Channel(channel) => {
+                if let Some(known) = Channel::from_topic(&channel.topic) {
+                    channels.insert(channel.id, known);
+                }
+            }
+            Raw::Metadata(metadata) if metadata.name == RUN => run = Some(metadata.metadata),
+            Raw::Metadata(metadata) if metadata.name == COMPONENTS => components = metadata.metadata,
+            Raw::Attachment { header, data, .. } => attachments.push(Attachment {
+                name: header.name,
+                media_type: header.media_type,
+                data: data.into_owned(),
+            }),
+            Raw::Message { header, data } => {
+                if let Some(channel) = channels.get(&header.channel_id) {
+                    entries.push((header, *channel, data.into_owned()));
+                }
+            }
+            Raw::DataEnd(_) => {
+                complete = true;
+                break;
+            }
+            Raw::Header(_)
+            | Raw::Footer(_)
+            | Raw::Schema { .. }
+            | Raw::Chunk { .. }
+            | Raw::MessageIndex(_)
+            | Raw::ChunkIndex(_)
+            | Raw::AttachmentIndex(_)
+            | Raw::Statistics(_)
+            | Raw::Metadata(_)
+            | Raw::MetadataIndex(_)
+            | Raw::SummaryOffset(_)
+            | Raw::Unknown { .. } => {}
+        }
+    }
+    let run = run.ok_or_else(|| foreign(log, "no metadata".to_owned(), "a metadata record named backseat"))?;
+    let run = read_run(&run, components, log)?;
+    let start_ns = run.utc_at_start.as_unix_nanos();
+    let entries = entries
+        .into_iter()
+        .map(|(header, channel, data)| read_entry(header, channel, data, start_ns, log))
+        .collect::<Result<_, _>>()?;
+    Ok(Log {
+        run,
+        attachments,
+        entries,
+        complete,
+    })
+}
+
+fn foreign(log: &str, what: String, expected: &'static str) -> RecorderError {
+    RecorderError::Foreign {
+        log: log.to_owned(),
+        what,
+        expected,
+    }
+}
+
+fn read_run(
+    run: &BTreeMap<String, String>,
+    components: BTreeMap<String, String>,
+    log: &str,
+) -> Result<Run, RecorderError> {
+    let text = |key: &str| run.get(key).cloned().unwrap_or_default();
+    if text("format") != FORMAT {
+        return Err(foreign(log, format!("format {:?}", text("format")), "format 1"));
+    }
+    let rate = Rate::from_name(&text("rate"));
+    let seed = run.get("seed").map(|seed| seed.parse()).transpose();
+    Ok(Run {
+        version: text("version"),
+        mission: text("mission"),
+        seed: seed.map_err(|_| foreign(log, format!("seed {:?}", text("seed")), "a whole number"))?,
+        rate: rate.ok_or_else(|| foreign(log, format!("rate {:?}", text("rate")), "simulation or deployed"))?,
+        utc_at_start: Utc::from_unix_nanos(text("utc_at_start_ns").parse().map_err(|_| {
+            let what = format!("utc_at_start_ns {:?}", text("utc_at_start_ns"));
+            foreign(log, what, "nanoseconds since 1970")
+        })?),
+        mission_sha256: text("mission_sha256"),
+        fence_sha256: text("fence_sha256"),
+        components,
+    })
+}
+
+fn read_entry(
+    header: MessageHeader,
+    channel: Channel,
+    data: Vec<u8>,
+    start_ns: u64,
+    log: &str,
+) -> Result<Entry, RecorderError> {
+    let record = read_record(channel, data).map_err(|source| RecorderError::Message {
+        log: log.to_owned(),
+        channel: channel.topic(),
+        sequence: header.sequence,
+        source,
+    })?;
+    Ok(Entry {
+        sequence: header.sequence,
+        now: Timestamp::from_nanos(header.log_time.saturating_sub(start_ns)),
+        record,
+    })
+}
+
+fn read_record(channel: Channel, data: Vec<u8>) -> Result<Record, serde_json::Error> {
+    let json = |data: &[u8]| serde_json::from_slice(data);
+    Ok(match channel {
+        Channel::FromVehicle => Record::Input(LoggedInput::Received(data)),
+        Channel::ToVehicle => Record::Sent(data),
+        Channel::Input => match serde_json::from_slice(&data)? {
+            InputOwned::Start { start } => Record::Start(start),
+            InputOwned::LinkUp => Record::Input(LoggedInput::LinkUp),
+            InputOwned::LinkDown => Record::Input(LoggedInput::LinkDown),
+            InputOwned::Returned { plugin, returned } => Record::Input(LoggedInput::Returned(plugin, returned)),
+            InputOwned::Restarted { plugin, restarted } => Record::Input(LoggedInput::Restarted(plugin, restarted)),
+            InputOwned::Operator { act } => Record::Input(LoggedInput::Operator(act)),
+            InputOwned::Reserved { below } => Record::Input(LoggedInput::Reserved(below)),
+            InputOwned::Timeout => Record::Input(LoggedInput::Timeout),
+        },
+        Channel::Output => Record::Output(json(&data)?),
+        Channel::Notes => Record::Note(json(&data)?),
+        Channel::Requests => Record::Request(json(&data)?),
+        Channel::Control => Record::Control(json(&data)?),
+        Channel::Navigation => Record::Navigation(json(&data)?),
+        Channel::Truth => Record::Truth(json(&data)?),
+        Channel::Vehicle => Record::Vehicle(serde_json::from_slice::<Line<String>>(&data)?.text),
+    })
+}

@@ -1,0 +1,223 @@
+//! The shapes of the JSON channels' messages. Their schemas are in [`crate::Channel::schema`].
+
+use backseat_core::plugin::{NavigationSample, PluginId, RequestState, Returned, StepInput};
+use backseat_core::{Input, Note, Operator, RequestKind, Restarted, Start, Transition};
+use serde::{Deserialize, Serialize};
+
+use crate::request::{ReturnedJson, ReturnedRef};
+
+/// An input of core as the log has it, to be handed to core again.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LoggedInput {
+    /// The connection to the vehicle was up.
+    LinkUp,
+    /// The connection was gone.
+    LinkDown,
+    /// Bytes from the vehicle.
+    Received(Vec<u8>),
+    /// A plugin's step had returned.
+    Returned(PluginId, Returned),
+    /// A plugin had been restarted, or not.
+    Restarted(PluginId, Restarted),
+    /// The operator had acted.
+    Operator(Operator),
+    /// Identifiers below this were reserved.
+    Reserved(u32),
+    /// The time that core had asked for had come.
+    Timeout,
+}
+
+impl LoggedInput {
+    /// The input for core.
+    #[must_use]
+    pub fn as_input(&self) -> Input<'_> {
+        match self {
+            Self::LinkUp => Input::LinkUp,
+            Self::LinkDown => Input::LinkDown,
+            Self::Received(bytes) => Input::Received(bytes),
+            Self::Returned(plugin, returned) => Input::Returned(*plugin, returned.clone()),
+            Self::Restarted(plugin, restarted) => Input::Restarted(*plugin, restarted.clone()),
+            Self::Operator(act) => Input::Operator(*act),
+            Self::Reserved(below) => Input::Reserved(*below),
+            Self::Timeout => Input::Timeout,
+        }
+    }
+}
+
+/// What goes into `/core/input`, borrowed. `timeout` is written without it.
+#[derive(Serialize)]
+#[serde(tag = "input", rename_all = "kebab-case")]
+pub(crate) enum InputRef<'a> {
+    Start {
+        start: &'a Start,
+    },
+    LinkUp,
+    LinkDown,
+    Returned {
+        plugin: PluginId,
+        returned: ReturnedRef<'a>,
+    },
+    Restarted {
+        plugin: PluginId,
+        restarted: &'a Restarted,
+    },
+    Operator {
+        act: Operator,
+    },
+    Reserved {
+        below: u32,
+    },
+}
+
+/// What comes out of `/core/input`.
+#[derive(Deserialize)]
+#[serde(tag = "input", rename_all = "kebab-case")]
+pub(crate) enum InputOwned {
+    Start {
+        start: Start,
+    },
+    LinkUp,
+    LinkDown,
+    Returned {
+        plugin: PluginId,
+        #[serde(with = "ReturnedJson")]
+        returned: Returned,
+    },
+    Restarted {
+        plugin: PluginId,
+        restarted: Restarted,
+    },
+    Operator {
+        act: Operator,
+    },
+    Reserved {
+        below: u32,
+    },
+    Timeout,
+}
+
+/// What goes into `/core/output`.
+#[derive(Serialize)]
+#[serde(tag = "output", rename_all = "kebab-case")]
+pub(crate) enum OutputRef<'a> {
+    Connect {
+        after_s: f64,
+    },
+    ResetLink,
+    Invoke {
+        plugin: PluginId,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        step: Option<&'a StepInput>,
+    },
+    Restart {
+        plugin: PluginId,
+    },
+    Reserve {
+        below: u32,
+    },
+    Finish,
+}
+
+/// What goes into `/notes`.
+#[derive(Serialize)]
+pub(crate) struct NoteRef<'a> {
+    pub(crate) text: &'a str,
+    #[serde(flatten)]
+    pub(crate) note: &'a Note,
+}
+
+/// What goes into `/control`.
+#[derive(Serialize)]
+pub(crate) struct ControlRef<'a> {
+    pub(crate) text: &'a str,
+    pub(crate) granted: bool,
+    pub(crate) reason: &'a str,
+}
+
+/// What goes into `/requests`.
+#[derive(Serialize)]
+pub(crate) struct RequestRef<'a> {
+    text: &'a str,
+    request: u64,
+    plugin: PluginId,
+    tag: u64,
+    kind: RequestKind,
+    identifier: Option<u32>,
+    state: &'static str,
+    reason: Option<&'a str>,
+}
+
+impl<'a> RequestRef<'a> {
+    pub(crate) fn new(text: &'a str, transition: &'a Transition) -> Self {
+        let (state, reason) = match &transition.state {
+            RequestState::Rejected(reason) => ("rejected", Some(reason.as_str())),
+            RequestState::Sent => ("sent", None),
+            RequestState::Pending => ("pending", None),
+            RequestState::Accepted => ("accepted", None),
+            RequestState::Failed(reason) => ("failed", Some(reason.as_str())),
+            RequestState::TimedOut => ("timed-out", None),
+            RequestState::Unknown => ("unknown", None),
+            RequestState::Started => ("started", None),
+            RequestState::Ended(reason) => ("ended", Some(reason.as_str())),
+            RequestState::Cancelled => ("cancelled", None),
+        };
+        Self {
+            text,
+            request: transition.request,
+            plugin: transition.plugin,
+            tag: transition.tag,
+            kind: transition.kind,
+            identifier: transition.identifier,
+            state,
+            reason,
+        }
+    }
+}
+
+/// What goes into `/navigation`.
+#[derive(Serialize)]
+pub(crate) struct NavigationRow {
+    time_s: f64,
+    latitude_deg: f64,
+    longitude_deg: f64,
+    east_m: f64,
+    north_m: f64,
+    depth_m: f64,
+    altitude_m: Option<f64>,
+    heading_deg: f64,
+    roll_deg: f64,
+    pitch_deg: f64,
+    east_mps: f64,
+    north_mps: f64,
+    down_mps: f64,
+    yaw_rate_dps: f64,
+    gps: bool,
+}
+
+impl From<&NavigationSample> for NavigationRow {
+    fn from(sample: &NavigationSample) -> Self {
+        Self {
+            time_s: sample.solution.as_secs_f64(),
+            latitude_deg: sample.position.latitude.as_deg(),
+            longitude_deg: sample.position.longitude.as_deg(),
+            east_m: sample.local.east_m,
+            north_m: sample.local.north_m,
+            depth_m: sample.depth.as_m(),
+            altitude_m: sample.altitude.map(|altitude| altitude.as_m()),
+            heading_deg: sample.heading.as_deg(),
+            roll_deg: sample.roll_deg,
+            pitch_deg: sample.pitch_deg,
+            east_mps: sample.east_mps,
+            north_mps: sample.north_mps,
+            down_mps: sample.down_mps,
+            yaw_rate_dps: sample.yaw_rate_dps,
+            gps: sample.gps,
+        }
+    }
+}
+
+/// What goes into `/vehicle`.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Line<T> {
+    pub(crate) text: T,
+}

@@ -1,0 +1,340 @@
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{BufWriter, Seek, Write};
+use std::path::Path;
+use std::time::Duration;
+
+use backseat_core::plugin::NavigationSample;
+use backseat_core::{Input, Note, Output, Start};
+use backseat_units::Timestamp;
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{McapError, WriteOptions};
+use serde::Serialize;
+
+use crate::channel::Channel;
+use crate::error::RecorderError;
+use crate::header::{COMPONENTS, Header, RUN, Rate};
+use crate::message::{ControlRef, InputRef, Line, NavigationRow, NoteRef, OutputRef, RequestRef};
+use crate::request::ReturnedRef;
+
+/// A chunk is closed when it is larger than this, bytes: small enough that it is still in the processor's cache when
+/// it is copied out, large enough that closing it costs nothing.
+const CHUNK_SIZE: u64 = 256 << 10;
+
+/// Writes the log of a run. The format is described at the top of this crate.
+///
+/// Dropped without [`Recorder::finish`], it still writes the file's end, and errors are lost.
+pub struct Recorder<W: Write + Seek> {
+    writer: mcap::Writer<W>,
+    /// For errors: the file's path.
+    log: String,
+    /// MCAP identifiers, in the order of [`Channel::ALL`].
+    ids: [u16; Channel::ALL.len()],
+    rate: Rate,
+    utc_at_start_ns: u64,
+    sequence: u32,
+    flush_at: Timestamp,
+    navigation: Decimation,
+    truth: Decimation,
+    /// Message under way, kept for its allocation.
+    json: Vec<u8>,
+    /// A note's line, kept for its allocation.
+    text: String,
+}
+
+impl Recorder<BufWriter<File>> {
+    /// Creates a log file; one of that name is replaced.
+    ///
+    /// # Errors
+    /// [`RecorderError::Create`] and [`RecorderError::Write`], which name the path.
+    pub fn create(path: &Path, header: &Header<'_>) -> Result<Self, RecorderError> {
+        let file = File::create(path).map_err(|source| RecorderError::Create {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::named(BufWriter::new(file), path.display().to_string(), header)
+    }
+}
+
+impl<W: Write + Seek> Recorder<W> {
+    /// Writes a log to anything.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`].
+    pub fn new(writer: W, header: &Header<'_>) -> Result<Self, RecorderError> {
+        Self::named(writer, "in memory".to_owned(), header)
+    }
+
+    fn named(writer: W, log: String, header: &Header<'_>) -> Result<Self, RecorderError> {
+        let (writer, ids) = open(writer, header).map_err(|source| write_error(&log, source))?;
+        Ok(Self {
+            writer,
+            log,
+            ids,
+            rate: header.rate,
+            utc_at_start_ns: header.utc_at_start.as_unix_nanos(),
+            sequence: 0,
+            flush_at: Timestamp::ZERO + header.rate.flush_period(),
+            navigation: Decimation::new(header.rate.period()),
+            truth: Decimation::new(header.rate.period()),
+            json: Vec::with_capacity(1024),
+            text: String::with_capacity(256),
+        })
+    }
+
+    /// What core was started with: before the first input, so that a replay starts it the same.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`].
+    pub fn start(&mut self, start: &Start) -> Result<(), RecorderError> {
+        self.put_json(Channel::Input, Timestamp::ZERO, &InputRef::Start { start })
+    }
+
+    /// An input, before or after core handles it, but before its outputs.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`].
+    pub fn input(&mut self, now: Timestamp, input: &Input<'_>) -> Result<(), RecorderError> {
+        let message = match input {
+            Input::Received(bytes) => return self.put(Channel::FromVehicle, now, bytes),
+            // The commonest of the rest, spared the encoder.
+            Input::Timeout => return self.put(Channel::Input, now, br#"{"input":"timeout"}"#),
+            Input::LinkUp => InputRef::LinkUp,
+            Input::LinkDown => InputRef::LinkDown,
+            Input::Returned(plugin, returned) => InputRef::Returned {
+                plugin: *plugin,
+                returned: ReturnedRef(returned),
+            },
+            Input::Restarted(plugin, restarted) => InputRef::Restarted {
+                plugin: *plugin,
+                restarted,
+            },
+            Input::Operator(act) => InputRef::Operator { act: *act },
+            Input::Reserved(below) => InputRef::Reserved { below: *below },
+        };
+        self.put_json(Channel::Input, now, &message)
+    }
+
+    /// An output.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`].
+    pub fn output(&mut self, now: Timestamp, output: &Output) -> Result<(), RecorderError> {
+        let message = match output {
+            Output::Send(bytes) => return self.put(Channel::ToVehicle, now, bytes),
+            Output::Note(note) => return self.note(now, note),
+            Output::Connect { after } => OutputRef::Connect {
+                after_s: after.as_secs_f64(),
+            },
+            Output::ResetLink => OutputRef::ResetLink,
+            Output::Invoke(plugin, step) => OutputRef::Invoke {
+                plugin: *plugin,
+                step: match self.rate {
+                    Rate::Simulation => None,
+                    Rate::Deployed => Some(step),
+                },
+            },
+            Output::Restart(plugin) => OutputRef::Restart { plugin: *plugin },
+            Output::Reserve(below) => OutputRef::Reserve { below: *below },
+            Output::Finish => OutputRef::Finish,
+        };
+        self.put_json(Channel::Output, now, &message)
+    }
+
+    /// Navigation as the monitor sees it; in simulation all but one a second are left out.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`].
+    pub fn navigation(&mut self, now: Timestamp, sample: &NavigationSample) -> Result<(), RecorderError> {
+        if !self.navigation.take(now) {
+            return Ok(());
+        }
+        self.put_json(Channel::Navigation, now, &NavigationRow::from(sample))
+    }
+
+    /// Whether [`Recorder::truth`] would be written now, for callers to whom it is work.
+    #[must_use]
+    pub fn truth_is_due(&self, now: Timestamp) -> bool {
+        self.truth.is_due(now)
+    }
+
+    /// The simulation's truth, a JSON object; in simulation all but one a second are left out.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`]; [`RecorderError::Encode`] where it has no JSON.
+    pub fn truth(&mut self, now: Timestamp, json: &impl Serialize) -> Result<(), RecorderError> {
+        if !self.truth.take(now) {
+            return Ok(());
+        }
+        self.put_json(Channel::Truth, now, json)
+    }
+
+    /// A line of the simulated vehicle's own log.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`].
+    pub fn vehicle_event(&mut self, now: Timestamp, text: &str) -> Result<(), RecorderError> {
+        self.put_json(Channel::Vehicle, now, &Line { text })
+    }
+
+    /// Closes the open chunk and hands it to the operating system. It happens by itself as the run's time passes; a
+    /// driver calls it where nothing may come for long.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`].
+    pub fn flush(&mut self) -> Result<(), RecorderError> {
+        self.writer.flush().map_err(|source| write_error(&self.log, source))
+    }
+
+    /// Writes the file's end: summary, indexes, footer.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`].
+    pub fn finish(mut self) -> Result<(), RecorderError> {
+        match self.writer.finish() {
+            Ok(_) => Ok(()),
+            Err(source) => Err(write_error(&self.log, source)),
+        }
+    }
+
+    fn note(&mut self, now: Timestamp, note: &Note) -> Result<(), RecorderError> {
+        let mut text = std::mem::take(&mut self.text);
+        text.clear();
+        write!(text, "{note}").expect("a String takes everything");
+        #[expect(clippy::wildcard_enum_match_arm, reason = "all other notes go to one channel")]
+        let result = match note {
+            Note::Request(transition) => self.put_json(Channel::Requests, now, &RequestRef::new(&text, transition)),
+            Note::Control { granted, reason } => {
+                let message = ControlRef {
+                    text: &text,
+                    granted: *granted,
+                    reason,
+                };
+                self.put_json(Channel::Control, now, &message)
+            }
+            other => self.put_json(
+                Channel::Notes,
+                now,
+                &NoteRef {
+                    text: &text,
+                    note: other,
+                },
+            ),
+        };
+        self.text = text;
+        result
+    }
+
+    fn put_json(&mut self, channel: Channel, now: Timestamp, message: &impl Serialize) -> Result<(), RecorderError> {
+        let mut json = std::mem::take(&mut self.json);
+        json.clear();
+        let result = match serde_json::to_writer(&mut json, message) {
+            Ok(()) => self.put(channel, now, &json),
+            Err(source) => Err(RecorderError::Encode {
+                log: self.log.clone(),
+                channel: channel.topic(),
+                source,
+            }),
+        };
+        self.json = json;
+        result
+    }
+
+    fn put(&mut self, channel: Channel, now: Timestamp, data: &[u8]) -> Result<(), RecorderError> {
+        let time = self.utc_at_start_ns.saturating_add(now.as_nanos());
+        let header = MessageHeader {
+            channel_id: self.ids[channel as usize],
+            sequence: self.sequence,
+            log_time: time,
+            publish_time: time,
+        };
+        self.sequence = self.sequence.wrapping_add(1);
+        self.writer
+            .write_to_known_channel(&header, data)
+            .map_err(|source| write_error(&self.log, source))?;
+        if now >= self.flush_at {
+            self.flush_at = now + self.rate.flush_period();
+            self.flush()?;
+        }
+        Ok(())
+    }
+}
+
+type Opened<W> = (mcap::Writer<W>, [u16; Channel::ALL.len()]);
+
+/// Opens the file and writes all that is known before the run.
+fn open<W: Write + Seek>(writer: W, header: &Header<'_>) -> Result<Opened<W>, McapError> {
+    let mut writer = WriteOptions::new()
+        .library(concat!("backseat ", env!("CARGO_PKG_VERSION")))
+        .chunk_size(Some(CHUNK_SIZE))
+        // Chunks are put together in memory: a killed process leaves whole ones only.
+        .disable_seeking(true)
+        .create(writer)?;
+    let time = header.utc_at_start.as_unix_nanos();
+    for (name, metadata) in [(RUN, header.run()), (COMPONENTS, header.component_hashes())] {
+        writer.write_metadata(&Metadata {
+            name: name.to_owned(),
+            metadata,
+        })?;
+    }
+    for (name, media_type, data) in header.attachments() {
+        writer.attach(&mcap::Attachment {
+            log_time: time,
+            create_time: time,
+            name: name.into_owned(),
+            media_type: media_type.to_owned(),
+            data: Cow::Borrowed(data),
+        })?;
+    }
+    // A process killed in its first seconds has at least said what it was to do.
+    writer.flush()?;
+    let mut ids = [0; Channel::ALL.len()];
+    for (id, channel) in ids.iter_mut().zip(Channel::ALL) {
+        let schema = match channel.schema() {
+            Some((name, schema)) => writer.add_schema(name, "jsonschema", schema.as_bytes())?,
+            None => 0,
+        };
+        *id = writer.add_channel(schema, channel.topic(), channel.encoding(), &Default::default())?;
+    }
+    Ok((writer, ids))
+}
+
+fn write_error(log: &str, source: McapError) -> RecorderError {
+    RecorderError::Write {
+        log: log.to_owned(),
+        source: Box::new(source),
+    }
+}
+
+/// Lets one message pass in each period, counted from time zero: the first of each second, not one a second after
+/// another, so that channels stay in step.
+struct Decimation {
+    period: Duration,
+    next: Timestamp,
+}
+
+impl Decimation {
+    const fn new(period: Duration) -> Self {
+        Self {
+            period,
+            next: Timestamp::ZERO,
+        }
+    }
+
+    fn is_due(&self, now: Timestamp) -> bool {
+        now >= self.next
+    }
+
+    fn take(&mut self, now: Timestamp) -> bool {
+        if !self.is_due(now) {
+            return false;
+        }
+        if !self.period.is_zero() {
+            let period_ns = u64::try_from(self.period.as_nanos()).unwrap_or(u64::MAX);
+            let begun = Timestamp::from_nanos(now.as_nanos() / period_ns * period_ns);
+            self.next = begun + self.period;
+        }
+        true
+    }
+}

@@ -1,0 +1,393 @@
+//! What is written to a log comes back from it.
+
+use std::io::Cursor;
+use std::path::Path;
+use std::time::Duration;
+
+use backseat_core::plugin::{
+    FaultKind, LogLevel, LogLine, ModifyRequest, NavigationSample, PluginFault, PluginId, PositionRequest, Request,
+    RequestState, Returned, StepInput, TrackcircleRequest, TracklineRequest, VerticalRequest,
+};
+use backseat_core::{Identifiers, Input, Note, Operator, Output, RequestKind, Restarted, Start, Transition};
+use backseat_recorder::{COMPONENT_LIMIT, Header, LoggedInput, Rate, Record, Recorder, RecorderError, parse, read};
+use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
+use proptest::prelude::*;
+
+const UTC: u64 = 1_780_000_000_000_000_000;
+
+fn header(rate: Rate, components: &[(String, Vec<u8>)]) -> Header<'_> {
+    Header {
+        utc_at_start: Utc::from_unix_nanos(UTC),
+        rate,
+        mission: "isobath",
+        seed: Some(7),
+        resolved_mission: "[vehicle]\nname = \"nemo\"\n",
+        fence: r#"{"type":"FeatureCollection","features":[]}"#,
+        components,
+        version: "0.1.0",
+    }
+}
+
+fn navigation(solution: Timestamp) -> NavigationSample {
+    NavigationSample {
+        solution,
+        position: Position::from_deg(42.1, -70.3).unwrap(),
+        local: EastNorth::new(12.5, -3.25),
+        depth: Depth::from_m(10.0).unwrap(),
+        altitude: Some(Altitude::from_m(5.5).unwrap()),
+        heading: Heading::from_deg(90.0).unwrap(),
+        roll_deg: 0.5,
+        pitch_deg: -1.0,
+        east_mps: 1.5,
+        north_mps: 0.0,
+        down_mps: 0.0,
+        yaw_rate_dps: 0.1,
+        gps: false,
+    }
+}
+
+/// Records by a closure and gives the file's bytes.
+fn recorded(rate: Rate, record: impl FnOnce(&mut Recorder<&mut Cursor<Vec<u8>>>)) -> Vec<u8> {
+    let mut file = Cursor::new(Vec::new());
+    let mut recorder = Recorder::new(&mut file, &header(rate, &[])).unwrap();
+    record(&mut recorder);
+    recorder.finish().unwrap();
+    file.into_inner()
+}
+
+fn returned(requests: Vec<Request>) -> Input<'static> {
+    let returned = Returned {
+        fuel: 12_345,
+        log: vec![LogLine {
+            level: LogLevel::Info,
+            text: "a \"line\"\n".into(),
+        }],
+        result: Ok(requests),
+    };
+    Input::Returned(PluginId(1), returned)
+}
+
+#[test]
+fn every_input_comes_back_in_handle_order() {
+    let fault = PluginFault {
+        kind: FaultKind::Trap,
+        text: "unreachable".into(),
+    };
+    let position = PositionRequest {
+        latitude_deg: 42.1,
+        longitude_deg: -70.123_456_789_012_34,
+    };
+    let inputs = vec![
+        Input::Reserved(100),
+        Input::LinkUp,
+        Input::Received(b"$BFNVG,"),
+        Input::Timeout,
+        Input::Received(b"\xff\x00 not a sentence"),
+        returned(vec![
+            Request::EndModify,
+            Request::Cancel(u64::MAX),
+            Request::Message("so".into()),
+            Request::Timer {
+                id: 4,
+                after: Duration::from_nanos(1_500_000_001),
+            },
+            Request::Trackline(TracklineRequest {
+                tag: 9,
+                start: position,
+                end: position,
+                vertical: VerticalRequest::AltitudeM(5.0),
+                speed_mps: 1.5,
+                interrupt: true,
+            }),
+            Request::Trackcircle(TrackcircleRequest {
+                tag: 10,
+                centre: position,
+                radius_m: 25.0,
+                orbits: -2.0,
+                vertical: VerticalRequest::DepthM(f64::INFINITY),
+                speed_mps: f64::NEG_INFINITY,
+                entry_angle_deg: None,
+                interrupt: false,
+            }),
+        ]),
+        Input::Returned(
+            PluginId(0),
+            Returned {
+                fuel: 0,
+                log: vec![],
+                result: Err(fault.clone()),
+            },
+        ),
+        Input::Restarted(
+            PluginId(0),
+            Restarted {
+                fuel: 1,
+                lost_steps: 2,
+                result: Err(fault),
+            },
+        ),
+        Input::Restarted(
+            PluginId(0),
+            Restarted {
+                fuel: 1,
+                lost_steps: 2,
+                result: Ok(()),
+            },
+        ),
+        Input::Operator(Operator::Hold),
+        Input::LinkDown,
+    ];
+    let start = Start {
+        utc: Utc::from_unix_nanos(UTC),
+        identifiers: Some(Identifiers { next: 3, reserved: 50 }),
+        armed: true,
+        held: false,
+        jitter: u64::MAX,
+    };
+    let bytes = recorded(Rate::Simulation, |recorder| {
+        recorder.start(&start).unwrap();
+        for (index, input) in inputs.iter().enumerate() {
+            recorder
+                .input(Timestamp::from_millis(100 * index as u64), input)
+                .unwrap();
+        }
+    });
+    let log = parse(&bytes).unwrap();
+    assert!(log.complete);
+    assert_eq!(log.start(), Some(start));
+    let back: Vec<_> = log.inputs().map(|(now, input)| (now, input.as_input())).collect();
+    let expected: Vec<_> = inputs
+        .into_iter()
+        .enumerate()
+        .map(|(index, input)| (Timestamp::from_millis(100 * index as u64), input))
+        .collect();
+    assert_eq!(back, expected);
+    let sequences: Vec<_> = log.entries.iter().map(|entry| entry.sequence).collect();
+    assert_eq!(sequences, (0..12).collect::<Vec<_>>());
+}
+
+proptest! {
+    /// A replay of a step must hand core the very bits that the plugin gave.
+    #[test]
+    fn figures_survive_bit_for_bit(heading_deg in any::<f64>(), speed_mps in any::<f64>(), depth_m in any::<f64>()) {
+        let request = ModifyRequest {
+            tag: 1,
+            heading_deg,
+            vertical: VerticalRequest::DepthM(depth_m),
+            speed_mps,
+            duration: Duration::from_secs(5),
+        };
+        let bytes = recorded(Rate::Simulation, |recorder| {
+            recorder.input(Timestamp::ZERO, &returned(vec![Request::Modify(request)])).unwrap();
+        });
+        let log = parse(&bytes).unwrap();
+        let Some((_, LoggedInput::Returned(_, Returned { result: Ok(requests), .. }))) = log.inputs().next() else {
+            panic!("no step returned: {log:?}");
+        };
+        let [Request::Modify(back)] = requests.as_slice() else { panic!("{requests:?}") };
+        let VerticalRequest::DepthM(back_m) = back.vertical else { panic!("{back:?}") };
+        for (was, is) in [(heading_deg, back.heading_deg), (speed_mps, back.speed_mps), (depth_m, back_m)] {
+            prop_assert!(was.to_bits() == is.to_bits() || was.is_nan() && is.is_nan(), "{was:e} {is:e}");
+        }
+    }
+
+    #[test]
+    fn no_bytes_make_the_reader_panic(cut in 0usize..4000, at in 0usize..4000, with in any::<u8>()) {
+        let mut bytes = recorded(Rate::Deployed, |recorder| {
+            recorder.input(Timestamp::ZERO, &Input::Received(b"$BFVER\r\n")).unwrap();
+        });
+        let length = bytes.len();
+        bytes[at % length] = with;
+        bytes.truncate(cut.max(length / 2));
+        let _ = parse(&bytes);
+    }
+}
+
+#[test]
+fn outputs_go_to_their_channels() {
+    let transition = |state| {
+        Output::Note(Note::Request(Transition {
+            request: 5,
+            plugin: PluginId(0),
+            tag: 77,
+            kind: RequestKind::Trackline,
+            identifier: Some(12),
+            state,
+        }))
+    };
+    let step = StepInput {
+        now: Timestamp::ZERO,
+        utc: Utc::from_unix_nanos(UTC),
+        navigation: Some(navigation(Timestamp::ZERO)),
+        control: true,
+        events: vec![],
+    };
+    let outputs = [
+        Output::Send(b"$BPVER\r\n".to_vec()),
+        Output::Connect {
+            after: Duration::from_millis(1500),
+        },
+        Output::ResetLink,
+        Output::Invoke(PluginId(2), step),
+        Output::Restart(PluginId(2)),
+        Output::Reserve(64),
+        Output::Finish,
+        Output::Note(Note::Plan { elements: 4 }),
+        transition(RequestState::Sent),
+        transition(RequestState::Rejected("exclusion: wreck, 12.0 m".into())),
+        Output::Note(Note::Control {
+            granted: false,
+            reason: "link lost".into(),
+        }),
+    ];
+    let write = |recorder: &mut Recorder<&mut Cursor<Vec<u8>>>| {
+        for output in &outputs {
+            recorder.output(Timestamp::ZERO, output).unwrap();
+        }
+        recorder.vehicle_event(Timestamp::ZERO, "began trackline").unwrap();
+    };
+    let log = parse(&recorded(Rate::Simulation, write)).unwrap();
+    let records: Vec<_> = log.entries.iter().map(|entry| &entry.record).collect();
+    assert_eq!(records[0], &Record::Sent(b"$BPVER\r\n".to_vec()));
+    let json = |index: usize| match records[index] {
+        Record::Output(json) | Record::Note(json) | Record::Request(json) | Record::Control(json) => json.clone(),
+        other => panic!("{index}: {other:?}"),
+    };
+    assert_eq!(json(1), serde_json::json!({"output": "connect", "after_s": 1.5}));
+    assert_eq!(json(3), serde_json::json!({"output": "invoke", "plugin": 2}));
+    assert_eq!(json(5), serde_json::json!({"output": "reserve", "below": 64}));
+    assert_eq!(
+        json(7),
+        serde_json::json!({"text": "the vehicle's plan has 4 elements", "note": "plan", "elements": 4})
+    );
+    assert!(matches!(records[8], Record::Request(_)));
+    assert_eq!(json(9)["state"], "rejected");
+    assert_eq!(json(9)["reason"], "exclusion: wreck, 12.0 m");
+    assert_eq!(json(9)["kind"], "trackline");
+    assert!(matches!(records[10], Record::Control(_)));
+    assert_eq!(records[11], &Record::Vehicle("began trackline".into()));
+    assert_eq!(log.notes().count(), 4);
+    assert_eq!(log.link().count(), 1);
+
+    // At sea an invocation is logged whole, so that a plugin's author has it without a replay.
+    let log = parse(&recorded(Rate::Deployed, write)).unwrap();
+    let Record::Output(invoke) = &log.entries[3].record else {
+        panic!("{:?}", log.entries[3]);
+    };
+    assert_eq!(invoke["step"]["navigation"]["local"]["east_m"], 12.5);
+}
+
+#[test]
+fn simulation_decodes_once_a_second_and_sea_all() {
+    let write = |recorder: &mut Recorder<&mut Cursor<Vec<u8>>>| {
+        for tick in 0..100 {
+            let now = Timestamp::from_millis(50 + 100 * tick);
+            recorder.navigation(now, &navigation(now)).unwrap();
+            recorder.truth(now, &serde_json::json!({"tick": tick})).unwrap();
+        }
+    };
+    let times = |bytes: &[u8]| -> Vec<u64> {
+        let log = parse(bytes).unwrap();
+        let navigation = log
+            .entries
+            .iter()
+            .filter(|entry| matches!(entry.record, Record::Navigation(_)));
+        navigation.map(|entry| entry.now.as_nanos() / 1_000_000).collect()
+    };
+    let simulation = recorded(Rate::Simulation, write);
+    assert_eq!(times(&simulation), (0..10).map(|s| 1000 * s + 50).collect::<Vec<_>>());
+    let truths = parse(&simulation).unwrap();
+    let truths = truths.entries.iter().filter(|e| matches!(e.record, Record::Truth(_)));
+    assert_eq!(truths.count(), 10);
+    assert_eq!(times(&recorded(Rate::Deployed, write)).len(), 100);
+}
+
+#[test]
+fn a_run_is_named_and_its_files_attached() {
+    let components = [
+        ("isobath".to_owned(), b"\0asm".to_vec()),
+        ("python".to_owned(), vec![7; COMPONENT_LIMIT + 1]),
+    ];
+    let mut file = Cursor::new(Vec::new());
+    let recorder = Recorder::new(&mut file, &header(Rate::Deployed, &components)).unwrap();
+    recorder.finish().unwrap();
+    let log = parse(file.get_ref()).unwrap();
+    assert_eq!(
+        (log.run.mission.as_str(), log.run.seed, log.run.rate),
+        ("isobath", Some(7), Rate::Deployed)
+    );
+    assert_eq!(log.run.utc_at_start.as_unix_nanos(), UTC);
+    assert_eq!(
+        log.attachment("mission.toml"),
+        Some(b"[vehicle]\nname = \"nemo\"\n".as_slice())
+    );
+    assert_eq!(log.attachment("components/isobath.wasm"), Some(b"\0asm".as_slice()));
+    assert_eq!(log.attachment("components/python.wasm"), None, "over the limit");
+    // sha256sum of the four bytes.
+    assert_eq!(
+        log.run.components["components/isobath.wasm"],
+        "cd5d4935a48c0672cb06407bb443bc0087aff947c6b864bac886982c73b3027f"
+    );
+    assert_eq!(log.run.components["components/python.wasm"].len(), 64);
+}
+
+#[test]
+fn a_killed_process_loses_its_open_chunk_and_nothing_else() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("killed.mcap");
+    let mut recorder = Recorder::create(&path, &header(Rate::Deployed, &[])).unwrap();
+    let mut last_on_disk = Timestamp::ZERO;
+    for tick in 0..105 {
+        let now = Timestamp::from_millis(100 * tick);
+        recorder.input(now, &Input::Received(b"$BFNVG\r\n")).unwrap();
+        last_on_disk = now;
+    }
+    // What a killed process leaves is what the operating system has: nothing flushes after the last chunk.
+    let killed = std::fs::read(&path).unwrap();
+    let log = parse(&killed).unwrap();
+    assert!(!log.complete);
+    assert_eq!(log.attachments.len(), 2);
+    let last = log.inputs().last().unwrap().0;
+    assert!(last_on_disk.since(last) <= Duration::from_secs(3), "{last}");
+    // Cut at any byte, all whole chunks are read.
+    let all = log.entries.len();
+    let mut counts = Vec::new();
+    for cut in (killed.len() / 2..killed.len()).step_by(7) {
+        let log = parse(&killed[..cut]).unwrap();
+        assert!(!log.complete && log.entries.len() <= all);
+        counts.push(log.entries.len());
+    }
+    assert!(counts.is_sorted() && counts.last().is_some_and(|count| *count > all / 2));
+    recorder.finish().unwrap();
+    assert_eq!(read(&path).unwrap().entries.len(), 105);
+}
+
+#[test]
+fn errors_name_the_file_and_what_was_expected() {
+    let missing = Path::new("/nonexistent/log.mcap");
+    let text = Recorder::create(missing, &header(Rate::Deployed, &[]))
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(text.starts_with("cannot create log /nonexistent/log.mcap: "), "{text}");
+    assert!(matches!(read(missing), Err(RecorderError::Open { .. })));
+    assert!(matches!(parse(b"not a log at all"), Err(RecorderError::Damaged { .. })));
+    let mut foreign = Cursor::new(Vec::new());
+    mcap::Writer::new(&mut foreign).unwrap().finish().unwrap();
+    let text = parse(foreign.get_ref()).unwrap_err().to_string();
+    assert_eq!(
+        text,
+        "log in memory is no backseat log: no metadata, expected a metadata record named backseat"
+    );
+}
+
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    let write = |recorder: &mut Recorder<&mut Cursor<Vec<u8>>>| {
+        recorder.input(Timestamp::ZERO, &Input::LinkUp).unwrap();
+        recorder
+            .navigation(Timestamp::ZERO, &navigation(Timestamp::ZERO))
+            .unwrap();
+    };
+    assert_eq!(recorded(Rate::Simulation, write), recorded(Rate::Simulation, write));
+}

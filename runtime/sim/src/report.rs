@@ -1,0 +1,44 @@
+use backseat_core::RequestCounts;
+use backseat_oracle::{Statistics, Violation};
+use serde::Serialize;
+
+/// What came of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The mission's name.
+    pub mission: String,
+    /// The seed.
+    pub seed: u64,
+    /// `completed`, `aborted` or `overran` (the run's own end came before the mission's).
+    pub outcome: &'static str,
+    /// Virtual time from the first event to the last.
+    pub sim_seconds: f64,
+    /// Real time from the first event to the log's end; the caller's clock.
+    pub wall_seconds: f64,
+    /// Real time for compiling and starting plugins; the caller's clock.
+    pub load_seconds: f64,
+    /// How many requests came how far.
+    pub requests: RequestCounts,
+    /// Requests without an end when the run ended; 0 in a good run.
+    pub requests_open: usize,
+    /// The first of the rejections' reasons, each once.
+    pub rejections: Vec<String>,
+    /// What the oracle found.
+    pub violations: Vec<Violation>,
+    /// What the oracle saw, so that an empty victory is visible.
+    pub seen: Statistics,
+    /// What the mission's expectations measured, by name.
+    pub measures: std::collections::BTreeMap<&'static str, f64>,
+    /// Expectations that did not hold, in words.
+    pub unmet: Vec<String>,
+    /// Of the link.
+    pub digest: String,
+}
+
+impl Report {
+    /// Whether every expectation held.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.unmet.is_empty()
+    }
+}

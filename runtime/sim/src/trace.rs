@@ -1,0 +1,136 @@
+use backseat_core::plugin::{Request, RequestState};
+use backseat_core::{Note, RequestKind};
+use backseat_mvc::{Activity, Truth};
+use backseat_spi::{Framer, Policy, ToVehicle};
+use backseat_units::{EastNorth, Position, Timestamp};
+use serde::Serialize;
+
+/// Who flies the vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Steering {
+    /// The front seat, by its own plan.
+    Plan,
+    /// A plugin, by a modify.
+    Modify,
+    /// The front seat, by a plugin's insert.
+    Insert,
+    /// Nobody: before and after the mission.
+    Nobody,
+}
+
+/// Where the vehicle truly was.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Sample {
+    /// When.
+    pub at: Timestamp,
+    /// In the world's frame.
+    pub local: EastNorth,
+    /// On the globe.
+    pub position: Position,
+    /// Below the surface, metres.
+    pub depth_m: f64,
+    /// Of the water there, metres.
+    pub water_depth_m: f64,
+    /// Who flew it.
+    pub steering: Steering,
+}
+
+/// An insert that was asked for, or a request that was rejected.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rejected {
+    /// When.
+    pub at: Timestamp,
+    /// Where the vehicle believed to be.
+    pub from: Option<Position>,
+    /// What was asked for.
+    pub request: Option<Request>,
+    /// What it was.
+    pub kind: RequestKind,
+    /// Why it was refused.
+    pub reason: String,
+}
+
+/// What a run leaves for its picture and its expectations: the vehicle's true way once a second, what was sent, what
+/// was rejected.
+#[derive(Debug, Default)]
+pub struct Trace {
+    /// Once a second, oldest first.
+    pub samples: Vec<Sample>,
+    /// Every insert that went out, as it was written.
+    pub inserts: Vec<ToVehicle>,
+    /// The first thousand rejections.
+    pub rejected: Vec<Rejected>,
+    next_sample: Timestamp,
+    asked: Vec<(u64, Request)>,
+}
+
+/// Past this, rejections are only counted.
+const REJECTED_MAX: usize = 1000;
+
+impl Trace {
+    /// True where a sample was taken.
+    pub(crate) fn truth(&mut self, truth: &Truth) -> bool {
+        if truth.time < self.next_sample {
+            return false;
+        }
+        self.next_sample = Timestamp::from_secs(truth.time.as_nanos() / 1_000_000_000 + 1);
+        let steering = match truth.activity {
+            Activity::Plan { .. } => Steering::Plan,
+            Activity::Insert { .. } => Steering::Insert,
+            Activity::Modified { .. } => Steering::Modify,
+            Activity::Waiting | Activity::WrappingUp | Activity::Stopped => Steering::Nobody,
+        };
+        self.samples.push(Sample {
+            at: truth.time,
+            local: truth.local,
+            position: truth.position,
+            depth_m: truth.depth_m,
+            water_depth_m: truth.water_depth_m,
+            steering,
+        });
+        true
+    }
+
+    /// A sentence of ours, whole.
+    pub(crate) fn sent(&mut self, bytes: &[u8]) {
+        if !bytes.starts_with(b"$BPRT") {
+            return;
+        }
+        let mut framer = Framer::new(Policy::FromPayload);
+        framer.push(bytes);
+        while let Some(sentence) = framer.next_sentence() {
+            if let Ok(message @ (ToVehicle::Trackline(_) | ToVehicle::Trackcircle(_))) = ToVehicle::decode(&sentence) {
+                self.inserts.push(message);
+            }
+        }
+    }
+
+    /// What a plugin's step asks for, before it is judged.
+    pub(crate) fn asked(&mut self, requests: &[Request]) {
+        self.asked.clear();
+        for request in requests {
+            let tag = match request {
+                Request::Modify(modify) => modify.tag,
+                Request::Trackline(line) => line.tag,
+                Request::Trackcircle(circle) => circle.tag,
+                Request::EndModify | Request::Cancel(_) | Request::Message(_) | Request::Timer { .. } => continue,
+            };
+            self.asked.push((tag, request.clone()));
+        }
+    }
+
+    pub(crate) fn note(&mut self, at: Timestamp, note: &Note, from: Option<Position>) {
+        let Note::Request(transition) = note else { return };
+        let RequestState::Rejected(reason) = &transition.state else { return };
+        if self.rejected.len() < REJECTED_MAX {
+            self.rejected.push(Rejected {
+                at,
+                from,
+                request: self.asked.iter().find(|(tag, _)| *tag == transition.tag).map(|(_, request)| request.clone()),
+                kind: transition.kind,
+                reason: reason.clone(),
+            });
+        }
+    }
+}

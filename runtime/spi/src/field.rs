@@ -1,0 +1,261 @@
+use memchr::memchr;
+
+use crate::error::{DecodeError, Fault};
+use crate::number;
+use crate::sentence::Sentence;
+
+/// How one value of a message stands on the wire: which fields it takes, and how they are read and written.
+///
+/// An irregular message gets a form of its own here, so that the table needs no exception. A type whose wire form
+/// is always the same is its own form.
+pub(crate) trait Field {
+    /// What the program sees.
+    type Value;
+
+    /// The wire fields that the value takes, in the notation of the specification; for the catalogue.
+    const FORMATS: &'static [&'static str];
+
+    /// Takes the value's fields from the reader.
+    fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault>;
+
+    /// Writes exactly the fields of [`Field::FORMATS`].
+    fn encode(value: &Self::Value, writer: &mut Writer<'_>) -> Result<(), Fault>;
+
+    /// The time at which the message was made, where the value is that.
+    fn created(_value: &Self::Value) -> Option<backseat_units::TimeOfDay> {
+        None
+    }
+
+    /// Values that survive the wire unchanged.
+    #[cfg(test)]
+    fn strategy() -> proptest::strategy::BoxedStrategy<Self::Value>;
+}
+
+/// The fields of a sentence, taken one after the other.
+///
+/// Works on bytes: all delimiters are ASCII, and only free text needs to be looked at as characters again.
+pub(crate) struct Reader<'a> {
+    /// What is left, or `None` where the last field has been taken. After the last comma it is empty: one empty field.
+    rest: Option<&'a [u8]>,
+    /// The line from the field on that was taken last.
+    last: &'a [u8],
+    number: usize,
+}
+
+impl<'a> Reader<'a> {
+    pub(crate) fn new(sentence: &Sentence<'a>) -> Self {
+        Self {
+            rest: sentence.body().map(str::as_bytes),
+            last: b"",
+            number: 0,
+        }
+    }
+
+    /// The next field as it stands.
+    pub(crate) fn bytes(&mut self) -> Result<&'a [u8], Fault> {
+        let rest = self.begin()?;
+        let length = find_comma(rest).unwrap_or(rest.len());
+        self.finish(rest, length);
+        Ok(&rest[..length])
+    }
+
+    /// The next field as text.
+    pub(crate) fn text(&mut self) -> Result<&'a str, Fault> {
+        self.bytes().map(as_text)
+    }
+
+    /// The next field without blanks around it; an error where nothing is left.
+    pub(crate) fn trimmed(&mut self) -> Result<&'a [u8], Fault> {
+        let bytes = trim(self.bytes()?);
+        if bytes.is_empty() { Err(Fault::Empty) } else { Ok(bytes) }
+    }
+
+    /// The next field as a floating-point number.
+    pub(crate) fn decimal(&mut self) -> Result<f64, Fault> {
+        let rest = self.begin()?;
+        self.decimal_from(rest, 0)
+    }
+
+    /// The next field as fixed-width digits and then a floating-point number: `ddmm.mm`.
+    pub(crate) fn digits_and_decimal<const WIDTH: usize>(&mut self, fault: Fault) -> Result<(u32, f64), Fault> {
+        let mut rest = self.begin()?;
+        if rest.first().is_none_or(|byte| !byte.is_ascii_digit()) {
+            let field = trim(&rest[..find_comma(rest).unwrap_or(rest.len())]);
+            if field.is_empty() {
+                return Err(Fault::Empty);
+            }
+            rest = rest.trim_ascii_start();
+        }
+        let (Some(digits), Some(b'0'..=b'9' | b'.')) = (rest.first_chunk::<WIDTH>(), rest.get(WIDTH)) else {
+            return Err(fault);
+        };
+        let mut whole = 0;
+        for byte in digits {
+            match byte.wrapping_sub(b'0') {
+                digit @ 0..=9 => whole = whole * 10 + u32::from(digit),
+                _ => return Err(fault),
+            }
+        }
+        Ok((whole, self.decimal_from(rest, WIDTH).map_err(|_| fault)?))
+    }
+
+    /// The number that starts at `skip` in the field that starts `rest`.
+    fn decimal_from(&mut self, rest: &'a [u8], skip: usize) -> Result<f64, Fault> {
+        let from = &rest[skip..];
+        if let Some((value, length)) = number::scan_decimal(from) {
+            self.finish(from, length);
+            return Ok(value);
+        }
+        let length = find_comma(from).unwrap_or(from.len());
+        self.finish(from, length);
+        let text = trim(&from[..length]);
+        if text.is_empty() {
+            Err(Fault::Empty)
+        } else {
+            number::parse_decimal(text)
+        }
+    }
+
+    /// How many fields are left.
+    pub(crate) fn remaining(&self) -> usize {
+        self.rest.map_or(0, |rest| 1 + memchr::memchr_iter(b',', rest).count())
+    }
+
+    /// Whether the next field is there and blank.
+    pub(crate) fn next_is_blank(&self) -> bool {
+        self.rest.is_some_and(|rest| match rest {
+            [] | [b',', ..] => true,
+            [first, ..] if first.is_ascii_whitespace() => matches!(rest.trim_ascii_start(), [] | [b',', ..]),
+            _ => false,
+        })
+    }
+
+    /// The error for a fault in the field that was taken last.
+    #[cold]
+    pub(crate) fn error(&self, message: &'static str, field: &'static str, fault: Fault) -> DecodeError {
+        let found = as_text(&self.last[..find_comma(self.last).unwrap_or(self.last.len())]);
+        let found = found
+            .chars()
+            .take(DecodeError::FOUND_CHARS)
+            .collect::<String>()
+            .into_boxed_str();
+        DecodeError {
+            message,
+            field,
+            number: self.number,
+            found,
+            fault,
+        }
+    }
+
+    fn begin(&mut self) -> Result<&'a [u8], Fault> {
+        self.number += 1;
+        self.last = self.rest.unwrap_or(b"");
+        self.rest.ok_or(Fault::Missing)
+    }
+
+    /// Goes on after the comma at `length`.
+    fn finish(&mut self, field: &'a [u8], length: usize) {
+        self.rest = field.get(length + 1..);
+    }
+}
+
+fn as_text(bytes: &[u8]) -> &str {
+    core::str::from_utf8(bytes).expect("cut at commas out of a str")
+}
+
+/// Blanks around numbers are legal (SPI 4.2, Table 1: "the first non-whitespace character"). Most have none.
+pub(crate) fn trim(bytes: &[u8]) -> &[u8] {
+    match bytes {
+        [first, .., last] if !first.is_ascii_whitespace() && !last.is_ascii_whitespace() => bytes,
+        _ => bytes.trim_ascii(),
+    }
+}
+
+/// Eight bytes at a time: fields are short, so that a vector search costs more to start than it saves.
+fn find_comma(bytes: &[u8]) -> Option<usize> {
+    const ONES: u64 = u64::from_ne_bytes([1; 8]);
+    const HIGHS: u64 = u64::from_ne_bytes([0x80; 8]);
+    const COMMAS: u64 = u64::from_ne_bytes([b','; 8]);
+    let mut chunks = bytes.chunks_exact(8);
+    for (index, chunk) in chunks.by_ref().take(4).enumerate() {
+        let word = u64::from_le_bytes(chunk.try_into().expect("chunks_exact(8) gives eight bytes"));
+        // A zero byte where the comma was: the lowest one is exact, and only that is used.
+        let zeros = word ^ COMMAS;
+        let hit = zeros.wrapping_sub(ONES) & !zeros & HIGHS;
+        if hit != 0 {
+            return Some(index * 8 + (hit.trailing_zeros() / 8) as usize);
+        }
+    }
+    let searched = (bytes.len() / 8).min(4) * 8;
+    memchr(b',', bytes.get(searched..)?).map(|at| searched + at)
+}
+
+/// Appends the fields of a sentence, each with its comma before it.
+pub(crate) struct Writer<'a> {
+    out: &'a mut Vec<u8>,
+}
+
+impl<'a> Writer<'a> {
+    pub(crate) const fn new(out: &'a mut Vec<u8>) -> Self {
+        Self { out }
+    }
+
+    /// A field of ASCII text that holds no delimiter.
+    pub(crate) fn text(&mut self, text: &str) {
+        self.out.push(b',');
+        self.out.extend_from_slice(text.as_bytes());
+    }
+
+    /// A field with nothing in it.
+    pub(crate) fn empty(&mut self) {
+        self.out.push(b',');
+    }
+
+    /// A whole number.
+    pub(crate) fn integer(&mut self, value: u32) {
+        self.out.push(b',');
+        number::write_integer(self.out, u64::from(value));
+    }
+
+    /// A number with at most `decimals` places, zeros at the end left out.
+    pub(crate) fn decimal(&mut self, value: f64, decimals: u8) -> Result<(), Fault> {
+        self.out.push(b',');
+        number::write_decimal(self.out, value, decimals)
+    }
+
+    /// The buffer, after the comma of a new field.
+    pub(crate) fn field(&mut self) -> &mut Vec<u8> {
+        self.out.push(b',');
+        self.out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn fields_come_in_order_and_end() {
+        let sentence = Sentence::parse("$X, a ,,0123456789abcdef0123456789abcdef0123456789,é,b").unwrap();
+        let mut reader = Reader::new(&sentence);
+        assert_eq!(reader.remaining(), 5);
+        assert_eq!(reader.trimmed(), Ok(b"a".as_slice()));
+        assert!(reader.next_is_blank());
+        assert_eq!(reader.trimmed(), Err(Fault::Empty));
+        assert_eq!(reader.text().unwrap().len(), 42);
+        assert_eq!(reader.text(), Ok("é"));
+        assert_eq!(reader.text(), Ok("b"));
+        assert_eq!(reader.text(), Err(Fault::Missing));
+        assert!(!reader.next_is_blank());
+    }
+
+    proptest! {
+        #[test]
+        fn the_comma_is_found_wherever_it_stands(text in "[-,+.\u{80}\u{ff}a]{0,80}") {
+            prop_assert_eq!(find_comma(text.as_bytes()), text.find(','));
+        }
+    }
+}

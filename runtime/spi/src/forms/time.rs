@@ -1,0 +1,131 @@
+use backseat_units::TimeOfDay;
+#[cfg(test)]
+use proptest::prelude::{BoxedStrategy, Strategy};
+
+use crate::error::Fault;
+use crate::field::{Field, Reader, Writer};
+use crate::number::two_digits;
+
+const NOT_A_TIME: Fault = Fault::expected("a time of day, hhmmss and any decimals");
+
+/// UTC without date: any decimals are read, cut to nanoseconds; exactly three are written, cut and not rounded.
+impl Field for TimeOfDay {
+    type Value = Self;
+    const FORMATS: &'static [&'static str] = &["hhmmss.sss"];
+
+    fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
+        parse_time(reader.trimmed()?).ok_or(NOT_A_TIME)
+    }
+
+    fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        let (hour, minute, second, nanos) = value.hms_nano();
+        let millis = nanos / 1_000_000;
+        let [h1, h2] = two_digits(hour);
+        let [m1, m2] = two_digits(minute);
+        let [s1, s2] = two_digits(second);
+        let [d1, d2] = two_digits(millis / 10);
+        let [_, d3] = two_digits(millis % 10);
+        writer
+            .field()
+            .extend_from_slice(&[h1, h2, m1, m2, s1, s2, b'.', d1, d2, d3]);
+        Ok(())
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<Self> {
+        (0..86_401_000u64)
+            .prop_map(|millis| Self::from_nanos(millis * 1_000_000).expect("within a day and a leap second"))
+            .boxed()
+    }
+}
+
+fn parse_time(text: &[u8]) -> Option<TimeOfDay> {
+    let (digits, decimals) = text.split_at_checked(6)?;
+    let pair = |at: usize| match (digits[at].wrapping_sub(b'0'), digits[at + 1].wrapping_sub(b'0')) {
+        (tens @ 0..=9, ones @ 0..=9) => Some(u32::from(tens) * 10 + u32::from(ones)),
+        _ => None,
+    };
+    let mut nanos = 0;
+    if let [point, decimals @ ..] = decimals {
+        if *point != b'.' {
+            return None;
+        }
+        let mut unit = 100_000_000;
+        for byte in decimals {
+            match byte.wrapping_sub(b'0') {
+                digit @ 0..=9 => nanos += u32::from(digit) * unit,
+                _ => return None,
+            }
+            unit /= 10;
+        }
+    }
+    TimeOfDay::from_hms_nano(pair(0)?, pair(2)?, pair(4)?, nanos)
+}
+
+/// The time at which the message was made: the first field of nearly all.
+pub(crate) struct Created;
+
+impl Field for Created {
+    type Value = TimeOfDay;
+    const FORMATS: &'static [&'static str] = TimeOfDay::FORMATS;
+
+    fn decode(reader: &mut Reader<'_>) -> Result<TimeOfDay, Fault> {
+        TimeOfDay::decode(reader)
+    }
+
+    fn encode(value: &TimeOfDay, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        TimeOfDay::encode(value, writer)
+    }
+
+    fn created(value: &TimeOfDay) -> Option<TimeOfDay> {
+        Some(*value)
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<TimeOfDay> {
+        TimeOfDay::strategy()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forms::{read, written};
+
+    fn at(hour: u32, minute: u32, second: u32, nanos: u32) -> TimeOfDay {
+        TimeOfDay::from_hms_nano(hour, minute, second, nanos).unwrap()
+    }
+
+    #[test]
+    fn times_with_any_decimals_are_read() {
+        for (text, time) in [
+            ("081025.987", at(8, 10, 25, 987_000_000)),
+            ("081025", at(8, 10, 25, 0)),
+            ("081025.", at(8, 10, 25, 0)),
+            (" 081025.9 ", at(8, 10, 25, 900_000_000)),
+            ("081025.123456789999", at(8, 10, 25, 123_456_789)),
+            ("235960.5", at(23, 59, 60, 500_000_000)),
+        ] {
+            assert_eq!(read::<TimeOfDay>(text), Ok(time), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_time_of_day_is_refused() {
+        for bad in [
+            "8:10:25", "81025", "240000", "086000", "081060", "-81025", "081025.x", "0810255", "é1025",
+        ] {
+            assert_eq!(read::<TimeOfDay>(bad), Err(NOT_A_TIME), "{bad}");
+        }
+    }
+
+    #[test]
+    fn three_decimals_are_written_and_never_rounded_up() {
+        assert_eq!(
+            written::<TimeOfDay>(&at(23, 59, 59, 999_999_999)).unwrap(),
+            ",235959.999"
+        );
+        assert_eq!(written::<TimeOfDay>(&at(0, 0, 0, 1_000_000)).unwrap(), ",000000.001");
+        assert_eq!(written::<TimeOfDay>(&at(23, 59, 60, 0)).unwrap(), ",235960.000");
+    }
+}

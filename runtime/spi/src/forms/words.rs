@@ -1,0 +1,91 @@
+#[cfg(test)]
+use proptest::prelude::{BoxedStrategy, Strategy};
+
+use crate::error::Fault;
+use crate::field::{Field, Reader, Writer};
+use crate::text::Text;
+
+/// Free text, which may be empty. What may not stand in a [`Text`] is read as a blank: a status must not be lost to an
+/// accent in a file's name.
+impl Field for Text {
+    type Value = Self;
+    const FORMATS: &'static [&'static str] = &["c--c"];
+
+    fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
+        reader.text().map(Self::cleaned)
+    }
+
+    fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        writer.text(value.as_str());
+        Ok(())
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<Self> {
+        "[ -~]{0,60}".prop_map(|text| Self::cleaned(&text)).boxed()
+    }
+}
+
+/// The free text that ends a message: nothing at all is an empty text.
+pub(crate) struct LastText;
+
+impl Field for LastText {
+    type Value = Text;
+    const FORMATS: &'static [&'static str] = Text::FORMATS;
+
+    fn decode(reader: &mut Reader<'_>) -> Result<Text, Fault> {
+        if reader.remaining() == 0 {
+            Ok(Text::default())
+        } else {
+            Text::decode(reader)
+        }
+    }
+
+    fn encode(value: &Text, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        Text::encode(value, writer)
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<Text> {
+        Text::strategy()
+    }
+}
+
+/// The three letters of a message, or `ALL`: letters and digits.
+pub(crate) struct Word;
+
+const NOT_A_WORD: Fault = Fault::expected("a word of letters and digits");
+
+impl Field for Word {
+    type Value = Text;
+    const FORMATS: &'static [&'static str] = &["rrr"];
+
+    fn decode(reader: &mut Reader<'_>) -> Result<Text, Fault> {
+        let word = reader.text()?.trim_ascii();
+        if word.is_empty() {
+            return Err(Fault::Empty);
+        }
+        if is_word(word) {
+            Ok(Text::cleaned(word))
+        } else {
+            Err(NOT_A_WORD)
+        }
+    }
+
+    fn encode(value: &Text, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        if !is_word(value.as_str()) {
+            return Err(NOT_A_WORD);
+        }
+        writer.text(value.as_str());
+        Ok(())
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<Text> {
+        "[A-Z0-9]{3}".prop_map(|text| Text::cleaned(&text)).boxed()
+    }
+}
+
+fn is_word(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_alphanumeric())
+}

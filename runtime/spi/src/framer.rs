@@ -1,0 +1,375 @@
+use memchr::{memchr, memchr2};
+
+use crate::MAX_LINE;
+use crate::sentence::{ChecksumState, Sentence};
+
+/// Cuts a stream of bytes into sentences, however the bytes arrive.
+///
+/// Push what was read, then take sentences until there are none. What is no sentence, or none that the policy allows, is
+/// dropped and counted, and reading goes on at the next `$`. No bytes make it panic, and memory is bounded by
+/// [`Framer::MAX_MEMORY`] (safety requirement 013).
+#[derive(Clone, Debug)]
+pub struct Framer {
+    policy: Policy,
+    buffer: Vec<u8>,
+    cursor: Cursor,
+    counts: FrameCounts,
+}
+
+/// What a sentence must have to pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Policy {
+    /// Sent by a vehicle: a right checksum of two digits (SPI 4.2: each of its messages has one).
+    FromVehicle,
+    /// Sent by a payload: the checksum may be absent, or one digit where the first would be zero.
+    FromPayload,
+}
+
+/// What a [`Framer`] has met since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameCounts {
+    /// Sentences given out.
+    pub sentences: u64,
+    /// Dropped: the checksum is wrong, or not of two digits where the policy wants that.
+    pub checksum_invalid: u64,
+    /// Dropped: no checksum where the policy wants one.
+    pub checksum_absent: u64,
+    /// Dropped: no name, or not letters and digits in it.
+    pub malformed: u64,
+    /// Dropped: longer than [`MAX_LINE`].
+    pub too_long: u64,
+    /// Dropped: not UTF-8.
+    pub not_utf8: u64,
+    /// Dropped: cut short by the `$` of the next sentence.
+    pub cut_short: u64,
+    /// Good sentences dropped, the oldest first, because they were not taken before more than
+    /// [`Framer::MAX_BACKLOG`] had come.
+    pub overflowed: u64,
+    /// Bytes outside sentences, line ends not counted; the rest of a line that was too long is noise too.
+    pub noise_bytes: u64,
+}
+
+/// Where reading stands in the buffer.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cursor {
+    /// All before has been dealt with.
+    start: usize,
+    /// There is no `$` (but at `start`) and no line feed before this: not to be searched again.
+    searched: usize,
+}
+
+impl Framer {
+    /// How much is kept of what was pushed and not yet taken, bytes. More drops the oldest sentences.
+    pub const MAX_BACKLOG: usize = 1 << 20;
+
+    /// The most memory that a framer takes, bytes, whatever is pushed.
+    pub const MAX_MEMORY: usize = 4 * Self::MAX_BACKLOG;
+
+    /// How much of one push is looked at in one go, bytes.
+    const CHUNK: usize = 1 << 16;
+
+    /// An empty framer.
+    #[must_use]
+    pub const fn new(policy: Policy) -> Self {
+        Self {
+            policy,
+            buffer: Vec::new(),
+            cursor: Cursor { start: 0, searched: 0 },
+            counts: FrameCounts {
+                sentences: 0,
+                checksum_invalid: 0,
+                checksum_absent: 0,
+                malformed: 0,
+                too_long: 0,
+                not_utf8: 0,
+                cut_short: 0,
+                overflowed: 0,
+                noise_bytes: 0,
+            },
+        }
+    }
+
+    /// Adds bytes as they were read, any number of them.
+    pub fn push(&mut self, bytes: &[u8]) {
+        for chunk in bytes.chunks(Self::CHUNK) {
+            self.make_room(chunk.len());
+            self.buffer.extend_from_slice(chunk);
+        }
+    }
+
+    /// The next sentence that the policy allows; `None` until more bytes are pushed.
+    pub fn next_sentence(&mut self) -> Option<Sentence<'_>> {
+        let sentence = next(&self.buffer, &mut self.cursor, &mut self.counts, self.policy)?;
+        self.counts.sentences += 1;
+        Some(sentence)
+    }
+
+    /// What has been met so far.
+    #[must_use]
+    pub const fn counts(&self) -> FrameCounts {
+        self.counts
+    }
+
+    /// Forgets what has been pushed and not taken, for a new connection. Counts go on.
+    pub fn clear(&mut self) {
+        self.buffer.clear();
+        self.cursor = Cursor::default();
+    }
+
+    /// The memory that it takes now, bytes; never over [`Framer::MAX_MEMORY`].
+    #[must_use]
+    pub const fn memory(&self) -> usize {
+        self.buffer.capacity()
+    }
+
+    fn make_room(&mut self, needed: usize) {
+        while self.buffer.len() - self.cursor.start + needed > Self::MAX_BACKLOG {
+            // At the end of this loop at most one line that is not whole is left.
+            if next(&self.buffer, &mut self.cursor, &mut self.counts, self.policy).is_none() {
+                break;
+            }
+            self.counts.overflowed += 1;
+        }
+        // Moving what is left costs no more than has been taken since the last time.
+        if self.cursor.start > 0 && self.cursor.start >= self.buffer.len() / 2 {
+            self.buffer.drain(..self.cursor.start);
+            self.cursor.searched = self.cursor.searched.saturating_sub(self.cursor.start);
+            self.cursor.start = 0;
+        }
+    }
+}
+
+fn next<'a>(buffer: &'a [u8], cursor: &mut Cursor, counts: &mut FrameCounts, policy: Policy) -> Option<Sentence<'a>> {
+    loop {
+        let pending = &buffer[cursor.start..];
+        if pending.first().is_some_and(|first| *first != b'$') {
+            let dollar = memchr(b'$', pending).unwrap_or(pending.len());
+            counts.noise_bytes += noise(&pending[..dollar]);
+            cursor.start += dollar;
+            continue;
+        }
+        if pending.is_empty() {
+            return None;
+        }
+        let searched = cursor.searched.saturating_sub(cursor.start).max(1);
+        let end = memchr2(b'$', b'\n', &pending[searched..]).map(|at| searched + at);
+        if end.unwrap_or(pending.len()) >= MAX_LINE {
+            // The rest up to the next dollar sign is noise, whether it has arrived or not.
+            counts.too_long += 1;
+            cursor.start += MAX_LINE;
+            continue;
+        }
+        let Some(end) = end else {
+            cursor.searched = buffer.len();
+            return None;
+        };
+        if pending[end] == b'$' {
+            counts.cut_short += 1;
+            cursor.start += end;
+            continue;
+        }
+        cursor.start += end + 1;
+        if let Some(sentence) = judge(&pending[..end], counts, policy) {
+            return Some(sentence);
+        }
+    }
+}
+
+fn noise(bytes: &[u8]) -> u64 {
+    bytes.iter().filter(|byte| !matches!(byte, b'\r' | b'\n')).count() as u64
+}
+
+/// The sentence of a line, or one more count of why it is none.
+fn judge<'a>(line: &'a [u8], counts: &mut FrameCounts, policy: Policy) -> Option<Sentence<'a>> {
+    let Ok(line) = core::str::from_utf8(line) else {
+        counts.not_utf8 += 1;
+        return None;
+    };
+    let Ok(sentence) = Sentence::parse(line) else {
+        counts.malformed += 1;
+        return None;
+    };
+    let two_digits = || sentence.raw().as_bytes().iter().rev().nth(2) == Some(&b'*');
+    match (sentence.checksum(), policy) {
+        (ChecksumState::Valid, Policy::FromPayload) | (ChecksumState::Absent, Policy::FromPayload) => Some(sentence),
+        (ChecksumState::Valid, Policy::FromVehicle) if two_digits() => Some(sentence),
+        (ChecksumState::Absent, Policy::FromVehicle) => {
+            counts.checksum_absent += 1;
+            None
+        }
+        (ChecksumState::Valid | ChecksumState::Invalid, Policy::FromVehicle | Policy::FromPayload) => {
+            counts.checksum_invalid += 1;
+            None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const CONTROL: &str = "$BFCTL,081025.987,1*78";
+
+    /// The sentences of a stream that is pushed in pieces.
+    fn sentences(policy: Policy, pieces: &[&[u8]]) -> (Vec<String>, FrameCounts) {
+        let mut framer = Framer::new(policy);
+        let mut out = Vec::new();
+        for piece in pieces {
+            framer.push(piece);
+            while let Some(sentence) = framer.next_sentence() {
+                out.push(sentence.raw().to_owned());
+            }
+        }
+        (out, framer.counts())
+    }
+
+    #[test]
+    fn line_ends_of_all_kinds_and_blank_lines_pass() {
+        let stream = format!("{CONTROL}\r\n\n{CONTROL}\n\r\n\r\n{CONTROL} \r\n");
+        for policy in [Policy::FromVehicle, Policy::FromPayload] {
+            let (out, counts) = sentences(policy, &[stream.as_bytes()]);
+            assert_eq!(out, [CONTROL; 3]);
+            assert_eq!(
+                counts,
+                FrameCounts {
+                    sentences: 3,
+                    ..FrameCounts::default()
+                }
+            );
+        }
+    }
+
+    #[test]
+    fn a_vehicle_must_send_its_checksum_and_a_payload_may() {
+        let stream = b"$AB\r\n$AB*3\n$AB*03\r\n$AB*04\n$BPRMP,1*6a\n";
+        let (out, counts) = sentences(Policy::FromVehicle, &[stream]);
+        assert_eq!(out, ["$AB*03"]);
+        assert_eq!((counts.checksum_absent, counts.checksum_invalid), (1, 3));
+        let (out, counts) = sentences(Policy::FromPayload, &[stream]);
+        assert_eq!(out, ["$AB", "$AB*3", "$AB*03"]);
+        assert_eq!((counts.checksum_absent, counts.checksum_invalid), (0, 2));
+    }
+
+    #[test]
+    fn noise_is_counted_and_passed_over() {
+        let (out, counts) = sentences(
+            Policy::FromVehicle,
+            &[b"login: \r\n", b"abc", CONTROL.as_bytes(), b"\r\nxyz"],
+        );
+        assert_eq!(out, [CONTROL]);
+        assert_eq!(counts.noise_bytes, 7 + 3 + 3);
+    }
+
+    #[test]
+    fn a_dollar_sign_inside_a_line_starts_anew() {
+        let (out, counts) = sentences(Policy::FromVehicle, &[b"$BFNVG,0810$BF", CONTROL.as_bytes(), b"\r\n"]);
+        assert_eq!(out, [CONTROL]);
+        assert_eq!(counts.cut_short, 2);
+    }
+
+    #[test]
+    fn bad_lines_are_dropped_each_under_its_cause() {
+        let stream = [
+            b"$BF\xff,1*00\r\n$,1*00\r\n$BFCTL,081025.987,0*78\r\n".as_slice(),
+            CONTROL.as_bytes(),
+            b"\r\n",
+        ]
+        .concat();
+        let (out, counts) = sentences(Policy::FromVehicle, &[&stream]);
+        assert_eq!(out, [CONTROL]);
+        assert_eq!((counts.not_utf8, counts.malformed, counts.checksum_invalid), (1, 1, 1));
+    }
+
+    #[test]
+    fn the_longest_line_passes_and_one_byte_more_does_not() {
+        let line = |length: usize| {
+            let body = format!("BPMSG,{}", "a".repeat(length - "$BPMSG,*HH\r\n".len()));
+            format!("${body}*{:02X}\r\n", crate::sentence::xor(body.as_bytes()))
+        };
+        let (out, counts) = sentences(Policy::FromVehicle, &[line(MAX_LINE).as_bytes()]);
+        assert_eq!((out.len(), counts.too_long), (1, 0));
+        let long = [line(MAX_LINE + 1), line(50 * MAX_LINE), format!("{CONTROL}\r\n")].concat();
+        let (out, counts) = sentences(Policy::FromVehicle, &[long.as_bytes()]);
+        assert_eq!(out, [CONTROL]);
+        assert_eq!(counts.too_long, 2);
+    }
+
+    /// Safety requirement 013.
+    #[test]
+    fn memory_is_bounded_and_the_newest_is_kept() {
+        let end = format!("\r\n{CONTROL}\r\n");
+        for filler in ["A", "$", "$BFNVG,", "\n", "$AB*03\r\n", "$AB*04\r\n", "é\r\n"] {
+            let mut stream = filler.repeat(8_000_000 / filler.len()).into_bytes();
+            stream.extend_from_slice(end.as_bytes());
+            let mut framer = Framer::new(Policy::FromVehicle);
+            framer.push(&stream);
+            assert!(
+                framer.memory() <= Framer::MAX_MEMORY,
+                "{} bytes kept of {filler:?}",
+                framer.memory()
+            );
+            let mut last = String::new();
+            while let Some(sentence) = framer.next_sentence() {
+                last = sentence.raw().to_owned();
+            }
+            assert_eq!(last, CONTROL, "after {filler:?}");
+        }
+    }
+
+    #[test]
+    fn a_good_sentence_that_nobody_took_is_counted_when_it_goes() {
+        let mut framer = Framer::new(Policy::FromVehicle);
+        let stream = format!("{CONTROL}\r\n").repeat(100_000);
+        framer.push(stream.as_bytes());
+        let mut taken = 0;
+        while framer.next_sentence().is_some() {
+            taken += 1;
+        }
+        assert_eq!(framer.counts().sentences, taken);
+        assert!(framer.counts().overflowed > 0);
+        assert_eq!(taken + framer.counts().overflowed, 100_000);
+    }
+
+    #[test]
+    fn a_new_connection_does_not_see_the_old_ones_half_line() {
+        let mut framer = Framer::new(Policy::FromVehicle);
+        framer.push(b"$BFCTL,081025.987,1");
+        assert!(framer.next_sentence().is_none());
+        framer.clear();
+        framer.push(format!("*78\r\n{CONTROL}\r\n").as_bytes());
+        assert_eq!(framer.next_sentence().unwrap().raw(), CONTROL);
+        assert!(framer.next_sentence().is_none());
+    }
+
+    proptest! {
+        #[test]
+        fn the_cuts_of_a_stream_do_not_matter(
+            parts in proptest::collection::vec(
+                prop_oneof![
+                    Just(CONTROL.as_bytes().to_vec()), Just(b"\r\n".to_vec()), Just(b"\n".to_vec()), Just(b"$".to_vec()),
+                    Just(b"$AB*03\r\n".to_vec()), Just(vec![b'x'; 700]), Just(b"$BFNVG,".to_vec()),
+                    proptest::collection::vec(any::<u8>(), 0..40),
+                ],
+                0..30,
+            ),
+            cuts in proptest::collection::vec(1..200usize, 1..20),
+        ) {
+            let stream = parts.concat();
+            let mut pieces = Vec::new();
+            let mut rest = stream.as_slice();
+            for cut in cuts.iter().cycle() {
+                if rest.is_empty() {
+                    break;
+                }
+                let (piece, after) = rest.split_at((*cut).min(rest.len()));
+                pieces.push(piece);
+                rest = after;
+            }
+            for policy in [Policy::FromVehicle, Policy::FromPayload] {
+                prop_assert_eq!(sentences(policy, &pieces), sentences(policy, &[&stream]));
+            }
+        }
+    }
+}

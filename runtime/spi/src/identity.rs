@@ -1,0 +1,97 @@
+use core::fmt;
+
+/// The payload's own identifier of a requested behavior (SPI 7.5), unique for the whole mission.
+///
+/// Where a message may go without one, 0 on the wire means none: give none of your own that number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BehaviorId(u32);
+
+impl BehaviorId {
+    /// From its number.
+    #[must_use]
+    pub const fn new(number: u32) -> Self {
+        Self(number)
+    }
+
+    /// Its number.
+    #[must_use]
+    pub const fn get(self) -> u32 {
+        self.0
+    }
+}
+
+impl fmt::Display for BehaviorId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// The three letters of a command as acknowledgements give them (SPI 6.21): `RMB` for BPRMB.
+///
+/// Upper-case letters and digits.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CommandName([u8; 3]);
+
+/// A name that is no command's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected the three upper-case letters of a command: RMB or BPRMB")]
+pub struct CommandNameError;
+
+impl CommandName {
+    /// What a vehicle says where a line was no command at all.
+    pub const NAK: Self = Self(*b"NAK");
+
+    /// From three letters, or from the five of the sentence's name: `RMB` and `BPRMB` are the same.
+    ///
+    /// # Errors
+    /// [`CommandNameError`] where it is neither.
+    pub fn new(name: &str) -> Result<Self, CommandNameError> {
+        let letters = if name.len() == 5 {
+            name.strip_prefix("BP").unwrap_or(name)
+        } else {
+            name
+        };
+        match <[u8; 3]>::try_from(letters.as_bytes()) {
+            Ok(bytes)
+                if bytes
+                    .iter()
+                    .all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit()) =>
+            {
+                Ok(Self(bytes))
+            }
+            Ok(_) | Err(_) => Err(CommandNameError),
+        }
+    }
+
+    /// The three letters.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        core::str::from_utf8(&self.0).expect("the constructor lets only ascii in")
+    }
+}
+
+impl fmt::Debug for CommandName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "CommandName({})", self.as_str())
+    }
+}
+
+impl fmt::Display for CommandName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_letters_and_the_whole_name_are_the_same_command() {
+        assert_eq!(CommandName::new("LOG").unwrap(), CommandName::new("BPLOG").unwrap());
+        assert_eq!(CommandName::new("BPLOG").unwrap().as_str(), "LOG");
+        for bad in ["", "LO", "LOGS", "log", "BFLOG", "é1", "BPL,G"] {
+            assert!(CommandName::new(bad).is_err(), "{bad:?}");
+        }
+    }
+}

@@ -1,0 +1,220 @@
+use nom::branch::alt;
+use nom::bytes::complete::{tag, take_until, take_while1};
+use nom::combinator::{opt, rest};
+use nom::sequence::preceded;
+use nom::{IResult, Parser};
+
+/// One sentence, `$NAME,field,…*HH`, borrowed from the line that it stands in (SPI 4.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sentence<'a> {
+    raw: &'a str,
+    name: &'a str,
+    body: Option<&'a str>,
+    checksum: ChecksumState,
+}
+
+/// What a sentence's checksum says of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChecksumState {
+    /// It is there and right.
+    Valid,
+    /// There is none: payloads need not send one (SPI 4.2).
+    Absent,
+    /// It is there and wrong, or no checksum at all.
+    Invalid,
+}
+
+/// A line that is no sentence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("not a sentence: expected a dollar sign, a name of letters and digits, then a comma, an asterisk or the end")]
+pub struct SentenceError;
+
+impl<'a> Sentence<'a> {
+    /// Takes one line apart. The line end and blanks at the end may be there or not.
+    ///
+    /// The checksum is judged, not required: see [`Sentence::checksum`]. [`crate::Framer`] does both for a stream.
+    ///
+    /// # Errors
+    /// [`SentenceError`] where the line has not the form of a sentence.
+    pub fn parse(line: &'a str) -> Result<Self, SentenceError> {
+        let raw = line.trim_ascii_end();
+        let (_, parts) = parts(raw.as_bytes()).map_err(|_| SentenceError)?;
+        // All delimiters are ASCII, so that these cuts are at character boundaries.
+        let name_end = 1 + parts.name.len();
+        let body = parts
+            .body
+            .and_then(|body| raw.get(name_end + 1..name_end + 1 + body.len()));
+        let checked = 1..name_end + parts.body.map_or(0, |body| body.len() + 1);
+        let checksum = match parts.digits {
+            None => ChecksumState::Absent,
+            Some(digits) if hex(digits) == raw.as_bytes().get(checked).map(xor) => ChecksumState::Valid,
+            Some(_) => ChecksumState::Invalid,
+        };
+        Ok(Self {
+            raw,
+            name: raw.get(1..name_end).ok_or(SentenceError)?,
+            body,
+            checksum,
+        })
+    }
+
+    /// The name, `BFNVG`.
+    #[must_use]
+    pub const fn name(&self) -> &'a str {
+        self.name
+    }
+
+    /// The fields after the name, each as its raw text. A sentence that ends with its name has none.
+    #[must_use]
+    pub fn fields(&self) -> Fields<'a> {
+        Fields { rest: self.body }
+    }
+
+    /// What the checksum says.
+    #[must_use]
+    pub const fn checksum(&self) -> ChecksumState {
+        self.checksum
+    }
+
+    /// The whole sentence from the dollar sign on, without the line end.
+    #[must_use]
+    pub const fn raw(&self) -> &'a str {
+        self.raw
+    }
+
+    /// The text of all fields, with their commas; `None` where the sentence ends with its name.
+    pub(crate) const fn body(&self) -> Option<&'a str> {
+        self.body
+    }
+}
+
+/// The fields of a sentence, each as its raw text.
+#[derive(Clone, Debug)]
+pub struct Fields<'a> {
+    rest: Option<&'a str>,
+}
+
+impl<'a> Fields<'a> {
+    pub(crate) const fn of(body: Option<&'a str>) -> Self {
+        Self { rest: body }
+    }
+}
+
+impl<'a> Iterator for Fields<'a> {
+    type Item = &'a str;
+
+    fn next(&mut self) -> Option<&'a str> {
+        let rest = self.rest?;
+        match rest.split_once(',') {
+            Some((field, rest)) => {
+                self.rest = Some(rest);
+                Some(field)
+            }
+            None => {
+                self.rest = None;
+                Some(rest)
+            }
+        }
+    }
+}
+
+/// The exclusive or of all bytes between `$` and `*`: the NMEA 0183 checksum.
+pub(crate) fn xor(bytes: &[u8]) -> u8 {
+    let mut words = bytes.chunks_exact(8);
+    let sum = words.by_ref().fold(0, |sum, word| {
+        sum ^ u64::from_ne_bytes(word.try_into().expect("eight bytes"))
+    });
+    let sum = sum.to_ne_bytes().iter().fold(0, |sum, byte| sum ^ byte);
+    words.remainder().iter().fold(sum, |sum, byte| sum ^ byte)
+}
+
+struct Parts<'a> {
+    name: &'a [u8],
+    body: Option<&'a [u8]>,
+    digits: Option<&'a [u8]>,
+}
+
+fn parts(line: &[u8]) -> IResult<&[u8], Parts<'_>> {
+    let (line, name) = preceded(tag("$"), take_while1(|byte: u8| byte.is_ascii_alphanumeric())).parse(line)?;
+    let (line, body) = opt(preceded(tag(","), alt((take_until("*"), rest)))).parse(line)?;
+    let (line, digits) = opt(preceded(tag("*"), rest)).parse(line)?;
+    let (line, _) = nom::combinator::eof(line)?;
+    Ok((line, Parts { name, body, digits }))
+}
+
+/// One or two hexadecimal digits of either case: real clients send `*4` for `*04`.
+fn hex(digits: &[u8]) -> Option<u8> {
+    let digit = |byte: u8| char::from(byte).to_digit(16).and_then(|value| u8::try_from(value).ok());
+    match *digits {
+        [low] => digit(low),
+        [high, low] => Some(digit(high)? * 16 + digit(low)?),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_parts_of_a_sentence_are_found() {
+        let sentence = Sentence::parse("$BFCTL,081025.987,1*78\r\n").unwrap();
+        assert_eq!(sentence.name(), "BFCTL");
+        assert_eq!(sentence.fields().collect::<Vec<_>>(), ["081025.987", "1"]);
+        assert_eq!(sentence.checksum(), ChecksumState::Valid);
+        assert_eq!(sentence.raw(), "$BFCTL,081025.987,1*78");
+    }
+
+    #[test]
+    fn checksums_of_real_clients_are_read() {
+        let state = |line: &str| Sentence::parse(line).unwrap().checksum();
+        let sum = xor(b"BPRCA,010203.000");
+        assert_eq!(state("$BPRCA,010203.000"), ChecksumState::Absent);
+        assert_eq!(state(&format!("$BPRCA,010203.000*{sum:02x}")), ChecksumState::Valid);
+        assert_eq!(state(&format!("$BPRCA,010203.000*{sum:02X} ")), ChecksumState::Valid);
+        assert_eq!(
+            state(&format!("$BPRCA,010203.000*{:02X}", sum ^ 1)),
+            ChecksumState::Invalid
+        );
+        for no_checksum in ["*", "*G0", "*0", "*000", "*é"] {
+            assert_eq!(
+                state(&format!("$BPRCA,010203.000{no_checksum}")),
+                ChecksumState::Invalid,
+                "{no_checksum}"
+            );
+        }
+        // A and B alone leave 0x03, which real clients print as one digit.
+        assert_eq!(state("$AB*3"), ChecksumState::Valid);
+    }
+
+    #[test]
+    fn no_field_and_one_empty_field_differ() {
+        assert_eq!(Sentence::parse("$BPRMP").unwrap().fields().count(), 0);
+        assert_eq!(Sentence::parse("$BPRMP,").unwrap().fields().collect::<Vec<_>>(), [""]);
+        assert_eq!(Sentence::parse("$BPRMP,,").unwrap().fields().count(), 2);
+    }
+
+    #[test]
+    fn what_is_no_sentence_is_refused() {
+        for bad in [
+            "",
+            "$",
+            "BFCTL,1",
+            "$,1",
+            "$*00",
+            "$BF CTL,1",
+            "$BFé,1",
+            "$BFCTL;1",
+            " $BFCTL,1",
+        ] {
+            assert_eq!(Sentence::parse(bad), Err(SentenceError), "{bad:?}");
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn the_checksum_is_every_bytes(bytes in proptest::collection::vec(proptest::num::u8::ANY, 0..40)) {
+            proptest::prop_assert_eq!(xor(&bytes), bytes.iter().fold(0, |sum, byte| sum ^ byte));
+        }
+    }
+}

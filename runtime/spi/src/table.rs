@@ -1,0 +1,295 @@
+/// One direction's messages: a row a message, and everything about it from the row.
+///
+/// A row is the doc line with its section, the wire name, the type's name, section and title, and the fields as
+/// `name: Type as Form, "unit";`, where the form is a [`crate::field::Field`] whose value is the type. The table emits the
+/// structs, the enum with `Unknown`, `From`, decode, encode, the catalogue's entries, and for each row a test of its
+/// example and of a round trip. What a message has of its own goes into a form, never into this macro.
+macro_rules! messages {
+    (
+        $(#[$enum_doc:meta])*
+        pub enum $Enum:ident from $direction:expr;
+
+        $(
+            $(#[$doc:meta])*
+            $name:literal $Message:ident, $section:literal, $title:literal {
+                $( $(#[$field_doc:meta])* $field:ident: $Type:ty as $Form:ty, $unit:literal; )*
+            }
+            $example:literal
+        )*
+    ) => {
+        $(#[$enum_doc])*
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum $Enum {
+            $(
+                #[doc = concat!($name, ", SPI ", $section, ".")]
+                $Message($Message),
+            )*
+            /// A sentence whose name is not known in this direction.
+            Unknown($crate::UnknownMessage),
+        }
+
+        $(
+            $(#[$doc])*
+            ///
+            #[doc = concat!($name, ", SPI ", $section, ".")]
+            #[derive(Clone, Debug, PartialEq)]
+            pub struct $Message {
+                $( $(#[$field_doc])* pub $field: $Type, )*
+            }
+
+            impl $Message {
+                /// The sentence's name on the wire.
+                pub const NAME: &'static str = $name;
+
+                const KEY: u64 = $crate::table::key($name);
+
+                fn read(reader: &mut $crate::field::Reader<'_>) -> Result<Self, $crate::DecodeError> {
+                    $(
+                        let $field = match <$Form as $crate::field::Field>::decode(reader) {
+                            Ok(value) => value,
+                            Err(fault) => return Err(reader.error($name, stringify!($field), fault)),
+                        };
+                    )*
+                    Ok(Self { $($field),* })
+                }
+
+                fn write(&self, out: &mut Vec<u8>) -> Result<(), $crate::EncodeError> {
+                    out.extend_from_slice($name.as_bytes());
+                    let mut writer = $crate::field::Writer::new(out);
+                    $(
+                        <$Form as $crate::field::Field>::encode(&self.$field, &mut writer).map_err(|fault| {
+                            $crate::EncodeError::Field { message: $name, field: stringify!($field), fault }
+                        })?;
+                    )*
+                    Ok(())
+                }
+
+                fn created_field(&self) -> Option<backseat_units::TimeOfDay> {
+                    None $( .or(<$Form as $crate::field::Field>::created(&self.$field)) )*
+                }
+            }
+
+            impl From<$Message> for $Enum {
+                fn from(message: $Message) -> Self {
+                    Self::$Message(message)
+                }
+            }
+        )*
+
+        impl $Enum {
+            /// Reads a sentence of this direction. A name that is not known gives `Unknown`; fields after the known ones
+            /// are ignored.
+            ///
+            /// The checksum is not judged here: [`crate::Framer`] lets only sentences through that its policy allows.
+            ///
+            /// # Errors
+            /// [`crate::DecodeError`] names message, field and fault.
+            pub fn decode(sentence: &$crate::Sentence<'_>) -> Result<Self, $crate::DecodeError> {
+                let mut reader = $crate::field::Reader::new(sentence);
+                match $crate::table::key(sentence.name()) {
+                    $( $Message::KEY => $Message::read(&mut reader).map(Self::$Message), )*
+                    _ => Ok(Self::Unknown($crate::UnknownMessage::of(sentence))),
+                }
+            }
+
+            /// Appends the sentence, `$NAME,…*HH` with carriage return and line feed.
+            ///
+            /// # Errors
+            /// [`crate::EncodeError`] where a value cannot be written so that it is read as the same; then nothing is
+            /// appended.
+            pub fn encode(&self, out: &mut Vec<u8>) -> Result<(), $crate::EncodeError> {
+                $crate::table::enclose(out, |out| match self {
+                    $( Self::$Message(message) => message.write(out), )*
+                    Self::Unknown(unknown) => unknown.write(out, |name| {
+                        ENTRIES.iter().any(|entry| entry.name == name)
+                    }),
+                })
+            }
+
+            /// The sentence's name on the wire.
+            #[must_use]
+            pub fn name(&self) -> &str {
+                match self {
+                    $( Self::$Message(_) => $name, )*
+                    Self::Unknown(unknown) => unknown.name(),
+                }
+            }
+
+            /// When the message was made, by its sender's clock; `None` for those that do not say.
+            #[must_use]
+            pub fn created(&self) -> Option<backseat_units::TimeOfDay> {
+                match self {
+                    $( Self::$Message(message) => message.created_field(), )*
+                    Self::Unknown(_) => None,
+                }
+            }
+        }
+
+        pub(crate) const ENTRIES: &[$crate::Entry] = &[$(
+            $crate::Entry {
+                name: $name,
+                section: $section,
+                title: $title,
+                direction: $direction,
+                fields: &[$(
+                    $crate::EntryField {
+                        name: stringify!($field),
+                        unit: $unit,
+                        formats: <$Form as $crate::field::Field>::FORMATS,
+                    }
+                ),*],
+                example: $example,
+            }
+        ),*];
+
+        #[cfg(test)]
+        mod table {
+            use proptest::strategy::{BoxedStrategy, Just, Strategy};
+            use proptest::test_runner::TestRunner;
+
+            use super::*;
+
+            /// Any message of each row, in the order of the rows.
+            fn rows() -> Vec<BoxedStrategy<$Enum>> {
+                vec![$( {
+                    let all = Just(());
+                    $( let all = (all, <$Form as $crate::field::Field>::strategy()); )*
+                    all.prop_map(|values| {
+                        $crate::table::unnest!(values; $($field)*);
+                        $Enum::from($Message { $($field),* })
+                    })
+                    .boxed()
+                } ),*]
+            }
+
+            #[test]
+            fn every_row_survives_the_wire() {
+                for row in rows() {
+                    TestRunner::deterministic().run(&row, |message| {
+                        $crate::table::check_round_trip::<$Enum>(&message, $Enum::encode, $Enum::decode);
+                        Ok(())
+                    }).unwrap();
+                }
+            }
+
+            #[test]
+            fn every_example_decodes_and_encodes() {
+                for entry in ENTRIES {
+                    let sentence = $crate::Sentence::parse(entry.example).unwrap();
+                    let message = $Enum::decode(&sentence).unwrap();
+                    assert!(!matches!(message, $Enum::Unknown(_)), "{}", entry.name);
+                    assert_eq!(message.name(), entry.name);
+                    let mut out = Vec::new();
+                    message.encode(&mut out).unwrap();
+                    assert_eq!(String::from_utf8(out).unwrap(), format!("{}\r\n", entry.example));
+                }
+            }
+
+            #[test]
+            fn every_row_ignores_more_fields_and_names_what_is_missing() {
+                for entry in ENTRIES {
+                    let (line, _) = entry.example.split_once('*').unwrap();
+                    let plain = $Enum::decode(&$crate::Sentence::parse(line).unwrap()).unwrap();
+                    let longer = format!("{line},,of a later version,7");
+                    assert_eq!($Enum::decode(&$crate::Sentence::parse(&longer).unwrap()).unwrap(), plain);
+                    let bare = $Enum::decode(&$crate::Sentence::parse(&format!("${}", entry.name)).unwrap()).unwrap_err();
+                    assert_eq!((bare.message, bare.number), (entry.name, 1));
+                    assert_eq!((bare.field, &bare.fault), (entry.fields[0].name, &$crate::Fault::Missing));
+                }
+            }
+        }
+    };
+}
+
+/// `let` for each field out of tuples nested to the left: proptest's own tuples end at twelve.
+#[cfg(test)]
+macro_rules! unnest {
+    ($values:expr;) => { let () = $values; };
+    ($values:expr; $($field:ident)+) => { $crate::table::unnest!(@reverse $values; [$($field)+] []); };
+    (@reverse $values:expr; [$first:ident $($rest:ident)*] [$($done:ident)*]) => {
+        $crate::table::unnest!(@reverse $values; [$($rest)*] [$first $($done)*]);
+    };
+    (@reverse $values:expr; [] [$($field:ident)*]) => { $crate::table::unnest!(@take $values; $($field)*); };
+    (@take $values:expr; $last:ident $($field:ident)*) => {
+        let (rest, $last) = $values;
+        $crate::table::unnest!(@take rest; $($field)*);
+    };
+    (@take $values:expr;) => { let () = $values; };
+}
+
+pub(crate) use messages;
+#[cfg(test)]
+pub(crate) use unnest;
+
+use crate::error::EncodeError;
+use crate::{MAX_LINE, sentence};
+
+/// A name as a number, so that decoding finds its row by comparing integers. Names over eight bytes are none of ours.
+pub(crate) const fn key(name: &str) -> u64 {
+    let bytes = name.as_bytes();
+    if bytes.len() > 8 {
+        return 0;
+    }
+    let mut key = 0;
+    let mut at = 0;
+    while at < bytes.len() {
+        key = key << 8 | bytes[at] as u64;
+        at += 1;
+    }
+    key
+}
+
+/// Writes dollar sign, what `write` writes, checksum and line end; nothing at all where that fails or is too long.
+pub(crate) fn enclose(
+    out: &mut Vec<u8>,
+    write: impl FnOnce(&mut Vec<u8>) -> Result<(), EncodeError>,
+) -> Result<(), EncodeError> {
+    const HEX: &[u8; 16] = b"0123456789ABCDEF";
+    let start = out.len();
+    out.reserve(160);
+    out.push(b'$');
+    if let Err(error) = write(out) {
+        out.truncate(start);
+        return Err(error);
+    }
+    let sum = sentence::xor(&out[start + 1..]);
+    out.extend_from_slice(&[
+        b'*',
+        HEX[usize::from(sum >> 4)],
+        HEX[usize::from(sum & 15)],
+        b'\r',
+        b'\n',
+    ]);
+    let length = out.len() - start;
+    if length > MAX_LINE {
+        let name = out[start + 1..].iter().take_while(|byte| byte.is_ascii_alphanumeric());
+        let message = name
+            .take(16)
+            .map(|byte| char::from(*byte))
+            .collect::<String>()
+            .into_boxed_str();
+        out.truncate(start);
+        return Err(EncodeError::TooLong { message, length });
+    }
+    Ok(())
+}
+
+/// Encodes, decodes and encodes again: the same message, the same bytes.
+#[cfg(test)]
+pub(crate) fn check_round_trip<M: Clone + core::fmt::Debug + PartialEq>(
+    message: &M,
+    encode: fn(&M, &mut Vec<u8>) -> Result<(), EncodeError>,
+    decode: fn(&crate::Sentence<'_>) -> Result<M, crate::DecodeError>,
+) {
+    let mut out = Vec::new();
+    encode(message, &mut out).unwrap();
+    let line = core::str::from_utf8(&out).unwrap();
+    assert!(line.ends_with("\r\n"));
+    let sentence = crate::Sentence::parse(line).unwrap();
+    assert_eq!(sentence.checksum(), crate::ChecksumState::Valid);
+    let back = decode(&sentence).unwrap();
+    assert_eq!(&back, message, "{line}");
+    let mut again = Vec::new();
+    encode(&back, &mut again).unwrap();
+    assert_eq!(again, out);
+}

@@ -1,0 +1,103 @@
+use crate::error::{EncodeError, Fault};
+use crate::sentence::{Fields, Sentence};
+
+/// A sentence whose name this crate does not know in its direction: to be counted and logged, and otherwise ignored
+/// (SPI 4.2).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownMessage {
+    name: Box<str>,
+    body: Option<Box<str>>,
+}
+
+impl UnknownMessage {
+    /// From a name and raw fields.
+    ///
+    /// # Errors
+    /// [`Fault`] where the name is not of letters and digits, or a field holds a delimiter or a control character.
+    pub fn new(name: &str, fields: &[&str]) -> Result<Self, Fault> {
+        if name.is_empty() || !name.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
+            return Err(Fault::expected("a name of letters and digits"));
+        }
+        if fields
+            .iter()
+            .any(|field| field.chars().any(|c| c.is_control() || matches!(c, ',' | '*' | '$')))
+        {
+            return Err(Fault::expected(
+                "fields without comma, asterisk, dollar and control characters",
+            ));
+        }
+        let body = (!fields.is_empty()).then(|| fields.join(",").into_boxed_str());
+        Ok(Self {
+            name: name.into(),
+            body,
+        })
+    }
+
+    /// The sentence's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The raw text of the fields; control characters have become blanks.
+    #[must_use]
+    pub fn fields(&self) -> Fields<'_> {
+        Fields::of(self.body.as_deref())
+    }
+
+    pub(crate) fn of(sentence: &Sentence<'_>) -> Self {
+        let body = sentence
+            .body()
+            .map(|body| body.replace(|c: char| c.is_control() || c == '$', " ").into_boxed_str());
+        Self {
+            name: sentence.name().into(),
+            body,
+        }
+    }
+
+    /// Appends name and fields, without what stands around them.
+    pub(crate) fn write(&self, out: &mut Vec<u8>, is_known: impl Fn(&str) -> bool) -> Result<(), EncodeError> {
+        if is_known(&self.name) {
+            return Err(EncodeError::Known {
+                message: self.name.clone(),
+            });
+        }
+        out.extend_from_slice(self.name.as_bytes());
+        if let Some(body) = &self.body {
+            out.push(b',');
+            out.extend_from_slice(body.as_bytes());
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn name_and_raw_fields_are_kept() {
+        let sentence = Sentence::parse("$BFXYZ,1,,two words,*00").unwrap();
+        let unknown = UnknownMessage::of(&sentence);
+        assert_eq!(unknown.name(), "BFXYZ");
+        assert_eq!(unknown.fields().collect::<Vec<_>>(), ["1", "", "two words", ""]);
+        assert_eq!(
+            unknown,
+            UnknownMessage::new("BFXYZ", &["1", "", "two words", ""]).unwrap()
+        );
+    }
+
+    #[test]
+    fn control_characters_become_blanks() {
+        let unknown = UnknownMessage::of(&Sentence::parse("$BFXYZ,a\rb\u{1}c,é").unwrap());
+        assert_eq!(unknown.fields().collect::<Vec<_>>(), ["a b c", "é"]);
+    }
+
+    #[test]
+    fn what_would_break_the_sentence_is_refused() {
+        assert!(UnknownMessage::new("", &[]).is_err());
+        assert!(UnknownMessage::new("BF,A", &[]).is_err());
+        assert!(UnknownMessage::new("BFABC", &["a\r\n$BPABT"]).is_err());
+        assert!(UnknownMessage::new("BFABC", &["a*00"]).is_err());
+    }
+}

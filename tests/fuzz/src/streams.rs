@@ -1,0 +1,82 @@
+use backseat_spi::{ChecksumState, FrameCounts, Framer, MAX_LINE, Policy, Sentence};
+
+const POLICIES: [Policy; 2] = [Policy::FromVehicle, Policy::FromPayload];
+
+/// Frames a stream in one push. Every sentence is whole, in the stream as it stands, and allowed by the policy; memory
+/// stays within its bound; every byte is in a sentence, a counted drop or counted noise.
+pub fn frame(data: &[u8]) {
+    for policy in POLICIES {
+        let mut framer = Framer::new(policy);
+        framer.push(data);
+        assert!(framer.memory() <= Framer::MAX_MEMORY);
+        let mut from = 0;
+        let mut given = 0;
+        while let Some(sentence) = framer.next_sentence() {
+            given += 1;
+            let raw = sentence.raw().as_bytes();
+            assert!(raw.len() <= MAX_LINE && !raw.contains(&b'\n') && raw.iter().filter(|b| **b == b'$').count() == 1);
+            assert_eq!(Sentence::parse(sentence.raw()), Ok(sentence));
+            match (policy, sentence.checksum()) {
+                (_, ChecksumState::Valid) | (Policy::FromPayload, ChecksumState::Absent) => {}
+                (_, state) => panic!("a sentence with a checksum that is {state:?} got through"),
+            }
+            let at = data[from..].windows(raw.len()).position(|window| window == raw);
+            from += at.expect("sentences come out in order, as they went in") + raw.len();
+        }
+        let counts = framer.counts();
+        assert_eq!(counts.sentences, given);
+        let lines = data.iter().filter(|byte| matches!(byte, b'$')).count() as u64;
+        assert!(events(counts) <= lines, "{counts:?} of {lines} dollar signs");
+        assert!(counts.noise_bytes <= data.len() as u64);
+        framer.clear();
+        assert!(framer.next_sentence().is_none());
+    }
+}
+
+/// Frames a stream cut as its first bytes say, and in one piece: the same sentences and the same counts.
+pub fn stream(data: &[u8]) {
+    let (cuts, data) = data.split_at(data.len().min(8));
+    if cuts.is_empty() || data.len() >= Framer::MAX_BACKLOG {
+        return;
+    }
+    for policy in POLICIES {
+        let whole = sentences(policy, core::iter::once(data));
+        let mut rest = data;
+        let mut lengths = cuts.iter().cycle();
+        let pieces = core::iter::from_fn(|| {
+            let length = usize::from(*lengths.next()?);
+            let (piece, after) = rest.split_at(length.max(1).min(rest.len()));
+            rest = after;
+            (!piece.is_empty()).then_some(piece)
+        });
+        assert_eq!(sentences(policy, pieces), whole);
+    }
+}
+
+fn sentences<'a>(policy: Policy, pieces: impl Iterator<Item = &'a [u8]>) -> (Vec<String>, FrameCounts) {
+    let mut framer = Framer::new(policy);
+    let mut out = Vec::new();
+    for piece in pieces {
+        framer.push(piece);
+        while let Some(sentence) = framer.next_sentence() {
+            out.push(sentence.raw().to_owned());
+        }
+    }
+    (out, framer.counts())
+}
+
+/// Every one of these began with a dollar sign of its own.
+fn events(counts: FrameCounts) -> u64 {
+    let FrameCounts {
+        sentences,
+        checksum_invalid,
+        checksum_absent,
+        malformed,
+        too_long,
+        not_utf8,
+        cut_short,
+        overflowed,
+        noise_bytes: _,
+    } = counts;
+    sentences + checksum_invalid + checksum_absent + malformed + too_long + not_utf8 + cut_short + overflowed
+}

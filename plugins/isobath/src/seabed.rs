@@ -1,7 +1,4 @@
-#![expect(
-    clippy::needless_range_loop,
-    reason = "matrix formulas read best with their indices"
-)]
+#![expect(clippy::needless_range_loop, reason = "matrix formulas read best with their indices")]
 
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::units::math::{exp, hypot};

@@ -1,5 +1,11 @@
 //! The plugin steers a simple vehicle over drawn seabeds, in closed loop: what it is for, and its manners.
 
+#![expect(
+    clippy::unwrap_used,
+    clippy::wildcard_enum_match_arm,
+    reason = "a harness: what it does not expect fails the test"
+)]
+
 mod sea;
 
 use backseat_sdk::{Event, Outcome, Plugin, Request, State, StepInput};

@@ -50,8 +50,12 @@ impl Line {
     }
 
     /// Begun at the end that is nearer to a point.
-    fn from_near(self, at: EastNorth) -> Self {
-        if self.end.distance_m(at) < self.start.distance_m(at) { self.turned() } else { self }
+    fn begun_near(self, at: EastNorth) -> Self {
+        if self.end.distance_m(at) < self.start.distance_m(at) {
+            self.turned()
+        } else {
+            self
+        }
     }
 }
 
@@ -73,8 +77,11 @@ impl Area {
         let wide = size.east_m >= size.north_m;
         let u_deg = orientation_deg + if wide { 90.0 } else { 0.0 };
         let (sin, cos) = sin_cos(wrap_180(u_deg).to_radians());
-        let (half_u_m, half_v_m) =
-            if wide { (size.east_m / 2.0, size.north_m / 2.0) } else { (size.north_m / 2.0, size.east_m / 2.0) };
+        let (half_u_m, half_v_m) = if wide {
+            (size.east_m / 2.0, size.north_m / 2.0)
+        } else {
+            (size.north_m / 2.0, size.east_m / 2.0)
+        };
         Self {
             frame: LocalFrame::new(centre),
             half_u_m,
@@ -151,18 +158,21 @@ impl Area {
             start: self.point(u, v_start),
             end: self.point(u, v_end),
         }
-        .from_near(from);
+        .begun_near(from);
         let along = Line {
             start: self.point(u_start, v),
             end: self.point(u_end, v),
         }
-        .from_near(across.end);
+        .begun_near(across.end);
         [across, along]
     }
 
     fn axes(&self, at: EastNorth) -> (f64, f64) {
         let (east, north) = (self.axis.east_m, self.axis.north_m);
-        (at.east_m * east + at.north_m * north, at.north_m * east - at.east_m * north)
+        (
+            at.east_m * east + at.north_m * north,
+            at.north_m * east - at.east_m * north,
+        )
     }
 
     fn point(&self, u_m: f64, v_m: f64) -> EastNorth {

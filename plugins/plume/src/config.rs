@@ -124,7 +124,12 @@ fn within(
 }
 
 fn position(key: &'static str, [latitude, longitude]: [f64; 2]) -> Result<Position, ConfigError> {
-    within(key, latitude, -85.0..=85.0, "a latitude of -85 to 85 degrees, then a longitude")?;
+    within(
+        key,
+        latitude,
+        -85.0..=85.0,
+        "a latitude of -85 to 85 degrees, then a longitude",
+    )?;
     Position::from_deg(latitude, longitude).map_err(|error| ConfigError::Range {
         key,
         value: error.value,
@@ -206,11 +211,17 @@ mod tests {
     #[test]
     fn a_box_by_its_corners_or_its_middle() {
         let area = config("70,", "70,").unwrap().area.area().unwrap();
-        assert!((area.length_m() - 605.0).abs() < 2.0 && (area.width_m() - 500.0).abs() < 1.0, "{area:?}");
+        assert!(
+            (area.length_m() - 605.0).abs() < 2.0 && (area.width_m() - 500.0).abs() < 1.0,
+            "{area:?}"
+        );
         let corners = r#""south_west": [42.0, -70.0], "north_east": [42.0045, -69.9927]"#;
         let middle = r#""centre": [42.0, -70.0], "width_m": 300, "height_m": 600, "orientation_deg": 30"#;
         let area = config(corners, middle).unwrap().area.area().unwrap();
-        assert!((area.length_m() - 600.0).abs() < 1e-9, "lines along the longer side: {area:?}");
+        assert!(
+            (area.length_m() - 600.0).abs() < 1e-9,
+            "lines along the longer side: {area:?}"
+        );
         assert_eq!(
             config(corners, r#""centre": [42.0, -70.0], "width_m": 300"#).unwrap_err(),
             "box: expected south_west and north_east, or centre, width_m and height_m"
@@ -224,8 +235,20 @@ mod tests {
             "line_spacing_m is 7: expected 10 to 1000 m"
         );
         assert_eq!(config("1.5", "5").unwrap_err(), "speed_mps is 5: expected 0.3 to 3 m/s");
-        assert!(config("[42.0, ", "[142.0, ").unwrap_err().starts_with("box.south_west is 142: expected a latitude"));
-        assert!(config("42.0045", "41.99").unwrap_err().starts_with("box.north_east is -1"));
-        assert!(config("depth_m", "deep_m").unwrap_err().contains("unknown field `deep_m`"));
+        assert!(
+            config("[42.0, ", "[142.0, ")
+                .unwrap_err()
+                .starts_with("box.south_west is 142: expected a latitude")
+        );
+        assert!(
+            config("42.0045", "41.99")
+                .unwrap_err()
+                .starts_with("box.north_east is -1")
+        );
+        assert!(
+            config("depth_m", "deep_m")
+                .unwrap_err()
+                .contains("unknown field `deep_m`")
+        );
     }
 }

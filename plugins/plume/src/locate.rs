@@ -12,6 +12,12 @@ const BACKGROUND_SIGMAS: f64 = 1.0;
 const BACKGROUND_ROUNDS: u32 = 8;
 /// Fewer bins than this tell nothing.
 const BINS_MIN: usize = 20;
+/// A fit that is off by more than this part of its height is of something that is no Gaussian.
+const MISFIT: f64 = 0.12;
+/// More bins than this are joined: the smooth takes time with their square, and a step's fuel is bounded.
+const BINS_MAX: usize = 300;
+/// Bins farther apart than this are not of one line, metres.
+const JOIN_MAX_M: f64 = 40.0;
 
 /// How the maximum was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +54,8 @@ pub fn locate(bins: &[Bin], area: &Area, spacing_m: f64) -> Option<Located> {
         return None;
     }
     let noise = noise(bins);
+    let joined = joined(bins);
+    let bins = &joined[..];
     let background = background(bins)?;
     let over = |bin: &Bin| bin.value - (background[0] + background[1] * bin.at.east_m + background[2] * bin.at.north_m);
     let inside: Vec<(EastNorth, f64, f64)> = bins
@@ -61,10 +69,12 @@ pub fn locate(bins: &[Bin], area: &Area, spacing_m: f64) -> Option<Located> {
             && fit.amplitude > AMPLITUDE_SIGMAS * noise
             && fit.centre.distance_m(guess) < 3.0 * fit.sigmas_m().1
             && fit.amplitude < 5.0 * smooth.max(noise)
+            && misfit(fit, bins) < MISFIT * fit.amplitude + noise
     };
-    let fit = [1.0, 2.0].into_iter().find_map(|wide| {
+    // The second start is for what is much wider than the lines are apart; its rounds are few, to bound a step's fuel.
+    let fit = [(1.0, 20), (2.0, 10)].into_iter().find_map(|(wide, rounds)| {
         let start = Gaussian::round(guess, wide * spacing_m.max(30.0));
-        Gaussian::fit(bins, start, noise).filter(believed)
+        Gaussian::fit(bins, start, noise, rounds).filter(believed)
     });
     if let Some(fit) = fit {
         return Some(Located {
@@ -87,20 +97,57 @@ pub fn locate(bins: &[Bin], area: &Area, spacing_m: f64) -> Option<Located> {
     })
 }
 
+/// How far off a fit is where it is not low, root mean square.
+fn misfit(fit: &Gaussian, bins: &[Bin]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for bin in bins {
+        let shape = fit.shape_at(bin.at);
+        if shape > 0.1 {
+            let off = bin.value - fit.background_at(bin.at) - fit.amplitude * shape;
+            sum += off * off;
+            count += 1.0;
+        }
+    }
+    (sum / f64::max(count, 1.0)).sqrt()
+}
+
 /// The noise of a single sample, from the second differences of bins in a row: what is smooth over three bins is none.
 fn noise(bins: &[Bin]) -> f64 {
     let mut differences: Vec<f64> = bins
         .windows(3)
         .map(|three| {
             let difference = three[0].value - 2.0 * three[1].value + three[2].value;
-            let variance = 1.0 / f64::from(three[0].count)
-                + 4.0 / f64::from(three[1].count)
-                + 1.0 / f64::from(three[2].count);
+            let variance =
+                1.0 / f64::from(three[0].count) + 4.0 / f64::from(three[1].count) + 1.0 / f64::from(three[2].count);
             difference.abs() / variance.sqrt()
         })
         .collect();
     // A normal number's median size is 0.6745 of its standard deviation.
     median(&mut differences).unwrap_or(0.0) / 0.6745
+}
+
+/// As many bins in a row made one as leave few enough.
+fn joined(bins: &[Bin]) -> Vec<Bin> {
+    let most = bins.len().div_ceil(BINS_MAX);
+    let mut out: Vec<Bin> = Vec::with_capacity(BINS_MAX);
+    let mut members = 0;
+    for bin in bins {
+        match out.last_mut() {
+            Some(last) if members < most && last.at.distance_m(bin.at) < JOIN_MAX_M => {
+                let (before, added) = (f64::from(last.count), f64::from(bin.count));
+                let share = added / (before + added);
+                last.at = last.at + (bin.at - last.at) * share;
+                last.value += (bin.value - last.value) * share;
+                last.count += bin.count;
+                members += 1;
+            }
+            Some(_) | None => {
+                out.push(*bin);
+                members = 1;
+            }
+        }
+    }
+    out
 }
 
 fn median(values: &mut [f64]) -> Option<f64> {
@@ -124,9 +171,13 @@ fn background(bins: &[Bin]) -> Option<[f64; 3]> {
         for bin in kept {
             squares.add([1.0, bin.at.east_m, bin.at.north_m], bin.value, f64::from(bin.count));
         }
-        let Some([middle, east, north]) = squares.solve() else { break };
-        let mut sizes: Vec<f64> =
-            bins.iter().map(|bin| (bin.value - (middle + east * bin.at.east_m + north * bin.at.north_m)).abs()).collect();
+        let Some([middle, east, north]) = squares.solve() else {
+            break;
+        };
+        let mut sizes: Vec<f64> = bins
+            .iter()
+            .map(|bin| (bin.value - (middle + east * bin.at.east_m + north * bin.at.north_m)).abs())
+            .collect();
         plane = Some([middle, east, north]);
         most_over = BACKGROUND_SIGMAS * median(&mut sizes)? / 0.6745;
     }
@@ -137,7 +188,8 @@ fn background(bins: &[Bin]) -> Option<[f64; 3]> {
 fn highest(values: &[(EastNorth, f64, f64)], reach_m: f64) -> Option<(EastNorth, f64)> {
     let square = reach_m * reach_m;
     let mut best: Option<(EastNorth, f64)> = None;
-    for &(middle, _, _) in values {
+    // Every other bin is near enough to the highest for a first guess.
+    for &(middle, _, _) in values.iter().step_by(2) {
         let (mut sum, mut weights, mut used) = (0.0, 0.0, 0);
         for &(at, value, count) in values {
             let from = at - middle;
@@ -177,7 +229,11 @@ mod tests {
     use super::*;
 
     fn area() -> Area {
-        Area::new(Position::from_deg(42.0, -70.0).unwrap(), EastNorth::new(600.0, 500.0), 0.0)
+        Area::new(
+            Position::from_deg(42.0, -70.0).unwrap(),
+            EastNorth::new(600.0, 500.0),
+            0.0,
+        )
     }
 
     /// Lines 70 m apart over a field, with a wobble for noise.
@@ -188,7 +244,7 @@ mod tests {
             .flat_map(|line| (0..60).map(|step| line.start + (line.end - line.start) * (f64::from(step) / 59.0)))
             .enumerate()
             .map(|(index, at)| {
-                let wobble = 0.01 * sin(index as f64 * 12.9898);
+                let wobble = 0.01 * (sin(index as f64 * 12.9898) * 43_758.545_3).fract();
                 Bin {
                     at,
                     value: field(at) + wobble,

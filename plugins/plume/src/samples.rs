@@ -9,10 +9,10 @@ const BEYOND_NS: u64 = 2 * SECOND_NS;
 /// Between two fixes that lie farther apart than this the way is not known.
 const GAP_NS: u64 = 10 * SECOND_NS;
 /// So many samples make a bin, or as many as fit in this length and time.
-const BIN_SAMPLES: u32 = 6;
-const BIN_LENGTH_M: f64 = 12.0;
-const BIN_NS: u64 = 10 * SECOND_NS;
-/// More bins than this are not kept: some 14 hours of way.
+const BIN_SAMPLES: u32 = 10;
+const BIN_LENGTH_M: f64 = 16.0;
+const BIN_NS: u64 = 12 * SECOND_NS;
+/// More bins than this are not kept: some 20 hours of way.
 const BINS_MAX: usize = 8192;
 
 /// Where the vehicle was.
@@ -57,7 +57,13 @@ struct Open {
 impl Samples {
     /// The vehicle was here at a time, nanoseconds, and went this way. A time before the newest is passed over.
     pub fn fix(&mut self, at_ns: u64, at: EastNorth, depth_m: f64, velocity_mps: EastNorth) {
-        let numbers = [at.east_m, at.north_m, depth_m, velocity_mps.east_m, velocity_mps.north_m];
+        let numbers = [
+            at.east_m,
+            at.north_m,
+            depth_m,
+            velocity_mps.east_m,
+            velocity_mps.north_m,
+        ];
         let late = self.fixes.last().is_some_and(|last| at_ns <= last.at_ns);
         if late || numbers.iter().any(|number| !number.is_finite()) {
             return;
@@ -182,8 +188,8 @@ mod tests {
         }
         samples.sample(13 * SECOND_NS, EastNorth::new(500.0, 0.0), 1.0);
         samples.sample(14 * SECOND_NS, EastNorth::new(500.0, 0.0), f64::NAN);
-        assert_eq!(samples.bins().iter().map(|bin| bin.count).collect::<Vec<_>>(), [6, 6, 1]);
-        assert!((samples.bins()[0].at.east_m - 3.75).abs() < 1e-9);
-        assert!((samples.bins()[0].value - 15.75).abs() < 1e-9);
+        assert_eq!(samples.bins().iter().map(|bin| bin.count).collect::<Vec<_>>(), [10, 3]);
+        assert!((samples.bins()[0].at.east_m - 6.75).abs() < 1e-9);
+        assert!((samples.bins()[0].value - 18.75).abs() < 1e-9);
     }
 }

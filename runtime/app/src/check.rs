@@ -50,7 +50,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             let legs = vehicle.plan_points();
             for (number, position) in &legs {
                 if let Err(breach) = mission.envelope.fence().contains(frame.to_local(*position)) {
-                    println!("plan element {number}: {breach}");
+                    println!("plan element {}: {breach}", number.unwrap_or(0));
                     outside += 1;
                 }
             }

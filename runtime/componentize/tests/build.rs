@@ -1,6 +1,9 @@
 //! Builds real plugin crates: the template here, in another folder, and in a crate outside of any workspace.
 
-#![expect(clippy::unwrap_used, reason = "the lint knows only test functions as tests, not what they call")]
+#![expect(
+    clippy::unwrap_used,
+    reason = "the lint knows only test functions as tests, not what they call"
+)]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 use backseat_spi::{BehaviorId, PlanElement, PlanElementKind};
 use backseat_units::math::TAU;
-use backseat_units::{EastNorth, Timestamp};
+use backseat_units::{EastNorth, Position, Timestamp};
 
 use crate::event::ClientId;
 use crate::mvc::Mvc;
@@ -14,22 +14,9 @@ const POINTS_MAX: f64 = 240.0;
 impl Mvc {
     /// The whole plan as BFPLN messages (SPI 6.20), the inserts at their place in it. How many messages.
     pub(crate) fn send_plan(&mut self, now: Timestamp, client: ClientId) -> u32 {
-        let inserts_after = self.executive.inserts_after();
-        let mut teller = Teller {
-            at: self.vehicle.at,
-            points: Vec::new(),
-        };
-        for (index, item) in (1..).zip(self.executive.plan()) {
-            teller.tell(Some(item.number), None, &item.shape, item.speed_mps);
-            if index == inserts_after {
-                for insert in self.executive.inserts() {
-                    teller.tell(None, Some(insert.id), &insert.shape, insert.speed_mps);
-                }
-            }
-        }
         let created = self.stamp(now);
         let mut count = 0;
-        for point in teller.points {
+        for point in self.points() {
             let position = self.frame().to_position(point.at);
             let (number, identifier, index, element) = (point.number, point.identifier, point.index, point.element);
             self.send(
@@ -48,6 +35,29 @@ impl Mvc {
             count += 1;
         }
         count
+    }
+
+    /// The points of the front seat's plan and of the inserts in it, with the numbers of the planned elements.
+    #[must_use]
+    pub fn plan_points(&self) -> Vec<(Option<u32>, Position)> {
+        self.points().into_iter().map(|point| (point.number, self.frame().to_position(point.at))).collect()
+    }
+
+    fn points(&self) -> Vec<Point> {
+        let inserts_after = self.executive.inserts_after();
+        let mut teller = Teller {
+            at: self.vehicle.at,
+            points: Vec::new(),
+        };
+        for (index, item) in (1..).zip(self.executive.plan()) {
+            teller.tell(Some(item.number), None, &item.shape, item.speed_mps);
+            if index == inserts_after {
+                for insert in self.executive.inserts() {
+                    teller.tell(None, Some(insert.id), &insert.shape, insert.speed_mps);
+                }
+            }
+        }
+        teller.points
     }
 }
 

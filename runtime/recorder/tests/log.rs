@@ -1,4 +1,5 @@
 //! What is written to a log comes back from it.
+#![expect(clippy::unwrap_used, reason = "a test may panic, in its helpers too")]
 
 use std::io::Cursor;
 use std::path::Path;
@@ -249,9 +250,13 @@ fn outputs_go_to_their_channels() {
     let log = parse(&recorded(Rate::Simulation, write)).unwrap();
     let records: Vec<_> = log.entries.iter().map(|entry| &entry.record).collect();
     assert_eq!(records[0], &Record::Sent(b"$BPVER\r\n".to_vec()));
-    let json = |index: usize| match records[index] {
-        Record::Output(json) | Record::Note(json) | Record::Request(json) | Record::Control(json) => json.clone(),
-        other => panic!("{index}: {other:?}"),
+    let json = |index: usize| {
+        let (Record::Output(json) | Record::Note(json) | Record::Request(json) | Record::Control(json)) =
+            records[index]
+        else {
+            panic!("{index}: {:?}", records[index]);
+        };
+        json.clone()
     };
     assert_eq!(json(1), serde_json::json!({"output": "connect", "after_s": 1.5}));
     assert_eq!(json(3), serde_json::json!({"output": "invoke", "plugin": 2}));

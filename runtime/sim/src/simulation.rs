@@ -4,7 +4,7 @@ use std::io::BufWriter;
 use std::time::Duration;
 
 use backseat_core::plugin::{PluginId, Returned};
-use backseat_core::{Core, Identifiers, Input, Note, Operator, Output, RequestCounts, Restarted, Start};
+use backseat_core::{ControlHook, Core, Identifiers, Input, Note, Operator, Output, RequestCounts, Restarted, Start};
 use backseat_mission::{Mission, MissionError};
 use backseat_mvc::{Activity, ClientId, Mvc, MvcError, Status, Truth, WorldFile};
 use backseat_oracle::{Oracle, OracleError};
@@ -97,7 +97,17 @@ impl Simulation {
             backseat_oracle::Limits {
                 speed_min_mps: limits.speed_min_mps,
                 speed_max_mps: limits.speed_max_mps,
-                current_max_mps: limits.current_max_mps,
+                control: match &mission.file.session.control {
+                    ControlHook::Bfctl => backseat_oracle::ControlHook::BackseatControl,
+                    ControlHook::Running => backseat_oracle::ControlHook::MissionRunning,
+                    ControlHook::MissionCommand { grant, revoke } => backseat_oracle::ControlHook::MissionCommand {
+                        grant: grant.clone(),
+                        revoke: revoke.clone(),
+                    },
+                },
+                tracking_error_m: limits.tracking_error_m,
+                navigation_age_max_s: limits.navigation_age_max_s,
+                operator_commands: false,
                 inserts_open_max: limits.inserts_open_max,
                 inserts_total_max: limits.inserts_total_max,
                 inserts_duration_max_s: limits.inserts_duration_max_s,

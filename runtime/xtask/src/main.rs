@@ -1,2 +1,52 @@
-//! Project tasks.
-fn main() {}
+//! The one door to the project's tasks: `cargo xtask demo`, `cargo xtask test`, and what they are made of.
+
+mod cargo;
+mod demo;
+mod seeds;
+mod tidy;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(about, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Build everything and fly the isobath mission in simulation; says where its log and picture are
+    Demo,
+    /// Run everything that checks the project: format, lints, tests, project rules
+    Test,
+    /// Build the project's plugins into target/plugins
+    Plugins,
+    /// Run the benchmarks and print the speed table
+    Bench,
+    /// Fly a mission with many seeds and tell how many held its expectations
+    Seeds(seeds::Seeds),
+    /// Check the project's own rules
+    Tidy,
+}
+
+fn main() -> ExitCode {
+    let result: Result<()> = match Cli::parse().task {
+        Task::Demo => demo::demo(),
+        Task::Test => demo::test(),
+        Task::Plugins => demo::plugins(),
+        Task::Bench => demo::bench(),
+        Task::Seeds(arguments) => seeds::seeds(&arguments),
+        Task::Tidy => tidy::tidy(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("xtask: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

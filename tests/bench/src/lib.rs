@@ -1,1 +1,5 @@
-//! The speed table.
+//! The speed table. `cargo xtask bench` prints it.
+//!
+//! The machine that measures is shared and noisy, so every row stands beside a floor: the least that the work can
+//! cost, written by hand in the benchmark and measured in the same run, both in turn. What counts is the ratio. Nothing
+//! here is a test.

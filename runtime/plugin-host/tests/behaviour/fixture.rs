@@ -39,14 +39,16 @@ pub(crate) struct Latitude;
 impl Judge for Latitude {
     fn judge(&self, request: &Request, input: &StepInput) -> Result<f64, Refusal> {
         assert!(input.navigation.is_some(), "the judge needs the step's navigation");
-        match request {
-            Request::Trackline(line) if line.end.latitude_deg > 42.01 => Err(Refusal {
+        if let Request::Trackline(line) = request
+            && line.end.latitude_deg > 42.01
+        {
+            return Err(Refusal {
                 rule: "inclusion",
                 metres: 12.5,
                 text: "the end is out".into(),
-            }),
-            _ => Ok(3.5),
+            });
         }
+        Ok(3.5)
     }
 }
 

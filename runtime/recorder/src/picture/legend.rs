@@ -56,7 +56,7 @@ fn draw_north(canvas: &mut Canvas, (x, y): Pixel) {
 }
 
 fn draw_scale(canvas: &mut Canvas, view: &View, (x, y): Pixel) {
-    // The step not below 40 pixels is not over 100.
+    // Steps are at most 2.5 times apart, so this is 44 to 110 pixels long.
     let length_m = nice_step(44.0 / view.scale);
     let length = length_m * view.scale;
     let half = length / 2.0;

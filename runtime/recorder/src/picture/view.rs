@@ -163,8 +163,7 @@ fn seen(picture: &Picture) -> Option<Extent> {
     for shape in &picture.inserts {
         seen.shape(shape);
     }
-    // A refused request may lead to the other end of the world: it must not shrink the rest, so only where it begins
-    // counts, and only where nothing else is in view.
+    // A refused request may lead to the other end of the world: it must not shrink the rest.
     if seen.0.is_none() {
         for rejected in &picture.rejected {
             seen.shape(&rejected.shape);

@@ -1,0 +1,314 @@
+//! The scripted vehicle: it flies a straight course, answers as it is told to, and says what the test has it say.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+use backseat_spi::{
+    AckStatus, Acknowledgement, BackseatControl, BehaviorBegin, BehaviorEnd, BehaviorId, CommandName, FromVehicle,
+    MissionStatus, Navigation, PlanElement, PlanElementKind, PositionQuality, Sentence, Text, ToVehicle,
+    VehicleVersion, VelocityAndRates,
+};
+use backseat_units::{Altitude, Depth, EastNorth, Heading, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
+
+use crate::course;
+
+/// How a command is answered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Reply {
+    Ok,
+    Refuse,
+    Pending(Duration, AckStatus),
+    Late(Duration, AckStatus),
+    /// Pending again and again, and never settled.
+    PendingForEver,
+    Silent,
+    /// As no command at all.
+    Nak,
+}
+
+pub(crate) struct Vehicle {
+    /// Its clock less the true one, nanoseconds.
+    pub(crate) clock_nanos: i64,
+    pub(crate) utc: Utc,
+    pub(crate) start: EastNorth,
+    pub(crate) heading_deg: f64,
+    pub(crate) speed_mps: f64,
+    pub(crate) depth_m: f64,
+    pub(crate) altitude_m: Option<f64>,
+    /// Navigation's own error.
+    pub(crate) jump: EastNorth,
+    pub(crate) navigates: bool,
+    /// The solution's time stands still since then.
+    pub(crate) frozen: Option<Timestamp>,
+    /// Whether what it has said of control is said again to a new subscriber.
+    pub(crate) replays: bool,
+    pub(crate) control: bool,
+    pub(crate) status: &'static str,
+    pub(crate) replies: BTreeMap<&'static str, Reply>,
+    /// Our inserts that its plan names.
+    pub(crate) inserted: BTreeSet<u32>,
+    pub(crate) subscribed: BTreeSet<String>,
+    /// Subscriptions that it does not hear, so often.
+    pub(crate) deaf_to_subscriptions: u32,
+    due: Vec<(Timestamp, FromVehicle)>,
+    next_navigation: Timestamp,
+}
+
+impl Vehicle {
+    pub(crate) fn new() -> Self {
+        Self {
+            clock_nanos: 0,
+            utc: Utc::from_unix_nanos(1_700_000_000_000_000_000),
+            start: EastNorth::new(-500.0, 0.0),
+            heading_deg: 90.0,
+            speed_mps: 1.5,
+            depth_m: 20.0,
+            altitude_m: Some(70.0),
+            jump: EastNorth::default(),
+            navigates: true,
+            frozen: None,
+            replays: true,
+            control: true,
+            status: "Running",
+            replies: BTreeMap::new(),
+            inserted: BTreeSet::new(),
+            subscribed: BTreeSet::new(),
+            deaf_to_subscriptions: 0,
+            due: Vec::new(),
+            next_navigation: Timestamp::from_millis(50),
+        }
+    }
+
+    pub(crate) fn clock(&self, now: Timestamp) -> TimeOfDay {
+        let true_nanos = (self.utc + Duration::from_nanos(now.as_nanos())).as_unix_nanos();
+        Utc::from_unix_nanos(true_nanos.wrapping_add_signed(self.clock_nanos)).time_of_day()
+    }
+
+    pub(crate) fn say(&mut self, at: Timestamp, message: impl Into<FromVehicle>) {
+        self.due.push((at, message.into()));
+    }
+
+    pub(crate) fn connected(&mut self, now: Timestamp) {
+        self.subscribed.clear();
+        self.due.clear();
+        self.say(now, VehicleVersion { created: self.clock(now), version: Text::cleaned("1.11") });
+    }
+
+    pub(crate) fn next(&self) -> Timestamp {
+        self.due.iter().map(|(at, _)| *at).fold(self.next_navigation, Timestamp::min)
+    }
+
+    /// What it says now, oldest first, with the true time of the solution where it is navigation.
+    pub(crate) fn speak(&mut self, now: Timestamp) -> Vec<(FromVehicle, Option<Timestamp>)> {
+        let (due, later): (Vec<_>, Vec<_>) = self.due.drain(..).partition(|(at, _)| *at <= now);
+        self.due = later;
+        let mut said: Vec<_> = due.into_iter().map(|(_, message)| (message, None)).collect();
+        if self.next_navigation <= now {
+            self.next_navigation = now + Duration::from_millis(100);
+            if self.navigates && self.subscribed.contains("NVG") && self.subscribed.contains("NVR") {
+                let solved = self.frozen.unwrap_or(now);
+                said.push((self.navigation(now, solved).into(), Some(solved)));
+                said.push((self.velocity(now).into(), None));
+            }
+        }
+        said
+    }
+
+    pub(crate) fn navigation(&self, now: Timestamp, solved: Timestamp) -> Navigation {
+        let frame = *course::fence().frame();
+        let position = frame.to_position(self.here(now) + self.jump);
+        let heading = Heading::from_deg(self.heading_deg).unwrap();
+        Navigation {
+            created: self.clock(now),
+            position,
+            quality: PositionQuality::NoGps,
+            altitude: self.altitude_m.map(|m| Altitude::from_m(m).unwrap()),
+            depth: Depth::from_m(self.depth_m).unwrap(),
+            heading: heading.to_grid(utm_convergence_deg(position)),
+            roll_deg: 0.0,
+            pitch_deg: 0.0,
+            solution: self.clock(solved),
+        }
+    }
+
+    fn here(&self, now: Timestamp) -> EastNorth {
+        self.start.offset(self.heading_deg, self.speed_mps * now.as_secs_f64())
+    }
+
+    fn velocity(&self, now: Timestamp) -> VelocityAndRates {
+        let way = EastNorth::default().offset(self.heading_deg, self.speed_mps);
+        VelocityAndRates {
+            created: self.clock(now),
+            east_mps: way.east_m,
+            north_mps: way.north_m,
+            down_mps: 0.0,
+            pitch_rate_dps: 0.0,
+            roll_rate_dps: 0.0,
+            yaw_rate_dps: 0.0,
+        }
+    }
+
+    pub(crate) fn set_control(&mut self, now: Timestamp, granted: bool) {
+        self.control = granted;
+        self.say(now, BackseatControl { created: self.clock(now), granted });
+    }
+
+    pub(crate) fn set_status(&mut self, now: Timestamp, status: &'static str) {
+        self.status = status;
+        self.say(now, self.mission_status(now));
+    }
+
+    fn mission_status(&self, now: Timestamp) -> MissionStatus {
+        MissionStatus {
+            created: self.clock(now),
+            dive_file: Text::cleaned("survey.dive"),
+            status: Text::cleaned(self.status),
+            details: Text::cleaned(""),
+        }
+    }
+
+    pub(crate) fn begin(&mut self, now: Timestamp, number: Option<u32>, identifier: Option<u32>) {
+        let message = BehaviorBegin {
+            created: self.clock(now),
+            dive_file: Text::cleaned(""),
+            number,
+            identifier: identifier.map(BehaviorId::new),
+            kind: Text::cleaned("trackline"),
+        };
+        self.say(now, message);
+    }
+
+    pub(crate) fn end(&mut self, now: Timestamp, number: Option<u32>, identifier: Option<u32>) {
+        let message = BehaviorEnd {
+            created: self.clock(now),
+            dive_file: Text::cleaned(""),
+            number,
+            identifier: identifier.map(BehaviorId::new),
+            kind: Text::cleaned("trackline"),
+        };
+        self.say(now, message);
+    }
+
+    pub(crate) fn hear(&mut self, now: Timestamp, bytes: &[u8]) {
+        let line = std::str::from_utf8(bytes).unwrap();
+        let command = ToVehicle::decode(&Sentence::parse(line).unwrap()).unwrap();
+        let (name, identifier) = name_of(&command);
+        if let ToVehicle::LoggingControl(logging) = &command {
+            if self.deaf_to_subscriptions > 0 {
+                self.deaf_to_subscriptions -= 1;
+                return;
+            }
+            let new = self.subscribed.insert(logging.message.as_str().to_owned());
+            if new && self.replays {
+                match logging.message.as_str() {
+                    "CTL" => self.set_control(now, self.control),
+                    "MIS" => self.say(now, self.mission_status(now)),
+                    "MBS" => self.begin(now, Some(1), None),
+                    _ => {}
+                }
+            }
+        }
+        if !self.subscribed.contains("ACK") {
+            return;
+        }
+        let created = command.created().unwrap_or(TimeOfDay::MIDNIGHT);
+        let plan = matches!(command, ToVehicle::RequestPlan(_));
+        let reply = match self.replies.get(name) {
+            Some(reply) => *reply,
+            None if plan => Reply::Pending(Duration::from_millis(100), AckStatus::Succeeded),
+            None => Reply::Ok,
+        };
+        let ack = |status| (name, created, identifier, status);
+        match reply {
+            Reply::Ok => self.acknowledge(now, ack(AckStatus::Succeeded)),
+            Reply::Refuse => self.acknowledge(now, ack(AckStatus::Failed)),
+            Reply::Late(after, status) => self.acknowledge(now + after, ack(status)),
+            Reply::Pending(after, status) => {
+                self.acknowledge(now, ack(AckStatus::Pending));
+                if plan && status == AckStatus::Succeeded {
+                    self.say_plan(now + after / 2);
+                }
+                self.acknowledge(now + after, ack(status));
+            }
+            Reply::PendingForEver => {
+                for second in 0..120 {
+                    self.acknowledge(now + Duration::from_secs(second), ack(AckStatus::Pending));
+                }
+            }
+            Reply::Silent => {}
+            Reply::Nak => self.acknowledge(now, ("NAK", TimeOfDay::MIDNIGHT, None, AckStatus::Invalid)),
+        }
+        if reply == Reply::Ok {
+            match &command {
+                ToVehicle::Trackline(insert) => self.inserted.insert(insert.identifier.get()),
+                ToVehicle::Trackcircle(insert) => self.inserted.insert(insert.identifier.get()),
+                ToVehicle::CancelBehavior(cancel) => self.inserted.remove(&cancel.identifier.get()),
+                _ => false,
+            };
+        }
+    }
+
+    pub(crate) fn acknowledge(
+        &mut self,
+        at: Timestamp,
+        (name, echoed, identifier, status): (&str, TimeOfDay, Option<u32>, AckStatus),
+    ) {
+        let message = Acknowledgement {
+            created: self.clock(at),
+            command: CommandName::new(name).unwrap(),
+            command_created: echoed,
+            behavior: identifier.map(BehaviorId::new),
+            status,
+            text: Text::cleaned("as told"),
+        };
+        self.say(at, message);
+    }
+
+    pub(crate) fn say_plan(&mut self, at: Timestamp) {
+        for (number, points) in course::PLAN {
+            for (index, (east_m, north_m)) in points.iter().enumerate() {
+                self.say_element(at, Some(number), None, index, (*east_m, *north_m));
+            }
+        }
+        for identifier in self.inserted.clone() {
+            self.say_element(at, None, Some(identifier), 0, (0.0, 500.0));
+        }
+    }
+
+    pub(crate) fn say_element(
+        &mut self,
+        at: Timestamp,
+        number: Option<u32>,
+        identifier: Option<u32>,
+        index: usize,
+        (east_m, north_m): (f64, f64),
+    ) {
+        let message = PlanElement {
+            created: self.clock(at),
+            number,
+            identifier: identifier.map(BehaviorId::new),
+            index: u32::try_from(index).unwrap(),
+            element: PlanElementKind::Waypoint,
+            position: course::fence().frame().to_position(EastNorth::new(east_m, north_m)),
+        };
+        self.say(at, message);
+    }
+}
+
+/// The three letters of a command and the identifier that it bears.
+pub(crate) fn name_of(command: &ToVehicle) -> (&'static str, Option<u32>) {
+    match command {
+        ToVehicle::LoggingControl(_) => ("LOG", None),
+        ToVehicle::PayloadStatus(_) => ("STS", None),
+        ToVehicle::Trackline(insert) => ("RTK", Some(insert.identifier.get())),
+        ToVehicle::Trackcircle(insert) => ("RTC", Some(insert.identifier.get())),
+        ToVehicle::CancelBehavior(cancel) => ("RCN", Some(cancel.identifier.get())),
+        ToVehicle::CancelAll(_) => ("RCA", None),
+        ToVehicle::ModifyBehavior(_) => ("RMB", None),
+        ToVehicle::EndModify(_) => ("EMB", None),
+        ToVehicle::LogMessage(_) => ("MSG", None),
+        ToVehicle::RequestPlan(_) => ("RMP", None),
+        ToVehicle::PayloadVersion(_) => ("VER", None),
+        ToVehicle::Unknown(message) => panic!("core sent {message:?}"),
+    }
+}

@@ -1,0 +1,193 @@
+use backseat_core::plugin::{PositionRequest, Request};
+use backseat_fence::Kind;
+use backseat_mission::Mission;
+use backseat_mvc::Mvc;
+use backseat_recorder::picture::{
+    Extent, Palette, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render,
+};
+use backseat_spi::ToVehicle;
+use backseat_units::{EastNorth, LocalFrame, Position, Timestamp};
+
+use crate::report::Report;
+use crate::trace::{Steering, Trace};
+
+/// Nodes of the ground along its longer side.
+const NODES: f64 = 160.0;
+
+/// The picture of a run, as SVG: fence, ground, plan, the vehicle's true way by who steered, inserts and rejections.
+#[must_use]
+pub fn survey_map(mission: &Mission, report: &Report, trace: &Trace, mvc: &Mvc) -> String {
+    let fence = mission.envelope.fence();
+    let frame = fence.frame();
+    let zones: Vec<Zone> = fence
+        .zones()
+        .map(|zone| Zone {
+            name: zone.name().to_owned(),
+            kind: match zone.kind() {
+                Kind::Inclusion { .. } => ZoneKind::Inclusion,
+                Kind::Exclusion { .. } => ZoneKind::Exclusion,
+            },
+            rings: zone.rings().map(|ring| ring.points.to_vec()).collect(),
+            margin_m: zone.margin_m(),
+        })
+        .collect();
+    let extent = extent_of(&zones);
+    let flown = trace
+        .samples
+        .iter()
+        .filter_map(|sample| {
+            let steer = match sample.steering {
+                Steering::Plan => Steer::FrontSeat,
+                Steering::Modify => Steer::Modify,
+                Steering::Insert => Steer::Insert,
+                Steering::Nobody => return None,
+            };
+            Some(TrackPoint { at: frame.to_local(sample.position), steer })
+        })
+        .collect();
+    let picture = Picture {
+        title: mission.name.clone(),
+        subtitle: format!(
+            "seed {}, {} after {:.0} min; plugins: {}",
+            report.seed,
+            report.outcome,
+            report.sim_seconds / 60.0,
+            mission.file.plugins.iter().map(|plugin| plugin.name.as_str()).collect::<Vec<_>>().join(", "),
+        ),
+        caption: caption(report),
+        extent: None,
+        ground: Some(ground(extent, frame, mvc, report_contour(mission))),
+        planned: plan(mvc).iter().map(|position| frame.to_local(*position)).collect(),
+        flown,
+        inserts: trace.inserts.iter().filter_map(|insert| insert_shape(insert, frame)).collect(),
+        rejected: trace.rejected.iter().filter_map(|rejected| rejected_shape(rejected, frame)).collect(),
+        lease_begins: changes(trace, frame, true),
+        lease_ends: changes(trace, frame, false),
+        zones,
+    };
+    render(&picture)
+}
+
+fn caption(report: &Report) -> String {
+    let requests = &report.requests;
+    let mut text = format!(
+        "requests: {} proposed, {} rejected, {} sent, {} accepted, {} failed · violations: {}",
+        requests.proposed,
+        requests.rejected,
+        requests.sent,
+        requests.accepted,
+        requests.failed,
+        report.violations.len()
+    );
+    for (name, value) in &report.measures {
+        text.push_str(&format!(" · {}: {value:.1}", name.replace('_', " ")));
+    }
+    text
+}
+
+fn report_contour(mission: &Mission) -> Option<f64> {
+    mission.world.as_ref()?.expect.contour.map(|contour| contour.water_depth_m)
+}
+
+fn extent_of(zones: &[Zone]) -> Extent {
+    let mut extent =
+        Extent { west_m: f64::MAX, south_m: f64::MAX, east_m: f64::MIN, north_m: f64::MIN };
+    let inclusions = zones.iter().filter(|zone| zone.kind == ZoneKind::Inclusion);
+    for point in inclusions.flat_map(|zone| zone.rings.iter().flatten()) {
+        extent.west_m = extent.west_m.min(point.east_m);
+        extent.east_m = extent.east_m.max(point.east_m);
+        extent.south_m = extent.south_m.min(point.north_m);
+        extent.north_m = extent.north_m.max(point.north_m);
+    }
+    let border_m = 0.04 * (extent.east_m - extent.west_m).max(extent.north_m - extent.south_m);
+    Extent {
+        west_m: extent.west_m - border_m,
+        south_m: extent.south_m - border_m,
+        east_m: extent.east_m + border_m,
+        north_m: extent.north_m + border_m,
+    }
+}
+
+/// The field where the world has one, else the seabed.
+fn ground(extent: Extent, frame: &LocalFrame, mvc: &Mvc, highlight: Option<f64>) -> Raster {
+    let world = mvc.world();
+    let (wide_m, high_m) = (extent.east_m - extent.west_m, extent.north_m - extent.south_m);
+    let step_m = wide_m.max(high_m) / NODES;
+    let width = (wide_m / step_m).ceil() as usize + 1;
+    let height = (high_m / step_m).ceil() as usize + 1;
+    let has_field = world.field_maximum().is_some();
+    let depth_m = mvc.truth().depth_m;
+    let mut values = Vec::with_capacity(width * height);
+    for row in 0..height {
+        for column in 0..width {
+            let at = EastNorth::new(
+                extent.west_m + wide_m * column as f64 / (width - 1) as f64,
+                extent.south_m + high_m * row as f64 / (height - 1) as f64,
+            );
+            let there = mvc.frame().to_local(frame.to_position(at));
+            values.push(if has_field {
+                world.temperature_c(there, depth_m, Timestamp::ZERO)
+            } else {
+                world.water_depth_m(there)
+            });
+        }
+    }
+    let (label, unit, palette) =
+        if has_field { ("temperature", "°C", Palette::Field) } else { ("water depth", "m", Palette::Depth) };
+    Raster { extent, width, height, values, label: label.to_owned(), unit: unit.to_owned(), palette, highlight }
+}
+
+/// The front seat's own plan.
+fn plan(mvc: &Mvc) -> Vec<Position> {
+    mvc.plan_points().into_iter().filter(|(number, _)| number.is_some()).map(|(_, position)| position).collect()
+}
+
+fn insert_shape(insert: &ToVehicle, frame: &LocalFrame) -> Option<Shape> {
+    match insert {
+        ToVehicle::Trackline(line) => Some(Shape::Line(frame.to_local(line.start), frame.to_local(line.end))),
+        ToVehicle::Trackcircle(circle) => {
+            Some(Shape::Circle { centre: frame.to_local(circle.centre), radius_m: circle.radius_m })
+        }
+        _ => None,
+    }
+}
+
+fn rejected_shape(rejected: &crate::trace::Rejected, frame: &LocalFrame) -> Option<Rejected> {
+    let local = |position: PositionRequest| {
+        let position = Position::from_deg(position.latitude_deg, position.longitude_deg).ok()?;
+        let local = frame.to_local(position);
+        // What lies far outside would shrink the map to a dot.
+        (local.distance_m(EastNorth::default()) < LocalFrame::RADIUS_M).then_some(local)
+    };
+    let from = rejected.from.map(|position| frame.to_local(position));
+    let shape = match rejected.request.as_ref()? {
+        Request::Trackline(line) => Shape::Line(local(line.start)?, local(line.end)?),
+        Request::Trackcircle(circle) if circle.radius_m.is_finite() && circle.radius_m > 0.0 => {
+            Shape::Circle { centre: local(circle.centre)?, radius_m: circle.radius_m }
+        }
+        Request::Trackcircle(circle) => Shape::Point(local(circle.centre)?),
+        Request::Modify(modify) if modify.heading_deg.is_finite() => Shape::Line(from?, from?.offset(modify.heading_deg, 60.0)),
+        Request::Modify(_) => Shape::Point(from?),
+        Request::EndModify | Request::Cancel(_) | Request::Message(_) | Request::Timer { .. } => return None,
+    };
+    Some(Rejected { shape, reason: short(&rejected.reason) })
+}
+
+/// A reason without its figures, which differ from one rejection to the next.
+fn short(reason: &str) -> String {
+    let cut = [" with its margin", " by ", " ("].iter().filter_map(|mark| reason.find(mark)).min();
+    reason[..cut.unwrap_or(reason.len())].chars().take(60).collect()
+}
+
+/// Where modifies began, or ended.
+fn changes(trace: &Trace, frame: &LocalFrame, begins: bool) -> Vec<EastNorth> {
+    trace
+        .samples
+        .windows(2)
+        .filter(|pair| {
+            let modified = |index: usize| pair[index].steering == Steering::Modify;
+            modified(0) != begins && modified(1) == begins
+        })
+        .map(|pair| frame.to_local(pair[1].position))
+        .collect()
+}

@@ -1,0 +1,34 @@
+use std::env;
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+/// The workspace's folder.
+pub(crate) fn root() -> Result<PathBuf> {
+    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let root = here.ancestors().nth(2).context("xtask lies two folders below the workspace")?;
+    Ok(root.to_path_buf())
+}
+
+/// Where Cargo builds.
+pub(crate) fn target() -> Result<PathBuf> {
+    let root = root()?;
+    Ok(env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |target| root.join(target)))
+}
+
+/// Runs Cargo in the workspace; its failure is ours.
+pub(crate) fn cargo(arguments: &[&str]) -> Result<()> {
+    let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    println!("> cargo {}", arguments.join(" "));
+    run(Command::new(program).args(arguments))
+}
+
+/// Runs a command in the workspace; its failure is ours.
+pub(crate) fn run(command: &mut Command) -> Result<()> {
+    let status = command.current_dir(root()?).status().with_context(|| format!("{command:?}"))?;
+    if !status.success() {
+        bail!("{command:?} ended with {status}");
+    }
+    Ok(())
+}

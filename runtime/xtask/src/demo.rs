@@ -1,0 +1,75 @@
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result};
+
+use crate::cargo::{cargo, root, run, target};
+use crate::tidy::tidy;
+
+const PLUGINS: [&str; 4] = ["isobath", "plume", "template", "faulty"];
+
+/// The first of the README's two commands.
+pub(crate) fn demo() -> Result<()> {
+    let program = release()?;
+    plugins()?;
+    let target = target()?;
+    let (log, map) = (target.join("demo/isobath.mcap"), target.join("demo/isobath.svg"));
+    std::fs::create_dir_all(target.join("demo"))?;
+    println!("> backseat sim missions/isobath");
+    run(Command::new(program)
+        .args(["sim", "missions/isobath", "--plugins"])
+        .arg(target.join("plugins"))
+        .arg("--log")
+        .arg(&log)
+        .arg("--map")
+        .arg(&map))?;
+    println!("\nThe picture of the dive, for any browser: {}", map.display());
+    println!("Its log, for Foxglove or Python's mcap:   {}", log.display());
+    Ok(())
+}
+
+/// The second of the README's two commands: everything.
+pub(crate) fn test() -> Result<()> {
+    cargo(&["fmt", "--all", "--check"])?;
+    tidy()?;
+    plugins()?;
+    cargo(&["clippy", "--workspace", "--all-targets", "--quiet", "--", "--deny", "warnings"])?;
+    cargo(&["test", "--workspace", "--quiet"])
+}
+
+/// Builds the project's plugins and makes components of them.
+pub(crate) fn plugins() -> Result<()> {
+    add_wasm_target()?;
+    let folder = target()?.join("plugins");
+    let built = backseat_componentize::build(&root()?, &PLUGINS, &folder)?;
+    for component in built {
+        println!("plugin {}", component.display());
+    }
+    Ok(())
+}
+
+/// Prints the speed table.
+pub(crate) fn bench() -> Result<()> {
+    plugins()?;
+    cargo(&["bench", "--package", "backseat-bench"])
+}
+
+/// The program, built for release.
+pub(crate) fn release() -> Result<PathBuf> {
+    cargo(&["build", "--release", "--package", "backseat"])?;
+    Ok(target()?.join("release/backseat"))
+}
+
+/// Plugins are built for WebAssembly: rustup adds its standard library where it is missing. Without rustup the build
+/// itself says what is missing.
+fn add_wasm_target() -> Result<()> {
+    const TARGET: &str = "wasm32-unknown-unknown";
+    let installed = Command::new("rustup").args(["target", "list", "--installed"]).current_dir(root()?).output();
+    let Ok(installed) = installed else { return Ok(()) };
+    if String::from_utf8_lossy(&installed.stdout).lines().any(|line| line == TARGET) {
+        return Ok(());
+    }
+    println!("> rustup target add {TARGET}");
+    run(Command::new("rustup").args(["target", "add", TARGET]))
+        .with_context(|| format!("plugins need it; add it by `rustup target add {TARGET}` where the network allows"))
+}

@@ -1,0 +1,76 @@
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::cargo::root;
+
+/// Which crate may never depend on which of ours: the arrows of `runtime/docs/architecture.md`.
+const NEVER: [(&str, &[&str]); 9] = [
+    ("units", &["spi", "fence", "core", "world", "mvc", "oracle", "sim", "recorder", "plugin-host"]),
+    ("spi", &["fence", "core", "world", "mvc", "oracle", "sim", "tokio"]),
+    ("fence", &["spi", "core", "world", "mvc", "oracle", "sim", "tokio"]),
+    ("core", &["world", "mvc", "oracle", "sim", "recorder", "plugin-host", "tokio", "wasmtime"]),
+    ("world", &["spi", "fence", "core", "tokio"]),
+    ("mvc", &["core", "fence", "oracle", "tokio"]),
+    ("oracle", &["core", "fence", "mvc", "tokio"]),
+    ("plugin-host", &["spi", "mvc", "world", "tokio"]),
+    ("sim", &["tokio"]),
+];
+/// A file longer than this is more than one room.
+const LINES_MAX: usize = 700;
+
+/// The project's own rules.
+pub(crate) fn tidy() -> Result<()> {
+    let root = root()?;
+    let mut faults = Vec::new();
+    arrows(&root, &mut faults)?;
+    for file in sources(&root)? {
+        let text = std::fs::read_to_string(root.join(&file)).with_context(|| file.display().to_string())?;
+        let lines = text.lines().count();
+        if lines > LINES_MAX {
+            faults.push(format!("{}: {lines} lines, at most {LINES_MAX}", file.display()));
+        }
+        let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        if ["utils", "helpers", "common", "manager", "mod"].contains(&stem) {
+            faults.push(format!("{}: a file is named for what is in it", file.display()));
+        }
+        if !file.starts_with("runtime/xtask") {
+            for (number, line) in text.lines().enumerate() {
+                if ["todo!(", "unimplemented!(", "dbg!("].iter().any(|mark| line.contains(mark)) {
+                    faults.push(format!("{}:{}: unfinished", file.display(), number + 1));
+                }
+            }
+        }
+    }
+    if !faults.is_empty() {
+        bail!("the project's rules are broken:\n  {}", faults.join("\n  "));
+    }
+    println!("tidy");
+    Ok(())
+}
+
+/// Every Rust source that git knows of.
+fn sources(root: &Path) -> Result<Vec<PathBuf>> {
+    let output = Command::new("git").args(["ls-files", "*.rs"]).current_dir(root).output().context("git")?;
+    Ok(String::from_utf8_lossy(&output.stdout).lines().map(PathBuf::from).filter(|file| root.join(file).exists()).collect())
+}
+
+fn arrows(root: &Path, faults: &mut Vec<String>) -> Result<()> {
+    for (name, never) in NEVER {
+        let path = root.join("runtime").join(name).join("Cargo.toml");
+        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        let dependencies = text.split("[dependencies]").nth(1).unwrap_or_default();
+        let dependencies = dependencies.split("\n[").next().unwrap_or_default();
+        for banned in never {
+            let found = dependencies.lines().any(|line| {
+                let key = line.split(['.', ' ', '=']).next().unwrap_or_default();
+                key == *banned || key == format!("backseat-{banned}")
+            });
+            if found {
+                faults.push(format!("{}: {name} never depends on {banned}", path.display()));
+            }
+        }
+    }
+    Ok(())
+}

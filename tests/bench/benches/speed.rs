@@ -1,0 +1,327 @@
+//! Prints the speed table.
+#![expect(clippy::disallowed_methods, reason = "a benchmark reads the clock")]
+
+use std::fmt::Write as _;
+use std::hint::black_box;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use backseat_core::plugin::{NavigationSample, Request, StepInput};
+use backseat_core::{Envelope, Limits};
+use backseat_fence::{Fence, Shape, Sweep, VerticalExtent};
+use backseat_mission::{Layers, Mission};
+use backseat_mvc::{ClientId, Mvc};
+use backseat_plugin_host::{Budget, Host};
+use backseat_recorder::{Header, Rate, Recorder};
+use backseat_sim::{Simulation, load_plugins};
+use backseat_spi::{Framer, FromVehicle, Policy};
+use backseat_units::{Altitude, Depth, EastNorth, Heading, LocalFrame, Position, Timestamp, Utc};
+
+/// Rounds of a row; ours and the floor take turns, and the best of each counts.
+const ROUNDS: usize = 15;
+
+fn main() {
+    // `cargo test --benches` runs this too, and has no time for it.
+    if std::env::args().any(|argument| argument == "--test") {
+        return;
+    }
+    println!("| work | ours | floor | ratio | aim |");
+    println!("|---|---|---|---|---|");
+    decode();
+    fence(100);
+    fence(10_000);
+    step();
+    whole_loop();
+}
+
+/// Nanoseconds of one call, the best of some batches, for two in turn.
+fn in_turn(calls: u32, mut ours: impl FnMut(), mut floor: impl FnMut()) -> (f64, f64) {
+    let (mut best_ours, mut best_floor) = (f64::MAX, f64::MAX);
+    for _ in 0..ROUNDS {
+        best_ours = best_ours.min(batch(calls, &mut ours));
+        best_floor = best_floor.min(batch(calls, &mut floor));
+    }
+    (best_ours, best_floor)
+}
+
+fn batch(calls: u32, work: &mut impl FnMut()) -> f64 {
+    let start = Instant::now();
+    for _ in 0..calls {
+        work();
+    }
+    start.elapsed().as_nanos() as f64 / f64::from(calls)
+}
+
+fn row(work: &str, (ours, floor): (f64, f64), floor_is: &str, aim: &str) {
+    println!("| {work} | {ours:.0} ns | {floor:.0} ns ({floor_is}) | {:.2} | {aim} |", ours / floor);
+}
+
+const NVG: &[u8] = b"$BFNVG,081025.987,4221.81092,N,07106.84603,W,1,45.3,20.1,203.1,-3.4,4.5,081025.980*4E\r\n";
+
+fn decode() {
+    let mut framer = Framer::new(Policy::FromVehicle);
+    let times = in_turn(
+        100_000,
+        || {
+            framer.push(black_box(NVG));
+            while let Some(sentence) = framer.next_sentence() {
+                black_box(FromVehicle::decode(&sentence).is_ok());
+            }
+        },
+        || {
+            black_box(decode_by_hand(black_box(NVG)));
+        },
+    );
+    row("BFNVG bytes to typed message", times, "written by hand for this sentence", "ratio 1.3");
+}
+
+/// The least that reading this one sentence costs: checksum, fields, numbers, nothing that another sentence needs.
+fn decode_by_hand(line: &[u8]) -> Option<[f64; 10]> {
+    let star = line.iter().position(|byte| *byte == b'*')?;
+    let sum = line[1..star].iter().fold(0, |sum, byte| sum ^ byte);
+    let digits = std::str::from_utf8(line.get(star + 1..star + 3)?).ok()?;
+    if u8::from_str_radix(digits, 16).ok()? != sum {
+        return None;
+    }
+    let text = std::str::from_utf8(&line[1..star]).ok()?;
+    let mut fields = text.split(',');
+    if fields.next()? != "BFNVG" {
+        return None;
+    }
+    let created = clock(fields.next()?)?;
+    let latitude = degrees(fields.next()?, 2)? * if fields.next()? == "S" { -1.0 } else { 1.0 };
+    let longitude = degrees(fields.next()?, 3)? * if fields.next()? == "W" { -1.0 } else { 1.0 };
+    let quality: f64 = fields.next()?.parse().ok()?;
+    let mut number = || fields.next()?.parse::<f64>().ok();
+    let values = [number()?, number()?, number()?, number()?, number()?];
+    let solution = clock(fields.next()?)?;
+    Some([
+        created, latitude, longitude, quality, values[0], values[1], values[2], values[3], values[4], solution,
+    ])
+}
+
+fn clock(text: &str) -> Option<f64> {
+    let hours: f64 = text.get(..2)?.parse().ok()?;
+    let minutes: f64 = text.get(2..4)?.parse().ok()?;
+    Some(hours * 3600.0 + minutes * 60.0 + text.get(4..)?.parse::<f64>().ok()?)
+}
+
+fn degrees(text: &str, digits: usize) -> Option<f64> {
+    let whole: f64 = text.get(..digits)?.parse().ok()?;
+    Some(whole + text.get(digits..)?.parse::<f64>().ok()? / 60.0)
+}
+
+/// A star-shaped fence with so many vertices, around 42 N 70 W.
+fn star(vertices: usize) -> (String, Vec<EastNorth>) {
+    let frame = LocalFrame::new(Position::from_deg(42.0, -70.0).expect("a position"));
+    let points: Vec<EastNorth> = (0..vertices)
+        .map(|vertex| {
+            let bearing = 360.0 * vertex as f64 / vertices as f64;
+            let radius = 3000.0 + if vertex % 2 == 0 { 0.0 } else { 2.0e3 / vertices as f64 };
+            EastNorth::default().offset(bearing, radius)
+        })
+        .collect();
+    let mut ring = String::new();
+    for point in points.iter().chain(points.first()) {
+        let position = frame.to_position(*point);
+        let comma = if ring.is_empty() { "" } else { "," };
+        write!(ring, "{comma}[{},{}]", position.longitude.as_deg(), position.latitude.as_deg()).expect("a string");
+    }
+    let text = format!(
+        r#"{{"type":"FeatureCollection","features":[{{"type":"Feature","properties":{{"name":"star","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3}},"geometry":{{"type":"Polygon","coordinates":[[{ring}]]}}}}]}}"#
+    );
+    (text, points)
+}
+
+fn fence(vertices: usize) {
+    let (text, points) = star(vertices);
+    let fence = Fence::from_geojson(&text).expect("a star is a fence");
+    let extent = VerticalExtent { depth_min_m: 10.0, depth_max_m: 20.0, altitude_min_m: 5.0 };
+    let legs: Vec<(EastNorth, EastNorth)> = (0..64)
+        .map(|leg| {
+            let start = EastNorth::default().offset(f64::from(leg) * 37.0, f64::from(leg) * 40.0);
+            (start, start.offset(f64::from(leg) * 101.0, 300.0))
+        })
+        .collect();
+    let (mut ours, mut floor) = (0, 0);
+    let times = in_turn(
+        if vertices > 1000 { 5_000 } else { 50_000 },
+        || {
+            let (start, end) = legs[ours % legs.len()];
+            ours += 1;
+            black_box(fence.check(&Sweep { shape: Shape::leg(start, end), radius_m: 20.0 }, &extent).is_ok());
+        },
+        || {
+            let (start, end) = legs[floor % legs.len()];
+            floor += 1;
+            black_box(scan(&points, start, end));
+        },
+    );
+    let aim = if vertices > 1000 { "2000 ns" } else { "400 ns" };
+    row(&format!("leg + margin against {vertices} vertices"), times, "plain scan of the edges", aim);
+}
+
+/// The least distance of a leg's ends from the edges, every edge looked at.
+fn scan(points: &[EastNorth], start: EastNorth, end: EastNorth) -> f64 {
+    let mut least = f64::MAX;
+    for (index, from) in points.iter().enumerate() {
+        let to = points[(index + 1) % points.len()];
+        let along = to - *from;
+        let length = along.east_m * along.east_m + along.north_m * along.north_m;
+        for end in [start, end] {
+            let out = end - *from;
+            let share = ((out.east_m * along.east_m + out.north_m * along.north_m) / length).clamp(0.0, 1.0);
+            let off = out - along * share;
+            least = least.min(off.east_m * off.east_m + off.north_m * off.north_m);
+        }
+    }
+    least.sqrt()
+}
+
+fn envelope() -> Envelope {
+    let limits: Limits = serde_json::from_str(
+        r#"{"speed_min_mps":1.0,"speed_max_mps":2.0,"turn_rate_dps":8.0,"current_max_mps":0.3}"#,
+    )
+    .expect("these are limits");
+    Envelope::new(Fence::from_geojson(&star(100).0).expect("a star is a fence"), limits)
+}
+
+fn navigation() -> NavigationSample {
+    NavigationSample {
+        solution: Timestamp::ZERO,
+        position: Position::from_deg(42.0, -70.0).expect("a position"),
+        local: EastNorth::default(),
+        depth: Depth::from_m(8.0).expect("a depth"),
+        altitude: Altitude::from_m(22.0).ok(),
+        heading: Heading::from_deg(90.0).expect("a heading"),
+        roll_deg: 0.1,
+        pitch_deg: 0.2,
+        east_mps: 1.5,
+        north_mps: 0.0,
+        down_mps: 0.0,
+        yaw_rate_dps: 0.0,
+        gps: false,
+    }
+}
+
+fn step() {
+    let host = Host::new().expect("an engine");
+    let bytes = std::fs::read(backseat_test_support::plugins().join("faulty.wasm")).expect("the plugin was built");
+    let component = host.load("idle", &bytes).expect("a component");
+    let judge = std::sync::Arc::new(envelope());
+    // Without control it asks for nothing: what is left is the host's own work. No snapshot comes between.
+    let budget = Budget { snapshot_every_steps: 0, ..Budget::default() };
+    let mut plugin = component.start(budget, r#"{"fault":"none"}"#, judge).expect("it starts").plugin;
+    let mut input = StepInput {
+        now: Timestamp::ZERO,
+        utc: Utc::default(),
+        navigation: Some(navigation()),
+        control: false,
+        events: Vec::new(),
+    };
+    let (mut store, call) = flat_module();
+    let times = in_turn(
+        50_000,
+        || {
+            input.now = input.now + Duration::from_millis(100);
+            let returned = plugin.step(black_box(&input));
+            assert!(matches!(&returned.result, Ok(requests) if requests.is_empty() || !is_modify(requests)));
+        },
+        || {
+            store.set_fuel(10_000_000).expect("fuel is on");
+            black_box(call.call(&mut store, (1, 2.0, 3.0, 4.0)).expect("it cannot trap"));
+        },
+    );
+    row(
+        "plugin step, navigation in, no request",
+        times,
+        "wasmtime's call of a flat function, with fuel and epochs",
+        "600 ns",
+    );
+}
+
+fn is_modify(requests: &[Request]) -> bool {
+    requests.iter().any(|request| matches!(request, Request::Modify(_)))
+}
+
+type Flat = wasmtime::TypedFunc<(i64, f64, f64, f64), f64>;
+
+fn flat_module() -> (wasmtime::Store<()>, Flat) {
+    let mut config = wasmtime::Config::new();
+    config.consume_fuel(true).epoch_interruption(true);
+    let engine = wasmtime::Engine::new(&config).expect("an engine");
+    let wasm = wat::parse_str(
+        r#"(module (func (export "step") (param i64 f64 f64 f64) (result f64)
+            local.get 1 local.get 2 f64.add local.get 3 f64.mul))"#,
+    )
+    .expect("this is a module");
+    let module = wasmtime::Module::new(&engine, wasm).expect("this is a module");
+    let mut store = wasmtime::Store::new(&engine, ());
+    store.set_fuel(u64::MAX).expect("fuel is on");
+    store.set_epoch_deadline(u64::MAX / 2);
+    let instance = wasmtime::Instance::new(&mut store, &module, &[]).expect("it imports nothing");
+    let step = instance.get_typed_func(&mut store, "step").expect("it exports this");
+    (store, step)
+}
+
+/// The isobath mission whole, with its log, beside its mock vehicle alone with one subscriber.
+fn whole_loop() {
+    let mission = Mission::load(&backseat_test_support::mission("isobath"), &Layers::default()).expect("the mission");
+    let folder = tempfile::tempdir().expect("a folder");
+    let host = Host::new().expect("an engine");
+    let (mut best, mut best_floor) = (f64::MAX, f64::MAX);
+    for seed in 1..=5 {
+        best = best.min(fly(&mission, &host, seed, &folder.path().join("log.mcap")));
+        best_floor = best_floor.min(vehicle_alone(&mission, seed));
+    }
+    println!(
+        "| whole loop, isobath with log | {:.0} x life, {:.2} us a tick | {:.2} us a tick (the mock vehicle alone) | {:.2} | \
+         20,000 x, 5 us a tick |",
+        0.1 / best,
+        best * 1e6,
+        best_floor * 1e6,
+        best / best_floor
+    );
+}
+
+/// Seconds of a 0.1 s tick.
+fn fly(mission: &Mission, host: &Host, seed: u64, log: &Path) -> f64 {
+    let loaded = load_plugins(host, mission, Some(backseat_test_support::plugins())).expect("the plugins");
+    let header = Header {
+        utc_at_start: mission.world().expect("a world").start.utc,
+        rate: Rate::Simulation,
+        mission: &mission.name,
+        seed: Some(seed),
+        resolved_mission: &mission.resolved,
+        fence: &mission.fence_text,
+        components: &loaded.components,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    let recorder = Recorder::create(log, &header).expect("a log");
+    let start = Instant::now();
+    let mut simulation = Simulation::new(mission, seed, loaded, Some(recorder)).expect("a world");
+    simulation.run(|_| ()).expect("a log that can be written");
+    let (report, _, _) = simulation.finish().expect("a log that can be closed");
+    start.elapsed().as_secs_f64() / (report.sim_seconds * 10.0)
+}
+
+fn vehicle_alone(mission: &Mission, seed: u64) -> f64 {
+    let mut vehicle = Mvc::new(mission.world().expect("a world"), seed).expect("a world");
+    let client = ClientId(1);
+    let mut out = Vec::new();
+    vehicle.connect(Timestamp::ZERO, client);
+    vehicle.receive(Timestamp::ZERO, client, b"$BPLOG,NVG,ON\r\n$BPLOG,NVR,ON\r\n");
+    let start = Instant::now();
+    let mut ticks = 0u32;
+    while !vehicle.mission_over()
+        && let Some(due) = vehicle.poll_timeout()
+    {
+        vehicle.handle_timeout(due);
+        while vehicle.poll_transmit(&mut out).is_some() {
+            black_box(&out);
+        }
+        while vehicle.poll_event().is_some() {}
+        ticks += 1;
+    }
+    start.elapsed().as_secs_f64() / f64::from(ticks)
+}

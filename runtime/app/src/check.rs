@@ -36,7 +36,11 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             description.version,
             bytes.len() / 1024,
             description.step_period.as_millis(),
-            if topics.is_empty() { "nothing more".to_owned() } else { topics.join(", ") },
+            if topics.is_empty() {
+                "nothing more".to_owned()
+            } else {
+                topics.join(", ")
+            },
             table.grants,
         );
     }
@@ -89,6 +93,10 @@ fn print_fence(mission: &Mission) {
             Kind::Exclusion { depth: None } => "exclusion at all depths".to_owned(),
             Kind::Exclusion { depth: Some(band) } => format!("exclusion from {} to {} m", band.min_m, band.max_m),
         };
-        println!("  {}: {what}, margin {} m, {vertices} vertices", zone.name(), zone.margin_m());
+        println!(
+            "  {}: {what}, margin {} m, {vertices} vertices",
+            zone.name(),
+            zone.margin_m()
+        );
     }
 }

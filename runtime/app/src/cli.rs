@@ -38,7 +38,10 @@ pub(crate) struct MissionArguments {
 
 impl MissionArguments {
     pub(crate) fn layers(&self) -> Layers {
-        Layers { set: self.set.clone(), environment: true }
+        Layers {
+            set: self.set.clone(),
+            environment: true,
+        }
     }
 }
 

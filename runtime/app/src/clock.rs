@@ -14,9 +14,14 @@ pub(crate) struct Clock {
 
 impl Clock {
     pub(crate) fn start() -> Self {
-        let nanos = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
+        let nanos = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .map_or(0, |since| since.as_nanos());
         let utc_at_start = Utc::from_unix_nanos(u64::try_from(nanos).unwrap_or(0));
-        Self { start: Instant::now(), utc_at_start }
+        Self {
+            start: Instant::now(),
+            utc_at_start,
+        }
     }
 
     pub(crate) fn now(&self) -> Timestamp {

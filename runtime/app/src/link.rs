@@ -79,7 +79,11 @@ impl Link {
                 Err(error) => return Err(error),
             }
         }
-        self.pending_since = if self.pending.is_empty() { None } else { Some(self.pending_since.unwrap_or(now)) };
+        self.pending_since = if self.pending.is_empty() {
+            None
+        } else {
+            Some(self.pending_since.unwrap_or(now))
+        };
         Ok(())
     }
 
@@ -91,7 +95,9 @@ impl Link {
     /// Waits until something can be read or, where something waits to be written, written; for ever without a
     /// connection. Reads what there is.
     pub(crate) async fn ready(&self, buffer: &mut [u8]) -> Ready {
-        let Some(stream) = &self.stream else { return std::future::pending().await };
+        let Some(stream) = &self.stream else {
+            return std::future::pending().await;
+        };
         loop {
             let interest = if self.pending.is_empty() {
                 tokio::io::Interest::READABLE

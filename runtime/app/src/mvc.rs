@@ -22,6 +22,8 @@ use crate::clock::Clock;
 /// Writes that wait for one client before it is cut off: it is too slow, and nobody else waits for it.
 const WRITES_MAX: usize = 1024;
 const STATUS_EVERY: Duration = Duration::from_secs(60);
+/// How much of the log a killed process can cost, real time.
+const FLUSH_EVERY: Duration = Duration::from_millis(500);
 
 pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
@@ -51,7 +53,11 @@ struct Log {
 impl Log {
     fn create(path: &Path) -> Result<Self> {
         let file = File::create(path).with_context(|| format!("{}", path.display()))?;
-        Ok(Self { file: BufWriter::new(file), path: path.to_path_buf(), failed: false })
+        Ok(Self {
+            file: BufWriter::new(file),
+            path: path.to_path_buf(),
+            failed: false,
+        })
     }
 
     fn lines(&mut self, now: Timestamp, mark: &str, bytes: &[u8]) {
@@ -61,7 +67,10 @@ impl Log {
         let text = String::from_utf8_lossy(bytes);
         for line in text.lines().filter(|line| !line.is_empty()) {
             if let Err(error) = writeln!(self.file, "{:.3} {mark} {line}", now.as_secs_f64()) {
-                warn!("{}: {error}; the log ends here, the vehicle goes on", self.path.display());
+                warn!(
+                    "{}: {error}; the log ends here, the vehicle goes on",
+                    self.path.display()
+                );
                 self.failed = true;
                 return;
             }
@@ -96,7 +105,10 @@ async fn serve(arguments: &Mvc, vehicle: backseat_mvc::Mvc, log: Option<Log>) ->
     let listener = match TcpListener::bind(&arguments.listen).await {
         Ok(listener) => listener,
         Err(error) if error.kind() == std::io::ErrorKind::AddrInUse => {
-            bail!("{} is in use: stop what listens there, or choose another with --listen", arguments.listen)
+            bail!(
+                "{} is in use: stop what listens there, or choose another with --listen",
+                arguments.listen
+            )
         }
         Err(error) => return Err(error).with_context(|| format!("cannot listen on {}", arguments.listen)),
     };
@@ -113,6 +125,8 @@ async fn serve(arguments: &Mvc, vehicle: backseat_mvc::Mvc, log: Option<Log>) ->
     };
     let mut clients = 0;
     let mut status_at = Timestamp::ZERO;
+    let mut flush_at = Duration::ZERO;
+    let mut terminate = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate())?;
     loop {
         let due = server.vehicle.poll_timeout();
         tokio::select! {
@@ -121,6 +135,10 @@ async fn serve(arguments: &Mvc, vehicle: backseat_mvc::Mvc, log: Option<Log>) ->
                 if server.now() >= status_at {
                     server.status();
                     status_at = server.now() + STATUS_EVERY;
+                }
+                if server.clock.elapsed() >= flush_at {
+                    flush_at = server.clock.elapsed() + FLUSH_EVERY;
+                    server.flush();
                 }
             }
             accepted = listener.accept() => match accepted {
@@ -132,12 +150,8 @@ async fn serve(arguments: &Mvc, vehicle: backseat_mvc::Mvc, log: Option<Log>) ->
                 Err(error) => warn!("a client could not be accepted: {error}"),
             },
             Some(what) = heard.recv() => server.hear(what),
-            _ = tokio::signal::ctrl_c() => {
-                if let Some(log) = &mut server.log {
-                    log.flush();
-                }
-                return Ok(());
-            }
+            _ = tokio::signal::ctrl_c() => return server.end(),
+            _ = terminate.recv() => return server.end(),
         }
     }
 }
@@ -260,9 +274,18 @@ impl Server {
             truth.speed_mps,
             self.writers.len(),
         );
+    }
+
+    fn flush(&mut self) {
         if let Some(log) = &mut self.log {
             log.flush();
         }
+    }
+
+    /// The end of an orderly run: the log is whole.
+    fn end(&mut self) -> Result<()> {
+        self.flush();
+        Ok(())
     }
 }
 

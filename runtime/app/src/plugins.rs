@@ -55,20 +55,34 @@ impl Crew {
     pub(crate) fn step(&self, plugin: PluginId, input: StepInput) {
         if self.orders[plugin.0].send(Order::Step(input)).is_err() {
             let result = Err(lost());
-            let _closed = self.answers.send(Answer::Returned(plugin, Returned { fuel: 0, log: Vec::new(), result }));
+            let _closed = self.answers.send(Answer::Returned(
+                plugin,
+                Returned {
+                    fuel: 0,
+                    log: Vec::new(),
+                    result,
+                },
+            ));
         }
     }
 
     pub(crate) fn restart(&self, plugin: PluginId) {
         if self.orders[plugin.0].send(Order::Restart).is_err() {
-            let restarted = Restarted { fuel: 0, lost_steps: 0, result: Err(lost()) };
+            let restarted = Restarted {
+                fuel: 0,
+                lost_steps: 0,
+                result: Err(lost()),
+            };
             let _closed = self.answers.send(Answer::Restarted(plugin, restarted));
         }
     }
 }
 
 fn lost() -> PluginFault {
-    PluginFault { kind: FaultKind::Start, text: "its thread is gone".to_owned() }
+    PluginFault {
+        kind: FaultKind::Start,
+        text: "its thread is gone".to_owned(),
+    }
 }
 
 fn serve(id: PluginId, mut plugin: Plugin, orders: &mpsc::Receiver<Order>, answers: &UnboundedSender<Answer>) {
@@ -77,8 +91,11 @@ fn serve(id: PluginId, mut plugin: Plugin, orders: &mpsc::Receiver<Order>, answe
             Order::Step(input) => Answer::Returned(id, plugin.step(&input)),
             Order::Restart => {
                 let restarted = plugin.restart();
-                let restarted =
-                    Restarted { fuel: restarted.fuel, lost_steps: restarted.lost_steps, result: restarted.result };
+                let restarted = Restarted {
+                    fuel: restarted.fuel,
+                    lost_steps: restarted.lost_steps,
+                    result: restarted.result,
+                };
                 Answer::Restarted(id, restarted)
             }
         };

@@ -50,19 +50,30 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         jitter: u64::from(std::process::id()),
     };
     if start.held {
-        warn!("the operator's hold stands ({}): nothing will be sent that steers", state.hold_path().display());
+        warn!(
+            "the operator's hold stands ({}): nothing will be sent that steers",
+            state.hold_path().display()
+        );
     }
     if !start.armed {
         info!("not armed: nothing will be sent that steers; --arm arms");
     }
     recorder.start(&start)?;
-    let core = Core::new(mission.file.session.clone(), mission.envelope.clone(), loaded.setups, start);
+    let core = Core::new(
+        mission.file.session.clone(),
+        mission.envelope.clone(),
+        loaded.setups,
+        start,
+    );
     let (sender, answers) = unbounded_channel();
     let driver = Driver {
         core,
         clock,
         link: Link::default(),
-        address: arguments.connect.clone().unwrap_or_else(|| mission.file.vehicle.address.clone()),
+        address: arguments
+            .connect
+            .clone()
+            .unwrap_or_else(|| mission.file.vehicle.address.clone()),
         connect_at: None,
         connecting: None,
         crew: Crew::new(host, loaded.plugins, sender),
@@ -86,7 +97,11 @@ fn open_log(
     clock: &Clock,
 ) -> Result<Recorder<BufWriter<File>>> {
     std::fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
-    let path = folder.join(format!("{}-{}.mcap", mission.name, clock.utc_at_start().as_unix_nanos() / 1_000_000));
+    let path = folder.join(format!(
+        "{}-{}.mcap",
+        mission.name,
+        clock.utc_at_start().as_unix_nanos() / 1_000_000
+    ));
     info!("log: {}", path.display());
     Ok(Recorder::create(
         &path,
@@ -138,7 +153,12 @@ impl Driver {
         let mut flush_at = Timestamp::ZERO + FLUSH_EVERY;
         self.carry_out_all();
         while !self.finished {
-            let wake = [self.core.poll_timeout(), self.connect_at, self.link.write_deadline(), Some(flush_at)];
+            let wake = [
+                self.core.poll_timeout(),
+                self.connect_at,
+                self.link.write_deadline(),
+                Some(flush_at),
+            ];
             let wake = self.clock.instant(wake.into_iter().flatten().min().unwrap_or(flush_at));
             tokio::select! {
                 // Core's timers first: a late wake-up must be seen as one before what has piled up is read.

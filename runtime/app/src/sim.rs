@@ -108,7 +108,16 @@ fn show(progress: &ProgressBar, simulation: &Simulation, clock: &Clock) {
 }
 
 fn print_report(report: &Report, arguments: &Sim) {
-    let Report { mission, seed, outcome, sim_seconds, wall_seconds, load_seconds, requests, .. } = report;
+    let Report {
+        mission,
+        seed,
+        outcome,
+        sim_seconds,
+        wall_seconds,
+        load_seconds,
+        requests,
+        ..
+    } = report;
     println!("{mission}, seed {seed}: {outcome} after {:.1} min", sim_seconds / 60.0);
     println!(
         "  {:.0} x life ({wall_seconds:.2} s, and {load_seconds:.2} s to load plugins)",
@@ -121,8 +130,8 @@ fn print_report(report: &Report, arguments: &Sim) {
     for reason in &report.rejections {
         println!("    rejected {reason}");
     }
-    for (name, value) in &report.measures {
-        println!("  {name}: {value:.1}");
+    for measured in report.measured() {
+        println!("  {measured}");
     }
     match report.violations.len() {
         0 => println!("  no violation"),

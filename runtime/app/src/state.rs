@@ -43,7 +43,10 @@ impl State {
             }
             (Err(_), Some(first)) => {
                 self.reserve(first)?;
-                Ok(Some(Identifiers { next: first, reserved: first }))
+                Ok(Some(Identifiers {
+                    next: first,
+                    reserved: first,
+                }))
             }
             (Err(error), None) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
             (Err(error), None) => Err(error).with_context(|| format!("{}", path.display())),

@@ -4,6 +4,7 @@ use backseat_units::{TimeOfDay, Timestamp, Utc};
 
 /// How fast two clocks may drift apart at worst: 100 ppm, some ten times a plain crystal's drift.
 const DRIFT_NANOS_PER_SECOND: i64 = 100_000;
+const HALF_A_DAY_NANOS: i64 = 43_200_000_000_000;
 
 /// The vehicle's clock seen from ours, on one connection.
 ///
@@ -20,13 +21,17 @@ impl VehicleClock {
     /// A timestamp that arrived now. `utc` is ours.
     pub(crate) fn observe(&mut self, now: Timestamp, utc: Utc, written: TimeOfDay) {
         let offset = utc.time_of_day().nanos_since(written);
-        let smallest = self.offset_nanos(now).map_or(offset, |smallest| smallest.min(offset));
+        // Where the clocks lie half a day apart, offsets a little apart have either sign: they are compared the short way.
+        let smallest = match self.offset_nanos(now) {
+            Some(smallest) if within_half_a_day(offset - smallest) >= 0 => smallest,
+            Some(_) | None => offset,
+        };
         self.smallest = Some((smallest, now));
     }
 
     /// How old a thing of the vehicle's time `written` is now; `None` before the first timestamp.
     pub(crate) fn age(&self, now: Timestamp, utc: Utc, written: TimeOfDay) -> Option<Duration> {
-        let nanos = utc.time_of_day().nanos_since(written) - self.offset_nanos(now)?;
+        let nanos = within_half_a_day(utc.time_of_day().nanos_since(written) - self.offset_nanos(now)?);
         Some(Duration::from_nanos(u64::try_from(nanos).unwrap_or(0)))
     }
 
@@ -36,6 +41,11 @@ impl VehicleClock {
         let elapsed_s = i64::try_from(now.since(at).as_nanos() / 1_000_000).unwrap_or(i64::MAX) as f64 / 1e3;
         Some(offset.saturating_add((elapsed_s * DRIFT_NANOS_PER_SECOND as f64) as i64))
     }
+}
+
+/// The same difference of times of day, the short way round midnight.
+fn within_half_a_day(nanos: i64) -> i64 {
+    (nanos + HALF_A_DAY_NANOS).rem_euclid(2 * HALF_A_DAY_NANOS) - HALF_A_DAY_NANOS
 }
 
 #[cfg(test)]

@@ -79,6 +79,10 @@ impl Commands {
         };
         if pending {
             let command = &mut self.sent[index];
+            if command.pending {
+                // Said again, it gives the vehicle no more time.
+                return None;
+            }
             command.pending = true;
             command.deadline = match command.purpose {
                 Purpose::Plan => now + PLAN_WITHIN,
@@ -108,6 +112,15 @@ impl Commands {
     pub(crate) fn forget_lease(&mut self) {
         for command in &mut self.sent {
             if matches!(command.purpose, Purpose::Lease(_)) {
+                command.purpose = Purpose::Courtesy;
+            }
+        }
+    }
+
+    /// The plan is asked for anew: an earlier series is not it.
+    pub(crate) fn forget_plan(&mut self) {
+        for command in &mut self.sent {
+            if command.purpose == Purpose::Plan {
                 command.purpose = Purpose::Courtesy;
             }
         }

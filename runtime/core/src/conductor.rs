@@ -52,9 +52,8 @@ pub(crate) struct Slot {
     timers: Vec<(Timestamp, u64)>,
     failures: u32,
     failed_at: Timestamp,
-    /// Requests that it may still ask, and since when that holds.
-    allowance: f64,
-    allowance_at: Timestamp,
+    requests: Allowance,
+    messages: Allowance,
 }
 
 impl Slot {
@@ -68,8 +67,8 @@ impl Slot {
             timers: Vec::new(),
             failures: 0,
             failed_at: Timestamp::ZERO,
-            allowance: 1.0,
-            allowance_at: Timestamp::ZERO,
+            requests: Allowance::default(),
+            messages: Allowance::default(),
         }
     }
 
@@ -104,17 +103,26 @@ impl Slot {
             State::Running | State::Condemned | State::Restarting | State::Quarantined => None,
         }
     }
+}
 
-    /// Takes one request from the plugin's allowance.
-    fn may_ask(&mut self, now: Timestamp, per_second: f64) -> bool {
-        let earned = now.since(self.allowance_at).as_secs_f64() * per_second;
-        self.allowance = (self.allowance + earned).min(per_second.max(1.0));
-        self.allowance_at = now;
-        let may = self.allowance >= 1.0;
-        if may {
-            self.allowance -= 1.0;
+/// How often something may be asked: so many at once as in a second, refilled as time passes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Allowance {
+    used: f64,
+    at: Timestamp,
+}
+
+impl Allowance {
+    /// Takes one, where one is left.
+    fn take(&mut self, now: Timestamp, per_second: f64) -> bool {
+        let refilled = now.since(self.at).as_secs_f64() * per_second;
+        self.used = (self.used - refilled).max(0.0);
+        self.at = now;
+        let left = self.used + 1.0 <= per_second;
+        if left {
+            self.used += 1.0;
         }
-        may
+        left
     }
 }
 
@@ -346,7 +354,7 @@ impl Core {
         if !slot.setup.grants.contains(&grant) {
             return Err(limit(format!("the mission does not grant it {grant:?}")));
         }
-        if !slot.may_ask(now, per_second) {
+        if !slot.requests.take(now, per_second) {
             return Err(refused("rate", &format!("more than {per_second} requests a second")));
         }
         if let Some(reason) = self.lost_because() {
@@ -365,7 +373,7 @@ impl Core {
     fn ask_message(&mut self, plugin: PluginId, text: &str) {
         let now = self.now;
         let slot = &mut self.plugins[plugin.0];
-        if !slot.setup.grants.contains(&Grant::Message) || !slot.may_ask(now, 1.0) {
+        if !slot.setup.grants.contains(&Grant::Message) || !slot.messages.take(now, 1.0) {
             return;
         }
         let created = self.stamper.stamp(now, "MSG");

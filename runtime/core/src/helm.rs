@@ -66,7 +66,11 @@ impl Core {
         });
         self.timers.set(Timer::Term, self.now + modify.duration);
         match sent {
-            None => self.refresh(),
+            // A lease that has just ended counts: ending and asking anew is no way around the rate.
+            None => match self.modify_sent.filter(|sent| self.now.since(*sent) < REFRESH_AT_LEAST) {
+                Some(sent) => self.timers.set(Timer::Refresh, sent + REFRESH_AT_LEAST),
+                None => self.refresh(),
+            },
             Some(sent) if changed && self.now.since(sent) >= REFRESH_AT_LEAST => self.refresh(),
             Some(sent) if changed => self.timers.set(Timer::Refresh, sent + REFRESH_AT_LEAST),
             Some(sent) => self.timers.set(Timer::Refresh, sent + REFRESH_EVERY),
@@ -159,6 +163,7 @@ impl Core {
         if let Some(lease) = &mut self.lease {
             lease.sent = Some(self.now);
         }
+        self.modify_sent = Some(self.now);
         self.timers.set(Timer::Refresh, self.now + REFRESH_EVERY);
         self.transition(lease.request, RequestState::Sent);
     }
@@ -202,8 +207,9 @@ impl Core {
                 let reason = format!("the vehicle refused it: {text}");
                 self.close_lease(&reason, |_| RequestState::Failed(text.to_owned()));
             }
-            // The refused one was replaced meanwhile; the next refresh tells of the new one.
-            Some(_) => {}
+            // The refused one was replaced meanwhile. A plugin that asks anew in every step always has: waiting for the
+            // answer to the newest one would wait for ever.
+            Some(text) => self.end_lease(&format!("the vehicle refused it: {text}")),
         }
     }
 

@@ -53,6 +53,8 @@ pub struct Core {
     pub(crate) stopping: bool,
     pub(crate) granted: bool,
     pub(crate) late_count: u64,
+    /// When the last BPRMB left, of any lease.
+    pub(crate) modify_sent: Option<Timestamp>,
     pub(crate) inserts_sent: u32,
     pub(crate) reserve_asked: bool,
 }
@@ -85,6 +87,7 @@ impl Core {
             stopping: false,
             granted: false,
             late_count: 0,
+            modify_sent: None,
             inserts_sent: 0,
             reserve_asked: false,
         };
@@ -253,7 +256,8 @@ impl Core {
         self.timers.set_or_stop(Timer::Navigation, navigation);
         self.timers
             .set_or_stop(Timer::Acknowledgement, self.commands.next_deadline());
-        let plugins = self.plugins_due();
+        // What was due while a plugin was busy or away is due now; nobody has promised to be here earlier.
+        let plugins = self.plugins_due().map(|due| due.max(self.now));
         self.timers.set_or_stop(Timer::Plugins, plugins);
     }
 

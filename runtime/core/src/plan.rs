@@ -1,8 +1,8 @@
 use backseat_spi::{BehaviorId, PlanElement};
 use backseat_units::{EastNorth, LocalFrame};
 
-/// How many elements a plan may have before it is taken for nonsense.
-const ELEMENTS_MAX: usize = 10_000;
+/// How many points a plan may have before it is taken for nonsense.
+const POINTS_MAX: usize = 10_000;
 
 /// One behaviour of the vehicle's plan, from a series of BFPLN with one number (SPI 6.20).
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +42,7 @@ impl Element {
 pub(crate) struct Plan {
     elements: Vec<Element>,
     collecting: Option<Vec<Element>>,
+    points_collected: usize,
     complete: bool,
     current: Option<u32>,
 }
@@ -60,6 +61,7 @@ impl Plan {
     /// BPRMP has been sent: what comes now is a new plan.
     pub(crate) fn begin(&mut self) {
         self.collecting = Some(Vec::new());
+        self.points_collected = 0;
     }
 
     /// A BFPLN.
@@ -74,7 +76,8 @@ impl Plan {
                 points: vec![point],
             }),
         }
-        if elements.len() > ELEMENTS_MAX {
+        self.points_collected += 1;
+        if self.points_collected > POINTS_MAX {
             self.collecting = None;
         }
     }

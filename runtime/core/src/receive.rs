@@ -46,6 +46,8 @@ impl Core {
                 self.heard(message.created);
                 if self.settings.control == ControlHook::Bfctl {
                     self.handed_over = Some(message.granted);
+                    // Control that is taken and given back in one read was lost all the same.
+                    self.settle_control();
                 }
             }
             FromVehicle::MissionStatus(message) => self.mission_status(&message),
@@ -54,6 +56,10 @@ impl Core {
             FromVehicle::MissionCommand(message) => self.mission_command(&message),
             FromVehicle::Shutdown(message) => {
                 self.heard(message.created);
+                if self.stopping {
+                    // Said again, it gives us no more time.
+                    return;
+                }
                 self.note(Note::Text {
                     text: "the vehicle shuts our power off in a minute".to_owned(),
                 });
@@ -121,6 +127,7 @@ impl Core {
             self.running = Some(running);
             if running {
                 self.plan.forget();
+                self.commands.forget_plan();
                 self.ask_for_plan();
             } else {
                 self.end_lease("the mission is not running");
@@ -130,6 +137,7 @@ impl Core {
         if self.settings.control == ControlHook::Running {
             self.handed_over = Some(running);
         }
+        self.settle_control();
     }
 
     fn behavior_began(&mut self, message: BehaviorBegin) {
@@ -211,6 +219,7 @@ impl Core {
             } else if text == revoke {
                 self.handed_over = Some(false);
             }
+            self.settle_control();
         }
         self.note(Note::Text {
             text: format!("mission command: {text}"),
@@ -254,6 +263,8 @@ impl Core {
         let refused_with = (ack.status != AckStatus::Succeeded).then_some(text);
         match (command.purpose, pending) {
             (Purpose::Insert(request), true) => self.insert_answered(request, RequestState::Pending),
+            // The series follows its own pending acknowledgement; what came before is of an earlier asking.
+            (Purpose::Plan, true) => self.plan.begin(),
             (_, true) => {}
             (Purpose::Insert(request), false) => {
                 let to = refused_with.map_or(RequestState::Accepted, |text| RequestState::Failed(text.to_owned()));

@@ -7,6 +7,7 @@ use backseat_spi::{CommandName, LoggingControl, PayloadStatus, PayloadVersion, R
 use crate::commands::{Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
 use crate::conductor::Slot;
 use crate::io::{Note, Output};
+use crate::ledger::RequestKind;
 use crate::machine::Core;
 use crate::plugin::{RequestState, Topic};
 use crate::settings::StatusCondition;
@@ -98,6 +99,10 @@ impl Core {
         self.transmit(&version, None);
         self.subscribe_all();
         self.ask_for_plan();
+        if self.held {
+            // The operator may have taken the helm while nothing could be sent.
+            self.cancel_all_of(None, "the operator holds");
+        }
         self.timers.set(Timer::Silence, self.now + SILENT);
         self.timers.set(Timer::Status, self.now + STATUS_EVERY);
     }
@@ -118,7 +123,12 @@ impl Core {
             .map(|(request, _)| request)
             .collect();
         for request in undecided {
-            self.transition(request, RequestState::Unknown);
+            // A cancel has no identifier of its own that could resolve it.
+            let cancel = self.ledger.get(request).is_some_and(|entry| entry.kind == RequestKind::Cancel);
+            self.transition(
+                request,
+                if cancel { RequestState::TimedOut } else { RequestState::Unknown },
+            );
         }
         for timer in [Timer::Silence, Timer::Plan, Timer::Status] {
             self.timers.stop(timer);

@@ -3,14 +3,14 @@ use backseat_units::Timestamp;
 /// Why core wants to be called again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Timer {
-    /// The lease is due for its next BPRMB.
-    Refresh,
-    /// The lease's term is over.
+    /// The lease's term is over. What ends a lease comes before what refreshes it.
     Term,
-    /// Navigation becomes stale, or steady.
-    Navigation,
     /// The oldest command without an acknowledgement is late.
     Acknowledgement,
+    /// The lease is due for its next BPRMB.
+    Refresh,
+    /// Navigation becomes stale, or steady.
+    Navigation,
     /// Navigation has not come since the link came up or since it stopped.
     Silence,
     /// The plan is due to be asked for.
@@ -25,10 +25,10 @@ pub(crate) enum Timer {
 
 impl Timer {
     const ALL: [Self; 9] = [
-        Self::Refresh,
         Self::Term,
-        Self::Navigation,
         Self::Acknowledgement,
+        Self::Refresh,
+        Self::Navigation,
         Self::Silence,
         Self::Plan,
         Self::Status,

@@ -11,20 +11,30 @@ use crate::trace::{Steering, Trace};
 pub(crate) fn judge(report: &mut Report, expect: &Expectations, trace: &Trace, mvc: &Mvc) {
     let most = expect.max_violations.unwrap_or(0) as usize;
     if report.violations.len() > most {
-        report.unmet.push(format!("{} violations, expected at most {most}", report.violations.len()));
+        report.unmet.push(format!(
+            "{} violations, expected at most {most}",
+            report.violations.len()
+        ));
     }
     if report.requests_open > 0 {
-        report.unmet.push(format!("{} requests without an end", report.requests_open));
+        report
+            .unmet
+            .push(format!("{} requests without an end", report.requests_open));
     }
     if let Some(least) = expect.min_accepted
         && report.requests.accepted < u64::from(least)
     {
-        report.unmet.push(format!("{} requests accepted, expected at least {least}", report.requests.accepted));
+        report.unmet.push(format!(
+            "{} requests accepted, expected at least {least}",
+            report.requests.accepted
+        ));
     }
     if let Some(completed) = expect.mission_completed
         && (report.outcome == "completed") != completed
     {
-        report.unmet.push(format!("the mission's outcome is {}", report.outcome));
+        report
+            .unmet
+            .push(format!("the mission's outcome is {}", report.outcome));
     }
     if let Some(contour) = &expect.contour {
         judge_contour(report, contour, trace, mvc.world());
@@ -39,7 +49,11 @@ fn judge_contour(report: &mut Report, expect: &ContourExpectation, trace: &Trace
     let mut steered_from = None;
     let mut acquired = None;
     let (mut squares, mut count) = (0.0, 0u32);
-    for sample in trace.samples.iter().filter(|sample| sample.steering == Steering::Modify) {
+    for sample in trace
+        .samples
+        .iter()
+        .filter(|sample| sample.steering == Steering::Modify)
+    {
         let at_s = sample.at.as_secs_f64();
         let from_s = *steered_from.get_or_insert(at_s);
         let error_m = contour_distance_m(world, sample.local, expect.water_depth_m);
@@ -52,7 +66,9 @@ fn judge_contour(report: &mut Report, expect: &ContourExpectation, trace: &Trace
         }
     }
     match acquired {
-        None => report.unmet.push(format!("the {} m contour was never acquired", expect.water_depth_m)),
+        None => report
+            .unmet
+            .push(format!("the {} m contour was never acquired", expect.water_depth_m)),
         Some(after_s) => {
             let rms_m = (squares / f64::from(count)).sqrt();
             report.measures.insert("contour_acquired_s", after_s);
@@ -65,7 +81,10 @@ fn judge_contour(report: &mut Report, expect: &ContourExpectation, trace: &Trace
                 ));
             }
             if rms_m > expect.rms_m {
-                report.unmet.push(format!("{rms_m:.1} m RMS from the contour, expected at most {} m", expect.rms_m));
+                report.unmet.push(format!(
+                    "{rms_m:.1} m RMS from the contour, expected at most {} m",
+                    expect.rms_m
+                ));
             }
             if f64::from(count) < expect.followed_for_s {
                 report.unmet.push(format!(

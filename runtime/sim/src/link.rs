@@ -19,7 +19,12 @@ pub(crate) struct Lane {
 
 impl Lane {
     pub(crate) fn new(seed: u64, name: &str) -> Self {
-        Self { delay: Stream::new(seed, name), under_way: VecDeque::new(), spare: Vec::new(), last: Timestamp::ZERO }
+        Self {
+            delay: Stream::new(seed, name),
+            under_way: VecDeque::new(),
+            spare: Vec::new(),
+            last: Timestamp::ZERO,
+        }
     }
 
     pub(crate) fn write(&mut self, now: Timestamp, bytes: &[u8]) {

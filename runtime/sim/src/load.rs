@@ -58,7 +58,11 @@ pub struct Loaded {
 /// [`LoadError`] names the plugin and the file.
 pub fn load_plugins(host: &Host, mission: &Mission, folder: Option<&Path>) -> Result<Loaded, LoadError> {
     let paths = mission.components(folder)?;
-    let mut loaded = Loaded { setups: Vec::new(), plugins: Vec::new(), components: Vec::new() };
+    let mut loaded = Loaded {
+        setups: Vec::new(),
+        plugins: Vec::new(),
+        components: Vec::new(),
+    };
     for (table, path) in mission.file.plugins.iter().zip(paths) {
         let plugin = &table.name;
         let bytes = std::fs::read(&path).map_err(|source| LoadError::Read {
@@ -66,15 +70,21 @@ pub fn load_plugins(host: &Host, mission: &Mission, folder: Option<&Path>) -> Re
             path: path.clone(),
             source,
         })?;
-        let refused = |source| LoadError::Host { plugin: plugin.clone(), path: path.clone(), source };
+        let refused = |source| LoadError::Host {
+            plugin: plugin.clone(),
+            path: path.clone(),
+            source,
+        };
         let component = host.load(plugin, &bytes).map_err(refused)?;
         let budget = Budget {
             fuel_per_step: table.budget.fuel_per_step,
             memory_bytes: table.budget.memory_mib as usize * 1024 * 1024,
             ..Budget::default()
         };
-        let config = serde_json::to_string(&table.config)
-            .map_err(|error| LoadError::Config { plugin: plugin.clone(), message: error.to_string() })?;
+        let config = serde_json::to_string(&table.config).map_err(|error| LoadError::Config {
+            plugin: plugin.clone(),
+            message: error.to_string(),
+        })?;
         let judge: Arc<dyn Judge> = mission.envelope.clone();
         let started = component.start(budget, &config, judge).map_err(refused)?;
         loaded.setups.push(PluginSetup {

@@ -36,6 +36,14 @@ pub struct Report {
 }
 
 impl Report {
+    /// What was measured, for people: `contour rms 1.0 m`. The unit is the last part of the measure's name.
+    pub fn measured(&self) -> impl Iterator<Item = String> + '_ {
+        self.measures.iter().map(|(name, value)| {
+            let (what, unit) = name.rsplit_once('_').unwrap_or((name, ""));
+            format!("{} {value:.1} {unit}", what.replace('_', " "))
+        })
+    }
+
     /// Whether every expectation held.
     #[must_use]
     pub fn passed(&self) -> bool {

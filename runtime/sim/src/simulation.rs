@@ -124,7 +124,12 @@ impl Simulation {
         if let Some(recorder) = &mut recorder {
             recorder.start(&start)?;
         }
-        let core = Core::new(mission.file.session.clone(), mission.envelope.clone(), loaded.setups, start);
+        let core = Core::new(
+            mission.file.session.clone(),
+            mission.envelope.clone(),
+            loaded.setups,
+            start,
+        );
         let mut simulation = Self {
             core,
             mvc,
@@ -199,7 +204,12 @@ impl Simulation {
             self.stop()?;
             return Ok(false);
         }
-        let answer = self.answers.iter().enumerate().min_by_key(|(_, (at, _, _))| *at).map(|(index, (at, _, _))| (*at, index));
+        let answer = self
+            .answers
+            .iter()
+            .enumerate()
+            .min_by_key(|(_, (at, _, _))| *at)
+            .map(|(index, (at, _, _))| (*at, index));
         // At the same instant: what arrives, what returns, who connects, the vehicle, then our own timers.
         let due = [
             self.to_vehicle.next(),
@@ -282,7 +292,12 @@ impl Simulation {
             load_seconds: 0.0,
             requests,
             requests_open: self.core.open_requests(),
-            rejections: self.reasons.iter().take(REASONS_MAX).map(|(reason, count)| format!("{count} x {reason}")).collect(),
+            rejections: self
+                .reasons
+                .iter()
+                .take(REASONS_MAX)
+                .map(|(reason, count)| format!("{count} x {reason}"))
+                .collect(),
             violations,
             seen,
             measures: BTreeMap::new(),
@@ -426,14 +441,18 @@ impl Simulation {
     }
 
     fn arrive_at_vehicle(&mut self) -> Result<(), SimError> {
-        let Some(bytes) = self.to_vehicle.take() else { return Ok(()) };
+        let Some(bytes) = self.to_vehicle.take() else {
+            return Ok(());
+        };
         self.mvc.receive(self.now, self.client, &bytes);
         self.to_vehicle.recycle(bytes);
         self.drain_mvc()
     }
 
     fn arrive_at_payload(&mut self) -> Result<(), SimError> {
-        let Some(bytes) = self.to_payload.take() else { return Ok(()) };
+        let Some(bytes) = self.to_payload.take() else {
+            return Ok(());
+        };
         self.feed(Input::Received(&bytes))?;
         self.to_payload.recycle(bytes);
         Ok(())

@@ -42,7 +42,10 @@ pub fn survey_map(mission: &Mission, report: &Report, trace: &Trace, mvc: &Mvc) 
                 Steering::Insert => Steer::Insert,
                 Steering::Nobody => return None,
             };
-            Some(TrackPoint { at: frame.to_local(sample.position), steer })
+            Some(TrackPoint {
+                at: frame.to_local(sample.position),
+                steer,
+            })
         })
         .collect();
     let picture = Picture {
@@ -52,15 +55,29 @@ pub fn survey_map(mission: &Mission, report: &Report, trace: &Trace, mvc: &Mvc) 
             report.seed,
             report.outcome,
             report.sim_seconds / 60.0,
-            mission.file.plugins.iter().map(|plugin| plugin.name.as_str()).collect::<Vec<_>>().join(", "),
+            mission
+                .file
+                .plugins
+                .iter()
+                .map(|plugin| plugin.name.as_str())
+                .collect::<Vec<_>>()
+                .join(", "),
         ),
         caption: caption(report),
         extent: None,
         ground: Some(ground(extent, frame, mvc, report_contour(mission))),
         planned: plan(mvc).iter().map(|position| frame.to_local(*position)).collect(),
         flown,
-        inserts: trace.inserts.iter().filter_map(|insert| insert_shape(insert, frame)).collect(),
-        rejected: trace.rejected.iter().filter_map(|rejected| rejected_shape(rejected, frame)).collect(),
+        inserts: trace
+            .inserts
+            .iter()
+            .filter_map(|insert| insert_shape(insert, frame))
+            .collect(),
+        rejected: trace
+            .rejected
+            .iter()
+            .filter_map(|rejected| rejected_shape(rejected, frame))
+            .collect(),
         lease_begins: changes(trace, frame, true),
         lease_ends: changes(trace, frame, false),
         zones,
@@ -79,19 +96,29 @@ fn caption(report: &Report) -> String {
         requests.failed,
         report.violations.len()
     );
-    for (name, value) in &report.measures {
-        text.push_str(&format!(" · {}: {value:.1}", name.replace('_', " ")));
+    for measured in report.measured() {
+        text.push_str(" · ");
+        text.push_str(&measured);
     }
     text
 }
 
 fn report_contour(mission: &Mission) -> Option<f64> {
-    mission.world.as_ref()?.expect.contour.map(|contour| contour.water_depth_m)
+    mission
+        .world
+        .as_ref()?
+        .expect
+        .contour
+        .map(|contour| contour.water_depth_m)
 }
 
 fn extent_of(zones: &[Zone]) -> Extent {
-    let mut extent =
-        Extent { west_m: f64::MAX, south_m: f64::MAX, east_m: f64::MIN, north_m: f64::MIN };
+    let mut extent = Extent {
+        west_m: f64::MAX,
+        south_m: f64::MAX,
+        east_m: f64::MIN,
+        north_m: f64::MIN,
+    };
     let inclusions = zones.iter().filter(|zone| zone.kind == ZoneKind::Inclusion);
     for point in inclusions.flat_map(|zone| zone.rings.iter().flatten()) {
         extent.west_m = extent.west_m.min(point.east_m);
@@ -132,22 +159,39 @@ fn ground(extent: Extent, frame: &LocalFrame, mvc: &Mvc, highlight: Option<f64>)
             });
         }
     }
-    let (label, unit, palette) =
-        if has_field { ("temperature", "°C", Palette::Field) } else { ("water depth", "m", Palette::Depth) };
-    Raster { extent, width, height, values, label: label.to_owned(), unit: unit.to_owned(), palette, highlight }
+    let (label, unit, palette) = if has_field {
+        ("temperature", "°C", Palette::Field)
+    } else {
+        ("water depth", "m", Palette::Depth)
+    };
+    Raster {
+        extent,
+        width,
+        height,
+        values,
+        label: label.to_owned(),
+        unit: unit.to_owned(),
+        palette,
+        highlight,
+    }
 }
 
 /// The front seat's own plan.
 fn plan(mvc: &Mvc) -> Vec<Position> {
-    mvc.plan_points().into_iter().filter(|(number, _)| number.is_some()).map(|(_, position)| position).collect()
+    mvc.plan_points()
+        .into_iter()
+        .filter(|(number, _)| number.is_some())
+        .map(|(_, position)| position)
+        .collect()
 }
 
 fn insert_shape(insert: &ToVehicle, frame: &LocalFrame) -> Option<Shape> {
     match insert {
         ToVehicle::Trackline(line) => Some(Shape::Line(frame.to_local(line.start), frame.to_local(line.end))),
-        ToVehicle::Trackcircle(circle) => {
-            Some(Shape::Circle { centre: frame.to_local(circle.centre), radius_m: circle.radius_m })
-        }
+        ToVehicle::Trackcircle(circle) => Some(Shape::Circle {
+            centre: frame.to_local(circle.centre),
+            radius_m: circle.radius_m,
+        }),
         _ => None,
     }
 }
@@ -162,20 +206,29 @@ fn rejected_shape(rejected: &crate::trace::Rejected, frame: &LocalFrame) -> Opti
     let from = rejected.from.map(|position| frame.to_local(position));
     let shape = match rejected.request.as_ref()? {
         Request::Trackline(line) => Shape::Line(local(line.start)?, local(line.end)?),
-        Request::Trackcircle(circle) if circle.radius_m.is_finite() && circle.radius_m > 0.0 => {
-            Shape::Circle { centre: local(circle.centre)?, radius_m: circle.radius_m }
-        }
+        Request::Trackcircle(circle) if circle.radius_m.is_finite() && circle.radius_m > 0.0 => Shape::Circle {
+            centre: local(circle.centre)?,
+            radius_m: circle.radius_m,
+        },
         Request::Trackcircle(circle) => Shape::Point(local(circle.centre)?),
-        Request::Modify(modify) if modify.heading_deg.is_finite() => Shape::Line(from?, from?.offset(modify.heading_deg, 60.0)),
+        Request::Modify(modify) if modify.heading_deg.is_finite() => {
+            Shape::Line(from?, from?.offset(modify.heading_deg, 60.0))
+        }
         Request::Modify(_) => Shape::Point(from?),
         Request::EndModify | Request::Cancel(_) | Request::Message(_) | Request::Timer { .. } => return None,
     };
-    Some(Rejected { shape, reason: short(&rejected.reason) })
+    Some(Rejected {
+        shape,
+        reason: short(&rejected.reason),
+    })
 }
 
 /// A reason without its figures, which differ from one rejection to the next.
 fn short(reason: &str) -> String {
-    let cut = [" with its margin", " by ", " ("].iter().filter_map(|mark| reason.find(mark)).min();
+    let cut = [" with its margin", " by ", " ("]
+        .iter()
+        .filter_map(|mark| reason.find(mark))
+        .min();
     reason[..cut.unwrap_or(reason.len())].chars().take(60).collect()
 }
 

@@ -122,12 +122,18 @@ impl Trace {
 
     pub(crate) fn note(&mut self, at: Timestamp, note: &Note, from: Option<Position>) {
         let Note::Request(transition) = note else { return };
-        let RequestState::Rejected(reason) = &transition.state else { return };
+        let RequestState::Rejected(reason) = &transition.state else {
+            return;
+        };
         if self.rejected.len() < REJECTED_MAX {
             self.rejected.push(Rejected {
                 at,
                 from,
-                request: self.asked.iter().find(|(tag, _)| *tag == transition.tag).map(|(_, request)| request.clone()),
+                request: self
+                    .asked
+                    .iter()
+                    .find(|(tag, _)| *tag == transition.tag)
+                    .map(|(_, request)| request.clone()),
                 kind: transition.kind,
                 reason: reason.clone(),
             });

@@ -7,7 +7,10 @@ use anyhow::{Context, Result, bail};
 /// The workspace's folder.
 pub(crate) fn root() -> Result<PathBuf> {
     let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    let root = here.ancestors().nth(2).context("xtask lies two folders below the workspace")?;
+    let root = here
+        .ancestors()
+        .nth(2)
+        .context("xtask lies two folders below the workspace")?;
     Ok(root.to_path_buf())
 }
 
@@ -26,7 +29,10 @@ pub(crate) fn cargo(arguments: &[&str]) -> Result<()> {
 
 /// Runs a command in the workspace; its failure is ours.
 pub(crate) fn run(command: &mut Command) -> Result<()> {
-    let status = command.current_dir(root()?).status().with_context(|| format!("{command:?}"))?;
+    let status = command
+        .current_dir(root()?)
+        .status()
+        .with_context(|| format!("{command:?}"))?;
     if !status.success() {
         bail!("{command:?} ended with {status}");
     }

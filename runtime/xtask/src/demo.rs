@@ -33,7 +33,15 @@ pub(crate) fn test() -> Result<()> {
     cargo(&["fmt", "--all", "--check"])?;
     tidy()?;
     plugins()?;
-    cargo(&["clippy", "--workspace", "--all-targets", "--quiet", "--", "--deny", "warnings"])?;
+    cargo(&[
+        "clippy",
+        "--workspace",
+        "--all-targets",
+        "--quiet",
+        "--",
+        "--deny",
+        "warnings",
+    ])?;
     cargo(&["test", "--workspace", "--quiet"])
 }
 
@@ -64,9 +72,15 @@ pub(crate) fn release() -> Result<PathBuf> {
 /// itself says what is missing.
 fn add_wasm_target() -> Result<()> {
     const TARGET: &str = "wasm32-unknown-unknown";
-    let installed = Command::new("rustup").args(["target", "list", "--installed"]).current_dir(root()?).output();
+    let installed = Command::new("rustup")
+        .args(["target", "list", "--installed"])
+        .current_dir(root()?)
+        .output();
     let Ok(installed) = installed else { return Ok(()) };
-    if String::from_utf8_lossy(&installed.stdout).lines().any(|line| line == TARGET) {
+    if String::from_utf8_lossy(&installed.stdout)
+        .lines()
+        .any(|line| line == TARGET)
+    {
         return Ok(());
     }
     println!("> rustup target add {TARGET}");

@@ -56,7 +56,10 @@ pub(crate) fn seeds(arguments: &Seeds) -> Result<()> {
             let text = String::from_utf8_lossy(&output.stdout);
             let report: Value = serde_json::from_str(&text)
                 .with_context(|| format!("seed {seed}: {}", String::from_utf8_lossy(&output.stderr).trim()))?;
-            reports.lock().unwrap_or_else(PoisonError::into_inner).insert(seed, report);
+            reports
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .insert(seed, report);
             bar.inc(1);
         }
     };
@@ -81,7 +84,12 @@ fn tell(reports: &BTreeMap<u64, Value>, arguments: &Seeds) -> Result<()> {
     let mut violations = 0;
     let mut measures: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for (seed, report) in reports {
-        let unmet: Vec<&str> = report["unmet"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let unmet: Vec<&str> = report["unmet"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .filter_map(Value::as_str)
+            .collect();
         if unmet.is_empty() {
             good += 1;
         } else {
@@ -98,7 +106,10 @@ fn tell(reports: &BTreeMap<u64, Value>, arguments: &Seeds) -> Result<()> {
         let (least, most) = (values[0], values[values.len() - 1]);
         println!("{name}: least {least:.1}, median {middle:.1}, most {most:.1}");
     }
-    println!("{good} of {} runs held every expectation; {violations} violations", reports.len());
+    println!(
+        "{good} of {} runs held every expectation; {violations} violations",
+        reports.len()
+    );
     let least = arguments.least.unwrap_or(arguments.runs);
     if good < least || violations > 0 {
         bail!("expected at least {least} good runs and no violation");

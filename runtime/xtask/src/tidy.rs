@@ -7,10 +7,35 @@ use crate::cargo::root;
 
 /// Which crate may never depend on which of ours: the arrows of `runtime/docs/architecture.md`.
 const NEVER: [(&str, &[&str]); 9] = [
-    ("units", &["spi", "fence", "core", "world", "mvc", "oracle", "sim", "recorder", "plugin-host"]),
+    (
+        "units",
+        &[
+            "spi",
+            "fence",
+            "core",
+            "world",
+            "mvc",
+            "oracle",
+            "sim",
+            "recorder",
+            "plugin-host",
+        ],
+    ),
     ("spi", &["fence", "core", "world", "mvc", "oracle", "sim", "tokio"]),
     ("fence", &["spi", "core", "world", "mvc", "oracle", "sim", "tokio"]),
-    ("core", &["world", "mvc", "oracle", "sim", "recorder", "plugin-host", "tokio", "wasmtime"]),
+    (
+        "core",
+        &[
+            "world",
+            "mvc",
+            "oracle",
+            "sim",
+            "recorder",
+            "plugin-host",
+            "tokio",
+            "wasmtime",
+        ],
+    ),
     ("world", &["spi", "fence", "core", "tokio"]),
     ("mvc", &["core", "fence", "oracle", "tokio"]),
     ("oracle", &["core", "fence", "mvc", "tokio"]),
@@ -37,7 +62,10 @@ pub(crate) fn tidy() -> Result<()> {
         }
         if !file.starts_with("runtime/xtask") {
             for (number, line) in text.lines().enumerate() {
-                if ["todo!(", "unimplemented!(", "dbg!("].iter().any(|mark| line.contains(mark)) {
+                if ["todo!(", "unimplemented!(", "dbg!("]
+                    .iter()
+                    .any(|mark| line.contains(mark))
+                {
                     faults.push(format!("{}:{}: unfinished", file.display(), number + 1));
                 }
             }
@@ -52,8 +80,16 @@ pub(crate) fn tidy() -> Result<()> {
 
 /// Every Rust source that git knows of.
 fn sources(root: &Path) -> Result<Vec<PathBuf>> {
-    let output = Command::new("git").args(["ls-files", "*.rs"]).current_dir(root).output().context("git")?;
-    Ok(String::from_utf8_lossy(&output.stdout).lines().map(PathBuf::from).filter(|file| root.join(file).exists()).collect())
+    let output = Command::new("git")
+        .args(["ls-files", "*.rs"])
+        .current_dir(root)
+        .output()
+        .context("git")?;
+    Ok(String::from_utf8_lossy(&output.stdout)
+        .lines()
+        .map(PathBuf::from)
+        .filter(|file| root.join(file).exists())
+        .collect())
 }
 
 fn arrows(root: &Path, faults: &mut Vec<String>) -> Result<()> {

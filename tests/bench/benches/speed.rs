@@ -53,7 +53,10 @@ fn batch(calls: u32, work: &mut impl FnMut()) -> f64 {
 }
 
 fn row(work: &str, (ours, floor): (f64, f64), floor_is: &str, aim: &str) {
-    println!("| {work} | {ours:.0} ns | {floor:.0} ns ({floor_is}) | {:.2} | {aim} |", ours / floor);
+    println!(
+        "| {work} | {ours:.0} ns | {floor:.0} ns ({floor_is}) | {:.2} | {aim} |",
+        ours / floor
+    );
 }
 
 const NVG: &[u8] = b"$BFNVG,081025.987,4221.81092,N,07106.84603,W,1,45.3,20.1,203.1,-3.4,4.5,081025.980*4E\r\n";
@@ -72,7 +75,12 @@ fn decode() {
             black_box(decode_by_hand(black_box(NVG)));
         },
     );
-    row("BFNVG bytes to typed message", times, "written by hand for this sentence", "ratio 1.3");
+    row(
+        "BFNVG bytes to typed message",
+        times,
+        "written by hand for this sentence",
+        "ratio 1.3",
+    );
 }
 
 /// The least that reading this one sentence costs: checksum, fields, numbers, nothing that another sentence needs.
@@ -125,7 +133,13 @@ fn star(vertices: usize) -> (String, Vec<EastNorth>) {
     for point in points.iter().chain(points.first()) {
         let position = frame.to_position(*point);
         let comma = if ring.is_empty() { "" } else { "," };
-        write!(ring, "{comma}[{},{}]", position.longitude.as_deg(), position.latitude.as_deg()).expect("a string");
+        write!(
+            ring,
+            "{comma}[{},{}]",
+            position.longitude.as_deg(),
+            position.latitude.as_deg()
+        )
+        .expect("a string");
     }
     let text = format!(
         r#"{{"type":"FeatureCollection","features":[{{"type":"Feature","properties":{{"name":"star","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3}},"geometry":{{"type":"Polygon","coordinates":[[{ring}]]}}}}]}}"#
@@ -136,7 +150,11 @@ fn star(vertices: usize) -> (String, Vec<EastNorth>) {
 fn fence(vertices: usize) {
     let (text, points) = star(vertices);
     let fence = Fence::from_geojson(&text).expect("a star is a fence");
-    let extent = VerticalExtent { depth_min_m: 10.0, depth_max_m: 20.0, altitude_min_m: 5.0 };
+    let extent = VerticalExtent {
+        depth_min_m: 10.0,
+        depth_max_m: 20.0,
+        altitude_min_m: 5.0,
+    };
     let legs: Vec<(EastNorth, EastNorth)> = (0..64)
         .map(|leg| {
             let start = EastNorth::default().offset(f64::from(leg) * 37.0, f64::from(leg) * 40.0);
@@ -149,7 +167,17 @@ fn fence(vertices: usize) {
         || {
             let (start, end) = legs[ours % legs.len()];
             ours += 1;
-            black_box(fence.check(&Sweep { shape: Shape::leg(start, end), radius_m: 20.0 }, &extent).is_ok());
+            black_box(
+                fence
+                    .check(
+                        &Sweep {
+                            shape: Shape::leg(start, end),
+                            radius_m: 20.0,
+                        },
+                        &extent,
+                    )
+                    .is_ok(),
+            );
         },
         || {
             let (start, end) = legs[floor % legs.len()];
@@ -158,7 +186,12 @@ fn fence(vertices: usize) {
         },
     );
     let aim = if vertices > 1000 { "2000 ns" } else { "400 ns" };
-    row(&format!("leg + margin against {vertices} vertices"), times, "plain scan of the edges", aim);
+    row(
+        &format!("leg + margin against {vertices} vertices"),
+        times,
+        "plain scan of the edges",
+        aim,
+    );
 }
 
 /// The least distance of a leg's ends from the edges, every edge looked at.
@@ -179,10 +212,9 @@ fn scan(points: &[EastNorth], start: EastNorth, end: EastNorth) -> f64 {
 }
 
 fn envelope() -> Envelope {
-    let limits: Limits = serde_json::from_str(
-        r#"{"speed_min_mps":1.0,"speed_max_mps":2.0,"turn_rate_dps":8.0,"current_max_mps":0.3}"#,
-    )
-    .expect("these are limits");
+    let limits: Limits =
+        serde_json::from_str(r#"{"speed_min_mps":1.0,"speed_max_mps":2.0,"turn_rate_dps":8.0,"current_max_mps":0.3}"#)
+            .expect("these are limits");
     Envelope::new(Fence::from_geojson(&star(100).0).expect("a star is a fence"), limits)
 }
 
@@ -210,8 +242,14 @@ fn step() {
     let component = host.load("idle", &bytes).expect("a component");
     let judge = std::sync::Arc::new(envelope());
     // Without control it asks for nothing: what is left is the host's own work. No snapshot comes between.
-    let budget = Budget { snapshot_every_steps: 0, ..Budget::default() };
-    let mut plugin = component.start(budget, r#"{"fault":"none"}"#, judge).expect("it starts").plugin;
+    let budget = Budget {
+        snapshot_every_steps: 0,
+        ..Budget::default()
+    };
+    let mut plugin = component
+        .start(budget, r#"{"fault":"none"}"#, judge)
+        .expect("it starts")
+        .plugin;
     let mut input = StepInput {
         now: Timestamp::ZERO,
         utc: Utc::default(),

@@ -25,8 +25,11 @@ pub(crate) fn fence() -> Fence {
 }
 
 /// The planned behaviours by number: a line to the east, then two waypoints.
-pub(crate) const PLAN: [(u32, &[(f64, f64)]); 3] =
-    [(1, &[(-600.0, 0.0), (600.0, 0.0)]), (2, &[(600.0, 300.0)]), (3, &[(0.0, 300.0)])];
+pub(crate) const PLAN: [(u32, &[(f64, f64)]); 3] = [
+    (1, &[(-600.0, 0.0), (600.0, 0.0)]),
+    (2, &[(600.0, 300.0)]),
+    (3, &[(0.0, 300.0)]),
+];
 
 pub(crate) fn limits() -> Limits {
     Limits {
@@ -89,12 +92,18 @@ pub(crate) fn modify(tag: u64) -> ModifyRequest {
 
 /// As [`modify`], with another heading.
 pub(crate) fn turn(tag: u64, heading_deg: f64) -> Request {
-    Request::Modify(ModifyRequest { heading_deg, ..modify(tag) })
+    Request::Modify(ModifyRequest {
+        heading_deg,
+        ..modify(tag)
+    })
 }
 
 /// As [`modify`], with another term.
 pub(crate) fn modify_for(tag: u64, duration: Duration) -> Request {
-    Request::Modify(ModifyRequest { duration, ..modify(tag) })
+    Request::Modify(ModifyRequest {
+        duration,
+        ..modify(tag)
+    })
 }
 
 pub(crate) fn line(tag: u64, from: (f64, f64), to: (f64, f64)) -> TracklineRequest {
@@ -115,7 +124,10 @@ pub(crate) fn good_line(tag: u64) -> Request {
 
 /// As [`good_line`], at once.
 pub(crate) fn interrupting(tag: u64) -> Request {
-    Request::Trackline(TracklineRequest { interrupt: true, ..line(tag, (0.0, 500.0), (300.0, 500.0)) })
+    Request::Trackline(TracklineRequest {
+        interrupt: true,
+        ..line(tag, (0.0, 500.0), (300.0, 500.0))
+    })
 }
 
 pub(crate) fn circle(tag: u64, centre: (f64, f64), radius_m: f64) -> TrackcircleRequest {

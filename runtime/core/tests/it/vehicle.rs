@@ -91,11 +91,20 @@ impl Vehicle {
     pub(crate) fn connected(&mut self, now: Timestamp) {
         self.subscribed.clear();
         self.due.clear();
-        self.say(now, VehicleVersion { created: self.clock(now), version: Text::cleaned("1.11") });
+        self.say(
+            now,
+            VehicleVersion {
+                created: self.clock(now),
+                version: Text::cleaned("1.11"),
+            },
+        );
     }
 
     pub(crate) fn next(&self) -> Timestamp {
-        self.due.iter().map(|(at, _)| *at).fold(self.next_navigation, Timestamp::min)
+        self.due
+            .iter()
+            .map(|(at, _)| *at)
+            .fold(self.next_navigation, Timestamp::min)
     }
 
     /// What it says now, oldest first, with the true time of the solution where it is navigation.
@@ -150,7 +159,13 @@ impl Vehicle {
 
     pub(crate) fn set_control(&mut self, now: Timestamp, granted: bool) {
         self.control = granted;
-        self.say(now, BackseatControl { created: self.clock(now), granted });
+        self.say(
+            now,
+            BackseatControl {
+                created: self.clock(now),
+                granted,
+            },
+        );
     }
 
     pub(crate) fn set_status(&mut self, now: Timestamp, status: &'static str) {

@@ -1,0 +1,245 @@
+use std::time::Duration;
+
+use backseat_core::plugin::{Event, Request};
+use backseat_core::{ControlHook, Operator, Settings, Start};
+use backseat_spi::{MissionCommand, Text};
+use backseat_units::Timestamp;
+
+use crate::course::{good_line, modify};
+use crate::trial::{Seen, Setup, Trial};
+
+/// Tells the vehicle to say it and lets it arrive.
+fn tell(trial: &mut Trial, say: impl FnOnce(&mut crate::vehicle::Vehicle, Timestamp)) {
+    let now = trial.now;
+    say(&mut trial.vehicle, now);
+    trial.run_for(0.2);
+}
+
+#[test]
+fn sr_001_each_condition_of_control_is_needed() {
+    type Loss = fn(&mut Trial);
+    let losses: [(&str, Loss, Loss); 5] = [
+        (
+            "the vehicle has control",
+            |trial| tell(trial, |vehicle, now| vehicle.set_control(now, false)),
+            |trial| tell(trial, |vehicle, now| vehicle.set_control(now, true)),
+        ),
+        (
+            "the mission is not running",
+            |trial| tell(trial, |vehicle, now| vehicle.set_status(now, "Aborting")),
+            |trial| tell(trial, |vehicle, now| vehicle.set_status(now, "Running /logs/1")),
+        ),
+        (
+            "navigation is stale",
+            |trial| trial.vehicle.navigates = false,
+            |trial| trial.vehicle.navigates = true,
+        ),
+        (
+            "the operator holds",
+            |trial| trial.operator(Operator::Hold),
+            |trial| trial.operator(Operator::Release),
+        ),
+        ("the link is down", Trial::cut, |_| {}),
+    ];
+    for (reason, lose, regain) in losses {
+        let mut trial = Trial::steering();
+        let lost = trial.now;
+        lose(&mut trial);
+        trial.run_for(0.25);
+        if reason == "navigation is stale" {
+            trial.run_for(1.0);
+        }
+        assert!(!trial.core.has_control(), "{reason}");
+        assert_eq!(trial.lease_ends().len(), 1, "{reason}");
+        let quiet = trial.now;
+        trial.ask(0, [Request::Modify(modify(2)), good_line(3)]);
+        if reason != "the link is down" {
+            trial.run_for(2.0);
+            assert!(trial.rejection(2).contains(reason), "{reason}: {}", trial.rejection(2));
+            assert!(trial.rejection(3).contains(reason), "{reason}: {}", trial.rejection(3));
+            assert_eq!(trial.sent_since("EMB", lost).len(), 1, "{reason}");
+        }
+        assert!(
+            trial.sent_since("RMB", quiet).is_empty() && trial.sent_since("RTK", quiet).is_empty(),
+            "{reason}"
+        );
+        regain(&mut trial);
+        trial.run_for(3.0);
+        assert!(trial.core.has_control(), "regained after: {reason}");
+        trial.ask(0, [Request::Modify(modify(4))]);
+        trial.run_for(0.5);
+        assert!(trial.core.is_steering(), "regained after: {reason}");
+        let told: Vec<bool> = trial
+            .events(0)
+            .into_iter()
+            .filter_map(|event| match event {
+                Event::Control(granted) => Some(granted),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(told, [true, false, true], "{reason}");
+    }
+}
+
+#[test]
+fn sr_001_a_status_of_junk_takes_control_away() {
+    for junk in ["", " ", "running", "Not Running", "WrappingUp"] {
+        let mut trial = Trial::steering();
+        tell(&mut trial, |vehicle, now| vehicle.set_status(now, junk));
+        assert!(!trial.core.has_control() && !trial.core.is_steering(), "{junk:?}");
+    }
+}
+
+#[test]
+fn sr_001_after_a_link_loss_control_is_unknown_until_the_vehicle_says_it_again() {
+    let mut trial = Trial::steering();
+    trial.vehicle.replays = false;
+    trial.cut();
+    trial.run_for(30.0);
+    assert!(!trial.core.has_control());
+    tell(&mut trial, |vehicle, now| vehicle.set_control(now, true));
+    assert!(!trial.core.has_control(), "the mission's status is unknown still");
+    tell(&mut trial, |vehicle, now| vehicle.set_status(now, "Running"));
+    assert!(trial.core.has_control());
+}
+
+#[test]
+fn the_running_hook_hands_over_with_the_mission_and_bfctl_means_nothing() {
+    let settings = Settings {
+        control: ControlHook::Running,
+        ..Settings::default()
+    };
+    let mut trial = Trial::with(Setup {
+        settings,
+        ..Setup::default()
+    });
+    trial.vehicle.control = false;
+    trial.run_for(2.0);
+    assert!(trial.core.has_control());
+    tell(&mut trial, |vehicle, now| vehicle.set_status(now, "Completed"));
+    assert!(!trial.core.has_control());
+}
+
+#[test]
+fn the_mission_command_hook_hands_over_with_its_text_alone() {
+    let hook = ControlHook::MissionCommand {
+        grant: "backseat go".to_owned(),
+        revoke: "backseat stop".to_owned(),
+    };
+    let settings = Settings {
+        control: hook,
+        ..Settings::default()
+    };
+    let mut trial = Trial::with(Setup {
+        settings,
+        ..Setup::default()
+    });
+    trial.run_for(2.0);
+    assert!(!trial.core.has_control(), "BFCTL means nothing");
+    let command = |trial: &mut Trial, text: &str| {
+        let created = trial.vehicle.clock(trial.now);
+        let text = Text::cleaned(text);
+        tell(trial, |vehicle, now| vehicle.say(now, MissionCommand { created, text }));
+    };
+    command(&mut trial, "backseat gone");
+    assert!(!trial.core.has_control());
+    command(&mut trial, "backseat go");
+    assert!(trial.core.has_control());
+    command(&mut trial, "backseat stop");
+    assert!(!trial.core.has_control());
+    let heard = trial
+        .events(0)
+        .into_iter()
+        .filter(|event| matches!(event, Event::MissionCommand(_)))
+        .count();
+    assert_eq!(heard, 3);
+}
+
+#[test]
+fn sr_014_control_taken_and_given_back_in_one_read_ends_the_lease() {
+    let mut trial = Trial::steering();
+    let read = trial.now;
+    let control = |granted| {
+        backseat_spi::BackseatControl {
+            created: trial.vehicle.clock(trial.now),
+            granted,
+        }
+        .into()
+    };
+    let both = [control(false), control(true)];
+    trial.hear_now(both);
+    trial.run_for(0.5);
+    assert_eq!(trial.sent_since("EMB", read), [read]);
+    assert_eq!(trial.lease_ends().len(), 1);
+    assert!(trial.core.has_control() && !trial.core.is_steering());
+}
+
+#[test]
+fn sr_014_without_control_only_what_may_be_said_then_is_said() {
+    let mut trial = Trial::steering();
+    trial.ask(0, [good_line(2)]);
+    trial.run_for(0.5);
+    tell(&mut trial, |vehicle, now| vehicle.set_control(now, false));
+    let lost = trial.now;
+    for step in 0..300 {
+        trial.ask(
+            0,
+            [
+                Request::Modify(modify(100 + step)),
+                good_line(1000 + step),
+                Request::Message("hm".to_owned()),
+            ],
+        );
+        trial.run_for(0.1);
+    }
+    for name in trial.names_since(lost) {
+        assert!(["VER", "LOG", "STS", "MSG", "RMP", "RCN"].contains(&name), "{name}");
+    }
+}
+
+#[test]
+fn not_armed_nothing_that_steers_leaves_and_all_else_does() {
+    let setup = Setup::default();
+    let start = Start {
+        armed: false,
+        ..setup.start
+    };
+    let mut trial = Trial::with_under_way(Setup { start, ..setup });
+    trial.ask(0, [Request::Modify(modify(1)), good_line(2)]);
+    trial.run_for(0.3);
+    trial.ask(0, [Request::Message("here".to_owned())]);
+    trial.run_for(15.0);
+    assert!(trial.rejection(1).contains("not armed") && trial.rejection(2).contains("not armed"));
+    let names = trial.names_since(Timestamp::ZERO);
+    for name in ["VER", "LOG", "RMP", "MSG", "STS"] {
+        assert!(names.contains(&name), "{name}");
+    }
+    for name in ["RMB", "RTK", "RTC", "EMB", "RCN"] {
+        assert!(!names.contains(&name), "{name}");
+    }
+}
+
+#[test]
+fn sr_011_before_power_goes_plugins_are_told_and_the_logs_closed_within_ten_seconds() {
+    let mut trial = Trial::steering();
+    let told = trial.now;
+    for _ in 0..15 {
+        let created = trial.vehicle.clock(trial.now);
+        // A vehicle may say it again and again.
+        tell(&mut trial, |vehicle, now| {
+            vehicle.say(now, backseat_spi::Shutdown { created })
+        });
+        trial.run_for(0.8);
+    }
+    let finish = trial
+        .seen
+        .iter()
+        .find(|(_, seen)| *seen == Seen::Finish)
+        .expect("the logs are closed")
+        .0;
+    assert!(finish.since(told) <= Duration::from_secs(10), "{finish}");
+    for plugin in 0..2 {
+        assert!(trial.events(plugin).contains(&Event::Shutdown));
+    }
+    assert!(!trial.core.has_control() && trial.sent_since("EMB", told).len() == 1);
+}

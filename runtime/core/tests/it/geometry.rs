@@ -1,0 +1,220 @@
+use backseat_core::plugin::{ModifyRequest, Request, TrackcircleRequest, TracklineRequest, VerticalRequest};
+use backseat_core::{Limits, plugin::Judge};
+use backseat_units::EastNorth;
+
+use crate::course::{circle, limits, line, modify};
+use crate::trial::{Setup, Trial, shorts};
+
+/// The rejection of a request that the vehicle must never hear of.
+fn rejected(trial: &mut Trial, request: Request, tag: u64) -> String {
+    trial.ask(0, [request]);
+    trial.run_for(0.5);
+    assert!(
+        trial.commands("RTK").is_empty() && trial.commands("RTC").is_empty(),
+        "{:?}",
+        trial.states(tag)
+    );
+    trial.rejection(tag)
+}
+
+#[track_caller]
+fn names_edge_and_metres(text: &str, zone: &str) {
+    assert!(
+        text.contains(zone) && text.contains(" edge ") && text.contains(" m "),
+        "{text}"
+    );
+}
+
+#[test]
+fn sr_002_a_line_that_leaves_the_box_is_rejected_with_edge_and_metres() {
+    let mut trial = Trial::under_way();
+    let text = rejected(
+        &mut trial,
+        Request::Trackline(line(1, (0.0, 500.0), (2500.0, 500.0))),
+        1,
+    );
+    names_edge_and_metres(&text, "outside inclusion 'box'");
+}
+
+#[test]
+fn sr_002_the_lead_in_and_lead_out_belong_to_the_line() {
+    // The line itself keeps 60 m from the edge, with leads of 50 m 10 m are left, and its margins need more.
+    for (from, to) in [((0.0, 500.0), (1930.0, 500.0)), ((1930.0, 500.0), (0.0, 500.0))] {
+        let mut trial = Trial::under_way();
+        let text = rejected(&mut trial, Request::Trackline(line(1, from, to)), 1);
+        names_edge_and_metres(&text, "outside inclusion 'box'");
+        let limits = Limits {
+            lead_max_m: 0.0,
+            ..limits()
+        };
+        let mut trial = Trial::with_under_way(Setup {
+            limits,
+            ..Setup::default()
+        });
+        trial.ask(0, [Request::Trackline(line(1, from, to))]);
+        trial.run_for(0.5);
+        assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+    }
+}
+
+#[test]
+fn sr_002_the_transit_to_the_line_is_checked() {
+    // South of the wreck: the way there from the end of the planned leg is free, an interrupt's from here is not.
+    let across = line(1, (600.0, -1600.0), (300.0, -1600.0));
+    let mut trial = Trial::new();
+    trial.vehicle.start = EastNorth::new(-500.0, -400.0);
+    trial.run_for(2.0);
+    let text = rejected(
+        &mut trial,
+        Request::Trackline(TracklineRequest {
+            interrupt: true,
+            ..across
+        }),
+        1,
+    );
+    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+}
+
+#[test]
+fn sr_002_the_way_on_to_what_comes_next_is_checked() {
+    // From its end the way to the waypoint 2 at 600 east 300 north leads over the wreck.
+    let line = line(1, (600.0, -1700.0), (-500.0, -1700.0));
+    let mut trial = Trial::under_way();
+    let text = rejected(&mut trial, Request::Trackline(line), 1);
+    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+}
+
+#[test]
+fn sr_002_the_way_from_one_insert_to_the_next_is_checked() {
+    let mut trial = Trial::under_way();
+    trial.ask(0, [Request::Trackline(line(1, (600.0, -300.0), (900.0, -1000.0)))]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+    trial.ask(0, [Request::Trackline(line(2, (-600.0, -1000.0), (-600.0, -300.0)))]);
+    trial.run_for(0.5);
+    names_edge_and_metres(&trial.rejection(2), "inside exclusion 'wreck'");
+}
+
+#[test]
+fn sr_002_a_circles_whole_rim_is_checked() {
+    // Its centre and its entry in the north are far from the edge.
+    let mut trial = Trial::under_way();
+    let text = rejected(&mut trial, Request::Trackcircle(circle(1, (1500.0, 500.0), 480.0)), 1);
+    names_edge_and_metres(&text, "outside inclusion 'box'");
+    let mut trial = Trial::under_way();
+    let text = rejected(&mut trial, Request::Trackcircle(circle(1, (400.0, -1000.0), 300.0)), 1);
+    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+}
+
+#[test]
+fn sr_002_a_circle_whose_entry_the_vehicle_chooses_is_checked_for_every_entry() {
+    // Around the wreck: entered in the north it is free, but the vehicle may enter it anywhere and cross the wreck.
+    let around = circle(1, (0.0, -1000.0), 400.0);
+    let mut trial = Trial::under_way();
+    trial.ask(0, [Request::Trackcircle(around)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+    let mut trial = Trial::under_way();
+    let open = TrackcircleRequest {
+        entry_angle_deg: None,
+        ..around
+    };
+    let text = rejected(&mut trial, Request::Trackcircle(open), 1);
+    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+}
+
+#[test]
+fn sr_002_depths_and_altitudes_of_an_insert_are_checked() {
+    let good = line(1, (0.0, 500.0), (300.0, 500.0));
+    for (vertical, part) in [
+        (VerticalRequest::DepthM(60.0), "deeper than the 60 m"),
+        (VerticalRequest::AltitudeM(2.5), "m "),
+        (VerticalRequest::AltitudeM(30.0), "deeper than the 60 m"),
+    ] {
+        let limits = Limits {
+            water_depth_min_m: None,
+            ..limits()
+        };
+        let mut trial = Trial::with_under_way(Setup {
+            limits,
+            ..Setup::default()
+        });
+        let text = rejected(&mut trial, Request::Trackline(TracklineRequest { vertical, ..good }), 1);
+        assert!(text.contains(part), "{vertical:?}: {text}");
+    }
+}
+
+#[test]
+fn an_altitude_needs_bottom_lock_or_a_known_depth() {
+    let limits = Limits {
+        water_depth_min_m: None,
+        water_depth_max_m: None,
+        ..limits()
+    };
+    let mut trial = Trial::with(Setup {
+        limits,
+        ..Setup::default()
+    });
+    trial.vehicle.altitude_m = None;
+    trial.run_for(2.0);
+    let climb = |tag| {
+        Request::Modify(ModifyRequest {
+            vertical: VerticalRequest::AltitudeM(60.0),
+            ..modify(tag)
+        })
+    };
+    trial.ask(0, [climb(1)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(1).contains("needs bottom lock"));
+    trial.vehicle.altitude_m = Some(70.0);
+    trial.run_for(0.5);
+    trial.ask(0, [climb(2)]);
+    trial.run_for(0.5);
+    assert!(trial.core.is_steering(), "{:?}", trial.states(2));
+    trial.vehicle.altitude_m = None;
+    trial.run_for(7.0);
+    assert!(
+        !trial.core.is_steering(),
+        "5 s after the last lock the altitude cannot be judged"
+    );
+}
+
+#[test]
+fn sr_002_a_modify_is_checked_for_all_that_can_be_reached_in_silence() {
+    // At 1.5 m/s the vehicle is 9 m further when a modify lapses, and needs its turns' width.
+    let mut trial = Trial::new();
+    trial.vehicle.start = EastNorth::new(1900.0, 500.0);
+    trial.run_for(2.0);
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(0.5);
+    names_edge_and_metres(&trial.rejection(1), "outside inclusion 'box'");
+}
+
+#[test]
+fn sr_002_the_way_back_from_a_modify_to_the_plan_is_checked() {
+    // South of the wreck, heading east: nothing in reach, but the way back to the planned leg is barred.
+    let mut trial = Trial::new();
+    trial.vehicle.start = EastNorth::new(-50.0, -1500.0);
+    trial.run_for(2.0);
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(0.5);
+    names_edge_and_metres(&trial.rejection(1), "inside exclusion 'wreck'");
+}
+
+#[test]
+fn the_answer_that_plugins_get_for_their_question_is_the_judgement_of_the_geometry() {
+    let mut trial = Trial::under_way();
+    let envelope = crate::course::envelope(limits());
+    let (_, input) = trial.steps(0).pop().unwrap();
+    assert!(envelope.judge(&Request::Modify(modify(1)), &input).is_ok());
+    let refusal = envelope
+        .judge(&Request::Trackline(line(1, (0.0, 500.0), (2500.0, 500.0))), &input)
+        .unwrap_err();
+    assert_eq!(refusal.rule, "inclusion");
+    let text = rejected(
+        &mut trial,
+        Request::Trackline(line(1, (0.0, 500.0), (2500.0, 500.0))),
+        1,
+    );
+    assert_eq!(text, refusal.text);
+}

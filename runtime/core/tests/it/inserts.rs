@@ -1,0 +1,458 @@
+use std::time::Duration;
+
+use backseat_core::plugin::{Event, Request, RequestState, TracklineRequest};
+use backseat_core::{Identifiers, Limits, Start};
+use backseat_spi::{AckStatus, Interrupt, ToVehicle};
+
+use crate::course::{circle, good_line, interrupting, limits, line};
+use crate::trial::{Setup, Trial, shorts};
+use crate::vehicle::Reply;
+
+fn begin(trial: &mut Trial, identifier: u32) {
+    let now = trial.now;
+    trial.vehicle.begin(now, None, Some(identifier));
+    trial.run_for(0.3);
+}
+
+fn end(trial: &mut Trial, identifier: u32) {
+    let now = trial.now;
+    trial.vehicle.end(now, None, Some(identifier));
+    trial.run_for(0.3);
+}
+
+/// An accepted insert under tag 1 with identifier 1.
+fn accepted() -> Trial {
+    let mut trial = Trial::under_way();
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+    trial
+}
+
+#[test]
+fn sr_009_an_insert_is_sent_pending_accepted_started_and_ended_once_each() {
+    let mut trial = Trial::under_way();
+    trial
+        .vehicle
+        .replies
+        .insert("RTK", Reply::Pending(Duration::from_millis(1500), AckStatus::Succeeded));
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(2.5);
+    begin(&mut trial, 1);
+    end(&mut trial, 1);
+    let states = ["sent", "pending", "accepted", "started", "ended"];
+    assert_eq!(shorts(&trial.states(1)), states);
+    let told: Vec<RequestState> = trial
+        .events(0)
+        .into_iter()
+        .filter_map(|event| match event {
+            Event::Outcome { tag: 1, state } => Some(state),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(shorts(&told), states, "the plugin is told of each");
+    let behaviors = trial.events(0).into_iter().filter(|event| match event {
+        Event::BehaviorBegan(behavior) | Event::BehaviorEnded(behavior) => behavior.tag == Some(1),
+        _ => false,
+    });
+    assert_eq!(behaviors.count(), 2);
+    assert!(!trial.events(1).iter().any(|event| match event {
+        Event::BehaviorBegan(behavior) | Event::BehaviorEnded(behavior) => behavior.tag.is_some(),
+        Event::Outcome { .. } => true,
+        _ => false,
+    }));
+    assert_eq!(trial.core.open_requests(), 0);
+}
+
+#[test]
+fn a_trackline_and_a_trackcircle_say_what_was_asked() {
+    let mut trial = Trial::under_way();
+    trial.ask(
+        0,
+        [interrupting(1), Request::Trackcircle(circle(2, (0.0, 600.0), 50.0))],
+    );
+    trial.run_for(0.5);
+    let Some((_, ToVehicle::Trackline(sent))) = trial.commands("RTK").pop() else {
+        panic!("no BPRTK")
+    };
+    assert_eq!(
+        (sent.vertical_m, sent.speed, sent.interrupt),
+        (20.0, 1.5, Interrupt::InterruptCurrent)
+    );
+    let Some((_, ToVehicle::Trackcircle(sent))) = trial.commands("RTC").pop() else {
+        panic!("no BPRTC")
+    };
+    assert_eq!(
+        (sent.radius_m, sent.orbits, sent.entry_angle_deg),
+        (50.0, 1.0, Some(0.0))
+    );
+    assert_eq!(sent.interrupt, Interrupt::AfterCurrent);
+}
+
+#[test]
+fn sr_009_a_refused_insert_has_failed() {
+    for reply in [
+        Reply::Refuse,
+        Reply::Pending(Duration::from_millis(1500), AckStatus::Failed),
+        Reply::Late(Duration::from_millis(1500), AckStatus::Invalid),
+    ] {
+        let mut trial = Trial::under_way();
+        trial.vehicle.replies.insert("RTK", reply);
+        trial.ask(0, [good_line(1)]);
+        trial.run_for(6.0);
+        assert_eq!(
+            trial.states(1).last(),
+            Some(&RequestState::Failed("as told".to_owned())),
+            "{reply:?}"
+        );
+        assert_eq!(trial.core.open_requests(), 0);
+    }
+}
+
+#[test]
+fn sr_009_an_insert_without_answer_is_called_back_and_has_timed_out() {
+    for reply in [Reply::Silent, Reply::PendingForEver] {
+        let mut trial = Trial::under_way();
+        trial.vehicle.replies.insert("RTK", reply);
+        trial.ask(0, [good_line(1)]);
+        trial.run_for(8.0);
+        assert_eq!(trial.states(1).last(), Some(&RequestState::TimedOut), "{reply:?}");
+        assert_eq!(trial.commands("RCN").len(), 1);
+        assert_eq!(trial.core.open_requests(), 0);
+    }
+}
+
+#[test]
+fn sr_009_an_answer_that_comes_after_the_end_changes_nothing() {
+    let mut trial = Trial::under_way();
+    trial
+        .vehicle
+        .replies
+        .insert("RTK", Reply::Late(Duration::from_secs(3), AckStatus::Succeeded));
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(10.0);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
+}
+
+/// An insert whose answer was lost with the link; the vehicle has it or not.
+fn in_doubt(vehicle_has_it: bool) -> Trial {
+    let mut trial = Trial::under_way();
+    trial.vehicle.replies.insert("RTK", Reply::Silent);
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(0.5);
+    if vehicle_has_it {
+        trial.vehicle.inserted.insert(1);
+    }
+    trial.vehicle.replies.clear();
+    trial.cut();
+    assert_eq!(shorts(&trial.states(1)), ["sent", "unknown"]);
+    trial
+}
+
+#[test]
+fn sr_009_an_insert_in_doubt_is_resolved_by_the_vehicles_plan() {
+    for has in [true, false] {
+        let mut trial = in_doubt(has);
+        trial.run_for(3.0);
+        let end = if has { "accepted" } else { "failed" };
+        assert_eq!(shorts(&trial.states(1)), ["sent", "unknown", end]);
+        trial.ask(0, [good_line(2)]);
+        trial.run_for(0.5);
+        assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
+        let identifiers: Vec<u32> = trial
+            .commands("RTK")
+            .iter()
+            .map(|(_, command)| crate::vehicle::name_of(command).1.unwrap())
+            .collect();
+        assert_eq!(identifiers, [1, 2], "none is used twice");
+    }
+}
+
+#[test]
+fn sr_009_no_further_insert_while_one_is_in_doubt() {
+    let mut trial = in_doubt(true);
+    trial.vehicle.replies.insert("RMP", Reply::Silent);
+    trial.run_for(3.0);
+    trial.ask(0, [good_line(2)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(2)), ["rejected"]);
+    begin(&mut trial, 1);
+    assert_eq!(
+        shorts(&trial.states(1)),
+        ["sent", "unknown", "started"],
+        "BFMBS names it"
+    );
+    end(&mut trial, 1);
+    assert_eq!(shorts(&trial.states(1)).last(), Some(&"ended"));
+    trial.vehicle.replies.clear();
+    trial.run_for(16.0);
+    trial.ask(0, [good_line(3)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"]);
+}
+
+#[test]
+fn sr_009_a_cancel_whose_answer_was_lost_leaves_no_doubt_for_ever() {
+    let mut trial = accepted();
+    trial.vehicle.replies.insert("RCN", Reply::Silent);
+    trial.ask(0, [Request::Cancel(1)]);
+    trial.run_for(0.5);
+    trial.cut();
+    trial.vehicle.replies.clear();
+    trial.run_for(5.0);
+    trial.ask(0, [good_line(2)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
+    let now = trial.now;
+    trial.vehicle.set_status(now, "Completed");
+    trial.run_for(5.0);
+    assert_eq!(trial.core.open_requests(), 0);
+}
+
+#[test]
+fn sr_009_identifiers_are_reserved_before_they_are_sent_and_never_used_twice() {
+    let mut trial = Trial::under_way();
+    for tag in 0..60 {
+        trial.ask(0, [good_line(tag)]);
+        trial.run_for(0.3);
+        trial.ask(0, [Request::Cancel(tag)]);
+        trial.run_for(0.3);
+        if tag % 20 == 19 {
+            trial.cut();
+            trial.run_for(5.0);
+        }
+    }
+    // The judge of the trial holds each against what was reserved and used.
+    assert_eq!(trial.commands("RTK").len(), 60);
+    assert_eq!(trial.core.open_requests(), 0);
+}
+
+#[test]
+fn sr_009_a_restarted_process_begins_after_what_was_reserved_and_without_state_sends_none() {
+    let setup = Setup::default();
+    let start = Start {
+        identifiers: Some(Identifiers {
+            next: 500,
+            reserved: 500,
+        }),
+        ..setup.start
+    };
+    let mut trial = Trial::with_under_way(Setup { start, ..setup });
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(0.5);
+    let Some((_, ToVehicle::Trackline(sent))) = trial.commands("RTK").pop() else {
+        panic!("no BPRTK")
+    };
+    assert_eq!(sent.identifier.get(), 500);
+
+    let setup = Setup::default();
+    let start = Start {
+        identifiers: None,
+        ..setup.start
+    };
+    let mut trial = Trial::with_under_way(Setup { start, ..setup });
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(1).contains("state on disk is missing") && trial.commands("RTK").is_empty());
+}
+
+#[test]
+fn sr_019_the_open_inserts_are_capped_in_number() {
+    let mut trial = Trial::under_way();
+    trial.ask(0, (1..=5).map(good_line));
+    trial.run_for(0.5);
+    assert_eq!(trial.commands("RTK").len(), 4);
+    assert!(
+        trial.rejection(5).contains("4 inserts are open"),
+        "{}",
+        trial.rejection(5)
+    );
+    begin(&mut trial, 1);
+    end(&mut trial, 1);
+    trial.ask(0, [good_line(6)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(6)), ["sent", "accepted"]);
+}
+
+#[test]
+fn sr_019_all_inserts_of_a_mission_are_capped_in_number() {
+    let limits = Limits {
+        inserts_total_max: 2,
+        ..limits()
+    };
+    let mut trial = Trial::with_under_way(Setup {
+        limits,
+        ..Setup::default()
+    });
+    for tag in 1..=3 {
+        trial.ask(0, [good_line(tag)]);
+        trial.run_for(0.5);
+        trial.ask(0, [Request::Cancel(tag)]);
+        trial.run_for(0.5);
+    }
+    assert!(trial.rejection(3).contains("2 inserts have been sent"));
+}
+
+#[test]
+fn sr_019_open_inserts_are_capped_in_duration() {
+    // A line of 300 m with leads and transit takes some 20 minutes at the worst.
+    let limits = Limits {
+        inserts_duration_max_s: 2000.0,
+        ..limits()
+    };
+    let mut trial = Trial::with_under_way(Setup {
+        limits,
+        ..Setup::default()
+    });
+    trial.ask(0, (1..=4).map(good_line));
+    trial.run_for(0.5);
+    let sent = trial.commands("RTK").len();
+    assert!((1..4).contains(&sent), "{sent}");
+    assert!(
+        trial.rejection(4).contains("together over 2000 s"),
+        "{}",
+        trial.rejection(4)
+    );
+}
+
+#[test]
+fn sr_019_inserts_that_were_not_answered_for_stay_under_the_caps_until_they_are_called_back() {
+    let caps = [
+        Limits {
+            inserts_open_max: 1,
+            ..limits()
+        },
+        Limits {
+            inserts_duration_max_s: 1000.0,
+            ..limits()
+        },
+    ];
+    for limits in caps {
+        for called_back in [false, true] {
+            let mut trial = Trial::with_under_way(Setup {
+                limits: limits.clone(),
+                ..Setup::default()
+            });
+            trial.vehicle.replies.insert("RTK", Reply::Silent);
+            if !called_back {
+                trial.vehicle.replies.insert("RCN", Reply::Silent);
+            }
+            trial.ask(0, [good_line(1)]);
+            trial.run_for(5.0);
+            assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"], "{:?}", trial.states(1));
+            trial.vehicle.replies.remove("RTK");
+            trial.ask(0, [good_line(2)]);
+            trial.run_for(0.5);
+            let expected = if called_back { "sent" } else { "rejected" };
+            assert_eq!(shorts(&trial.states(2))[0], expected, "{:?}", trial.states(2));
+        }
+    }
+}
+
+#[test]
+fn sr_010_nothing_interrupts_an_interrupting_insert() {
+    let mut trial = Trial::under_way();
+    trial.ask(0, [interrupting(1)]);
+    trial.run_for(0.5);
+    trial.ask(1, [interrupting(2)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(2).contains("interrupt"));
+    begin(&mut trial, 1);
+    trial.ask(1, [interrupting(3), good_line(4)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(3).contains("interrupt"));
+    assert_eq!(shorts(&trial.states(4)), ["sent", "accepted"], "one that waits may");
+    end(&mut trial, 1);
+    trial.ask(1, [interrupting(5)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(5)), ["sent", "accepted"]);
+}
+
+#[test]
+fn sr_010_an_interrupting_insert_that_was_not_answered_for_may_fly_and_is_not_interrupted() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.replies.insert("RTK", Reply::Silent);
+    trial.vehicle.replies.insert("RCN", Reply::Silent);
+    trial.ask(0, [interrupting(1)]);
+    trial.run_for(5.0);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
+    trial.vehicle.replies.clear();
+    trial.ask(0, [interrupting(2)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(2)), ["rejected"]);
+}
+
+#[test]
+fn an_insert_is_cancelled_before_it_begins_and_not_after() {
+    let mut trial = accepted();
+    trial.ask(0, [good_line(2)]);
+    trial.run_for(0.5);
+    begin(&mut trial, 1);
+    trial.ask(0, [Request::Cancel(1), Request::Cancel(2), Request::Cancel(9)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.cancel_states(1)), ["rejected"]);
+    assert_eq!(shorts(&trial.cancel_states(2)), ["sent", "accepted", "ended"]);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted", "cancelled"]);
+    assert_eq!(shorts(&trial.cancel_states(9)), ["rejected"]);
+    let cancelled: Vec<_> = trial
+        .commands("RCN")
+        .iter()
+        .map(|(_, command)| crate::vehicle::name_of(command).1.unwrap())
+        .collect();
+    assert_eq!(cancelled, [2]);
+}
+
+#[test]
+fn a_plugin_cannot_cancel_anothers_insert() {
+    let mut trial = accepted();
+    trial.ask(1, [Request::Cancel(1)]);
+    trial.run_for(0.5);
+    assert!(trial.commands("RCN").is_empty());
+}
+
+#[test]
+fn a_cancel_that_is_refused_or_not_answered_leaves_the_insert_as_it_was() {
+    for (reply, end) in [(Reply::Refuse, "failed"), (Reply::Silent, "timed out")] {
+        let mut trial = accepted();
+        trial.vehicle.replies.insert("RCN", reply);
+        trial.ask(0, [Request::Cancel(1)]);
+        trial.run_for(4.0);
+        assert_eq!(shorts(&trial.cancel_states(1)), ["sent", end]);
+        assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
+    }
+}
+
+#[test]
+fn a_tag_names_one_open_insert() {
+    let mut trial = accepted();
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(1).contains("still open"));
+    trial.ask(1, [good_line(1)]);
+    trial.run_for(0.5);
+    assert_eq!(trial.commands("RTK").len(), 2, "tags are each plugin's own");
+}
+
+#[test]
+fn sr_009_the_ledger_is_closed_when_the_mission_is() {
+    let mut trial = accepted();
+    trial.ask(0, [good_line(2), Request::Modify(crate::course::modify(3))]);
+    trial.run_for(0.5);
+    begin(&mut trial, 1);
+    trial.vehicle.replies.insert("RTK", Reply::Silent);
+    trial.ask(
+        0,
+        [Request::Trackline(TracklineRequest {
+            tag: 4,
+            ..line(4, (0.0, 500.0), (300.0, 500.0))
+        })],
+    );
+    trial.run_for(0.2);
+    let now = trial.now;
+    trial.vehicle.set_status(now, "Completed");
+    trial.run_for(6.0);
+    assert_eq!(trial.core.open_requests(), 0);
+    for tag in [1, 2, 3, 4] {
+        assert_eq!(shorts(&trial.states(tag)).last(), Some(&"ended"), "{tag}");
+    }
+}

@@ -1,0 +1,78 @@
+use std::time::Duration;
+
+use backseat_core::plugin::Request;
+use backseat_spi::AckStatus;
+
+use crate::course::{PLAN, good_line, modify, turn};
+use crate::trial::{Trial, shorts};
+use crate::vehicle::Reply;
+
+#[test]
+fn sr_009_every_request_has_one_end_and_is_counted_once() {
+    let mut trial = Trial::under_way();
+    trial.ask(0, [Request::Modify(modify(1)), good_line(2), turn(3, f64::NAN)]);
+    trial.run_for(0.5);
+    trial.vehicle.replies.insert("RTK", Reply::Refuse);
+    trial.ask(0, [good_line(4), Request::Cancel(2)]);
+    trial.run_for(0.5);
+    trial.vehicle.replies.insert("RTK", Reply::Silent);
+    trial.ask(0, [good_line(5), Request::EndModify]);
+    trial.run_for(5.0);
+    let ends: Vec<_> = (1..=5).map(|tag| shorts(&trial.states(tag)).pop().unwrap()).collect();
+    assert_eq!(ends, ["ended", "cancelled", "rejected", "failed", "timed out"]);
+    let counts = trial.core.request_counts();
+    assert_eq!((counts.proposed, counts.rejected), (6, 1));
+    assert_eq!((counts.sent, counts.accepted, counts.failed), (5, 3, 2));
+    assert_eq!(trial.core.open_requests(), 0);
+}
+
+#[test]
+fn sr_002_a_plan_whose_series_was_interrupted_by_the_missions_start_is_not_taken_for_whole() {
+    let mut trial = Trial::new();
+    trial.vehicle.status = "Ready";
+    trial.run_for(2.0);
+    // Asked for anew; the mission starts in the midst of the old series.
+    trial.vehicle.replies.insert("RMP", Reply::Silent);
+    trial.cut();
+    trial.run_for(2.0);
+    let first = trial.commands("RMP").pop().unwrap().1;
+    let now = trial.now;
+    let echoed = first.created().unwrap();
+    trial
+        .vehicle
+        .acknowledge(now, ("RMP", echoed, None, AckStatus::Pending));
+    for (number, points) in &PLAN[..2] {
+        for (index, point) in points.iter().enumerate() {
+            trial.vehicle.say_element(now, Some(*number), None, index, *point);
+        }
+    }
+    trial.vehicle.set_status(now, "Running");
+    let later = now + Duration::from_millis(20);
+    trial.vehicle.say_element(later, Some(3), None, 0, PLAN[2].1[0]);
+    trial
+        .vehicle
+        .acknowledge(later, ("RMP", echoed, None, AckStatus::Succeeded));
+    trial.run_for(1.0);
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(0.5);
+    assert!(
+        trial.rejection(1).contains("plan is not known"),
+        "{:?}",
+        trial.states(1)
+    );
+    trial.vehicle.replies.clear();
+    trial.run_for(20.0);
+    trial.ask(0, [good_line(2)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
+}
+
+#[test]
+fn a_plan_that_the_vehicle_does_not_follow_is_asked_for_anew() {
+    let mut trial = Trial::under_way();
+    let asked = trial.commands("RMP").len();
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(77), None);
+    trial.run_for(1.0);
+    assert_eq!(trial.commands("RMP").len(), asked + 1);
+}

@@ -1,0 +1,628 @@
+//! The driver of a trial: core, vehicle, link and plugins in virtual time, everything that core puts out with its time,
+//! and a judge that holds each sentence against what the vehicle has said.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use backseat_core::plugin::{Event, FaultKind, PluginFault, PluginId, Request, RequestState, Returned, StepInput};
+use backseat_core::{
+    ControlHook, Core, Identifiers, Input, Limits, Note, Operator, Output, PluginSetup, RequestKind, Restarted,
+    Settings, Start,
+};
+use backseat_spi::{FromVehicle, Sentence, ToVehicle};
+use backseat_units::{Timestamp, Utc};
+
+use crate::course;
+use crate::vehicle::{Vehicle, name_of};
+
+/// What came out of core, or in from the vehicle.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Seen {
+    Sent(ToVehicle),
+    Note(Note),
+    Connect(Duration),
+    Reset,
+    Invoke(usize, StepInput),
+    Restart(usize),
+    Reserve(u32),
+    Finish,
+}
+
+/// A plugin's behaviour in a step: how long it takes and what it returns.
+pub(crate) type Script = Box<dyn FnMut(&StepInput) -> (Duration, Result<Vec<Request>, PluginFault>)>;
+
+enum Answer {
+    Returned(Returned),
+    Restarted(Restarted),
+}
+
+struct Arrival {
+    at: Timestamp,
+    bytes: Vec<u8>,
+    said: Vec<(FromVehicle, Option<Timestamp>)>,
+}
+
+pub(crate) struct Trial {
+    pub(crate) core: Core,
+    pub(crate) now: Timestamp,
+    pub(crate) vehicle: Vehicle,
+    pub(crate) seen: Vec<(Timestamp, Seen)>,
+    /// One way.
+    pub(crate) delay: Duration,
+    /// What the vehicle says arrives no earlier.
+    pub(crate) stalled_until: Timestamp,
+    /// Core is not called earlier.
+    pub(crate) asleep_until: Timestamp,
+    /// How many bytes a read has at most.
+    pub(crate) read_max: usize,
+    /// Connections fail.
+    pub(crate) unreachable: bool,
+    pub(crate) restart_fails: Option<FaultKind>,
+    to_core: VecDeque<Arrival>,
+    to_vehicle: VecDeque<(Timestamp, Vec<u8>)>,
+    connect_at: Option<Timestamp>,
+    answers: Vec<(Timestamp, PluginId, Answer)>,
+    scripts: Vec<Script>,
+    asked: Vec<Vec<Request>>,
+    faults: Vec<Option<FaultKind>>,
+    judge: Judge,
+    spins: u32,
+}
+
+pub(crate) struct Setup {
+    pub(crate) limits: Limits,
+    pub(crate) settings: Settings,
+    pub(crate) plugins: Vec<PluginSetup>,
+    pub(crate) start: Start,
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self {
+            limits: course::limits(),
+            settings: Settings::default(),
+            plugins: vec![course::plugin("first"), course::plugin("second")],
+            start: Start {
+                utc: Utc::from_unix_nanos(1_700_000_000_000_000_000),
+                identifiers: Some(Identifiers { next: 1, reserved: 1 }),
+                armed: true,
+                held: false,
+                jitter: 7,
+            },
+        }
+    }
+}
+
+impl Trial {
+    pub(crate) fn with(setup: Setup) -> Self {
+        let count = setup.plugins.len();
+        let judge = Judge::new(setup.settings.control.clone(), &setup.start, &setup.limits);
+        let core = Core::new(
+            setup.settings,
+            course::envelope(setup.limits),
+            setup.plugins,
+            setup.start,
+        );
+        let idle = || -> Script { Box::new(|_| (Duration::from_millis(1), Ok(Vec::new()))) };
+        let mut trial = Self {
+            core,
+            now: Timestamp::ZERO,
+            vehicle: Vehicle::new(),
+            seen: Vec::new(),
+            delay: Duration::from_millis(5),
+            stalled_until: Timestamp::ZERO,
+            asleep_until: Timestamp::ZERO,
+            read_max: usize::MAX,
+            unreachable: false,
+            restart_fails: None,
+            to_core: VecDeque::new(),
+            to_vehicle: VecDeque::new(),
+            connect_at: None,
+            answers: Vec::new(),
+            scripts: (0..count).map(|_| idle()).collect(),
+            asked: vec![Vec::new(); count],
+            faults: vec![None; count],
+            judge,
+            spins: 0,
+        };
+        trial.drain();
+        trial
+    }
+
+    pub(crate) fn new() -> Self {
+        Self::with(Setup::default())
+    }
+
+    /// Two seconds into a dive: connected, in control, the plan known.
+    pub(crate) fn under_way() -> Self {
+        Self::with_under_way(Setup::default())
+    }
+
+    pub(crate) fn with_under_way(setup: Setup) -> Self {
+        let mut trial = Self::with(setup);
+        trial.run_for(2.0);
+        assert!(trial.core.has_control(), "{:#?}", trial.notes());
+        trial
+    }
+
+    /// As [`Trial::under_way`], and the first plugin steers under tag 1.
+    pub(crate) fn steering() -> Self {
+        let mut trial = Self::under_way();
+        trial.ask(0, [Request::Modify(course::modify(1))]);
+        trial.run_for(0.5);
+        assert!(trial.core.is_steering(), "{:?}", trial.states(1));
+        trial
+    }
+
+    /// A plugin's next step returns these.
+    pub(crate) fn ask(&mut self, plugin: usize, requests: impl IntoIterator<Item = Request>) {
+        self.asked[plugin].extend(requests);
+    }
+
+    /// A plugin's next step fails.
+    pub(crate) fn fail(&mut self, plugin: usize, kind: FaultKind) {
+        self.faults[plugin] = Some(kind);
+    }
+
+    pub(crate) fn script(
+        &mut self,
+        plugin: usize,
+        script: impl FnMut(&StepInput) -> (Duration, Result<Vec<Request>, PluginFault>) + 'static,
+    ) {
+        self.scripts[plugin] = Box::new(script);
+    }
+
+    pub(crate) fn run_for(&mut self, seconds: f64) {
+        let until = self.now + Duration::from_secs_f64(seconds);
+        while self.step(until) {}
+        self.now = until;
+    }
+
+    /// The link is gone, and all that was under way.
+    pub(crate) fn cut(&mut self) {
+        self.to_core.clear();
+        self.to_vehicle.clear();
+        self.judge.link(false);
+        self.feed(Input::LinkDown);
+    }
+
+    pub(crate) fn operator(&mut self, act: Operator) {
+        match act {
+            Operator::Hold => self.judge.held = true,
+            Operator::Release => self.judge.held = false,
+            Operator::Stop => self.judge.held = true,
+        }
+        self.feed(Input::Operator(act));
+    }
+
+    /// The vehicle says this now, which arrives in one read.
+    pub(crate) fn hear_now(&mut self, messages: impl IntoIterator<Item = FromVehicle>) {
+        let mut arrival = Arrival {
+            at: self.now,
+            bytes: Vec::new(),
+            said: Vec::new(),
+        };
+        for message in messages {
+            message.encode(&mut arrival.bytes).unwrap();
+            arrival.said.push((message, Some(self.now)));
+        }
+        self.arrive(arrival);
+    }
+
+    /// These bytes arrive, whatever they are.
+    pub(crate) fn hear_bytes(&mut self, bytes: &[u8]) {
+        self.arrive(Arrival {
+            at: self.now,
+            bytes: bytes.to_vec(),
+            said: Vec::new(),
+        });
+    }
+
+    fn step(&mut self, until: Timestamp) -> bool {
+        let awake = |at: Timestamp| at.max(self.asleep_until);
+        let answer = self.answers.iter().enumerate().min_by_key(|(_, (at, ..))| *at);
+        let answer = answer.map(|(index, (at, ..))| (*at, index));
+        let timeout = self.core.poll_timeout().map(awake);
+        let due = [
+            self.to_vehicle.front().map(|(at, _)| *at),
+            self.to_core.front().map(|arrival| awake(arrival.at)),
+            answer.map(|(at, _)| awake(at)),
+            self.connect_at.map(awake),
+            Some(self.vehicle.next()),
+            timeout,
+        ];
+        let first = due
+            .into_iter()
+            .enumerate()
+            .filter_map(|(what, at)| Some((at?, what)))
+            .min();
+        let Some((at, what)) = first.filter(|(at, _)| *at <= until) else {
+            return false;
+        };
+        if at > self.now {
+            self.spins = 0;
+        }
+        self.spins += 1;
+        assert!(self.spins < 2000, "time stands still at {}", self.now);
+        self.now = self.now.max(at);
+        match what {
+            0 => {
+                let (_, bytes) = self.to_vehicle.pop_front().unwrap();
+                self.vehicle.hear(self.now, &bytes);
+            }
+            1 => {
+                let arrival = self.to_core.pop_front().unwrap();
+                self.arrive(arrival);
+            }
+            2 => {
+                let (_, plugin, answer) = self.answers.remove(answer.unwrap().1);
+                match answer {
+                    Answer::Returned(returned) => self.feed(Input::Returned(plugin, returned)),
+                    Answer::Restarted(restarted) => self.feed(Input::Restarted(plugin, restarted)),
+                }
+            }
+            3 => self.connect(),
+            4 => self.speak(),
+            _ => {
+                self.feed(Input::Timeout);
+                let next = self.core.poll_timeout();
+                assert!(
+                    next.is_none_or(|next| next >= self.now),
+                    "the next wake-up is in the past: {next:?}"
+                );
+            }
+        }
+        true
+    }
+
+    fn connect(&mut self) {
+        self.connect_at = None;
+        if self.unreachable {
+            return self.feed(Input::LinkDown);
+        }
+        self.vehicle.connected(self.now);
+        self.judge.link(true);
+        self.feed(Input::LinkUp);
+    }
+
+    fn speak(&mut self) {
+        let said = self.vehicle.speak(self.now);
+        if !self.judge.up || said.is_empty() {
+            return;
+        }
+        let last = self.to_core.back().map_or(Timestamp::ZERO, |arrival| arrival.at);
+        let at = (self.now + self.delay).max(self.stalled_until).max(last);
+        let mut arrival = Arrival {
+            at,
+            bytes: Vec::new(),
+            said: Vec::new(),
+        };
+        for (message, solved) in said {
+            message.encode(&mut arrival.bytes).unwrap();
+            arrival.said.push((message, solved));
+        }
+        self.to_core.push_back(arrival);
+    }
+
+    fn arrive(&mut self, arrival: Arrival) {
+        for (message, solved) in &arrival.said {
+            self.judge.heard(message, *solved);
+        }
+        for read in arrival.bytes.chunks(self.read_max) {
+            self.feed(Input::Received(read));
+        }
+        self.judge.settled(self.now);
+    }
+
+    pub(crate) fn feed(&mut self, input: Input<'_>) {
+        self.core.handle(self.now, input);
+        self.drain();
+    }
+
+    fn drain(&mut self) {
+        while let Some(output) = self.core.poll_output() {
+            let seen = match output {
+                Output::Send(bytes) => {
+                    let command =
+                        ToVehicle::decode(&Sentence::parse(str::from_utf8(&bytes).unwrap()).unwrap()).unwrap();
+                    assert!(bytes.ends_with(b"\r\n"), "{command:?}");
+                    self.judge.sent(self.now, &command);
+                    self.to_vehicle.push_back((self.now + self.delay, bytes));
+                    Seen::Sent(command)
+                }
+                Output::Connect { after } => {
+                    self.connect_at = Some(self.now + after);
+                    Seen::Connect(after)
+                }
+                Output::ResetLink => {
+                    self.seen.push((self.now, Seen::Reset));
+                    self.cut();
+                    continue;
+                }
+                Output::Invoke(plugin, input) => {
+                    self.invoke(plugin, &input);
+                    Seen::Invoke(plugin.0, input)
+                }
+                Output::Restart(plugin) => {
+                    let result = match self.restart_fails {
+                        Some(kind) => Err(PluginFault {
+                            kind,
+                            text: "no".to_owned(),
+                        }),
+                        None => Ok(()),
+                    };
+                    let restarted = Restarted {
+                        fuel: 0,
+                        lost_steps: 3,
+                        result,
+                    };
+                    self.answers.push((
+                        self.now + Duration::from_millis(1),
+                        plugin,
+                        Answer::Restarted(restarted),
+                    ));
+                    Seen::Restart(plugin.0)
+                }
+                Output::Reserve(below) => {
+                    self.seen.push((self.now, Seen::Reserve(below)));
+                    self.judge.reserved = below;
+                    self.feed(Input::Reserved(below));
+                    continue;
+                }
+                Output::Finish => Seen::Finish,
+                Output::Note(note) => Seen::Note(note),
+            };
+            self.seen.push((self.now, seen));
+        }
+    }
+
+    fn invoke(&mut self, plugin: PluginId, input: &StepInput) {
+        let under_way = self.answers.iter().any(|(_, other, _)| *other == plugin);
+        assert!(!under_way, "a step of plugin {} is under way already", plugin.0);
+        let (after, mut result) = self.scripts[plugin.0](input);
+        if let Ok(requests) = &mut result {
+            requests.append(&mut self.asked[plugin.0]);
+        }
+        if let Some(kind) = self.faults[plugin.0].take() {
+            result = Err(PluginFault {
+                kind,
+                text: "as told".to_owned(),
+            });
+        }
+        let returned = Returned {
+            fuel: 1,
+            log: Vec::new(),
+            result,
+        };
+        self.answers
+            .push((self.now + after, plugin, Answer::Returned(returned)));
+    }
+
+    // What a test asks of the record.
+
+    /// When sentences of a name were sent, `RMB`.
+    pub(crate) fn sent(&self, name: &str) -> Vec<Timestamp> {
+        self.commands(name).into_iter().map(|(at, _)| at).collect()
+    }
+
+    pub(crate) fn sent_since(&self, name: &str, since: Timestamp) -> Vec<Timestamp> {
+        self.sent(name).into_iter().filter(|at| *at >= since).collect()
+    }
+
+    pub(crate) fn commands(&self, name: &str) -> Vec<(Timestamp, ToVehicle)> {
+        let named = |seen: &(Timestamp, Seen)| match &seen.1 {
+            Seen::Sent(command) if name_of(command).0 == name => Some((seen.0, command.clone())),
+            _ => None,
+        };
+        self.seen.iter().filter_map(named).collect()
+    }
+
+    /// Our sentences since then, by their three letters.
+    pub(crate) fn names_since(&self, since: Timestamp) -> Vec<&'static str> {
+        let named = |seen: &(Timestamp, Seen)| match &seen.1 {
+            Seen::Sent(command) if seen.0 >= since => Some(name_of(command).0),
+            _ => None,
+        };
+        self.seen.iter().filter_map(named).collect()
+    }
+
+    /// The states that the requests under a tag came to, cancels apart.
+    pub(crate) fn states(&self, tag: u64) -> Vec<RequestState> {
+        self.states_of(tag, |kind| kind != RequestKind::Cancel)
+    }
+
+    pub(crate) fn cancel_states(&self, tag: u64) -> Vec<RequestState> {
+        self.states_of(tag, |kind| kind == RequestKind::Cancel)
+    }
+
+    fn states_of(&self, tag: u64, of: impl Fn(RequestKind) -> bool) -> Vec<RequestState> {
+        let state = |(_, seen): &(Timestamp, Seen)| match seen {
+            Seen::Note(Note::Request(transition)) if transition.tag == tag && of(transition.kind) => {
+                Some(transition.state.clone())
+            }
+            _ => None,
+        };
+        self.seen.iter().filter_map(state).collect()
+    }
+
+    pub(crate) fn rejection(&self, tag: u64) -> String {
+        match self.states(tag).last() {
+            Some(RequestState::Rejected(text)) => text.clone(),
+            other => panic!("request {tag} was not rejected: {other:?}"),
+        }
+    }
+
+    pub(crate) fn notes(&self) -> Vec<(Timestamp, Note)> {
+        let note = |(at, seen): &(Timestamp, Seen)| match seen {
+            Seen::Note(note) => Some((*at, note.clone())),
+            _ => None,
+        };
+        self.seen.iter().filter_map(note).collect()
+    }
+
+    pub(crate) fn lease_ends(&self) -> Vec<(Timestamp, String)> {
+        let end = |(at, note)| match note {
+            Note::LeaseEnded { reason, .. } => Some((at, reason)),
+            _ => None,
+        };
+        self.notes().into_iter().filter_map(end).collect()
+    }
+
+    pub(crate) fn steps(&self, plugin: usize) -> Vec<(Timestamp, StepInput)> {
+        let step = |(at, seen): &(Timestamp, Seen)| match seen {
+            Seen::Invoke(of, input) if *of == plugin => Some((*at, input.clone())),
+            _ => None,
+        };
+        self.seen.iter().filter_map(step).collect()
+    }
+
+    pub(crate) fn events(&self, plugin: usize) -> Vec<Event> {
+        self.steps(plugin)
+            .into_iter()
+            .flat_map(|(_, input)| input.events)
+            .collect()
+    }
+}
+
+/// Knows what the vehicle has said and what has been delivered, and nothing of core.
+struct Judge {
+    hook: ControlHook,
+    armed: bool,
+    age_max: Duration,
+    up: bool,
+    held: bool,
+    handed_over: Option<bool>,
+    running: Option<bool>,
+    solved: Option<Timestamp>,
+    /// When the last BPRMB that no BPEMB has ended was sent.
+    modified: Option<Timestamp>,
+    last_modify: Option<Timestamp>,
+    reserved: u32,
+    identifiers: Vec<u32>,
+}
+
+impl Judge {
+    fn new(hook: ControlHook, start: &Start, limits: &Limits) -> Self {
+        Self {
+            hook,
+            armed: start.armed,
+            age_max: Duration::from_secs_f64(limits.navigation_age_max_s),
+            up: false,
+            held: start.held,
+            handed_over: None,
+            running: None,
+            solved: None,
+            modified: None,
+            last_modify: None,
+            reserved: start.identifiers.map_or(0, |identifiers| identifiers.reserved),
+            identifiers: Vec::new(),
+        }
+    }
+
+    fn link(&mut self, up: bool) {
+        self.up = up;
+        (self.handed_over, self.running, self.solved, self.modified) = (None, None, None, None);
+    }
+
+    fn heard(&mut self, message: &FromVehicle, solved: Option<Timestamp>) {
+        match message {
+            FromVehicle::BackseatControl(control) if self.hook == ControlHook::Bfctl => {
+                self.handed_over = Some(control.granted);
+            }
+            FromVehicle::MissionStatus(status) => {
+                self.running = Some(status.status.as_str().starts_with("Running"));
+                if self.hook == ControlHook::Running {
+                    self.handed_over = self.running;
+                }
+            }
+            FromVehicle::MissionCommand(command) => {
+                if let ControlHook::MissionCommand { grant, revoke } = &self.hook {
+                    match command.text.as_str() {
+                        text if text == grant => self.handed_over = Some(true),
+                        text if text == revoke => self.handed_over = Some(false),
+                        _ => {}
+                    }
+                }
+            }
+            FromVehicle::Navigation(_) => self.solved = self.solved.max(solved),
+            FromVehicle::Shutdown(_) => self.held = true,
+            _ => {}
+        }
+    }
+
+    fn has_control(&self) -> bool {
+        self.up && !self.held && self.handed_over == Some(true) && self.running == Some(true)
+    }
+
+    /// Core has handled what arrived: without control nothing stands.
+    fn settled(&self, now: Timestamp) {
+        assert!(
+            self.has_control() || self.modified.is_none(),
+            "a modify stands at {now} without control"
+        );
+    }
+
+    fn sent(&mut self, now: Timestamp, command: &ToVehicle) {
+        let (name, identifier) = name_of(command);
+        match command {
+            ToVehicle::ModifyBehavior(modify) => {
+                let full = modify.horizontal.is_some() && modify.vertical_m.is_some() && modify.speed.is_some();
+                assert!(full, "{modify:?} leaves a value to inherit");
+                if let Some(last) = self.last_modify {
+                    assert!(
+                        now.since(last) >= Duration::from_millis(200),
+                        "BPRMB over 5 Hz at {now}"
+                    );
+                }
+                if let Some(last) = self.modified {
+                    assert!(now.since(last) <= Duration::from_millis(2500), "BPRMB late at {now}");
+                }
+                self.last_modify = Some(now);
+                self.modified = Some(now);
+            }
+            ToVehicle::EndModify(_) => {
+                assert!(self.modified.take().is_some(), "a BPEMB that ends nothing at {now}");
+            }
+            ToVehicle::Trackline(_) | ToVehicle::Trackcircle(_) => {
+                let identifier = identifier.unwrap();
+                assert!(identifier < self.reserved, "identifier {identifier} is not reserved");
+                assert!(
+                    !self.identifiers.contains(&identifier),
+                    "identifier {identifier} is used twice"
+                );
+                self.identifiers.push(identifier);
+            }
+            ToVehicle::CancelAll(_) => panic!("BPRCA takes other payloads' inserts too"),
+            _ => return,
+        }
+        if matches!(name, "RMB" | "RTK" | "RTC") {
+            assert!(self.armed && self.has_control(), "{name} at {now} without control");
+            let solved = self.solved.expect("navigation");
+            let age = now.since(solved);
+            assert!(
+                age <= self.age_max + Duration::from_millis(20),
+                "{name} on navigation {age:?} old"
+            );
+        }
+    }
+}
+
+/// A state without its text.
+pub(crate) fn short(state: &RequestState) -> &'static str {
+    match state {
+        RequestState::Rejected(_) => "rejected",
+        RequestState::Sent => "sent",
+        RequestState::Pending => "pending",
+        RequestState::Accepted => "accepted",
+        RequestState::Failed(_) => "failed",
+        RequestState::TimedOut => "timed out",
+        RequestState::Unknown => "unknown",
+        RequestState::Started => "started",
+        RequestState::Ended(_) => "ended",
+        RequestState::Cancelled => "cancelled",
+    }
+}
+
+pub(crate) fn shorts(states: &[RequestState]) -> Vec<&'static str> {
+    states.iter().map(short).collect()
+}

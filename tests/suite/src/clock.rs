@@ -1,0 +1,30 @@
+//! The only clock of the suite.
+#![expect(
+    clippy::disallowed_methods,
+    reason = "the program runs on real time, so who watches it does too"
+)]
+
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+const LOOK_EVERY: Duration = Duration::from_millis(40);
+
+/// Waits until `look` finds something, and gives it.
+///
+/// # Panics
+/// Where it has found nothing within the time; the message is `failed`'s, made then.
+pub fn eventually<T>(within: Duration, mut look: impl FnMut() -> Option<T>, failed: impl FnOnce() -> String) -> T {
+    let start = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(start.elapsed() < within, "not within {within:?}: {}", failed());
+        sleep(LOOK_EVERY);
+    }
+}
+
+/// Lets time pass in which something must not happen.
+pub fn settle(duration: Duration) {
+    sleep(duration);
+}

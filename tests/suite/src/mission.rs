@@ -1,0 +1,86 @@
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+/// A mission in a temporary folder of its own, to be edited at will.
+#[derive(Debug)]
+pub struct Mission {
+    folder: TempDir,
+    path: PathBuf,
+}
+
+impl Mission {
+    /// A copy of a mission of the project.
+    #[must_use]
+    pub fn copy(name: &str) -> Self {
+        Self::copy_of(&backseat_test_support::mission(name), name)
+    }
+
+    /// The suite's own mission: `faulty` without a fault holds a heading along a straight plan over a flat seabed,
+    /// from two seconds after the start on.
+    #[must_use]
+    pub fn steady() -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/steady");
+        Self::copy_of(&path, "steady")
+    }
+
+    fn copy_of(from: &Path, name: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder can be made");
+        let path = folder.path().join(name);
+        fs::create_dir(&path).expect("the folder is new");
+        for entry in fs::read_dir(from).unwrap_or_else(|error| panic!("{}: {error}", from.display())) {
+            let file = entry.expect("a mission's folder can be listed").path();
+            let name = file.file_name().expect("what is listed has a name");
+            fs::copy(&file, path.join(name)).expect("a mission's files can be copied");
+        }
+        Self { folder, path }
+    }
+
+    /// Replaces a text that must be there.
+    #[must_use]
+    pub fn edit(self, file: &str, from: &str, to: &str) -> Self {
+        let text = self.read(file);
+        assert!(text.contains(from), "{file} has no `{from}` to edit:\n{text}");
+        self.write(file, text.replace(from, to))
+    }
+
+    /// Adds lines at the end of a file.
+    #[must_use]
+    pub fn append(self, file: &str, lines: &str) -> Self {
+        let text = self.read(file);
+        self.write(file, format!("{text}\n{lines}\n"))
+    }
+
+    /// Writes a file anew.
+    #[must_use]
+    pub fn write(self, file: &str, content: impl AsRef<[u8]>) -> Self {
+        fs::write(self.path.join(file), content).expect("the folder is ours");
+        self
+    }
+
+    /// Removes a file.
+    #[must_use]
+    pub fn without(self, file: &str) -> Self {
+        fs::remove_file(self.path.join(file)).expect("the file is there");
+        self
+    }
+
+    /// A mission file's text.
+    #[must_use]
+    pub fn read(&self, file: &str) -> String {
+        fs::read_to_string(self.path.join(file)).expect("the file is there")
+    }
+
+    /// The mission's folder.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// A place beside the mission for what a run writes; it goes with the mission.
+    #[must_use]
+    pub fn beside(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+}

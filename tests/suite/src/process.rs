@@ -1,0 +1,106 @@
+use std::fs::{self, File};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use rustix::process::{Pid, Signal, kill_process};
+use tempfile::TempDir;
+
+use crate::clock::eventually;
+
+/// The program while it runs. Dropped, it is killed.
+#[derive(Debug)]
+pub struct Process {
+    child: Child,
+    /// Its streams go into files: a pipe that nobody reads would stop it.
+    streams: TempDir,
+}
+
+impl Process {
+    pub(crate) fn start(mut command: Command, folder: Option<PathBuf>) -> Self {
+        let streams = tempfile::tempdir().expect("a temporary folder can be made");
+        let file = |name: &str| File::create(streams.path().join(name)).expect("the folder is ours");
+        let empty = streams.path().join("folder");
+        fs::create_dir(&empty).expect("the folder is ours");
+        command.current_dir(folder.as_ref().unwrap_or(&empty));
+        command.env("XDG_STATE_HOME", streams.path().join("state"));
+        command.stdin(Stdio::null()).stdout(file("stdout")).stderr(file("stderr"));
+        let child = command.spawn().expect("the program was just built");
+        Self { child, streams }
+    }
+
+    /// The exit code where it has ended: `None` inside where a signal ended it.
+    pub fn ended(&mut self) -> Option<Option<i32>> {
+        let status = self.child.try_wait().expect("a child of ours can be waited for");
+        status.map(|status| status.code())
+    }
+
+    /// Waits for its end, and gives its exit code.
+    ///
+    /// # Panics
+    /// Where it goes on.
+    pub fn wait(&mut self, within: Duration) -> Option<i32> {
+        let streams = self.streams.path().to_path_buf();
+        eventually(
+            within,
+            || self.ended(),
+            || {
+                let said = fs::read_to_string(streams.join("stderr")).unwrap_or_default();
+                format!("it goes on\n{said}")
+            },
+        )
+    }
+
+    /// What it has written to standard output so far.
+    #[must_use]
+    pub fn stdout(&self) -> String {
+        self.read("stdout")
+    }
+
+    /// What it has written to standard error so far.
+    #[must_use]
+    pub fn stderr(&self) -> String {
+        self.read("stderr")
+    }
+
+    /// Waits for a line on standard error that has this text, and gives it.
+    ///
+    /// # Panics
+    /// Where it does not come.
+    pub fn says(&self, text: &str, within: Duration) -> String {
+        eventually(
+            within,
+            || self.stderr().lines().find(|line| line.contains(text)).map(str::to_owned),
+            || format!("it has not said `{text}`\n{}", self.stderr()),
+        )
+    }
+
+    /// Sends it a signal.
+    ///
+    /// # Panics
+    /// Where it has ended.
+    pub fn signal(&self, signal: Signal) {
+        let pid = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw).expect("a process has a number");
+        kill_process(pid, signal).expect("the process is there");
+    }
+
+    /// Kills it as `kill -9` does, and waits for its end.
+    pub fn kill(&mut self) {
+        // Where it fails the process has ended already.
+        let _ended = self.child.kill();
+        self.child.wait().expect("a child of ours can be waited for");
+    }
+
+    fn read(&self, name: &str) -> String {
+        let bytes = fs::read(self.streams.path().join(name)).expect("the file was made at the start");
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // Nothing is to be done where it has ended already.
+        let _ended = self.child.kill();
+        let _status = self.child.wait();
+    }
+}

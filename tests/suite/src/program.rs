@@ -1,0 +1,156 @@
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Duration;
+
+use serde_json::Value;
+
+use crate::clock::eventually;
+use crate::mission::Mission;
+use crate::process::Process;
+
+/// The longest that a command may take which ends by itself.
+const ENDS_WITHIN: Duration = Duration::from_secs(180);
+
+/// A command line of the program.
+///
+/// It runs in an empty folder, with the project's plugins in `$BACKSEAT_PLUGINS`, without any other `BACKSEAT*` of the
+/// environment, and with the user's state in that folder.
+#[derive(Debug, Default)]
+pub struct Backseat {
+    arguments: Vec<OsString>,
+    environment: Vec<(OsString, OsString)>,
+    folder: Option<PathBuf>,
+}
+
+impl Backseat {
+    /// `backseat`, without arguments.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds arguments.
+    #[must_use]
+    pub fn args<T: Into<OsString>>(mut self, arguments: impl IntoIterator<Item = T>) -> Self {
+        self.arguments.extend(arguments.into_iter().map(Into::into));
+        self
+    }
+
+    /// Adds one argument.
+    #[must_use]
+    pub fn arg(self, argument: impl Into<OsString>) -> Self {
+        self.args([argument])
+    }
+
+    /// Adds a mission's folder as an argument.
+    #[must_use]
+    pub fn mission(self, mission: &Mission) -> Self {
+        self.arg(mission.path())
+    }
+
+    /// Sets a variable of the environment.
+    #[must_use]
+    pub fn env(mut self, name: &str, value: impl Into<OsString>) -> Self {
+        self.environment.push((name.into(), value.into()));
+        self
+    }
+
+    /// Runs in this folder.
+    #[must_use]
+    pub fn in_folder(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.folder = Some(folder.into());
+        self
+    }
+
+    /// Runs it to its end.
+    ///
+    /// # Panics
+    /// Where it has not ended after three minutes.
+    #[must_use]
+    pub fn run(self) -> Finished {
+        let mut process = self.spawn();
+        let code = eventually(
+            ENDS_WITHIN,
+            || process.ended(),
+            || "the command has not ended".to_owned(),
+        );
+        Finished {
+            code,
+            stdout: process.stdout(),
+            stderr: process.stderr(),
+        }
+    }
+
+    /// Starts it and lets it run; it ends with the [`Process`] at the latest.
+    #[must_use]
+    pub fn spawn(self) -> Process {
+        let mut command = Command::new(backseat_test_support::program());
+        for (name, _) in std::env::vars_os() {
+            if name.to_string_lossy().starts_with("BACKSEAT") {
+                command.env_remove(name);
+            }
+        }
+        command.env("BACKSEAT_PLUGINS", backseat_test_support::plugins());
+        command.envs(self.environment);
+        command.args(self.arguments);
+        Process::start(command, self.folder)
+    }
+}
+
+/// What came of a command.
+#[derive(Debug)]
+pub struct Finished {
+    /// The exit code; `None` where a signal ended it.
+    pub code: Option<i32>,
+    /// Standard output.
+    pub stdout: String,
+    /// Standard error.
+    pub stderr: String,
+}
+
+impl Finished {
+    /// It must have ended with this code.
+    ///
+    /// # Panics
+    /// Where it did not.
+    #[must_use]
+    pub fn exit(self, code: i32) -> Self {
+        assert_eq!(self.code, Some(code), "{self}");
+        self
+    }
+
+    /// Standard output as one JSON object and nothing else.
+    ///
+    /// # Panics
+    /// Where it is not.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let value: Value = serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}\n{self}"));
+        assert!(value.is_object(), "{self}");
+        assert_eq!(self.stdout.trim_end().lines().count(), 1, "one line\n{self}");
+        value
+    }
+
+    /// It must have refused its input: exit code 2, nothing on standard output, and one line on standard error that is
+    /// no panic. Gives that line.
+    ///
+    /// # Panics
+    /// Where it did otherwise.
+    #[must_use]
+    pub fn refusal(self) -> String {
+        assert_eq!(self.code, Some(2), "{self}");
+        assert_eq!(self.stdout, "", "{self}");
+        let line = self.stderr.trim_end();
+        assert!(line.starts_with("error: ") && !line.contains('\n'), "one line\n{self}");
+        assert!(!line.contains("panicked"), "{self}");
+        line.to_owned()
+    }
+}
+
+impl std::fmt::Display for Finished {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { code, stdout, stderr } = self;
+        write!(f, "exit {code:?}\n--- stdout\n{stdout}\n--- stderr\n{stderr}")
+    }
+}

@@ -1,0 +1,171 @@
+use std::fs;
+use std::net::TcpListener;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use crate::clock::eventually;
+use crate::mission::Mission;
+use crate::process::Process;
+use crate::program::Backseat;
+
+const STARTS_WITHIN: Duration = Duration::from_secs(30);
+
+/// Which way a line of the vehicle's log went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// A sentence that the vehicle received.
+    Received,
+    /// A sentence that the vehicle sent.
+    Sent,
+    /// Something that happened to the vehicle.
+    Event,
+}
+
+/// A line of the vehicle's log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// By the vehicle's clock, seconds since its start.
+    pub at_s: f64,
+    /// Which way.
+    pub way: Way,
+    /// Which client's, counted from 1; 0 for events.
+    pub client: u32,
+    /// The sentence, or what happened.
+    pub text: String,
+}
+
+impl Line {
+    fn parse(line: &str) -> Option<Self> {
+        let (at, rest) = line.split_once(' ')?;
+        let at_s = at.parse().ok()?;
+        if let Some(text) = rest.strip_prefix("-- ") {
+            return Some(Self { at_s, way: Way::Event, client: 0, text: text.to_owned() });
+        }
+        let (mark, rest) = rest.split_once(" client ")?;
+        let (client, text) = rest.split_once(' ')?;
+        let way = match mark {
+            "<" => Way::Received,
+            ">" => Way::Sent,
+            _ => return None,
+        };
+        Some(Self { at_s, way, client: client.parse().ok()?, text: text.to_owned() })
+    }
+
+    /// Whether it is a sentence that the vehicle received, of this name.
+    #[must_use]
+    pub fn is_received(&self, name: &str) -> bool {
+        self.way == Way::Received && self.name() == name
+    }
+
+    /// The sentence's name, without the dollar sign.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.field(0).trim_start_matches('$')
+    }
+
+    /// A field of the sentence; the name is field 0.
+    #[must_use]
+    pub fn field(&self, index: usize) -> &str {
+        let body = self.text.split('*').next().unwrap_or("");
+        body.split(',').nth(index).unwrap_or("")
+    }
+}
+
+/// The mock vehicle as a program of its own, on real time, with its log.
+#[derive(Debug)]
+pub struct Vehicle {
+    /// The program.
+    pub process: Process,
+    /// Where it listens.
+    pub address: String,
+    log: PathBuf,
+}
+
+impl Vehicle {
+    /// Starts it on a free port.
+    #[must_use]
+    pub fn start(mission: &Mission) -> Self {
+        Self::start_at(mission, "127.0.0.1:0")
+    }
+
+    /// Starts it on this address.
+    #[must_use]
+    pub fn start_at(mission: &Mission, address: &str) -> Self {
+        let count = fs::read_dir(mission.beside("")).map_or(0, Iterator::count);
+        let log = mission.beside(&format!("vehicle-{count}.log"));
+        let process = Backseat::new()
+            .args(["mvc", "--listen", address, "--log"])
+            .arg(&log)
+            .mission(mission)
+            .spawn();
+        let line = process.says("listening on ", STARTS_WITHIN);
+        let address = line.rsplit(' ').next().unwrap_or("").trim().to_owned();
+        Self { process, address, log }
+    }
+
+    /// Its log so far.
+    ///
+    /// # Panics
+    /// Where it holds what is no line of a log.
+    #[must_use]
+    pub fn lines(&self) -> Vec<Line> {
+        let text = fs::read_to_string(&self.log).unwrap_or_default();
+        // The last one may be half written.
+        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+        whole
+            .lines()
+            .map(|line| Line::parse(line).unwrap_or_else(|| panic!("no line of a log: `{line}`")))
+            .collect()
+    }
+
+    /// Waits for a line, and gives it.
+    ///
+    /// # Panics
+    /// Where it does not come; the message has the log but for navigation.
+    pub fn sees(&self, what: &str, within: Duration, is: impl Fn(&Line) -> bool) -> Line {
+        eventually(
+            within,
+            || self.lines().into_iter().find(&is),
+            || format!("the vehicle has not seen {what}\n{}", self.story()),
+        )
+    }
+
+    /// Waits for so many sentences of a name, and gives the last.
+    ///
+    /// # Panics
+    /// Where they do not come.
+    pub fn receives(&self, name: &str, count: usize, within: Duration) -> Line {
+        eventually(
+            within,
+            || self.received(name).into_iter().nth(count - 1),
+            || format!("the vehicle has not received {count} {name}\n{}", self.story()),
+        )
+    }
+
+    /// All sentences of a name that it has received.
+    #[must_use]
+    pub fn received(&self, name: &str) -> Vec<Line> {
+        self.lines().into_iter().filter(|line| line.is_received(name)).collect()
+    }
+
+    /// The log without what comes ten times a second, for people.
+    #[must_use]
+    pub fn story(&self) -> String {
+        let lines = self.lines();
+        let told = lines.iter().filter(|line| !["BFNVG", "BFNVR", "BFCTD"].contains(&line.name()));
+        let told: Vec<String> = told
+            .map(|line| format!("{:.3} {:?} {} {}", line.at_s, line.way, line.client, line.text))
+            .collect();
+        told.join("\n")
+    }
+}
+
+/// An address where nothing listened a moment ago.
+///
+/// # Panics
+/// Where the machine has no free port.
+#[must_use]
+pub fn free_address() -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("the machine has a free port");
+    listener.local_addr().expect("what is bound has an address").to_string()
+}

@@ -150,10 +150,12 @@ async fn serve(arguments: &Mvc, vehicle: backseat_mvc::Mvc, log: Option<Log>) ->
                 Err(error) => warn!("a client could not be accepted: {error}"),
             },
             Some(what) = heard.recv() => server.hear(what),
-            _ = tokio::signal::ctrl_c() => return server.end(),
-            _ = terminate.recv() => return server.end(),
+            _ = tokio::signal::ctrl_c() => break,
+            _ = terminate.recv() => break,
         }
     }
+    server.flush();
+    Ok(())
 }
 
 impl Server {
@@ -280,12 +282,6 @@ impl Server {
         if let Some(log) = &mut self.log {
             log.flush();
         }
-    }
-
-    /// The end of an orderly run: the log is whole.
-    fn end(&mut self) -> Result<()> {
-        self.flush();
-        Ok(())
     }
 }
 

@@ -24,6 +24,8 @@ const FAILURES_MAX: u32 = 5;
 const FORGIVEN_AFTER: Duration = Duration::from_secs(600);
 const BACK_OFF: Duration = Duration::from_secs(1);
 const TIMERS_MAX: usize = 64;
+/// A plugin is stepped no more often than this, whatever its timers say.
+const PERIOD_MIN: Duration = Duration::from_millis(20);
 const MESSAGE_BYTES_MAX: usize = 200;
 
 /// Where a plugin stands.
@@ -84,7 +86,7 @@ impl Slot {
         self.setup
             .description
             .step_period
-            .clamp(Duration::from_millis(20), Duration::from_secs(60))
+            .clamp(PERIOD_MIN, Duration::from_secs(60))
     }
 
     /// Steps go with navigation; where none comes they go without, half a period late.
@@ -202,8 +204,12 @@ impl Core {
         let slot = &mut self.plugins[index];
         slot.state = State::Running;
         slot.overdue = false;
-        let next = slot.due + slot.period();
-        slot.due = if next > now { next } else { now + slot.period() };
+        // A little jitter does not move the cadence; more than that is another phase, navigation's own.
+        slot.due = if now.since(slot.due) <= slot.period() / 4 {
+            slot.due + slot.period()
+        } else {
+            now + slot.period()
+        };
         let events = std::mem::take(&mut slot.events);
         self.outputs.push_back(Output::Invoke(
             PluginId(index),
@@ -232,6 +238,10 @@ impl Core {
         match returned.result {
             Ok(requests) => {
                 for request in requests {
+                    // One that has failed by the events of its own requests gets nothing more.
+                    if self.plugins[plugin.0].state != State::Idle {
+                        break;
+                    }
                     self.ask(plugin, request);
                 }
             }
@@ -271,7 +281,11 @@ impl Core {
                 );
                 self.tell(plugin, Event::Control(self.granted));
             }
-            Err(fault) => self.failed(plugin, fault),
+            Err(fault) => {
+                // Whatever it says of itself, there is no instance.
+                let kind = FaultKind::Start;
+                self.failed(plugin, PluginFault { kind, ..fault });
+            }
         }
     }
 
@@ -296,6 +310,8 @@ impl Core {
             slot.state = State::Condemned;
             "it will be restarted"
         } else if lost {
+            // Before the lease ends, whose outcome a full queue would take for another failure.
+            self.back_off(plugin);
             "it will be restarted"
         } else {
             "it goes on"
@@ -307,10 +323,6 @@ impl Core {
         match on_failure {
             FailAction::Yield => {}
             FailAction::Cancel => self.cancel_all_of(Some(plugin), "its plugin failed"),
-        }
-        let slot = &self.plugins[plugin.0];
-        if lost && !matches!(slot.state, State::Condemned | State::Quarantined) {
-            self.back_off(plugin);
         }
     }
 
@@ -333,7 +345,7 @@ impl Core {
             Request::Timer { id, after } => {
                 let slot = &mut self.plugins[plugin.0];
                 if slot.timers.len() < TIMERS_MAX {
-                    slot.timers.push((self.now + after, id));
+                    slot.timers.push((self.now + after.max(PERIOD_MIN), id));
                 } else {
                     let text = format!("a timer was dropped: {TIMERS_MAX} are set already");
                     let line = crate::plugin::LogLine {

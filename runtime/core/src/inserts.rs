@@ -64,11 +64,7 @@ impl Core {
         if self.open_insert(plugin, tag).is_some() {
             return Err(refused("tag", "an insert with this tag is still open"));
         }
-        let interrupts = self
-            .ledger
-            .iter()
-            .any(|(_, entry)| entry.is_open_insert() && entry.insert.is_some_and(|insert| insert.interrupt));
-        if insert.interrupt && interrupts {
+        if insert.interrupt && self.ledger.interrupts() {
             return Err(refused(
                 "interrupt",
                 "an insert that interrupts is open, and none may interrupt it (SPI 7.5)",
@@ -298,6 +294,7 @@ impl Core {
         match refused_with {
             None => {
                 self.transition(insert, RequestState::Cancelled);
+                self.ledger.settle_doubt(insert);
                 if let Some(cancel) = cancel {
                     self.transition(cancel, RequestState::Accepted);
                     self.transition(cancel, RequestState::Ended("done".to_owned()));
@@ -348,6 +345,7 @@ impl Core {
         for request in open {
             self.transition(request, RequestState::Ended(reason.to_owned()));
         }
+        self.ledger.settle_all_doubt();
     }
 
     /// Our open inserts in the order that they fly, with their requests and whether they have begun.

@@ -82,8 +82,9 @@ pub(crate) struct Ledger {
     open: BTreeMap<u64, Entry>,
     last: u64,
     counts: RequestCounts,
-    /// Inserts that ended without the vehicle's word: it may fly them yet, so they stay under the caps.
-    doubtful: u32,
+    /// Inserts that ended without the vehicle's word: it may fly them yet, so they stay under the caps and the rule
+    /// that nothing interrupts what interrupts.
+    doubtful: BTreeMap<u64, Entry>,
 }
 
 impl Ledger {
@@ -129,16 +130,42 @@ impl Ledger {
 
     /// How many inserts the vehicle may yet fly.
     pub(crate) fn open_inserts(&self) -> u32 {
-        self.doubtful
-            + u32::try_from(self.iter().filter(|(_, entry)| entry.is_open_insert()).count()).unwrap_or(u32::MAX)
+        u32::try_from(self.flyable().count()).unwrap_or(u32::MAX)
     }
 
     /// How long they fly at most, seconds.
     pub(crate) fn open_duration_s(&self) -> f64 {
-        self.iter()
-            .filter(|(_, entry)| entry.is_open_insert())
-            .map(|(_, entry)| entry.duration_s)
-            .sum()
+        // An empty sum would be -0.
+        self.flyable().fold(0.0, |all, entry| all + entry.duration_s)
+    }
+
+    /// Whether the vehicle may yet fly an insert that interrupts.
+    pub(crate) fn interrupts(&self) -> bool {
+        self.flyable()
+            .any(|entry| entry.insert.is_some_and(|insert| insert.interrupt))
+    }
+
+    /// The inserts that the vehicle may yet fly, as far as is known.
+    fn flyable(&self) -> impl Iterator<Item = &Entry> + '_ {
+        self.open
+            .values()
+            .filter(|entry| entry.is_open_insert())
+            .chain(self.doubtful.values())
+    }
+
+    /// The vehicle has said that it no longer has this insert, which had ended without its word.
+    pub(crate) fn settle_doubt(&mut self, request: u64) {
+        self.doubtful.remove(&request);
+    }
+
+    /// The vehicle has said that a behaviour with this identifier has ended.
+    pub(crate) fn settle_doubt_of(&mut self, identifier: BehaviorId) {
+        self.doubtful.retain(|_, entry| entry.identifier != Some(identifier));
+    }
+
+    /// The mission is over, and all that it held.
+    pub(crate) fn settle_all_doubt(&mut self) {
+        self.doubtful.clear();
     }
 
     /// Whether an insert is in doubt: no further one is sent until the vehicle has named it.
@@ -175,10 +202,12 @@ impl Ledger {
             state: to,
         };
         if is_end(&transition.state) {
-            if transition.state == RequestState::TimedOut && entry.is_open_insert() {
-                self.doubtful += 1;
+            if let Some(entry) = self.open.remove(&request)
+                && transition.state == RequestState::TimedOut
+                && entry.is_open_insert()
+            {
+                self.doubtful.insert(request, entry);
             }
-            self.open.remove(&request);
         }
         Some(transition)
     }

@@ -1,7 +1,7 @@
 use std::time::Duration;
 
 use backseat_spi::{Navigation, PositionQuality, VelocityAndRates};
-use backseat_units::{LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
+use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 
 use crate::clock::VehicleClock;
 use crate::envelope::{BottomLock, bottom_lock};
@@ -37,7 +37,9 @@ pub(crate) struct Tracker {
     lock: Option<(BottomLock, Timestamp)>,
     /// Since when it has been steady; `None` before the first sample of this connection.
     steady_since: Option<Timestamp>,
-    steady_for: Duration,
+    /// Where it was when the last connection was lost, and when.
+    before: Option<(EastNorth, Timestamp)>,
+    jumped_at: Option<Timestamp>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -57,17 +59,20 @@ impl Tracker {
             newest: None,
             lock: None,
             steady_since: None,
-            steady_for: STEADY_AFTER_CONNECT,
+            before: None,
+            jumped_at: None,
         }
     }
 
-    /// A new connection: nothing of the old one's clock or navigation holds.
+    /// A new connection: nothing of the old one's clock or navigation holds, but the vehicle is not elsewhere for it.
     pub(crate) fn reset(&mut self) {
         self.clock = VehicleClock::default();
-        self.newest = None;
+        let last = self.newest.take();
+        self.before = last
+            .map(|last| (last.sample.local, last.sample.solution))
+            .or(self.before);
         self.lock = None;
         self.steady_since = None;
-        self.steady_for = STEADY_AFTER_CONNECT;
     }
 
     /// Any message's timestamp tells of the clocks.
@@ -95,13 +100,20 @@ impl Tracker {
                 return None;
             }
             let metres = local.distance_m(last.sample.local);
-            if metres > self.speed_max_mps * 1.5 * (elapsed_nanos as f64 / 1e9) + JUMP_ALLOWANCE_M {
+            if metres > self.farthest_m(elapsed_nanos as f64 / 1e9) {
                 change = Change::Jumped { metres };
-                self.steady_since = Some(now);
-                self.steady_for = STEADY_AFTER_JUMP;
             }
             let sample = &last.sample;
             velocity = (sample.east_mps, sample.north_mps, sample.down_mps, sample.yaw_rate_dps);
+        }
+        if let Some((place, at)) = self.before.take() {
+            let metres = local.distance_m(place);
+            if metres > self.farthest_m(now.since(at).as_secs_f64()) {
+                change = Change::Jumped { metres };
+            }
+        }
+        if let Change::Jumped { .. } = change {
+            self.jumped_at = Some(now);
         }
         if self.steady_since.is_none() {
             self.steady_since = Some(now);
@@ -162,7 +174,15 @@ impl Tracker {
     /// Whether navigation has been steady for long enough since the connection or its last jump.
     pub(crate) fn steady(&self, now: Timestamp) -> bool {
         self.steady_since
-            .is_some_and(|since| now.since(since) >= self.steady_for)
+            .is_some_and(|since| now.since(since) >= STEADY_AFTER_CONNECT)
+            && self
+                .jumped_at
+                .is_none_or(|jumped| now.since(jumped) >= STEADY_AFTER_JUMP)
+    }
+
+    /// How far the vehicle can have come in that time, metres.
+    fn farthest_m(&self, seconds: f64) -> f64 {
+        self.speed_max_mps * 1.5 * seconds + JUMP_ALLOWANCE_M
     }
 
     /// The last bottom lock, while it is young.

@@ -178,6 +178,9 @@ impl Core {
             kind: message.kind.as_str().to_owned(),
         });
         self.end_lease("a behaviour ended under it");
+        if let Some(identifier) = message.identifier {
+            self.ledger.settle_doubt_of(identifier);
+        }
         let mut own = None;
         if let Some(request) = message
             .identifier

@@ -124,10 +124,17 @@ impl Core {
             .collect();
         for request in undecided {
             // A cancel has no identifier of its own that could resolve it.
-            let cancel = self.ledger.get(request).is_some_and(|entry| entry.kind == RequestKind::Cancel);
+            let cancel = self
+                .ledger
+                .get(request)
+                .is_some_and(|entry| entry.kind == RequestKind::Cancel);
             self.transition(
                 request,
-                if cancel { RequestState::TimedOut } else { RequestState::Unknown },
+                if cancel {
+                    RequestState::TimedOut
+                } else {
+                    RequestState::Unknown
+                },
             );
         }
         for timer in [Timer::Silence, Timer::Plan, Timer::Status] {

@@ -45,6 +45,14 @@ impl Mission {
         self.write(file, text.replace(from, to))
     }
 
+    /// Leaves out everything from a text on, which must be there.
+    #[must_use]
+    pub fn cut(self, file: &str, from: &str) -> Self {
+        let text = self.read(file);
+        let end = text.find(from).unwrap_or_else(|| panic!("{file} has no `{from}` to cut at:\n{text}"));
+        self.write(file, &text[..end])
+    }
+
     /// Adds lines at the end of a file.
     #[must_use]
     pub fn append(self, file: &str, lines: &str) -> Self {

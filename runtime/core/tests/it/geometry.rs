@@ -131,14 +131,7 @@ fn sr_002_depths_and_altitudes_of_an_insert_are_checked() {
         (VerticalRequest::AltitudeM(2.5), "m "),
         (VerticalRequest::AltitudeM(30.0), "deeper than the 60 m"),
     ] {
-        let limits = Limits {
-            water_depth_min_m: None,
-            ..limits()
-        };
-        let mut trial = Trial::with_under_way(Setup {
-            limits,
-            ..Setup::default()
-        });
+        let mut trial = Trial::under_way();
         let text = rejected(&mut trial, Request::Trackline(TracklineRequest { vertical, ..good }), 1);
         assert!(text.contains(part), "{vertical:?}: {text}");
     }
@@ -183,7 +176,7 @@ fn an_altitude_needs_bottom_lock_or_a_known_depth() {
 fn sr_002_a_modify_is_checked_for_all_that_can_be_reached_in_silence() {
     // At 1.5 m/s the vehicle is 9 m further when a modify lapses, and needs its turns' width.
     let mut trial = Trial::new();
-    trial.vehicle.start = EastNorth::new(1900.0, 500.0);
+    trial.vehicle.start = EastNorth::new(1940.0, 500.0);
     trial.run_for(2.0);
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(0.5);

@@ -323,7 +323,7 @@ fn sr_019_inserts_that_were_not_answered_for_stay_under_the_caps_until_they_are_
             ..limits()
         },
         Limits {
-            inserts_duration_max_s: 1000.0,
+            inserts_duration_max_s: 1500.0,
             ..limits()
         },
     ];

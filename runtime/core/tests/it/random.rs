@@ -1,1 +1,370 @@
+//! Random vehicles, links, plugins and operators. The trial's judge holds every sentence against what the vehicle has
+//! said; here is what else must hold however the run went.
 
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use backseat_core::plugin::{FaultKind, ModifyRequest, PositionRequest, Request, TrackcircleRequest, VerticalRequest};
+use backseat_core::plugin::{RequestState, TracklineRequest};
+use backseat_core::{FailAction, Note, Operator, PluginSetup};
+use backseat_spi::{
+    AckStatus, Acknowledgement, BackseatControl, BehaviorBegin, BehaviorEnd, BehaviorId, CommandName, FromVehicle,
+    MissionStatus, PlanElement, PlanElementKind, Text,
+};
+use backseat_units::{EastNorth, Position, TimeOfDay, Timestamp};
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::sample::select;
+
+use crate::course::{at, plugin};
+use crate::trial::{Seen, Setup, Trial, short};
+use crate::vehicle::Reply;
+
+#[derive(Clone, Debug)]
+enum Act {
+    Wait(u64),
+    Bytes(Vec<u8>),
+    /// Several sentences in one read.
+    Say(Vec<FromVehicle>),
+    Control(bool),
+    Status(&'static str),
+    Begin(Option<u32>, Option<u32>),
+    End(Option<u32>, Option<u32>),
+    Replies(&'static str, Reply),
+    Navigates(bool),
+    Frozen(bool),
+    Jump(f64),
+    Cut,
+    Unreachable(bool),
+    Replays(bool),
+    Delay(u64),
+    Stall(u64),
+    Sleep(u64),
+    ReadMax(usize),
+    Ask(usize, Vec<Request>),
+    Fail(usize, FaultKind),
+    Hold,
+    Release,
+}
+
+fn figure(usual: impl Strategy<Value = f64> + 'static) -> BoxedStrategy<f64> {
+    prop_oneof![12 => usual, 1 => select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 1e300, 91.0])]
+        .boxed()
+}
+
+fn place() -> BoxedStrategy<PositionRequest> {
+    let near = (-2100.0..2100.0, -2100.0..2100.0).prop_map(|(east_m, north_m)| at(east_m, north_m));
+    let any = (figure(-90.0..90.0), figure(-180.0..180.0)).prop_map(|(latitude_deg, longitude_deg)| PositionRequest {
+        latitude_deg,
+        longitude_deg,
+    });
+    prop_oneof![8 => near, 1 => any].boxed()
+}
+
+fn vertical() -> BoxedStrategy<VerticalRequest> {
+    prop_oneof![
+        figure(0.0..65.0).prop_map(VerticalRequest::DepthM),
+        figure(30.0..80.0).prop_map(VerticalRequest::AltitudeM),
+    ]
+    .boxed()
+}
+
+fn request() -> BoxedStrategy<Request> {
+    let tag = 0..6u64;
+    let speed = || figure(1.0..2.0);
+    prop_oneof![
+        6 => (tag.clone(), figure(0.0..360.0), vertical(), speed(), 0..70u64).prop_map(
+            |(tag, heading_deg, vertical, speed_mps, seconds)| Request::Modify(ModifyRequest {
+                tag, heading_deg, vertical, speed_mps, duration: Duration::from_secs(seconds),
+            })
+        ),
+        1 => Just(Request::EndModify),
+        4 => (tag.clone(), place(), place(), vertical(), speed(), any::<bool>()).prop_map(
+            |(tag, start, end, vertical, speed_mps, interrupt)| Request::Trackline(TracklineRequest {
+                tag, start, end, vertical, speed_mps, interrupt,
+            })
+        ),
+        2 => (tag.clone(), place(), figure(20.0..300.0), figure(-2.0..2.0), vertical(), speed(), any::<bool>()).prop_map(
+            |(tag, centre, radius_m, orbits, vertical, speed_mps, interrupt)| {
+                Request::Trackcircle(TrackcircleRequest {
+                    tag, centre, radius_m, orbits, vertical, speed_mps, entry_angle_deg: None, interrupt,
+                })
+            }
+        ),
+        2 => tag.clone().prop_map(Request::Cancel),
+        1 => ".{0,40}".prop_map(Request::Message),
+        1 => (tag, 0..2000u64).prop_map(|(id, ms)| Request::Timer { id, after: Duration::from_millis(ms) }),
+    ]
+    .boxed()
+}
+
+fn reply() -> BoxedStrategy<Reply> {
+    let after = (0..6000u64).prop_map(Duration::from_millis);
+    let status = select(vec![
+        AckStatus::Succeeded,
+        AckStatus::Failed,
+        AckStatus::Invalid,
+        AckStatus::Pending,
+    ]);
+    prop_oneof![
+        4 => Just(Reply::Ok),
+        1 => Just(Reply::Refuse),
+        1 => Just(Reply::Silent),
+        1 => Just(Reply::Nak),
+        1 => Just(Reply::PendingForEver),
+        2 => (after.clone(), status.clone()).prop_map(|(after, status)| Reply::Pending(after, status)),
+        2 => (after, status).prop_map(|(after, status)| Reply::Late(after, status)),
+    ]
+    .boxed()
+}
+
+fn time() -> BoxedStrategy<TimeOfDay> {
+    (0..86_401_000u64)
+        .prop_map(|ms| TimeOfDay::from_nanos(ms * 1_000_000).unwrap())
+        .boxed()
+}
+
+fn identifier() -> BoxedStrategy<Option<BehaviorId>> {
+    proptest::option::of((1..8u32).prop_map(BehaviorId::new)).boxed()
+}
+
+fn sentence() -> BoxedStrategy<FromVehicle> {
+    let text = |text: &str| Text::cleaned(text);
+    prop_oneof![
+        (time(), any::<bool>()).prop_map(|(created, granted)| BackseatControl { created, granted }.into()),
+        (time(), select(vec!["Running", "Running /x", " ", "Ready", "Aborting"])).prop_map(move |(created, status)| {
+            MissionStatus {
+                created,
+                dive_file: text(""),
+                status: text(status),
+                details: text(""),
+            }
+            .into()
+        }),
+        (time(), proptest::option::of(0..5u32), identifier()).prop_map(move |(created, number, identifier)| {
+            BehaviorBegin {
+                created,
+                dive_file: text(""),
+                number,
+                identifier,
+                kind: text("waypoint"),
+            }
+            .into()
+        }),
+        (time(), proptest::option::of(0..5u32), identifier()).prop_map(move |(created, number, identifier)| {
+            BehaviorEnd {
+                created,
+                dive_file: text(""),
+                number,
+                identifier,
+                kind: text("waypoint"),
+            }
+            .into()
+        }),
+        (
+            time(),
+            select(vec!["LOG", "RMB", "RTK", "RTC", "RCN", "RMP", "EMB", "NAK", "XYZ"]),
+            prop_oneof![Just(TimeOfDay::MIDNIGHT), time()],
+            identifier(),
+            select(vec![AckStatus::Succeeded, AckStatus::Failed, AckStatus::Pending]),
+        )
+            .prop_map(move |(created, name, command_created, behavior, status)| {
+                let command = CommandName::new(name).unwrap();
+                Acknowledgement {
+                    created,
+                    command,
+                    command_created,
+                    behavior,
+                    status,
+                    text: text(""),
+                }
+                .into()
+            }),
+        (
+            time(),
+            proptest::option::of(0..5u32),
+            identifier(),
+            41.9..42.1,
+            -70.1..-69.9
+        )
+            .prop_map(|(created, number, identifier, latitude, longitude)| {
+                let position = Position::from_deg(latitude, longitude).unwrap();
+                let element = PlanElementKind::Waypoint;
+                PlanElement {
+                    created,
+                    number,
+                    identifier,
+                    index: 0,
+                    element,
+                    position,
+                }
+                .into()
+            }),
+    ]
+    .boxed()
+}
+
+fn act() -> BoxedStrategy<Act> {
+    let own = proptest::option::of(1..6u32);
+    let number = proptest::option::of(1..5u32);
+    let kinds = vec![
+        FaultKind::Trap,
+        FaultKind::Error,
+        FaultKind::OutOfFuel,
+        FaultKind::Start,
+        FaultKind::Overflow,
+    ];
+    prop_oneof![
+        20 => (0..3000u64).prop_map(Act::Wait),
+        2 => vec(any::<u8>(), 0..200).prop_map(Act::Bytes),
+        2 => "(\\$?BF(NVG|CTL|ACK|MIS|MBS),[0-9.,NEWS-]{0,60}(\\*[0-9A-F]{2})?\r?\n){1,4}"
+            .prop_map(|text| Act::Bytes(text.into_bytes())),
+        4 => vec(sentence(), 1..5).prop_map(Act::Say),
+        2 => any::<bool>().prop_map(Act::Control),
+        2 => select(vec!["Running", "Running", "Ready", "Completed", ""]).prop_map(Act::Status),
+        3 => (number.clone(), own.clone()).prop_map(|(number, own)| Act::Begin(number, own)),
+        3 => (number, own).prop_map(|(number, own)| Act::End(number, own)),
+        3 => (select(vec!["LOG", "RMB", "RTK", "RTC", "RCN", "RMP", "EMB"]), reply())
+            .prop_map(|(name, reply)| Act::Replies(name, reply)),
+        1 => any::<bool>().prop_map(Act::Navigates),
+        1 => any::<bool>().prop_map(Act::Frozen),
+        1 => (-100.0..100.0).prop_map(Act::Jump),
+        2 => Just(Act::Cut),
+        1 => any::<bool>().prop_map(Act::Unreachable),
+        1 => any::<bool>().prop_map(Act::Replays),
+        2 => (0..40u64).prop_map(Act::Delay),
+        1 => (0..5000u64).prop_map(Act::Stall),
+        1 => (0..4000u64).prop_map(Act::Sleep),
+        1 => (1..400usize).prop_map(Act::ReadMax),
+        20 => (0..2usize, vec(request(), 0..6)).prop_map(|(plugin, requests)| Act::Ask(plugin, requests)),
+        2 => (0..2usize, select(kinds)).prop_map(|(plugin, kind)| Act::Fail(plugin, kind)),
+        1 => Just(Act::Hold),
+        2 => Just(Act::Release),
+    ]
+    .boxed()
+}
+
+fn start() -> Trial {
+    let second = PluginSetup {
+        on_failure: FailAction::Cancel,
+        ..plugin("second")
+    };
+    let mut trial = Trial::with(Setup {
+        plugins: vec![plugin("first"), second],
+        ..Setup::default()
+    });
+    trial.run_for(1.0);
+    trial
+}
+
+fn play(trial: &mut Trial, acts: Vec<Act>) {
+    for act in acts {
+        let now = trial.now;
+        match act {
+            Act::Wait(ms) => trial.run_for(ms as f64 / 1e3),
+            Act::Bytes(bytes) => trial.hear_bytes(&bytes),
+            Act::Say(messages) => trial.hear_now(messages),
+            Act::Control(granted) => trial.vehicle.set_control(now, granted),
+            Act::Status(status) => trial.vehicle.set_status(now, status),
+            Act::Begin(number, own) => trial.vehicle.begin(now, number, own),
+            Act::End(number, own) => trial.vehicle.end(now, number, own),
+            Act::Replies(name, reply) => {
+                trial.vehicle.replies.insert(name, reply);
+            }
+            Act::Navigates(navigates) => trial.vehicle.navigates = navigates,
+            Act::Frozen(frozen) => trial.vehicle.frozen = frozen.then_some(now),
+            Act::Jump(metres) => trial.vehicle.jump = EastNorth::new(metres, 0.0),
+            Act::Cut => trial.cut(),
+            Act::Unreachable(unreachable) => trial.unreachable = unreachable,
+            Act::Replays(replays) => trial.vehicle.replays = replays,
+            Act::Delay(ms) => trial.delay = Duration::from_millis(ms),
+            Act::Stall(ms) => trial.stalled_until = now + Duration::from_millis(ms),
+            Act::Sleep(ms) => trial.asleep_until = now + Duration::from_millis(ms),
+            Act::ReadMax(bytes) => trial.read_max = bytes,
+            Act::Ask(plugin, requests) => trial.ask(plugin, requests),
+            Act::Fail(plugin, kind) => trial.fail(plugin, kind),
+            Act::Hold => trial.operator(Operator::Hold),
+            Act::Release => trial.operator(Operator::Release),
+        }
+    }
+}
+
+/// Each request comes to one end at most, and the counts are those of what was told.
+fn ledger_is_consistent(trial: &Trial) {
+    let mut last: BTreeMap<u64, &'static str> = BTreeMap::new();
+    let (mut ended, mut rejected, mut sent) = (0, 0, 0);
+    for (at, note) in trial.notes() {
+        let Note::Request(transition) = note else { continue };
+        let state = short(&transition.state);
+        if let Some(before) = last.insert(transition.request, state) {
+            let over = ["rejected", "failed", "timed out", "ended", "cancelled"].contains(&before);
+            assert!(
+                !over,
+                "request {} went from {before} to {state} at {at}",
+                transition.request
+            );
+        }
+        match &transition.state {
+            RequestState::Rejected(_) => (ended, rejected) = (ended + 1, rejected + 1),
+            RequestState::Sent => sent += 1,
+            RequestState::Failed(_) | RequestState::TimedOut | RequestState::Ended(_) | RequestState::Cancelled => {
+                ended += 1;
+            }
+            RequestState::Pending | RequestState::Accepted | RequestState::Unknown | RequestState::Started => {}
+        }
+    }
+    let counts = trial.core.request_counts();
+    assert_eq!((counts.rejected, counts.sent), (rejected, sent));
+    assert_eq!(counts.proposed, ended + trial.core.open_requests() as u64);
+}
+
+/// All faults are over: within a minute control is back, and when the mission is over nothing is open.
+fn it_recovers(trial: &mut Trial) {
+    trial.vehicle.replies.clear();
+    (trial.vehicle.navigates, trial.vehicle.frozen, trial.vehicle.replays) = (true, None, true);
+    (trial.vehicle.control, trial.vehicle.status) = (true, "Running");
+    trial.unreachable = false;
+    trial.read_max = usize::MAX;
+    trial.delay = Duration::from_millis(5);
+    trial.operator(Operator::Release);
+    trial.run_for(5.0);
+    trial.cut();
+    trial.run_for(55.0);
+    assert!(
+        trial.core.has_control(),
+        "control is not back: {:?}",
+        trial.notes().last()
+    );
+    let now = trial.now;
+    trial.vehicle.set_status(now, "Completed");
+    trial.run_for(20.0);
+    assert_eq!(trial.core.open_requests(), 0);
+    assert!(!trial.core.is_steering());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn sr_001_sr_009_sr_013_whatever_happens_nothing_steers_without_control_and_every_request_has_one_end(
+        acts in vec(act(), 1..80)
+    ) {
+        let mut trial = start();
+        play(&mut trial, acts);
+        ledger_is_consistent(&trial);
+        eprintln!("STAT {} {} {} {}", trial.sent("RMB").len(), trial.sent("RTK").len()+trial.sent("RTC").len(), trial.sent("RCN").len(), trial.now);
+        it_recovers(&mut trial);
+        ledger_is_consistent(&trial);
+    }
+
+    #[test]
+    fn the_same_inputs_give_the_same_outputs(acts in vec(act(), 1..40)) {
+        let run = |acts: Vec<Act>| -> Vec<(Timestamp, Seen)> {
+            let mut trial = start();
+            play(&mut trial, acts);
+            trial.seen
+        };
+        let once = run(acts.clone());
+        prop_assert_eq!(once, run(acts));
+    }
+}

@@ -182,8 +182,10 @@ impl Trial {
     pub(crate) fn cut(&mut self) {
         self.to_core.clear();
         self.to_vehicle.clear();
-        self.judge.link(false);
+        self.judge.up = false;
+        // A late wake-up is dealt with first: its BPEMB goes into a link that is not known to be gone.
         self.feed(Input::LinkDown);
+        self.judge.link(false);
     }
 
     pub(crate) fn operator(&mut self, act: Operator) {

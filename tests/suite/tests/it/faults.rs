@@ -1,0 +1,180 @@
+//! A bad plugin beside a good one: the good one does not notice (safety requirement 006).
+
+use std::path::Path;
+
+use backseat_recorder::{Log, read};
+use backseat_suite::{Backseat, Mission};
+
+/// A live modify is sent again each second; more than this and a sibling has held it up.
+const GAP_MAX_S: f64 = 1.05;
+
+/// Isobath, the first in priority, beside `faulty` with a fault that comes after half a minute, for five minutes.
+fn beside_isobath(fault: &str) -> Mission {
+    Mission::copy("isobath")
+        .edit("mission.toml", "inserts_open_max = 0", "inserts_open_max = 2")
+        .edit("mission.toml", "inserts_total_max = 0", "inserts_total_max = 10")
+        .append(
+            "mission.toml",
+            &format!(
+                "[[plugin]]\nname = \"bad\"\ncomponent = \"faulty\"\ngrants = [\"modify\", \"insert\", \"message\"]\n\
+                 [plugin.config]\nfault = \"{fault}\"\nafter_s = 30.0"
+            ),
+        )
+        .edit("world.toml", "timeout_s = 3600", "timeout_s = 300")
+        // How well isobath follows in a whole mission is another test's affair.
+        .cut("world.toml", "[expect.contour]")
+}
+
+/// The whole sentences that were sent, with their times in seconds.
+fn sent(log: &Log) -> Vec<(f64, String)> {
+    let mut sentences = Vec::new();
+    for (at, from_vehicle, bytes) in log.link() {
+        if !from_vehicle {
+            let text = String::from_utf8_lossy(bytes);
+            sentences.extend(text.lines().map(|line| (at.as_secs_f64(), line.to_owned())));
+        }
+    }
+    sentences
+}
+
+/// How often the log says that the bad plugin failed in this way.
+fn failures(log: &Log, kind: &str) -> usize {
+    let begin = format!("plugin 1 failed ({kind})");
+    log.notes().filter(|(_, note)| note.starts_with(&begin)).count()
+}
+
+#[track_caller]
+fn flies(mission: &Mission, path: &Path) -> Log {
+    let report = Backseat::new().args(["sim", "--json", "--seed", "7", "--log"]).arg(path).mission(mission).run().exit(0);
+    let report = report.json();
+    assert_eq!(report["violations"].as_array().map(Vec::len), Some(0), "{report}");
+    assert_eq!(report["outcome"], "completed", "{report}");
+    read(path).unwrap()
+}
+
+/// The good plugin steers for the five minutes, and every refresh comes in time.
+#[track_caller]
+fn isobath_steers(log: &Log) {
+    let (mut steered_s, mut last) = (0.0, None::<f64>);
+    for (at_s, sentence) in sent(log) {
+        if sentence.starts_with("$BPRMB,") {
+            if let Some(last_s) = last {
+                assert!(at_s - last_s <= GAP_MAX_S, "{:.3} s between modifies at {at_s:.3} s", at_s - last_s);
+                steered_s += at_s - last_s;
+            }
+            last = Some(at_s);
+        } else if sentence.starts_with("$BPEMB,") {
+            last = None;
+        }
+    }
+    assert!(steered_s > 200.0, "isobath steered for {steered_s:.0} s only");
+    let accepted = log.notes().filter(|(_, note)| note.contains("(plugin 0, ") && note.contains("accepted")).count();
+    assert!(accepted > 10, "{accepted} modifies of isobath were accepted");
+    assert_eq!(log.notes().filter(|(_, note)| note.starts_with("plugin 0 failed")).count(), 0);
+}
+
+/// A test for each fault: its name in the plugin's configuration, and how it is told where it is a failure.
+macro_rules! faults {
+    ($($name:ident $fault:literal $($kind:literal)?;)*) => {
+        $(
+            #[test]
+            fn $name() {
+                let mission = beside_isobath($fault);
+                let log = flies(&mission, &mission.beside("run.mcap"));
+                isobath_steers(&log);
+                $(
+                    let count = failures(&log, $kind);
+                    assert!(count >= 2, "{count} failures of the kind {}", $kind);
+                )?
+            }
+        )*
+    };
+}
+
+faults! {
+    a_plugin_that_panics "trap" "Trap";
+    a_plugin_that_never_returns "loop" "Fuel";
+    a_plugin_that_takes_all_memory "grow" "Memory";
+    a_plugin_that_floods_with_requests "flood" "Limit";
+    a_plugin_that_returns_errors "error" "Error";
+    a_plugin_that_sends_a_huge_string "huge_string" "Limit";
+    a_plugin_with_a_huge_snapshot "big_snapshot";
+    a_plugin_that_floods_the_log "log_flood";
+    a_plugin_that_asks_for_what_is_no_number "nan";
+    a_plugin_that_asks_for_the_infinite "infinite";
+    a_plugin_that_asks_for_huge_figures "huge";
+    a_plugin_that_asks_for_latitude_91 "latitude_91";
+    a_plugin_that_falls_silent "stale";
+    a_plugin_that_contradicts_itself "contradict";
+    a_plugin_that_wants_across_the_fence "cross_fence";
+}
+
+/// The reasons that requests of the bad plugin were rejected for, but for isobath's steering.
+fn rejections(log: &Log) -> Vec<String> {
+    log.notes()
+        .filter(|(_, note)| note.contains("(plugin 1, ") && note.contains("rejected: ") && !note.contains("priority"))
+        .map(|(_, note)| note.to_owned())
+        .collect()
+}
+
+#[test]
+fn figures_that_make_no_sense_are_rejected_by_name() {
+    for (fault, word) in [("nan", "NaN"), ("infinite", "inf"), ("latitude_91", "91")] {
+        // Alone, so that no priority comes first.
+        let mission = Mission::steady()
+            .edit("world.toml", "timeout_s = 600", "timeout_s = 60")
+            .edit("mission.toml", "[\"modify\"]", "[\"modify\", \"insert\"]")
+            .edit("mission.toml", "fault = \"none\"", &format!("fault = \"{fault}\""));
+        let report = Backseat::new().args(["sim", "--json"]).mission(&mission).run().exit(0).json();
+        let rejections = report["rejections"].to_string();
+        assert!(rejections.contains(word), "{fault}: {rejections}");
+        assert_eq!(report["requests"]["sent"], 0, "{fault}: {report}");
+    }
+}
+
+#[test]
+fn the_lease_of_a_plugin_that_fails_ends_at_once_and_the_next_one_steers() {
+    // The bad one first in priority: it steers until it panics, then isobath does.
+    let mission = beside_isobath("trap");
+    let text = mission.read("mission.toml");
+    let (good, bad) = (text.find("[[plugin]]").unwrap(), text.rfind("[[plugin]]").unwrap());
+    let swapped = format!("{}{}{}", &text[..good], &text[bad..], &text[good..bad]);
+    let mission = mission.write("mission.toml", swapped);
+    let log = flies(&mission, &mission.beside("run.mcap"));
+    let notes: Vec<(f64, &str)> = log.notes().map(|(at, note)| (at.as_secs_f64(), note)).collect();
+    let failed_s = notes.iter().find(|(_, note)| note.starts_with("plugin 0 failed (Trap)")).expect("it panics").0;
+    let steered = notes.iter().any(|(at_s, note)| *at_s < failed_s && note.contains("(plugin 0, ") && note.contains("accepted"));
+    assert!(steered, "it steered before");
+    let ended = sent(&log).into_iter().find(|(at_s, sentence)| *at_s >= failed_s && sentence.starts_with("$BPEMB,"));
+    let ended_s = ended.expect("a BPEMB ends its lease").0;
+    assert!(ended_s - failed_s <= 0.1, "after {:.3} s", ended_s - failed_s);
+    let accepted = notes.iter().filter(|(at_s, note)| *at_s > failed_s && note.contains("(plugin 1, ") && note.contains("accepted"));
+    assert!(accepted.count() > 10, "isobath steers after it");
+}
+
+#[test]
+fn a_stale_request_ends_at_the_missions_longest_term() {
+    let mission = Mission::steady()
+        .edit("mission.toml", "fault = \"none\"", "fault = \"stale\"")
+        .edit("mission.toml", "[limits]", "[limits]\nmodify_term_max_s = 30.0");
+    let path = mission.beside("run.mcap");
+    let log = flies(&mission, &path);
+    let modifies: Vec<f64> = sent(&log)
+        .into_iter()
+        .filter(|(_, sentence)| sentence.starts_with("$BPRMB,"))
+        .map(|(at_s, _)| at_s)
+        .collect();
+    if let (Some(first), Some(last)) = (modifies.first(), modifies.last()) {
+        assert!(last - first <= 30.0, "a year's modify stood for {:.1} s", last - first);
+    }
+    let notes: Vec<&str> = log.notes().map(|(_, note)| note).filter(|note| note.contains("Modify")).collect();
+    assert!(notes.iter().any(|note| note.contains("rejected: ") || note.contains("ended: ")), "{notes:?}");
+}
+
+#[test]
+fn what_the_bad_plugin_asked_for_never_reached_the_wire() {
+    let mission = beside_isobath("cross_fence");
+    let log = flies(&mission, &mission.beside("run.mcap"));
+    assert!(rejections(&log).iter().any(|note| note.contains("Trackline") && note.contains("shelf")), "{:?}", rejections(&log).first());
+    assert!(!sent(&log).iter().any(|(_, sentence)| sentence.starts_with("$BPRTK,") || sentence.starts_with("$BPRTC,")));
+}

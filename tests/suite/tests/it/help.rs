@@ -1,0 +1,82 @@
+//! What somebody meets who has never seen the program.
+
+use backseat_suite::{Backseat, Mission};
+use backseat_test_support::workspace;
+
+#[test]
+fn help_names_every_command_and_what_it_does() {
+    let help = Backseat::new().arg("--help").run().exit(0);
+    assert_eq!(help.stderr, "");
+    for command in ["sim", "run", "mvc", "check"] {
+        assert!(help.stdout.lines().any(|line| line.trim_start().starts_with(command)), "{command}: {help}");
+    }
+    let version = Backseat::new().arg("--version").run().exit(0);
+    assert_eq!(version.stdout, format!("backseat {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn every_command_explains_its_flags() {
+    for (command, flags) in [
+        ("sim", ["--seed", "--log", "--map", "--speed", "--json", "--plugins"].as_slice()),
+        ("run", &["--connect", "--arm", "--log", "--state", "--first-identifier"]),
+        ("mvc", &["--listen", "--speed", "--profile", "--log"]),
+        ("check", &["--resolved", "--set"]),
+    ] {
+        let help = Backseat::new().args([command, "--help"]).run().exit(0);
+        assert!(help.stdout.contains("<MISSION>"), "{help}");
+        for flag in flags {
+            assert!(help.stdout.contains(flag), "{command} {flag}: {help}");
+        }
+    }
+}
+
+#[test]
+fn wrong_usage_says_what_is_right() {
+    let wrong = Backseat::new().arg("simulate").run().exit(2);
+    assert!(wrong.stderr.contains("unrecognized subcommand 'simulate'"), "{wrong}");
+    assert!(wrong.stderr.contains("--help"), "{wrong}");
+    let nothing = Backseat::new().run().exit(2);
+    assert!(nothing.stderr.contains("Usage:"), "{nothing}");
+    let missing = Backseat::new().arg("sim").run().exit(2);
+    assert!(missing.stderr.contains("<MISSION>"), "{missing}");
+    let flag = Backseat::new().args(["sim", "x", "--sed", "7"]).run().exit(2);
+    assert!(flag.stderr.contains("'--sed'") && flag.stderr.contains("'--seed'"), "{flag}");
+}
+
+#[test]
+fn a_mission_may_be_named_from_anywhere() {
+    let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 60");
+    let fly = |folder: &std::path::Path, path: &str| {
+        let report = Backseat::new().args(["sim", "--json", path]).in_folder(folder).run().exit(0).json();
+        (report["mission"].clone(), report["digest"].clone())
+    };
+    let beside = mission.beside("");
+    let plain = fly(&beside, "steady");
+    assert_eq!(plain.0, "steady");
+    assert_eq!(fly(&beside, "steady/"), plain, "with a slash at its end");
+    assert_eq!(fly(&beside, "./steady/."), plain);
+    assert_eq!(fly(mission.path(), "."), plain, "from inside");
+    assert_eq!(fly(workspace(), mission.path().to_str().unwrap()), plain, "from elsewhere, whole");
+}
+
+#[test]
+fn what_is_said_to_a_file_has_no_colours() {
+    let mission = Mission::steady();
+    let vehicle = backseat_suite::Vehicle::start(&mission);
+    let said = vehicle.process.stderr();
+    assert!(!said.contains('\u{1b}'), "{said:?}");
+}
+
+#[test]
+fn check_says_whether_a_mission_is_ready() {
+    let mission = Mission::steady();
+    let good = Backseat::new().arg("check").mission(&mission).run().exit(0);
+    assert!(good.stdout.trim_end().ends_with("ready") && good.stdout.contains("plugin pilot"), "{good}");
+    let outside = mission.edit("world.toml", "end = { east_m = 600", "end = { east_m = 1600");
+    let bad = Backseat::new().arg("check").mission(&outside).run().exit(1);
+    assert!(bad.stdout.contains("plan element 1: ") && bad.stdout.trim_end().ends_with("not ready"), "{bad}");
+    let resolved = Backseat::new().args(["check", "--resolved", "--set", "limits.speed_max_mps=1.7"]).mission(&outside);
+    let resolved = resolved.env("BACKSEAT__LIMITS__LEAD_MAX_M", "33").run().exit(0);
+    assert!(resolved.stdout.contains("speed_max_mps = 1.7"), "{resolved}");
+    assert!(resolved.stdout.contains("lead_max_m = 33"), "{resolved}");
+}

@@ -1,0 +1,54 @@
+//! SPI identifiers: recorded on disk before they are sent, never used twice (safety requirement 009).
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use backseat_suite::{Mission, Vehicle, settle};
+
+use crate::session::{SOON, runtime};
+
+/// Asks each second for a trackline of 70 m that interrupts.
+fn inserting() -> Mission {
+    Mission::steady().edit("mission.toml", "[\"modify\"]", "[\"insert\"]").edit(
+        "mission.toml",
+        "fault = \"none\"",
+        "fault = \"cross_fence\"\ntarget_east_m = -520\ntarget_north_m = 0",
+    )
+}
+
+fn recorded(mission: &Mission) -> u32 {
+    std::fs::read_to_string(mission.beside("state/identifiers")).unwrap().trim().parse().unwrap()
+}
+
+#[test]
+fn without_a_record_no_insert_is_sent() {
+    let mission = inserting();
+    let vehicle = Vehicle::start(&mission);
+    let runtime = runtime(&mission, &vehicle.address, &["--arm"]);
+    let line = runtime.says("no record of SPI identifiers", SOON);
+    assert!(line.contains("state/identifiers") && line.contains("--first-identifier"), "{line}");
+    runtime.says("the identifiers' state on disk is missing", SOON);
+    settle(Duration::from_secs(2));
+    assert!(vehicle.received("BPRTK").is_empty(), "{}", vehicle.story());
+    assert!(!mission.beside("state/identifiers").exists(), "it makes none up");
+}
+
+#[test]
+fn a_killed_runtimes_identifiers_are_never_used_again() {
+    let mission = inserting();
+    let vehicle = Vehicle::start(&mission);
+    let mut used = Vec::new();
+    for round in 1..=3 {
+        let first: &[&str] = if round == 1 { &["--arm", "--first-identifier", "500"] } else { &["--arm"] };
+        let mut runtime = runtime(&mission, &vehicle.address, first);
+        let line = vehicle.receives("BPRTK", round, SOON);
+        used.push(line.field(2).parse::<u32>().unwrap());
+        assert!(recorded(&mission) > used[round - 1], "recorded before it is sent: {} and {used:?}", recorded(&mission));
+        runtime.kill();
+    }
+    assert_eq!(used[0], 500);
+    let all: Vec<String> = vehicle.received("BPRTK").iter().map(|line| line.field(2).to_owned()).collect();
+    let different: BTreeSet<&String> = all.iter().collect();
+    assert_eq!(all.len(), different.len(), "{all:?}");
+    assert!(used.is_sorted(), "{used:?}");
+}

@@ -1,0 +1,11 @@
+//! The program as its users meet it, a file a behaviour.
+
+mod faults;
+mod fence;
+mod help;
+mod identifiers;
+mod operator;
+mod refusals;
+mod session;
+mod silence;
+mod simulation;

@@ -1,0 +1,57 @@
+//! The operator beats every plugin, by signal, and over a restart (safety requirement 015).
+
+use std::time::Duration;
+
+use backseat_suite::{Mission, Signal, Vehicle, settle};
+
+use crate::session::{SOON, runtime, steers};
+
+#[test]
+fn a_hold_ends_the_lease_and_stands_until_it_is_released() {
+    let mission = Mission::steady();
+    let vehicle = Vehicle::start(&mission);
+    let mut first = runtime(&mission, &vehicle.address, &["--arm"]);
+    vehicle.receives("BPRMB", 2, SOON);
+    first.signal(Signal::USR1);
+    vehicle.receives("BPEMB", 1, SOON);
+    settle(Duration::from_secs(4));
+    let lines = vehicle.lines();
+    let ended = lines.iter().position(|line| line.is_received("BPEMB")).unwrap();
+    assert!(!lines[ended..].iter().any(steers), "nothing after the hold\n{}", vehicle.story());
+    assert_eq!(vehicle.received("BPEMB").len(), 1, "one BPEMB is enough");
+    assert_eq!(first.ended(), None, "the session goes on");
+    assert!(mission.beside("state/hold").exists(), "the hold is on disk");
+
+    // A crash does not release it.
+    first.kill();
+    let before = vehicle.lines().iter().filter(|line| steers(line)).count();
+    let mut second = runtime(&mission, &vehicle.address, &["--arm"]);
+    second.says("the operator's hold stands", SOON);
+    second.says("the operator holds", SOON);
+    settle(Duration::from_secs(4));
+    assert_eq!(vehicle.lines().iter().filter(|line| steers(line)).count(), before, "{}", vehicle.story());
+
+    second.signal(Signal::USR2);
+    vehicle.receives("BPRMB", before + 2, SOON);
+    assert!(!mission.beside("state/hold").exists());
+    second.kill();
+    let steered = vehicle.received("BPRMB").len();
+    let third = runtime(&mission, &vehicle.address, &["--arm"]);
+    vehicle.receives("BPRMB", steered + 2, SOON);
+    assert!(!third.stderr().contains("hold stands"), "a release outlives the process too");
+}
+
+#[test]
+fn one_release_undoes_any_number_of_holds() {
+    let mission = Mission::steady();
+    let vehicle = Vehicle::start(&mission);
+    let runtime = runtime(&mission, &vehicle.address, &["--arm"]);
+    vehicle.receives("BPRMB", 1, SOON);
+    for _ in 0..3 {
+        runtime.signal(Signal::USR1);
+    }
+    runtime.says("operator: Hold", SOON);
+    runtime.signal(Signal::USR2);
+    let count = vehicle.received("BPRMB").len();
+    vehicle.receives("BPRMB", count + 2, SOON);
+}

@@ -1,0 +1,174 @@
+//! Bad input: exit code 2, one line on standard error that names file, key and what was expected, and no panic.
+
+use std::net::TcpListener;
+
+use backseat_suite::{Backseat, Mission};
+use backseat_test_support::plugins;
+
+/// The line that `backseat sim` refuses a mission with.
+fn refusal(mission: &Mission) -> String {
+    Backseat::new().args(["sim", "--json"]).mission(mission).run().refusal()
+}
+
+/// The line has all of these.
+#[track_caller]
+fn names(line: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(line.contains(part), "no `{part}` in `{line}`");
+    }
+}
+
+#[test]
+fn an_unknown_key_is_named_with_its_line_in_each_file() {
+    let line = refusal(&Mission::steady().edit("mission.toml", "turn_rate_dps", "turn_rate"));
+    names(&line, &["mission.toml:6", "unknown field `turn_rate`", "expected"]);
+    let line = refusal(&Mission::steady().edit("world.toml", "heading_deg = 90", "bearing_deg = 90"));
+    names(&line, &["world.toml", "line 9", "unknown field `bearing_deg`", "expected"]);
+    let line = refusal(&Mission::steady().edit("fence.geojson", "\"margin_m\"", "\"margin\""));
+    names(&line, &["fence.geojson", "margin", "expected"]);
+}
+
+#[test]
+fn a_wrong_value_is_named_with_what_was_expected() {
+    let line = refusal(&Mission::steady().edit("mission.toml", "speed_max_mps = 2.0", "speed_max_mps = 0.5"));
+    names(&line, &["mission.toml", "limits.speed_max_mps is 0.5", "expected"]);
+    let line = refusal(&Mission::steady().edit("mission.toml", "speed_max_mps = 2.0", "speed_max_mps = nan"));
+    names(&line, &["mission.toml", "limits.speed_max_mps", "expected"]);
+    let line = refusal(&Mission::steady().edit("mission.toml", "[\"modify\"]", "[\"steer\"]"));
+    names(&line, &["mission.toml:15", "`steer`", "expected"]);
+    let line = refusal(&Mission::steady().edit("world.toml", "latitude_deg = 42.35", "latitude_deg = 95"));
+    names(&line, &["world.toml", "latitude", "95"]);
+    let line = refusal(&Mission::steady().write("mission.toml", b"\xff\xfe"));
+    names(&line, &["mission.toml"]);
+    let line = refusal(&Mission::steady().write("fence.geojson", "{"));
+    names(&line, &["fence.geojson"]);
+}
+
+#[test]
+fn what_is_not_there_is_named() {
+    let line = Backseat::new().args(["sim", "no/such/mission"]).run().refusal();
+    names(&line, &["no/such/mission", "expected a folder with mission.toml"]);
+    names(&refusal(&Mission::steady().without("mission.toml")), &["steady", "mission.toml"]);
+    names(&refusal(&Mission::steady().without("fence.geojson")), &["fence.geojson", "No such file"]);
+    names(&refusal(&Mission::steady().without("world.toml")), &["world.toml", "needs its world"]);
+    let mission = Mission::steady();
+    let line = Backseat::new().arg("sim").arg(mission.path().join("mission.toml")).run().refusal();
+    names(&line, &["mission.toml", "expected a folder"]);
+}
+
+#[test]
+fn a_polygon_that_crosses_itself_is_refused() {
+    let bow_tie = "[[-70.7182, 42.3428], [-70.6818, 42.3572], [-70.6818, 42.3428], [-70.7182, 42.3572], [-70.7182, 42.3428]]";
+    let mission = Mission::steady().edit(
+        "fence.geojson",
+        "[[-70.7182, 42.3428], [-70.6818, 42.3428], [-70.6818, 42.3572], [-70.7182, 42.3572], [-70.7182, 42.3428]]",
+        bow_tie,
+    );
+    names(&refusal(&mission), &["fence.geojson", "box", "cross"]);
+}
+
+#[test]
+fn an_unknown_plugin_is_named_with_the_places_looked_at() {
+    let line = refusal(&Mission::steady().edit("mission.toml", "component = \"faulty\"", "component = \"fautly\""));
+    names(&line, &["pilot", "fautly.wasm", "cargo xtask plugins"]);
+    let line = refusal(&Mission::steady().edit("mission.toml", "component = \"faulty\"", "component = \"./my.wasm\""));
+    names(&line, &["pilot", "steady/./my.wasm"]);
+}
+
+#[test]
+fn what_is_no_plugin_is_refused_by_what_it_is() {
+    let with = |bytes: &[u8]| {
+        refusal(
+            &Mission::steady()
+                .edit("mission.toml", "component = \"faulty\"", "component = \"my.wasm\"")
+                .write("my.wasm", bytes),
+        )
+    };
+    names(&with(b"\0asm\x01\0\0\0"), &["pilot", "my.wasm", "a core module, expected a component"]);
+    names(&with(b"not WebAssembly"), &["pilot", "not WebAssembly", "expected a component"]);
+    names(&with(b""), &["pilot", "the file is empty"]);
+    let whole = std::fs::read(plugins().join("faulty.wasm")).unwrap();
+    names(&with(&whole[..whole.len() / 2]), &["pilot", "not a valid component"]);
+    let wasi = wat::parse_str(r#"(component (import "wasi:cli/environment@0.2.0" (instance)))"#).unwrap();
+    names(&with(&wasi), &["pilot", "imports wasi:cli/environment@0.2.0"]);
+}
+
+#[test]
+fn a_plugin_refuses_its_own_configuration() {
+    let line = refusal(&Mission::steady().edit("mission.toml", "heading_deg = 90.0", "heading = 90.0"));
+    names(&line, &["pilot", "unknown field `heading`", "expected"]);
+    let line = refusal(&Mission::copy("isobath").edit("mission.toml", "contour_m = 30.0", "contour_m = -30.0"));
+    names(&line, &["isobath", "contour_m"]);
+}
+
+#[test]
+fn bad_flags_are_refused() {
+    let mission = Mission::steady();
+    let sim = |arguments: &[&str]| Backseat::new().arg("sim").mission(&mission).args(arguments).run();
+    names(&sim(&["--set", "nonsense"]).refusal(), &["--set nonsense", "expected KEY=VALUE"]);
+    names(&sim(&["--set", "limits.speed=1"]).refusal(), &["--set limits.speed=1", "unknown field `speed`"]);
+    names(&sim(&["--set", "limits.speed_max_mps=fast"]).refusal(), &["--set limits.speed_max_mps=fast", "fast"]);
+    names(&sim(&["--set", "limits.speed_max_mps=0.1"]).refusal(), &["limits.speed_max_mps is 0.1", "expected"]);
+    for speed in ["0", "-1", "nan", "inf", "fast"] {
+        let finished = sim(&[&format!("--speed={speed}")]).exit(2);
+        names(&finished.stderr, &["--speed", speed, "expected a number above 0, or `max`"]);
+        assert_eq!(finished.stdout, "");
+    }
+    for seed in ["-1", "seven", "18446744073709551616"] {
+        let finished = sim(&[&format!("--seed={seed}")]).exit(2);
+        names(&finished.stderr, &["--seed", seed]);
+    }
+}
+
+#[test]
+fn what_cannot_be_written_is_told_before_the_run() {
+    let mission = Mission::steady();
+    let nowhere = mission.beside("no/such/folder/file");
+    for flag in ["--log", "--map"] {
+        let line = Backseat::new().arg("sim").mission(&mission).arg(flag).arg(&nowhere).run().refusal();
+        names(&line, &["no/such/folder/file", "No such file"]);
+    }
+    let line = Backseat::new().args(["mvc", "--listen", "127.0.0.1:0"]).mission(&mission).arg("--log").arg(&nowhere);
+    names(&line.run().refusal(), &["no/such/folder/file", "No such file"]);
+    let file = mission.beside("file");
+    std::fs::write(&file, "").unwrap();
+    let line = Backseat::new().arg("run").mission(&mission).arg("--log").arg(file.join("logs")).run().refusal();
+    names(&line, &["file/logs"]);
+    let line = Backseat::new().arg("run").mission(&mission).arg("--state").arg(file.join("state")).run().refusal();
+    names(&line, &["file/state"]);
+}
+
+#[test]
+fn a_port_in_use_is_told() {
+    let mission = Mission::steady();
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    let line = Backseat::new().args(["mvc", "--listen", &address]).mission(&mission).run().refusal();
+    names(&line, &[&address, "in use", "--listen"]);
+}
+
+#[test]
+fn a_malformed_address_is_told() {
+    let mission = Mission::steady();
+    for address in ["nonsense", "127.0.0.1", "127.0.0.1:99999", ""] {
+        let line = Backseat::new().args(["mvc", "--listen", address]).mission(&mission).run().refusal();
+        names(&line, &[address, "listen"]);
+    }
+    for address in ["nonsense", "127.0.0.1", "127.0.0.1:99999", ""] {
+        let line = Backseat::new().args(["run", "--connect", address]).mission(&mission).run().refusal();
+        names(&line, &[address, "HOST:PORT"]);
+    }
+}
+
+#[test]
+fn a_record_of_identifiers_that_is_no_number_is_told() {
+    let mission = Mission::steady();
+    let state = mission.beside("state");
+    std::fs::create_dir(&state).unwrap();
+    std::fs::write(state.join("identifiers"), "many\n").unwrap();
+    let line = Backseat::new().arg("run").mission(&mission).arg("--state").arg(&state).run().refusal();
+    names(&line, &["state/identifiers", "expected a number", "many"]);
+    std::fs::write(state.join("identifiers"), "40\n").unwrap();
+    let line = Backseat::new().args(["run", "--first-identifier", "1", "--state"]).arg(&state).mission(&mission).run();
+    names(&line.refusal(), &["state/identifiers", "40"]);
+}

@@ -1,0 +1,151 @@
+//! `backseat sim`: its report, its digest, its files, its pace, its exit code.
+
+use backseat_recorder::{Log, read};
+use backseat_suite::{Backseat, Finished, Mission};
+
+fn fly(mission: &Mission, arguments: &[&str]) -> Finished {
+    Backseat::new().arg("sim").mission(mission).args(arguments).run()
+}
+
+fn log_of(mission: &Mission, seed: &str) -> Log {
+    let path = mission.beside("run.mcap");
+    let report = Backseat::new().args(["sim", "--json", "--seed", seed, "--log"]).arg(&path).mission(mission).run();
+    assert_eq!(report.code, Some(0), "{report}");
+    read(&path).unwrap()
+}
+
+#[test]
+fn the_seed_decides_every_byte_and_a_good_mission_exits_0() {
+    let mission = Mission::copy("isobath");
+    let first = fly(&mission, &["--seed", "7", "--json"]).exit(0).json();
+    let again = fly(&mission, &["--seed", "7", "--json"]).exit(0).json();
+    let other = fly(&mission, &["--seed", "8", "--json"]).exit(0).json();
+    let digest = first["digest"].as_str().unwrap();
+    assert!(digest.len() == 64 && digest.bytes().all(|byte| byte.is_ascii_hexdigit()), "{digest}");
+    assert_eq!(first["digest"], again["digest"]);
+    assert_ne!(first["digest"], other["digest"]);
+}
+
+#[test]
+fn the_json_report_has_every_key_that_is_promised() {
+    let mission = Mission::steady();
+    let finished = fly(&mission, &["--seed", "3", "--json"]).exit(0);
+    assert_eq!(finished.stderr, "", "a good run with --json has nothing to say beside it");
+    let report = finished.json();
+    for key in [
+        "mission", "seed", "outcome", "sim_seconds", "wall_seconds", "load_seconds", "requests", "violations", "digest",
+    ] {
+        assert!(report.get(key).is_some_and(|value| !value.is_null()), "{key} is missing: {report}");
+    }
+    for key in ["proposed", "rejected", "sent", "accepted", "failed"] {
+        assert!(report["requests"][key].is_u64(), "requests.{key} is missing: {report}");
+    }
+    assert_eq!((&report["mission"], &report["seed"]), (&"steady".into(), &3.into()));
+    assert_eq!(report["outcome"], "completed");
+    assert_eq!(report["violations"].as_array().map(Vec::len), Some(0));
+    assert!(report["sim_seconds"].as_f64().unwrap() > 600.0, "{report}");
+    assert!(report["wall_seconds"].as_f64().unwrap() > 0.0 && report["load_seconds"].as_f64().unwrap() > 0.0);
+    assert!(report["requests"]["accepted"].as_u64().unwrap() > 0, "{report}");
+}
+
+#[test]
+fn without_json_the_report_is_for_people() {
+    let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 60");
+    let report = fly(&mission, &["--seed", "3"]).exit(0);
+    assert!(report.stdout.contains("steady, seed 3: completed"), "{report}");
+    assert!(report.stdout.contains("no violation") && report.stdout.contains("digest "), "{report}");
+}
+
+#[test]
+fn the_map_shows_the_fence_and_the_way() {
+    let mission = Mission::steady();
+    let path = mission.beside("run.svg");
+    let _report = Backseat::new().args(["sim", "--json", "--map"]).arg(&path).mission(&mission).run().exit(0);
+    let svg = std::fs::read_to_string(&path).unwrap();
+    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{}", &svg[..200.min(svg.len())]);
+    assert!(svg.contains("steady") && svg.contains("box"), "mission and fence are named");
+    assert!(svg.matches("<path").count() + svg.matches("<polyline").count() >= 2, "a fence and a way are drawn");
+    let unflown = mission.edit("world.toml", "starts_after_s = 2", "starts_after_s = 80000");
+    let _report = Backseat::new().args(["sim", "--map"]).arg(&path).mission(&unflown).run();
+    let without = std::fs::read_to_string(&path).unwrap();
+    assert!(without.len() + 100 < svg.len(), "the way is drawn: {} and {} bytes", without.len(), svg.len());
+}
+
+#[test]
+fn the_log_is_read_back_whole() {
+    let mission = Mission::steady();
+    let log = log_of(&mission, "5");
+    assert!(log.complete);
+    assert_eq!((log.run.mission.as_str(), log.run.seed), ("steady", Some(5)));
+    let mut heard = 0;
+    let mut said = 0;
+    for (_, from_vehicle, bytes) in log.link() {
+        let text = String::from_utf8_lossy(bytes);
+        let (count, name) = if from_vehicle { (&mut heard, "$BFNVG,") } else { (&mut said, "$BPRMB,") };
+        *count += text.matches(name).count();
+    }
+    assert!(heard > 6_000, "navigation at 10 Hz for ten minutes: {heard}");
+    assert!(said > 500, "a modify each second for ten minutes: {said}");
+    let notes: Vec<&str> = log.notes().map(|(_, text)| text).collect();
+    assert!(notes.contains(&"control granted"), "{notes:?}");
+    assert!(notes.iter().any(|note| note.contains("Modify") && note.contains("accepted")), "{notes:?}");
+    for name in ["mission.toml", "fence.geojson", "components/pilot.wasm"] {
+        assert!(log.attachment(name).is_some_and(|data| !data.is_empty()), "{name}");
+    }
+    assert_eq!(log.attachment("fence.geojson").unwrap(), mission.read("fence.geojson").as_bytes());
+}
+
+#[test]
+fn a_log_changes_nothing() {
+    let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 60");
+    let path = mission.beside("run.mcap");
+    let with = Backseat::new().args(["sim", "--json", "--log"]).arg(path).mission(&mission).run().exit(0).json();
+    let without = fly(&mission, &["--json"]).exit(0).json();
+    assert_eq!(with["digest"], without["digest"]);
+}
+
+#[test]
+fn a_speed_paces_the_run_and_changes_nothing() {
+    let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 60");
+    let fastest = fly(&mission, &["--json"]).exit(0).json();
+    let paced = fly(&mission, &["--json", "--speed", "50"]).exit(0).json();
+    assert_eq!(fastest["digest"], paced["digest"]);
+    let due_s = paced["sim_seconds"].as_f64().unwrap() / 50.0;
+    let took_s = paced["wall_seconds"].as_f64().unwrap();
+    assert!(took_s > 0.95 * due_s, "{took_s} s, due {due_s} s");
+    assert!(took_s < 5.0 * due_s + 5.0, "{took_s} s, due {due_s} s");
+}
+
+#[test]
+fn an_expectation_that_does_not_hold_exits_1() {
+    let mission = Mission::steady()
+        .edit("world.toml", "timeout_s = 600", "timeout_s = 60")
+        .append("world.toml", "min_accepted = 100000");
+    let report = fly(&mission, &["--json"]).exit(1).json();
+    let unmet = report["unmet"].as_array().unwrap();
+    assert!(unmet.iter().any(|unmet| unmet.as_str().unwrap().contains("expected at least 100000")), "{report}");
+    let told = fly(&mission, &[]).exit(1);
+    assert!(told.stdout.contains("not as expected: "), "{told}");
+}
+
+#[test]
+fn midnight_passes_inside_a_mission() {
+    let mission = Mission::copy("plume");
+    let log = log_of(&mission, "7");
+    let mut stamps = Vec::new();
+    for (_, from_vehicle, bytes) in log.link() {
+        let text = String::from_utf8_lossy(bytes).into_owned();
+        let name = if from_vehicle { "$BFNVG," } else { "$BPSTS," };
+        for line in text.lines().filter(|line| line.starts_with(name)) {
+            stamps.push((from_vehicle, line[7..9].to_owned()));
+        }
+    }
+    for from_vehicle in [true, false] {
+        for hour in ["23", "00"] {
+            assert!(stamps.contains(&(from_vehicle, hour.to_owned())), "from the vehicle {from_vehicle}, hour {hour}");
+        }
+    }
+    let late = log.entries.last().unwrap().now.as_secs_f64();
+    let begun = log.notes().filter(|(at, note)| at.as_secs_f64() > 1830.0 && note.contains("started")).count();
+    assert!(begun > 0, "inserts begin after midnight too; the run took {late} s");
+}

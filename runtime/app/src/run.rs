@@ -6,7 +6,7 @@ use std::path::Path;
 use std::pin::Pin;
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use backseat_core::{Core, Input, Operator, Output, Start};
 use backseat_mission::Mission;
 use backseat_plugin_host::Host;
@@ -30,18 +30,22 @@ const FAREWELL: Duration = Duration::from_millis(300);
 
 pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
+    let address = match &arguments.connect {
+        Some(address) => host_and_port(address, "--connect")?,
+        None => host_and_port(&mission.file.vehicle.address, "mission.toml: vehicle.address")?,
+    };
     let host = Host::new()?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     let state = State::open(arguments.state.as_deref(), &mission.name)?;
     let identifiers = state.identifiers(arguments.first_identifier)?;
+    let clock = Clock::start();
+    let mut recorder = open_log(&arguments.log, &mission, &loaded.components, &clock)?;
     if identifiers.is_none() {
         info!(
             "no record of SPI identifiers at {}: tracklines and circles are off; begin one with --first-identifier N",
             state.identifiers_path().display()
         );
     }
-    let clock = Clock::start();
-    let mut recorder = open_log(&arguments.log, &mission, &loaded.components, &clock)?;
     let start = Start {
         utc: clock.utc_at_start(),
         identifiers,
@@ -70,10 +74,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         core,
         clock,
         link: Link::default(),
-        address: arguments
-            .connect
-            .clone()
-            .unwrap_or_else(|| mission.file.vehicle.address.clone()),
+        address,
         connect_at: None,
         connecting: None,
         crew: Crew::new(host, loaded.plugins, sender),
@@ -83,11 +84,22 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         reset: false,
         reserve: None,
         last_refusal: None,
+        link_lost: None,
         recorded_navigation: None,
     };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(driver.drive(answers))?;
     Ok(true)
+}
+
+/// What can never become an address is told at once; a name that is not known yet may be later.
+fn host_and_port(address: &str, place: &str) -> Result<String> {
+    match address.rsplit_once(':') {
+        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok_and(|port| port > 0) => {
+            Ok(address.to_owned())
+        }
+        _ => bail!("{place}: {address:?} is no address: expected HOST:PORT, such as 127.0.0.1:29500"),
+    }
 }
 
 fn open_log(
@@ -143,6 +155,8 @@ struct Driver {
     reset: bool,
     reserve: Option<u32>,
     last_refusal: Option<String>,
+    /// Why the link is gone, until it is told with what is done about it.
+    link_lost: Option<String>,
     recorded_navigation: Option<Timestamp>,
 }
 
@@ -173,12 +187,12 @@ impl Driver {
                 ready = self.link.ready(&mut buffer) => match ready {
                     Ready::Read(read) => self.feed(Input::Received(&buffer[..read])),
                     Ready::Writable => self.flush(),
-                    Ready::Closed => self.lose_link("the vehicle closed the connection"),
+                    Ready::Closed => self.lose_link("the vehicle closed the connection".to_owned()),
                 },
             }
             let now = self.clock.now();
             if self.link.write_deadline().is_some_and(|at| at <= now) {
-                self.lose_link("a write has waited for a second");
+                self.lose_link("a write has waited for a second".to_owned());
             }
             if self.connect_at.is_some_and(|at| at <= now) {
                 self.connect_at = None;
@@ -235,7 +249,7 @@ impl Driver {
         match output {
             Output::Send(bytes) => {
                 if let Err(error) = self.link.send(now, &bytes) {
-                    warn!("the connection broke: {error}");
+                    self.link_lost = Some(format!("the connection broke: {error}"));
                     self.reset = self.link.is_open();
                 }
             }
@@ -255,7 +269,11 @@ impl Driver {
     fn tell(&mut self, note: &backseat_core::Note) {
         use backseat_core::Note;
         match note {
-            Note::LinkDown { .. } | Note::PluginFailed { .. } | Note::Late { .. } | Note::Malformed { .. } => {
+            Note::LinkDown { retry_s, .. } => match self.link_lost.take() {
+                Some(why) => warn!("{why}; next attempt in {retry_s:.1} s"),
+                None => warn!("{note}"),
+            },
+            Note::PluginFailed { .. } | Note::Late { .. } | Note::Malformed { .. } => {
                 warn!("{note}");
             }
             Note::Request(transition) => {
@@ -315,20 +333,19 @@ impl Driver {
                 self.feed(Input::LinkUp);
             }
             Err(error) => {
-                warn!("no vehicle at {}: {error}", self.address);
-                self.feed(Input::LinkDown);
+                self.lose_link(format!("no vehicle at {}: {error}", self.address));
             }
         }
     }
 
     fn flush(&mut self) {
         if self.link.flush(self.clock.now()).is_err() {
-            self.lose_link("the connection broke");
+            self.lose_link("the connection broke".to_owned());
         }
     }
 
-    fn lose_link(&mut self, why: &str) {
-        warn!("{why}");
+    fn lose_link(&mut self, why: String) {
+        self.link_lost = Some(why);
         self.link.reset();
         self.feed(Input::LinkDown);
     }

@@ -154,10 +154,12 @@ fn a_malformed_address_is_told() {
         let line = Backseat::new().args(["mvc", "--listen", address]).mission(&mission).run().refusal();
         names(&line, &[address, "listen"]);
     }
-    for address in ["nonsense", "127.0.0.1", "127.0.0.1:99999", ""] {
+    for address in ["nonsense", "127.0.0.1", "127.0.0.1:99999", "127.0.0.1:0", ":29500", ""] {
         let line = Backseat::new().args(["run", "--connect", address]).mission(&mission).run().refusal();
-        names(&line, &[address, "HOST:PORT"]);
+        names(&line, &["--connect", address, "expected HOST:PORT"]);
     }
+    let line = Backseat::new().args(["run", "--set", "vehicle.address=nowhere"]).mission(&mission).run().refusal();
+    names(&line, &["vehicle.address", "nowhere", "expected HOST:PORT"]);
 }
 
 #[test]

@@ -83,7 +83,8 @@ pub(crate) struct Run {
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
     /// Start a new record of SPI identifiers at this number, which no payload of this vehicle's mission has used
-    #[arg(long, value_name = "N")]
+    // 0 means none on the wire (SPI 6.21); the end leaves room for every request of a mission.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=2_000_000_000))]
     pub(crate) first_identifier: Option<u32>,
 }
 
@@ -139,8 +140,9 @@ impl std::str::FromStr for Speed {
             return Ok(Self::Max);
         }
         match text.parse::<f64>() {
-            Ok(times) if times > 0.0 && times.is_finite() => Ok(Self::Times(times)),
-            _ => Err("expected a number above 0, or `max`".to_owned()),
+            // Beyond these the wall clock's own figures would overflow.
+            Ok(times) if (1e-3..=1e6).contains(&times) => Ok(Self::Times(times)),
+            _ => Err("expected a number from 0.001 to 1000000, or `max`".to_owned()),
         }
     }
 }

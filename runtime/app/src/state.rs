@@ -9,6 +9,8 @@ use backseat_core::Identifiers;
 
 pub(crate) struct State {
     folder: PathBuf,
+    /// Held while this process lives, however it ends: two that read one record would use the same numbers.
+    _lock: fs::File,
 }
 
 impl State {
@@ -19,7 +21,16 @@ impl State {
             None => user_state_folder()?.join("backseat").join(mission),
         };
         fs::create_dir_all(&folder).with_context(|| format!("{}", folder.display()))?;
-        Ok(Self { folder })
+        let path = folder.join("lock");
+        let lock = fs::File::create(&path).with_context(|| format!("{}", path.display()))?;
+        match lock.try_lock() {
+            Ok(()) => Ok(Self { folder, _lock: lock }),
+            Err(fs::TryLockError::WouldBlock) => bail!(
+                "{}: another runtime uses this folder: stop it, or choose another folder with --state DIR",
+                folder.display()
+            ),
+            Err(fs::TryLockError::Error(error)) => Err(error).with_context(|| format!("{}", path.display())),
+        }
     }
 
     /// The identifiers that may be used: everything from the recorded number on. `None` where there is no record: then
@@ -28,8 +39,8 @@ impl State {
         let path = self.identifiers_path();
         match (fs::read_to_string(&path), first) {
             (Ok(text), None) => {
-                let Ok(next) = text.trim().parse() else {
-                    bail!("{}: expected a number, found {:?}", path.display(), text.trim());
+                let Some(next) = text.trim().parse().ok().filter(|next| *next > 0) else {
+                    bail!("{}: expected a number above 0, found {:?}", path.display(), text.trim());
                 };
                 Ok(Some(Identifiers { next, reserved: next }))
             }

@@ -379,7 +379,8 @@ impl Core {
     }
 
     pub(crate) fn reject(&mut self, request: u64, refusal: Refusal) {
-        self.transition(request, RequestState::Rejected(refusal.text));
+        let reason = format!("{}: {}", refusal.rule, refusal.text);
+        self.transition(request, RequestState::Rejected(reason));
     }
 
     fn ask_message(&mut self, plugin: PluginId, text: &str) {

@@ -36,8 +36,9 @@ impl Core {
         };
         let request = self.ledger.propose(plugin, tag, kind);
         let admitted = insert.and_then(|insert| {
-            let (route, duration_s) = self.admit_insert(plugin, tag, &insert)?;
+            let route = self.admit_insert(plugin, tag, &insert)?;
             self.judge_insert(&insert, &route)?;
+            let duration_s = self.cap_duration(&insert, &route)?;
             Ok((insert, duration_s))
         });
         match admitted {
@@ -46,8 +47,8 @@ impl Core {
         }
     }
 
-    /// All but the geometry: grants, the plan, doubt, caps. The route and how long the insert flies.
-    fn admit_insert(&mut self, plugin: PluginId, tag: u64, insert: &Insert) -> Result<(Route, f64), Refusal> {
+    /// All that does not hang on the geometry: grants, the plan, doubt, caps of number, identifiers. The insert's route.
+    fn admit_insert(&mut self, plugin: PluginId, tag: u64, insert: &Insert) -> Result<Route, Refusal> {
         self.admit(plugin, Grant::Insert)?;
         if !self.plan.is_complete() {
             return Err(refused(
@@ -86,25 +87,29 @@ impl Core {
                 ),
             ));
         }
-        let route = self.route_of_insert(insert.interrupt);
-        let duration_s = self.envelope.duration_s(insert, &route.from);
-        let open_s = self.ledger.open_duration_s();
-        if open_s + duration_s > limits.inserts_duration_max_s {
-            return Err(refused(
-                "cap",
-                &format!(
-                    "it may fly for {duration_s:.0} s and the open inserts for {open_s:.0} s, together over {} s",
-                    limits.inserts_duration_max_s
-                ),
-            ));
-        }
         match self.start.identifiers {
             None => Err(refused("identifier", "the identifiers' state on disk is missing")),
             Some(identifiers) if identifiers.next >= identifiers.reserved => {
                 Err(refused("identifier", "no identifier is reserved on disk yet"))
             }
-            Some(_) => Ok((route, duration_s)),
+            Some(_) => Ok(self.route_of_insert(insert.interrupt)),
         }
+    }
+
+    /// How long an insert flies at most, where that and what is open stay under the cap.
+    fn cap_duration(&self, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
+        let duration_s = self.envelope.duration_s(insert, &route.from);
+        let open_s = self.ledger.open_duration_s();
+        let most_s = self.envelope.limits().inserts_duration_max_s;
+        if open_s + duration_s > most_s {
+            return Err(refused(
+                "cap",
+                &format!(
+                    "it may fly for {duration_s:.0} s and the open inserts for {open_s:.0} s, together over {most_s} s"
+                ),
+            ));
+        }
+        Ok(duration_s)
     }
 
     fn judge_insert(&self, insert: &Insert, route: &Route) -> Result<f64, Refusal> {

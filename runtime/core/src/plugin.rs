@@ -176,7 +176,7 @@ pub struct TrackcircleRequest {
 /// Where a request stands; the ledger's states as a plugin sees them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RequestState {
-    /// Refused before it was sent: rule, place and figures in one line. An end.
+    /// Refused before it was sent: the rule, a colon, then place and figures in one line. An end.
     Rejected(String),
     /// Written to the link.
     Sent,
@@ -343,7 +343,8 @@ pub trait Judge: Send + Sync {
 /// Why a request does not hold.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Refusal {
-    /// The rule: `inclusion`, `exclusion`, `depth`, `altitude`, `limit`.
+    /// The rule: `inclusion`, `exclusion`, `depth`, `altitude`, `limit` where it is the geometry or its figures; else
+    /// `control`, `navigation`, `plan`, `priority`, `rate`, `cap`, `tag`, `interrupt`, `identifier`, `doubt`.
     pub rule: &'static str,
     /// What is missing, metres; 0 where metres are not its measure.
     pub metres: f64,

@@ -40,7 +40,10 @@ impl Mvc {
     /// The points of the front seat's plan and of the inserts in it, with the numbers of the planned elements.
     #[must_use]
     pub fn plan_points(&self) -> Vec<(Option<u32>, Position)> {
-        self.points().into_iter().map(|point| (point.number, self.frame().to_position(point.at))).collect()
+        self.points()
+            .into_iter()
+            .map(|point| (point.number, self.frame().to_position(point.at)))
+            .collect()
     }
 
     fn points(&self) -> Vec<Point> {

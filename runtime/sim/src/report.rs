@@ -21,7 +21,7 @@ pub struct Report {
     pub requests: RequestCounts,
     /// Requests without an end when the run ended; 0 in a good run.
     pub requests_open: usize,
-    /// The first of the rejections' reasons, each once.
+    /// Why requests were rejected, one example of each reason with how often it came.
     pub rejections: Vec<String>,
     /// What the oracle found.
     pub violations: Vec<Violation>,

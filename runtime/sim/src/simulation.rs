@@ -72,7 +72,7 @@ pub struct Simulation {
     recorded_navigation: Option<Timestamp>,
     finished: bool,
     scratch: Vec<u8>,
-    reasons: BTreeMap<String, u64>,
+    reasons: BTreeMap<String, (u64, String)>,
     mission: String,
     seed: u64,
     expect: backseat_mvc::Expectations,
@@ -294,9 +294,8 @@ impl Simulation {
             requests_open: self.core.open_requests(),
             rejections: self
                 .reasons
-                .iter()
-                .take(REASONS_MAX)
-                .map(|(reason, count)| format!("{count} x {reason}"))
+                .values()
+                .map(|(count, reason)| format!("{count} x {reason}"))
                 .collect(),
             violations,
             seen,
@@ -395,12 +394,14 @@ impl Simulation {
         if let Note::Request(transition) = note
             && let backseat_core::plugin::RequestState::Rejected(reason) = &transition.state
         {
+            // Reasons that differ in their figures alone are one; the first of them is told.
+            let kind: String = reason.chars().filter(|char| !char.is_ascii_digit()).collect();
             let full = self.reasons.len() >= REASONS_MAX;
-            match self.reasons.get_mut(reason) {
-                Some(count) => *count += 1,
+            match self.reasons.get_mut(&kind) {
+                Some((count, _)) => *count += 1,
                 None if full => {}
                 None => {
-                    self.reasons.insert(reason.clone(), 1);
+                    self.reasons.insert(kind, (1, reason.clone()));
                 }
             }
         }

@@ -76,7 +76,7 @@ pub fn survey_map(mission: &Mission, report: &Report, trace: &Trace, mvc: &Mvc) 
         rejected: trace
             .rejected
             .iter()
-            .filter_map(|rejected| rejected_shape(rejected, frame))
+            .filter_map(|rejected| rejected_shape(rejected, frame, extent))
             .collect(),
         lease_begins: changes(trace, frame, true),
         lease_ends: changes(trace, frame, false),
@@ -196,16 +196,24 @@ fn insert_shape(insert: &ToVehicle, frame: &LocalFrame) -> Option<Shape> {
     }
 }
 
-fn rejected_shape(rejected: &crate::trace::Rejected, frame: &LocalFrame) -> Option<Rejected> {
+/// Rules that speak of a place; what was rejected for want of control or by a cap has none.
+const OF_PLACE: [&str; 5] = ["inclusion", "exclusion", "depth", "altitude", "limit"];
+
+fn rejected_shape(rejected: &crate::trace::Rejected, frame: &LocalFrame, extent: Extent) -> Option<Rejected> {
+    let (rule, reason) = rejected.reason.split_once(": ")?;
+    if !OF_PLACE.contains(&rule) {
+        return None;
+    }
     let local = |position: PositionRequest| {
         let position = Position::from_deg(position.latitude_deg, position.longitude_deg).ok()?;
-        let local = frame.to_local(position);
-        // What lies far outside would shrink the map to a dot.
-        (local.distance_m(EastNorth::default()) < LocalFrame::RADIUS_M).then_some(local)
+        Some(frame.to_local(position))
     };
     let from = rejected.from.map(|position| frame.to_local(position));
     let shape = match rejected.request.as_ref()? {
-        Request::Trackline(line) => Shape::Line(local(line.start)?, local(line.end)?),
+        Request::Trackline(line) => {
+            let (start, end) = within(extent, local(line.start)?, local(line.end)?)?;
+            Shape::Line(start, end)
+        }
         Request::Trackcircle(circle) if circle.radius_m.is_finite() && circle.radius_m > 0.0 => Shape::Circle {
             centre: local(circle.centre)?,
             radius_m: circle.radius_m,
@@ -217,10 +225,42 @@ fn rejected_shape(rejected: &crate::trace::Rejected, frame: &LocalFrame) -> Opti
         Request::Modify(_) => Shape::Point(from?),
         Request::EndModify | Request::Cancel(_) | Request::Message(_) | Request::Timer { .. } => return None,
     };
-    Some(Rejected {
+    let in_view = match shape {
+        Shape::Point(at) | Shape::Line(at, _) => holds(extent, at),
+        Shape::Circle { centre, .. } => holds(extent, centre),
+    };
+    in_view.then(|| Rejected {
         shape,
-        reason: short(&rejected.reason),
+        reason: short(reason),
     })
+}
+
+fn holds(extent: Extent, at: EastNorth) -> bool {
+    (extent.west_m..=extent.east_m).contains(&at.east_m) && (extent.south_m..=extent.north_m).contains(&at.north_m)
+}
+
+/// The part of a line that is in view: what lies far outside would shrink the map to a dot. Liang and Barsky, ACM
+/// Transactions on Graphics 3(1), 1984.
+fn within(extent: Extent, start: EastNorth, end: EastNorth) -> Option<(EastNorth, EastNorth)> {
+    let along = end - start;
+    let (mut first, mut last) = (0.0_f64, 1.0_f64);
+    for (rate, room) in [
+        (-along.east_m, start.east_m - extent.west_m),
+        (along.east_m, extent.east_m - start.east_m),
+        (-along.north_m, start.north_m - extent.south_m),
+        (along.north_m, extent.north_m - start.north_m),
+    ] {
+        if rate == 0.0 {
+            if room < 0.0 {
+                return None;
+            }
+        } else if rate < 0.0 {
+            first = first.max(room / rate);
+        } else {
+            last = last.min(room / rate);
+        }
+    }
+    (first <= last).then(|| (start + along * first, start + along * last))
 }
 
 /// A reason without its figures, which differ from one rejection to the next.

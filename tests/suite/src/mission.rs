@@ -49,7 +49,9 @@ impl Mission {
     #[must_use]
     pub fn cut(self, file: &str, from: &str) -> Self {
         let text = self.read(file);
-        let end = text.find(from).unwrap_or_else(|| panic!("{file} has no `{from}` to cut at:\n{text}"));
+        let end = text
+            .find(from)
+            .unwrap_or_else(|| panic!("{file} has no `{from}` to cut at:\n{text}"));
         self.write(file, &text[..end])
     }
 

@@ -17,14 +17,19 @@ pub struct Process {
 }
 
 impl Process {
-    pub(crate) fn start(mut command: Command, folder: Option<PathBuf>) -> Self {
+    pub(crate) fn start(mut command: Command, folder: Option<PathBuf>, stdout: Option<PathBuf>) -> Self {
         let streams = tempfile::tempdir().expect("a temporary folder can be made");
         let file = |name: &str| File::create(streams.path().join(name)).expect("the folder is ours");
         let empty = streams.path().join("folder");
         fs::create_dir(&empty).expect("the folder is ours");
         command.current_dir(folder.as_ref().unwrap_or(&empty));
         command.env("XDG_STATE_HOME", streams.path().join("state"));
-        command.stdin(Stdio::null()).stdout(file("stdout")).stderr(file("stderr"));
+        let own = file("stdout");
+        let stdout = stdout.map_or(own, |path| {
+            let opened = File::options().write(true).open(&path);
+            opened.unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+        });
+        command.stdin(Stdio::null()).stdout(stdout).stderr(file("stderr"));
         let child = command.spawn().expect("the program was just built");
         Self { child, streams }
     }
@@ -70,7 +75,12 @@ impl Process {
     pub fn says(&self, text: &str, within: Duration) -> String {
         eventually(
             within,
-            || self.stderr().lines().find(|line| line.contains(text)).map(str::to_owned),
+            || {
+                self.stderr()
+                    .lines()
+                    .find(|line| line.contains(text))
+                    .map(str::to_owned)
+            },
             || format!("it has not said `{text}`\n{}", self.stderr()),
         )
     }
@@ -80,7 +90,10 @@ impl Process {
     /// # Panics
     /// Where it has ended.
     pub fn signal(&self, signal: Signal) {
-        let pid = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw).expect("a process has a number");
+        let pid = i32::try_from(self.child.id())
+            .ok()
+            .and_then(Pid::from_raw)
+            .expect("a process has a number");
         kill_process(pid, signal).expect("the process is there");
     }
 

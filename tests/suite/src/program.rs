@@ -21,6 +21,7 @@ pub struct Backseat {
     arguments: Vec<OsString>,
     environment: Vec<(OsString, OsString)>,
     folder: Option<PathBuf>,
+    stdout: Option<PathBuf>,
 }
 
 impl Backseat {
@@ -63,6 +64,13 @@ impl Backseat {
         self
     }
 
+    /// Sends its standard output into this file.
+    #[must_use]
+    pub fn stdout_to(mut self, file: impl Into<PathBuf>) -> Self {
+        self.stdout = Some(file.into());
+        self
+    }
+
     /// Runs it to its end.
     ///
     /// # Panics
@@ -94,7 +102,7 @@ impl Backseat {
         command.env("BACKSEAT_PLUGINS", backseat_test_support::plugins());
         command.envs(self.environment);
         command.args(self.arguments);
-        Process::start(command, self.folder)
+        Process::start(command, self.folder, self.stdout)
     }
 }
 

@@ -39,7 +39,12 @@ impl Line {
         let (at, rest) = line.split_once(' ')?;
         let at_s = at.parse().ok()?;
         if let Some(text) = rest.strip_prefix("-- ") {
-            return Some(Self { at_s, way: Way::Event, client: 0, text: text.to_owned() });
+            return Some(Self {
+                at_s,
+                way: Way::Event,
+                client: 0,
+                text: text.to_owned(),
+            });
         }
         let (mark, rest) = rest.split_once(" client ")?;
         let (client, text) = rest.split_once(' ')?;
@@ -48,7 +53,12 @@ impl Line {
             ">" => Way::Sent,
             _ => return None,
         };
-        Some(Self { at_s, way, client: client.parse().ok()?, text: text.to_owned() })
+        Some(Self {
+            at_s,
+            way,
+            client: client.parse().ok()?,
+            text: text.to_owned(),
+        })
     }
 
     /// Whether it is a sentence that the vehicle received, of this name.
@@ -109,13 +119,19 @@ impl Vehicle {
     /// Where it holds what is no line of a log.
     #[must_use]
     pub fn lines(&self) -> Vec<Line> {
-        let text = fs::read_to_string(&self.log).unwrap_or_default();
+        let text = self.log_text();
         // The last one may be half written.
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
         whole
             .lines()
             .map(|line| Line::parse(line).unwrap_or_else(|| panic!("no line of a log: `{line}`")))
             .collect()
+    }
+
+    /// Its log so far, as it is.
+    #[must_use]
+    pub fn log_text(&self) -> String {
+        fs::read_to_string(&self.log).unwrap_or_default()
     }
 
     /// Waits for a line, and gives it.
@@ -152,7 +168,9 @@ impl Vehicle {
     #[must_use]
     pub fn story(&self) -> String {
         let lines = self.lines();
-        let told = lines.iter().filter(|line| !["BFNVG", "BFNVR", "BFCTD"].contains(&line.name()));
+        let told = lines
+            .iter()
+            .filter(|line| !["BFNVG", "BFNVR", "BFCTD"].contains(&line.name()));
         let told: Vec<String> = told
             .map(|line| format!("{:.3} {:?} {} {}", line.at_s, line.way, line.client, line.text))
             .collect();

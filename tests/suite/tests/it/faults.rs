@@ -48,7 +48,12 @@ fn failures(log: &Log, kind: &str) -> usize {
 
 #[track_caller]
 fn flies(mission: &Mission, path: &Path) -> Log {
-    let report = Backseat::new().args(["sim", "--json", "--seed", "7", "--log"]).arg(path).mission(mission).run().exit(0);
+    let report = Backseat::new()
+        .args(["sim", "--json", "--seed", "7", "--log"])
+        .arg(path)
+        .mission(mission)
+        .run()
+        .exit(0);
     let report = report.json();
     assert_eq!(report["violations"].as_array().map(Vec::len), Some(0), "{report}");
     assert_eq!(report["outcome"], "completed", "{report}");
@@ -80,7 +85,11 @@ fn isobath_steers(log: &Log) {
     for (at_s, sentence) in &steering {
         if sentence.starts_with("$BPRMB,") {
             if let Some(last_s) = last {
-                assert!(at_s - last_s <= GAP_MAX_S, "{:.3} s between modifies at {at_s:.3} s", at_s - last_s);
+                assert!(
+                    at_s - last_s <= GAP_MAX_S,
+                    "{:.3} s between modifies at {at_s:.3} s",
+                    at_s - last_s
+                );
                 steered_s += at_s - last_s;
             }
             last = Some(*at_s);
@@ -89,7 +98,12 @@ fn isobath_steers(log: &Log) {
         }
     }
     assert!(steered_s > 200.0, "isobath steered for {steered_s:.0} s only");
-    assert_eq!(log.notes().filter(|(_, note)| note.starts_with("plugin 0 failed")).count(), 0);
+    assert_eq!(
+        log.notes()
+            .filter(|(_, note)| note.starts_with("plugin 0 failed"))
+            .count(),
+        0
+    );
     for (here, there) in steering.iter().zip(undisturbed()) {
         assert_eq!(here, there, "the first difference");
     }
@@ -148,7 +162,12 @@ fn figures_that_make_no_sense_are_rejected_by_name() {
             .edit("world.toml", "timeout_s = 600", "timeout_s = 60")
             .edit("mission.toml", "[\"modify\"]", "[\"modify\", \"insert\"]")
             .edit("mission.toml", "fault = \"none\"", &format!("fault = \"{fault}\""));
-        let report = Backseat::new().args(["sim", "--json"]).mission(&mission).run().exit(0).json();
+        let report = Backseat::new()
+            .args(["sim", "--json"])
+            .mission(&mission)
+            .run()
+            .exit(0)
+            .json();
         let rejections = report["rejections"].to_string();
         assert!(rejections.contains(word), "{fault}: {rejections}");
         assert_eq!(report["requests"]["sent"], 0, "{fault}: {report}");
@@ -165,13 +184,23 @@ fn the_lease_of_a_plugin_that_fails_ends_at_once_and_the_next_one_steers() {
     let mission = mission.write("mission.toml", swapped);
     let log = flies(&mission, &mission.beside("run.mcap"));
     let notes: Vec<(f64, &str)> = log.notes().map(|(at, note)| (at.as_secs_f64(), note)).collect();
-    let failed_s = notes.iter().find(|(_, note)| note.starts_with("plugin 0 failed (Trap)")).expect("it panics").0;
-    let steered = notes.iter().any(|(at_s, note)| *at_s < failed_s && note.contains("(plugin 0, ") && note.contains("accepted"));
+    let failed_s = notes
+        .iter()
+        .find(|(_, note)| note.starts_with("plugin 0 failed (Trap)"))
+        .expect("it panics")
+        .0;
+    let steered = notes
+        .iter()
+        .any(|(at_s, note)| *at_s < failed_s && note.contains("(plugin 0, ") && note.contains("accepted"));
     assert!(steered, "it steered before");
-    let ended = sent(&log).into_iter().find(|(at_s, sentence)| *at_s >= failed_s && sentence.starts_with("$BPEMB,"));
+    let ended = sent(&log)
+        .into_iter()
+        .find(|(at_s, sentence)| *at_s >= failed_s && sentence.starts_with("$BPEMB,"));
     let ended_s = ended.expect("a BPEMB ends its lease").0;
     assert!(ended_s - failed_s <= 0.1, "after {:.3} s", ended_s - failed_s);
-    let accepted = notes.iter().filter(|(at_s, note)| *at_s > failed_s && note.contains("(plugin 1, ") && note.contains("accepted"));
+    let accepted = notes
+        .iter()
+        .filter(|(at_s, note)| *at_s > failed_s && note.contains("(plugin 1, ") && note.contains("accepted"));
     assert!(accepted.count() > 10, "isobath steers after it");
 }
 
@@ -190,14 +219,33 @@ fn a_stale_request_ends_at_the_missions_longest_term() {
     if let (Some(first), Some(last)) = (modifies.first(), modifies.last()) {
         assert!(last - first <= 30.0, "a year's modify stood for {:.1} s", last - first);
     }
-    let notes: Vec<&str> = log.notes().map(|(_, note)| note).filter(|note| note.contains("Modify")).collect();
-    assert!(notes.iter().any(|note| note.contains("rejected: ") || note.contains("ended: ")), "{notes:?}");
+    let notes: Vec<&str> = log
+        .notes()
+        .map(|(_, note)| note)
+        .filter(|note| note.contains("Modify"))
+        .collect();
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("rejected: ") || note.contains("ended: ")),
+        "{notes:?}"
+    );
 }
 
 #[test]
 fn what_the_bad_plugin_asked_for_never_reached_the_wire() {
     let mission = beside_isobath("cross_fence");
     let log = flies(&mission, &mission.beside("run.mcap"));
-    assert!(rejections(&log).iter().any(|note| note.contains("Trackline") && note.contains("shelf")), "{:?}", rejections(&log).first());
-    assert!(!sent(&log).iter().any(|(_, sentence)| sentence.starts_with("$BPRTK,") || sentence.starts_with("$BPRTC,")));
+    assert!(
+        rejections(&log)
+            .iter()
+            .any(|note| note.contains("Trackline") && note.contains("shelf")),
+        "{:?}",
+        rejections(&log).first()
+    );
+    assert!(
+        !sent(&log)
+            .iter()
+            .any(|(_, sentence)| sentence.starts_with("$BPRTK,") || sentence.starts_with("$BPRTC,"))
+    );
 }

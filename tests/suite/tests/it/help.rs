@@ -8,7 +8,10 @@ fn help_names_every_command_and_what_it_does() {
     let help = Backseat::new().arg("--help").run().exit(0);
     assert_eq!(help.stderr, "");
     for command in ["sim", "run", "mvc", "check"] {
-        assert!(help.stdout.lines().any(|line| line.trim_start().starts_with(command)), "{command}: {help}");
+        assert!(
+            help.stdout.lines().any(|line| line.trim_start().starts_with(command)),
+            "{command}: {help}"
+        );
     }
     let version = Backseat::new().arg("--version").run().exit(0);
     assert_eq!(version.stdout, format!("backseat {}\n", env!("CARGO_PKG_VERSION")));
@@ -17,7 +20,10 @@ fn help_names_every_command_and_what_it_does() {
 #[test]
 fn every_command_explains_its_flags() {
     for (command, flags) in [
-        ("sim", ["--seed", "--log", "--map", "--speed", "--json", "--plugins"].as_slice()),
+        (
+            "sim",
+            ["--seed", "--log", "--map", "--speed", "--json", "--plugins"].as_slice(),
+        ),
         ("run", &["--connect", "--arm", "--log", "--state", "--first-identifier"]),
         ("mvc", &["--listen", "--speed", "--profile", "--log"]),
         ("check", &["--resolved", "--set"]),
@@ -40,14 +46,22 @@ fn wrong_usage_says_what_is_right() {
     let missing = Backseat::new().arg("sim").run().exit(2);
     assert!(missing.stderr.contains("<MISSION>"), "{missing}");
     let flag = Backseat::new().args(["sim", "x", "--sed", "7"]).run().exit(2);
-    assert!(flag.stderr.contains("'--sed'") && flag.stderr.contains("'--seed'"), "{flag}");
+    assert!(
+        flag.stderr.contains("'--sed'") && flag.stderr.contains("'--seed'"),
+        "{flag}"
+    );
 }
 
 #[test]
 fn a_mission_may_be_named_from_anywhere() {
     let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 60");
     let fly = |folder: &std::path::Path, path: &str| {
-        let report = Backseat::new().args(["sim", "--json", path]).in_folder(folder).run().exit(0).json();
+        let report = Backseat::new()
+            .args(["sim", "--json", path])
+            .in_folder(folder)
+            .run()
+            .exit(0)
+            .json();
         (report["mission"].clone(), report["digest"].clone())
     };
     let beside = mission.beside("");
@@ -56,7 +70,11 @@ fn a_mission_may_be_named_from_anywhere() {
     assert_eq!(fly(&beside, "steady/"), plain, "with a slash at its end");
     assert_eq!(fly(&beside, "./steady/."), plain);
     assert_eq!(fly(mission.path(), "."), plain, "from inside");
-    assert_eq!(fly(workspace(), mission.path().to_str().unwrap()), plain, "from elsewhere, whole");
+    assert_eq!(
+        fly(workspace(), mission.path().to_str().unwrap()),
+        plain,
+        "from elsewhere, whole"
+    );
 }
 
 #[test]
@@ -71,11 +89,19 @@ fn what_is_said_to_a_file_has_no_colours() {
 fn check_says_whether_a_mission_is_ready() {
     let mission = Mission::steady();
     let good = Backseat::new().arg("check").mission(&mission).run().exit(0);
-    assert!(good.stdout.trim_end().ends_with("ready") && good.stdout.contains("plugin pilot"), "{good}");
+    assert!(
+        good.stdout.trim_end().ends_with("ready") && good.stdout.contains("plugin pilot"),
+        "{good}"
+    );
     let outside = mission.edit("world.toml", "end = { east_m = 600", "end = { east_m = 1600");
     let bad = Backseat::new().arg("check").mission(&outside).run().exit(1);
-    assert!(bad.stdout.contains("plan element 1: ") && bad.stdout.trim_end().ends_with("not ready"), "{bad}");
-    let resolved = Backseat::new().args(["check", "--resolved", "--set", "limits.speed_max_mps=1.7"]).mission(&outside);
+    assert!(
+        bad.stdout.contains("plan element 1: ") && bad.stdout.trim_end().ends_with("not ready"),
+        "{bad}"
+    );
+    let resolved = Backseat::new()
+        .args(["check", "--resolved", "--set", "limits.speed_max_mps=1.7"])
+        .mission(&outside);
     let resolved = resolved.env("BACKSEAT__LIMITS__LEAD_MAX_M", "33").run().exit(0);
     assert!(resolved.stdout.contains("speed_max_mps = 1.7"), "{resolved}");
     assert!(resolved.stdout.contains("lead_max_m = 33"), "{resolved}");

@@ -3,21 +3,27 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use backseat_suite::{Mission, Vehicle, settle};
+use backseat_suite::{Backseat, Mission, Vehicle, free_address, settle};
 
 use crate::session::{SOON, runtime};
 
 /// Asks each second for a trackline of 70 m that interrupts.
 fn inserting() -> Mission {
-    Mission::steady().edit("mission.toml", "[\"modify\"]", "[\"insert\"]").edit(
-        "mission.toml",
-        "fault = \"none\"",
-        "fault = \"cross_fence\"\ntarget_east_m = -520\ntarget_north_m = 0",
-    )
+    Mission::steady()
+        .edit("mission.toml", "[\"modify\"]", "[\"insert\"]")
+        .edit(
+            "mission.toml",
+            "fault = \"none\"",
+            "fault = \"cross_fence\"\ntarget_east_m = -520\ntarget_north_m = 0",
+        )
 }
 
 fn recorded(mission: &Mission) -> u32 {
-    std::fs::read_to_string(mission.beside("state/identifiers")).unwrap().trim().parse().unwrap()
+    std::fs::read_to_string(mission.beside("state/identifiers"))
+        .unwrap()
+        .trim()
+        .parse()
+        .unwrap()
 }
 
 #[test]
@@ -26,7 +32,10 @@ fn without_a_record_no_insert_is_sent() {
     let vehicle = Vehicle::start(&mission);
     let runtime = runtime(&mission, &vehicle.address, &["--arm"]);
     let line = runtime.says("no record of SPI identifiers", SOON);
-    assert!(line.contains("state/identifiers") && line.contains("--first-identifier"), "{line}");
+    assert!(
+        line.contains("state/identifiers") && line.contains("--first-identifier"),
+        "{line}"
+    );
     runtime.says("the identifiers' state on disk is missing", SOON);
     settle(Duration::from_secs(2));
     assert!(vehicle.received("BPRTK").is_empty(), "{}", vehicle.story());
@@ -39,16 +48,68 @@ fn a_killed_runtimes_identifiers_are_never_used_again() {
     let vehicle = Vehicle::start(&mission);
     let mut used = Vec::new();
     for round in 1..=3 {
-        let first: &[&str] = if round == 1 { &["--arm", "--first-identifier", "500"] } else { &["--arm"] };
+        let first: &[&str] = if round == 1 {
+            &["--arm", "--first-identifier", "500"]
+        } else {
+            &["--arm"]
+        };
         let mut runtime = runtime(&mission, &vehicle.address, first);
         let line = vehicle.receives("BPRTK", round, SOON);
         used.push(line.field(2).parse::<u32>().unwrap());
-        assert!(recorded(&mission) > used[round - 1], "recorded before it is sent: {} and {used:?}", recorded(&mission));
+        assert!(
+            recorded(&mission) > used[round - 1],
+            "recorded before it is sent: {} and {used:?}",
+            recorded(&mission)
+        );
         runtime.kill();
     }
     assert_eq!(used[0], 500);
-    let all: Vec<String> = vehicle.received("BPRTK").iter().map(|line| line.field(2).to_owned()).collect();
+    let all: Vec<String> = vehicle
+        .received("BPRTK")
+        .iter()
+        .map(|line| line.field(2).to_owned())
+        .collect();
     let different: BTreeSet<&String> = all.iter().collect();
     assert_eq!(all.len(), different.len(), "{all:?}");
     assert!(used.is_sorted(), "{used:?}");
+}
+
+#[test]
+fn two_runtimes_do_not_share_a_record() {
+    let mission = inserting();
+    let address = free_address();
+    let mut first = runtime(&mission, &address, &["--arm", "--first-identifier", "1"]);
+    first.says("next attempt in", SOON);
+    let second = Backseat::new()
+        .args(["run", "--arm", "--connect", &address, "--log"])
+        .arg(mission.beside("logs"))
+        .arg("--state")
+        .arg(mission.beside("state"))
+        .mission(&mission);
+    let line = second.run().refusal();
+    assert!(line.contains("state") && line.contains("another runtime"), "{line}");
+    // What a kill leaves behind stops nobody.
+    first.kill();
+    let third = runtime(&mission, &address, &["--arm"]);
+    third.says("next attempt in", SOON);
+}
+
+#[test]
+fn identifiers_that_cannot_be_counted_on_are_refused() {
+    let mission = inserting();
+    let begin = |first: &str| {
+        let run = Backseat::new()
+            .arg("run")
+            .arg(format!("--first-identifier={first}"))
+            .mission(&mission);
+        run.arg("--state").arg(mission.beside("state")).run()
+    };
+    for first in ["0", "4294967295", "-1", "one"] {
+        let finished = begin(first).exit(2);
+        assert!(
+            finished.stderr.contains("--first-identifier") && finished.stderr.contains(first),
+            "{finished}"
+        );
+        assert!(!mission.beside("state/identifiers").exists(), "{first} is not recorded");
+    }
 }

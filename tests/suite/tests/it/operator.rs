@@ -17,7 +17,11 @@ fn a_hold_ends_the_lease_and_stands_until_it_is_released() {
     settle(Duration::from_secs(4));
     let lines = vehicle.lines();
     let ended = lines.iter().position(|line| line.is_received("BPEMB")).unwrap();
-    assert!(!lines[ended..].iter().any(steers), "nothing after the hold\n{}", vehicle.story());
+    assert!(
+        !lines[ended..].iter().any(steers),
+        "nothing after the hold\n{}",
+        vehicle.story()
+    );
     assert_eq!(vehicle.received("BPEMB").len(), 1, "one BPEMB is enough");
     assert_eq!(first.ended(), None, "the session goes on");
     assert!(mission.beside("state/hold").exists(), "the hold is on disk");
@@ -29,7 +33,12 @@ fn a_hold_ends_the_lease_and_stands_until_it_is_released() {
     second.says("the operator's hold stands", SOON);
     second.says("the operator holds", SOON);
     settle(Duration::from_secs(4));
-    assert_eq!(vehicle.lines().iter().filter(|line| steers(line)).count(), before, "{}", vehicle.story());
+    assert_eq!(
+        vehicle.lines().iter().filter(|line| steers(line)).count(),
+        before,
+        "{}",
+        vehicle.story()
+    );
 
     second.signal(Signal::USR2);
     vehicle.receives("BPRMB", before + 2, SOON);
@@ -38,7 +47,10 @@ fn a_hold_ends_the_lease_and_stands_until_it_is_released() {
     let steered = vehicle.received("BPRMB").len();
     let third = runtime(&mission, &vehicle.address, &["--arm"]);
     vehicle.receives("BPRMB", steered + 2, SOON);
-    assert!(!third.stderr().contains("hold stands"), "a release outlives the process too");
+    assert!(
+        !third.stderr().contains("hold stands"),
+        "a release outlives the process too"
+    );
 }
 
 #[test]

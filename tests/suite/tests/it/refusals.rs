@@ -23,7 +23,10 @@ fn an_unknown_key_is_named_with_its_line_in_each_file() {
     let line = refusal(&Mission::steady().edit("mission.toml", "turn_rate_dps", "turn_rate"));
     names(&line, &["mission.toml:6", "unknown field `turn_rate`", "expected"]);
     let line = refusal(&Mission::steady().edit("world.toml", "heading_deg = 90", "bearing_deg = 90"));
-    names(&line, &["world.toml", "line 9", "unknown field `bearing_deg`", "expected"]);
+    names(
+        &line,
+        &["world.toml", "line 9", "unknown field `bearing_deg`", "expected"],
+    );
     let line = refusal(&Mission::steady().edit("fence.geojson", "\"margin_m\"", "\"margin\""));
     names(&line, &["fence.geojson", "margin", "expected"]);
 }
@@ -48,17 +51,31 @@ fn a_wrong_value_is_named_with_what_was_expected() {
 fn what_is_not_there_is_named() {
     let line = Backseat::new().args(["sim", "no/such/mission"]).run().refusal();
     names(&line, &["no/such/mission", "expected a folder with mission.toml"]);
-    names(&refusal(&Mission::steady().without("mission.toml")), &["steady", "mission.toml"]);
-    names(&refusal(&Mission::steady().without("fence.geojson")), &["fence.geojson", "No such file"]);
-    names(&refusal(&Mission::steady().without("world.toml")), &["world.toml", "needs its world"]);
+    names(
+        &refusal(&Mission::steady().without("mission.toml")),
+        &["steady", "mission.toml"],
+    );
+    names(
+        &refusal(&Mission::steady().without("fence.geojson")),
+        &["fence.geojson", "No such file"],
+    );
+    names(
+        &refusal(&Mission::steady().without("world.toml")),
+        &["world.toml", "needs its world"],
+    );
     let mission = Mission::steady();
-    let line = Backseat::new().arg("sim").arg(mission.path().join("mission.toml")).run().refusal();
+    let line = Backseat::new()
+        .arg("sim")
+        .arg(mission.path().join("mission.toml"))
+        .run()
+        .refusal();
     names(&line, &["mission.toml", "expected a folder"]);
 }
 
 #[test]
 fn a_polygon_that_crosses_itself_is_refused() {
-    let bow_tie = "[[-70.7182, 42.3428], [-70.6818, 42.3572], [-70.6818, 42.3428], [-70.7182, 42.3572], [-70.7182, 42.3428]]";
+    let bow_tie =
+        "[[-70.7182, 42.3428], [-70.6818, 42.3572], [-70.6818, 42.3428], [-70.7182, 42.3572], [-70.7182, 42.3428]]";
     let mission = Mission::steady().edit(
         "fence.geojson",
         "[[-70.7182, 42.3428], [-70.6818, 42.3428], [-70.6818, 42.3572], [-70.7182, 42.3572], [-70.7182, 42.3428]]",
@@ -84,8 +101,14 @@ fn what_is_no_plugin_is_refused_by_what_it_is() {
                 .write("my.wasm", bytes),
         )
     };
-    names(&with(b"\0asm\x01\0\0\0"), &["pilot", "my.wasm", "a core module, expected a component"]);
-    names(&with(b"not WebAssembly"), &["pilot", "not WebAssembly", "expected a component"]);
+    names(
+        &with(b"\0asm\x01\0\0\0"),
+        &["pilot", "my.wasm", "a core module, expected a component"],
+    );
+    names(
+        &with(b"not WebAssembly"),
+        &["pilot", "not WebAssembly", "expected a component"],
+    );
     names(&with(b""), &["pilot", "the file is empty"]);
     let whole = std::fs::read(plugins().join("faulty.wasm")).unwrap();
     names(&with(&whole[..whole.len() / 2]), &["pilot", "not a valid component"]);
@@ -105,13 +128,28 @@ fn a_plugin_refuses_its_own_configuration() {
 fn bad_flags_are_refused() {
     let mission = Mission::steady();
     let sim = |arguments: &[&str]| Backseat::new().arg("sim").mission(&mission).args(arguments).run();
-    names(&sim(&["--set", "nonsense"]).refusal(), &["--set nonsense", "expected KEY=VALUE"]);
-    names(&sim(&["--set", "limits.speed=1"]).refusal(), &["--set limits.speed=1", "unknown field `speed`"]);
-    names(&sim(&["--set", "limits.speed_max_mps=fast"]).refusal(), &["--set limits.speed_max_mps=fast", "fast"]);
-    names(&sim(&["--set", "limits.speed_max_mps=0.1"]).refusal(), &["limits.speed_max_mps is 0.1", "expected"]);
-    for speed in ["0", "-1", "nan", "inf", "fast"] {
+    names(
+        &sim(&["--set", "nonsense"]).refusal(),
+        &["--set nonsense", "expected KEY=VALUE"],
+    );
+    names(
+        &sim(&["--set", "limits.speed=1"]).refusal(),
+        &["--set limits.speed=1", "unknown field `speed`"],
+    );
+    names(
+        &sim(&["--set", "limits.speed_max_mps=fast"]).refusal(),
+        &["--set limits.speed_max_mps=fast", "fast"],
+    );
+    names(
+        &sim(&["--set", "limits.speed_max_mps=0.1"]).refusal(),
+        &["limits.speed_max_mps is 0.1", "expected"],
+    );
+    for speed in ["0", "-1", "nan", "inf", "fast", "1e-300", "1e300"] {
         let finished = sim(&[&format!("--speed={speed}")]).exit(2);
-        names(&finished.stderr, &["--speed", speed, "expected a number above 0, or `max`"]);
+        names(
+            &finished.stderr,
+            &["--speed", speed, "expected a number from 0.001 to 1000000, or `max`"],
+        );
         assert_eq!(finished.stdout, "");
     }
     for seed in ["-1", "seven", "18446744073709551616"] {
@@ -125,16 +163,38 @@ fn what_cannot_be_written_is_told_before_the_run() {
     let mission = Mission::steady();
     let nowhere = mission.beside("no/such/folder/file");
     for flag in ["--log", "--map"] {
-        let line = Backseat::new().arg("sim").mission(&mission).arg(flag).arg(&nowhere).run().refusal();
+        let line = Backseat::new()
+            .arg("sim")
+            .mission(&mission)
+            .arg(flag)
+            .arg(&nowhere)
+            .run()
+            .refusal();
         names(&line, &["no/such/folder/file", "No such file"]);
     }
-    let line = Backseat::new().args(["mvc", "--listen", "127.0.0.1:0"]).mission(&mission).arg("--log").arg(&nowhere);
+    let line = Backseat::new()
+        .args(["mvc", "--listen", "127.0.0.1:0"])
+        .mission(&mission)
+        .arg("--log")
+        .arg(&nowhere);
     names(&line.run().refusal(), &["no/such/folder/file", "No such file"]);
     let file = mission.beside("file");
     std::fs::write(&file, "").unwrap();
-    let line = Backseat::new().arg("run").mission(&mission).arg("--log").arg(file.join("logs")).run().refusal();
+    let line = Backseat::new()
+        .arg("run")
+        .mission(&mission)
+        .arg("--log")
+        .arg(file.join("logs"))
+        .run()
+        .refusal();
     names(&line, &["file/logs"]);
-    let line = Backseat::new().arg("run").mission(&mission).arg("--state").arg(file.join("state")).run().refusal();
+    let line = Backseat::new()
+        .arg("run")
+        .mission(&mission)
+        .arg("--state")
+        .arg(file.join("state"))
+        .run()
+        .refusal();
     names(&line, &["file/state"]);
 }
 
@@ -143,7 +203,11 @@ fn a_port_in_use_is_told() {
     let mission = Mission::steady();
     let taken = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = taken.local_addr().unwrap().to_string();
-    let line = Backseat::new().args(["mvc", "--listen", &address]).mission(&mission).run().refusal();
+    let line = Backseat::new()
+        .args(["mvc", "--listen", &address])
+        .mission(&mission)
+        .run()
+        .refusal();
     names(&line, &[&address, "in use", "--listen"]);
 }
 
@@ -151,14 +215,26 @@ fn a_port_in_use_is_told() {
 fn a_malformed_address_is_told() {
     let mission = Mission::steady();
     for address in ["nonsense", "127.0.0.1", "127.0.0.1:99999", ""] {
-        let line = Backseat::new().args(["mvc", "--listen", address]).mission(&mission).run().refusal();
+        let line = Backseat::new()
+            .args(["mvc", "--listen", address])
+            .mission(&mission)
+            .run()
+            .refusal();
         names(&line, &[address, "listen"]);
     }
     for address in ["nonsense", "127.0.0.1", "127.0.0.1:99999", "127.0.0.1:0", ":29500", ""] {
-        let line = Backseat::new().args(["run", "--connect", address]).mission(&mission).run().refusal();
+        let line = Backseat::new()
+            .args(["run", "--connect", address])
+            .mission(&mission)
+            .run()
+            .refusal();
         names(&line, &["--connect", address, "expected HOST:PORT"]);
     }
-    let line = Backseat::new().args(["run", "--set", "vehicle.address=nowhere"]).mission(&mission).run().refusal();
+    let line = Backseat::new()
+        .args(["run", "--set", "vehicle.address=nowhere"])
+        .mission(&mission)
+        .run()
+        .refusal();
     names(&line, &["vehicle.address", "nowhere", "expected HOST:PORT"]);
 }
 
@@ -168,9 +244,40 @@ fn a_record_of_identifiers_that_is_no_number_is_told() {
     let state = mission.beside("state");
     std::fs::create_dir(&state).unwrap();
     std::fs::write(state.join("identifiers"), "many\n").unwrap();
-    let line = Backseat::new().arg("run").mission(&mission).arg("--state").arg(&state).run().refusal();
+    let line = Backseat::new()
+        .arg("run")
+        .mission(&mission)
+        .arg("--state")
+        .arg(&state)
+        .run()
+        .refusal();
     names(&line, &["state/identifiers", "expected a number", "many"]);
     std::fs::write(state.join("identifiers"), "40\n").unwrap();
-    let line = Backseat::new().args(["run", "--first-identifier", "1", "--state"]).arg(&state).mission(&mission).run();
+    let line = Backseat::new()
+        .args(["run", "--first-identifier", "1", "--state"])
+        .arg(&state)
+        .mission(&mission)
+        .run();
     names(&line.refusal(), &["state/identifiers", "40"]);
+}
+
+#[test]
+fn a_report_that_cannot_be_written_is_an_error_and_no_panic() {
+    let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 60");
+    for arguments in [
+        ["check", "--set=limits.lead_max_m=30"],
+        ["check", "--resolved"],
+        ["sim", "--json"],
+        ["sim", "--seed=2"],
+    ] {
+        let finished = Backseat::new()
+            .args(arguments)
+            .mission(&mission)
+            .stdout_to("/dev/full")
+            .run()
+            .exit(2);
+        let last = finished.stderr.trim_end().lines().last().unwrap_or("").to_owned();
+        names(&last, &["error: ", "standard output", "No space left"]);
+        assert!(!finished.stderr.contains("panicked"), "{finished}");
+    }
 }

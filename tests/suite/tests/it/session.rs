@@ -30,10 +30,26 @@ fn an_armed_runtime_steers() {
     let vehicle = Vehicle::start(&mission);
     let mut runtime = runtime(&mission, &vehicle.address, &["--arm"]);
     let modify = vehicle.receives("BPRMB", 3, SOON);
-    assert_eq!((modify.field(2), modify.field(7)), ("90", "0"), "heading 90 and a heading's mode: {}", modify.text);
-    vehicle.sees("an event of the modify", SOON, |line| line.way == Way::Event && line.text.contains("heading 90.0 deg"));
-    let subscribed = vehicle.lines().into_iter().find(|line| line.is_received("BPLOG")).unwrap();
-    assert_eq!(subscribed.field(1), "CTL", "the hand-over comes before all: {}", subscribed.text);
+    assert_eq!(
+        (modify.field(2), modify.field(7)),
+        ("90", "0"),
+        "heading 90 and a heading's mode: {}",
+        modify.text
+    );
+    vehicle.sees("an event of the modify", SOON, |line| {
+        line.way == Way::Event && line.text.contains("heading 90.0 deg")
+    });
+    let subscribed = vehicle
+        .lines()
+        .into_iter()
+        .find(|line| line.is_received("BPLOG"))
+        .unwrap();
+    assert_eq!(
+        subscribed.field(1),
+        "CTL",
+        "the hand-over comes before all: {}",
+        subscribed.text
+    );
     runtime.signal(Signal::INT);
     assert_eq!(runtime.wait(SOON), Some(0), "{}", runtime.stderr());
 }
@@ -60,7 +76,10 @@ fn a_runtime_without_a_vehicle_tries_again_with_back_off() {
     let mut runtime = runtime(&mission, &address, &["--arm"]);
     let attempts = |runtime: &Process| {
         let said = runtime.stderr();
-        said.lines().filter(|line| line.contains("next attempt in")).map(str::to_owned).collect::<Vec<_>>()
+        said.lines()
+            .filter(|line| line.contains("next attempt in"))
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
     };
     let lines = eventually(
         SOON,
@@ -69,9 +88,19 @@ fn a_runtime_without_a_vehicle_tries_again_with_back_off() {
     );
     let waits: Vec<f64> = lines
         .iter()
-        .map(|line| line.split("next attempt in ").nth(1).unwrap().trim_end_matches(" s").parse().unwrap())
+        .map(|line| {
+            line.split("next attempt in ")
+                .nth(1)
+                .unwrap()
+                .trim_end_matches(" s")
+                .parse()
+                .unwrap()
+        })
         .collect();
-    assert!(waits[0] < 1.0 && waits[3] > waits[0] && waits.iter().all(|wait| *wait <= 15.0), "{waits:?}");
+    assert!(
+        waits[0] < 1.0 && waits[3] > waits[0] && waits.iter().all(|wait| *wait <= 15.0),
+        "{waits:?}"
+    );
     assert_eq!(runtime.ended(), None, "it does not give up");
     let said = runtime.stderr();
     assert!(said.contains(&address), "{said}");
@@ -97,15 +126,24 @@ fn a_vehicle_that_restarts_is_subscribed_to_and_steered_again() {
     let vehicle = Vehicle::start_at(&mission, &address);
     let modify = vehicle.receives("BPRMB", 2, SOON);
     let lines = vehicle.lines();
-    let subscribed = lines.iter().position(|line| line.is_received("BPLOG") && line.field(1) == "CTL");
+    let subscribed = lines
+        .iter()
+        .position(|line| line.is_received("BPLOG") && line.field(1) == "CTL");
     let steered = lines.iter().position(|line| line.is_received("BPRMB"));
     assert!(subscribed.is_some() && subscribed < steered, "{}", vehicle.story());
     for message in ["MIS", "NVG", "NVR", "ACK", "MBS", "MBE"] {
-        let again = lines.iter().any(|line| line.is_received("BPLOG") && line.field(1) == message);
+        let again = lines
+            .iter()
+            .any(|line| line.is_received("BPLOG") && line.field(1) == message);
         assert!(again, "{message} is not subscribed to anew\n{}", vehicle.story());
     }
-    let granted = lines.iter().find(|line| line.way == Way::Sent && line.name() == "BFCTL" && line.field(2) == "1");
-    assert!(granted.unwrap().at_s <= modify.at_s, "nothing before the vehicle has handed over");
+    let granted = lines
+        .iter()
+        .find(|line| line.way == Way::Sent && line.name() == "BFCTL" && line.field(2) == "1");
+    assert!(
+        granted.unwrap().at_s <= modify.at_s,
+        "nothing before the vehicle has handed over"
+    );
 }
 
 #[test]
@@ -118,12 +156,30 @@ fn two_runtimes_logs_are_two_files_and_a_killed_ones_can_be_read() {
         settle(Duration::from_secs(6));
         runtime.kill();
     }
-    let logs: Vec<_> = std::fs::read_dir(mission.beside("logs")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let logs: Vec<_> = std::fs::read_dir(mission.beside("logs"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
     assert_eq!(logs.len(), 2);
     for path in logs {
         let log = backseat_recorder::read(&path).unwrap();
         assert!(!log.complete, "it was killed");
         assert_eq!((log.run.mission.as_str(), log.run.seed), ("steady", None));
-        assert!(log.notes().any(|(_, note)| note == "control granted"), "what is older than 3 s is there");
+        assert!(
+            log.notes().any(|(_, note)| note == "control granted"),
+            "what is older than 3 s is there"
+        );
     }
+}
+
+#[test]
+fn a_vehicle_that_is_told_to_stop_leaves_its_log_whole() {
+    let mission = Mission::steady();
+    let mut vehicle = Vehicle::start(&mission);
+    let runtime = runtime(&mission, &vehicle.address, &[]);
+    runtime.says("connected to the vehicle", SOON);
+    vehicle.receives("BPLOG", 1, SOON);
+    vehicle.process.signal(Signal::TERM);
+    assert_eq!(vehicle.process.wait(SOON), Some(0), "{}", vehicle.process.stderr());
+    assert!(vehicle.log_text().ends_with('\n'), "no line is cut");
 }

@@ -26,7 +26,12 @@ fn watch(vehicle: &Vehicle) {
 /// The headings that the vehicle told, with their times.
 fn headings(vehicle: &Vehicle) -> Vec<(f64, f64)> {
     let told = |line: &Line| line.way == Way::Sent && line.client == 1 && line.name() == "BFNVG";
-    vehicle.lines().into_iter().filter(told).map(|line| (line.at_s, line.field(9).parse().unwrap())).collect()
+    vehicle
+        .lines()
+        .into_iter()
+        .filter(told)
+        .map(|line| (line.at_s, line.field(9).parse().unwrap()))
+        .collect()
 }
 
 /// Seconds of the day of a sentence's own time.
@@ -48,8 +53,15 @@ fn a_killed_runtimes_modify_lapses_and_the_plan_is_flown_again() {
         line.way == Way::Event && line.text.starts_with("modify ended: 5 s without a refresh")
     });
     let last = vehicle.received("BPRMB").pop().unwrap();
-    assert!(lapsed.at_s - last.at_s <= LAPSES_WITHIN_S, "after {:.2} s", lapsed.at_s - last.at_s);
-    let turned = headings(&vehicle).into_iter().filter(|(at_s, _)| *at_s <= last.at_s).any(|(_, deg)| deg > 140.0);
+    assert!(
+        lapsed.at_s - last.at_s <= LAPSES_WITHIN_S,
+        "after {:.2} s",
+        lapsed.at_s - last.at_s
+    );
+    let turned = headings(&vehicle)
+        .into_iter()
+        .filter(|(at_s, _)| *at_s <= last.at_s)
+        .any(|(_, deg)| deg > 140.0);
     assert!(turned, "it had turned to the modify's heading");
     vehicle.sees("the plan's way again", SOON, |line| {
         let told = line.way == Way::Sent && line.name() == "BFNVG" && line.at_s > lapsed.at_s;
@@ -69,12 +81,26 @@ fn a_stopped_runtime_ends_its_lease_before_anything_else_when_it_goes_on() {
     let before = vehicle.received("BPRMB");
     let last = before.last().unwrap().clone();
     settle(Duration::from_secs(7));
-    assert_eq!(vehicle.received("BPRMB").len(), before.len(), "a stopped process sends nothing");
-    let lapsed = vehicle.sees("the modify lapse", SOON, |line| line.text.starts_with("modify ended: 5 s without"));
-    assert!(lapsed.at_s - last.at_s <= LAPSES_WITHIN_S, "after {:.2} s", lapsed.at_s - last.at_s);
+    assert_eq!(
+        vehicle.received("BPRMB").len(),
+        before.len(),
+        "a stopped process sends nothing"
+    );
+    let lapsed = vehicle.sees("the modify lapse", SOON, |line| {
+        line.text.starts_with("modify ended: 5 s without")
+    });
+    assert!(
+        lapsed.at_s - last.at_s <= LAPSES_WITHIN_S,
+        "after {:.2} s",
+        lapsed.at_s - last.at_s
+    );
     runtime.signal(Signal::CONT);
     settle(Duration::from_secs(6));
-    let since: Vec<Line> = vehicle.lines().into_iter().filter(|line| line.at_s > last.at_s + 6.0).collect();
+    let since: Vec<Line> = vehicle
+        .lines()
+        .into_iter()
+        .filter(|line| line.at_s > last.at_s + 6.0)
+        .collect();
     let steering = |line: &&Line| line.is_received("BPRMB") || line.is_received("BPEMB");
     if let Some(first) = since.iter().find(steering) {
         assert!(first.is_received("BPEMB"), "{}", first.text);
@@ -96,32 +122,50 @@ fn an_ordered_stop_gives_the_helm_back_before_it_goes() {
         assert_eq!(runtime.wait(SOON), Some(0), "{}", runtime.stderr());
         vehicle.sees("the client go", SOON, |line| line.text == "client 1 disconnected");
         let lines = vehicle.lines();
-        let ended = lines.iter().rposition(|line| line.is_received("BPEMB")).expect("a BPEMB");
+        let ended = lines
+            .iter()
+            .rposition(|line| line.is_received("BPEMB"))
+            .expect("a BPEMB");
         let gone = lines.iter().position(|line| line.text == "client 1 disconnected");
         let last = lines.iter().rposition(|line| line.is_received("BPRMB"));
         assert!(last < Some(ended) && Some(ended) < gone, "{}", vehicle.story());
-        vehicle.sees("the modify's end", SOON, |line| line.text == "modify ended: by the payload");
-        let log = std::fs::read_dir(mission.beside("logs")).unwrap().next().unwrap().unwrap().path();
+        vehicle.sees("the modify's end", SOON, |line| {
+            line.text == "modify ended: by the payload"
+        });
+        let log = std::fs::read_dir(mission.beside("logs"))
+            .unwrap()
+            .next()
+            .unwrap()
+            .unwrap()
+            .path();
         assert!(backseat_recorder::read(&log).unwrap().complete, "the log has its end");
     }
 }
 
 #[test]
 fn an_accepted_insert_is_flown_without_us() {
-    // 40 m ahead: half a minute.
-    let mission = Mission::steady().edit("mission.toml", "[\"modify\"]", "[\"insert\"]").edit(
-        "mission.toml",
-        "fault = \"none\"",
-        "fault = \"cross_fence\"\ntarget_east_m = -530\ntarget_north_m = 0",
-    );
+    // 30 m or so: half a minute.
+    let mission = Mission::steady()
+        .edit("mission.toml", "[\"modify\"]", "[\"insert\"]")
+        .edit(
+            "mission.toml",
+            "fault = \"none\"",
+            "fault = \"cross_fence\"\ntarget_east_m = -565\ntarget_north_m = 0",
+        );
     let vehicle = Vehicle::start(&mission);
     let mut runtime = runtime(&mission, &vehicle.address, &["--arm", "--first-identifier", "70"]);
-    vehicle.sees("the insert accepted", SOON, |line| line.text == "insert 70 of client 1 accepted");
+    vehicle.sees("the insert accepted", SOON, |line| {
+        line.text == "insert 70 of client 1 accepted"
+    });
     runtime.kill();
-    let is = |line: &Line, what: &str| line.way == Way::Event && line.text.starts_with("inserted ") && line.text.contains(what);
+    let is = |line: &Line, what: &str| {
+        line.way == Way::Event && line.text.starts_with("inserted ") && line.text.contains(what)
+    };
     vehicle.sees("the insert begin", SOON, |line| is(line, " 70 began"));
     let gone = vehicle.sees("the client go", SOON, |line| line.text == "client 1 disconnected");
-    let ended = vehicle.sees("the insert end", Duration::from_secs(100), |line| is(line, " 70 ended: "));
+    let ended = vehicle.sees("the insert end", Duration::from_secs(100), |line| {
+        is(line, " 70 ended: ")
+    });
     assert!(ended.text.ends_with("ended: done"), "{}", ended.text);
     assert!(ended.at_s > gone.at_s);
 }

@@ -9,7 +9,11 @@ fn fly(mission: &Mission, arguments: &[&str]) -> Finished {
 
 fn log_of(mission: &Mission, seed: &str) -> Log {
     let path = mission.beside("run.mcap");
-    let report = Backseat::new().args(["sim", "--json", "--seed", seed, "--log"]).arg(&path).mission(mission).run();
+    let report = Backseat::new()
+        .args(["sim", "--json", "--seed", seed, "--log"])
+        .arg(&path)
+        .mission(mission)
+        .run();
     assert_eq!(report.code, Some(0), "{report}");
     read(&path).unwrap()
 }
@@ -21,7 +25,10 @@ fn the_seed_decides_every_byte_and_a_good_mission_exits_0() {
     let again = fly(&mission, &["--seed", "7", "--json"]).exit(0).json();
     let other = fly(&mission, &["--seed", "8", "--json"]).exit(0).json();
     let digest = first["digest"].as_str().unwrap();
-    assert!(digest.len() == 64 && digest.bytes().all(|byte| byte.is_ascii_hexdigit()), "{digest}");
+    assert!(
+        digest.len() == 64 && digest.bytes().all(|byte| byte.is_ascii_hexdigit()),
+        "{digest}"
+    );
     assert_eq!(first["digest"], again["digest"]);
     assert_ne!(first["digest"], other["digest"]);
 }
@@ -30,12 +37,26 @@ fn the_seed_decides_every_byte_and_a_good_mission_exits_0() {
 fn the_json_report_has_every_key_that_is_promised() {
     let mission = Mission::steady();
     let finished = fly(&mission, &["--seed", "3", "--json"]).exit(0);
-    assert_eq!(finished.stderr, "", "a good run with --json has nothing to say beside it");
+    assert_eq!(
+        finished.stderr, "",
+        "a good run with --json has nothing to say beside it"
+    );
     let report = finished.json();
     for key in [
-        "mission", "seed", "outcome", "sim_seconds", "wall_seconds", "load_seconds", "requests", "violations", "digest",
+        "mission",
+        "seed",
+        "outcome",
+        "sim_seconds",
+        "wall_seconds",
+        "load_seconds",
+        "requests",
+        "violations",
+        "digest",
     ] {
-        assert!(report.get(key).is_some_and(|value| !value.is_null()), "{key} is missing: {report}");
+        assert!(
+            report.get(key).is_some_and(|value| !value.is_null()),
+            "{key} is missing: {report}"
+        );
     }
     for key in ["proposed", "rejected", "sent", "accepted", "failed"] {
         assert!(report["requests"][key].is_u64(), "requests.{key} is missing: {report}");
@@ -53,22 +74,45 @@ fn without_json_the_report_is_for_people() {
     let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 60");
     let report = fly(&mission, &["--seed", "3"]).exit(0);
     assert!(report.stdout.contains("steady, seed 3: completed"), "{report}");
-    assert!(report.stdout.contains("no violation") && report.stdout.contains("digest "), "{report}");
+    assert!(
+        report.stdout.contains("no violation") && report.stdout.contains("digest "),
+        "{report}"
+    );
 }
 
 #[test]
 fn the_map_shows_the_fence_and_the_way() {
     let mission = Mission::steady();
     let path = mission.beside("run.svg");
-    let _report = Backseat::new().args(["sim", "--json", "--map"]).arg(&path).mission(&mission).run().exit(0);
+    let _report = Backseat::new()
+        .args(["sim", "--json", "--map"])
+        .arg(&path)
+        .mission(&mission)
+        .run()
+        .exit(0);
     let svg = std::fs::read_to_string(&path).unwrap();
-    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{}", &svg[..200.min(svg.len())]);
-    assert!(svg.contains("steady") && svg.contains("box"), "mission and fence are named");
+    assert!(
+        svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"),
+        "{}",
+        &svg[..200.min(svg.len())]
+    );
+    assert!(
+        svg.contains("steady") && svg.contains("box"),
+        "mission and fence are named"
+    );
     assert!(svg.contains("flown: plugin steers"), "its way is in the legend");
-    let unflown = mission.edit("world.toml", "starts_after_s = 2", "starts_after_s = 80000");
-    let _report = Backseat::new().args(["sim", "--map"]).arg(&path).mission(&unflown).run();
-    let without = std::fs::read_to_string(&path).unwrap();
-    assert!(!without.contains("flown: "), "what was not flown is not drawn");
+    let unsteered = mission.edit("mission.toml", "[\"modify\"]", "[]");
+    let _report = Backseat::new()
+        .args(["sim", "--map"])
+        .arg(&path)
+        .mission(&unsteered)
+        .run()
+        .exit(0);
+    let svg = std::fs::read_to_string(&path).unwrap();
+    assert!(
+        svg.contains("flown: front seat steers") && !svg.contains("flown: plugin steers"),
+        "only what was flown"
+    );
 }
 
 #[test]
@@ -81,25 +125,43 @@ fn the_log_is_read_back_whole() {
     let mut said = 0;
     for (_, from_vehicle, bytes) in log.link() {
         let text = String::from_utf8_lossy(bytes);
-        let (count, name) = if from_vehicle { (&mut heard, "$BFNVG,") } else { (&mut said, "$BPRMB,") };
+        let (count, name) = if from_vehicle {
+            (&mut heard, "$BFNVG,")
+        } else {
+            (&mut said, "$BPRMB,")
+        };
         *count += text.matches(name).count();
     }
     assert!(heard > 6_000, "navigation at 10 Hz for ten minutes: {heard}");
     assert!(said > 500, "a modify each second for ten minutes: {said}");
     let notes: Vec<&str> = log.notes().map(|(_, text)| text).collect();
     assert!(notes.contains(&"control granted"), "{notes:?}");
-    assert!(notes.iter().any(|note| note.contains("Modify") && note.contains("accepted")), "{notes:?}");
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("Modify") && note.contains("accepted")),
+        "{notes:?}"
+    );
     for name in ["mission.toml", "fence.geojson", "components/pilot.wasm"] {
         assert!(log.attachment(name).is_some_and(|data| !data.is_empty()), "{name}");
     }
-    assert_eq!(log.attachment("fence.geojson").unwrap(), mission.read("fence.geojson").as_bytes());
+    assert_eq!(
+        log.attachment("fence.geojson").unwrap(),
+        mission.read("fence.geojson").as_bytes()
+    );
 }
 
 #[test]
 fn a_log_changes_nothing() {
     let mission = Mission::steady().edit("world.toml", "timeout_s = 600", "timeout_s = 60");
     let path = mission.beside("run.mcap");
-    let with = Backseat::new().args(["sim", "--json", "--log"]).arg(path).mission(&mission).run().exit(0).json();
+    let with = Backseat::new()
+        .args(["sim", "--json", "--log"])
+        .arg(path)
+        .mission(&mission)
+        .run()
+        .exit(0)
+        .json();
     let without = fly(&mission, &["--json"]).exit(0).json();
     assert_eq!(with["digest"], without["digest"]);
 }
@@ -123,7 +185,12 @@ fn an_expectation_that_does_not_hold_exits_1() {
         .append("world.toml", "min_accepted = 100000");
     let report = fly(&mission, &["--json"]).exit(1).json();
     let unmet = report["unmet"].as_array().unwrap();
-    assert!(unmet.iter().any(|unmet| unmet.as_str().unwrap().contains("expected at least 100000")), "{report}");
+    assert!(
+        unmet
+            .iter()
+            .any(|unmet| unmet.as_str().unwrap().contains("expected at least 100000")),
+        "{report}"
+    );
     let told = fly(&mission, &[]).exit(1);
     assert!(told.stdout.contains("not as expected: "), "{told}");
 }
@@ -142,10 +209,16 @@ fn midnight_passes_inside_a_mission() {
     }
     for from_vehicle in [true, false] {
         for hour in ["23", "00"] {
-            assert!(stamps.contains(&(from_vehicle, hour.to_owned())), "from the vehicle {from_vehicle}, hour {hour}");
+            assert!(
+                stamps.contains(&(from_vehicle, hour.to_owned())),
+                "from the vehicle {from_vehicle}, hour {hour}"
+            );
         }
     }
     let late = log.entries.last().unwrap().now.as_secs_f64();
-    let begun = log.notes().filter(|(at, note)| at.as_secs_f64() > 1830.0 && note.contains("started")).count();
+    let begun = log
+        .notes()
+        .filter(|(at, note)| at.as_secs_f64() > 1830.0 && note.contains("started"))
+        .count();
     assert!(begun > 0, "inserts begin after midnight too; the run took {late} s");
 }

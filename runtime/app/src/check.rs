@@ -6,16 +6,17 @@ use backseat_plugin_host::Host;
 use backseat_sim::load_plugins;
 
 use crate::cli::Check;
+use crate::output::say;
 
 /// Everything that can be known before a dive. True where the mission can be flown.
 pub(crate) fn check(arguments: &Check) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
     if arguments.resolved {
-        print!("{}", mission.resolved);
+        say!("{}", mission.resolved.trim_end());
         return Ok(true);
     }
-    println!("{} (hash {})", mission.name, &mission.hash()[..16]);
-    print_fence(&mission);
+    say!("{} (hash {})", mission.name, &mission.hash()[..16]);
+    print_fence(&mission)?;
     let host = Host::new()?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     for ((setup, table), (_, bytes)) in loaded.setups.iter().zip(&mission.file.plugins).zip(&loaded.components) {
@@ -29,7 +30,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
                 Topic::Behavior => "behaviours",
             })
             .collect();
-        println!(
+        say!(
             "plugin {}: {} {}, {} kB, a step every {} ms, listens to {}; granted {:?}",
             setup.name,
             description.name,
@@ -46,7 +47,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     }
     let mut good = true;
     match &mission.world {
-        None => println!("no world.toml: this mission cannot be simulated"),
+        None => say!("no world.toml: this mission cannot be simulated"),
         Some(world) => {
             let vehicle = backseat_mvc::Mvc::new(world, 1)?;
             let frame = mission.envelope.fence().frame();
@@ -54,29 +55,29 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             let legs = vehicle.plan_points();
             for (number, position) in &legs {
                 if let Err(breach) = mission.envelope.fence().contains(frame.to_local(*position)) {
-                    println!("plan element {}: {breach}", number.unwrap_or(0));
+                    say!("plan element {}: {breach}", number.unwrap_or(0));
                     outside += 1;
                 }
             }
             let start = vehicle.truth().position;
             if let Err(breach) = mission.envelope.fence().contains(frame.to_local(start)) {
-                println!("start: {breach}");
+                say!("start: {breach}");
                 outside += 1;
             }
             if outside == 0 {
-                println!("plan: start and all {} points lie inside the fence", legs.len());
+                say!("plan: start and all {} points lie inside the fence", legs.len());
             } else {
                 good = false;
             }
         }
     }
-    println!("{}", if good { "ready" } else { "not ready" });
+    say!("{}", if good { "ready" } else { "not ready" });
     Ok(good)
 }
 
-fn print_fence(mission: &Mission) {
+fn print_fence(mission: &Mission) -> Result<()> {
     let origin = mission.envelope.fence().frame().origin();
-    println!(
+    say!(
         "fence around latitude {:.5} longitude {:.5}:",
         origin.latitude.as_deg(),
         origin.longitude.as_deg()
@@ -93,10 +94,11 @@ fn print_fence(mission: &Mission) {
             Kind::Exclusion { depth: None } => "exclusion at all depths".to_owned(),
             Kind::Exclusion { depth: Some(band) } => format!("exclusion from {} to {} m", band.min_m, band.max_m),
         };
-        println!(
+        say!(
             "  {}: {what}, margin {} m, {vertices} vertices",
             zone.name(),
             zone.margin_m()
         );
     }
+    Ok(())
 }

@@ -8,6 +8,7 @@ mod clock;
 mod link;
 mod mvc;
 mod operator;
+mod output;
 mod plugins;
 mod run;
 mod sim;

@@ -63,6 +63,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         info!("not armed: nothing will be sent that steers; --arm arms");
     }
     recorder.start(&start)?;
+    let names = loaded.setups.iter().map(|setup| setup.name.clone()).collect();
     let core = Core::new(
         mission.file.session.clone(),
         mission.envelope.clone(),
@@ -86,6 +87,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         last_refusal: None,
         link_lost: None,
         recorded_navigation: None,
+        names,
     };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(driver.drive(answers))?;
@@ -158,6 +160,8 @@ struct Driver {
     /// Why the link is gone, until it is told with what is done about it.
     link_lost: Option<String>,
     recorded_navigation: Option<Timestamp>,
+    /// Of the plugins, for whoever reads.
+    names: Vec<String>,
 }
 
 impl Driver {
@@ -268,13 +272,14 @@ impl Driver {
 
     fn tell(&mut self, note: &backseat_core::Note) {
         use backseat_core::Note;
+        let told = note.told(&self.names);
         match note {
             Note::LinkDown { retry_s, .. } => match self.link_lost.take() {
                 Some(why) => warn!("{why}; next attempt in {retry_s:.1} s"),
-                None => warn!("{note}"),
+                None => warn!("{told}"),
             },
             Note::PluginFailed { .. } | Note::Late { .. } | Note::Malformed { .. } => {
-                warn!("{note}");
+                warn!("{told}");
             }
             Note::Request(transition) => {
                 use backseat_core::plugin::RequestState;
@@ -283,7 +288,7 @@ impl Driver {
                     RequestState::Rejected(reason) if self.last_refusal.as_ref() == Some(reason) => {}
                     RequestState::Rejected(reason) => {
                         self.last_refusal = Some(reason.clone());
-                        warn!("{note}");
+                        warn!("{told}");
                     }
                     RequestState::Ended(reason) if reason == "replaced" => {}
                     RequestState::Sent | RequestState::Pending => {}
@@ -294,7 +299,7 @@ impl Driver {
                     | RequestState::Unknown
                     | RequestState::Started
                     | RequestState::Ended(_)
-                    | RequestState::Cancelled => info!("{note}"),
+                    | RequestState::Cancelled => info!("{told}"),
                 }
             }
             Note::LinkUp
@@ -309,7 +314,7 @@ impl Driver {
             | Note::PluginRestarted { .. }
             | Note::PluginLog { .. }
             | Note::Operator { .. }
-            | Note::Text { .. } => info!("{note}"),
+            | Note::Text { .. } => info!("{told}"),
         }
     }
 

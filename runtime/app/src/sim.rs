@@ -10,6 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::{Sim, Speed};
 use crate::clock::{Clock, pause};
+use crate::output::say;
 
 pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
@@ -57,9 +58,9 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         std::fs::write(path, picture).with_context(|| format!("{}", path.display()))?;
     }
     if arguments.json {
-        println!("{}", serde_json::to_string(&report)?);
+        say!("{}", serde_json::to_string(&report)?);
     } else {
-        print_report(&report, arguments);
+        print_report(&report, arguments)?;
     }
     Ok(report.passed())
 }
@@ -107,7 +108,7 @@ fn show(progress: &ProgressBar, simulation: &Simulation, clock: &Clock) {
     progress.tick();
 }
 
-fn print_report(report: &Report, arguments: &Sim) {
+fn print_report(report: &Report, arguments: &Sim) -> Result<()> {
     let Report {
         mission,
         seed,
@@ -118,36 +119,41 @@ fn print_report(report: &Report, arguments: &Sim) {
         requests,
         ..
     } = report;
-    println!("{mission}, seed {seed}: {outcome} after {:.1} min", sim_seconds / 60.0);
-    println!(
+    say!("{mission}, seed {seed}: {outcome} after {:.1} min", sim_seconds / 60.0);
+    say!(
         "  {:.0} x life ({wall_seconds:.2} s, and {load_seconds:.2} s to load plugins)",
         sim_seconds / wall_seconds.max(1e-9)
     );
-    println!(
+    say!(
         "  requests: {} proposed, {} rejected, {} sent, {} accepted, {} failed",
-        requests.proposed, requests.rejected, requests.sent, requests.accepted, requests.failed
+        requests.proposed,
+        requests.rejected,
+        requests.sent,
+        requests.accepted,
+        requests.failed
     );
     for reason in &report.rejections {
-        println!("    rejected {reason}");
+        say!("    rejected {reason}");
     }
     for measured in report.measured() {
-        println!("  {measured}");
+        say!("  {measured}");
     }
     match report.violations.len() {
-        0 => println!("  no violation"),
-        count => println!("  {count} violations:"),
+        0 => say!("  no violation"),
+        count => say!("  {count} violations:"),
     }
     for violation in &report.violations {
-        println!("    {violation}");
+        say!("    {violation}");
     }
     for unmet in &report.unmet {
-        println!("  not as expected: {unmet}");
+        say!("  not as expected: {unmet}");
     }
-    println!("  digest {}", report.digest);
+    say!("  digest {}", report.digest);
     if let Some(path) = &arguments.log {
-        println!("  log: {}", path.display());
+        say!("  log: {}", path.display());
     }
     if let Some(path) = &arguments.map {
-        println!("  map: {}", path.display());
+        say!("  map: {}", path.display());
     }
+    Ok(())
 }

@@ -189,22 +189,55 @@ pub enum Note {
     },
 }
 
+impl Note {
+    /// The note with the plugins' names, in priority order, where [`Display`](fmt::Display) has their numbers.
+    #[must_use]
+    pub fn told<'a>(&'a self, names: &'a [String]) -> impl fmt::Display + 'a {
+        Told { note: self, names }
+    }
+}
+
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::LinkUp => write!(f, "connected to the vehicle"),
-            Self::LinkDown { retry_s, .. } => write!(f, "no connection to the vehicle; next attempt in {retry_s:.1} s"),
-            Self::VehicleVersion { version } => write!(f, "the vehicle speaks SPI {version}"),
-            Self::Clock { offset_s, vehicle } => {
+        Told { note: self, names: &[] }.fmt(f)
+    }
+}
+
+struct Told<'a> {
+    note: &'a Note,
+    names: &'a [String],
+}
+
+/// A plugin by its name, or else by its number.
+struct Who<'a>(PluginId, &'a [String]);
+
+impl fmt::Display for Who<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.1.get(self.0.0) {
+            Some(name) => f.write_str(name),
+            None => write!(f, "plugin {}", self.0.0),
+        }
+    }
+}
+
+impl fmt::Display for Told<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        use Note as N;
+        let who = |plugin: &PluginId| Who(*plugin, self.names);
+        match self.note {
+            N::LinkUp => write!(f, "connected to the vehicle"),
+            N::LinkDown { retry_s, .. } => write!(f, "no connection to the vehicle; next attempt in {retry_s:.1} s"),
+            N::VehicleVersion { version } => write!(f, "the vehicle speaks SPI {version}"),
+            N::Clock { offset_s, vehicle } => {
                 write!(f, "the vehicle's clock says {vehicle}, {offset_s:+.3} s from ours")
             }
-            Self::Mission { status } => write!(f, "mission {status}"),
-            Self::Control { granted: true, .. } => write!(f, "control granted"),
-            Self::Control { granted: false, reason } => write!(f, "no control: {reason}"),
-            Self::Request(transition) => write_transition(f, transition),
-            Self::LeaseEnded { plugin, reason } => write!(f, "plugin {} no longer steers: {reason}", plugin.0),
-            Self::Plan { elements } => write!(f, "the vehicle's plan has {elements} elements"),
-            Self::Behavior {
+            N::Mission { status } => write!(f, "mission {status}"),
+            N::Control { granted: true, .. } => write!(f, "control granted"),
+            N::Control { granted: false, reason } => write!(f, "no control: {reason}"),
+            N::Request(transition) => write_transition(f, transition, &who(&transition.plugin)),
+            N::LeaseEnded { plugin, reason } => write!(f, "{} no longer steers: {reason}", who(plugin)),
+            N::Plan { elements } => write!(f, "the vehicle's plan has {elements} elements"),
+            N::Behavior {
                 began,
                 number,
                 identifier,
@@ -218,33 +251,29 @@ impl fmt::Display for Note {
                 }
                 write!(f, " {}", if *began { "began" } else { "ended" })
             }
-            Self::Navigation { text } | Self::Text { text } => write!(f, "{text}"),
-            Self::Malformed { text, count } => write!(f, "{text} (number {count} on this connection)"),
-            Self::PluginFailed { plugin, fault, then } => {
-                write!(
-                    f,
-                    "plugin {} failed ({:?}): {}; {then}",
-                    plugin.0, fault.kind, fault.text
-                )
+            N::Navigation { text } | N::Text { text } => write!(f, "{text}"),
+            N::Malformed { text, count } => write!(f, "{text} (number {count} on this connection)"),
+            N::PluginFailed { plugin, fault, then } => {
+                write!(f, "{} failed ({:?}): {}; {then}", who(plugin), fault.kind, fault.text)
             }
-            Self::PluginRestarted { plugin } => write!(f, "plugin {} works again", plugin.0),
-            Self::PluginLog { plugin, line } => write!(f, "plugin {} says: {}", plugin.0, line.text),
-            Self::Operator { act } => write!(f, "operator: {act:?}"),
-            Self::Late { seconds } => write!(f, "woke {seconds:.3} s late"),
+            N::PluginRestarted { plugin } => write!(f, "{} works again", who(plugin)),
+            N::PluginLog { plugin, line } => write!(f, "{} says: {}", who(plugin), line.text),
+            N::Operator { act } => write!(f, "operator: {act:?}"),
+            N::Late { seconds } => write!(f, "woke {seconds:.3} s late"),
         }
     }
 }
 
-fn write_transition(f: &mut fmt::Formatter<'_>, transition: &Transition) -> fmt::Result {
+fn write_transition(f: &mut fmt::Formatter<'_>, transition: &Transition, who: &Who<'_>) -> fmt::Result {
     let Transition {
         request,
-        plugin,
+        plugin: _,
         tag,
         kind,
         identifier,
         state,
     } = transition;
-    write!(f, "{kind:?} {request} (plugin {}, tag {tag}", plugin.0)?;
+    write!(f, "{kind:?} {request} ({who}, tag {tag}")?;
     if let Some(identifier) = identifier {
         write!(f, ", identifier {identifier}")?;
     }

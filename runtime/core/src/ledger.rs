@@ -201,13 +201,12 @@ impl Ledger {
             identifier: entry.identifier.map(BehaviorId::get),
             state: to,
         };
-        if is_end(&transition.state) {
-            if let Some(entry) = self.open.remove(&request)
-                && transition.state == RequestState::TimedOut
-                && entry.is_open_insert()
-            {
-                self.doubtful.insert(request, entry);
-            }
+        if is_end(&transition.state)
+            && let Some(entry) = self.open.remove(&request)
+            && transition.state == RequestState::TimedOut
+            && entry.is_open_insert()
+        {
+            self.doubtful.insert(request, entry);
         }
         Some(transition)
     }

@@ -117,9 +117,12 @@ fn judge_maximum(report: &mut Report, expect: &MaximumExpectation, trace: &Trace
         report.unmet.push("the world has no field with a maximum".to_owned());
         return;
     };
-    let centre = trace.inserts.iter().rev().find_map(|insert| match insert {
-        ToVehicle::Trackcircle(circle) => Some(circle.centre),
-        _ => None,
+    let centre = trace.inserts.iter().rev().find_map(|insert| {
+        if let ToVehicle::Trackcircle(circle) = insert {
+            Some(circle.centre)
+        } else {
+            None
+        }
     });
     let Some(centre) = centre else {
         report.unmet.push("no circle was sent".to_owned());

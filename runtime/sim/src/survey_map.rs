@@ -186,14 +186,16 @@ fn plan(mvc: &Mvc) -> Vec<Position> {
 }
 
 fn insert_shape(insert: &ToVehicle, frame: &LocalFrame) -> Option<Shape> {
-    match insert {
-        ToVehicle::Trackline(line) => Some(Shape::Line(frame.to_local(line.start), frame.to_local(line.end))),
-        ToVehicle::Trackcircle(circle) => Some(Shape::Circle {
-            centre: frame.to_local(circle.centre),
-            radius_m: circle.radius_m,
-        }),
-        _ => None,
+    if let ToVehicle::Trackline(line) = insert {
+        return Some(Shape::Line(frame.to_local(line.start), frame.to_local(line.end)));
     }
+    let ToVehicle::Trackcircle(circle) = insert else {
+        return None;
+    };
+    Some(Shape::Circle {
+        centre: frame.to_local(circle.centre),
+        radius_m: circle.radius_m,
+    })
 }
 
 /// Rules that speak of a place; what was rejected for want of control or by a cap has none.

@@ -57,7 +57,7 @@ fn flies(mission: &Mission, path: &Path) -> Log {
     let report = report.json();
     assert_eq!(report["violations"].as_array().map(Vec::len), Some(0), "{report}");
     assert_eq!(report["outcome"], "completed", "{report}");
-    read(path).unwrap()
+    read(path).expect("the log can be read")
 }
 
 /// The sentences that steer, with the times when they were sent.
@@ -205,30 +205,28 @@ fn the_lease_of_a_plugin_that_fails_ends_at_once_and_the_next_one_steers() {
 }
 
 #[test]
-fn a_stale_request_ends_at_the_missions_longest_term() {
+fn what_should_stand_for_a_year_is_rejected_and_the_silent_plugins_lease_ends() {
     let mission = Mission::steady()
-        .edit("mission.toml", "fault = \"none\"", "fault = \"stale\"")
+        .edit("mission.toml", "fault = \"none\"", "fault = \"stale\"\nafter_s = 10.0")
         .edit("mission.toml", "[limits]", "[limits]\nmodify_term_max_s = 30.0");
-    let path = mission.beside("run.mcap");
-    let log = flies(&mission, &path);
-    let modifies: Vec<f64> = sent(&log)
-        .into_iter()
-        .filter(|(_, sentence)| sentence.starts_with("$BPRMB,"))
-        .map(|(at_s, _)| at_s)
-        .collect();
-    if let (Some(first), Some(last)) = (modifies.first(), modifies.last()) {
-        assert!(last - first <= 30.0, "a year's modify stood for {:.1} s", last - first);
-    }
-    let notes: Vec<&str> = log
+    let log = flies(&mission, &mission.beside("run.mcap"));
+    let year = log
         .notes()
-        .map(|(_, note)| note)
-        .filter(|note| note.contains("Modify"))
-        .collect();
+        .find(|(_, note)| note.contains("rejected: ") && note.contains("at most 30 s"));
+    let silent_s = year.expect("a year is over the mission's 30 s").0.as_secs_f64();
+    let sent = sent(&log);
+    let modifies = |from_s: f64, to_s: f64| {
+        let within = |at_s: f64| at_s > from_s && at_s <= to_s;
+        let is = |(at_s, sentence): &&(f64, String)| within(*at_s) && sentence.starts_with("$BPRMB,");
+        sent.iter().filter(is).count()
+    };
+    assert!(modifies(0.0, silent_s) > 3, "it steered before");
+    // The last one that it was granted stands for 5 s.
+    assert_eq!(modifies(silent_s + 5.0, f64::MAX), 0);
+    let ended = sent.iter().rfind(|(_, sentence)| sentence.starts_with("$BPEMB,"));
     assert!(
-        notes
-            .iter()
-            .any(|note| note.contains("rejected: ") || note.contains("ended: ")),
-        "{notes:?}"
+        ended.is_some_and(|(at_s, _)| *at_s > silent_s && *at_s <= silent_s + 5.1),
+        "{ended:?} after {silent_s}"
     );
 }
 

@@ -73,9 +73,11 @@ fn what_crosses_the_fence_is_rejected_with_edge_and_metres_and_never_sent() {
         0,
         "none has been sent"
     );
-    let farthest = log.entries.iter().filter_map(|entry| match &entry.record {
-        Record::Truth(truth) => truth["local"]["north_m"].as_f64(),
-        _ => None,
+    let farthest = log.entries.iter().filter_map(|entry| {
+        let Record::Truth(truth) = &entry.record else {
+            return None;
+        };
+        truth["local"]["north_m"].as_f64()
     });
     let farthest = farthest.fold(f64::MIN, f64::max);
     assert!(

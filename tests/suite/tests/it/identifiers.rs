@@ -19,11 +19,8 @@ fn inserting() -> Mission {
 }
 
 fn recorded(mission: &Mission) -> u32 {
-    std::fs::read_to_string(mission.beside("state/identifiers"))
-        .unwrap()
-        .trim()
-        .parse()
-        .unwrap()
+    let text = std::fs::read_to_string(mission.beside("state/identifiers")).expect("there is a record");
+    text.trim().parse().expect("it is a number")
 }
 
 #[test]

@@ -15,8 +15,8 @@ const LAPSES_WITHIN_S: f64 = 5.2;
 
 /// Another client that only listens to navigation, so that the log shows where the vehicle goes.
 fn watch(vehicle: &Vehicle) {
-    let mut stream = TcpStream::connect(&vehicle.address).unwrap();
-    stream.write_all(b"$BPLOG,NVG,ON\n").unwrap();
+    let mut stream = TcpStream::connect(&vehicle.address).expect("the vehicle listens");
+    stream.write_all(b"$BPLOG,NVG,ON\n").expect("the connection is new");
     thread::spawn(move || {
         let mut buffer = [0; 4096];
         while stream.read(&mut buffer).is_ok_and(|read| read > 0) {}
@@ -30,14 +30,14 @@ fn headings(vehicle: &Vehicle) -> Vec<(f64, f64)> {
         .lines()
         .into_iter()
         .filter(told)
-        .map(|line| (line.at_s, line.field(9).parse().unwrap()))
+        .map(|line| (line.at_s, line.field(9).parse().expect("a heading is a number")))
         .collect()
 }
 
 /// Seconds of the day of a sentence's own time.
 fn created_s(line: &Line) -> f64 {
     let time = line.field(1);
-    let part = |range: std::ops::Range<usize>| time[range].parse::<f64>().unwrap();
+    let part = |range: std::ops::Range<usize>| time[range].parse::<f64>().expect("a time is digits");
     part(0..2) * 3600.0 + part(2..4) * 60.0 + part(4..time.len())
 }
 

@@ -15,7 +15,7 @@ fn log_of(mission: &Mission, seed: &str) -> Log {
         .mission(mission)
         .run();
     assert_eq!(report.code, Some(0), "{report}");
-    read(&path).unwrap()
+    read(&path).expect("the log can be read")
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use backseat_units::Timestamp;
 use socket2::SockRef;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
 /// Unacknowledged data older than this ends the connection.
@@ -53,9 +54,18 @@ impl Link {
         self.pending_since = None;
     }
 
-    /// Closes in order: what was written is delivered.
-    pub(crate) fn close(&mut self) {
-        self.stream = None;
+    /// Closes in order: what was written is delivered. Reads on until the other side has closed too, for `within` at
+    /// most, because closing with something unread would reset the connection and what is under way with it.
+    pub(crate) async fn close(&mut self, within: Duration) {
+        let Some(mut stream) = self.stream.take() else { return };
+        let farewell = async {
+            let mut rest = [0; 4096];
+            stream.shutdown().await?;
+            while stream.read(&mut rest).await? > 0 {}
+            io::Result::Ok(())
+        };
+        // Late or broken, the connection is gone all the same.
+        let _ended = tokio::time::timeout(within, farewell).await;
     }
 
     /// Writes at once what can be written; the rest waits, for [`WRITE_WITHIN`] at most.

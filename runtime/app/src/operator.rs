@@ -1,4 +1,4 @@
-//! The operator's signals: SIGUSR1 holds, SIGUSR2 releases, SIGINT and SIGTERM stop.
+//! The operator's signals: SIGUSR1 holds, SIGUSR2 releases; SIGINT, SIGTERM and SIGHUP (the terminal is gone) stop.
 
 use std::io;
 
@@ -10,6 +10,7 @@ pub(crate) struct Signals {
     release: Signal,
     interrupt: Signal,
     terminate: Signal,
+    hang_up: Signal,
 }
 
 impl Signals {
@@ -19,6 +20,7 @@ impl Signals {
             release: signal(SignalKind::user_defined2())?,
             interrupt: signal(SignalKind::interrupt())?,
             terminate: signal(SignalKind::terminate())?,
+            hang_up: signal(SignalKind::hangup())?,
         })
     }
 
@@ -28,6 +30,7 @@ impl Signals {
             _ = self.release.recv() => Operator::Release,
             _ = self.interrupt.recv() => Operator::Stop,
             _ = self.terminate.recv() => Operator::Stop,
+            _ = self.hang_up.recv() => Operator::Stop,
         }
     }
 }

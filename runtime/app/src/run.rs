@@ -364,7 +364,7 @@ impl Driver {
                 return;
             }
         }
-        self.link.close();
+        self.link.close(FAREWELL).await;
     }
 
     fn record(

@@ -352,7 +352,6 @@ proptest! {
         let mut trial = start();
         play(&mut trial, acts);
         ledger_is_consistent(&trial);
-        eprintln!("STAT {} {} {} {}", trial.sent("RMB").len(), trial.sent("RTK").len()+trial.sent("RTC").len(), trial.sent("RCN").len(), trial.now);
         it_recovers(&mut trial);
         ledger_is_consistent(&trial);
     }

@@ -12,26 +12,28 @@ const HALF_A_DAY_NANOS: i64 = 43_200_000_000_000;
 /// vehicle's at its writing is the offset plus the delay on the way. The smallest seen is the best, so an age counted
 /// through it shows the delay of a message that was held up, which its arrival alone hides. The smallest is let rise
 /// by the drift of the clocks.
+///
+/// Times of day have no date. Offsets are brought within half a day of the first one and then compared as numbers: half
+/// a day between the clocks, where a little jitter turns the sign, then does no harm, and timestamps that are wrong by
+/// hours can only make things look older, however many follow each other.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct VehicleClock {
     smallest: Option<(i64, Timestamp)>,
+    first: Option<i64>,
 }
 
 impl VehicleClock {
     /// A timestamp that arrived now. `utc` is ours.
     pub(crate) fn observe(&mut self, now: Timestamp, utc: Utc, written: TimeOfDay) {
-        let offset = utc.time_of_day().nanos_since(written);
-        // Where the clocks lie half a day apart, offsets a little apart have either sign: they are compared the short way.
-        let smallest = match self.offset_nanos(now) {
-            Some(smallest) if within_half_a_day(offset - smallest) >= 0 => smallest,
-            Some(_) | None => offset,
-        };
+        let offset = self.offset_of(utc, written);
+        self.first.get_or_insert(offset);
+        let smallest = self.offset_nanos(now).map_or(offset, |smallest| smallest.min(offset));
         self.smallest = Some((smallest, now));
     }
 
     /// How old a thing of the vehicle's time `written` is now; `None` before the first timestamp.
     pub(crate) fn age(&self, now: Timestamp, utc: Utc, written: TimeOfDay) -> Option<Duration> {
-        let nanos = within_half_a_day(utc.time_of_day().nanos_since(written) - self.offset_nanos(now)?);
+        let nanos = self.offset_of(utc, written) - self.offset_nanos(now)?;
         Some(Duration::from_nanos(u64::try_from(nanos).unwrap_or(0)))
     }
 
@@ -40,6 +42,15 @@ impl VehicleClock {
         let (offset, at) = self.smallest?;
         let elapsed_s = i64::try_from(now.since(at).as_nanos() / 1_000_000).unwrap_or(i64::MAX) as f64 / 1e3;
         Some(offset.saturating_add((elapsed_s * DRIFT_NANOS_PER_SECOND as f64) as i64))
+    }
+}
+
+impl VehicleClock {
+    /// What a timestamp says of the offset, nanoseconds, the first one's day kept.
+    fn offset_of(&self, utc: Utc, written: TimeOfDay) -> i64 {
+        let offset = utc.time_of_day().nanos_since(written);
+        self.first
+            .map_or(offset, |first| first + within_half_a_day(offset - first))
     }
 }
 
@@ -74,6 +85,22 @@ mod tests {
             assert!(
                 age.abs_diff(Duration::from_secs(25 - second)) < Duration::from_millis(5),
                 "{age:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn timestamps_that_are_wrong_by_hours_make_nothing_look_younger() {
+        let mut clock = VehicleClock::default();
+        let utc = START + Duration::from_secs(60);
+        let now = Timestamp::from_secs(60);
+        clock.observe(Timestamp::ZERO, START, vehicle(0));
+        for hours in [5, 10, 15, 20, 25, 30] {
+            clock.observe(now, utc, vehicle(60 + hours * 3600));
+            clock.observe(now, utc, vehicle(50));
+            assert!(
+                clock.age(now, utc, vehicle(50)).unwrap() > Duration::from_secs(9),
+                "{hours} h"
             );
         }
     }

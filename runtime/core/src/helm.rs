@@ -249,6 +249,11 @@ impl Core {
                 route.to.push(self.envelope.ends(&insert).0.point());
             }
         }
+        // An insert that is not ours may be the one that is flown.
+        let others = self
+            .plan
+            .others(|identifier| self.sent_identifiers.contains(&identifier));
+        route.legs.extend(others.flat_map(|(_, element)| element.legs()));
         if !flying {
             route
                 .legs

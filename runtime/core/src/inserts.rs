@@ -1,6 +1,8 @@
 //! Inserts: tracklines and trackcircles that the vehicle flies by itself once it has accepted them (SPI 7.5, 7.6), and
 //! their cancelling (7.8). Safety requirements 002, 009, 019.
 
+use std::collections::BTreeSet;
+
 use backseat_spi::{BehaviorId, CancelBehavior, Interrupt, SpeedMode, ToVehicle, Trackcircle, Trackline, VerticalMode};
 
 use crate::commands::{Command, FIRST_WITHIN, Purpose};
@@ -72,7 +74,7 @@ impl Core {
             ));
         }
         let limits = self.envelope.limits();
-        if self.ledger.open_inserts() >= limits.inserts_open_max {
+        if self.ledger.open_inserts() + self.inherited() >= limits.inserts_open_max {
             return Err(refused(
                 "cap",
                 &format!("{} inserts are open, the most there may be", limits.inserts_open_max),
@@ -188,6 +190,7 @@ impl Core {
             return self.reject(request, refused("control", "it could not be sent"));
         }
         self.inserts_sent += 1;
+        self.sent_identifiers.insert(identifier);
         if let Some(entry) = self.ledger.get_mut(request) {
             entry.identifier = Some(identifier);
             entry.insert = Some(insert);
@@ -361,6 +364,20 @@ impl Core {
             .collect()
     }
 
+    /// How many inserts of the plan an earlier process of ours has left: they count under the cap (safety requirements
+    /// 007 and 019).
+    fn inherited(&self) -> u32 {
+        let own = self.start.identifiers.map_or(0, |identifiers| identifiers.next);
+        let others = self
+            .plan
+            .others(|identifier| self.sent_identifiers.contains(&identifier));
+        let inherited: BTreeSet<BehaviorId> = others
+            .map(|(identifier, _)| identifier)
+            .filter(|identifier| identifier.get() < own)
+            .collect();
+        u32::try_from(inherited.len()).unwrap_or(u32::MAX)
+    }
+
     fn open_insert(&self, plugin: PluginId, tag: u64) -> Option<u64> {
         self.ledger
             .iter()
@@ -392,6 +409,11 @@ impl Core {
             route.from.push(self.envelope.ends(last).1);
         } else {
             route.from.extend(self.plan.current().map(Element::last).map(End::At));
+            // Inserts that are not ours come before it too (SPI 7.5: appended at the end of the set).
+            let others = self
+                .plan
+                .others(|identifier| self.sent_identifiers.contains(&identifier));
+            route.from.extend(others.map(|(_, element)| End::At(element.last())));
             if route.from.is_empty() {
                 route.from.extend(here);
             }

@@ -1,8 +1,8 @@
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
-use backseat_spi::{Framer, Policy, ToVehicle};
+use backseat_spi::{BehaviorId, Framer, Policy, ToVehicle};
 use backseat_units::{Timestamp, Utc};
 
 use crate::commands::{Command, Commands};
@@ -56,6 +56,8 @@ pub struct Core {
     /// When the last BPRMB left, of any lease.
     pub(crate) modify_sent: Option<Timestamp>,
     pub(crate) inserts_sent: u32,
+    /// Of this process; the mission caps their number.
+    pub(crate) sent_identifiers: BTreeSet<BehaviorId>,
     pub(crate) reserve_asked: bool,
 }
 
@@ -89,6 +91,7 @@ impl Core {
             late_count: 0,
             modify_sent: None,
             inserts_sent: 0,
+            sent_identifiers: BTreeSet::new(),
             reserve_asked: false,
         };
         core.outputs.push_back(Output::Connect { after: Duration::ZERO });

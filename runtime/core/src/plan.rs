@@ -114,6 +114,19 @@ impl Plan {
             .any(|element| element.identifier == Some(identifier))
     }
 
+    /// Inserts that are in the plan and not known to be ours: an earlier process's, or another payload's.
+    pub(crate) fn others(&self, is_ours: impl Fn(BehaviorId) -> bool) -> impl Iterator<Item = (BehaviorId, &Element)> {
+        self.elements.iter().filter_map(move |element| {
+            let identifier = element.identifier?;
+            (!is_ours(identifier)).then_some((identifier, element))
+        })
+    }
+
+    /// An insert is over: the vehicle will not fly it again.
+    pub(crate) fn ended(&mut self, identifier: BehaviorId) {
+        self.elements.retain(|element| element.identifier != Some(identifier));
+    }
+
     /// The front seat's own elements.
     fn planned(&self) -> impl Iterator<Item = &Element> {
         self.elements.iter().filter(|element| element.identifier.is_none())

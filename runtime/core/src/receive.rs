@@ -179,6 +179,7 @@ impl Core {
         });
         self.end_lease("a behaviour ended under it");
         if let Some(identifier) = message.identifier {
+            self.plan.ended(identifier);
             self.ledger.settle_doubt_of(identifier);
         }
         let mut own = None;

@@ -5,7 +5,7 @@ use backseat_core::plugin::Request;
 use backseat_units::{EastNorth, Timestamp};
 
 use crate::course::modify;
-use crate::trial::Trial;
+use crate::trial::{Seen, Trial};
 
 const HOUR_NANOS: i64 = 3_600_000_000_000;
 
@@ -37,6 +37,35 @@ fn sr_008_messages_that_keep_coming_with_a_frozen_solution_are_stale() {
     trial.vehicle.frozen = None;
     trial.run_for(1.0);
     assert!(trial.core.has_control());
+}
+
+#[test]
+fn sr_008_a_frozen_solution_is_silence_and_the_connection_is_reset() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.frozen = Some(trial.now);
+    trial.run_for(15.5);
+    assert!(trial.seen.iter().any(|(_, seen)| *seen == Seen::Reset));
+}
+
+#[test]
+fn sr_008_timestamps_that_are_wrong_by_hours_never_make_old_navigation_fresh() {
+    let mut trial = Trial::under_way();
+    let ack = |clock: backseat_units::TimeOfDay, hours: u64| -> backseat_spi::FromVehicle {
+        backseat_spi::BackseatControl {
+            created: clock + Duration::from_secs(hours * 3600),
+            granted: true,
+        }
+        .into()
+    };
+    trial.delay = Duration::from_millis(1700);
+    for hours in [5, 10, 15, 20] {
+        let clock = trial.vehicle.clock(trial.now);
+        trial.hear_now([ack(clock, hours)]);
+    }
+    insist(&mut trial);
+    // The judge of the trial, which knows true time, sees every sentence.
+    trial.run_for(8.0);
+    assert!(!trial.core.is_steering());
 }
 
 #[test]

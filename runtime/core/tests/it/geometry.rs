@@ -195,6 +195,17 @@ fn sr_002_the_way_back_from_a_modify_to_the_plan_is_checked() {
 }
 
 #[test]
+fn sr_002_the_way_back_from_a_modify_to_any_part_of_the_planned_leg_is_checked() {
+    // Here the way to the next waypoint is free, and that to the western part of the current leg is barred.
+    let mut trial = Trial::new();
+    trial.vehicle.start = EastNorth::new(600.0, -1500.0);
+    trial.run_for(2.0);
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(0.5);
+    names_edge_and_metres(&trial.rejection(1), "inside exclusion 'wreck'");
+}
+
+#[test]
 fn the_answer_that_plugins_get_for_their_question_is_the_judgement_of_the_geometry() {
     let mut trial = Trial::under_way();
     let envelope = crate::course::envelope(limits());
@@ -209,5 +220,5 @@ fn the_answer_that_plugins_get_for_their_question_is_the_judgement_of_the_geomet
         Request::Trackline(line(1, (0.0, 500.0), (2500.0, 500.0))),
         1,
     );
-    assert_eq!(text, refusal.text);
+    assert_eq!(text, format!("inclusion: {}", refusal.text));
 }

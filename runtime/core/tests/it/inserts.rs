@@ -257,6 +257,51 @@ fn sr_009_a_restarted_process_begins_after_what_was_reserved_and_without_state_s
 }
 
 #[test]
+fn sr_019_what_a_killed_process_left_in_the_vehicles_plan_counts_under_the_cap_until_it_is_flown() {
+    let setup = Setup::default();
+    let start = Start {
+        identifiers: Some(Identifiers { next: 10, reserved: 10 }),
+        ..setup.start
+    };
+    let limits = Limits {
+        inserts_open_max: 2,
+        ..setup.limits.clone()
+    };
+    let mut trial = Trial::with(Setup { start, limits, ..setup });
+    trial.vehicle.inserted.extend([7, 8]);
+    trial.run_for(2.0);
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(0.5);
+    assert!(
+        trial.rejection(1).contains("cap: 2 inserts are open"),
+        "{}",
+        trial.rejection(1)
+    );
+    begin(&mut trial, 7);
+    end(&mut trial, 7);
+    trial.ask(0, [good_line(2)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
+}
+
+#[test]
+fn sr_002_the_transit_from_an_insert_that_is_not_ours_is_judged() {
+    let mut trial = Trial::under_way();
+    let good = || Request::Trackline(line(1, (0.0, 500.0), (300.0, 500.0)));
+    trial.ask(0, [good()]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "alone it is good");
+
+    let mut trial = Trial::new();
+    // Another payload's insert ends outside the fence: the way from there to ours would lead through its edge.
+    trial.vehicle.others.push((4_000_000, (1e4, 1e4)));
+    trial.run_for(2.0);
+    trial.ask(0, [good()]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(1).starts_with("inclusion: "), "{}", trial.rejection(1));
+}
+
+#[test]
 fn sr_019_the_open_inserts_are_capped_in_number() {
     let mut trial = Trial::under_way();
     trial.ask(0, (1..=5).map(good_line));

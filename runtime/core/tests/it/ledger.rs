@@ -76,3 +76,19 @@ fn a_plan_that_the_vehicle_does_not_follow_is_asked_for_anew() {
     trial.run_for(1.0);
     assert_eq!(trial.commands("RMP").len(), asked + 1);
 }
+
+#[test]
+fn sr_002_a_plan_whose_series_ended_in_a_refusal_is_not_taken_for_whole() {
+    let mut trial = Trial::new();
+    trial.vehicle.replies.insert("RMP", Reply::Silent);
+    trial.run_for(1.0);
+    let asked = trial.commands("RMP").pop().unwrap().1.created().unwrap();
+    let now = trial.now;
+    trial.vehicle.acknowledge(now, ("RMP", asked, None, AckStatus::Pending));
+    trial.vehicle.say_plan(now);
+    trial.vehicle.acknowledge(now, ("RMP", asked, None, AckStatus::Failed));
+    trial.run_for(0.5);
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(1).contains("plan is not known"));
+}

@@ -47,6 +47,8 @@ pub(crate) struct Vehicle {
     pub(crate) replies: BTreeMap<&'static str, Reply>,
     /// Our inserts that its plan names.
     pub(crate) inserted: BTreeSet<u32>,
+    /// Another payload's inserts that its plan names, with the place where each ends.
+    pub(crate) others: Vec<(u32, (f64, f64))>,
     pub(crate) subscribed: BTreeSet<String>,
     /// Subscriptions that it does not hear, so often.
     pub(crate) deaf_to_subscriptions: u32,
@@ -72,6 +74,7 @@ impl Vehicle {
             status: "Running",
             replies: BTreeMap::new(),
             inserted: BTreeSet::new(),
+            others: Vec::new(),
             subscribed: BTreeSet::new(),
             deaf_to_subscriptions: 0,
             due: Vec::new(),
@@ -287,6 +290,9 @@ impl Vehicle {
         }
         for identifier in self.inserted.clone() {
             self.say_element(at, None, Some(identifier), 0, (0.0, 500.0));
+        }
+        for (identifier, place) in self.others.clone() {
+            self.say_element(at, None, Some(identifier), 0, place);
         }
     }
 

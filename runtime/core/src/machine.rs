@@ -266,6 +266,9 @@ impl Core {
 
     /// Control is gained and lost by what has become known: tells of it and ends the lease.
     pub(crate) fn settle_control(&mut self) {
+        if self.tracker.fresh(self.now).is_none() {
+            self.tracker.unsettle();
+        }
         let lost = self.lost_because();
         let granted = lost.is_none();
         if granted != self.granted {

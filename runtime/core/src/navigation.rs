@@ -165,6 +165,12 @@ impl Tracker {
         (now.since(sample.solution) <= self.age_max).then_some(sample)
     }
 
+    /// Navigation is stale: what comes after it must be steady again before it counts, or control would come and go
+    /// with every sample of a navigation that is just as old as may be.
+    pub(crate) fn unsettle(&mut self) {
+        self.steady_since = None;
+    }
+
     /// When the newest sample will have become stale.
     pub(crate) fn stale_at(&self) -> Option<Timestamp> {
         self.newest()

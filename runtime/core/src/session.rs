@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use backseat_spi::{CommandName, LoggingControl, PayloadStatus, PayloadVersion, RequestPlan, Text, ToVehicle};
+use backseat_units::Timestamp;
 
 use crate::commands::{Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
 use crate::conductor::Slot;
@@ -19,6 +20,9 @@ const VERSION: &str = "1.12";
 const SILENT: Duration = Duration::from_secs(5);
 /// Nothing for this many times in a row, and the connection is reset.
 const SILENCES_MAX: u32 = 3;
+/// Navigation comes, and all of it is old: after this long the clocks are learnt anew on a new connection. The vehicle's
+/// clock has been set back, by a leap second or a GPS fix, or what we read has been held up ever since.
+const OLD_FOR: Duration = Duration::from_secs(30);
 const PLAN_RETRY: Duration = Duration::from_secs(5);
 const STATUS_EVERY: Duration = Duration::from_secs(10);
 const RETRY_MIN_S: f64 = 0.5;
@@ -39,6 +43,8 @@ pub(crate) struct Session {
     wants_ctd: bool,
     confirmed: [bool; SUBSCRIPTIONS.len()],
     malformed: u64,
+    /// Since when navigation has come and been old.
+    old_since: Option<Timestamp>,
 }
 
 impl Session {
@@ -50,6 +56,7 @@ impl Session {
             wants_ctd: plugins.iter().any(|slot| slot.wants(Topic::Ctd)),
             confirmed: [false; SUBSCRIPTIONS.len()],
             malformed: 0,
+            old_since: None,
         }
     }
 
@@ -89,6 +96,7 @@ impl Core {
         self.session.up = true;
         self.session.silences = 0;
         self.session.malformed = 0;
+        self.session.old_since = None;
         self.session.confirmed = [false; SUBSCRIPTIONS.len()];
         self.note(Note::LinkUp);
         let created = self.stamper.stamp(self.now, "VER");
@@ -225,6 +233,17 @@ impl Core {
     pub(crate) fn navigation_came(&mut self) {
         self.session.heard_navigation();
         self.timers.set(Timer::Silence, self.now + SILENT);
+        if self.tracker.fresh(self.now).is_some() && self.tracker.steady(self.now) {
+            self.session.old_since = None;
+            return;
+        }
+        let since = *self.session.old_since.get_or_insert(self.now);
+        if self.now.since(since) >= OLD_FOR {
+            self.session.old_since = None;
+            let text = "navigation has come old for 30 s: the connection is reset and the clocks are learnt anew";
+            self.note(Note::Text { text: text.to_owned() });
+            self.outputs.push_back(Output::ResetLink);
+        }
     }
 
     /// Keep-alive is by navigation, never by acknowledgements.

@@ -7,7 +7,7 @@ use std::pin::Pin;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use backseat_core::{Core, Input, Operator, Output, Start};
+use backseat_core::{Core, Grant, Input, Operator, Output, Start};
 use backseat_mission::Mission;
 use backseat_plugin_host::Host;
 use backseat_recorder::{Header, Rate, Recorder};
@@ -40,7 +40,12 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let identifiers = state.identifiers(arguments.first_identifier)?;
     let clock = Clock::start();
     let mut recorder = open_log(&arguments.log, &mission, &loaded.components, &clock)?;
-    if identifiers.is_none() {
+    let inserts = mission
+        .file
+        .plugins
+        .iter()
+        .any(|plugin| plugin.grants.contains(&Grant::Insert));
+    if identifiers.is_none() && inserts {
         info!(
             "no record of SPI identifiers at {}: tracklines and circles are off; begin one with --first-identifier N",
             state.identifiers_path().display()

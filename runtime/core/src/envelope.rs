@@ -245,7 +245,12 @@ impl Envelope {
             }
         };
         let ends = self.ends(insert);
-        let extent = self.extent(insert.vertical, depth, lock, ends.0.point(), reach_m + strayed_m)?;
+        let to_it = route.from.iter().map(|from| farthest_m(*from, ends.0));
+        let from_it = route.to.iter().map(|to| farthest_m(ends.1, End::At(*to)));
+        let ways_m = to_it.chain(from_it).fold(0.0, f64::max);
+        // What a bottom lock tells must hold for the ways too.
+        let reach_m = reach_m + ways_m + strayed_m;
+        let extent = self.extent(insert.vertical, depth, lock, ends.0.point(), reach_m)?;
         let mut least_m = self.sweep(shape, strayed_m, &extent)?;
         for from in &route.from {
             least_m = least_m.min(self.way(*from, ends.0, strayed_m, &extent)?);

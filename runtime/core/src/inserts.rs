@@ -405,7 +405,12 @@ impl Core {
             route
                 .to
                 .extend(chain.iter().map(|(_, insert, _)| self.envelope.ends(insert).0.point()));
-        } else if let Some((_, last, _)) = chain.last() {
+            return route;
+        }
+        // One that was not answered may be flown before this one all the same.
+        let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
+        route.from.extend(doubtful.map(|insert| self.envelope.ends(&insert).1));
+        if let Some((_, last, _)) = chain.last() {
             route.from.push(self.envelope.ends(last).1);
         } else {
             route.from.extend(self.plan.current().map(Element::last).map(End::At));

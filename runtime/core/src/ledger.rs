@@ -153,6 +153,11 @@ impl Ledger {
             .chain(self.doubtful.values())
     }
 
+    /// The inserts that ended without the vehicle's word.
+    pub(crate) fn doubtful(&self) -> impl Iterator<Item = &Entry> + '_ {
+        self.doubtful.values()
+    }
+
     /// The vehicle has said that it no longer has this insert, which had ended without its word.
     pub(crate) fn settle_doubt(&mut self, request: u64) {
         self.doubtful.remove(&request);

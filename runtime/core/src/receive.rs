@@ -131,8 +131,10 @@ impl Core {
                 self.ask_for_plan();
             } else {
                 self.end_lease("the mission is not running");
-                self.end_inserts("the mission is not running");
             }
+        }
+        if is_over(message.status.as_str()) {
+            self.end_inserts("the mission is over");
         }
         if self.settings.control == ControlHook::Running {
             self.handed_over = Some(running);
@@ -321,4 +323,19 @@ impl Core {
             Purpose::Courtesy => {}
         }
     }
+}
+
+/// Whether a mission status says that nothing of the mission is flown any more. Others, junk among them, take control
+/// but leave the inserts open: the vehicle may fly them yet. The words are those of SPI 6.11.
+fn is_over(status: &str) -> bool {
+    let over = [
+        "Offline",
+        "Waiting",
+        "Invalid",
+        "Ready",
+        "Completed",
+        "Aborted",
+        "Stopped",
+    ];
+    over.iter().any(|word| status.starts_with(word))
 }

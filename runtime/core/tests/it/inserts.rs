@@ -285,6 +285,38 @@ fn sr_019_what_a_killed_process_left_in_the_vehicles_plan_counts_under_the_cap_u
 }
 
 #[test]
+fn sr_009_a_mission_status_of_no_meaning_takes_control_and_leaves_the_inserts_open() {
+    let mut trial = accepted();
+    let now = trial.now;
+    trial.vehicle.set_status(now, " ");
+    trial.run_for(0.5);
+    assert!(!trial.core.has_control());
+    assert_eq!(trial.core.open_requests(), 1, "the vehicle may fly it yet");
+    let now = trial.now;
+    trial.vehicle.set_status(now, "Completed");
+    trial.run_for(0.5);
+    assert_eq!(trial.core.open_requests(), 0);
+}
+
+#[test]
+fn sr_002_the_transit_from_an_insert_that_was_not_answered_is_judged() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.replies.insert("RTK", Reply::Silent);
+    trial.vehicle.replies.insert("RCN", Reply::Refuse);
+    trial.ask(0, [Request::Trackline(line(1, (600.0, -300.0), (900.0, -1000.0)))]);
+    trial.run_for(4.0);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
+    // The way from its end leads over the wreck, the way from the planned leg's end does not.
+    trial.ask(0, [Request::Trackline(line(2, (-600.0, -1000.0), (-600.0, -300.0)))]);
+    trial.run_for(0.5);
+    assert!(
+        trial.rejection(2).contains("inside exclusion 'wreck'"),
+        "{:?}",
+        trial.states(2)
+    );
+}
+
+#[test]
 fn sr_002_the_transit_from_an_insert_that_is_not_ours_is_judged() {
     let mut trial = Trial::under_way();
     let good = || Request::Trackline(line(1, (0.0, 500.0), (300.0, 500.0)));

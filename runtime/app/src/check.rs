@@ -1,9 +1,10 @@
 use anyhow::Result;
 use backseat_core::plugin::Topic;
-use backseat_fence::Kind;
+use backseat_fence::{Breach, Fence, Kind, Shape, Sweep, VerticalExtent};
 use backseat_mission::Mission;
 use backseat_plugin_host::Host;
 use backseat_sim::load_plugins;
+use backseat_units::EastNorth;
 
 use crate::cli::Check;
 use crate::output::say;
@@ -46,6 +47,13 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         );
     }
     let mut good = true;
+    for table in mission.file.plugins.iter().filter(|table| table.grants.is_empty()) {
+        say!(
+            "plugin {}: it is granted nothing, so every request of it will be rejected",
+            table.name
+        );
+        good = false;
+    }
     match &mission.world {
         None => say!("no world.toml: this mission cannot be simulated"),
         Some(world) => {
@@ -53,19 +61,30 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             let frame = mission.envelope.fence().frame();
             let mut outside = 0;
             let legs = vehicle.plan_points();
-            for (number, position) in &legs {
-                if let Err(breach) = mission.envelope.fence().contains(frame.to_local(*position)) {
-                    say!("plan element {}: {breach}", number.unwrap_or(0));
-                    outside += 1;
-                }
-            }
-            let start = vehicle.truth().position;
-            if let Err(breach) = mission.envelope.fence().contains(frame.to_local(start)) {
+            let mut from = frame.to_local(vehicle.truth().position);
+            if let Err(breach) = mission.envelope.fence().contains(from) {
                 say!("start: {breach}");
                 outside += 1;
             }
+            for (number, position) in &legs {
+                let to = frame.to_local(*position);
+                let entry = number.and_then(|number| world.plan.get(number as usize - 1));
+                if let Err(breach) = check_leg(
+                    mission.envelope.fence(),
+                    from,
+                    to,
+                    entry.and_then(|entry| entry.depth_m),
+                ) {
+                    say!("plan element {}: {breach}", number.unwrap_or(0));
+                    outside += 1;
+                }
+                from = to;
+            }
             if outside == 0 {
-                say!("plan: start and all {} points lie inside the fence", legs.len());
+                say!(
+                    "plan: start, all {} points and the ways between them lie inside the fence",
+                    legs.len()
+                );
             } else {
                 good = false;
             }
@@ -73,6 +92,28 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     }
     say!("{}", if good { "ready" } else { "not ready" });
     Ok(good)
+}
+
+/// A leg of the front seat's plan, with the zone's margin; its depth where the plan gives one. What its altitude is, no
+/// file tells.
+fn check_leg(fence: &Fence, from: EastNorth, to: EastNorth, depth_m: Option<f64>) -> Result<(), Breach> {
+    let Some(depth_m) = depth_m else {
+        return fence.contains(to).map(|_| ());
+    };
+    let extent = VerticalExtent {
+        depth_min_m: depth_m,
+        depth_max_m: depth_m,
+        altitude_min_m: 1e6,
+    };
+    fence
+        .check(
+            &Sweep {
+                shape: Shape::leg(from, to),
+                radius_m: 0.0,
+            },
+            &extent,
+        )
+        .map(|_| ())
 }
 
 fn print_fence(mission: &Mission) -> Result<()> {

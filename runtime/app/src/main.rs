@@ -48,8 +48,23 @@ fn main() -> ExitCode {
         Ok(false) => ExitCode::from(UNMET),
         Err(error) => {
             // One line: what, where, what to do.
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", one_line(&error));
             ExitCode::from(UNUSABLE)
         }
     }
+}
+
+/// An error and its causes, without those that the text before them tells already.
+fn one_line(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain() {
+        let cause = cause.to_string();
+        if text.is_empty() {
+            text = cause;
+        } else if !text.contains(&cause) {
+            text.push_str(": ");
+            text.push_str(&cause);
+        }
+    }
+    text
 }

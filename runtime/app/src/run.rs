@@ -29,6 +29,12 @@ const FLUSH_EVERY: Duration = Duration::from_secs(2);
 const FAREWELL: Duration = Duration::from_millis(300);
 
 pub(crate) fn run(arguments: &Run) -> Result<bool> {
+    // Before anything that takes time: an operator's signal counts from the first moment.
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let signals = {
+        let _within = runtime.enter();
+        Signals::new()?
+    };
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
     let address = match &arguments.connect {
         Some(address) => host_and_port(address, "--connect")?,
@@ -94,8 +100,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         recorded_navigation: None,
         names,
     };
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    runtime.block_on(driver.drive(answers))?;
+    runtime.block_on(driver.drive(answers, signals))?;
     Ok(true)
 }
 
@@ -170,8 +175,7 @@ struct Driver {
 }
 
 impl Driver {
-    async fn drive(mut self, mut answers: UnboundedReceiver<Answer>) -> Result<()> {
-        let mut signals = Signals::new()?;
+    async fn drive(mut self, mut answers: UnboundedReceiver<Answer>, mut signals: Signals) -> Result<()> {
         let mut buffer = vec![0; 64 * 1024];
         let mut flush_at = Timestamp::ZERO + FLUSH_EVERY;
         self.carry_out_all();

@@ -135,6 +135,9 @@ fn print_report(report: &Report, arguments: &Sim) -> Result<()> {
     for reason in &report.rejections {
         say!("    rejected {reason}");
     }
+    for (plugin, count) in &report.plugin_failures {
+        say!("  plugin {plugin} failed {count} times; the log says how");
+    }
     for measured in report.measured() {
         say!("  {measured}");
     }

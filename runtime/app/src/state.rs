@@ -52,7 +52,7 @@ impl State {
                     text.trim()
                 );
             }
-            (Err(_), Some(first)) => {
+            (Err(error), Some(first)) if error.kind() == std::io::ErrorKind::NotFound => {
                 self.reserve(first)?;
                 Ok(Some(Identifiers {
                     next: first,
@@ -60,7 +60,7 @@ impl State {
                 }))
             }
             (Err(error), None) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            (Err(error), None) => Err(error).with_context(|| format!("{}", path.display())),
+            (Err(error), _) => Err(error).with_context(|| format!("{}", path.display())),
         }
     }
 

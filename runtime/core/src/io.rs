@@ -229,7 +229,8 @@ impl fmt::Display for Told<'_> {
             N::LinkDown { retry_s, .. } => write!(f, "no connection to the vehicle; next attempt in {retry_s:.1} s"),
             N::VehicleVersion { version } => write!(f, "the vehicle speaks SPI {version}"),
             N::Clock { offset_s, vehicle } => {
-                write!(f, "the vehicle's clock says {vehicle}, {offset_s:+.3} s from ours")
+                // The offset is ours less the vehicle's.
+                write!(f, "the vehicle's clock says {vehicle}, {:+.3} s from ours", -offset_s)
             }
             N::Mission { status } => write!(f, "mission {status}"),
             N::Control { granted: true, .. } => write!(f, "control granted"),

@@ -164,9 +164,7 @@ impl Executive {
             self.set_status(Status::Running, "");
             self.begin_planned(0, now, vehicle.at);
         }
-        if self.modify.is_some_and(|modify| now >= modify.until) {
-            self.end_modify(ModifyEnd::Lapsed);
-        }
+        self.lapse(now);
         if self
             .limits
             .time_limit
@@ -479,6 +477,18 @@ impl Executive {
     fn set_status(&mut self, status: Status, details: &'static str) {
         self.status = status;
         self.log.push(MvcEventKind::Mission { status, details });
+    }
+
+    /// When the modify lapses unless it is refreshed.
+    pub(crate) fn modify_until(&self) -> Option<Timestamp> {
+        self.modify.map(|modify| modify.until)
+    }
+
+    /// Ends a modify whose time is over.
+    pub(crate) fn lapse(&mut self, now: Timestamp) {
+        if self.modify_until().is_some_and(|until| now >= until) {
+            self.end_modify(ModifyEnd::Lapsed);
+        }
     }
 
     fn end_modify(&mut self, why: ModifyEnd) {

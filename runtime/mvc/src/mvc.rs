@@ -193,13 +193,26 @@ impl Mvc {
     /// When [`Mvc::handle_timeout`] is due.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Timestamp> {
-        Some(self.next_tick)
+        let lapses = self.executive.modify_until().unwrap_or(self.next_tick);
+        Some(self.next_tick.min(lapses))
     }
 
     /// Takes every step of the vehicle that is due. A late call takes them all, each at its own time, so that a call
     /// an hour late costs an hour's steps. The inputs do the same before anything else.
     pub fn handle_timeout(&mut self, now: Timestamp) {
-        while self.next_tick <= now {
+        loop {
+            // A modify lapses on time and not at the next step: its 5 s are a promise (SPI 7.12).
+            if let Some(at) = self
+                .executive
+                .modify_until()
+                .filter(|at| *at <= now.min(self.next_tick))
+            {
+                self.executive.lapse(at);
+                self.settle(at);
+            }
+            if self.next_tick > now {
+                return;
+            }
             let tick = self.next_tick;
             self.ticks += 1;
             self.next_tick = tick + self.period;

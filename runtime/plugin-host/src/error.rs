@@ -21,7 +21,7 @@ pub enum HostError {
         plugin: String,
     },
     /// What a compiler makes, before it is a component.
-    #[error("{plugin}: a core module, expected a component: build it with `backseat plugin build`")]
+    #[error("{plugin}: a core module, expected a component: `cargo xtask plugins` makes one of each plugin")]
     CoreModule {
         /// Which.
         plugin: String,

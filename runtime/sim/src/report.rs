@@ -23,6 +23,8 @@ pub struct Report {
     pub requests_open: usize,
     /// Why requests were rejected, one example of each reason with how often it came.
     pub rejections: Vec<String>,
+    /// How often each plugin failed, by its name in the mission; those that did not are left away.
+    pub plugin_failures: std::collections::BTreeMap<String, u64>,
     /// What the oracle found.
     pub violations: Vec<Violation>,
     /// What the oracle saw, so that an empty victory is visible.

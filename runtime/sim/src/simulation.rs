@@ -73,6 +73,8 @@ pub struct Simulation {
     finished: bool,
     scratch: Vec<u8>,
     reasons: BTreeMap<String, (u64, String)>,
+    names: Vec<String>,
+    plugin_failures: BTreeMap<String, u64>,
     mission: String,
     seed: u64,
     expect: backseat_mvc::Expectations,
@@ -124,6 +126,7 @@ impl Simulation {
         if let Some(recorder) = &mut recorder {
             recorder.start(&start)?;
         }
+        let names = loaded.setups.iter().map(|setup| setup.name.clone()).collect();
         let core = Core::new(
             mission.file.session.clone(),
             mission.envelope.clone(),
@@ -152,6 +155,8 @@ impl Simulation {
             finished: false,
             scratch: Vec::new(),
             reasons: BTreeMap::new(),
+            names,
+            plugin_failures: BTreeMap::new(),
             mission: mission.name.clone(),
             seed,
             expect: world.expect,
@@ -297,6 +302,7 @@ impl Simulation {
                 .values()
                 .map(|(count, reason)| format!("{count} x {reason}"))
                 .collect(),
+            plugin_failures: self.plugin_failures,
             violations,
             seen,
             measures: BTreeMap::new(),
@@ -391,6 +397,11 @@ impl Simulation {
     }
 
     fn note(&mut self, note: &Note) {
+        if let Note::PluginFailed { plugin, .. } = note
+            && let Some(name) = self.names.get(plugin.0)
+        {
+            *self.plugin_failures.entry(name.clone()).or_default() += 1;
+        }
         if let Note::Request(transition) = note
             && let backseat_core::plugin::RequestState::Rejected(reason) = &transition.state
         {

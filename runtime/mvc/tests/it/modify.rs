@@ -14,7 +14,7 @@ fn modified(payload: &Payload) -> bool {
 }
 
 #[test]
-fn a_modify_lapses_five_seconds_after_the_last_one_to_the_tick() {
+fn a_modify_lapses_five_seconds_after_the_last_one_between_two_steps() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.until(10.0);
     payload.say("$BPRMB,070000.000,90,15,0,1.5,1,0");
@@ -32,7 +32,7 @@ fn a_modify_lapses_five_seconds_after_the_last_one_to_the_tick() {
         )
     );
     assert!(
-        log.contains(&"18.100 s: modify ended: 5 s without a refresh".into()),
+        log.contains(&"18.040 s: modify ended: 5 s without a refresh".into()),
         "{log:?}"
     );
 }

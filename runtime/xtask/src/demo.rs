@@ -42,7 +42,7 @@ pub(crate) fn test() -> Result<()> {
         "--deny",
         "warnings",
     ])?;
-    cargo(&["test", "--workspace", "--quiet"])
+    cargo(&["test", "--workspace", "--quiet", "--no-fail-fast"])
 }
 
 /// Builds the project's plugins and makes components of them.

@@ -40,7 +40,7 @@ fn what_is_no_component_is_refused_by_what_it_is() {
     );
     assert_eq!(
         refusal(&wat("(module)")),
-        "odd: a core module, expected a component: build it with `backseat plugin build`"
+        "odd: a core module, expected a component: `cargo xtask plugins` makes one of each plugin"
     );
     let huge = vec![0; backseat_plugin_host::COMPONENT_BYTES + 1];
     assert_eq!(refusal(&huge), "odd: 67108865 bytes, expected at most 67108864");

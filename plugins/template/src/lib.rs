@@ -1,7 +1,7 @@
 //! The start of a new plugin: holds a heading, a depth and a speed for as long as the backseat has control.
 //!
 //! Copy this folder, rename the crate, and change what `step` does. `cargo test` runs the tests below on the host;
-//! the build for the vehicle is `backseat plugin build`.
+//! the build for the vehicle is `cargo xtask plugins`.
 
 use backseat_sdk::{Description, Event, Modify, Plugin, Request, State, StepInput, Vertical, log};
 use serde::Deserialize;

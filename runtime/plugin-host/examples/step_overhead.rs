@@ -1,5 +1,5 @@
 //! Measures what the host costs a step: `cargo run --release --example step_overhead -p backseat-plugin-host -- FAULTY.wasm`
-//! with the faulty plugin as `backseat plugin build` makes it.
+//! with the faulty plugin as `cargo xtask plugins` makes it.
 
 #![expect(clippy::disallowed_methods, reason = "a measurement reads the clock")]
 

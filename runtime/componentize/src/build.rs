@@ -244,8 +244,8 @@ mod tests {
     #[test]
     fn packages_are_named_as_cargo_writes_their_ids() {
         for (id, name) in [
-            ("path+file:///work/plugins/isobath#0.1.0", "isobath"),
-            ("path+file:///work/plugins/survey#isobath@0.1.0", "isobath"),
+            ("path+file:///home/diver/plugins/isobath#0.1.0", "isobath"),
+            ("path+file:///home/diver/plugins/survey#isobath@0.1.0", "isobath"),
             (
                 "registry+https://github.com/rust-lang/crates.io-index#serde@1.0.0",
                 "serde",

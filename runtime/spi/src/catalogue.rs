@@ -35,6 +35,8 @@ pub struct EntryField {
     pub unit: &'static str,
     /// The wire fields that it takes, in the notation of SPI 4.2, Table 1.
     pub formats: &'static [&'static str],
+    /// Which values there are, in the unit: `0..360`. `any` is every number that the wire carries, within ±1e9.
+    pub range: &'static str,
 }
 
 const COUNT: usize = from_vehicle::ENTRIES.len() + to_vehicle::ENTRIES.len();
@@ -80,6 +82,58 @@ mod tests {
                 "{}",
                 entry.name
             );
+        }
+    }
+
+    /// The headings of the specification's sections 5 to 9, typed off it and not off the tables.
+    const SECTIONS: [(&str, &str); 5] = [
+        ("5", "BFMSC BFSHT BFBDL BFSDL BFTOP BFDVT BFVER"),
+        (
+            "6",
+            "BFNVG BFNVR BFTEL BFSVS BFRCM BFRDP BFRVL BFRBS BFMBS BFMBE BFMIS BFERC BFDVL BFDV2 BFIMU BFCTD BFRNV BFPIT \
+             BFCNV BFPLN BFACK BFTRM BFBOY BFCTL",
+        ),
+        (
+            "7",
+            "BPLOG BPSTS BPTOP BPDVR BPRTK BPRTC BPRGP BPRCN BPRCA BPRCB BPRCE BPRMB BPEMB BPTMR BPCTD BPABT BPKIL BPMSG \
+             BPRMP BPSEM BPNPU BPSIL BPTRM BPBOY BPVER",
+        ),
+        ("8", "BPSUS BPCON BPRES BPSPD BPSAN BPGHP BPGBP BPRNS BPRBO BPPTZ BPLIT"),
+        ("9", "BFCMA BFCPS BFCPR BPCPD"),
+    ];
+
+    #[test]
+    fn every_section_of_the_specification_has_its_row_and_every_row_is_whole() {
+        let sections: BTreeSet<(String, &str)> = SECTIONS
+            .iter()
+            .flat_map(|(chapter, names)| {
+                names
+                    .split(' ')
+                    .enumerate()
+                    .map(move |(index, name)| (format!("{chapter}.{}", index + 1), name))
+            })
+            .collect();
+        let rows: BTreeSet<_> = catalogue()
+            .iter()
+            .map(|entry| (entry.section.to_owned(), entry.name))
+            .collect();
+        assert_eq!(rows, sections);
+        let from_vehicle = |entry: &&Entry| entry.direction == Direction::FromVehicle;
+        assert_eq!(catalogue().iter().filter(from_vehicle).count(), 34);
+        assert_eq!(catalogue().len(), 34 + 37);
+        for entry in catalogue() {
+            assert!(!entry.title.is_empty() && !entry.fields.is_empty(), "{}", entry.name);
+            for field in entry.fields {
+                assert!(
+                    !field.name.is_empty()
+                        && !field.unit.is_empty()
+                        && !field.formats.is_empty()
+                        && !field.range.is_empty(),
+                    "{} {}",
+                    entry.name,
+                    field.name
+                );
+            }
         }
     }
 

@@ -1,43 +1,45 @@
+use serde::{Deserialize, Serialize};
+
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
 use crate::number;
 
-/// Numbered choices of the specification. The open ones keep what it may number later; the closed ones refuse it.
+/// Numbered choices of the specification. A number that it does not define is kept, for whoever acts on it to refuse.
 macro_rules! codes {
     ($(
         $(#[$doc:meta])*
-        $kind:ident $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $code:literal,)* }
-    )*) => {$( codes! { @$kind $(#[$doc])* $name { $($(#[$variant_doc])* $variant = $code,)* } } )*};
-
-    (@open $(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $code:literal,)* }) => {
+        $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $code:literal,)* }
+    )*) => {$(
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
         pub enum $name {
             $($(#[$variant_doc])* $variant,)*
             /// A number that version 1.12a does not define.
-            Other(u32),
+            Other(i32),
         }
 
         impl $name {
             /// The choice that a number on the wire means.
             #[must_use]
-            pub const fn from_code(code: u32) -> Self {
+            pub const fn from_code(code: i32) -> Self {
                 match code { $($code => Self::$variant,)* other => Self::Other(other) }
             }
 
             /// Its number on the wire.
             #[must_use]
-            pub const fn code(self) -> u32 {
+            pub const fn code(self) -> i32 {
                 match self { $(Self::$variant => $code,)* Self::Other(other) => other }
             }
         }
 
         impl Field for $name {
             type Value = Self;
-            const FORMATS: &'static [&'static str] = &[concat!("code", $(" ", $code,)* " …")];
+            const FORMATS: &'static [&'static str] = &["x"];
+            const RANGE: &'static str = concat!("code", $(" ", $code,)* " …");
 
             fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
-                number::parse_integer(reader.trimmed()?).map(Self::from_code)
+                number::parse_signed(reader.trimmed()?).map(Self::from_code)
             }
 
             fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
@@ -45,63 +47,22 @@ macro_rules! codes {
                 if Self::from_code(value.code()) != *value {
                     return Err(Fault::expected("the choice's own name: its number is defined"));
                 }
-                writer.integer(value.code());
+                writer.signed(value.code());
                 Ok(())
             }
 
             #[cfg(test)]
             fn strategy() -> proptest::strategy::BoxedStrategy<Self> {
                 use proptest::prelude::*;
-                prop_oneof![0..8u32, any::<u32>()].prop_map(Self::from_code).boxed()
+                prop_oneof![0..8i32, any::<i32>()].prop_map(Self::from_code).boxed()
             }
         }
-    };
-
-    (@closed $(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $code:literal,)* }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        pub enum $name { $($(#[$variant_doc])* $variant,)* }
-
-        impl $name {
-            /// The choice that a number on the wire means, if it means one.
-            #[must_use]
-            pub const fn from_code(code: u32) -> Option<Self> {
-                match code { $($code => Some(Self::$variant),)* _ => None }
-            }
-
-            /// Its number on the wire.
-            #[must_use]
-            pub const fn code(self) -> u32 {
-                match self { $(Self::$variant => $code,)* }
-            }
-        }
-
-        impl Field for $name {
-            type Value = Self;
-            const FORMATS: &'static [&'static str] = &[concat!("code", $(" ", $code,)*)];
-
-            fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
-                let code = number::parse_integer(reader.trimmed()?)?;
-                Self::from_code(code).ok_or(Fault::expected(concat!("one of" $(, " ", $code)*)))
-            }
-
-            fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
-                writer.integer(value.code());
-                Ok(())
-            }
-
-            #[cfg(test)]
-            fn strategy() -> proptest::strategy::BoxedStrategy<Self> {
-                use proptest::prelude::*;
-                proptest::sample::select(vec![$(Self::$variant),*]).boxed()
-            }
-        }
-    };
+    )*};
 }
 
 codes! {
     /// Where the vehicle's position comes from (SPI 6.1).
-    open PositionQuality {
+    PositionQuality {
         /// No GPS is in the solution.
         NoGps = 0,
         /// The solution includes GPS.
@@ -109,7 +70,10 @@ codes! {
     }
 
     /// What became of a command (SPI 6.21).
-    closed AckStatus {
+    ///
+    /// A number that is not defined says neither that the command was done nor that it was refused: the command is then
+    /// as unresolved as without the acknowledgement.
+    AckStatus {
         /// Unknown message, or parameters that are wrong.
         Invalid = 0,
         /// Understood, tried, and failed.
@@ -121,7 +85,7 @@ codes! {
     }
 
     /// What a point of the mission plan is (SPI 6.20).
-    open PlanElementKind {
+    PlanElementKind {
         /// A waypoint.
         Waypoint = 0,
         /// Where a trackline starts.
@@ -133,7 +97,7 @@ codes! {
     }
 
     /// What the vertical value of a BPRTK or BPRTC is (SPI 7.5, 7.6).
-    open VerticalMode {
+    VerticalMode {
         /// Depth below the surface, metres.
         Depth = 0,
         /// Height above the seabed, metres.
@@ -141,7 +105,7 @@ codes! {
     }
 
     /// What the speed of a BPRTK or BPRTC is (SPI 7.5, 7.6). BPRMB counts the other way round: [`ModifySpeedMode`].
-    open SpeedMode {
+    SpeedMode {
         /// Speed through the water, metres per second.
         MetresPerSecond = 0,
         /// Turns of the thruster a minute.
@@ -149,7 +113,7 @@ codes! {
     }
 
     /// When an insert begins (SPI 7.5, 7.6).
-    open Interrupt {
+    Interrupt {
         /// After the current behavior.
         AfterCurrent = 0,
         /// At once. An error while another interrupting insert runs; the interrupted behavior is not resumed.
@@ -157,7 +121,7 @@ codes! {
     }
 
     /// What the vertical value of a BPRMB is (SPI 7.12).
-    open ModifyVerticalMode {
+    ModifyVerticalMode {
         /// Depth below the surface, metres.
         Depth = 0,
         /// Height above the seabed, metres.
@@ -169,7 +133,7 @@ codes! {
     }
 
     /// What the speed of a BPRMB is (SPI 7.12). BPRTK and BPRTC count the other way round: [`SpeedMode`].
-    open ModifySpeedMode {
+    ModifySpeedMode {
         /// Turns of the thruster a minute.
         Rpm = 0,
         /// Speed through the water, metres per second.
@@ -177,17 +141,170 @@ codes! {
     }
 
     /// What the horizontal value of a BPRMB is (SPI 7.12).
-    open HorizontalMode {
+    HorizontalMode {
         /// A heading, degrees.
         Heading = 0,
         /// An adjustment of the rudder, degrees.
         Rudder = 1,
+    }
+
+    /// How a message travels between vehicle and topside (SPI 5.5, 7.3, 7.14).
+    Transport {
+        /// Ethernet.
+        Ethernet = 0,
+        /// 802.11.
+        Wifi = 1,
+        /// The RF modem.
+        RfModem = 2,
+        /// The acoustic modem.
+        AcousticModem = 3,
+    }
+
+    /// How far a trim or buoyancy adjustment is (SPI 6.22, 6.23).
+    AdjustmentStatus {
+        /// None runs.
+        Idle = 0,
+        /// It runs.
+        InProgress = 1,
+        /// It has ended well.
+        Completed = 2,
+        /// It has failed.
+        Failed = 3,
+    }
+
+    /// What is wrong with a trim or buoyancy adjustment (SPI 6.22, 6.23).
+    AdjustmentError {
+        /// Nothing.
+        None = 0,
+        /// The operation failed.
+        Failed = 1,
+        /// The operation was cancelled.
+        Canceled = 2,
+        /// Trim or buoyancy is at its limit, or there is no flow.
+        AtLimit = 3,
+        /// An error while idle.
+        Idle = 4,
+    }
+
+    /// What became of one frame of a packet that was sent (SPI 9.2).
+    FrameSentStatus {
+        /// There was no such frame.
+        Unset = 0,
+        /// Sent; no acknowledgement was asked for.
+        Unacknowledged = 1,
+        /// Sent and acknowledged.
+        Acked = 2,
+        /// Not sent.
+        FailedToSend = 3,
+    }
+
+    /// How one frame of a packet was received (SPI 9.3).
+    FrameReceivedStatus {
+        /// There was no such frame.
+        Unset = 0,
+        /// Its data are good.
+        Good = 1,
+        /// Its data are corrupted.
+        Corrupted = 6,
+        /// It could not be decoded.
+        Undecodable = 7,
+    }
+
+    /// How to surface for GPS (SPI 7.7).
+    SurfaceMode {
+        /// In a straight line.
+        StraightLine = 0,
+        /// In a spiral: not in this version.
+        Spiral = 1,
+        /// Not by itself.
+        Manual = 2,
+    }
+
+    /// Why a mission is ended (SPI 7.16).
+    AbortReason {
+        /// The mission was successful.
+        Successful = 0,
+        /// Something is wrong: also what a missing or empty reason means.
+        Errors = 1,
+    }
+
+    /// The unit of an empty mission's duration (SPI 7.20).
+    DurationUnit {
+        /// Hours.
+        Hours = 0,
+        /// Minutes.
+        Minutes = 1,
+        /// Seconds.
+        Seconds = 2,
+    }
+}
+
+impl Default for AbortReason {
+    /// Errors (SPI 7.16).
+    fn default() -> Self {
+        Self::Errors
+    }
+}
+
+impl Default for FrameSentStatus {
+    /// No frame.
+    fn default() -> Self {
+        Self::Unset
+    }
+}
+
+impl Default for FrameReceivedStatus {
+    /// No frame.
+    fn default() -> Self {
+        Self::Unset
+    }
+}
+
+/// What the vertical value of a BPGBP is (SPI 8.7): `D` or `A` on the wire.
+///
+/// The one choice that is closed. It is a letter, so that there is no number to keep, and a vehicle that took a depth
+/// for an altitude would go to the wrong place: what is neither is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VerticalReference {
+    /// Depth below the surface, metres.
+    Depth,
+    /// Height above the seabed, metres.
+    Altitude,
+}
+
+impl Field for VerticalReference {
+    type Value = Self;
+    const FORMATS: &'static [&'static str] = &["D/A"];
+    const RANGE: &'static str = "D/A";
+
+    fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
+        match reader.trimmed()? {
+            b"D" => Ok(Self::Depth),
+            b"A" => Ok(Self::Altitude),
+            _ => Err(Fault::expected("D or A")),
+        }
+    }
+
+    fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        writer.text(match value {
+            Self::Depth => "D",
+            Self::Altitude => "A",
+        });
+        Ok(())
+    }
+
+    #[cfg(test)]
+    fn strategy() -> proptest::strategy::BoxedStrategy<Self> {
+        use proptest::prelude::*;
+        prop_oneof![Just(Self::Depth), Just(Self::Altitude)].boxed()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::forms::{read, written};
 
     #[test]
     fn speed_modes_of_inserts_and_modifies_are_each_others_reverse() {
@@ -204,5 +321,41 @@ mod tests {
         assert!(Interrupt::encode(&Interrupt::Other(4), &mut Writer::new(&mut out)).is_err());
         assert!(Interrupt::encode(&Interrupt::Other(1), &mut Writer::new(&mut out)).is_ok());
         assert_eq!(out, b",1");
+    }
+
+    #[test]
+    fn a_number_that_is_not_defined_is_kept() {
+        assert_eq!(read::<AckStatus>("7"), Ok(AckStatus::Other(7)));
+        assert_eq!(
+            read::<FrameReceivedStatus>("-2147483648"),
+            Ok(FrameReceivedStatus::Other(i32::MIN))
+        );
+        assert_eq!(written::<SurfaceMode>(&SurfaceMode::Other(-3)).unwrap(), ",-3");
+        assert!(read::<AckStatus>("2147483648").is_err());
+        assert!(read::<AckStatus>("1.5").is_err());
+    }
+
+    #[test]
+    fn a_letter_that_is_neither_depth_nor_altitude_is_refused() {
+        assert_eq!(read::<VerticalReference>(" D "), Ok(VerticalReference::Depth));
+        for bad in ["", "d", "a", "0", "DA"] {
+            assert!(read::<VerticalReference>(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn choices_are_serialised_by_name_and_other_numbers_as_such() {
+        let text = |value: FrameSentStatus| serde_json::to_string(&value).unwrap();
+        assert_eq!(text(FrameSentStatus::FailedToSend), "\"failed-to-send\"");
+        assert_eq!(text(FrameSentStatus::Other(-9)), r#"{"other":-9}"#);
+        assert_eq!(
+            serde_json::from_str::<Transport>("\"rf-modem\"").unwrap(),
+            Transport::RfModem
+        );
+        assert_eq!(
+            serde_json::from_str::<Transport>(r#"{"other":12}"#).unwrap(),
+            Transport::Other(12)
+        );
+        assert!(serde_json::from_str::<Transport>("\"telepathy\"").is_err());
     }
 }

@@ -1,6 +1,7 @@
 use memchr::memchr;
 
 use crate::error::{DecodeError, Fault};
+use crate::hex;
 use crate::number;
 use crate::sentence::Sentence;
 
@@ -14,6 +15,9 @@ pub(crate) trait Field {
 
     /// The wire fields that the value takes, in the notation of the specification; for the catalogue.
     const FORMATS: &'static [&'static str];
+
+    /// Which values there are: as text for the catalogue, in the unit of the message's field.
+    const RANGE: &'static str;
 
     /// Takes the value's fields from the reader.
     fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault>;
@@ -218,10 +222,28 @@ impl<'a> Writer<'a> {
         number::write_integer(self.out, u64::from(value));
     }
 
+    /// A whole number that may be negative.
+    pub(crate) fn signed(&mut self, value: i32) {
+        self.out.push(b',');
+        if value < 0 {
+            self.out.push(b'-');
+        }
+        number::write_integer(self.out, u64::from(value.unsigned_abs()));
+    }
+
     /// A number with at most `decimals` places, zeros at the end left out.
     pub(crate) fn decimal(&mut self, value: f64, decimals: u8) -> Result<(), Fault> {
         self.out.push(b',');
         number::write_decimal(self.out, value, decimals)
+    }
+
+    /// Bytes as upper-case hexadecimal digits.
+    pub(crate) fn hex(&mut self, bytes: &[u8]) {
+        self.out.push(b',');
+        self.out.reserve(bytes.len() * 2);
+        bytes
+            .iter()
+            .for_each(|byte| self.out.extend_from_slice(&hex::digits(*byte)));
     }
 
     /// The buffer, after the comma of a new field.

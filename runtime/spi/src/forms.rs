@@ -1,6 +1,7 @@
 mod flag;
 mod identifier;
 mod number;
+mod packet;
 mod place;
 mod quantity;
 mod reserved;
@@ -9,7 +10,8 @@ mod words;
 
 pub(crate) use flag::{Flag, OnOff};
 pub(crate) use identifier::{IdentifierOrEmpty, IdentifierOrZero};
-pub(crate) use number::{Decimal, EntryAngle, Optional};
+pub(crate) use number::{Decimal, Each, EntryAngle, Nine, Optional, OrDefault, Percent};
+pub(crate) use packet::{FrameCount, ReceivedFrames};
 pub(crate) use quantity::BottomLock;
 pub(crate) use reserved::{Then, ThreeEmpty, Zero};
 pub(crate) use time::Created;
@@ -17,14 +19,14 @@ pub(crate) use words::{LastText, Word};
 
 /// Reads the first fields of a line's body by one form.
 #[cfg(test)]
-fn read<F: crate::field::Field>(body: &str) -> Result<F::Value, crate::Fault> {
+pub(crate) fn read<F: crate::field::Field>(body: &str) -> Result<F::Value, crate::Fault> {
     let line = format!("$X,{body}");
     F::decode(&mut crate::field::Reader::new(&crate::Sentence::parse(&line).unwrap()))
 }
 
 /// Writes one value by its form.
 #[cfg(test)]
-fn written<F: crate::field::Field>(value: &F::Value) -> Result<String, crate::Fault> {
+pub(crate) fn written<F: crate::field::Field>(value: &F::Value) -> Result<String, crate::Fault> {
     let mut out = Vec::new();
     F::encode(value, &mut crate::field::Writer::new(&mut out))?;
     Ok(String::from_utf8(out).unwrap())

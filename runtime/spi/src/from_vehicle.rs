@@ -1,15 +1,19 @@
 use backseat_units::{Altitude, Depth, GridHeading, Position, TimeOfDay};
 
-use crate::codes::{AckStatus, PlanElementKind, PositionQuality};
+use crate::codes::{
+    AckStatus, AdjustmentError, AdjustmentStatus, FrameSentStatus, PlanElementKind, PositionQuality, Transport,
+};
 use crate::forms::{
-    BottomLock, Created, Decimal, Flag, IdentifierOrEmpty, IdentifierOrZero, LastText, Optional, Then, ThreeEmpty, Zero,
+    BottomLock, Created, Decimal, Each, Flag, FrameCount, IdentifierOrEmpty, IdentifierOrZero, LastText, Optional,
+    OrDefault, Percent, ReceivedFrames, Then, ThreeEmpty, Zero,
 };
 use crate::identity::{BehaviorId, CommandName};
+use crate::packet::ReceivedFrame;
 use crate::table::messages;
 use crate::text::Text;
 
 messages! {
-    /// What the vehicle sends (SPI 5 and 6).
+    /// What the vehicle sends (SPI 5, 6 and 9).
     pub enum FromVehicle from crate::Direction::FromVehicle;
 
     /// Mission command: text from a user-defined behavior of the mission file.
@@ -27,6 +31,44 @@ messages! {
         created: TimeOfDay as Created, "UTC";
     }
     "$BFSHT,081025.987*71"
+
+    /// The lead-in of a survey line begins: the payload may log.
+    "BFBDL" LoggingBegin, "5.3", "begin data logging" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// What the mission planner wrote beside the step.
+        text: Text as LastText, "text";
+    }
+    "$BFBDL,081025.987,line 3*45"
+
+    /// The lead-out of a survey line has ended: the payload may stop logging.
+    "BFSDL" LoggingEnd, "5.4", "stop data logging" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// What the mission planner wrote beside the step.
+        text: Text as LastText, "text";
+    }
+    "$BFSDL,081025.987,line 3*54"
+
+    /// A message from the topside.
+    "BFTOP" TopsideMessage, "5.5", "topside message" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// How it came.
+        transport: Transport as Transport, "code";
+        /// The message.
+        text: Text as LastText, "text";
+    }
+    "$BFTOP,081025.987,3,come home*6D"
+
+    /// The payload may begin to trigger the DVL, or must cease.
+    "BFDVT" DvlTriggering, "5.6", "begin/end DVL external triggering" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Begin, or cease.
+        begin: bool as Flag, "flag";
+    }
+    "$BFDVT,081025.987,1*65"
 
     /// The version of the interface that the vehicle speaks: its first words on a connection.
     "BFVER" VehicleVersion, "5.7", "vehicle interface version" {
@@ -79,6 +121,92 @@ messages! {
     }
     "$BFNVR,081025.987,-0.5864,-1.3746,0.02,0.1,-0.25,1.5*51"
 
+    /// How the links to the topside are.
+    "BFTEL" Telemetry, "6.3", "telemetry status" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// What the acoustic uplink can still carry in the coming minute, kilobytes.
+        acoustic_up_available_kb: f64 as Decimal<3>, "kB";
+        /// What it carried in the last minute, kilobytes.
+        acoustic_up_last_kb: f64 as Decimal<3>, "kB";
+        /// What the acoustic downlink can still carry in the coming minute, kilobytes.
+        acoustic_down_available_kb: f64 as Decimal<3>, "kB";
+        /// What it carried in the last minute, kilobytes.
+        acoustic_down_last_kb: f64 as Decimal<3>, "kB";
+        /// Whether the RF modem is connected.
+        rf_connected: bool as Flag, "flag";
+        /// Whether Ethernet is available.
+        ethernet_available: bool as Flag, "flag";
+    }
+    "$BFTEL,081025.987,1.5,0.25,2,0.5,0,1*48"
+
+    /// Speed of sound, measured, or estimated where the vehicle has no sensor.
+    "BFSVS" SoundVelocity, "6.4", "sound velocity" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Speed of sound, metres per second.
+        sound_velocity_mps: f64 as Decimal<3>, "m/s";
+    }
+    "$BFSVS,081025.987,1492.31*66"
+
+    /// One compass as it reads. The second header of 6.5 misprints the name as BFRDM.
+    "BFRCM" Compass, "6.5", "raw compass data" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Which compass, from 1.
+        number: u32 as u32, "count";
+        /// Heading, degrees.
+        heading_deg: f64 as Decimal<3>, "deg";
+        /// Pitch, degrees.
+        pitch_deg: f64 as Decimal<3>, "deg";
+        /// Roll, degrees.
+        roll_deg: f64 as Decimal<3>, "deg";
+        /// When the data were received, UTC.
+        measured: TimeOfDay as TimeOfDay, "UTC";
+    }
+    "$BFRCM,081025.987,1,203.1,4.5,-3.4,081025.950*66"
+
+    /// The depth sensor as it reads.
+    "BFRDP" DepthSensor, "6.6", "raw depth sensor data" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Pressure, kilopascals.
+        pressure_kpa: f64 as Decimal<4>, "kPa";
+    }
+    "$BFRDP,081025.987,303.4125*48"
+
+    /// How the thruster turns; vehicles with a tailcone only.
+    "BFRVL" VehicleSpeed, "6.7", "raw vehicle speed" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Turns of the thruster a minute.
+        thruster_rpm: f64 as Decimal<3>, "rpm";
+        /// Speed through the water as these turns let expect, metres per second; `None` where the vehicle has no table for it.
+        water_speed_mps: Option<f64> as Optional<Decimal<4>>, "m/s";
+    }
+    "$BFRVL,081025.987,250.5,1.5*70"
+
+    /// One battery, or all together. What a vehicle does not know it leaves empty.
+    "BFRBS" Battery, "6.8", "battery voltage" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Which battery, from 1; 0 is all of them together.
+        number: u32 as u32, "count";
+        /// Voltage of the whole stack, volts.
+        voltage_v: Option<f64> as Optional<Decimal<4>>, "V";
+        /// Voltage of the weakest cell, volts.
+        cell_min_v: Option<f64> as Optional<Decimal<4>>, "V";
+        /// Voltage of the strongest cell, volts.
+        cell_max_v: Option<f64> as Optional<Decimal<4>>, "V";
+        /// Temperature of the hottest cell, degrees Celsius.
+        temperature_c: Option<f64> as Optional<Decimal<4>>, "degC";
+        /// Capacity, kilowatt-hours.
+        capacity_kwh: Option<f64> as Optional<Decimal<4>>, "kWh";
+        /// State of charge, percent. Read as it comes, written within 0 to 100.
+        charge_percent: Option<f64> as Optional<Percent>, "%";
+    }
+    "$BFRBS,081025.987,0,29.85,3.71,3.75,18.5,3.2,87.5*64"
+
     /// A behavior begins.
     "BFMBS" BehaviorBegin, "6.9", "begin new behavior" {
         /// When the message was made, UTC.
@@ -123,6 +251,65 @@ messages! {
     }
     "$BFMIS,081025.987,survey.dive,Running 2015-02-09,*01"
 
+    /// The angles of the tailcone; vehicles with one only.
+    "BFERC" ControlSurfaces, "6.12", "elevator and rudder data" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Elevator, degrees, positive pitches up.
+        elevator_deg: f64 as Decimal<3>, "deg";
+        /// Rudder, degrees, positive to starboard.
+        rudder_deg: f64 as Decimal<3>, "deg";
+        /// Elevator as commanded, degrees, positive pitches up.
+        elevator_target_deg: f64 as Decimal<3>, "deg";
+        /// Rudder as commanded, degrees, positive to starboard.
+        rudder_target_deg: f64 as Decimal<3>, "deg";
+    }
+    "$BFERC,081025.987,-2.5,1.25,-3,1.5*42"
+
+    /// The Doppler log as it reads. The unit of the ranges is misprinted as m/s in 6.13.
+    "BFDVL" Dvl, "6.13", "raw DVL data" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Velocity forward, to starboard and down, metres per second.
+        velocity_mps: [Option<f64>; 3] as Each<Optional<Decimal<4>>, 3>, "m/s";
+        /// Range along each beam, metres.
+        ranges_m: [Option<f64>; 4] as Each<Optional<Decimal<3>>, 4>, "m";
+        /// Temperature, degrees Celsius.
+        temperature_c: Option<f64> as Optional<Decimal<4>>, "degC";
+        /// When the data were received, UTC.
+        measured: TimeOfDay as TimeOfDay, "UTC";
+    }
+    "$BFDVL,081025.987,1.5,-0.02,0.01,45.1,45.3,44.9,45,10.25,081025.900*6D"
+
+    /// The Doppler log of a hovering vehicle: velocities along the beams. On other vehicles they are forward, to starboard, down,
+    /// and the log's own error velocity. The unit of the ranges is misprinted as m/s in 6.14.
+    "BFDV2" DvlBeams, "6.14", "raw DVL data, extended" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Velocity along each beam, metres per second.
+        velocity_mps: [Option<f64>; 4] as Each<Optional<Decimal<4>>, 4>, "m/s";
+        /// Range along each beam, metres.
+        ranges_m: [Option<f64>; 4] as Each<Optional<Decimal<3>>, 4>, "m";
+        /// Temperature, degrees Celsius.
+        temperature_c: Option<f64> as Optional<Decimal<4>>, "degC";
+        /// When the data were received, UTC.
+        measured: TimeOfDay as TimeOfDay, "UTC";
+    }
+    "$BFDV2,081025.987,0.5,-0.5,0.25,-0.25,5.1,5.3,,5,10.25,081025.900*18"
+
+    /// The inertial sensor as it reads.
+    "BFIMU" Imu, "6.15", "raw IMU data" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Angular rates about forward, starboard and down, right-handed, degrees per second.
+        rate_dps: [f64; 3] as Each<Decimal<6>, 3>, "deg/s";
+        /// Accelerations forward, to starboard and down, metres per second squared.
+        acceleration_mps2: [f64; 3] as Each<Decimal<6>, 3>, "m/s^2";
+        /// When the data were received, UTC.
+        measured: TimeOfDay as TimeOfDay, "UTC";
+    }
+    "$BFIMU,081025.987,0.01,-0.02,1.5,0.123456,0,-9.81,081025.980*4C"
+
     /// The vehicle's conductivity, temperature and pressure sensor.
     "BFCTD" Ctd, "6.16", "raw CTD sensor data" {
         /// When the message was made, UTC.
@@ -137,6 +324,57 @@ messages! {
         measured: TimeOfDay as TimeOfDay, "UTC";
     }
     "$BFCTD,081025.987,42914,10.25,303.4,081025.900*4C"
+
+    /// Where a hovering vehicle is, relative to where it began.
+    "BFRNV" RelativeNavigation, "6.17", "relative navigation position" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Horizontal position, metres.
+        horizontal_m: f64 as Decimal<3>, "m";
+        /// Vertical position, metres.
+        vertical_m: f64 as Decimal<3>, "m";
+        /// Distance from the target, metres.
+        distance_m: f64 as Decimal<3>, "m";
+        /// Heading, degrees; zero is towards the target.
+        heading_deg: f64 as Decimal<3>, "deg";
+        /// Depth, metres.
+        depth_m: f64 as Decimal<3>, "m";
+        /// Heading that is not relative to the target, degrees. It is not a compass heading.
+        absolute_heading_deg: f64 as Decimal<3>, "deg";
+        /// Roll, degrees.
+        roll_deg: f64 as Decimal<3>, "deg";
+        /// Pitch, degrees.
+        pitch_deg: f64 as Decimal<3>, "deg";
+        /// When the navigation solution was computed, UTC.
+        solution: TimeOfDay as TimeOfDay, "UTC";
+    }
+    "$BFRNV,081025.987,-1.25,2.5,1.5,-3,4.75,187.5,0.5,-0.25,081025.980*43"
+
+    /// Where the DVL and the sonar of a hovering vehicle point.
+    "BFPIT" ServoPositions, "6.18", "pitch servo positions" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Position of the DVL, degrees.
+        dvl_deg: f64 as Decimal<3>, "deg";
+        /// Position of the sonar, degrees.
+        sonar_deg: f64 as Decimal<3>, "deg";
+    }
+    "$BFPIT,081025.987,-90,45.5*4D"
+
+    /// Where a hovering vehicle is in an inertial frame.
+    "BFCNV" CartesianNavigation, "6.19", "cartesian relative navigation position" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Along x, metres.
+        x_m: f64 as Decimal<3>, "m";
+        /// Along y, metres.
+        y_m: f64 as Decimal<3>, "m";
+        /// Along z, metres.
+        z_m: f64 as Decimal<3>, "m";
+        /// Heading, degrees; zero is towards the target.
+        heading_deg: f64 as Decimal<3>, "deg";
+    }
+    "$BFCNV,081025.987,12.25,-3.5,4.75,90*5B"
 
     /// One point of the mission plan. Behaviors of several points number them from one message to the next.
     "BFPLN" PlanElement, "6.20", "mission plan element" {
@@ -172,6 +410,38 @@ messages! {
     }
     "$BFACK,081025.987,RMB,081025.950,0,2,0,accepted*05"
 
+    /// The trim estimator, and how a trim adjustment goes.
+    "BFTRM" TrimStatus, "6.22", "trim status" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// How far it is.
+        status: AdjustmentStatus as AdjustmentStatus, "code";
+        /// What is wrong.
+        error: AdjustmentError as AdjustmentError, "code";
+        /// For people and logs.
+        text: Text as Text, "text";
+        /// Pitch by the trim estimator, degrees.
+        pitch_deg: f64 as Decimal<4>, "deg";
+        /// Roll by the trim estimator, degrees.
+        roll_deg: f64 as Decimal<4>, "deg";
+    }
+    "$BFTRM,081025.987,1,0,trimming,0.5,-0.25*48"
+
+    /// The buoyancy estimator, and how a buoyancy adjustment goes.
+    "BFBOY" BuoyancyStatus, "6.23", "buoyancy status" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// How far it is.
+        status: AdjustmentStatus as AdjustmentStatus, "code";
+        /// What is wrong.
+        error: AdjustmentError as AdjustmentError, "code";
+        /// For people and logs.
+        text: Text as Text, "text";
+        /// Buoyancy by the estimator, newtons.
+        buoyancy_n: f64 as Decimal<4>, "N";
+    }
+    "$BFBOY,081025.987,3,3,at limit,-12.5*1F"
+
     /// Hands control to the payload or takes it back. The format line of 6.24 misprints BFVER.
     "BFCTL" BackseatControl, "6.24", "backseat control" {
         /// When the message was made, UTC.
@@ -180,6 +450,54 @@ messages! {
         granted: bool as Flag, "flag";
     }
     "$BFCTL,081025.987,1*78"
+
+    /// The payload may send acoustic packets until a time. The header of 9.1 prints a comma at the end that does not
+    /// belong there.
+    "BFCMA" MediumAccess, "9.1", "communications medium access" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// When the window ends, UTC.
+        until: TimeOfDay as TimeOfDay, "UTC";
+        /// Address of the modem.
+        address: u32 as u32, "address";
+        /// `Sonardyne6G`, `WHOI`, `WHOIPSK`.
+        device: Text as LastText, "text";
+    }
+    "$BFCMA,081025.987,081055.987,7,WHOIPSK*2A"
+
+    /// A packet has been sent: one of ours, or of the vehicle's own.
+    "BFCPS" PacketSent, "9.2", "communications packet sent" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// When the packet was sent, UTC.
+        sent: TimeOfDay as TimeOfDay, "UTC";
+        /// Identifier of the request, as BPCPD gave it.
+        request: u32 as u32, "identifier";
+        /// How many frames were sent; 0 is read as well.
+        frames: u32 as FrameCount, "count";
+        /// What became of each.
+        statuses: [FrameSentStatus; 8] as Each<OrDefault<FrameSentStatus>, 8>, "code";
+    }
+    "$BFCPS,081025.987,081024.500,4711,2,2,3,0,0,0,0,0,0*76"
+
+    /// A packet has been received, for this vehicle or another one.
+    "BFCPR" PacketReceived, "9.3", "communications packet received data" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// When the packet arrived, UTC.
+        arrived: TimeOfDay as TimeOfDay, "UTC";
+        /// Address of the modem that sent it.
+        source: u32 as u32, "address";
+        /// Address of the modem that it was for.
+        destination: u32 as u32, "address";
+        /// The modem's mode of transmission; -1 where it is not known.
+        mode: i32 as i32, "code";
+        /// How many frames were received; 0 is read as well.
+        frames: u32 as FrameCount, "count";
+        /// Each of them; unset and empty beyond their number.
+        data: [ReceivedFrame; 8] as ReceivedFrames, "status and bytes";
+    }
+    "$BFCPR,081025.987,081025.500,3,7,-1,2,1,48656C6C6F,6,00FF,0,,0,,0,,0,,0,,0,*14"
 }
 
 impl MissionStatus {
@@ -193,7 +511,7 @@ impl MissionStatus {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{EncodeError, Fault, Sentence};
+    use crate::{EncodeError, Fault, MAX_LINE, Sentence};
 
     fn decode(line: &str) -> FromVehicle {
         FromVehicle::decode(&Sentence::parse(line).unwrap()).unwrap()
@@ -296,8 +614,8 @@ mod tests {
             "BFCTL field 2 (granted) \"\": the field is missing"
         );
         assert_eq!(
-            error("$BFACK,081025.987,RMB,081020.125,0,7,0,").to_string(),
-            "BFACK field 5 (status) \"7\": expected one of 0 1 2 3"
+            error("$BFCPR,081025.987,081025.987,3,7,-1,2,1,0").to_string(),
+            "BFCPR field 8 (data) \"0\": expected an even number of hexadecimal digits"
         );
         assert_eq!(error(&format!("$BFCTL,{}", "é".repeat(100))).found.chars().count(), 32);
     }
@@ -321,11 +639,11 @@ mod tests {
         ));
         let long = FromVehicle::from(MissionCommand {
             created: TimeOfDay::MIDNIGHT,
-            text: Text::cleaned(&"a".repeat(2000)),
+            text: Text::cleaned(&"a".repeat(MAX_LINE)),
         });
         assert!(matches!(
             long.encode(&mut out),
-            Err(EncodeError::TooLong { length: 2023, .. })
+            Err(EncodeError::TooLong { length, .. }) if length == MAX_LINE + 23
         ));
         let forged = crate::UnknownMessage::new("BFCTL", &["081025.987", "1"]).unwrap();
         assert!(matches!(

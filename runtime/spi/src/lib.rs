@@ -27,8 +27,10 @@ mod field;
 mod forms;
 mod framer;
 mod from_vehicle;
+mod hex;
 mod identity;
 mod number;
+mod packet;
 mod sentence;
 mod table;
 mod text;
@@ -37,26 +39,35 @@ mod unknown;
 
 pub use catalogue::{Direction, Entry, EntryField, catalogue};
 pub use codes::{
-    AckStatus, HorizontalMode, Interrupt, ModifySpeedMode, ModifyVerticalMode, PlanElementKind, PositionQuality,
-    SpeedMode, VerticalMode,
+    AbortReason, AckStatus, AdjustmentError, AdjustmentStatus, DurationUnit, FrameReceivedStatus, FrameSentStatus,
+    HorizontalMode, Interrupt, ModifySpeedMode, ModifyVerticalMode, PlanElementKind, PositionQuality, SpeedMode,
+    SurfaceMode, Transport, VerticalMode, VerticalReference,
 };
 pub use error::{DecodeError, EncodeError, Fault};
 pub use framer::{FrameCounts, Framer, Policy};
 pub use from_vehicle::{
-    Acknowledgement, BackseatControl, BehaviorBegin, BehaviorEnd, Ctd, FromVehicle, MissionCommand, MissionStatus,
-    Navigation, PlanElement, Shutdown, VehicleVersion, VelocityAndRates,
+    Acknowledgement, BackseatControl, Battery, BehaviorBegin, BehaviorEnd, BuoyancyStatus, CartesianNavigation,
+    Compass, ControlSurfaces, Ctd, DepthSensor, Dvl, DvlBeams, DvlTriggering, FromVehicle, Imu, LoggingBegin,
+    LoggingEnd, MediumAccess, MissionCommand, MissionStatus, Navigation, PacketReceived, PacketSent, PlanElement,
+    RelativeNavigation, ServoPositions, Shutdown, SoundVelocity, Telemetry, TopsideMessage, TrimStatus, VehicleSpeed,
+    VehicleVersion, VelocityAndRates,
 };
 pub use identity::{BehaviorId, CommandName, CommandNameError};
+pub use packet::{FrameData, FrameDataError, ReceivedFrame};
 pub use sentence::{ChecksumState, Fields, Sentence, SentenceError};
 pub use text::{Text, TextError};
 pub use to_vehicle::{
-    CancelAll, CancelBehavior, EndModify, LogMessage, LoggingControl, ModifyBehavior, PayloadStatus, PayloadVersion,
-    RequestPlan, ToVehicle, Trackcircle, Trackline,
+    Abort, BearingOffset, BottomPosition, BuoyancyAdjustment, Camera, CancelAll, CancelBehavior, CancelCurrent,
+    CancelElement, Continue, DvlTriggerRequest, EndModify, GpsHit, HullPosition, HullSpeedLimit, Kill, Light,
+    LogMessage, LoggingControl, ModifyBehavior, Packet, PayloadCtd, PayloadStatus, PayloadVersion, PositionFix,
+    RelativeReset, RequestPlan, Resume, SilentMode, SonarAngle, StartEmptyMission, Suspend, ToVehicle, TopsideRelay,
+    TopsideText, Trackcircle, Trackline, TrimAdjustment,
 };
 pub use unknown::UnknownMessage;
 
 /// The longest line that is read or written, bytes, from `$` to the line feed and with both.
 ///
-/// The specification names no limit. This one is over every sentence of it but the acoustic packets of the fastest
-/// modems: BFCPR and BPCPD may hold eight frames in hexadecimal digits (SPI 9.3, 9.4).
-pub const MAX_LINE: usize = 1024;
+/// The specification names no limit. The longest sentences are acoustic packets, BFCPR and BPCPD (SPI 9.3, 9.4): eight
+/// frames in hexadecimal digits. The largest frames of the modems that it names are the WHOI modem's in its fastest PSK
+/// modes, 256 bytes each: 4096 digits, and at most 186 bytes of other fields, which leaves a reserve of 70.
+pub const MAX_LINE: usize = 4352;

@@ -6,6 +6,7 @@ pub(crate) const LIMIT: f64 = 1e9;
 
 const NOT_A_NUMBER: Fault = Fault::expected("a plain decimal number of at most 1e9, without exponent");
 const NOT_AN_INTEGER: Fault = Fault::expected("a whole number from 0 to 4294967295");
+const NOT_A_SIGNED_INTEGER: Fault = Fault::expected("a whole number from -2147483648 to 2147483647");
 
 /// Powers of ten that a double holds exactly.
 const POWERS: [f64; 16] = [
@@ -100,6 +101,17 @@ pub(crate) fn parse_integer(bytes: &[u8]) -> Result<u32, Fault> {
             _ => None,
         })
         .ok_or(NOT_AN_INTEGER)
+}
+
+/// Reads an integer numeric field that has been trimmed and may be negative.
+pub(crate) fn parse_signed(bytes: &[u8]) -> Result<i32, Fault> {
+    let (negative, digits) = match bytes {
+        [b'-', digits @ ..] => (true, digits),
+        digits => (false, digits),
+    };
+    let magnitude = parse_integer(digits).map_err(|_| NOT_A_SIGNED_INTEGER)?;
+    let value = i64::from(magnitude);
+    i32::try_from(if negative { -value } else { value }).map_err(|_| NOT_A_SIGNED_INTEGER)
 }
 
 /// Writes a number with at most `decimals` places (no more than 6), without zeros at the end and without minus zero.
@@ -237,6 +249,13 @@ mod tests {
             assert!(parse_integer(bad.as_bytes()).is_err(), "{bad:?}");
         }
         assert_eq!(parse_integer(b"007"), Ok(7));
+        for bad in ["", "-", "--1", "+1", "1.0", "2147483648", "-2147483649", "-a"] {
+            assert!(parse_signed(bad.as_bytes()).is_err(), "{bad:?}");
+        }
+        assert_eq!(
+            (parse_signed(b"-0"), parse_signed(b"-2147483648")),
+            (Ok(0), Ok(i32::MIN))
+        );
     }
 
     proptest! {

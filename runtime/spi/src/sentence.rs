@@ -4,6 +4,8 @@ use nom::combinator::{opt, rest};
 use nom::sequence::preceded;
 use nom::{IResult, Parser};
 
+use crate::hex;
+
 /// One sentence, `$NAME,field,…*HH`, borrowed from the line that it stands in (SPI 4.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sentence<'a> {
@@ -47,7 +49,7 @@ impl<'a> Sentence<'a> {
         let checked = 1..name_end + parts.body.map_or(0, |body| body.len() + 1);
         let checksum = match parts.digits {
             None => ChecksumState::Absent,
-            Some(digits) if hex(digits) == raw.as_bytes().get(checked).map(xor) => ChecksumState::Valid,
+            Some(digits) if checksum(digits) == raw.as_bytes().get(checked).map(xor) => ChecksumState::Valid,
             Some(_) => ChecksumState::Invalid,
         };
         Ok(Self {
@@ -100,6 +102,12 @@ impl<'a> Fields<'a> {
     }
 }
 
+impl serde::Serialize for Fields<'_> {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.clone())
+    }
+}
+
 impl<'a> Iterator for Fields<'a> {
     type Item = &'a str;
 
@@ -143,11 +151,10 @@ fn parts(line: &[u8]) -> IResult<&[u8], Parts<'_>> {
 }
 
 /// One or two hexadecimal digits of either case: real clients send `*4` for `*04`.
-fn hex(digits: &[u8]) -> Option<u8> {
-    let digit = |byte: u8| char::from(byte).to_digit(16).and_then(|value| u8::try_from(value).ok());
+fn checksum(digits: &[u8]) -> Option<u8> {
     match *digits {
-        [low] => digit(low),
-        [high, low] => Some(digit(high)? * 16 + digit(low)?),
+        [low] => hex::value(low),
+        [high, low] => Some(hex::value(high)? << 4 | hex::value(low)?),
         _ => None,
     }
 }

@@ -18,7 +18,10 @@ macro_rules! messages {
         )*
     ) => {
         $(#[$enum_doc])*
-        #[derive(Clone, Debug, PartialEq)]
+        ///
+        /// Serialised as the message is, without its name.
+        #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+        #[serde(untagged)]
         pub enum $Enum {
             $(
                 #[doc = concat!($name, ", SPI ", $section, ".")]
@@ -32,7 +35,8 @@ macro_rules! messages {
             $(#[$doc])*
             ///
             #[doc = concat!($name, ", SPI ", $section, ".")]
-            #[derive(Clone, Debug, PartialEq)]
+            #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+            #[serde(deny_unknown_fields)]
             pub struct $Message {
                 $( $(#[$field_doc])* pub $field: $Type, )*
             }
@@ -106,6 +110,23 @@ macro_rules! messages {
                 })
             }
 
+            /// Reads a serialised message whose name is known by other means: the reverse of serialising it.
+            ///
+            /// # Errors
+            /// The deserializer's own, where the name is no message's of this direction, or where a field is missing,
+            /// unknown, or no value of its type. Ranges are judged by [`Self::encode`].
+            pub fn deserialize_named<'de, D: serde::Deserializer<'de>>(
+                name: &str,
+                deserializer: D,
+            ) -> Result<Self, D::Error> {
+                match name {
+                    $( $name => <$Message as serde::Deserialize>::deserialize(deserializer).map(Self::$Message), )*
+                    _ => Err(serde::de::Error::custom(format_args!(
+                        "{name:?} is no message of this direction"
+                    ))),
+                }
+            }
+
             /// The sentence's name on the wire.
             #[must_use]
             pub fn name(&self) -> &str {
@@ -136,6 +157,7 @@ macro_rules! messages {
                         name: stringify!($field),
                         unit: $unit,
                         formats: <$Form as $crate::field::Field>::FORMATS,
+                        range: <$Form as $crate::field::Field>::RANGE,
                     }
                 ),*],
                 example: $example,
@@ -167,6 +189,11 @@ macro_rules! messages {
                 for row in rows() {
                     TestRunner::deterministic().run(&row, |message| {
                         $crate::table::check_round_trip::<$Enum>(&message, $Enum::encode, $Enum::decode);
+                        let text = serde_json::to_string(&message).unwrap();
+                        let mut json = serde_json::Deserializer::from_str(&text);
+                        let back = $Enum::deserialize_named(message.name(), &mut json).unwrap();
+                        // By the wire: the JSON parser may miss a number's last bit.
+                        assert_eq!($crate::table::line(&back, $Enum::encode), $crate::table::line(&message, $Enum::encode));
                         Ok(())
                     }).unwrap();
                 }
@@ -222,7 +249,7 @@ pub(crate) use messages;
 pub(crate) use unnest;
 
 use crate::error::EncodeError;
-use crate::{MAX_LINE, sentence};
+use crate::{MAX_LINE, hex, sentence};
 
 /// A name as a number, so that decoding finds its row by comparing integers. Names over eight bytes are none of ours.
 pub(crate) const fn key(name: &str) -> u64 {
@@ -244,7 +271,6 @@ pub(crate) fn enclose(
     out: &mut Vec<u8>,
     write: impl FnOnce(&mut Vec<u8>) -> Result<(), EncodeError>,
 ) -> Result<(), EncodeError> {
-    const HEX: &[u8; 16] = b"0123456789ABCDEF";
     let start = out.len();
     out.reserve(160);
     out.push(b'$');
@@ -252,14 +278,8 @@ pub(crate) fn enclose(
         out.truncate(start);
         return Err(error);
     }
-    let sum = sentence::xor(&out[start + 1..]);
-    out.extend_from_slice(&[
-        b'*',
-        HEX[usize::from(sum >> 4)],
-        HEX[usize::from(sum & 15)],
-        b'\r',
-        b'\n',
-    ]);
+    let [high, low] = hex::digits(sentence::xor(&out[start + 1..]));
+    out.extend_from_slice(&[b'*', high, low, b'\r', b'\n']);
     let length = out.len() - start;
     if length > MAX_LINE {
         let name = out[start + 1..].iter().take_while(|byte| byte.is_ascii_alphanumeric());
@@ -272,6 +292,14 @@ pub(crate) fn enclose(
         return Err(EncodeError::TooLong { message, length });
     }
     Ok(())
+}
+
+/// The line of a message that can be written.
+#[cfg(test)]
+pub(crate) fn line<M>(message: &M, encode: fn(&M, &mut Vec<u8>) -> Result<(), EncodeError>) -> String {
+    let mut out = Vec::new();
+    encode(message, &mut out).unwrap();
+    String::from_utf8(out).unwrap()
 }
 
 /// Encodes, decodes and encodes again: the same message, the same bytes.

@@ -1,7 +1,11 @@
 use core::fmt;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Free text of a sentence: printable ASCII without the delimiters comma, asterisk and dollar (SPI 4.2, Table 1).
-#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(transparent)]
 pub struct Text(Box<str>);
 
 /// A character that the text of a sentence must not hold.
@@ -58,6 +62,13 @@ fn is_allowed(character: char) -> bool {
     matches!(character, ' '..='~') && !matches!(character, ',' | '*' | '$')
 }
 
+impl<'de> Deserialize<'de> for Text {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = <Cow<'de, str>>::deserialize(deserializer)?;
+        Self::new(&text).map_err(serde::de::Error::custom)
+    }
+}
+
 impl fmt::Display for Text {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
@@ -100,5 +111,17 @@ mod tests {
             assert_eq!(Text::new(bad).unwrap_err().at, 1, "{bad:?}");
             assert_eq!(Text::cleaned(bad).as_str(), "a b");
         }
+    }
+
+    #[test]
+    fn a_serialised_text_is_a_string_and_checked_on_the_way_back() {
+        let text = Text::new("line 3").unwrap();
+        assert_eq!(serde_json::to_string(&text).unwrap(), "\"line 3\"");
+        assert_eq!(serde_json::from_str::<Text>("\"line 3\"").unwrap(), text);
+        let error = serde_json::from_str::<Text>("\"line, 3\"").unwrap_err();
+        assert!(
+            error.to_string().starts_with("character ',' at byte 4 is not allowed"),
+            "{error}"
+        );
     }
 }

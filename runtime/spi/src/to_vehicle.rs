@@ -1,13 +1,17 @@
 use backseat_units::{Position, TimeOfDay};
 
-use crate::codes::{HorizontalMode, Interrupt, ModifySpeedMode, ModifyVerticalMode, SpeedMode, VerticalMode};
-use crate::forms::{Created, Decimal, EntryAngle, Flag, LastText, OnOff, Optional, Word};
+use crate::codes::{
+    AbortReason, DurationUnit, HorizontalMode, Interrupt, ModifySpeedMode, ModifyVerticalMode, SpeedMode, SurfaceMode,
+    Transport, VerticalMode, VerticalReference,
+};
+use crate::forms::{Created, Decimal, EntryAngle, Flag, LastText, Nine, OnOff, Optional, OrDefault, Then, Word, Zero};
 use crate::identity::BehaviorId;
+use crate::packet::FrameData;
 use crate::table::messages;
 use crate::text::Text;
 
 messages! {
-    /// What the payload sends (SPI 7).
+    /// What the payload sends (SPI 7, 8 and 9).
     pub enum ToVehicle from crate::Direction::ToVehicle;
 
     /// Turns the sending of one kind of status message on or off.
@@ -29,6 +33,28 @@ messages! {
         text: Text as LastText, "text";
     }
     "$BPSTS,081025.987,1,all ok*08"
+
+    /// Asks for a message to be sent to the topside by the best link that there is.
+    "BPTOP" TopsideText, "7.3", "request to send data topside" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// The slowest way that the message is worth; vehicles may ignore it.
+        slowest: Transport as Transport, "code";
+        /// The message.
+        text: Text as Then<LastText, Zero>, "text";
+    }
+    "$BPTOP,081025.987,3,target 3 found,0*18"
+
+    /// Whether the payload wants to trigger the DVL, and whether it does.
+    "BPDVR" DvlTriggerRequest, "7.4", "request to change DVL triggering method" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Asks to begin external triggering, or to end it.
+        external: bool as Flag, "flag";
+        /// Whether the payload triggers the DVL now.
+        triggering: bool as Flag, "flag";
+    }
+    "$BPDVR,081025.987,1,0*69"
 
     /// Asks for a survey line, with the vehicle's default lead-in and lead-out.
     "BPRTK" Trackline, "7.5", "request additional trackline" {
@@ -81,6 +107,23 @@ messages! {
     }
     "$BPRTC,081025.987,1002,4221.810920,N,07106.846030,W,50,-2,0,15,1.5,0,180,4*5C"
 
+    /// Asks to surface for GPS. The header of 7.7 misprints the letter of the time to surface.
+    "BPRGP" GpsHit, "7.7", "request additional GPS hits" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// The payload's identifier for it.
+        identifier: BehaviorId as BehaviorId, "identifier";
+        /// Where to surface.
+        position: Position as Position, "deg";
+        /// The longest time to the surface, seconds. Vehicles ignore it.
+        surface_within_s: Option<f64> as Optional<Decimal<3>>, "s";
+        /// How many fixes to get. Vehicles ignore it.
+        hits: Option<u32> as Optional<u32>, "count";
+        /// How to surface.
+        mode: SurfaceMode as SurfaceMode, "code";
+    }
+    "$BPRGP,081025.987,1003,4221.810920,N,07106.846030,W,120,5,0*7E"
+
     /// Takes back a trackline or trackcircle that has not begun.
     "BPRCN" CancelBehavior, "7.8", "cancel requested behavior" {
         /// When the message was made, UTC.
@@ -96,6 +139,20 @@ messages! {
         created: TimeOfDay as Created, "UTC";
     }
     "$BPRCA,081025.987*78"
+
+    /// Ends the current behavior, whosever it is: the next one of the mission begins.
+    "BPRCB" CancelCurrent, "7.10", "cancel current behavior" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Then<Created, Zero>, "UTC";
+    }
+    "$BPRCB,081025.987,0*67"
+
+    /// Ends the current mission element, as the planner counts them: the next one begins.
+    "BPRCE" CancelElement, "7.11", "cancel current mission element" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Then<Created, Zero>, "UTC";
+    }
+    "$BPRCE,081025.987,0*60"
 
     /// Gives heading, depth or altitude, and speed for the next 5 s at most. What is `None` stays as the current
     /// behavior has it.
@@ -124,6 +181,52 @@ messages! {
     }
     "$BPEMB,081025.987*62"
 
+    /// Passes on a message from the topside that came by the payload's own modem.
+    "BPTMR" TopsideRelay, "7.14", "topside message relay" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// How it came.
+        transport: Transport as Transport, "code";
+        /// The message.
+        text: Text as LastText, "text";
+    }
+    "$BPTMR,081025.987,3,abort*3A"
+
+    /// The payload's conductivity, temperature and pressure sensor, which helps the vehicle's navigation.
+    "BPCTD" PayloadCtd, "7.15", "raw CTD sensor data" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Conductivity, microsiemens per centimetre.
+        conductivity_us_per_cm: f64 as Decimal<3>, "uS/cm";
+        /// Temperature, degrees Celsius.
+        temperature_c: f64 as Decimal<4>, "degC";
+        /// Pressure, kilopascals.
+        pressure_kpa: f64 as Decimal<4>, "kPa";
+        /// When it was measured, UTC.
+        measured: TimeOfDay as TimeOfDay, "UTC";
+    }
+    "$BPCTD,081025.987,42914,10.25,303.4,081025.900*5A"
+
+    /// Ends the mission: its wrap-up follows.
+    "BPABT" Abort, "7.16", "abort mission" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// For people and logs.
+        text: Text as LastText, "text";
+        /// Why. Read as errors where it is missing or empty.
+        reason: AbortReason as OrDefault<AbortReason>, "code";
+    }
+    "$BPABT,081025.987,leak in bay 2,1*22"
+
+    /// Ends the mission and all movement: the vehicle drifts.
+    "BPKIL" Kill, "7.17", "kill mission" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// For people and logs.
+        text: Text as LastText, "text";
+    }
+    "$BPKIL,081025.987,leak in bay 2*26"
+
     /// A line for the vehicle's logs.
     "BPMSG" LogMessage, "7.18", "log message" {
         /// When the message was made, UTC.
@@ -140,6 +243,58 @@ messages! {
     }
     "$BPRMP,081025.987*67"
 
+    /// Starts a mission that does nothing but what the payload asks for.
+    "BPSEM" StartEmptyMission, "7.20", "start empty mission" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// How long it lasts at most.
+        duration: f64 as Decimal<3>, "h, min or s";
+        /// The unit of the duration.
+        unit: DurationUnit as DurationUnit, "code";
+    }
+    "$BPSEM,081025.987,1.5,0*69"
+
+    /// A position for the vehicle's navigation, from an acoustic positioning system or the like. The header of 7.21 misprints
+    /// the name as BPNU.
+    "BPNPU" PositionFix, "7.21", "navigation position update" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// The position.
+        position: Position as Position, "deg";
+        /// Radius within which the vehicle is with a probability of one half, metres.
+        error_m: f64 as Decimal<3>, "m";
+        /// Depth, metres.
+        depth_m: f64 as Decimal<3>, "m";
+        /// Whether the vehicle must take it.
+        force: bool as Flag, "flag";
+        /// When the position was measured, UTC.
+        measured: TimeOfDay as TimeOfDay, "UTC";
+    }
+    "$BPNPU,081025.987,4221.810920,N,07106.846030,W,12.5,20.1,0,081024.500*65"
+
+    /// Quiets what could disturb acoustic sensors, or ends that.
+    "BPSIL" SilentMode, "7.22", "silent mode" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Silent, or normal.
+        silent: bool as Flag, "flag";
+    }
+    "$BPSIL,081025.987,1*63"
+
+    /// Asks for the vehicle to be levelled.
+    "BPTRM" TrimAdjustment, "7.23", "request trim adjustment behavior" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+    }
+    "$BPTRM,081025.987*63"
+
+    /// Asks for the vehicle's buoyancy to be adjusted.
+    "BPBOY" BuoyancyAdjustment, "7.24", "request buoyancy adjustment behavior" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+    }
+    "$BPBOY,081025.987*7C"
+
     /// The version of the interface that the payload speaks.
     "BPVER" PayloadVersion, "7.25", "payload interface version" {
         /// When the message was made, UTC.
@@ -148,6 +303,136 @@ messages! {
         version: Text as Text, "text";
     }
     "$BPVER,081025.987,1.12*59"
+
+    /// Suspends the mission of a hovering vehicle, for 2 s from the last one.
+    "BPSUS" Suspend, "8.1", "suspend mission" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+    }
+    "$BPSUS,081025.987*7D"
+
+    /// Prolongs a suspension for 2 s.
+    "BPCON" Continue, "8.2", "continue" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+    }
+    "$BPCON,081025.987*6A"
+
+    /// Ends a suspension: the mission goes on.
+    "BPRES" Resume, "8.3", "resume mission" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+    }
+    "$BPRES,081025.987*6C"
+
+    /// Limits the speed of movements relative to the hull. It outlives the suspension.
+    "BPSPD" HullSpeedLimit, "8.4", "hull relative speed limit" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Speed, metres per second; vehicles begin with 1.5.
+        speed_mps: f64 as Decimal<3>, "m/s";
+    }
+    "$BPSPD,081025.987,0.5*68"
+
+    /// Turns the sonar.
+    "BPSAN" SonarAngle, "8.5", "set sonar angle" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Angle, degrees.
+        angle_deg: f64 as Decimal<3>, "deg";
+    }
+    "$BPSAN,081025.987,-30*76"
+
+    /// Moves a suspended vehicle along the hull, and prolongs the suspension.
+    "BPGHP" HullPosition, "8.6", "go to hull position" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Horizontal position, metres.
+        horizontal_m: f64 as Decimal<3>, "m";
+        /// Vertical position, metres.
+        vertical_m: f64 as Decimal<3>, "m";
+        /// Distance from the hull, metres.
+        distance_m: f64 as Decimal<3>, "m";
+    }
+    "$BPGHP,081025.987,2.5,-1.25,1.5*6D"
+
+    /// Moves a suspended vehicle along the bottom, and prolongs the suspension.
+    "BPGBP" BottomPosition, "8.7", "go to bottom position" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Along x, metres.
+        x_m: f64 as Decimal<3>, "m";
+        /// Along y, metres.
+        y_m: f64 as Decimal<3>, "m";
+        /// What the vertical value is.
+        reference: VerticalReference as VerticalReference, "code";
+        /// Depth or altitude, metres.
+        vertical_m: f64 as Decimal<3>, "m";
+    }
+    "$BPGBP,081025.987,12.5,-3.25,A,2*21"
+
+    /// Tells a hovering vehicle where it is.
+    "BPRNS" RelativeReset, "8.8", "reset relative navigation" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Along x, metres.
+        x_m: f64 as Decimal<3>, "m";
+        /// Along y, metres.
+        y_m: f64 as Decimal<3>, "m";
+        /// Bearing, degrees.
+        bearing_deg: f64 as Decimal<3>, "deg";
+    }
+    "$BPRNS,081025.987,1.5,-2.25,90*5E"
+
+    /// Adds to the inertial bearing of a hovering vehicle.
+    "BPRBO" BearingOffset, "8.9", "hull relative bearing offset" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// What is added, degrees.
+        offset_deg: f64 as Decimal<3>, "deg";
+    }
+    "$BPRBO,081025.987,-2.5*5F"
+
+    /// Moves the camera. Each figure is tenths of a second of movement.
+    "BPPTZ" Camera, "8.10", "pan tilt zoom camera control" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Pan, -9 to 9.
+        pan: i32 as Nine, "0.1 s";
+        /// Tilt, -9 to 9.
+        tilt: i32 as Nine, "0.1 s";
+        /// Zoom, -9 to 9.
+        zoom: i32 as Nine, "0.1 s";
+    }
+    "$BPPTZ,081025.987,-9,0,3*4D"
+
+    /// Turns a light on or off. The format line of 8.11 misprints BPPTZ.
+    "BPLIT" Light, "8.11", "strobe light control" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// Which light. Vehicles ignore it.
+        light: i32 as i32, "count";
+        /// On, or off.
+        on: bool as Flag, "flag";
+    }
+    "$BPLIT,081025.987,0,1*78"
+
+    /// Asks for an acoustic packet to be sent; only within a window that BFCMA gave.
+    "BPCPD" Packet, "9.4", "communications packet data" {
+        /// When the message was made, UTC.
+        created: TimeOfDay as Created, "UTC";
+        /// The payload's identifier for it, which BFCPS repeats.
+        request: u32 as u32, "identifier";
+        /// Address of the modem that it is for.
+        destination: u32 as u32, "address";
+        /// The modem's mode of transmission.
+        mode: i32 as i32, "code";
+        /// Whether the receiver is to acknowledge it.
+        ack: bool as Flag, "flag";
+        /// The frames.
+        frames: FrameData as FrameData, "bytes";
+    }
+    "$BPCPD,081025.987,4711,3,1,1,2,48656C6C6F,00FF,,,,,,*2E"
 }
 
 #[cfg(test)]

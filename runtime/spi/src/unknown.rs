@@ -1,8 +1,11 @@
+use serde::ser::{Serialize, SerializeStruct, Serializer};
+use serde::{Deserialize, Deserializer};
+
 use crate::error::{EncodeError, Fault};
 use crate::sentence::{Fields, Sentence};
 
 /// A sentence whose name this crate does not know in its direction: to be counted and logged, and otherwise ignored
-/// (SPI 4.2).
+/// (SPI 4.2). Serialised as its `name` and its raw `fields`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownMessage {
     name: Box<str>,
@@ -71,6 +74,29 @@ impl UnknownMessage {
     }
 }
 
+impl Serialize for UnknownMessage {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut both = serializer.serialize_struct("UnknownMessage", 2)?;
+        both.serialize_field("name", &self.name)?;
+        both.serialize_field("fields", &self.fields())?;
+        both.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for UnknownMessage {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Both {
+            name: String,
+            fields: Vec<String>,
+        }
+        let Both { name, fields } = Both::deserialize(deserializer)?;
+        let fields: Vec<&str> = fields.iter().map(String::as_str).collect();
+        Self::new(&name, &fields).map_err(serde::de::Error::custom)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -85,6 +111,15 @@ mod tests {
             unknown,
             UnknownMessage::new("BFXYZ", &["1", "", "two words", ""]).unwrap()
         );
+    }
+
+    #[test]
+    fn name_and_raw_fields_are_serialised() {
+        let unknown = UnknownMessage::new("BFXYZ", &["1", "", "two words"]).unwrap();
+        let text = r#"{"name":"BFXYZ","fields":["1","","two words"]}"#;
+        assert_eq!(serde_json::to_string(&unknown).unwrap(), text);
+        assert_eq!(serde_json::from_str::<UnknownMessage>(text).unwrap(), unknown);
+        assert!(serde_json::from_str::<UnknownMessage>(r#"{"name":"BFXYZ","fields":["1,2"]}"#).is_err());
     }
 
     #[test]

@@ -16,5 +16,5 @@ mod utm;
 pub use frame::{EastNorth, LocalFrame};
 pub use position::{Latitude, Longitude, Position};
 pub use quantity::{Altitude, Depth, GridHeading, Heading, OutOfRange, Speed};
-pub use time::{TimeOfDay, Timestamp, Utc};
+pub use time::{TimeOfDay, TimeOfDayError, Timestamp, Utc};
 pub use utm::utm_convergence_deg;

@@ -53,12 +53,15 @@ angle! {
     Longitude, "longitude", 180.0
 }
 
-/// A horizontal position on WGS84.
+/// A horizontal position on WGS84. Serialised as `latitude_deg` and `longitude_deg`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Position {
     /// North positive.
+    #[serde(rename = "latitude_deg")]
     pub latitude: Latitude,
     /// East positive.
+    #[serde(rename = "longitude_deg")]
     pub longitude: Longitude,
 }
 
@@ -72,5 +75,26 @@ impl Position {
             latitude: Latitude::from_deg(latitude_deg)?,
             longitude: Longitude::from_deg(longitude_deg)?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_position_is_serialised_with_its_units_and_checked_on_the_way_back() {
+        let position = Position::from_deg(42.25, -70.5).unwrap();
+        let text = r#"{"latitude_deg":42.25,"longitude_deg":-70.5}"#;
+        assert_eq!(serde_json::to_string(&position).unwrap(), text);
+        assert_eq!(serde_json::from_str::<Position>(text).unwrap(), position);
+        for bad in [
+            r#"{"latitude_deg":90.1,"longitude_deg":0}"#,
+            r#"{"latitude_deg":1,"longitude_deg":180.1}"#,
+            r#"{"latitude_deg":1}"#,
+            r#"{"latitude_deg":1,"longitude_deg":1,"depth_m":3}"#,
+        ] {
+            assert!(serde_json::from_str::<Position>(bad).is_err(), "{bad}");
+        }
     }
 }

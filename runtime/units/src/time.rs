@@ -1,8 +1,11 @@
+use std::borrow::Cow;
+
 use core::fmt;
 use core::ops::{Add, Sub};
+use core::str::FromStr;
 use core::time::Duration;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 const NANOS_PER_SECOND: u64 = 1_000_000_000;
 const SECONDS_PER_DAY: u64 = 86_400;
@@ -116,9 +119,16 @@ impl Add<Duration> for Utc {
 /// A UTC time without its date, as SPI's timestamps are (section 4.2, Table 1): nanoseconds since midnight.
 ///
 /// The leap second 23:59:60 is legal and is the last second of its day.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(transparent)]
+///
+/// Shown as `08:10:25.987`. Serialised in the same way, with nine decimals where there is more than milliseconds, and
+/// read back with any number of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct TimeOfDay(u64);
+
+/// A text that is no time of day.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected a time of day: hh:mm:ss and at most nine decimals")]
+pub struct TimeOfDayError;
 
 impl TimeOfDay {
     /// Midnight.
@@ -204,6 +214,54 @@ impl fmt::Display for TimeOfDay {
     }
 }
 
+impl FromStr for TimeOfDay {
+    type Err = TimeOfDayError;
+
+    fn from_str(text: &str) -> Result<Self, TimeOfDayError> {
+        let (clock, decimals) = match text.split_once('.') {
+            Some((clock, decimals)) if (1..=9).contains(&decimals.len()) => (clock, decimals),
+            Some(_) => return Err(TimeOfDayError),
+            None => (text, ""),
+        };
+        let digits = |text: &str| {
+            text.bytes()
+                .try_fold(0, |value, byte| {
+                    byte.is_ascii_digit().then(|| value * 10 + u32::from(byte - b'0'))
+                })
+                .ok_or(TimeOfDayError)
+        };
+        let pair = |text: Option<&str>| match text {
+            Some(text) if text.len() == 2 => digits(text),
+            Some(_) | None => Err(TimeOfDayError),
+        };
+        let mut parts = clock.split(':');
+        let (hour, minute, second) = (pair(parts.next())?, pair(parts.next())?, pair(parts.next())?);
+        let nanos = (decimals.len()..9).try_fold(digits(decimals)?, |nanos, _| nanos.checked_mul(10));
+        match (parts.next(), nanos) {
+            (None, Some(nanos)) => Self::from_hms_nano(hour, minute, second, nanos).ok_or(TimeOfDayError),
+            (Some(_), _) | (_, None) => Err(TimeOfDayError),
+        }
+    }
+}
+
+impl Serialize for TimeOfDay {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (hour, minute, second, nanos) = self.hms_nano();
+        if nanos % 1_000_000 == 0 {
+            serializer.collect_str(self)
+        } else {
+            serializer.collect_str(&format_args!("{hour:02}:{minute:02}:{second:02}.{nanos:09}"))
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for TimeOfDay {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = <Cow<'de, str>>::deserialize(deserializer)?;
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -233,6 +291,43 @@ mod tests {
         let utc = Utc::from_unix_nanos(86_399_500_000_000);
         assert_eq!(utc.time_of_day().to_string(), "23:59:59.500");
         assert_eq!((utc + Duration::from_secs(1)).time_of_day().to_string(), "00:00:00.500");
+    }
+
+    #[test]
+    fn times_of_day_are_serialised_as_they_are_shown_and_nothing_is_lost() {
+        let time = |text: &str| text.parse::<TimeOfDay>();
+        for (value, text) in [
+            (at(8, 10, 25), "08:10:25.000"),
+            (at(23, 59, 60), "23:59:60.000"),
+            (TimeOfDay::from_nanos(86_400_987_654_321).unwrap(), "23:59:60.987654321"),
+            (TimeOfDay::from_nanos(5_000_000).unwrap(), "00:00:00.005"),
+        ] {
+            assert_eq!(serde_json::to_string(&value).unwrap(), format!("\"{text}\""));
+            assert_eq!(
+                serde_json::from_str::<TimeOfDay>(&format!("\"{text}\"")).unwrap(),
+                value
+            );
+        }
+        assert_eq!(time("08:10:25"), Ok(at(8, 10, 25)));
+        assert_eq!(
+            time("08:10:25.5").unwrap().as_nanos(),
+            at(8, 10, 25).as_nanos() + 500_000_000
+        );
+        for bad in [
+            "",
+            "8:10:25",
+            "08:10",
+            "08:10:25:01",
+            "08:10:25.",
+            "08:10:25.0000000001",
+            "24:00:00",
+            "08:60:00",
+            "08:10:60",
+            "0é:10:25",
+            "+8:10:25",
+        ] {
+            assert_eq!(time(bad), Err(TimeOfDayError), "{bad}");
+        }
     }
 
     #[test]

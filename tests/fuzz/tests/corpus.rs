@@ -126,5 +126,5 @@ fn mutate(data: &mut Vec<u8>, other: &[u8], random: &mut ChaCha8Rng) {
             data.splice(at..at, piece.iter().copied());
         }
     }
-    data.truncate(4096);
+    data.truncate(8192);
 }

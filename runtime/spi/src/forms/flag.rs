@@ -11,6 +11,7 @@ pub(crate) struct Flag;
 impl Field for Flag {
     type Value = bool;
     const FORMATS: &'static [&'static str] = &["0/1"];
+    const RANGE: &'static str = "0/1";
 
     fn decode(reader: &mut Reader<'_>) -> Result<bool, Fault> {
         match parse_integer(reader.trimmed()?) {
@@ -37,6 +38,7 @@ pub(crate) struct OnOff;
 impl Field for OnOff {
     type Value = bool;
     const FORMATS: &'static [&'static str] = &["ON/OFF"];
+    const RANGE: &'static str = "ON/OFF";
 
     fn decode(reader: &mut Reader<'_>) -> Result<bool, Fault> {
         match reader.trimmed()? {

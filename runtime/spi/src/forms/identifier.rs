@@ -10,6 +10,7 @@ use crate::number::parse_integer;
 impl Field for CommandName {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["rrr"];
+    const RANGE: &'static str = "three of A-Z 0-9";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         Self::new(reader.text()?.trim_ascii()).map_err(|_| Fault::expected("three upper-case letters, or BP and three"))
@@ -31,6 +32,7 @@ impl Field for CommandName {
 impl Field for BehaviorId {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["iiii"];
+    const RANGE: &'static str = "0..4294967295";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         parse_integer(reader.trimmed()?).map(Self::new)
@@ -72,6 +74,7 @@ pub(crate) struct IdentifierOrZero;
 impl Field for IdentifierOrZero {
     type Value = Option<BehaviorId>;
     const FORMATS: &'static [&'static str] = BehaviorId::FORMATS;
+    const RANGE: &'static str = "1..4294967295";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault> {
         optional_identifier(reader)
@@ -95,6 +98,7 @@ pub(crate) struct IdentifierOrEmpty;
 impl Field for IdentifierOrEmpty {
     type Value = Option<BehaviorId>;
     const FORMATS: &'static [&'static str] = BehaviorId::FORMATS;
+    const RANGE: &'static str = "1..4294967295";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault> {
         optional_identifier(reader)

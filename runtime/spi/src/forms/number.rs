@@ -5,7 +5,7 @@ use proptest::prelude::{BoxedStrategy, Just, Strategy, any, prop_oneof};
 
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
-use crate::number::parse_integer;
+use crate::number::{parse_integer, parse_signed};
 
 /// Plain numbers, at most `D` decimals written. The unit is in the field's name.
 pub(crate) struct Decimal<const D: u8>;
@@ -13,6 +13,7 @@ pub(crate) struct Decimal<const D: u8>;
 impl<const D: u8> Field for Decimal<D> {
     type Value = f64;
     const FORMATS: &'static [&'static str] = &["x.x"];
+    const RANGE: &'static str = "any";
 
     fn decode(reader: &mut Reader<'_>) -> Result<f64, Fault> {
         reader.decimal()
@@ -32,6 +33,7 @@ impl<const D: u8> Field for Decimal<D> {
 impl Field for u32 {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["x"];
+    const RANGE: &'static str = "0..4294967295";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         parse_integer(reader.trimmed()?)
@@ -48,6 +50,154 @@ impl Field for u32 {
     }
 }
 
+/// Whole numbers that may be negative.
+impl Field for i32 {
+    type Value = Self;
+    const FORMATS: &'static [&'static str] = &["x"];
+    const RANGE: &'static str = "-2147483648..2147483647";
+
+    fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
+        parse_signed(reader.trimmed()?)
+    }
+
+    fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        writer.signed(*value);
+        Ok(())
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<Self> {
+        any::<i32>().boxed()
+    }
+}
+
+/// How far a camera moves, tenths of a second of movement (SPI 8.10).
+pub(crate) struct Nine;
+
+impl Nine {
+    fn checked(value: i32) -> Result<i32, Fault> {
+        if (-9..=9).contains(&value) {
+            Ok(value)
+        } else {
+            Err(Fault::expected("a whole number from -9 to 9"))
+        }
+    }
+}
+
+impl Field for Nine {
+    type Value = i32;
+    const FORMATS: &'static [&'static str] = i32::FORMATS;
+    const RANGE: &'static str = "-9..9";
+
+    fn decode(reader: &mut Reader<'_>) -> Result<i32, Fault> {
+        Self::checked(i32::decode(reader)?)
+    }
+
+    fn encode(value: &i32, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        i32::encode(&Self::checked(*value)?, writer)
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<i32> {
+        (-9..=9).boxed()
+    }
+}
+
+/// A share in percent. Read as it comes, for a battery that reports 100.4 has more to say than that; written within
+/// 0 to 100.
+pub(crate) struct Percent;
+
+impl Field for Percent {
+    type Value = f64;
+    const FORMATS: &'static [&'static str] = &["x.x"];
+    const RANGE: &'static str = "0..100";
+
+    fn decode(reader: &mut Reader<'_>) -> Result<f64, Fault> {
+        reader.decimal()
+    }
+
+    fn encode(value: &f64, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        if (0.0..=100.0).contains(value) {
+            writer.decimal(*value, 3)
+        } else {
+            Err(Fault::expected("a share from 0 to 100"))
+        }
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<f64> {
+        decimals(0, 100_000, 3)
+    }
+}
+
+/// Several values of one form, one after the other.
+pub(crate) struct Each<F, const N: usize>(PhantomData<F>);
+
+impl<F: Field, const N: usize> Field for Each<F, N>
+where
+    F::Value: Copy + core::fmt::Debug + 'static,
+{
+    type Value = [F::Value; N];
+    const FORMATS: &'static [&'static str] = match F::FORMATS {
+        [format] => &[*format; N],
+        _ => panic!("only values of one field are repeated"),
+    };
+    const RANGE: &'static str = F::RANGE;
+
+    fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault> {
+        let mut values = [F::decode(reader)?; N];
+        for value in values.iter_mut().skip(1) {
+            *value = F::decode(reader)?;
+        }
+        Ok(values)
+    }
+
+    fn encode(values: &Self::Value, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        values.iter().try_for_each(|value| F::encode(value, writer))
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<Self::Value> {
+        proptest::collection::vec(F::strategy(), N)
+            .prop_map(|values| values.try_into().expect("as many as there are places"))
+            .boxed()
+    }
+}
+
+/// A value that a sender may leave out: then, or where its field is empty, its default.
+pub(crate) struct OrDefault<F>(PhantomData<F>);
+
+impl<F: Field> Field for OrDefault<F>
+where
+    F::Value: Default,
+{
+    type Value = F::Value;
+    const FORMATS: &'static [&'static str] = F::FORMATS;
+    const RANGE: &'static str = F::RANGE;
+
+    fn decode(reader: &mut Reader<'_>) -> Result<F::Value, Fault> {
+        if reader.remaining() == 0 {
+            return Ok(F::Value::default());
+        }
+        if reader.next_is_blank() {
+            for _ in F::FORMATS {
+                reader.bytes()?;
+            }
+            return Ok(F::Value::default());
+        }
+        F::decode(reader)
+    }
+
+    fn encode(value: &F::Value, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        F::encode(value, writer)
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<F::Value> {
+        F::strategy()
+    }
+}
+
 /// A value whose fields may be empty: the first one says.
 pub(crate) struct Optional<F>(PhantomData<F>);
 
@@ -57,6 +207,7 @@ where
 {
     type Value = Option<F::Value>;
     const FORMATS: &'static [&'static str] = F::FORMATS;
+    const RANGE: &'static str = F::RANGE;
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault> {
         if reader.next_is_blank() {
@@ -91,6 +242,7 @@ pub(crate) struct EntryAngle;
 impl Field for EntryAngle {
     type Value = Option<f64>;
     const FORMATS: &'static [&'static str] = &["x.x"];
+    const RANGE: &'static str = "any";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault> {
         // Only the interrupt code follows: where one field is left, it is that.
@@ -132,6 +284,43 @@ mod tests {
         assert_eq!(read::<Optional<Decimal<3>>>(" ,1"), Ok(None));
         assert_eq!(read::<Optional<Decimal<3>>>("0"), Ok(Some(0.0)));
         assert_eq!(written::<Optional<Decimal<3>>>(&None).unwrap(), ",");
+    }
+
+    #[test]
+    fn values_that_may_be_left_out_have_their_default() {
+        let second = |body: &str| {
+            let line = format!("$X,7{body}");
+            let sentence = crate::Sentence::parse(&line).unwrap();
+            let mut reader = Reader::new(&sentence);
+            u32::decode(&mut reader)?;
+            OrDefault::<u32>::decode(&mut reader)
+        };
+        assert_eq!(
+            (second(""), second(","), second(", ,9"), second(",8")),
+            (Ok(0), Ok(0), Ok(0), Ok(8))
+        );
+        assert!(second(",x").is_err());
+    }
+
+    #[test]
+    fn a_camera_moves_nine_tenths_at_most_and_a_battery_may_say_more_than_all() {
+        assert_eq!((read::<Nine>("-9"), read::<Nine>("9")), (Ok(-9), Ok(9)));
+        assert!(read::<Nine>("10").is_err() && written::<Nine>(&-10).is_err());
+        assert_eq!(read::<Percent>("100.4"), Ok(100.4));
+        assert!(written::<Percent>(&100.4).is_err() && written::<Percent>(&-0.1).is_err());
+        assert!(written::<Percent>(&f64::NAN).is_err());
+    }
+
+    #[test]
+    fn each_place_of_an_array_is_its_own_field() {
+        type Ranges = Each<Optional<Decimal<3>>, 4>;
+        assert_eq!(read::<Ranges>("1.5,, ,-2"), Ok([Some(1.5), None, None, Some(-2.0)]));
+        assert_eq!(read::<Ranges>("1.5,,"), Err(Fault::Missing));
+        assert_eq!(
+            written::<Ranges>(&[None, Some(2.0), None, Some(0.0)]).unwrap(),
+            ",,2,,0"
+        );
+        assert_eq!(Ranges::FORMATS, ["x.x"; 4]);
     }
 
     #[test]

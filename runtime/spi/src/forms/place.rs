@@ -13,6 +13,7 @@ const NOT_A_LONGITUDE: Fault = Fault::expected("three digits of degrees, then mi
 impl Field for Position {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["ddmm.mmmmmm", "N/S", "dddmm.mmmmmm", "E/W"];
+    const RANGE: &'static str = "90 S..90 N, 180 W..180 E";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         let latitude = angle(reader.digits_and_decimal::<2>(NOT_A_LATITUDE)?).ok_or(NOT_A_LATITUDE)?;

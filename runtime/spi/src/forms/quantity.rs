@@ -12,6 +12,7 @@ use crate::forms::{Decimal, Optional};
 impl Field for Depth {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["x.x"];
+    const RANGE: &'static str = "-100..12000";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         Ok(Self::from_m(reader.decimal()?)?)
@@ -35,6 +36,7 @@ pub(crate) struct BottomLock;
 impl Field for BottomLock {
     type Value = Option<Altitude>;
     const FORMATS: &'static [&'static str] = &["x.x"];
+    const RANGE: &'static str = "0..12000";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault> {
         let metres = Optional::<Decimal<3>>::decode(reader)?.unwrap_or(0.0);
@@ -70,6 +72,7 @@ impl Field for BottomLock {
 impl Field for GridHeading {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["x.x"];
+    const RANGE: &'static str = "0..360";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         Ok(Self::from_deg(reader.decimal()?)?)

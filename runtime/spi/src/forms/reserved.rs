@@ -39,6 +39,7 @@ impl<F: Field, R: Reserved> Field for Then<F, R> {
             _ => panic!("a row combines a value and reserved fields in a way that this list lacks"),
         }
     };
+    const RANGE: &'static str = F::RANGE;
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault> {
         let value = F::decode(reader)?;
@@ -53,6 +54,10 @@ impl<F: Field, R: Reserved> Field for Then<F, R> {
         F::encode(value, writer)?;
         R::FIELDS.iter().for_each(|field| writer.text(field));
         Ok(())
+    }
+
+    fn created(value: &Self::Value) -> Option<backseat_units::TimeOfDay> {
+        F::created(value)
     }
 
     #[cfg(test)]

@@ -12,6 +12,7 @@ const NOT_A_TIME: Fault = Fault::expected("a time of day, hhmmss and any decimal
 impl Field for TimeOfDay {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["hhmmss.sss"];
+    const RANGE: &'static str = "000000.000..235960.999";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         parse_time(reader.trimmed()?).ok_or(NOT_A_TIME)
@@ -68,6 +69,7 @@ pub(crate) struct Created;
 impl Field for Created {
     type Value = TimeOfDay;
     const FORMATS: &'static [&'static str] = TimeOfDay::FORMATS;
+    const RANGE: &'static str = TimeOfDay::RANGE;
 
     fn decode(reader: &mut Reader<'_>) -> Result<TimeOfDay, Fault> {
         TimeOfDay::decode(reader)

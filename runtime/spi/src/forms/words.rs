@@ -10,6 +10,7 @@ use crate::text::Text;
 impl Field for Text {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["c--c"];
+    const RANGE: &'static str = "printable ascii but , * $";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         reader.text().map(Self::cleaned)
@@ -32,6 +33,7 @@ pub(crate) struct LastText;
 impl Field for LastText {
     type Value = Text;
     const FORMATS: &'static [&'static str] = Text::FORMATS;
+    const RANGE: &'static str = Text::RANGE;
 
     fn decode(reader: &mut Reader<'_>) -> Result<Text, Fault> {
         if reader.remaining() == 0 {
@@ -59,6 +61,7 @@ const NOT_A_WORD: Fault = Fault::expected("a word of letters and digits");
 impl Field for Word {
     type Value = Text;
     const FORMATS: &'static [&'static str] = &["rrr"];
+    const RANGE: &'static str = "letters and digits";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Text, Fault> {
         let word = reader.text()?.trim_ascii();

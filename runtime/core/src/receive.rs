@@ -1,7 +1,7 @@
 //! What the vehicle says (SPI 5 and 6).
 
 use backseat_spi::{
-    BehaviorBegin, BehaviorEnd, Ctd, DecodeError, FromVehicle, MissionCommand, MissionStatus, Navigation,
+    BehaviorBegin, BehaviorEnd, BehaviorId, Ctd, DecodeError, FromVehicle, MissionCommand, MissionStatus, Navigation,
     VelocityAndRates,
 };
 use backseat_units::TimeOfDay;
@@ -182,6 +182,7 @@ impl Core {
         });
         // It modified another one (SPI 7.12).
         self.end_lease("a behaviour began under it");
+        self.end_overtaken(message.identifier);
         let mut own = None;
         match (message.identifier, message.number) {
             (Some(identifier), _) => {
@@ -223,6 +224,21 @@ impl Core {
             self.transition(request, RequestState::Ended("flown".to_owned()));
         }
         self.tell_of_behavior(false, own, message.kind.as_str());
+    }
+
+    /// The vehicle flies one behaviour at a time: an insert that had begun is over where another one begins, though its
+    /// BFMBE was lost with a connection.
+    fn end_overtaken(&mut self, begun: Option<BehaviorId>) {
+        let overtaken: Vec<u64> = self
+            .ledger
+            .iter()
+            .filter(|(_, entry)| entry.is_open_insert() && entry.state == RequestState::Started)
+            .filter(|(_, entry)| entry.identifier != begun)
+            .map(|(request, _)| request)
+            .collect();
+        for request in overtaken {
+            self.transition(request, RequestState::Ended("another behaviour has begun".to_owned()));
+        }
     }
 
     fn tell_of_behavior(&mut self, began: bool, own: Option<(Owner, u64)>, kind: &str) {

@@ -36,6 +36,7 @@ mod table;
 mod text;
 mod to_vehicle;
 mod unknown;
+mod word;
 
 pub use catalogue::{Direction, Entry, EntryField, catalogue};
 pub use codes::{

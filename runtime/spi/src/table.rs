@@ -47,14 +47,15 @@ macro_rules! messages {
 
                 const KEY: u64 = $crate::table::key($name);
 
-                fn read(reader: &mut $crate::field::Reader<'_>) -> Result<Self, $crate::DecodeError> {
+                /// Gives the enum and not the message: it is put together where it will be, and not copied there.
+                fn read(reader: &mut $crate::field::Reader<'_>) -> Result<$Enum, $crate::DecodeError> {
                     $(
                         let $field = match <$Form as $crate::field::Field>::decode(reader) {
                             Ok(value) => value,
                             Err(fault) => return Err(reader.error($name, stringify!($field), fault)),
                         };
                     )*
-                    Ok(Self { $($field),* })
+                    Ok($Enum::$Message(Self { $($field),* }))
                 }
 
                 fn write(&self, out: &mut Vec<u8>) -> Result<(), $crate::EncodeError> {
@@ -91,7 +92,7 @@ macro_rules! messages {
             pub fn decode(sentence: &$crate::Sentence<'_>) -> Result<Self, $crate::DecodeError> {
                 let mut reader = $crate::field::Reader::new(sentence);
                 match $crate::table::key(sentence.name()) {
-                    $( $Message::KEY => $Message::read(&mut reader).map(Self::$Message), )*
+                    $( $Message::KEY => $Message::read(&mut reader), )*
                     _ => Ok(Self::Unknown($crate::UnknownMessage::of(sentence))),
                 }
             }

@@ -47,12 +47,12 @@ pub(crate) fn scan_short(word: u64) -> Option<(f64, usize)> {
     let negative = word & 0xff == u64::from(b'-');
     let skipped = if negative { 8 } else { 0 };
     let mut width = end - skipped;
-    let mut text = word >> skipped & ((1 << width) - 1);
+    let mut text = (word >> skipped) & ((1 << width) - 1);
     let mut decimals = 0;
     let point = word::first_bit(text, b'.');
     if point < 64 {
         let before = (1 << point) - 1;
-        text = text & before | text >> 8 & !before;
+        text = (text & before) | ((text >> 8) & !before);
         width -= 8;
         decimals = (width - point) / 8;
     }
@@ -60,7 +60,7 @@ pub(crate) fn scan_short(word: u64) -> Option<(f64, usize)> {
         return None;
     }
     // Noughts before the digits, where the text ended after them.
-    let values = (text ^ word::all(b'0') >> (64 - width)) << (64 - width);
+    let values = (text ^ (word::all(b'0') >> (64 - width))) << (64 - width);
     if !word::are_digits(values) {
         return None;
     }
@@ -180,7 +180,7 @@ pub(crate) fn write_decimal(out: &mut Vec<u8>, value: f64, decimals: u8) -> Resu
     if millionths > 0 {
         let digits = word::digits(millionths * 100);
         let length = 8 - digits.leading_zeros() as usize / 8;
-        push_characters(out, (digits | word::all(b'0')) << 8 | u64::from(b'.'), 1 + length);
+        push_characters(out, ((digits | word::all(b'0')) << 8) | u64::from(b'.'), 1 + length);
     }
     Ok(())
 }

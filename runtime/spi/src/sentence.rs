@@ -139,7 +139,7 @@ pub(crate) fn xor(bytes: &[u8]) -> u8 {
     }
     sum ^= sum >> 32;
     sum ^= sum >> 16;
-    (sum ^ sum >> 8) as u8
+    (sum ^ (sum >> 8)) as u8
 }
 
 struct Parts<'a> {
@@ -166,7 +166,7 @@ fn before_star(text: &[u8]) -> IResult<&[u8], &[u8]> {
 fn checksum(digits: &[u8]) -> Option<u8> {
     match *digits {
         [low] => hex::value(low),
-        [high, low] => Some(hex::value(high)? << 4 | hex::value(low)?),
+        [high, low] => Some((hex::value(high)? << 4) | hex::value(low)?),
         _ => None,
     }
 }

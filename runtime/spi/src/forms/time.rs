@@ -59,7 +59,7 @@ fn parse_millis(text: &[u8; 10]) -> Option<TimeOfDay> {
     // Each character less what a nought, and the point, would be there.
     let values = u64::from_le_bytes(*first) ^ FORM;
     let (d2, d3) = (d2.wrapping_sub(b'0'), d3.wrapping_sub(b'0'));
-    if !word::are_digits(values) || values >> 48 & 0xff != 0 || d2 > 9 || d3 > 9 {
+    if !word::are_digits(values) || values.to_le_bytes()[6] != 0 || d2 > 9 || d3 > 9 {
         return None;
     }
     let [h1, h2, m1, m2, s1, s2, _, d1] = values.to_le_bytes().map(u32::from);

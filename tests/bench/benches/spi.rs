@@ -152,7 +152,9 @@ fn traffic() -> Vec<u8> {
     };
     let fast: String = ["BFNVG", "BFNVR", "BFDVL", "BFIMU", "BFRNV"].map(line).concat();
     let mut second = fast.repeat(10);
-    for name in ["BFACK", "BFMIS", "BFMBS", "BFCTD", "BFRBS", "BFRVL", "BFSVS", "BFERC", "BFRDP", "BFRCM", "BFPLN"] {
+    for name in [
+        "BFACK", "BFMIS", "BFMBS", "BFCTD", "BFRBS", "BFRVL", "BFSVS", "BFERC", "BFRDP", "BFRCM", "BFPLN",
+    ] {
         second.push_str(&line(name));
     }
     second.push_str("login: \r\n\r\n\n$BFNVG,081025.987,42");

@@ -61,9 +61,21 @@ pub fn velocity(line: &[u8]) -> Option<[f64; 7]> {
     Some(values)
 }
 
+/// What [`acknowledgement`] reads: times in seconds since midnight.
+#[derive(Debug)]
+#[expect(missing_docs, reason = "the fields of BFACK")]
+pub struct Acknowledgement {
+    pub created: f64,
+    pub command: [u8; 3],
+    pub command_created: f64,
+    pub identifier: u32,
+    pub status: u8,
+    pub text: Box<str>,
+}
+
 /// BFACK: time, command, its time, identifier, status, and the text as a string of its own.
 #[must_use]
-pub fn acknowledgement(line: &[u8]) -> Option<(f64, [u8; 3], f64, u32, u8, Box<str>)> {
+pub fn acknowledgement(line: &[u8]) -> Option<Acknowledgement> {
     let mut fields = Fields::of(line, b"$BFACK,")?;
     let created = clock(fields.next())?;
     let command = fields.next().try_into().ok()?;
@@ -75,7 +87,14 @@ pub fn acknowledgement(line: &[u8]) -> Option<(f64, [u8; 3], f64, u32, u8, Box<s
     let status = *fields.next().first()? - b'0';
     fields.next();
     let text = std::str::from_utf8(fields.next()).ok()?;
-    Some((created, command, command_created, identifier, status, text.into()))
+    Some(Acknowledgement {
+        created,
+        command,
+        command_created,
+        identifier,
+        status,
+        text: text.into(),
+    })
 }
 
 /// BFDVL: time, eight numbers that may be empty, time.

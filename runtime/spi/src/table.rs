@@ -252,19 +252,12 @@ pub(crate) use unnest;
 use crate::error::EncodeError;
 use crate::{MAX_LINE, hex, sentence};
 
-/// A name as a number, so that decoding finds its row by comparing integers. Names over eight bytes are none of ours.
+/// A name as a number, so that decoding finds its row by comparing integers. All of ours have five letters.
 pub(crate) const fn key(name: &str) -> u64 {
-    let bytes = name.as_bytes();
-    if bytes.len() > 8 {
-        return 0;
+    match *name.as_bytes() {
+        [a, b, c, d, e] => u64::from_be_bytes([0, 0, 0, a, b, c, d, e]),
+        _ => 0,
     }
-    let mut key = 0;
-    let mut at = 0;
-    while at < bytes.len() {
-        key = key << 8 | bytes[at] as u64;
-        at += 1;
-    }
-    key
 }
 
 /// Writes dollar sign, what `write` writes, checksum and line end; nothing at all where that fails or is too long.

@@ -352,7 +352,7 @@ mod tests {
             parts in proptest::collection::vec(
                 prop_oneof![
                     Just(CONTROL.as_bytes().to_vec()), Just(b"\r\n".to_vec()), Just(b"\n".to_vec()), Just(b"$".to_vec()),
-                    Just(b"$AB*03\r\n".to_vec()), Just(vec![b'x'; 700]), Just(b"$BFNVG,".to_vec()),
+                    Just(b"$AB*03\r\n".to_vec()), Just(vec![b'x'; MAX_LINE * 2 / 3]), Just(b"$BFNVG,".to_vec()),
                     proptest::collection::vec(any::<u8>(), 0..40),
                 ],
                 0..30,

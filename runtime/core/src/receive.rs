@@ -261,10 +261,6 @@ impl Core {
     /// Acknowledgements never refresh navigation's clock, but they do tell of the vehicle's.
     fn acknowledged(&mut self, ack: &Acknowledgement) {
         self.heard(ack.created);
-        if let AckStatus::Other(_) = ack.status {
-            // Neither done nor refused: the command stays unanswered, and times out as one.
-            return;
-        }
         let pending = ack.status == AckStatus::Pending;
         let Some(command) = self.commands.answer(ack, pending, self.now) else {
             return;

@@ -9,8 +9,8 @@ use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Speed, Times
 
 use crate::limits::Limits;
 use crate::plugin::{
-    Judge, ModifyRequest, NavigationSample, PositionRequest, Refusal, Request, StepInput, TrackcircleRequest,
-    TracklineRequest, VerticalRequest,
+    GpsHitRequest, Judge, ModifyRequest, NavigationSample, PositionRequest, Refusal, Request, StepInput,
+    TrackcircleRequest, TracklineRequest, VerticalRequest,
 };
 
 /// The vehicle keeps a modify for this long after the last BPRMB that it received (SPI 7.12).
@@ -31,28 +31,56 @@ pub(crate) struct Setpoint {
     pub(crate) speed: Speed,
 }
 
+/// How a line or a circle is flown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Flight {
+    pub(crate) vertical: Vertical,
+    pub(crate) speed: Speed,
+}
+
 /// Where an insert goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum InsertPath {
     Line {
         start: Position,
         end: Position,
+        flight: Flight,
     },
     Circle {
         centre: Position,
         radius_m: f64,
         orbits: f64,
         entry_angle_deg: Option<f64>,
+        flight: Flight,
     },
+    /// To a place at a depth and speed of the vehicle's own, up to the surface there, and adrift until GPS has its fix
+    /// (SPI 7.7).
+    Surface { at: Position },
 }
 
 /// An insert whose figures have been checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Insert {
     pub(crate) path: InsertPath,
-    pub(crate) vertical: Vertical,
-    pub(crate) speed: Speed,
+    /// It begins at once rather than after the current behaviour.
     pub(crate) interrupt: bool,
+}
+
+impl Insert {
+    /// Whether it is a GPS hit, which nothing can take back (SPI 7.8).
+    pub(crate) const fn surfaces(&self) -> bool {
+        match self.path {
+            InsertPath::Surface { .. } => true,
+            InsertPath::Line { .. } | InsertPath::Circle { .. } => false,
+        }
+    }
+
+    const fn flight(&self) -> Option<Flight> {
+        match self.path {
+            InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. } => Some(flight),
+            InsertPath::Surface { .. } => None,
+        }
+    }
 }
 
 /// The ends of an insert in the fence's frame; `None` where the vehicle chooses it.
@@ -81,6 +109,10 @@ pub(crate) struct BottomLock {
 pub(crate) struct Route {
     /// Where it may come from.
     pub(crate) from: Vec<End>,
+    /// It may come from the surface: a GPS hit may be flown before it.
+    pub(crate) from_surface: bool,
+    /// The depth of what may be flown before it, where that is deeper than the vehicle is now, metres.
+    pub(crate) deepest_m: f64,
     /// The first points of what may come next.
     pub(crate) to: Vec<EastNorth>,
     /// The planned legs that it may be on now, to which a lapsed modify returns.
@@ -136,9 +168,14 @@ impl Envelope {
             ));
         }
         Ok(Insert {
-            path: InsertPath::Line { start, end },
-            vertical: vertical(request.vertical)?,
-            speed: self.speed(request.speed_mps)?,
+            path: InsertPath::Line {
+                start,
+                end,
+                flight: Flight {
+                    vertical: vertical(request.vertical)?,
+                    speed: self.speed(request.speed_mps)?,
+                },
+            },
             interrupt: request.interrupt,
         })
     }
@@ -172,10 +209,22 @@ impl Envelope {
                 radius_m: request.radius_m,
                 orbits: request.orbits,
                 entry_angle_deg,
+                flight: Flight {
+                    vertical: vertical(request.vertical)?,
+                    speed,
+                },
             },
-            vertical: vertical(request.vertical)?,
-            speed,
             interrupt: request.interrupt,
+        })
+    }
+
+    pub(crate) fn admit_gps_hit(&self, request: &GpsHitRequest) -> Result<Insert, Refusal> {
+        Ok(Insert {
+            path: InsertPath::Surface {
+                at: position(request.position)?,
+            },
+            // BPRGP has no interrupt code (SPI 7.7): it runs after the current behaviour.
+            interrupt: false,
         })
     }
 
@@ -232,17 +281,20 @@ impl Envelope {
     ) -> Result<f64, Refusal> {
         let limits = &self.limits;
         let frame = self.fence.frame();
-        let strayed_m = limits.tracking_error_m
-            + limits.navigation_error_m
-            + turn_radius_m(insert.speed.as_mps(), limits.turn_rate_dps);
+        let speed_mps = insert
+            .flight()
+            .map_or(limits.speed_max_mps, |flight| flight.speed.as_mps());
+        let strayed_m =
+            limits.tracking_error_m + limits.navigation_error_m + turn_radius_m(speed_mps, limits.turn_rate_dps);
         let (shape, reach_m) = match insert.path {
-            InsertPath::Line { start, end } => {
+            InsertPath::Line { start, end, .. } => {
                 let (start, end) = self.with_leads(frame.to_local(start), frame.to_local(end));
                 (Shape::leg(start, end), start.distance_m(end))
             }
             InsertPath::Circle { centre, radius_m, .. } => {
                 (Shape::rim(frame.to_local(centre), radius_m), 2.0 * radius_m)
             }
+            InsertPath::Surface { at } => (Shape::point(frame.to_local(at)), self.drift_m()),
         };
         let ends = self.ends(insert);
         let to_it = route.from.iter().map(|from| farthest_m(*from, ends.0));
@@ -250,19 +302,66 @@ impl Envelope {
         let ways_m = to_it.chain(from_it).fold(0.0, f64::max);
         // What a bottom lock tells must hold for the ways too.
         let reach_m = reach_m + ways_m + strayed_m;
-        let extent = self.extent(insert.vertical, depth, lock, ends.0.point(), reach_m)?;
-        let mut least_m = self.sweep(shape, strayed_m, &extent)?;
-        for from in &route.from {
-            least_m = least_m.min(self.way(*from, ends.0, strayed_m, &extent)?);
+        let around = ends.0.point();
+        match insert.flight() {
+            Some(flight) => {
+                let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
+                let mut least_m = self.sweep(shape, strayed_m, &extent)?;
+                for from in &route.from {
+                    least_m = least_m.min(if route.from_surface {
+                        self.way_of_any_depth(*from, ends.0, strayed_m, &extent)?
+                    } else {
+                        self.way(*from, ends.0, strayed_m, &extent)?
+                    });
+                }
+                for to in &route.to {
+                    least_m = least_m.min(self.way(ends.1, End::At(*to), strayed_m, &extent)?);
+                }
+                Ok(least_m)
+            }
+            None => {
+                // It goes there, up, and on as it likes: at every depth between the surface and where it comes from.
+                let deepest = Depth::from_m(depth.as_m().max(route.deepest_m).max(0.0))
+                    .map_err(|error| limit(error.to_string()))?;
+                let extent = self.extent(Vertical::Depth(deepest), depth, lock, around, reach_m)?;
+                let adrift = Sweep {
+                    shape,
+                    radius_m: strayed_m + self.drift_m(),
+                };
+                let mut least_m = match self.fence.check_surfacing(&adrift, &extent) {
+                    Ok(clearance) => clearance.metres,
+                    Err(breach) => return Err(refusal(&breach)),
+                };
+                for from in &route.from {
+                    least_m = least_m.min(self.way_of_any_depth(*from, ends.0, strayed_m, &extent)?);
+                }
+                for to in &route.to {
+                    least_m = least_m.min(self.way_of_any_depth(ends.1, End::At(*to), strayed_m, &extent)?);
+                }
+                Ok(least_m)
+            }
         }
-        for to in &route.to {
-            least_m = least_m.min(self.way(ends.1, End::At(*to), strayed_m, &extent)?);
-        }
-        Ok(least_m)
     }
 
-    /// The way from one end to another alone: what remains when an insert between them is cancelled.
-    pub(crate) fn judge_way(&self, from: End, to: End, depth: Depth) -> Result<f64, Refusal> {
+    /// How far the current carries a vehicle that waits at the surface for GPS.
+    fn drift_m(&self) -> f64 {
+        self.limits.current_max_mps * self.limits.gps_hit_duration_max_s
+    }
+
+    /// The greatest depth that an insert leads to, metres; `None` where an altitude's depth cannot be known.
+    pub(crate) fn deepest_m(&self, insert: &Insert, depth: Depth, lock: Option<BottomLock>) -> Option<f64> {
+        let vertical = match insert.path {
+            InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. } => flight.vertical,
+            InsertPath::Surface { .. } => return Some(depth.as_m()),
+        };
+        let around = self.ends(insert).0.point();
+        let extent = self.extent(vertical, depth, lock, around, self.length_m(insert));
+        extent.ok().map(|extent| extent.depth_max_m)
+    }
+
+    /// The way from one end to another alone: what remains when an insert between them is cancelled. `surfacing`: a GPS
+    /// hit is at one of its ends, and the way goes through all depths down to this one.
+    pub(crate) fn judge_way(&self, from: End, to: End, depth: Depth, surfacing: bool) -> Result<f64, Refusal> {
         let limits = &self.limits;
         let strayed_m = limits.tracking_error_m
             + limits.navigation_error_m
@@ -273,22 +372,35 @@ impl Envelope {
             depth_max_m: depth_m,
             altitude_min_m: limits.water_depth_min_m.unwrap_or(0.0) - depth_m,
         };
-        self.way(from, to, strayed_m, &extent)
+        if surfacing {
+            self.way_of_any_depth(from, to, strayed_m, &extent)
+        } else {
+            self.way(from, to, strayed_m, &extent)
+        }
     }
 
     /// Where an insert begins and ends, leads included.
     pub(crate) fn ends(&self, insert: &Insert) -> (End, End) {
         let frame = self.fence.frame();
         match insert.path {
-            InsertPath::Line { start, end } => {
+            InsertPath::Line { start, end, .. } => {
                 let (start, end) = self.with_leads(frame.to_local(start), frame.to_local(end));
                 (End::At(start), End::At(end))
+            }
+            InsertPath::Surface { at } => {
+                let centre = frame.to_local(at);
+                let adrift = End::Anywhere {
+                    centre,
+                    radius_m: self.drift_m(),
+                };
+                (End::At(centre), adrift)
             }
             InsertPath::Circle {
                 centre,
                 radius_m,
                 orbits,
                 entry_angle_deg,
+                ..
             } => {
                 let local = frame.to_local(centre);
                 match entry_angle_deg {
@@ -311,48 +423,83 @@ impl Envelope {
         }
     }
 
-    /// The lines between which a vehicle lies that flies an insert: the line itself, or the sides of a circle's box.
+    /// The lines between which a vehicle lies that flies an insert: the line itself, or the sides of the box around a
+    /// circle or around where it drifts.
     pub(crate) fn legs(&self, insert: &Insert) -> Vec<(EastNorth, EastNorth)> {
-        match insert.path {
+        let (centre, radius_m) = match insert.path {
             InsertPath::Line { .. } => {
                 let (start, end) = self.ends(insert);
-                vec![(start.point(), end.point())]
+                return vec![(start.point(), end.point())];
             }
-            InsertPath::Circle { centre, radius_m, .. } => {
-                let centre = self.fence.frame().to_local(centre);
-                let corner = |east, north| centre + EastNorth::new(east, north) * radius_m;
-                let corners = [
-                    corner(-1.0, -1.0),
-                    corner(-1.0, 1.0),
-                    corner(1.0, 1.0),
-                    corner(1.0, -1.0),
-                ];
-                (0..4).map(|side| (corners[side], corners[(side + 1) % 4])).collect()
-            }
-        }
+            InsertPath::Circle { centre, radius_m, .. } => (centre, radius_m),
+            InsertPath::Surface { at } => (at, self.drift_m()),
+        };
+        let centre = self.fence.frame().to_local(centre);
+        let corner = |east, north| centre + EastNorth::new(east, north) * radius_m;
+        let corners = [
+            corner(-1.0, -1.0),
+            corner(-1.0, 1.0),
+            corner(1.0, 1.0),
+            corner(1.0, -1.0),
+        ];
+        (0..4).map(|side| (corners[side], corners[(side + 1) % 4])).collect()
     }
 
     /// How long an insert flies at most, its transit from `from` included, seconds.
     pub(crate) fn duration_s(&self, insert: &Insert, from: &[End]) -> f64 {
-        let frame = self.fence.frame();
-        let length_m = match insert.path {
-            InsertPath::Line { start, end } => {
-                frame.to_local(start).distance_m(frame.to_local(end)) + 2.0 * self.limits.lead_max_m
-            }
-            InsertPath::Circle { radius_m, orbits, .. } => 2.0 * PI * radius_m * orbits.abs(),
+        let limits = &self.limits;
+        let length_m = self.length_m(insert);
+        let (speed_mps, at_surface_s) = match insert.flight() {
+            Some(flight) => (flight.speed.as_mps(), 0.0),
+            None => (limits.speed_min_mps, limits.gps_hit_duration_max_s),
         };
         let transit_m = from
             .iter()
             .map(|from| farthest_m(*from, self.ends(insert).0))
             .fold(0.0, f64::max);
-        let turns_s = 2.0 * 180.0 / self.limits.turn_rate_dps;
-        (length_m + transit_m) / (insert.speed.as_mps() - self.limits.current_max_mps) + turns_s
+        let turns_s = 2.0 * 180.0 / limits.turn_rate_dps;
+        (length_m + transit_m) / (speed_mps - limits.current_max_mps) + turns_s + at_surface_s
+    }
+
+    /// How far the vehicle goes on an insert itself, metres.
+    fn length_m(&self, insert: &Insert) -> f64 {
+        let frame = self.fence.frame();
+        match insert.path {
+            InsertPath::Line { start, end, .. } => {
+                frame.to_local(start).distance_m(frame.to_local(end)) + 2.0 * self.limits.lead_max_m
+            }
+            InsertPath::Circle { radius_m, orbits, .. } => 2.0 * PI * radius_m * orbits.abs(),
+            InsertPath::Surface { .. } => 0.0,
+        }
     }
 
     fn way(&self, from: End, to: End, strayed_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {
         let (from, from_m) = point_and_radius(from);
         let (to, to_m) = point_and_radius(to);
         self.sweep(Shape::leg(from, to), strayed_m + from_m.max(to_m), extent)
+    }
+
+    /// A way on which the vehicle may be at any depth down to the extent's deepest: all of that must be allowed, by the
+    /// zone's depths or because it may surface on the whole way.
+    fn way_of_any_depth(&self, from: End, to: End, strayed_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {
+        let (from, from_m) = point_and_radius(from);
+        let (to, to_m) = point_and_radius(to);
+        let sweep = Sweep {
+            shape: Shape::leg(from, to),
+            radius_m: strayed_m + from_m.max(to_m),
+        };
+        let from_surface = VerticalExtent {
+            depth_min_m: extent.depth_min_m.min(0.0),
+            ..*extent
+        };
+        let checked = self
+            .fence
+            .check(&sweep, &from_surface)
+            .or_else(|breach| self.fence.check_surfacing(&sweep, extent).map_err(|_| breach));
+        match checked {
+            Ok(clearance) => Ok(clearance.metres),
+            Err(breach) => Err(refusal(&breach)),
+        }
     }
 
     fn sweep(&self, shape: Shape, radius_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {
@@ -453,7 +600,8 @@ impl Judge for Envelope {
             Request::Trackcircle(circle) => {
                 self.judge_insert(&self.admit_trackcircle(circle)?, navigation.depth, lock, &from_here)
             }
-            Request::GpsHit(_) | Request::Hold(_) => Err(limit("the fence does not know it yet".to_owned())),
+            Request::GpsHit(hit) => self.judge_insert(&self.admit_gps_hit(hit)?, navigation.depth, lock, &from_here),
+            Request::Hold(_) => Err(limit("the fence does not know it yet".to_owned())),
             // They have no geometry.
             Request::EndModify
             | Request::Cancel(_)
@@ -527,6 +675,7 @@ fn refusal(breach: &Breach) -> Refusal {
         Rule::Exclusion => "exclusion",
         Rule::DepthMin | Rule::DepthMax => "depth",
         Rule::AltitudeMin => "altitude",
+        Rule::Surfacing => "surfacing",
         Rule::NotFinite => "limit",
     };
     Refusal {

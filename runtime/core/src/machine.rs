@@ -66,6 +66,7 @@ pub struct Core {
     /// When the last BPRMB left, of any lease.
     pub(crate) modify_sent: Option<Timestamp>,
     pub(crate) inserts_sent: u32,
+    pub(crate) gps_hits_sent: u32,
     /// Of this process; the mission caps their number.
     pub(crate) sent_identifiers: BTreeSet<BehaviorId>,
     pub(crate) reserve_asked: bool,
@@ -106,6 +107,7 @@ impl Core {
             late_count: 0,
             modify_sent: None,
             inserts_sent: 0,
+            gps_hits_sent: 0,
             sent_identifiers: BTreeSet::new(),
             reserve_asked: false,
         };

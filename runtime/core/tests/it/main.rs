@@ -8,6 +8,7 @@ mod control;
 mod course;
 mod freshness;
 mod geometry;
+mod gps;
 mod inserts;
 mod lease;
 mod ledger;

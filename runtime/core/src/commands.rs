@@ -37,6 +37,12 @@ pub(crate) enum Purpose {
     DvlTrigger(u64),
     /// A command of a hold, by its request.
     Hold(u64),
+    /// The operator's cancel of all inserts, by its request.
+    CancelAll(u64),
+    /// The operator's abort or kill, by its request.
+    Ending(u64),
+    /// The start of an empty mission, by its request.
+    EmptyMission(u64),
     /// Nothing hangs on it.
     Courtesy,
 }
@@ -121,6 +127,9 @@ impl Commands {
                 | Purpose::Packet(_)
                 | Purpose::DvlTrigger(_)
                 | Purpose::Hold(_)
+                | Purpose::CancelAll(_)
+                | Purpose::Ending(_)
+                | Purpose::EmptyMission(_)
                 | Purpose::Courtesy => now + SETTLED_WITHIN,
             };
             Some(*command)

@@ -266,7 +266,7 @@ impl Core {
                 "the insert has begun and can no longer be cancelled (SPI 7.8)",
             ));
         }
-        if self.is_gps_hit(insert) {
+        if self.ledger.is_gps_hit(Some(insert)) {
             return Err(refused(
                 "tag",
                 "a GPS hit cannot be cancelled: BPRCN covers tracklines and trackcircles only (SPI 7.8)",
@@ -344,7 +344,7 @@ impl Core {
             .map(|(request, _)| request)
             .collect();
         for insert in inserts {
-            if self.is_gps_hit(insert) {
+            if self.ledger.is_gps_hit(Some(insert)) {
                 self.note(Note::Text {
                     text: format!("GPS hit {insert} may be flown yet: it cannot be cancelled (SPI 7.8)"),
                 });
@@ -352,11 +352,6 @@ impl Core {
                 self.send_cancel(None, insert);
             }
         }
-    }
-
-    fn is_gps_hit(&self, request: u64) -> bool {
-        let insert = self.ledger.get(request).and_then(|entry| entry.insert);
-        insert.is_some_and(|insert| insert.surfaces())
     }
 
     /// The vehicle's answer to an insert.
@@ -396,7 +391,7 @@ impl Core {
 
     /// An insert was not answered: it counts as one that the vehicle may fly, and is called back where that is possible.
     fn insert_unanswered(&mut self, request: u64) {
-        if !self.is_gps_hit(request) {
+        if !self.ledger.is_gps_hit(Some(request)) {
             self.send_cancel(None, request);
         }
         self.transition(request, RequestState::TimedOut);
@@ -415,7 +410,7 @@ impl Core {
             }
             let to = if self.plan.has(identifier) {
                 RequestState::Accepted
-            } else if self.is_gps_hit(request) {
+            } else if self.ledger.is_gps_hit(Some(request)) {
                 // BFPLN has no code for a GPS hit (6.20): a plan without it proves nothing. The vehicle may fly it yet,
                 // and so it stays under the caps.
                 RequestState::TimedOut

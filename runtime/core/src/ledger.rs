@@ -169,6 +169,12 @@ impl Ledger {
             .map(|(request, _)| request)
     }
 
+    /// Whether an open request is a GPS hit.
+    pub(crate) fn is_gps_hit(&self, request: Option<u64>) -> bool {
+        let insert = request.and_then(|request| self.get(request)?.insert);
+        insert.is_some_and(|insert| insert.surfaces())
+    }
+
     pub(crate) const fn counts(&self) -> RequestCounts {
         self.counts
     }
@@ -211,6 +217,11 @@ impl Ledger {
     /// The vehicle has said that a behaviour with this identifier has ended.
     pub(crate) fn settle_doubt_of(&mut self, identifier: BehaviorId) {
         self.doubtful.retain(|_, entry| entry.identifier != Some(identifier));
+    }
+
+    /// The vehicle has said that it has none of these any more.
+    pub(crate) fn settle_doubt_if(&mut self, gone: impl Fn(&Entry) -> bool) {
+        self.doubtful.retain(|_, entry| !gone(entry));
     }
 
     /// The mission is over, and all that it held.

@@ -13,6 +13,7 @@ mod inserts;
 mod lease;
 mod ledger;
 mod operator;
+mod orders;
 mod plugins;
 mod random;
 mod session;

@@ -166,6 +166,7 @@ impl Core {
         self.orders_mission_status(message.status.as_str(), running);
         if is_over(message.status.as_str()) {
             self.end_inserts("the mission is over");
+            self.end_adjustments("the mission is over");
         }
         if self.settings.control == ControlHook::Running {
             self.handed_over = Some(running);
@@ -198,7 +199,7 @@ impl Core {
                     self.ask_for_plan();
                 }
             }
-            (None, None) => {}
+            (None, None) => self.adjustment_behavior(true, message.kind.as_str()),
         }
         self.tell_of_behavior(true, own, message.kind.as_str());
     }
@@ -216,6 +217,8 @@ impl Core {
         if let Some(identifier) = message.identifier {
             self.plan.ended(identifier);
             self.ledger.settle_doubt_of(identifier);
+        } else if message.number.is_none() {
+            self.adjustment_behavior(false, message.kind.as_str());
         }
         let mut own = None;
         if let Some(request) = message

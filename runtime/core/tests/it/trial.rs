@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use backseat_core::plugin::{Event, FaultKind, PluginFault, PluginId, Request, RequestState, Returned, StepInput};
 use backseat_core::{
-    ControlHook, Core, Identifiers, Input, Limits, Note, Operator, Output, PluginSetup, RequestKind, Restarted,
+    ControlHook, Core, Identifiers, Input, Limits, Note, Operator, Order, Output, PluginSetup, RequestKind, Restarted,
     Settings, Start,
 };
 use backseat_fence::Fence;
@@ -196,9 +196,8 @@ impl Trial {
 
     pub(crate) fn operator(&mut self, act: Operator) {
         match act {
-            Operator::Hold => self.judge.held = true,
-            Operator::Release => self.judge.held = false,
-            Operator::Stop => self.judge.held = true,
+            Operator::Hold | Operator::Stop | Operator::Order(Order::Hold) => self.judge.held = true,
+            Operator::Release | Operator::Order(Order::Release) => self.judge.held = false,
             Operator::Order(_) => {}
         }
         self.feed(Input::Operator(act));

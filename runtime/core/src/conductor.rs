@@ -356,7 +356,7 @@ impl Core {
             FailAction::Cancel => self.cancel_all_of(Some(plugin), "its plugin failed"),
             FailAction::Abort => {
                 self.cancel_all_of(Some(plugin), "its plugin failed");
-                self.order(&Order::Abort {
+                self.order_in_advance(&Order::Abort {
                     text: "a plugin failed".to_owned(),
                     errors: true,
                 });

@@ -126,7 +126,7 @@ impl Core {
             Needs::OperatorWithControl => operator && control(),
             Needs::DriverWithControl => (operator || driver) && control(),
             Needs::OperatorArmed => operator && armed,
-            Needs::NoMission => operator && armed && !self.held && !self.stopping && self.running == Some(false),
+            Needs::NoMission => operator && armed && !self.held && !self.stopping && self.orders.no_mission(),
             Needs::Driver => driver && armed,
             Needs::Window => control() && self.acoustic.is_open(self.now),
             Needs::Never => false,

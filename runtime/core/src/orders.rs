@@ -16,6 +16,7 @@ use crate::ledger::RequestKind;
 use crate::machine::Core;
 use crate::owner::Owner;
 use crate::plugin::Refusal;
+use crate::receive::is_over;
 use crate::timer::Timer;
 
 mod cancels;
@@ -115,6 +116,34 @@ pub struct Policy {
     pub order: Order,
 }
 
+/// How far the vehicle's mission is, as BFMIS has last said on this connection (SPI 6.11).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// Nothing that means anything.
+    #[default]
+    Unknown,
+    /// It runs.
+    Running,
+    /// It wraps up, after its end or an abort: the vehicle moves yet.
+    Ending,
+    /// None runs.
+    Over,
+}
+
+impl Phase {
+    fn of(status: &str) -> Self {
+        if status.starts_with("Running") {
+            Self::Running
+        } else if ["Aborting", "WrappingUp"].iter().any(|word| status.starts_with(word)) {
+            Self::Ending
+        } else if is_over(status) {
+            Self::Over
+        } else {
+            Self::Unknown
+        }
+    }
+}
+
 /// Where the operator's orders stand.
 #[derive(Debug, Default)]
 pub(crate) struct Orders {
@@ -129,6 +158,7 @@ pub(crate) struct Orders {
     ended: bool,
     /// The insert that the newest BFMBS named, until its BFMBE.
     current: Option<BehaviorId>,
+    phase: Phase,
     /// There has been a connection.
     connected: bool,
     /// Since when navigation has been stale, and up to where policies have acted on that.
@@ -139,6 +169,11 @@ impl Orders {
     /// Whether the operator has ended the mission that runs.
     pub(crate) const fn has_ended_mission(&self) -> bool {
         self.ended
+    }
+
+    /// Whether the vehicle has said that no mission runs.
+    pub(crate) fn no_mission(&self) -> bool {
+        self.phase == Phase::Over
     }
 
     /// The operator lets plugins ask again.
@@ -160,6 +195,22 @@ impl Orders {
 }
 
 impl Core {
+    /// An order that the operator gave in advance: a policy's, or a plugin's fail action. An abort of what ends already
+    /// could disturb the vehicle's wrap-up, and nobody is there who wants it all the same.
+    pub(crate) fn order_in_advance(&mut self, order: &Order) {
+        let text = match self.orders.phase {
+            Phase::Ending => "the mission is ending already",
+            Phase::Over => "no mission is running",
+            Phase::Unknown | Phase::Running => return self.order(order),
+        };
+        if let Order::Abort { .. } = order {
+            let request = self.propose_order(RequestKind::Abort);
+            self.reject(request, refused("state", text));
+        } else {
+            self.order(order);
+        }
+    }
+
     /// The operator's order.
     pub(crate) fn order(&mut self, order: &Order) {
         match order {
@@ -194,6 +245,7 @@ impl Core {
     /// not: what they would take back may be another thing by then.
     pub(crate) fn orders_link_lost(&mut self) {
         self.orders.current = None;
+        self.orders.phase = Phase::Unknown;
         self.endings_link_lost();
         self.empty_mission_link_lost();
         self.set_order_timer();
@@ -207,14 +259,18 @@ impl Core {
     }
 
     /// A mission status (BFMIS).
-    pub(crate) fn orders_mission_status(&mut self, status: &str, running: bool) {
-        if running {
-            self.empty_mission_runs();
-        } else {
-            self.orders.current = None;
-            self.orders.ended = false;
+    pub(crate) fn orders_mission_status(&mut self, status: &str) {
+        let phase = Phase::of(status);
+        self.orders.phase = phase;
+        match phase {
+            Phase::Running => self.empty_mission_runs(),
+            Phase::Ending | Phase::Over => {
+                self.orders.current = None;
+                self.orders.ended = false;
+            }
+            Phase::Unknown => {}
         }
-        self.endings_mission_status(status);
+        self.endings_mission_status(status, phase);
         self.set_order_timer();
     }
 

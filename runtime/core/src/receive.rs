@@ -163,7 +163,7 @@ impl Core {
                 self.end_lease("the mission is not running");
             }
         }
-        self.orders_mission_status(message.status.as_str(), running);
+        self.orders_mission_status(message.status.as_str());
         if is_over(message.status.as_str()) {
             self.end_inserts("the mission is over");
             self.end_adjustments("the mission is over");

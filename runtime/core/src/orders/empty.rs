@@ -5,6 +5,7 @@ use std::time::Duration;
 use backseat_spi::{DurationUnit, StartEmptyMission, ToVehicle};
 use backseat_units::Timestamp;
 
+use super::Phase;
 use crate::commands::{Answer, Purpose};
 use crate::helm::refused;
 use crate::ledger::RequestKind;
@@ -70,10 +71,11 @@ impl Core {
         if self.orders.empty.is_some() {
             return Err(refused("state", "one is being started already"));
         }
-        match self.running {
-            Some(false) => Ok(()),
-            Some(true) => Err(refused("state", "a mission is running")),
-            None => Err(refused("state", "the vehicle has not said whether a mission runs")),
+        match self.orders.phase {
+            Phase::Over => Ok(()),
+            Phase::Running => Err(refused("state", "a mission is running")),
+            Phase::Ending => Err(refused("state", "a mission is ending")),
+            Phase::Unknown => Err(refused("state", "the vehicle has not said whether a mission runs")),
         }
     }
 

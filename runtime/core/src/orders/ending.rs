@@ -10,7 +10,7 @@ use std::time::Duration;
 use backseat_spi::{Abort, AbortReason, Kill, Text, ToVehicle};
 use backseat_units::Timestamp;
 
-use super::Order;
+use super::{Order, Phase};
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::helm::refused;
 use crate::io::Note;
@@ -18,7 +18,6 @@ use crate::ledger::RequestKind;
 use crate::machine::Core;
 use crate::owner::Owner;
 use crate::plugin::RequestState;
-use crate::receive::is_over;
 use crate::session::name;
 
 /// How often one is sent on a connection while it is not acknowledged.
@@ -234,14 +233,16 @@ impl Core {
     }
 
     /// A mission that ends has been ended; one that wraps up moves yet, and a kill is not done with.
-    pub(super) fn endings_mission_status(&mut self, status: &str) {
-        let wraps_up = ["Aborting", "WrappingUp"].iter().any(|word| status.starts_with(word));
-        let over = is_over(status);
+    pub(super) fn endings_mission_status(&mut self, status: &str, phase: Phase) {
         let done: Vec<u64> = self
             .orders
             .endings
             .iter()
-            .filter(|ending| over || (wraps_up && !ending.is_kill()))
+            .filter(|ending| match phase {
+                Phase::Over => true,
+                Phase::Ending => !ending.is_kill(),
+                Phase::Running | Phase::Unknown => false,
+            })
             .map(|ending| ending.request)
             .collect();
         for request in done {

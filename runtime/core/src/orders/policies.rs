@@ -49,7 +49,7 @@ impl Core {
             self.note(Note::Text {
                 text: format!("policy: {when}: {order}"),
             });
-            self.order(&order);
+            self.order_in_advance(&order);
         }
     }
 

@@ -583,6 +583,15 @@ fn an_empty_mission_needs_that_none_runs_a_link_a_duration_and_no_hold() {
     let mut held = ready();
     held.operator(Operator::Hold);
     assert!(rejected(&mut held, 60).contains("the operator holds"));
+    let mut ending = ready();
+    let now = ending.now;
+    ending.vehicle.set_status(now, "WrappingUp");
+    ending.run_for(0.5);
+    assert!(rejected(&mut ending, 60).contains("a mission is ending"));
+    let now = ending.now;
+    ending.vehicle.set_status(now, " ");
+    ending.run_for(0.5);
+    assert!(rejected(&mut ending, 60).contains("has not said whether a mission runs"));
     let mut silent = Trial::new();
     silent.vehicle.replays = false;
     silent.run_for(2.0);
@@ -745,6 +754,21 @@ fn a_policy_on_quarantine_and_a_plugins_fail_action_abort_once() {
     assert_eq!(trial.commands("ABT").len(), 1);
     assert_eq!(wire(&trial.commands("ABT")[0].1), "$BPABT,a plugin failed,1");
     assert!(!trial.core.is_steering());
+
+    // The vehicle wraps up: another failure, or a policy, does not abort that; the operator's own word would.
+    let now = trial.now;
+    trial.vehicle.set_status(now, "Aborting");
+    trial.run_for(5.0);
+    trial.fail(0, FaultKind::Trap);
+    trial.run_for(0.5);
+    assert_eq!(
+        rejection(&trial, RequestKind::Abort),
+        "state: the mission is ending already"
+    );
+    assert_eq!(trial.commands("ABT").len(), 1);
+    order(&mut trial, abort());
+    trial.run_for(0.5);
+    assert_eq!(trial.commands("ABT").len(), 2);
 
     let policies = vec![Policy {
         when: Condition::PluginQuarantined,

@@ -9,9 +9,11 @@ use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Speed, Times
 
 use crate::limits::Limits;
 use crate::plugin::{
-    GpsHitRequest, Judge, ModifyRequest, NavigationSample, PositionRequest, Refusal, Request, StepInput,
-    TrackcircleRequest, TracklineRequest, VerticalRequest,
+    Judge, ModifyRequest, NavigationSample, PositionRequest, Refusal, Request, StepInput, TrackcircleRequest,
+    TracklineRequest, VerticalRequest,
 };
+
+mod surfacing;
 
 /// The vehicle keeps a modify for this long after the last BPRMB that it received (SPI 7.12).
 pub(crate) const MODIFY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -111,6 +113,8 @@ pub(crate) struct Route {
     pub(crate) from: Vec<End>,
     /// It may come from the surface: a GPS hit may be flown before it.
     pub(crate) from_surface: bool,
+    /// It may go on to the surface: a GPS hit may be flown after it.
+    pub(crate) to_surface: bool,
     /// The depth of what may be flown before it, where that is deeper than the vehicle is now, metres.
     pub(crate) deepest_m: f64,
     /// The first points of what may come next.
@@ -218,16 +222,6 @@ impl Envelope {
         })
     }
 
-    pub(crate) fn admit_gps_hit(&self, request: &GpsHitRequest) -> Result<Insert, Refusal> {
-        Ok(Insert {
-            path: InsertPath::Surface {
-                at: position(request.position)?,
-            },
-            // BPRGP has no interrupt code (SPI 7.7): it runs after the current behaviour.
-            interrupt: false,
-        })
-    }
-
     /// Safety requirement 002 for a modify: every position that the vehicle can reach until it has noticed our silence
     /// and turned away, and the ways back to its plan.
     pub(crate) fn judge_modify(
@@ -303,60 +297,18 @@ impl Envelope {
         // What a bottom lock tells must hold for the ways too.
         let reach_m = reach_m + ways_m + strayed_m;
         let around = ends.0.point();
-        match insert.flight() {
-            Some(flight) => {
-                let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
-                let mut least_m = self.sweep(shape, strayed_m, &extent)?;
-                for from in &route.from {
-                    least_m = least_m.min(if route.from_surface {
-                        self.way_of_any_depth(*from, ends.0, strayed_m, &extent)?
-                    } else {
-                        self.way(*from, ends.0, strayed_m, &extent)?
-                    });
-                }
-                for to in &route.to {
-                    least_m = least_m.min(self.way(ends.1, End::At(*to), strayed_m, &extent)?);
-                }
-                Ok(least_m)
-            }
-            None => {
-                // It goes there, up, and on as it likes: at every depth between the surface and where it comes from.
-                let deepest = Depth::from_m(depth.as_m().max(route.deepest_m).max(0.0))
-                    .map_err(|error| limit(error.to_string()))?;
-                let extent = self.extent(Vertical::Depth(deepest), depth, lock, around, reach_m)?;
-                let adrift = Sweep {
-                    shape,
-                    radius_m: strayed_m + self.drift_m(),
-                };
-                let mut least_m = match self.fence.check_surfacing(&adrift, &extent) {
-                    Ok(clearance) => clearance.metres,
-                    Err(breach) => return Err(refusal(&breach)),
-                };
-                for from in &route.from {
-                    least_m = least_m.min(self.way_of_any_depth(*from, ends.0, strayed_m, &extent)?);
-                }
-                for to in &route.to {
-                    least_m = least_m.min(self.way_of_any_depth(ends.1, End::At(*to), strayed_m, &extent)?);
-                }
-                Ok(least_m)
-            }
-        }
-    }
-
-    /// How far the current carries a vehicle that waits at the surface for GPS.
-    fn drift_m(&self) -> f64 {
-        self.limits.current_max_mps * self.limits.gps_hit_duration_max_s
-    }
-
-    /// The greatest depth that an insert leads to, metres; `None` where an altitude's depth cannot be known.
-    pub(crate) fn deepest_m(&self, insert: &Insert, depth: Depth, lock: Option<BottomLock>) -> Option<f64> {
-        let vertical = match insert.path {
-            InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. } => flight.vertical,
-            InsertPath::Surface { .. } => return Some(depth.as_m()),
+        let Some(flight) = insert.flight() else {
+            return self.judge_surfacing(shape, strayed_m, reach_m, ends, depth, lock, route);
         };
-        let around = self.ends(insert).0.point();
-        let extent = self.extent(vertical, depth, lock, around, self.length_m(insert));
-        extent.ok().map(|extent| extent.depth_max_m)
+        let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
+        let mut least_m = self.sweep(shape, strayed_m, &extent)?;
+        for from in &route.from {
+            least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, strayed_m, &extent)?);
+        }
+        for to in &route.to {
+            least_m = least_m.min(self.way_by(route.to_surface, ends.1, End::At(*to), strayed_m, &extent)?);
+        }
+        Ok(least_m)
     }
 
     /// The way from one end to another alone: what remains when an insert between them is cancelled. `surfacing`: a GPS
@@ -372,11 +324,7 @@ impl Envelope {
             depth_max_m: depth_m,
             altitude_min_m: limits.water_depth_min_m.unwrap_or(0.0) - depth_m,
         };
-        if surfacing {
-            self.way_of_any_depth(from, to, strayed_m, &extent)
-        } else {
-            self.way(from, to, strayed_m, &extent)
-        }
+        self.way_by(surfacing, from, to, strayed_m, &extent)
     }
 
     /// Where an insert begins and ends, leads included.
@@ -477,29 +425,6 @@ impl Envelope {
         let (from, from_m) = point_and_radius(from);
         let (to, to_m) = point_and_radius(to);
         self.sweep(Shape::leg(from, to), strayed_m + from_m.max(to_m), extent)
-    }
-
-    /// A way on which the vehicle may be at any depth down to the extent's deepest: all of that must be allowed, by the
-    /// zone's depths or because it may surface on the whole way.
-    fn way_of_any_depth(&self, from: End, to: End, strayed_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {
-        let (from, from_m) = point_and_radius(from);
-        let (to, to_m) = point_and_radius(to);
-        let sweep = Sweep {
-            shape: Shape::leg(from, to),
-            radius_m: strayed_m + from_m.max(to_m),
-        };
-        let from_surface = VerticalExtent {
-            depth_min_m: extent.depth_min_m.min(0.0),
-            ..*extent
-        };
-        let checked = self
-            .fence
-            .check(&sweep, &from_surface)
-            .or_else(|breach| self.fence.check_surfacing(&sweep, extent).map_err(|_| breach));
-        match checked {
-            Ok(clearance) => Ok(clearance.metres),
-            Err(breach) => Err(refusal(&breach)),
-        }
     }
 
     fn sweep(&self, shape: Shape, radius_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {

@@ -483,6 +483,7 @@ impl Core {
             route
                 .to
                 .extend(chain.iter().map(|(_, insert, _)| self.envelope.ends(insert).0.point()));
+            route.to_surface = chain.iter().any(|(_, insert, _)| insert.surfaces());
             return route;
         }
         // One that was not answered may be flown before this one all the same.

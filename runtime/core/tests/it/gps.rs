@@ -207,6 +207,23 @@ fn sr_002_what_follows_a_gps_hit_comes_from_the_surface_and_from_where_it_has_dr
 }
 
 #[test]
+fn sr_002_what_interrupts_before_a_gps_hit_goes_on_to_the_surface() {
+    // From a line beyond the shoals, which interrupts, the vehicle may go on to the GPS hit and come up on the way.
+    let beyond = |tag| {
+        let mut beyond = line(tag, (1300.0, 270.0), (1400.0, 270.0));
+        beyond.interrupt = true;
+        Request::Trackline(beyond)
+    };
+    let mut trial = under_way();
+    trial.ask(0, [beyond(1)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "alone it is good");
+    let mut trial = accepted();
+    let text = rejected(&mut trial, beyond(2));
+    assert!(text.starts_with("exclusion: inside exclusion 'shoals'"), "{text}");
+}
+
+#[test]
 fn sr_002_a_depth_of_what_is_flown_before_it_counts() {
     let deep = |tag| {
         let mut deep = line(tag, (0.0, 500.0), (300.0, 500.0));

@@ -298,7 +298,11 @@ impl Envelope {
         let reach_m = reach_m + ways_m + strayed_m;
         let around = ends.0.point();
         let Some(flight) = insert.flight() else {
-            return self.judge_surfacing(shape, strayed_m, reach_m, ends, depth, lock, route);
+            // It goes there, up, and on as it likes: at every depth between the surface and where it comes from.
+            let deepest_m = depth.as_m().max(route.deepest_m).max(0.0);
+            let deepest = Depth::from_m(deepest_m).map_err(|error| limit(error.to_string()))?;
+            let extent = self.extent(Vertical::Depth(deepest), depth, lock, around, reach_m)?;
+            return self.judge_surfacing(shape, strayed_m, ends, &extent, route);
         };
         let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
         let mut least_m = self.sweep(shape, strayed_m, &extent)?;

@@ -3,9 +3,7 @@
 use backseat_fence::{Shape, Sweep, VerticalExtent};
 use backseat_units::Depth;
 
-use super::{
-    BottomLock, End, Envelope, Insert, InsertPath, Route, Vertical, limit, point_and_radius, position, refusal,
-};
+use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, point_and_radius, position, refusal};
 use crate::plugin::{GpsHitRequest, Refusal};
 
 impl Envelope {
@@ -21,37 +19,27 @@ impl Envelope {
 
     /// Safety requirement 002 for a GPS hit: the place with the drift of the whole wait, in a zone that allows surfacing,
     /// and the ways to it and on.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "what the judgement of any insert has worked out already"
-    )]
     pub(super) fn judge_surfacing(
         &self,
         place: Shape,
         strayed_m: f64,
-        reach_m: f64,
         ends: (End, End),
-        depth: Depth,
-        lock: Option<BottomLock>,
+        extent: &VerticalExtent,
         route: &Route,
     ) -> Result<f64, Refusal> {
-        // It goes there, up, and on as it likes: at every depth between the surface and where it comes from.
-        let deepest =
-            Depth::from_m(depth.as_m().max(route.deepest_m).max(0.0)).map_err(|error| limit(error.to_string()))?;
-        let extent = self.extent(Vertical::Depth(deepest), depth, lock, ends.0.point(), reach_m)?;
         let adrift = Sweep {
             shape: place,
             radius_m: strayed_m + self.drift_m(),
         };
-        let mut least_m = match self.fence.check_surfacing(&adrift, &extent) {
+        let mut least_m = match self.fence.check_surfacing(&adrift, extent) {
             Ok(clearance) => clearance.metres,
             Err(breach) => return Err(refusal(&breach)),
         };
         for from in &route.from {
-            least_m = least_m.min(self.way_by(true, *from, ends.0, strayed_m, &extent)?);
+            least_m = least_m.min(self.way_by(true, *from, ends.0, strayed_m, extent)?);
         }
         for to in &route.to {
-            least_m = least_m.min(self.way_by(true, ends.1, End::At(*to), strayed_m, &extent)?);
+            least_m = least_m.min(self.way_by(true, ends.1, End::At(*to), strayed_m, extent)?);
         }
         Ok(least_m)
     }

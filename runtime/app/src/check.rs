@@ -126,10 +126,16 @@ fn print_fence(mission: &Mission) -> Result<()> {
     for zone in mission.envelope.fence().zones() {
         let vertices: usize = zone.rings().map(|ring| ring.points.len()).sum();
         let what = match zone.kind() {
-            Kind::Inclusion { depth, altitude_min_m } => {
+            Kind::Inclusion {
+                depth,
+                altitude_min_m,
+                surfacing,
+            } => {
                 format!(
-                    "inclusion, depth {} to {} m, altitude at least {altitude_min_m} m",
-                    depth.min_m, depth.max_m
+                    "inclusion, depth {} to {} m, altitude at least {altitude_min_m} m, {}",
+                    depth.min_m,
+                    depth.max_m,
+                    if surfacing { "surfacing allowed" } else { "no surfacing" }
                 )
             }
             Kind::Exclusion { depth: None } => "exclusion at all depths".to_owned(),

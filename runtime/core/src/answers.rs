@@ -38,6 +38,9 @@ impl Core {
             Purpose::Packet(request) => self.packet_answered(request, answer),
             Purpose::DvlTrigger(request) => self.dvl_answered(request, answer),
             Purpose::Hold(request) => self.hold_answered(request, command.name, answer),
+            Purpose::CancelAll(request) => self.cancel_all_answered(request, answer),
+            Purpose::Ending(request) => self.ending_answered(request, answer),
+            Purpose::EmptyMission(request) => self.empty_mission_answered(request, answer),
             Purpose::Courtesy => {
                 if let Answer::Refused(text) = answer {
                     self.note(Note::Text {

@@ -37,6 +37,12 @@ pub(crate) enum Purpose {
     DvlTrigger(u64),
     /// A command of a hold, by its request.
     Hold(u64),
+    /// The operator's cancel of all inserts, by its request.
+    CancelAll(u64),
+    /// The operator's abort or kill, by its request.
+    Ending(u64),
+    /// The start of an empty mission, by its request.
+    EmptyMission(u64),
     /// Nothing hangs on it.
     Courtesy,
 }
@@ -70,14 +76,42 @@ pub(crate) struct Commands {
     sent: Vec<Command>,
 }
 
-/// More than this many at once and the oldest is given up: no peer makes us remember without bound.
+/// More than this many at once are not remembered: no peer makes us remember without bound.
 const COMMANDS_MAX: usize = 256;
 
 impl Commands {
-    pub(crate) fn push(&mut self, command: Command) -> Option<Command> {
-        let given_up = (self.sent.len() >= COMMANDS_MAX).then(|| self.sent.remove(0));
+    /// Remembers a command that is to be sent. False where there is no room for its answer, so that it must not be sent:
+    /// what hangs on it would never end. One on which nothing hangs makes room and needs none; the end of a mission, of
+    /// which there are two at most, always finds it.
+    pub(crate) fn push(&mut self, command: Command) -> bool {
+        if self.sent.len() >= COMMANDS_MAX {
+            let idle = self.sent.iter().position(|sent| sent.purpose == Purpose::Courtesy);
+            match (idle, command.purpose) {
+                (Some(idle), _) => {
+                    self.sent.remove(idle);
+                }
+                (None, Purpose::Courtesy) => return true,
+                (None, Purpose::Ending(_)) => {}
+                (
+                    None,
+                    Purpose::Subscription(_)
+                    | Purpose::Plan
+                    | Purpose::Lease(_)
+                    | Purpose::Insert(_)
+                    | Purpose::Cancel { .. }
+                    | Purpose::Request(_)
+                    | Purpose::Silent(_)
+                    | Purpose::Adjustment(_)
+                    | Purpose::Packet(_)
+                    | Purpose::DvlTrigger(_)
+                    | Purpose::Hold(_)
+                    | Purpose::CancelAll(_)
+                    | Purpose::EmptyMission(_),
+                ) => return false,
+            }
+        }
         self.sent.push(command);
-        given_up
+        true
     }
 
     /// The command that an acknowledgement answers: by name, echoed time and identifier; one that names no command
@@ -121,6 +155,9 @@ impl Commands {
                 | Purpose::Packet(_)
                 | Purpose::DvlTrigger(_)
                 | Purpose::Hold(_)
+                | Purpose::CancelAll(_)
+                | Purpose::Ending(_)
+                | Purpose::EmptyMission(_)
                 | Purpose::Courtesy => now + SETTLED_WITHIN,
             };
             Some(*command)
@@ -160,5 +197,44 @@ impl Commands {
     /// The link is gone: no answer comes.
     pub(crate) fn clear(&mut self) {
         self.sent.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::session::name;
+
+    fn command(purpose: Purpose) -> Command {
+        Command {
+            name: name("RTK"),
+            created: None,
+            identifier: None,
+            purpose,
+            deadline: Timestamp::ZERO,
+            pending: false,
+        }
+    }
+
+    #[test]
+    fn what_hangs_on_a_command_is_never_forgotten_for_want_of_room() {
+        let mut commands = Commands::default();
+        assert!(commands.push(command(Purpose::Courtesy)));
+        for request in 0..COMMANDS_MAX as u64 {
+            assert!(commands.push(command(Purpose::Insert(request))), "{request}");
+        }
+        assert!(!commands.push(command(Purpose::Insert(999))), "it is not sent then");
+        assert!(
+            commands.push(command(Purpose::Courtesy)),
+            "it is sent, and its answer is nobody's"
+        );
+        assert!(commands.push(command(Purpose::Ending(1000))));
+        let mut late = Vec::new();
+        while let Some(command) = commands.late(Timestamp::ZERO) {
+            late.push(command.purpose);
+        }
+        let mut expected: Vec<Purpose> = (0..COMMANDS_MAX as u64).map(Purpose::Insert).collect();
+        expected.push(Purpose::Ending(1000));
+        assert_eq!(late, expected);
     }
 }

@@ -6,10 +6,10 @@ use std::time::Duration;
 use backseat_spi::{LogMessage, Text, ToVehicle};
 use backseat_units::Timestamp;
 
+use crate::adjustment::Adjusts;
 use crate::envelope::limit;
 use crate::helm::refused;
 use crate::io::{Note, Output, Restarted};
-use crate::ledger::RequestKind;
 use crate::limits::{FailAction, Grant};
 use crate::machine::Core;
 use crate::orders::{Condition, Order};
@@ -356,7 +356,7 @@ impl Core {
             FailAction::Cancel => self.cancel_all_of(Some(plugin), "its plugin failed"),
             FailAction::Abort => {
                 self.cancel_all_of(Some(plugin), "its plugin failed");
-                self.order(&Order::Abort {
+                self.order_in_advance(&Order::Abort {
                     text: "a plugin failed".to_owned(),
                     errors: true,
                 });
@@ -387,8 +387,8 @@ impl Core {
             Request::Topside(asked) => self.ask_topside(plugin, &asked),
             Request::DvlTrigger(asked) => self.ask_dvl(plugin, &asked),
             Request::Silent(asked) => self.ask_silent(plugin, &asked),
-            Request::Trim(tag) => self.ask_adjustment(plugin, tag, RequestKind::Trim),
-            Request::Buoyancy(tag) => self.ask_adjustment(plugin, tag, RequestKind::Buoyancy),
+            Request::Trim(tag) => self.ask_adjustment(plugin, tag, Adjusts::Trim),
+            Request::Buoyancy(tag) => self.ask_adjustment(plugin, tag, Adjusts::Buoyancy),
             Request::Packet(asked) => self.ask_packet(plugin, asked),
             Request::Hold(asked) => self.ask_hold(plugin, &asked),
             Request::EndHold => self.ask_end_hold(plugin),

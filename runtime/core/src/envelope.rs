@@ -13,6 +13,8 @@ use crate::plugin::{
     TracklineRequest, VerticalRequest,
 };
 
+mod surfacing;
+
 /// The vehicle keeps a modify for this long after the last BPRMB that it received (SPI 7.12).
 pub(crate) const MODIFY_TIMEOUT: Duration = Duration::from_secs(5);
 
@@ -31,28 +33,56 @@ pub(crate) struct Setpoint {
     pub(crate) speed: Speed,
 }
 
+/// How a line or a circle is flown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Flight {
+    pub(crate) vertical: Vertical,
+    pub(crate) speed: Speed,
+}
+
 /// Where an insert goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum InsertPath {
     Line {
         start: Position,
         end: Position,
+        flight: Flight,
     },
     Circle {
         centre: Position,
         radius_m: f64,
         orbits: f64,
         entry_angle_deg: Option<f64>,
+        flight: Flight,
     },
+    /// To a place at a depth and speed of the vehicle's own, up to the surface there, and adrift until GPS has its fix
+    /// (SPI 7.7).
+    Surface { at: Position },
 }
 
 /// An insert whose figures have been checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Insert {
     pub(crate) path: InsertPath,
-    pub(crate) vertical: Vertical,
-    pub(crate) speed: Speed,
+    /// It begins at once rather than after the current behaviour.
     pub(crate) interrupt: bool,
+}
+
+impl Insert {
+    /// Whether it is a GPS hit, which nothing can take back (SPI 7.8).
+    pub(crate) const fn surfaces(&self) -> bool {
+        match self.path {
+            InsertPath::Surface { .. } => true,
+            InsertPath::Line { .. } | InsertPath::Circle { .. } => false,
+        }
+    }
+
+    const fn flight(&self) -> Option<Flight> {
+        match self.path {
+            InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. } => Some(flight),
+            InsertPath::Surface { .. } => None,
+        }
+    }
 }
 
 /// The ends of an insert in the fence's frame; `None` where the vehicle chooses it.
@@ -81,6 +111,12 @@ pub(crate) struct BottomLock {
 pub(crate) struct Route {
     /// Where it may come from.
     pub(crate) from: Vec<End>,
+    /// It may come from the surface: a GPS hit may be flown before it.
+    pub(crate) from_surface: bool,
+    /// It may go on to the surface: a GPS hit may be flown after it.
+    pub(crate) to_surface: bool,
+    /// The depth of what may be flown before it, where that is deeper than the vehicle is now, metres.
+    pub(crate) deepest_m: f64,
     /// The first points of what may come next.
     pub(crate) to: Vec<EastNorth>,
     /// The planned legs that it may be on now, to which a lapsed modify returns.
@@ -136,9 +172,14 @@ impl Envelope {
             ));
         }
         Ok(Insert {
-            path: InsertPath::Line { start, end },
-            vertical: vertical(request.vertical)?,
-            speed: self.speed(request.speed_mps)?,
+            path: InsertPath::Line {
+                start,
+                end,
+                flight: Flight {
+                    vertical: vertical(request.vertical)?,
+                    speed: self.speed(request.speed_mps)?,
+                },
+            },
             interrupt: request.interrupt,
         })
     }
@@ -172,9 +213,11 @@ impl Envelope {
                 radius_m: request.radius_m,
                 orbits: request.orbits,
                 entry_angle_deg,
+                flight: Flight {
+                    vertical: vertical(request.vertical)?,
+                    speed,
+                },
             },
-            vertical: vertical(request.vertical)?,
-            speed,
             interrupt: request.interrupt,
         })
     }
@@ -232,17 +275,20 @@ impl Envelope {
     ) -> Result<f64, Refusal> {
         let limits = &self.limits;
         let frame = self.fence.frame();
-        let strayed_m = limits.tracking_error_m
-            + limits.navigation_error_m
-            + turn_radius_m(insert.speed.as_mps(), limits.turn_rate_dps);
+        let speed_mps = insert
+            .flight()
+            .map_or(limits.speed_max_mps, |flight| flight.speed.as_mps());
+        let strayed_m =
+            limits.tracking_error_m + limits.navigation_error_m + turn_radius_m(speed_mps, limits.turn_rate_dps);
         let (shape, reach_m) = match insert.path {
-            InsertPath::Line { start, end } => {
+            InsertPath::Line { start, end, .. } => {
                 let (start, end) = self.with_leads(frame.to_local(start), frame.to_local(end));
                 (Shape::leg(start, end), start.distance_m(end))
             }
             InsertPath::Circle { centre, radius_m, .. } => {
                 (Shape::rim(frame.to_local(centre), radius_m), 2.0 * radius_m)
             }
+            InsertPath::Surface { at } => (Shape::point(frame.to_local(at)), self.drift_m()),
         };
         let ends = self.ends(insert);
         let to_it = route.from.iter().map(|from| farthest_m(*from, ends.0));
@@ -250,19 +296,28 @@ impl Envelope {
         let ways_m = to_it.chain(from_it).fold(0.0, f64::max);
         // What a bottom lock tells must hold for the ways too.
         let reach_m = reach_m + ways_m + strayed_m;
-        let extent = self.extent(insert.vertical, depth, lock, ends.0.point(), reach_m)?;
+        let around = ends.0.point();
+        let Some(flight) = insert.flight() else {
+            // It goes there, up, and on as it likes: at every depth between the surface and where it comes from.
+            let deepest_m = depth.as_m().max(route.deepest_m).max(0.0);
+            let deepest = Depth::from_m(deepest_m).map_err(|error| limit(error.to_string()))?;
+            let extent = self.extent(Vertical::Depth(deepest), depth, lock, around, reach_m)?;
+            return self.judge_surfacing(shape, strayed_m, ends, &extent, route);
+        };
+        let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
         let mut least_m = self.sweep(shape, strayed_m, &extent)?;
         for from in &route.from {
-            least_m = least_m.min(self.way(*from, ends.0, strayed_m, &extent)?);
+            least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, strayed_m, &extent)?);
         }
         for to in &route.to {
-            least_m = least_m.min(self.way(ends.1, End::At(*to), strayed_m, &extent)?);
+            least_m = least_m.min(self.way_by(route.to_surface, ends.1, End::At(*to), strayed_m, &extent)?);
         }
         Ok(least_m)
     }
 
-    /// The way from one end to another alone: what remains when an insert between them is cancelled.
-    pub(crate) fn judge_way(&self, from: End, to: End, depth: Depth) -> Result<f64, Refusal> {
+    /// The way from one end to another alone: what remains when an insert between them is cancelled. `surfacing`: a GPS
+    /// hit is at one of its ends, and the way goes through all depths down to this one.
+    pub(crate) fn judge_way(&self, from: End, to: End, depth: Depth, surfacing: bool) -> Result<f64, Refusal> {
         let limits = &self.limits;
         let strayed_m = limits.tracking_error_m
             + limits.navigation_error_m
@@ -273,22 +328,31 @@ impl Envelope {
             depth_max_m: depth_m,
             altitude_min_m: limits.water_depth_min_m.unwrap_or(0.0) - depth_m,
         };
-        self.way(from, to, strayed_m, &extent)
+        self.way_by(surfacing, from, to, strayed_m, &extent)
     }
 
     /// Where an insert begins and ends, leads included.
     pub(crate) fn ends(&self, insert: &Insert) -> (End, End) {
         let frame = self.fence.frame();
         match insert.path {
-            InsertPath::Line { start, end } => {
+            InsertPath::Line { start, end, .. } => {
                 let (start, end) = self.with_leads(frame.to_local(start), frame.to_local(end));
                 (End::At(start), End::At(end))
+            }
+            InsertPath::Surface { at } => {
+                let centre = frame.to_local(at);
+                let adrift = End::Anywhere {
+                    centre,
+                    radius_m: self.drift_m(),
+                };
+                (End::At(centre), adrift)
             }
             InsertPath::Circle {
                 centre,
                 radius_m,
                 orbits,
                 entry_angle_deg,
+                ..
             } => {
                 let local = frame.to_local(centre);
                 match entry_angle_deg {
@@ -311,42 +375,54 @@ impl Envelope {
         }
     }
 
-    /// The lines between which a vehicle lies that flies an insert: the line itself, or the sides of a circle's box.
+    /// The lines between which a vehicle lies that flies an insert: the line itself, or the sides of the box around a
+    /// circle or around where it drifts.
     pub(crate) fn legs(&self, insert: &Insert) -> Vec<(EastNorth, EastNorth)> {
-        match insert.path {
+        let (centre, radius_m) = match insert.path {
             InsertPath::Line { .. } => {
                 let (start, end) = self.ends(insert);
-                vec![(start.point(), end.point())]
+                return vec![(start.point(), end.point())];
             }
-            InsertPath::Circle { centre, radius_m, .. } => {
-                let centre = self.fence.frame().to_local(centre);
-                let corner = |east, north| centre + EastNorth::new(east, north) * radius_m;
-                let corners = [
-                    corner(-1.0, -1.0),
-                    corner(-1.0, 1.0),
-                    corner(1.0, 1.0),
-                    corner(1.0, -1.0),
-                ];
-                (0..4).map(|side| (corners[side], corners[(side + 1) % 4])).collect()
-            }
-        }
+            InsertPath::Circle { centre, radius_m, .. } => (centre, radius_m),
+            InsertPath::Surface { at } => (at, self.drift_m()),
+        };
+        let centre = self.fence.frame().to_local(centre);
+        let corner = |east, north| centre + EastNorth::new(east, north) * radius_m;
+        let corners = [
+            corner(-1.0, -1.0),
+            corner(-1.0, 1.0),
+            corner(1.0, 1.0),
+            corner(1.0, -1.0),
+        ];
+        (0..4).map(|side| (corners[side], corners[(side + 1) % 4])).collect()
     }
 
     /// How long an insert flies at most, its transit from `from` included, seconds.
     pub(crate) fn duration_s(&self, insert: &Insert, from: &[End]) -> f64 {
-        let frame = self.fence.frame();
-        let length_m = match insert.path {
-            InsertPath::Line { start, end } => {
-                frame.to_local(start).distance_m(frame.to_local(end)) + 2.0 * self.limits.lead_max_m
-            }
-            InsertPath::Circle { radius_m, orbits, .. } => 2.0 * PI * radius_m * orbits.abs(),
+        let limits = &self.limits;
+        let length_m = self.length_m(insert);
+        let (speed_mps, at_surface_s) = match insert.flight() {
+            Some(flight) => (flight.speed.as_mps(), 0.0),
+            None => (limits.speed_min_mps, limits.gps_hit_duration_max_s),
         };
         let transit_m = from
             .iter()
             .map(|from| farthest_m(*from, self.ends(insert).0))
             .fold(0.0, f64::max);
-        let turns_s = 2.0 * 180.0 / self.limits.turn_rate_dps;
-        (length_m + transit_m) / (insert.speed.as_mps() - self.limits.current_max_mps) + turns_s
+        let turns_s = 2.0 * 180.0 / limits.turn_rate_dps;
+        (length_m + transit_m) / (speed_mps - limits.current_max_mps) + turns_s + at_surface_s
+    }
+
+    /// How far the vehicle goes on an insert itself, metres.
+    fn length_m(&self, insert: &Insert) -> f64 {
+        let frame = self.fence.frame();
+        match insert.path {
+            InsertPath::Line { start, end, .. } => {
+                frame.to_local(start).distance_m(frame.to_local(end)) + 2.0 * self.limits.lead_max_m
+            }
+            InsertPath::Circle { radius_m, orbits, .. } => 2.0 * PI * radius_m * orbits.abs(),
+            InsertPath::Surface { .. } => 0.0,
+        }
     }
 
     fn way(&self, from: End, to: End, strayed_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {
@@ -453,7 +529,8 @@ impl Judge for Envelope {
             Request::Trackcircle(circle) => {
                 self.judge_insert(&self.admit_trackcircle(circle)?, navigation.depth, lock, &from_here)
             }
-            Request::GpsHit(_) | Request::Hold(_) => Err(limit("the fence does not know it yet".to_owned())),
+            Request::GpsHit(hit) => self.judge_insert(&self.admit_gps_hit(hit)?, navigation.depth, lock, &from_here),
+            Request::Hold(_) => Err(limit("the fence does not know it yet".to_owned())),
             // They have no geometry.
             Request::EndModify
             | Request::Cancel(_)
@@ -527,6 +604,7 @@ fn refusal(breach: &Breach) -> Refusal {
         Rule::Exclusion => "exclusion",
         Rule::DepthMin | Rule::DepthMax => "depth",
         Rule::AltitudeMin => "altitude",
+        Rule::Surfacing => "surfacing",
         Rule::NotFinite => "limit",
     };
     Refusal {

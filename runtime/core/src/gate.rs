@@ -1,4 +1,6 @@
 //! The last place before the wire (safety requirements 001, 012, 014 and 016): what each message needs.
+//!
+//! Who asks for a message has checked all that it needs; this is checked once more here, for the day when one forgets.
 
 use backseat_spi::ToVehicle;
 
@@ -12,14 +14,18 @@ use crate::owner::Owner;
 enum Needs {
     /// Nothing but the link: it is on the list of what may be sent without control (014).
     Link,
-    /// An armed runtime with control (001).
+    /// That the insert which it takes back is one that this runtime has sent (014).
+    OwnInsert,
+    /// An armed runtime with control (001), and that it is no driver's.
     Control,
-    /// The same, and that it is the operator's.
+    /// An armed runtime with control, and that it is the operator's.
     OperatorWithControl,
     /// The same, and that it is a configured driver's or the operator's: it moves the vehicle's idea of where it is.
     DriverWithControl,
-    /// That it is the operator's, and an armed runtime: abort and kill (012), and what starts a mission.
+    /// That it is the operator's, and an armed runtime: abort and kill (012).
     OperatorArmed,
+    /// The same, no hold, and that the vehicle has said that no mission runs.
+    NoMission,
     /// That it is a configured driver's: what it relays is the topside's word (014).
     Driver,
     /// An armed runtime with control, in a window of the acoustic modem (016).
@@ -36,9 +42,9 @@ const fn needs(message: &ToVehicle) -> Needs {
         | M::PayloadStatus(_)
         | M::LogMessage(_)
         | M::EndModify(_)
-        | M::CancelBehavior(_)
         | M::RequestPlan(_)
         | M::Resume(_) => Needs::Link,
+        M::CancelBehavior(_) => Needs::OwnInsert,
         M::DvlTriggerRequest(request) => {
             // What ends the triggering is a reply of the handshake; what begins it is not.
             if request.external || request.triggering {
@@ -65,7 +71,8 @@ const fn needs(message: &ToVehicle) -> Needs {
         | M::Light(_) => Needs::Control,
         M::CancelAll(_) | M::CancelCurrent(_) | M::CancelElement(_) => Needs::OperatorWithControl,
         M::PositionFix(_) | M::PayloadCtd(_) | M::RelativeReset(_) | M::BearingOffset(_) => Needs::DriverWithControl,
-        M::Abort(_) | M::Kill(_) | M::StartEmptyMission(_) => Needs::OperatorArmed,
+        M::Abort(_) | M::Kill(_) => Needs::OperatorArmed,
+        M::StartEmptyMission(_) => Needs::NoMission,
         M::TopsideRelay(_) => Needs::Driver,
         M::Packet(_) => Needs::Window,
         // What is unknown is not ours.
@@ -85,7 +92,7 @@ impl Core {
     }
 
     fn pass(&mut self, owner: Option<Owner>, message: &ToVehicle, command: Option<Command>) -> bool {
-        if !self.session.is_up() || !self.may_leave(owner, needs(message)) {
+        if !self.session.is_up() || !self.may_leave(owner, message) {
             return false;
         }
         let mut bytes = Vec::with_capacity(96);
@@ -95,28 +102,309 @@ impl Core {
             });
             return false;
         }
-        if let Some(command) = command {
-            // A command that is given up for want of room was sent long ago and its answer is overdue anyway.
-            let _given_up = self.commands.push(command);
+        if let Some(command) = command
+            && !self.commands.push(command)
+        {
+            self.note(Note::Text {
+                text: format!("{} was not sent: too many commands are not answered", message.name()),
+            });
+            return false;
         }
         self.outputs.push_back(Output::Send(bytes));
         true
     }
 
-    fn may_leave(&self, owner: Option<Owner>, needs: Needs) -> bool {
+    fn may_leave(&self, owner: Option<Owner>, message: &ToVehicle) -> bool {
         let operator = owner == Some(Owner::Operator);
         let driver = matches!(owner, Some(Owner::Driver(_)));
         let armed = self.start.armed;
         let control = || armed && self.lost_because().is_none();
-        match needs {
+        match needs(message) {
             Needs::Link => true,
-            Needs::Control => control(),
+            Needs::OwnInsert => self.is_own_insert(message),
+            Needs::Control => !driver && control(),
             Needs::OperatorWithControl => operator && control(),
             Needs::DriverWithControl => (operator || driver) && control(),
             Needs::OperatorArmed => operator && armed,
+            Needs::NoMission => operator && armed && !self.held && !self.stopping && self.orders.no_mission(),
             Needs::Driver => driver && armed,
             Needs::Window => control() && self.acoustic.is_open(self.now),
             Needs::Never => false,
         }
+    }
+
+    fn is_own_insert(&self, message: &ToVehicle) -> bool {
+        if let ToVehicle::CancelBehavior(cancel) = message {
+            self.sent_identifiers.contains(&cancel.identifier)
+        } else {
+            false
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use backseat_fence::Fence;
+    use backseat_spi::{
+        BackseatControl, Direction, FromVehicle, MissionStatus, Navigation, PositionQuality, Sentence, Text,
+        VelocityAndRates, catalogue,
+    };
+    use backseat_units::{Depth, Heading, Position, Timestamp, Utc};
+
+    use super::*;
+    use crate::envelope::Envelope;
+    use crate::io::{Identifiers, Input, Operator, Start};
+    use crate::limits::tests::limits;
+    use crate::orders::Order;
+    use crate::owner::DriverId;
+    use crate::plugin::PluginId;
+    use crate::settings::Settings;
+
+    const FENCE: &str = r#"{"type":"FeatureCollection","features":[{"type":"Feature",
+        "properties":{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":60,"altitude_min_m":2},
+        "geometry":{"type":"Polygon","coordinates":[
+            [[-70.01,41.99],[-69.99,41.99],[-69.99,42.01],[-70.01,42.01],[-70.01,41.99]]]}}]}"#;
+
+    fn hear(core: &mut Core, message: impl Into<FromVehicle>) {
+        let mut bytes = Vec::new();
+        message.into().encode(&mut bytes).unwrap();
+        core.handle(core.now, Input::Received(&bytes));
+    }
+
+    fn hear_control(core: &mut Core, granted: bool) {
+        let created = core.utc().time_of_day();
+        hear(core, BackseatControl { created, granted });
+    }
+
+    /// A second of a connection on which the vehicle navigates and says this of its mission.
+    fn connected(armed: bool, status: &str) -> Core {
+        let mut core = unconnected(armed);
+        core.handle(Timestamp::ZERO, Input::LinkUp);
+        let created = core.utc().time_of_day();
+        let text = |text: &str| Text::cleaned(text);
+        let mission = MissionStatus {
+            created,
+            dive_file: text(""),
+            status: text(status),
+            details: text(""),
+        };
+        hear(&mut core, mission);
+        hear_control(&mut core, true);
+        for tenths in 0..10u64 {
+            core.now = Timestamp::from_millis(100 * tenths);
+            let created = core.utc().time_of_day();
+            let navigation = Navigation {
+                created,
+                position: Position::from_deg(42.0, -70.0).unwrap(),
+                quality: PositionQuality::NoGps,
+                altitude: None,
+                depth: Depth::from_m(20.0).unwrap(),
+                heading: Heading::from_deg(90.0).unwrap().to_grid(0.0),
+                roll_deg: 0.0,
+                pitch_deg: 0.0,
+                solution: created,
+            };
+            hear(&mut core, navigation);
+            let rates = VelocityAndRates {
+                created,
+                east_mps: 1.5,
+                north_mps: 0.0,
+                down_mps: 0.0,
+                pitch_rate_dps: 0.0,
+                roll_rate_dps: 0.0,
+                yaw_rate_dps: 0.0,
+            };
+            hear(&mut core, rates);
+        }
+        core
+    }
+
+    fn unconnected(armed: bool) -> Core {
+        let envelope = Envelope::new(Fence::from_geojson(FENCE).unwrap(), limits());
+        let start = Start {
+            utc: Utc::from_unix_nanos(1_700_000_000_000_000_000),
+            identifiers: Some(Identifiers { next: 1, reserved: 1 }),
+            armed,
+            held: false,
+            jitter: 7,
+        };
+        Core::new(Settings::default(), Arc::new(envelope), Vec::new(), start)
+    }
+
+    /// A way in which the vehicle, the operator and the link can stand.
+    struct Situation {
+        name: &'static str,
+        core: Core,
+        link: bool,
+        armed: bool,
+        control: bool,
+        /// An empty mission may be started.
+        idle: bool,
+    }
+
+    fn situations() -> Vec<Situation> {
+        let situation = |name, core, control, idle| {
+            let Core { start, .. } = &core;
+            let armed = start.armed;
+            let link = core.session.is_up();
+            Situation {
+                name,
+                core,
+                link,
+                armed,
+                control,
+                idle,
+            }
+        };
+        let with = |name, act: fn(&mut Core)| {
+            let mut core = connected(true, "Running");
+            act(&mut core);
+            situation(name, core, false, false)
+        };
+        vec![
+            situation("control", connected(true, "Running"), true, false),
+            situation("unarmed", connected(false, "Running"), false, false),
+            situation("no mission", connected(true, "Ready"), false, true),
+            situation("no mission, unarmed", connected(false, "Ready"), false, false),
+            situation("no link yet", unconnected(true), false, false),
+            with("the vehicle has control", |core| hear_control(core, false)),
+            with("held", |core| core.handle(core.now, Input::Operator(Operator::Hold))),
+            with("held, no mission", |core| {
+                *core = connected(true, "Ready");
+                core.handle(core.now, Input::Operator(Operator::Hold));
+            }),
+            with("ending", |core| core.handle(core.now, Input::Operator(Operator::Stop))),
+            with("stale navigation", |core| {
+                core.now = core.now + std::time::Duration::from_secs(2)
+            }),
+            with("link lost", |core| core.handle(core.now, Input::LinkDown)),
+            with("link back, nothing heard", |core| {
+                core.handle(core.now, Input::LinkDown);
+                core.handle(core.now, Input::LinkUp);
+            }),
+            with("aborted", |core| {
+                let text = String::new();
+                let order = Order::Abort { text, errors: true };
+                core.handle(core.now, Input::Operator(Operator::Order(order)));
+            }),
+        ]
+    }
+
+    /// What the safety requirements say, message by message.
+    fn expected(name: &str, owner: Option<Owner>, situation: &Situation, own_insert: bool) -> bool {
+        let operator = owner == Some(Owner::Operator);
+        let driver = owner == Some(Owner::Driver(DriverId(0)));
+        let Situation {
+            link,
+            armed,
+            control,
+            idle,
+            ..
+        } = *situation;
+        link && match name {
+            // 014: without control too.
+            "BPVER" | "BPLOG" | "BPSTS" | "BPMSG" | "BPRMP" | "BPEMB" | "BPRES" => true,
+            "BPRCN" => own_insert,
+            "BPTMR" => driver && armed,
+            // 012
+            "BPABT" | "BPKIL" => operator && armed,
+            "BPSEM" => operator && idle,
+            "BPRCA" | "BPRCB" | "BPRCE" => operator && control,
+            "BPNPU" | "BPCTD" | "BPRNS" | "BPRBO" => (operator || driver) && control,
+            // 016: no window is open.
+            "BPCPD" => false,
+            "BPXYZ" => false,
+            // 001
+            "BPTOP" | "BPDVR" | "BPRTK" | "BPRTC" | "BPRGP" | "BPRMB" | "BPSIL" | "BPTRM" | "BPBOY" | "BPSUS"
+            | "BPCON" | "BPSPD" | "BPSAN" | "BPGHP" | "BPGBP" | "BPPTZ" | "BPLIT" => control && !driver,
+            other => panic!("{other} is not in the table"),
+        }
+    }
+
+    #[test]
+    fn sr_001_sr_012_sr_014_sr_016_each_message_leaves_for_whom_and_when_it_may_and_never_else() {
+        let example = |name| catalogue().iter().find(|entry| entry.name == name).unwrap().example;
+        let examples = catalogue()
+            .iter()
+            .filter(|entry| entry.direction == Direction::ToVehicle)
+            .map(|entry| entry.example)
+            .chain(["$BPXYZ,1"]);
+        let messages: Vec<ToVehicle> = examples
+            .map(|text| ToVehicle::decode(&Sentence::parse(text).unwrap()).unwrap())
+            .collect();
+        assert_eq!(messages.len(), 38);
+        let ToVehicle::CancelBehavior(cancel) = ToVehicle::decode(&Sentence::parse(example("BPRCN")).unwrap()).unwrap()
+        else {
+            panic!("no BPRCN")
+        };
+        let owners = [
+            None,
+            Some(Owner::Plugin(PluginId(0))),
+            Some(Owner::Operator),
+            Some(Owner::Driver(DriverId(0))),
+        ];
+        let mut left = 0;
+        for mut situation in situations() {
+            assert_eq!(
+                situation.core.lost_because().is_none() && situation.armed,
+                situation.control,
+                "{}",
+                situation.name
+            );
+            for own_insert in [false, true] {
+                if own_insert {
+                    situation.core.sent_identifiers.insert(cancel.identifier);
+                }
+                for message in &messages {
+                    for owner in owners {
+                        let expected = expected(message.name(), owner, &situation, own_insert);
+                        let sent = situation.core.pass(owner, message, None);
+                        assert_eq!(
+                            sent,
+                            expected,
+                            "{} for {owner:?} in `{}`",
+                            message.name(),
+                            situation.name
+                        );
+                        left += u32::from(sent);
+                    }
+                }
+            }
+        }
+        assert!(left > 500, "{left}");
+    }
+
+    #[test]
+    fn sr_017_what_begins_the_triggering_needs_control_and_what_ends_it_does_not() {
+        for mut situation in situations() {
+            for (text, ends) in [("$BPDVR,081025.987,0,0", true), ("$BPDVR,081025.987,1,0", false)] {
+                let message = ToVehicle::decode(&Sentence::parse(text).unwrap()).unwrap();
+                let expected = situation.link && (ends || situation.control);
+                assert_eq!(
+                    situation.core.pass(Some(Owner::Plugin(PluginId(0))), &message, None),
+                    expected,
+                    "{text} in `{}`",
+                    situation.name
+                );
+            }
+            for text in ["$BPDVR,081025.987,0,1", "$BPDVR,081025.987,1,1"] {
+                let message = ToVehicle::decode(&Sentence::parse(text).unwrap()).unwrap();
+                let sent = situation.core.pass(Some(Owner::Plugin(PluginId(0))), &message, None);
+                assert!(!sent || situation.control, "{text} in `{}`", situation.name);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_that_cannot_be_encoded_leaves() {
+        let mut core = connected(true, "Running");
+        let mut message = ToVehicle::decode(&Sentence::parse("$BPRMB,081025.987,90,3,0,1.5,1,0").unwrap()).unwrap();
+        assert!(core.pass(None, &message, None));
+        if let ToVehicle::ModifyBehavior(modify) = &mut message {
+            modify.horizontal = Some(f64::NAN);
+        }
+        assert!(!core.pass(None, &message, None));
     }
 }

@@ -238,9 +238,8 @@ impl Core {
     /// Where a lapsed modify leads back to: the leg that is flown, and what comes after it.
     fn route_of_modify(&self) -> Route {
         let mut route = Route {
-            from: Vec::new(),
             to: self.plan.next_points(),
-            legs: Vec::new(),
+            ..Route::default()
         };
         let mut flying = false;
         for (_, insert, started) in self.chain() {

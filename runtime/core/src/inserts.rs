@@ -1,14 +1,20 @@
-//! Inserts: tracklines and trackcircles that the vehicle flies by itself once it has accepted them (SPI 7.5, 7.6), and
-//! their cancelling (7.8). Safety requirements 002, 009, 019.
+//! Inserts: tracklines, trackcircles and GPS hits that the vehicle flies by itself once it has accepted them (SPI 7.5 to
+//! 7.7), and their cancelling (7.8). Safety requirements 002, 009, 019.
+//!
+//! A GPS hit is an insert that runs after the current behaviour and that nothing takes back: BPRCN covers tracklines and
+//! trackcircles alone.
 
 use std::collections::BTreeSet;
 
-use backseat_spi::{BehaviorId, CancelBehavior, Interrupt, SpeedMode, ToVehicle, Trackcircle, Trackline, VerticalMode};
+use backseat_spi::{
+    BehaviorId, CancelBehavior, GpsHit, Interrupt, SpeedMode, SurfaceMode, ToVehicle, Trackcircle, Trackline,
+    VerticalMode,
+};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
-use crate::envelope::{End, Insert, InsertPath, Route, Vertical};
+use crate::envelope::{End, Flight, Insert, InsertPath, Route, Vertical};
 use crate::helm::refused;
-use crate::io::Output;
+use crate::io::{Note, Output};
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::machine::Core;
@@ -30,11 +36,11 @@ impl Core {
                 RequestKind::Trackcircle,
                 self.envelope.admit_trackcircle(circle),
             ),
+            Request::GpsHit(hit) => (hit.tag, RequestKind::GpsHit, self.envelope.admit_gps_hit(hit)),
             Request::Modify(_)
             | Request::EndModify
             | Request::Cancel(_)
             | Request::Message(_)
-            | Request::GpsHit(_)
             | Request::Topside(_)
             | Request::DvlTrigger(_)
             | Request::Silent(_)
@@ -63,7 +69,8 @@ impl Core {
 
     /// All that does not hang on the geometry: grants, the plan, doubt, caps of number, identifiers. The insert's route.
     fn admit_insert(&mut self, plugin: PluginId, tag: u64, insert: &Insert) -> Result<Route, Refusal> {
-        self.admit(plugin, Grant::Insert)?;
+        let surfaces = insert.surfaces();
+        self.admit(plugin, if surfaces { Grant::Surface } else { Grant::Insert })?;
         if !self.plan.is_complete() {
             return Err(refused(
                 "plan",
@@ -92,7 +99,16 @@ impl Core {
                 &format!("{} inserts are open, the most there may be", limits.inserts_open_max),
             ));
         }
-        if self.inserts_sent >= limits.inserts_total_max {
+        if surfaces && self.gps_hits_sent >= limits.gps_hits_total_max {
+            return Err(refused(
+                "cap",
+                &format!(
+                    "{} GPS hits have been sent, the most of a mission",
+                    limits.gps_hits_total_max
+                ),
+            ));
+        }
+        if !surfaces && self.inserts_sent >= limits.inserts_total_max {
             return Err(refused(
                 "cap",
                 &format!(
@@ -141,19 +157,15 @@ impl Core {
         let identifier = BehaviorId::new(identifiers.next);
         identifiers.next += 1;
         self.reserve();
-        let (vertical_m, vertical_mode) = match insert.vertical {
-            Vertical::Depth(depth) => (depth.as_m(), VerticalMode::Depth),
-            Vertical::Altitude(altitude) => (altitude.as_m(), VerticalMode::Altitude),
-        };
         let interrupt = if insert.interrupt {
             Interrupt::InterruptCurrent
         } else {
             Interrupt::AfterCurrent
         };
-        let speed = insert.speed.as_mps();
         let (message, letters, created) = match insert.path {
-            InsertPath::Line { start, end } => {
+            InsertPath::Line { start, end, flight } => {
                 let created = self.stamper.stamp(self.now, "RTK");
+                let (vertical_m, vertical_mode, speed) = figures(flight);
                 let message = ToVehicle::Trackline(Trackline {
                     created,
                     identifier,
@@ -172,8 +184,10 @@ impl Core {
                 radius_m,
                 orbits,
                 entry_angle_deg,
+                flight,
             } => {
                 let created = self.stamper.stamp(self.now, "RTC");
+                let (vertical_m, vertical_mode, speed) = figures(flight);
                 let message = ToVehicle::Trackcircle(Trackcircle {
                     created,
                     identifier,
@@ -189,6 +203,20 @@ impl Core {
                 });
                 (message, "RTC", created)
             }
+            InsertPath::Surface { at } => {
+                let created = self.stamper.stamp(self.now, "RGP");
+                let message = ToVehicle::GpsHit(GpsHit {
+                    created,
+                    identifier,
+                    position: at,
+                    // Vehicles ignore both today and use their default (7.7). Empty means the default in every reading;
+                    // a zero would be no time and no fix to a vehicle that heeds them one day.
+                    surface_within_s: None,
+                    hits: None,
+                    mode: SurfaceMode::StraightLine,
+                });
+                (message, "RGP", created)
+            }
         };
         let command = Command {
             name: name(letters),
@@ -201,7 +229,11 @@ impl Core {
         if !self.transmit(&message, Some(command)) {
             return self.reject(request, refused("control", "it could not be sent"));
         }
-        self.inserts_sent += 1;
+        if insert.surfaces() {
+            self.gps_hits_sent += 1;
+        } else {
+            self.inserts_sent += 1;
+        }
         self.sent_identifiers.insert(identifier);
         if let Some(entry) = self.ledger.get_mut(request) {
             entry.identifier = Some(identifier);
@@ -234,6 +266,12 @@ impl Core {
                 "the insert has begun and can no longer be cancelled (SPI 7.8)",
             ));
         }
+        if self.ledger.is_gps_hit(Some(insert)) {
+            return Err(refused(
+                "tag",
+                "a GPS hit cannot be cancelled: BPRCN covers tracklines and trackcircles only (SPI 7.8)",
+            ));
+        }
         // Without it the vehicle goes from what was before it to what comes after it.
         let chain = self.chain();
         let Some(at) = chain.iter().position(|(request, _, _)| *request == insert) else {
@@ -243,17 +281,23 @@ impl Core {
             return Err(refused("navigation", "navigation is stale"));
         };
         if chain.len() > 1 {
-            let from: Vec<End> = match at.checked_sub(1) {
-                Some(before) => vec![self.envelope.ends(&chain[before].1).1],
+            let before = at.checked_sub(1).and_then(|before| chain.get(before));
+            let after = chain.get(at + 1);
+            let surfacing = [before, after]
+                .into_iter()
+                .flatten()
+                .any(|(_, next, _)| next.surfaces());
+            let from: Vec<End> = match before {
+                Some(before) => vec![self.envelope.ends(&before.1).1],
                 None => self.plan.current().map(|element| End::At(element.last())).collect(),
             };
-            let to: Vec<End> = match chain.get(at + 1) {
+            let to: Vec<End> = match after {
                 Some(after) => vec![self.envelope.ends(&after.1).0],
                 None => self.plan.next_points().into_iter().map(End::At).collect(),
             };
             for from in &from {
                 for to in &to {
-                    self.envelope.judge_way(*from, *to, navigation.depth)?;
+                    self.envelope.judge_way(*from, *to, navigation.depth, surfacing)?;
                 }
             }
         }
@@ -300,7 +344,13 @@ impl Core {
             .map(|(request, _)| request)
             .collect();
         for insert in inserts {
-            self.send_cancel(None, insert);
+            if self.ledger.is_gps_hit(Some(insert)) {
+                self.note(Note::Text {
+                    text: format!("GPS hit {insert} may be flown yet: it cannot be cancelled (SPI 7.8)"),
+                });
+            } else {
+                self.send_cancel(None, insert);
+            }
         }
     }
 
@@ -341,7 +391,9 @@ impl Core {
 
     /// An insert was not answered: it counts as one that the vehicle may fly, and is called back where that is possible.
     fn insert_unanswered(&mut self, request: u64) {
-        self.send_cancel(None, request);
+        if !self.ledger.is_gps_hit(Some(request)) {
+            self.send_cancel(None, request);
+        }
         self.transition(request, RequestState::TimedOut);
     }
 
@@ -358,6 +410,10 @@ impl Core {
             }
             let to = if self.plan.has(identifier) {
                 RequestState::Accepted
+            } else if self.ledger.is_gps_hit(Some(request)) {
+                // BFPLN has no code for a GPS hit (6.20): a plan without it proves nothing. The vehicle may fly it yet,
+                // and so it stays under the caps.
+                RequestState::TimedOut
             } else {
                 RequestState::Failed("it is not in the vehicle's plan".to_owned())
             };
@@ -412,9 +468,8 @@ impl Core {
     fn route_of_insert(&self, interrupt: bool) -> Route {
         let chain = self.chain();
         let mut route = Route {
-            from: Vec::new(),
             to: self.plan.next_points(),
-            legs: Vec::new(),
+            ..Route::default()
         };
         let here = self.tracker.newest().map(|navigation| End::At(navigation.local));
         if interrupt {
@@ -428,11 +483,23 @@ impl Core {
             route
                 .to
                 .extend(chain.iter().map(|(_, insert, _)| self.envelope.ends(insert).0.point()));
+            route.to_surface = chain.iter().any(|(_, insert, _)| insert.surfaces());
             return route;
         }
         // One that was not answered may be flown before this one all the same.
-        let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
-        route.from.extend(doubtful.map(|insert| self.envelope.ends(&insert).1));
+        let doubtful: Vec<Insert> = self.ledger.doubtful().filter_map(|entry| entry.insert).collect();
+        for before in doubtful.iter().chain(chain.iter().map(|(_, insert, _)| insert)) {
+            route.from_surface |= before.surfaces();
+            let depth_m = self.tracker.newest().and_then(|navigation| {
+                let lock = self.tracker.bottom_lock(self.now);
+                self.envelope.deepest_m(before, navigation.depth, lock)
+            });
+            // Where its depth cannot be known, nothing that depends on it holds.
+            route.deepest_m = route.deepest_m.max(depth_m.unwrap_or(f64::INFINITY));
+        }
+        route
+            .from
+            .extend(doubtful.iter().map(|insert| self.envelope.ends(insert).1));
         if let Some((_, last, _)) = chain.last() {
             route.from.push(self.envelope.ends(last).1);
         } else {
@@ -467,4 +534,12 @@ impl Core {
             identifiers.reserved = identifiers.reserved.max(below);
         }
     }
+}
+
+fn figures(flight: Flight) -> (f64, VerticalMode, f64) {
+    let (vertical_m, mode) = match flight.vertical {
+        Vertical::Depth(depth) => (depth.as_m(), VerticalMode::Depth),
+        Vertical::Altitude(altitude) => (altitude.as_m(), VerticalMode::Altitude),
+    };
+    (vertical_m, mode, flight.speed.as_mps())
 }

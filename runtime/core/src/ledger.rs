@@ -169,6 +169,12 @@ impl Ledger {
             .map(|(request, _)| request)
     }
 
+    /// Whether an open request is a GPS hit.
+    pub(crate) fn is_gps_hit(&self, request: Option<u64>) -> bool {
+        let insert = request.and_then(|request| self.get(request)?.insert);
+        insert.is_some_and(|insert| insert.surfaces())
+    }
+
     pub(crate) const fn counts(&self) -> RequestCounts {
         self.counts
     }
@@ -213,6 +219,11 @@ impl Ledger {
         self.doubtful.retain(|_, entry| entry.identifier != Some(identifier));
     }
 
+    /// The vehicle has said that it has none of these any more.
+    pub(crate) fn settle_doubt_if(&mut self, gone: impl Fn(&Entry) -> bool) {
+        self.doubtful.retain(|_, entry| !gone(entry));
+    }
+
     /// The mission is over, and all that it held.
     pub(crate) fn settle_all_doubt(&mut self) {
         self.doubtful.clear();
@@ -228,7 +239,7 @@ impl Ledger {
     /// or twice changes nothing.
     pub(crate) fn transition(&mut self, request: u64, to: RequestState) -> Option<Transition> {
         let entry = self.open.get_mut(&request)?;
-        if !may_follow(&entry.state, &to) {
+        if !may_follow(&entry.state, &to, entry.is_open_insert()) {
             return None;
         }
         match &to {
@@ -283,17 +294,23 @@ pub(crate) fn is_end(state: &RequestState) -> bool {
     }
 }
 
-/// The matrix of transitions: rows are where a request stands, columns where it may go.
-fn may_follow(from: &RequestState, to: &RequestState) -> bool {
+/// The matrix of transitions: rows are where a request stands, columns where it may go. An insert that has begun only
+/// ends: a refusal that comes after its BFMBS does not take it from under the caps. What is no insert and has begun, an
+/// adjustment, can fail or never be heard of again.
+fn may_follow(from: &RequestState, to: &RequestState, insert: bool) -> bool {
     use RequestState as S;
     match from {
         // Proposed; a real rejection is an end and no longer open.
         S::Rejected(_) => matches!(to, S::Rejected(_) | S::Sent | S::Ended(_)),
         S::Sent => !matches!(to, S::Rejected(_) | S::Sent),
         S::Pending => !matches!(to, S::Rejected(_) | S::Sent | S::Pending),
-        S::Unknown => matches!(to, S::Accepted | S::Started | S::Failed(_) | S::Ended(_)),
+        S::Unknown => matches!(to, S::Accepted | S::Started | S::Failed(_) | S::TimedOut | S::Ended(_)),
         S::Accepted => matches!(to, S::Started | S::Ended(_) | S::Cancelled | S::Failed(_) | S::TimedOut),
-        S::Started => matches!(to, S::Ended(_)),
+        S::Started => match to {
+            S::Ended(_) => true,
+            S::Failed(_) | S::TimedOut => !insert,
+            S::Rejected(_) | S::Sent | S::Pending | S::Accepted | S::Unknown | S::Started | S::Cancelled => false,
+        },
         S::Failed(_) | S::TimedOut | S::Ended(_) | S::Cancelled => false,
     }
 }
@@ -303,7 +320,7 @@ mod tests {
     use super::*;
     use backseat_units::{Depth, Position, Speed};
 
-    use crate::envelope::{InsertPath, Vertical};
+    use crate::envelope::{Flight, InsertPath, Vertical};
     use crate::plugin::PluginId;
 
     fn insert() -> Insert {
@@ -312,9 +329,11 @@ mod tests {
             path: InsertPath::Line {
                 start: place,
                 end: place,
+                flight: Flight {
+                    vertical: Vertical::Depth(Depth::from_m(5.0).unwrap()),
+                    speed: Speed::from_mps(1.5).unwrap(),
+                },
             },
-            vertical: Vertical::Depth(Depth::from_m(5.0).unwrap()),
-            speed: Speed::from_mps(1.5).unwrap(),
             interrupt: false,
         }
     }
@@ -341,6 +360,23 @@ mod tests {
             }
         );
         assert_eq!(ledger.iter().count(), 0);
+    }
+
+    #[test]
+    fn what_has_begun_fails_only_where_it_is_no_insert() {
+        for (kind, fails) in [(RequestKind::Trim, true), (RequestKind::Trackline, false)] {
+            let mut ledger = Ledger::default();
+            let request = ledger.propose(PluginId(0), 1, kind);
+            ledger.get_mut(request).unwrap().insert = (!fails).then(insert);
+            ledger.transition(request, RequestState::Sent);
+            ledger.transition(request, RequestState::Started);
+            let failed = ledger.transition(request, RequestState::Failed("no".into()));
+            assert_eq!(
+                (failed.is_some(), ledger.iter().count() == 0),
+                (fails, fails),
+                "{kind:?}"
+            );
+        }
     }
 
     #[test]

@@ -305,7 +305,7 @@ pub enum FailAction {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     pub(crate) fn limits() -> Limits {

@@ -16,6 +16,7 @@ use crate::hull::Hull;
 use crate::io::{Input, Note, Operator, Output, Start};
 use crate::ledger::{Ledger, RequestCounts};
 use crate::navigation::Tracker;
+use crate::orders::Orders;
 use crate::plan::Plan;
 use crate::plugin::{Event, PluginId, RequestState};
 use crate::session::Session;
@@ -53,6 +54,7 @@ pub struct Core {
     pub(crate) adjustments: Adjustments,
     pub(crate) acoustic: Acoustic,
     pub(crate) dvl: DvlTrigger,
+    pub(crate) orders: Orders,
     pub(crate) plugins: Vec<Slot>,
     pub(crate) start: Start,
     /// Backseat control as the configured hook last said.
@@ -66,6 +68,7 @@ pub struct Core {
     /// When the last BPRMB left, of any lease.
     pub(crate) modify_sent: Option<Timestamp>,
     pub(crate) inserts_sent: u32,
+    pub(crate) gps_hits_sent: u32,
     /// Of this process; the mission caps their number.
     pub(crate) sent_identifiers: BTreeSet<BehaviorId>,
     pub(crate) reserve_asked: bool,
@@ -96,6 +99,7 @@ impl Core {
             adjustments: Adjustments::default(),
             acoustic: Acoustic::default(),
             dvl: DvlTrigger::default(),
+            orders: Orders::default(),
             plugins: slots,
             start,
             handed_over: None,
@@ -106,6 +110,7 @@ impl Core {
             late_count: 0,
             modify_sent: None,
             inserts_sent: 0,
+            gps_hits_sent: 0,
             sent_identifiers: BTreeSet::new(),
             reserve_asked: false,
         };
@@ -211,6 +216,8 @@ impl Core {
             "the run is ending"
         } else if self.held {
             "the operator holds"
+        } else if self.orders.has_ended_mission() {
+            "the operator has ended the mission"
         } else if self.handed_over.is_none() {
             "the vehicle has not said who has control"
         } else if self.handed_over == Some(false) {
@@ -232,6 +239,7 @@ impl Core {
     /// Brings what follows from the state up to date: control, and when to wake.
     fn settle(&mut self) {
         self.settle_control();
+        self.watch_staleness();
         let navigation = match self.tracker.stale_at().filter(|at| *at > self.now) {
             Some(stale) if self.tracker.steady(self.now) => Some(stale),
             Some(stale) => Some(stale.min(self.now + Duration::from_millis(500))),
@@ -287,6 +295,7 @@ impl Core {
             Timer::Adjustment => self.adjustment_expired(),
             Timer::Acoustic => self.acoustic_expired(),
             Timer::Dvl => self.dvl_expired(),
+            Timer::Order => self.orders_expired(),
             Timer::Policy => self.policies_due(),
             Timer::Plugins => self.step_due(false),
             Timer::Shutdown => self.outputs.push_back(Output::Finish),
@@ -302,7 +311,10 @@ impl Core {
                 self.end_hold("the operator holds");
                 self.cancel_all_of(None, "the operator holds");
             }
-            Operator::Release => self.held = false,
+            Operator::Release => {
+                self.held = false;
+                self.orders.release();
+            }
             Operator::Stop => {
                 self.end_lease("the run is ending");
                 self.end_hold("the run is ending");

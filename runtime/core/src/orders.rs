@@ -1,9 +1,32 @@
 //! What only the operator may order, by word or by a policy of the mission file: cancels beyond a plugin's own inserts,
-//! abort and kill, an empty mission (SPI 7.9, 7.10, 7.11, 7.16, 7.17, 7.20).
+//! abort and kill, an empty mission (SPI 7.9, 7.10, 7.11, 7.16, 7.17, 7.20; safety requirement 012).
+//!
+//! Every order is a request of the operator's in the ledger. What comes of it is in the sub-modules: the ends of a mission
+//! (`ending`), the cancels (`cancels`), the empty mission (`empty`), and the policies (`policies`).
 
+use std::fmt;
+
+use backseat_spi::BehaviorId;
+use backseat_units::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use crate::helm::refused;
+use crate::io::Operator;
+use crate::ledger::RequestKind;
 use crate::machine::Core;
+use crate::owner::Owner;
+use crate::plugin::Refusal;
+use crate::receive::is_over;
+use crate::timer::Timer;
+
+mod cancels;
+mod empty;
+mod ending;
+mod policies;
+
+use empty::EmptyMission;
+pub(crate) use ending::Ending;
+use policies::Stale;
 
 /// What the operator orders.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,18 +66,44 @@ const fn with_errors() -> bool {
     true
 }
 
+impl fmt::Display for Order {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Hold => f.write_str("hold"),
+            Self::Release => f.write_str("release"),
+            Self::CancelAll => f.write_str("cancel all inserts"),
+            Self::CancelCurrent => f.write_str("cancel the current behaviour"),
+            Self::CancelElement => f.write_str("cancel the current element of the mission"),
+            Self::Abort { text, .. } => write!(f, "abort: {text}"),
+            Self::Kill { text } => write!(f, "kill: {text}"),
+            Self::StartEmptyMission { duration_s } => write!(f, "start an empty mission of {duration_s} s"),
+        }
+    }
+}
+
 /// When a policy acts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Condition {
-    /// A mission command with exactly this text (BFMSC, SPI 5.1).
+    /// A mission command with exactly this text, blanks around it apart (BFMSC, SPI 5.1).
     MissionCommand(String),
     /// A message from the topside with exactly this text (BFTOP, SPI 5.5).
     TopsideMessage(String),
     /// A plugin is quarantined.
     PluginQuarantined,
-    /// Navigation has been stale for this long, seconds.
+    /// Navigation has been stale for this long, seconds: once in each such time, and not before the first connection.
     NavigationStaleForS(f64),
+}
+
+impl fmt::Display for Condition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::MissionCommand(text) => write!(f, "the mission command `{text}`"),
+            Self::TopsideMessage(text) => write!(f, "the topside's message `{text}`"),
+            Self::PluginQuarantined => f.write_str("a plugin is quarantined"),
+            Self::NavigationStaleForS(seconds) => write!(f, "navigation has been stale for {seconds} s"),
+        }
+    }
 }
 
 /// What is done for the operator when something happens: a `[[policy]]` table.
@@ -67,28 +116,175 @@ pub struct Policy {
     pub order: Order,
 }
 
-impl Core {
-    /// The operator's order.
-    pub(crate) fn order(&mut self, order: &Order) {
-        self.note(crate::io::Note::Text {
-            text: format!("an order is not carried out: {order:?}"),
-        });
+/// How far the vehicle's mission is, as BFMIS has last said on this connection (SPI 6.11).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// Nothing that means anything.
+    #[default]
+    Unknown,
+    /// It runs.
+    Running,
+    /// It wraps up, after its end or an abort: the vehicle moves yet.
+    Ending,
+    /// None runs.
+    Over,
+}
+
+impl Phase {
+    fn of(status: &str) -> Self {
+        if status.starts_with("Running") {
+            Self::Running
+        } else if ["Aborting", "WrappingUp"].iter().any(|word| status.starts_with(word)) {
+            Self::Ending
+        } else if is_over(status) {
+            Self::Over
+        } else {
+            Self::Unknown
+        }
+    }
+}
+
+/// Where the operator's orders stand.
+#[derive(Debug, Default)]
+pub(crate) struct Orders {
+    /// How many there have been; the tag of the last one.
+    count: u64,
+    /// Aborts and kills that are not at their end; at most one of each.
+    endings: Vec<Ending>,
+    /// The empty mission that is being started.
+    empty: Option<EmptyMission>,
+    /// The operator has ended the mission: whatever comes of the order, plugins steer no more until the mission is over or
+    /// the operator releases them.
+    ended: bool,
+    /// The insert that the newest BFMBS named, until its BFMBE.
+    current: Option<BehaviorId>,
+    phase: Phase,
+    /// There has been a connection.
+    connected: bool,
+    /// Since when navigation has been stale, and up to where policies have acted on that.
+    stale: Option<Stale>,
+}
+
+impl Orders {
+    /// Whether the operator has ended the mission that runs.
+    pub(crate) const fn has_ended_mission(&self) -> bool {
+        self.ended
     }
 
-    /// Carries out the policies whose condition an event fulfils.
-    pub(crate) fn carry_out(&mut self, fulfilled: impl Fn(&Condition) -> bool) {
-        let orders: Vec<Order> = self
-            .settings
-            .policies
-            .iter()
-            .filter(|policy| fulfilled(&policy.when))
-            .map(|policy| policy.order.clone())
-            .collect();
-        for order in orders {
-            self.order(&order);
+    /// Whether the vehicle has said that no mission runs.
+    pub(crate) fn no_mission(&self) -> bool {
+        self.phase == Phase::Over
+    }
+
+    /// The operator lets plugins ask again.
+    pub(crate) fn release(&mut self) {
+        self.ended = false;
+    }
+
+    /// A behaviour has begun: an insert's, or another.
+    pub(crate) fn began(&mut self, identifier: Option<BehaviorId>) {
+        self.current = identifier;
+    }
+
+    /// A behaviour has ended.
+    pub(crate) fn finished(&mut self, identifier: Option<BehaviorId>) {
+        if self.current == identifier {
+            self.current = None;
+        }
+    }
+}
+
+impl Core {
+    /// An order that the operator gave in advance: a policy's, or a plugin's fail action. An abort of what ends already
+    /// could disturb the vehicle's wrap-up, and nobody is there who wants it all the same.
+    pub(crate) fn order_in_advance(&mut self, order: &Order) {
+        let text = match self.orders.phase {
+            Phase::Ending => "the mission is ending already",
+            Phase::Over => "no mission is running",
+            Phase::Unknown | Phase::Running => return self.order(order),
+        };
+        if let Order::Abort { .. } = order {
+            let request = self.propose_order(RequestKind::Abort);
+            self.reject(request, refused("state", text));
+        } else {
+            self.order(order);
         }
     }
 
-    /// A condition that must last may have lasted for long enough.
-    pub(crate) fn policies_due(&mut self) {}
+    /// The operator's order.
+    pub(crate) fn order(&mut self, order: &Order) {
+        match order {
+            Order::Hold => self.operator(Operator::Hold),
+            Order::Release => self.operator(Operator::Release),
+            Order::CancelAll => self.order_cancel_all(),
+            Order::CancelCurrent => self.order_cancel_current(),
+            Order::CancelElement => self.order_cancel_element(),
+            Order::Abort { .. } | Order::Kill { .. } => self.order_end(order),
+            Order::StartEmptyMission { duration_s } => self.order_empty_mission(*duration_s),
+        }
+    }
+
+    /// Enters an order into the ledger; its request.
+    fn propose_order(&mut self, kind: RequestKind) -> u64 {
+        self.orders.count += 1;
+        self.ledger.propose(Owner::Operator, self.orders.count, kind)
+    }
+
+    /// What an order needs that changes the mission that runs: an armed runtime with control.
+    fn admit_order(&self) -> Result<(), Refusal> {
+        if !self.start.armed {
+            return Err(refused("control", "the runtime is not armed"));
+        }
+        match self.lost_because() {
+            Some(reason) => Err(refused("control", reason)),
+            None => Ok(()),
+        }
+    }
+
+    /// The link is gone. An abort or kill is kept to be sent again, a started mission may yet show itself; the cancels are
+    /// not: what they would take back may be another thing by then.
+    pub(crate) fn orders_link_lost(&mut self) {
+        self.orders.current = None;
+        self.orders.phase = Phase::Unknown;
+        self.endings_link_lost();
+        self.empty_mission_link_lost();
+        self.set_order_timer();
+    }
+
+    /// The link is up, and what was kept is sent.
+    pub(crate) fn orders_link_up(&mut self) {
+        self.orders.connected = true;
+        self.endings_link_up();
+        self.set_order_timer();
+    }
+
+    /// A mission status (BFMIS).
+    pub(crate) fn orders_mission_status(&mut self, status: &str) {
+        let phase = Phase::of(status);
+        self.orders.phase = phase;
+        match phase {
+            Phase::Running => self.empty_mission_runs(),
+            Phase::Ending | Phase::Over => {
+                self.orders.current = None;
+                self.orders.ended = false;
+            }
+            Phase::Unknown => {}
+        }
+        self.endings_mission_status(status, phase);
+        self.set_order_timer();
+    }
+
+    /// An order has waited for long enough.
+    pub(crate) fn orders_expired(&mut self) {
+        self.endings_expired();
+        self.empty_mission_expired();
+        self.set_order_timer();
+    }
+
+    fn set_order_timer(&mut self) {
+        let waiting = (!self.session.is_up()).then(|| self.orders.endings.iter().map(Ending::until).min());
+        let empty = self.orders.empty.and_then(EmptyMission::deadline);
+        let first: Option<Timestamp> = waiting.flatten().into_iter().chain(empty).min();
+        self.timers.set_or_stop(Timer::Order, first);
+    }
 }

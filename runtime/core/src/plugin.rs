@@ -17,9 +17,9 @@ pub use request::{
     TracklineRequest, Transport, VerticalRequest,
 };
 pub use sample::{
-    BatterySample, CartesianSample, CompassSample, CtdSample, DvlBeamsSample, DvlSample, ImuSample, PlannedElement,
-    PressureSample, ReceivedFrame, ReceivedPacket, RelativeSample, Sample, ServoSample, SoundVelocitySample,
-    SurfacesSample, TelemetrySample, VehicleSpeedSample, Window,
+    BatterySample, BuoyancySample, CartesianSample, CompassSample, CtdSample, DvlBeamsSample, DvlSample, ImuSample,
+    PlannedElement, PressureSample, ReceivedFrame, ReceivedPacket, RelativeSample, Sample, ServoSample,
+    SoundVelocitySample, SurfacesSample, TelemetrySample, TrimSample, VehicleSpeedSample, Window,
 };
 
 /// Which plugin of the mission: its place in priority order, 0 first.
@@ -78,6 +78,10 @@ pub enum Topic {
     Imu,
     /// [`Sample::Servo`] (BFPIT, SPI 6.18).
     Servo,
+    /// [`Sample::Trim`] (BFTRM, SPI 6.22).
+    Trim,
+    /// [`Sample::Buoyancy`] (BFBOY, SPI 6.23).
+    Buoyancy,
     /// [`StepInput::relative`] and [`StepInput::cartesian`] (BFRNV, BFCNV, SPI 6.17, 6.19).
     RelativeNavigation,
 }

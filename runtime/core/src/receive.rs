@@ -163,8 +163,10 @@ impl Core {
                 self.end_lease("the mission is not running");
             }
         }
+        self.orders_mission_status(message.status.as_str());
         if is_over(message.status.as_str()) {
             self.end_inserts("the mission is over");
+            self.end_adjustments("the mission is over");
         }
         if self.settings.control == ControlHook::Running {
             self.handed_over = Some(running);
@@ -183,6 +185,7 @@ impl Core {
         // It modified another one (SPI 7.12).
         self.end_lease("a behaviour began under it");
         self.end_overtaken(message.identifier);
+        self.orders.began(message.identifier);
         let mut own = None;
         match (message.identifier, message.number) {
             (Some(identifier), _) => {
@@ -197,7 +200,7 @@ impl Core {
                     self.ask_for_plan();
                 }
             }
-            (None, None) => {}
+            (None, None) => self.adjustment_behavior(true, message.kind.as_str()),
         }
         self.tell_of_behavior(true, own, message.kind.as_str());
     }
@@ -211,9 +214,12 @@ impl Core {
             kind: message.kind.as_str().to_owned(),
         });
         self.end_lease("a behaviour ended under it");
+        self.orders.finished(message.identifier);
         if let Some(identifier) = message.identifier {
             self.plan.ended(identifier);
             self.ledger.settle_doubt_of(identifier);
+        } else if message.number.is_none() {
+            self.adjustment_behavior(false, message.kind.as_str());
         }
         let mut own = None;
         if let Some(request) = message
@@ -276,7 +282,7 @@ impl Core {
         self.note(Note::Text {
             text: format!("mission command: {text}"),
         });
-        self.carry_out(|when| matches!(when, Condition::MissionCommand(command) if command == text));
+        self.carry_out(|when| matches!(when, Condition::MissionCommand(command) if command.trim() == text.trim()));
         self.tell_wanting(Topic::MissionCommand, &Event::MissionCommand(text.to_owned()));
     }
 
@@ -308,7 +314,7 @@ impl Core {
 
 /// Whether a mission status says that nothing of the mission is flown any more. Others, junk among them, take control
 /// but leave the inserts open: the vehicle may fly them yet. The words are those of SPI 6.11.
-fn is_over(status: &str) -> bool {
+pub(crate) fn is_over(status: &str) -> bool {
     let over = [
         "Offline",
         "Waiting",

@@ -107,6 +107,7 @@ impl Core {
         self.transmit(&version, None);
         self.subscribe_all();
         self.ask_for_plan();
+        self.orders_link_up();
         if self.held {
             // The operator may have taken the helm while nothing could be sent.
             self.cancel_all_of(None, "the operator holds");
@@ -129,6 +130,7 @@ impl Core {
         self.adjustments_link_lost();
         self.acoustic_link_lost();
         self.dvl_link_lost();
+        self.orders_link_lost();
         let undecided: Vec<(u64, bool)> = self
             .ledger
             .iter()

@@ -25,6 +25,8 @@ const fn of_topic(topic: Topic) -> &'static [&'static str] {
         Topic::DvlBeams => &["DV2"],
         Topic::Imu => &["IMU"],
         Topic::Servo => &["PIT"],
+        Topic::Trim => &["TRM"],
+        Topic::Buoyancy => &["BOY"],
         Topic::RelativeNavigation => &["RNV", "CNV"],
     }
 }

@@ -31,6 +31,8 @@ pub(crate) enum Timer {
     Acoustic,
     /// The DVL's triggering handshake is overdue.
     Dvl,
+    /// An order has waited for long enough: an abort for the link, an empty mission for its start.
+    Order,
     /// A policy's condition has lasted for long enough.
     Policy,
     /// A plugin is due: a step, one of its timers, or its restart.
@@ -40,7 +42,7 @@ pub(crate) enum Timer {
 }
 
 impl Timer {
-    const ALL: [Self; 17] = [
+    const ALL: [Self; 18] = [
         Self::Term,
         Self::HoldTerm,
         Self::Acknowledgement,
@@ -55,6 +57,7 @@ impl Timer {
         Self::Adjustment,
         Self::Acoustic,
         Self::Dvl,
+        Self::Order,
         Self::Policy,
         Self::Plugins,
         Self::Shutdown,

@@ -83,12 +83,32 @@ impl Fence {
     /// The [`Breach`]: what does not hold, by how many metres, and where. Where no inclusion zone holds, it is told of
     /// the one whose worst fault is the smallest.
     pub fn check(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
+        self.ask(sweep, vertical, false)
+    }
+
+    /// Judges a place where the vehicle comes up to the surface: as [`Fence::check`], but only inclusion zones with
+    /// `surfacing` can hold it, their `depth_min_m` does not count, and exclusion zones count from the surface down to
+    /// the extent's deepest, whatever its shallowest is.
+    ///
+    /// # Errors
+    /// The [`Breach`]; [`Rule::Surfacing`] where no zone that allows surfacing holds the sweep.
+    pub fn check_surfacing(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
+        self.ask(sweep, vertical, true)
+    }
+
+    fn ask(&self, sweep: &Sweep, vertical: &VerticalExtent, surfacing: bool) -> Result<Clearance, Breach> {
         if let Some(number) = unusable(sweep).or_else(|| unusable_vertical(vertical)) {
             return Err(self.map.unusable(number));
         }
+        let mut passed = *vertical;
+        if surfacing {
+            passed.depth_min_m = passed.depth_min_m.min(0.0);
+            passed.depth_max_m = passed.depth_max_m.max(0.0);
+        }
         let question = Question {
             radius_m: sweep.radius_m,
-            vertical: Some(*vertical),
+            vertical: Some(passed),
+            surfacing,
         };
         match AnyProbe::new(&sweep.shape) {
             AnyProbe::Point(probe) => self.map.judge(&probe, question),
@@ -111,6 +131,7 @@ impl Fence {
             Question {
                 radius_m: 0.0,
                 vertical: None,
+                surfacing: false,
             },
         )
     }
@@ -188,7 +209,7 @@ impl Map {
             let (zone, polygon) = self.part(part);
             // What leaves the bounding box leaves the polygon, and most zones are told apart by that alone.
             let in_box = probe.min().cmpge(polygon.min).all() && probe.max().cmple(polygon.max).all();
-            if !in_box || question.vertical_fault(zone).is_some() {
+            if !in_box || !question.may_hold(zone) || question.vertical_fault(zone).is_some() {
                 continue;
             }
             let Some((edge, contact)) = polygon.nearest(probe, f64::INFINITY) else {
@@ -285,6 +306,9 @@ impl Map {
         let mut least: Option<Fault> = None;
         for &part in &self.inclusions {
             let (zone, _) = self.part(part);
+            if !question.may_hold(zone) {
+                continue;
+            }
             let mut fault = self.inclusion_fault(probe, question, part);
             if let Some((rule, metres)) = question.vertical_fault(zone)
                 && metres > fault.metres
@@ -295,7 +319,18 @@ impl Map {
                 least = Some(fault);
             }
         }
-        self.breach(least.expect("a fence without inclusion zones is refused at load"))
+        match least {
+            Some(fault) => self.breach(fault),
+            // A fence without inclusion zones is refused at load; it has none that allows surfacing.
+            None => Breach {
+                rule: Rule::Surfacing,
+                metres: f64::INFINITY,
+                edge: None,
+                at: None,
+                cause: Cause::NoSurfacing,
+                map: Arc::clone(self),
+            },
+        }
     }
 
     /// How far the sweep is from holding in one polygon; metres may be zero or less where it holds.
@@ -331,7 +366,11 @@ impl Map {
             edge,
         };
         Fault {
-            rule: Rule::Inclusion,
+            rule: if question.surfacing {
+                Rule::Surfacing
+            } else {
+                Rule::Inclusion
+            },
             metres: reach_m + outside_m,
             edge,
             at,

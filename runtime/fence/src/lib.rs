@@ -13,6 +13,8 @@
 //!   with the sweep; a band's two ends belong to it.
 //! - Distance equal to margin plus radius is enough. An edge itself is a micrometre thick, so that a sweep of no
 //!   radius on the edge of a zone of no margin is refused.
+//! - A place where the vehicle surfaces ([`Fence::check_surfacing`]) lies in a zone that allows it; the zone's shallowest
+//!   depth does not count there, and exclusion zones count over all depths that it comes through.
 //! - What is not a finite number is refused, never passed.
 //!
 //! # File
@@ -27,6 +29,7 @@
 //! | `depth_min_m` | inclusion | shallowest allowed, 0 where absent |
 //! | `depth_max_m` | inclusion | deepest allowed, required |
 //! | `altitude_min_m` | inclusion | least height above the bottom, required |
+//! | `surfacing` | inclusion | whether the vehicle may surface here for GPS, false where absent |
 //! | `depth_min_m`, `depth_max_m` | exclusion | the depths that are forbidden; all, on the side of an absent key |
 //!
 //! Edges are straight in longitude and latitude (RFC 7946, section 3.1.1); they are divided at load so that the

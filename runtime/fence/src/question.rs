@@ -18,9 +18,19 @@ pub(crate) const LIMIT_M: f64 = 1e9;
 pub(crate) struct Question {
     pub(crate) radius_m: f64,
     pub(crate) vertical: Option<VerticalExtent>,
+    /// The vehicle surfaces: only zones that allow it count, and there the shallowest depth does not.
+    pub(crate) surfacing: bool,
 }
 
 impl Question {
+    /// Whether an inclusion zone can hold this question at all.
+    pub(crate) fn may_hold(&self, zone: &Zone) -> bool {
+        match zone.kind {
+            Kind::Inclusion { surfacing, .. } => surfacing || !self.surfacing,
+            Kind::Exclusion { .. } => false,
+        }
+    }
+
     /// How far from the edges of a zone the shape must be, metres.
     pub(crate) fn reach_m(&self, zone: &Zone) -> f64 {
         let margin_m = if self.vertical.is_some() { zone.margin_m } else { 0.0 };
@@ -30,7 +40,12 @@ impl Question {
     /// The worst fault against the vertical limits of an inclusion zone.
     pub(crate) fn vertical_fault(&self, zone: &Zone) -> Option<(Rule, f64)> {
         let (vertical, depth, altitude_min_m) = match (self.vertical, zone.kind) {
-            (Some(vertical), Kind::Inclusion { depth, altitude_min_m }) => (vertical, depth, altitude_min_m),
+            (
+                Some(vertical),
+                Kind::Inclusion {
+                    depth, altitude_min_m, ..
+                },
+            ) => (vertical, depth, altitude_min_m),
             (None, _) | (Some(_), Kind::Exclusion { .. }) => return None,
         };
         let faults = [
@@ -40,7 +55,7 @@ impl Question {
         ];
         faults
             .into_iter()
-            .filter(|(_, metres)| *metres > 0.0)
+            .filter(|(rule, metres)| *metres > 0.0 && !(self.surfacing && *rule == Rule::DepthMin))
             .max_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 

@@ -68,6 +68,8 @@ pub enum Rule {
     DepthMax,
     /// The sweep may come nearer to the bottom than the inclusion zone allows.
     AltitudeMin,
+    /// The vehicle would surface where no inclusion zone that allows it holds the sweep.
+    Surfacing,
     /// A number of the request is unusable: not finite, beyond ±1e9, a negative radius, or a depth range that is the
     /// wrong way round.
     NotFinite,
@@ -79,16 +81,17 @@ pub enum Rule {
 pub struct Breach {
     /// What is offended against.
     pub rule: Rule,
-    /// How many metres are missing, over 0; infinite for [`Rule::NotFinite`].
+    /// How many metres are missing, over 0; infinite for [`Rule::NotFinite`], and for [`Rule::Surfacing`] where no zone of
+    /// the fence allows it.
     ///
-    /// For [`Rule::Inclusion`]: how far the worst point would have to come in, margin and radius included. Exact for a
+    /// For [`Rule::Inclusion`] and [`Rule::Surfacing`]: how far the worst point would have to come in, margin and radius included. Exact for a
     /// point, for a sweep that lies inside and only too near, and for a hull in a convex zone without holes; else a
     /// lower bound, taken from the hull's corners, or from eight points of a rim, and where the sweep is nearest.
     ///
     /// For [`Rule::Exclusion`]: margin and radius less the distance, or, where the sweep touches the zone, margin and
     /// radius plus the depth of its deepest corner inside: a lower bound of what it would have to move.
     pub metres: f64,
-    /// The nearest edge of the zone; none for [`Rule::NotFinite`].
+    /// The nearest edge of the zone; none where no zone is named.
     pub edge: Option<EdgeId>,
     /// The place on that edge.
     pub at: Option<EastNorth>,
@@ -101,15 +104,18 @@ pub struct Breach {
 pub(crate) enum Cause {
     Zone(u32),
     Number(&'static str),
+    /// No zone allows surfacing.
+    NoSurfacing,
 }
 
 impl Breach {
-    /// The zone that is breached, or that came nearest to holding; none for [`Rule::NotFinite`].
+    /// The zone that is breached, or that came nearest to holding; none for [`Rule::NotFinite`], and where the vehicle would
+    /// surface and no zone allows it.
     #[must_use]
     pub fn zone(&self) -> Option<&str> {
         match self.cause {
             Cause::Zone(zone) => Some(self.map.zones[zone as usize].name()),
-            Cause::Number(_) => None,
+            Cause::Number(_) | Cause::NoSurfacing => None,
         }
     }
 }
@@ -119,10 +125,13 @@ impl fmt::Display for Breach {
         let zone = match self.cause {
             Cause::Zone(zone) => &self.map.zones[zone as usize],
             Cause::Number(what) => return write!(f, "not a usable number: {what}"),
+            Cause::NoSurfacing => return write!(f, "no inclusion zone allows surfacing"),
         };
         let (name, metres) = (zone.name(), Metres(self.metres));
         let limits = match zone.kind() {
-            Kind::Inclusion { depth, altitude_min_m } => Some((depth, altitude_min_m)),
+            Kind::Inclusion {
+                depth, altitude_min_m, ..
+            } => Some((depth, altitude_min_m)),
             Kind::Exclusion { .. } => None,
         };
         match (self.rule, limits) {
@@ -139,6 +148,7 @@ impl fmt::Display for Breach {
                 );
             }
             (Rule::Exclusion, _) => write!(f, "inside exclusion '{name}'")?,
+            (Rule::Surfacing, _) => write!(f, "outside inclusion '{name}', the nearest that allows surfacing,")?,
             _ => write!(f, "outside inclusion '{name}'")?,
         }
         if zone.margin_m() > 0.0 {

@@ -20,6 +20,8 @@ pub enum Kind {
         depth: Band,
         /// The least height above the bottom, metres.
         altitude_min_m: f64,
+        /// Whether the vehicle may come to the surface here, whatever the shallowest depth is.
+        surfacing: bool,
     },
     /// Outside, at the depths of the band; at all depths where there is none.
     Exclusion {

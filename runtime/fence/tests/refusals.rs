@@ -1,7 +1,7 @@
 //! What is no fence is refused, with the place and what was expected, in one line.
 #![expect(clippy::unwrap_used, reason = "a test may fail so")]
 
-use backseat_fence::{Fence, FenceError};
+use backseat_fence::{Fence, FenceError, Kind};
 use serde_json::{Value, json};
 
 const SQUARE: &str = "[[-70.0, 42.0], [-69.99, 42.0], [-69.99, 42.01], [-70.0, 42.01], [-70.0, 42.0]]";
@@ -206,7 +206,7 @@ fn properties_are_complete_and_known() {
     );
     assert_eq!(
         with_property("depth_max", json!(3)),
-        "feature 'survey box': unknown key `depth_max`, expected `name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m` or `altitude_min_m`"
+        "feature 'survey box': unknown key `depth_max`, expected `name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m` or `surfacing`"
     );
     exclusion["margin_m"] = json!(1);
     exclusion["altitude_min_m"] = json!(1);
@@ -571,4 +571,27 @@ fn errors_can_be_told_apart_by_programs() {
         (place.feature.as_str(), place.polygon, place.hole),
         ("feature 'survey box'", None, None)
     );
+}
+
+#[test]
+fn surfacing_is_true_or_false_and_an_inclusions_own() {
+    let message = with_property("surfacing", json!("yes"));
+    assert!(
+        message.contains("`surfacing` is \"yes\", expected true or false"),
+        "{message}"
+    );
+    let mut properties = exclusion();
+    properties["surfacing"] = json!(true);
+    let message = refused(&collection(&[
+        feature(&inclusion(), &square()),
+        feature(&properties, &square()),
+    ]));
+    assert!(message.contains("unknown key `surfacing`"), "{message}");
+    for (value, allowed) in [(json!(true), true), (json!(false), false), (Value::Null, false)] {
+        let mut properties = inclusion();
+        properties["surfacing"] = value;
+        let fence = Fence::from_geojson(&collection(&[feature(&properties, &square())])).unwrap();
+        let zone = fence.zones().next().unwrap();
+        assert!(matches!(zone.kind(), Kind::Inclusion { surfacing, .. } if surfacing == allowed));
+    }
 }

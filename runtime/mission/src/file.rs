@@ -1,4 +1,4 @@
-use backseat_core::{FailAction, Grant, Limits, Settings};
+use backseat_core::{FailAction, Grant, Limits, Policy, Settings};
 use serde::{Deserialize, Serialize};
 
 /// `mission.toml` as it is written.
@@ -16,6 +16,19 @@ pub struct MissionFile {
     /// The plugins, the first of the highest priority.
     #[serde(default, rename = "plugin")]
     pub plugins: Vec<PluginTable>,
+    /// What is done for the operator when something happens. Several that come to be at once act in this order.
+    ///
+    /// ```toml
+    /// [[policy]]
+    /// when = { mission-command = "payload abort" }    # or topside-message = "...", navigation-stale-for-s = 60.0
+    /// order = { abort = { text = "the plan says so" } }   # errors = true unless it says false; kill = { text = "..." }
+    ///
+    /// [[policy]]
+    /// when = "plugin-quarantined"
+    /// order = "hold"    # or release, cancel-all, cancel-current, cancel-element, { start-empty-mission = { duration_s = 600 } }
+    /// ```
+    #[serde(default, rename = "policy")]
+    pub policies: Vec<Policy>,
 }
 
 /// The `[vehicle]` table.

@@ -2,9 +2,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use backseat_core::Envelope;
+use backseat_core::{Condition, Envelope, Order, Policy};
 use backseat_fence::Fence;
 use backseat_mvc::WorldFile;
+use backseat_spi::Text;
 use config::{Config, Environment, File, FileFormat};
 use sha2::{Digest, Sha256};
 
@@ -54,11 +55,13 @@ impl Mission {
         let text = read(&path)?;
         // Alone first: the layers would lose the line.
         toml::from_str::<MissionFile>(&text).map_err(|error| toml_error(&path, &text, &error))?;
-        let file = layered(&path, &text, layers)?;
+        let mut file = layered(&path, &text, layers)?;
         file.limits
             .validate()
             .map_err(|error| value(&path, format!("limits.{error}")))?;
         check_plugins(&path, &file.plugins)?;
+        check_policies(&path, &file.policies)?;
+        file.session.policies.clone_from(&file.policies);
 
         let fence_path = folder.join("fence.geojson");
         let fence_text = read(&fence_path)?;
@@ -194,6 +197,60 @@ fn check_plugins(path: &Path, plugins: &[PluginTable]) -> Result<(), MissionErro
     Ok(())
 }
 
+/// A stale time of over a day is a slip of the pen.
+const STALE_MAX_S: f64 = 86_400.0;
+/// What the vehicle's log and the topside's line hold.
+const TEXT_MAX: usize = 200;
+
+fn check_policies(path: &Path, policies: &[Policy]) -> Result<(), MissionError> {
+    for (number, policy) in (1..).zip(policies) {
+        let fault = |what: String| value(path, format!("policy {number}: {what}"));
+        match &policy.when {
+            Condition::MissionCommand(text) => {
+                check_text(text).map_err(|why| fault(format!("when.mission-command {why}")))?;
+            }
+            Condition::TopsideMessage(text) => {
+                check_text(text).map_err(|why| fault(format!("when.topside-message {why}")))?;
+            }
+            Condition::NavigationStaleForS(seconds) => {
+                if !(*seconds > 0.0 && *seconds <= STALE_MAX_S) {
+                    return Err(fault(format!(
+                        "when.navigation-stale-for-s is {seconds}: expected seconds above 0 and at most {STALE_MAX_S}"
+                    )));
+                }
+            }
+            Condition::PluginQuarantined => {}
+        }
+        match &policy.order {
+            Order::Abort { text, .. } => check_text(text).map_err(|why| fault(format!("order.abort.text {why}")))?,
+            Order::Kill { text } => check_text(text).map_err(|why| fault(format!("order.kill.text {why}")))?,
+            Order::StartEmptyMission { duration_s: 0 } => {
+                return Err(fault(
+                    "order.start-empty-mission.duration_s is 0: expected seconds above 0".to_owned(),
+                ));
+            }
+            Order::Hold
+            | Order::Release
+            | Order::CancelAll
+            | Order::CancelCurrent
+            | Order::CancelElement
+            | Order::StartEmptyMission { .. } => {}
+        }
+    }
+    Ok(())
+}
+
+/// A text that can come and go as a sentence's field.
+fn check_text(text: &str) -> Result<(), String> {
+    let expected = format!(
+        "expected 1 to {TEXT_MAX} printable characters of ASCII without comma, asterisk and dollar, and no blank around them"
+    );
+    if text.trim() != text || !(1..=TEXT_MAX).contains(&text.len()) || Text::new(text).is_err() {
+        return Err(format!("is {text:?}: {expected}"));
+    }
+    Ok(())
+}
+
 fn read(path: &Path) -> Result<String, MissionError> {
     std::fs::read_to_string(path).map_err(|source| MissionError::Read {
         path: path.to_path_buf(),
@@ -306,6 +363,118 @@ config = { contour_m = 30.0 }
             &[],
         );
         assert!(twice.contains("not used twice"), "{twice}");
+    }
+
+    const POLICIES: &str = r#"
+[[policy]]
+when = { mission-command = "payload abort" }
+order = { abort = { text = "the plan says so" } }
+
+[[policy]]
+when = "plugin-quarantined"
+order = "hold"
+
+[[policy]]
+when = { navigation-stale-for-s = 60.0 }
+order = { abort = { text = "blind", errors = false } }
+
+[[policy]]
+when = { topside-message = "start over" }
+order = { start-empty-mission = { duration_s = 600 } }
+"#;
+
+    #[test]
+    fn policies_are_read_in_order_and_are_the_sessions() {
+        for set in [&[][..], &["limits.speed_max_mps=1.8"][..]] {
+            let mission = load(&format!("{MISSION}{POLICIES}"), FENCE, set).unwrap();
+            let policies = &mission.file.session.policies;
+            assert_eq!(policies, &mission.file.policies);
+            let expected = [
+                (
+                    Condition::MissionCommand("payload abort".to_owned()),
+                    Order::Abort {
+                        text: "the plan says so".to_owned(),
+                        errors: true,
+                    },
+                ),
+                (Condition::PluginQuarantined, Order::Hold),
+                (
+                    Condition::NavigationStaleForS(60.0),
+                    Order::Abort {
+                        text: "blind".to_owned(),
+                        errors: false,
+                    },
+                ),
+                (
+                    Condition::TopsideMessage("start over".to_owned()),
+                    Order::StartEmptyMission { duration_s: 600 },
+                ),
+            ]
+            .map(|(when, order)| Policy { when, order });
+            assert_eq!(policies[..], expected);
+            // The resolved whole, which is hashed and logged, holds them and reads back as the same.
+            let again = load(&mission.resolved, FENCE, &[]).unwrap();
+            assert_eq!(again.file, mission.file);
+        }
+        assert!(load(MISSION, FENCE, &[]).unwrap().file.session.policies.is_empty());
+    }
+
+    #[test]
+    fn a_policy_that_makes_no_sense_is_named() {
+        let with = |when: &str, order: &str| {
+            fault(
+                &format!("{MISSION}{POLICIES}\n[[policy]]\nwhen = {when}\norder = {order}\n"),
+                &[],
+            )
+        };
+        for (when, order, said) in [
+            (
+                r#"{ mission-command = "" }"#,
+                r#""hold""#,
+                "policy 5: when.mission-command is \"\"",
+            ),
+            (
+                r#"{ topside-message = "a,b" }"#,
+                r#""hold""#,
+                "policy 5: when.topside-message is \"a,b\"",
+            ),
+            (r#"{ mission-command = " x" }"#, r#""hold""#, "no blank around them"),
+            (
+                "{ navigation-stale-for-s = 0.0 }",
+                r#""hold""#,
+                "navigation-stale-for-s is 0",
+            ),
+            (
+                "{ navigation-stale-for-s = nan }",
+                r#""hold""#,
+                "navigation-stale-for-s is NaN",
+            ),
+            (
+                r#""plugin-quarantined""#,
+                r#"{ abort = { text = "*" } }"#,
+                "order.abort.text is \"*\"",
+            ),
+            (
+                r#""plugin-quarantined""#,
+                r#"{ kill = { text = "" } }"#,
+                "order.kill.text is \"\"",
+            ),
+            (
+                r#""plugin-quarantined""#,
+                "{ start-empty-mission = { duration_s = 0 } }",
+                "duration_s is 0",
+            ),
+            (r#""plugin-quarantined""#, r#""sink""#, "unknown variant `sink`"),
+            (r#""plugin-gone""#, r#""hold""#, "unknown variant `plugin-gone`"),
+            (
+                r#""plugin-quarantined""#,
+                r#"{ abort = { text = "x", why = 1 } }"#,
+                "unexpected keys in table: why",
+            ),
+        ] {
+            let message = with(when, order);
+            assert!(message.contains(said), "{message}");
+        }
     }
 
     #[test]

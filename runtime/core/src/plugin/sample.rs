@@ -39,6 +39,10 @@ pub enum Sample {
     Imu(ImuSample),
     /// The pitch servos of DVL and sonar (BFPIT, SPI 6.18).
     Servo(ServoSample),
+    /// The trim estimator (BFTRM, SPI 6.22).
+    Trim(TrimSample),
+    /// The buoyancy estimator (BFBOY, SPI 6.23).
+    Buoyancy(BuoyancySample),
 }
 
 /// The vehicle's links to the topside, over the last and the next minute.
@@ -186,6 +190,30 @@ pub struct ServoSample {
     pub dvl_deg: f64,
     /// Degrees.
     pub sonar_deg: f64,
+}
+
+/// The vehicle's trim, estimated.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrimSample {
+    /// When the vehicle said so, on our clock.
+    pub measured: Timestamp,
+    /// An adjustment is under way: one that was asked for, or one of the vehicle's own.
+    pub adjusting: bool,
+    /// Degrees.
+    pub pitch_deg: f64,
+    /// Degrees.
+    pub roll_deg: f64,
+}
+
+/// The vehicle's buoyancy, estimated.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BuoyancySample {
+    /// When the vehicle said so, on our clock.
+    pub measured: Timestamp,
+    /// An adjustment is under way: one that was asked for, or one of the vehicle's own.
+    pub adjusting: bool,
+    /// Newtons.
+    pub buoyancy_n: f64,
 }
 
 /// A hovering vehicle relative to its target (BFRNV, SPI 6.17).

@@ -16,12 +16,27 @@ const FENCE: &str = r#"{"type":"FeatureCollection","features":[
  "geometry":{"type":"Polygon","coordinates":[[[-70.001,41.990],[-69.999,41.990],[-69.999,41.992],[-70.001,41.992],[-70.001,41.990]]]}}
 ]}"#;
 
+const HARBOUR: &str = r#"{"type":"FeatureCollection","features":[
+{"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":60,"altitude_min_m":2},
+ "geometry":{"type":"Polygon","coordinates":[[[-70.024,41.982],[-69.976,41.982],[-69.976,42.018],[-70.024,42.018],[-70.024,41.982]]]}},
+{"type":"Feature","properties":{"name":"harbour","kind":"inclusion","margin_m":10,"depth_min_m":5,"depth_max_m":60,"altitude_min_m":2,"surfacing":true},
+ "geometry":{"type":"Polygon","coordinates":[[[-70.0218,41.9919],[-69.9782,41.9919],[-69.9782,42.0081],[-70.0218,42.0081],[-70.0218,41.9919]]]}},
+{"type":"Feature","properties":{"name":"shoals","kind":"exclusion","margin_m":10,"depth_max_m":5},
+ "geometry":{"type":"Polygon","coordinates":[[[-69.98815,42.0020],[-69.98765,42.0020],[-69.98765,42.0029],[-69.98815,42.0029],[-69.98815,42.0020]]]}}
+]}"#;
+
 static PARSED: LazyLock<Fence> = LazyLock::new(|| Fence::from_geojson(FENCE).unwrap());
 
 /// The box reaches some 1990 m east and west and 2000 m north and south of its middle; the wreck lies 890 to 1110 m
 /// south of it.
 pub(crate) fn fence() -> Fence {
     PARSED.clone()
+}
+
+/// The same box without the wreck; the vehicle may surface in a harbour that reaches some 1800 m east and west and 900 m
+/// north and south of the middle. In its east, 1000 m from the middle and 220 to 320 m to the north, lie shoals of 5 m.
+pub(crate) fn harbour() -> Fence {
+    Fence::from_geojson(HARBOUR).unwrap()
 }
 
 /// The planned behaviours by number: a line to the east, then two waypoints.
@@ -62,8 +77,12 @@ pub(crate) fn limits() -> Limits {
 }
 
 pub(crate) fn envelope(limits: Limits) -> Arc<Envelope> {
+    envelope_of(fence(), limits)
+}
+
+pub(crate) fn envelope_of(fence: Fence, limits: Limits) -> Arc<Envelope> {
     limits.validate().unwrap();
-    Arc::new(Envelope::new(fence(), limits))
+    Arc::new(Envelope::new(fence, limits))
 }
 
 /// A plugin that may do all and hears all, stepped every 100 ms.

@@ -4,14 +4,17 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
 #![expect(clippy::wildcard_enum_match_arm, reason = "a test looks for one thing among many")]
 
+mod adjustments;
 mod control;
 mod course;
 mod freshness;
 mod geometry;
+mod gps;
 mod inserts;
 mod lease;
 mod ledger;
 mod operator;
+mod orders;
 mod plugins;
 mod random;
 mod session;

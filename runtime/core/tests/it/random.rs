@@ -4,19 +4,21 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use backseat_core::plugin::{FaultKind, ModifyRequest, PositionRequest, Request, TrackcircleRequest, VerticalRequest};
+use backseat_core::plugin::{
+    FaultKind, GpsHitRequest, ModifyRequest, PositionRequest, Request, TrackcircleRequest, VerticalRequest,
+};
 use backseat_core::plugin::{RequestState, TracklineRequest};
-use backseat_core::{FailAction, Note, Operator, PluginSetup};
+use backseat_core::{Condition, FailAction, Grant, Note, Operator, Order, PluginSetup, Policy, RequestKind, Settings};
 use backseat_spi::{
-    AckStatus, Acknowledgement, BackseatControl, BehaviorBegin, BehaviorEnd, BehaviorId, CommandName, FromVehicle,
-    MissionStatus, PlanElement, PlanElementKind, Text,
+    AckStatus, Acknowledgement, AdjustmentError, AdjustmentStatus, BackseatControl, BehaviorBegin, BehaviorEnd,
+    BehaviorId, CommandName, FromVehicle, MissionStatus, PlanElement, PlanElementKind, Text, TrimStatus,
 };
 use backseat_units::{EastNorth, Position, TimeOfDay, Timestamp};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
 
-use crate::course::{at, plugin};
+use crate::course::{self, at};
 use crate::trial::{Seen, Setup, Trial, short};
 use crate::vehicle::Reply;
 
@@ -45,6 +47,7 @@ enum Act {
     Fail(usize, FaultKind),
     Hold,
     Release,
+    Order(Order),
 }
 
 fn figure(usual: impl Strategy<Value = f64> + 'static) -> BoxedStrategy<f64> {
@@ -92,6 +95,9 @@ fn request() -> BoxedStrategy<Request> {
             }
         ),
         2 => tag.clone().prop_map(Request::Cancel),
+        1 => (tag.clone(), place()).prop_map(|(tag, position)| Request::GpsHit(GpsHitRequest { tag, position })),
+        1 => tag.clone().prop_map(Request::Trim),
+        1 => tag.clone().prop_map(Request::Buoyancy),
         1 => ".{0,40}".prop_map(Request::Message),
         1 => (tag, 0..2000u64).prop_map(|(id, ms)| Request::Timer { id, after: Duration::from_millis(ms) }),
     ]
@@ -157,13 +163,26 @@ fn sentence() -> BoxedStrategy<FromVehicle> {
                 dive_file: text(""),
                 number,
                 identifier,
-                kind: text("waypoint"),
+                kind: text("trim"),
+            }
+            .into()
+        }),
+        (time(), select(vec![0, 1, 1, 2, 3, 9])).prop_map(move |(created, status)| {
+            TrimStatus {
+                created,
+                status: AdjustmentStatus::from_code(status),
+                error: AdjustmentError::None,
+                text: text(""),
+                pitch_deg: 0.0,
+                roll_deg: 0.0,
             }
             .into()
         }),
         (
             time(),
-            select(vec!["LOG", "RMB", "RTK", "RTC", "RCN", "RMP", "EMB", "NAK", "XYZ"]),
+            select(vec![
+                "LOG", "RMB", "RTK", "RTC", "RGP", "RCN", "RMP", "EMB", "TRM", "ABT", "SEM", "NAK", "XYZ"
+            ]),
             prop_oneof![Just(TimeOfDay::MIDNIGHT), time()],
             identifier(),
             select(vec![AckStatus::Succeeded, AckStatus::Failed, AckStatus::Pending]),
@@ -224,7 +243,9 @@ fn act() -> BoxedStrategy<Act> {
         2 => select(vec!["Running", "Running", "Ready", "Completed", ""]).prop_map(Act::Status),
         3 => (number.clone(), own.clone()).prop_map(|(number, own)| Act::Begin(number, own)),
         3 => (number, own).prop_map(|(number, own)| Act::End(number, own)),
-        3 => (select(vec!["LOG", "RMB", "RTK", "RTC", "RCN", "RMP", "EMB"]), reply())
+        3 => (select(vec![
+            "LOG", "RMB", "RTK", "RTC", "RGP", "RCN", "RMP", "EMB", "TRM", "BOY", "ABT", "KIL", "SEM", "RCA", "RCB"
+        ]), reply())
             .prop_map(|(name, reply)| Act::Replies(name, reply)),
         1 => any::<bool>().prop_map(Act::Navigates),
         1 => any::<bool>().prop_map(Act::Frozen),
@@ -244,13 +265,46 @@ fn act() -> BoxedStrategy<Act> {
     .boxed()
 }
 
+/// What only the operator may order.
+const ORDERED: [&str; 6] = ["ABT", "KIL", "SEM", "RCA", "RCB", "RCE"];
+
+fn order() -> BoxedStrategy<Order> {
+    prop_oneof![
+        Just(Order::Hold),
+        Just(Order::Release),
+        Just(Order::CancelAll),
+        Just(Order::CancelCurrent),
+        Just(Order::CancelElement),
+        (".{0,20}", any::<bool>()).prop_map(|(text, errors)| Order::Abort { text, errors }),
+        ".{0,20}".prop_map(|text| Order::Kill { text }),
+        any::<u32>().prop_map(|duration_s| Order::StartEmptyMission { duration_s }),
+    ]
+    .boxed()
+}
+
+/// A plugin with every grant that the acts use.
+fn plugin(name: &str) -> PluginSetup {
+    let mut setup = course::plugin(name);
+    setup.grants.extend([Grant::Surface, Grant::Trim, Grant::Buoyancy]);
+    setup
+}
+
 fn start() -> Trial {
+    start_with(Vec::new())
+}
+
+fn start_with(policies: Vec<Policy>) -> Trial {
     let second = PluginSetup {
         on_failure: FailAction::Cancel,
         ..plugin("second")
     };
     let mut trial = Trial::with(Setup {
+        fence: course::harbour(),
         plugins: vec![plugin("first"), second],
+        settings: Settings {
+            policies,
+            ..Settings::default()
+        },
         ..Setup::default()
     });
     trial.run_for(1.0);
@@ -285,7 +339,17 @@ fn play(trial: &mut Trial, acts: Vec<Act>) {
             Act::Fail(plugin, kind) => trial.fail(plugin, kind),
             Act::Hold => trial.operator(Operator::Hold),
             Act::Release => trial.operator(Operator::Release),
+            Act::Order(order) => trial.operator(Operator::Order(order)),
         }
+    }
+}
+
+fn kind_of(name: &str) -> RequestKind {
+    match name {
+        "SEM" => RequestKind::StartEmptyMission,
+        "RCA" => RequestKind::CancelAll,
+        "RCB" => RequestKind::CancelCurrent,
+        _ => RequestKind::CancelElement,
     }
 }
 
@@ -329,7 +393,10 @@ fn it_recovers(trial: &mut Trial) {
     trial.operator(Operator::Release);
     trial.run_for(5.0);
     trial.cut();
-    trial.run_for(55.0);
+    trial.run_for(50.0);
+    // A policy may have held while navigation was gone.
+    trial.operator(Operator::Release);
+    trial.run_for(5.0);
     assert!(
         trial.core.has_control(),
         "control is not back: {:?}",
@@ -354,6 +421,38 @@ proptest! {
         ledger_is_consistent(&trial);
         it_recovers(&mut trial);
         ledger_is_consistent(&trial);
+        // Safety requirement 012: nobody has ordered any of these.
+        for name in ORDERED {
+            prop_assert!(trial.commands(name).is_empty(), "{name}");
+        }
+    }
+
+    #[test]
+    fn sr_009_sr_012_whatever_is_ordered_leaves_only_by_the_order_and_every_order_has_one_end(
+        acts in vec(prop_oneof![4 => act(), 1 => order().prop_map(Act::Order)], 1..60),
+        stale in (1.0..5.0, order()),
+        quarantined in order(),
+    ) {
+        // The judge of the trial does not see a policy's release.
+        let no_release = |order| if order == Order::Release { Order::Hold } else { order };
+        let policies = vec![
+            Policy { when: Condition::NavigationStaleForS(stale.0), order: no_release(stale.1) },
+            Policy { when: Condition::PluginQuarantined, order: no_release(quarantined) },
+        ];
+        let mut trial = start_with(policies);
+        play(&mut trial, acts);
+        ledger_is_consistent(&trial);
+        it_recovers(&mut trial);
+        ledger_is_consistent(&trial);
+        let notes = trial.notes();
+        for name in ["SEM", "RCA", "RCB", "RCE"] {
+            let sent = trial.commands(name).len();
+            let ordered = notes.iter().filter(|(_, note)| match note {
+                Note::Request(transition) => transition.state == RequestState::Sent && kind_of(name) == transition.kind,
+                _ => false,
+            });
+            prop_assert_eq!(sent, ordered.count(), "{}", name);
+        }
     }
 
     #[test]

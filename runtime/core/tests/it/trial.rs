@@ -6,9 +6,10 @@ use std::time::Duration;
 
 use backseat_core::plugin::{Event, FaultKind, PluginFault, PluginId, Request, RequestState, Returned, StepInput};
 use backseat_core::{
-    ControlHook, Core, Identifiers, Input, Limits, Note, Operator, Output, PluginSetup, RequestKind, Restarted,
+    ControlHook, Core, Identifiers, Input, Limits, Note, Operator, Order, Output, PluginSetup, RequestKind, Restarted,
     Settings, Start,
 };
+use backseat_fence::Fence;
 use backseat_spi::{FromVehicle, Sentence, ToVehicle};
 use backseat_units::{Timestamp, Utc};
 
@@ -72,6 +73,8 @@ pub(crate) struct Trial {
 }
 
 pub(crate) struct Setup {
+    /// One with the frame of [`course::fence`].
+    pub(crate) fence: Fence,
     pub(crate) limits: Limits,
     pub(crate) settings: Settings,
     pub(crate) plugins: Vec<PluginSetup>,
@@ -81,6 +84,7 @@ pub(crate) struct Setup {
 impl Default for Setup {
     fn default() -> Self {
         Self {
+            fence: course::fence(),
             limits: course::limits(),
             settings: Settings::default(),
             plugins: vec![course::plugin("first"), course::plugin("second")],
@@ -101,7 +105,7 @@ impl Trial {
         let judge = Judge::new(setup.settings.control.clone(), &setup.start, &setup.limits);
         let core = Core::new(
             setup.settings,
-            course::envelope(setup.limits),
+            course::envelope_of(setup.fence, setup.limits),
             setup.plugins,
             setup.start,
         );
@@ -192,9 +196,8 @@ impl Trial {
 
     pub(crate) fn operator(&mut self, act: Operator) {
         match act {
-            Operator::Hold => self.judge.held = true,
-            Operator::Release => self.judge.held = false,
-            Operator::Stop => self.judge.held = true,
+            Operator::Hold | Operator::Stop | Operator::Order(Order::Hold) => self.judge.held = true,
+            Operator::Release | Operator::Order(Order::Release) => self.judge.held = false,
             Operator::Order(_) => {}
         }
         self.feed(Input::Operator(act));

@@ -12,6 +12,7 @@ use crate::zone::{Band, Kind, Zone};
 
 mod edges;
 mod reference;
+mod surfacing;
 
 type Points = Vec<(f64, f64)>;
 
@@ -21,6 +22,7 @@ const INCLUSION: Kind = Kind::Inclusion {
         max_m: 50.0,
     },
     altitude_min_m: 3.0,
+    surfacing: false,
 };
 const EXCLUSION: Kind = Kind::Exclusion { depth: None };
 const VERTICAL: VerticalExtent = VerticalExtent {

@@ -13,7 +13,8 @@ pub(super) struct Properties {
     pub(super) margin_m: f64,
 }
 
-const INCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m` or `altitude_min_m`";
+const INCLUSION_KEYS: &str =
+    "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m` or `surfacing`";
 const EXCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m` or `depth_max_m`";
 const NAME: &str = "a name of 1 to 100 printable characters";
 const KIND: &str = "\"inclusion\" or \"exclusion\"";
@@ -48,7 +49,7 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str) -> Result<Properties
         let known = match key.as_str() {
             "name" | "kind" | "margin_m" | "depth_min_m" | "depth_max_m" => true,
             // Geographic information systems write every column for every feature.
-            "altitude_min_m" => inclusion || value.is_null(),
+            "altitude_min_m" | "surfacing" => inclusion || value.is_null(),
             _ => false,
         };
         if !known {
@@ -80,6 +81,7 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str) -> Result<Properties
         Kind::Inclusion {
             depth: Band { min_m, max_m },
             altitude_min_m,
+            surfacing: source.truth("surfacing")?.unwrap_or(false),
         }
     } else if depth_min_m.is_none() && depth_max_m.is_none() {
         Kind::Exclusion { depth: None }
@@ -119,6 +121,14 @@ impl Source<'_> {
         match value.as_f64() {
             Some(metres) if (min..=max).contains(&metres) => Ok(Some(metres)),
             _ => Err(self.bad(key, value, &format!("metres within {min} to {max}"))),
+        }
+    }
+
+    fn truth(&self, key: &'static str) -> Result<Option<bool>, FenceError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        match value.as_bool() {
+            Some(truth) => Ok(Some(truth)),
+            None => Err(self.bad(key, value, "true or false")),
         }
     }
 

@@ -214,6 +214,7 @@ fn depth_and_altitude_are_those_of_the_zone_that_holds() {
             max_m: 90.0,
         },
         altitude_min_m: 10.0,
+        surfacing: false,
     };
     let fence = fence(vec![
         zone("shallow", INCLUSION, 0.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),

@@ -1,0 +1,100 @@
+//! The judgement of what brings the vehicle to the surface: GPS hits, and the ways to and from them (SPI 7.7).
+
+use backseat_fence::{Shape, Sweep, VerticalExtent};
+use backseat_units::Depth;
+
+use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, point_and_radius, position, refusal};
+use crate::plugin::{GpsHitRequest, Refusal};
+
+impl Envelope {
+    pub(crate) fn admit_gps_hit(&self, request: &GpsHitRequest) -> Result<Insert, Refusal> {
+        Ok(Insert {
+            path: InsertPath::Surface {
+                at: position(request.position)?,
+            },
+            // BPRGP has no interrupt code (SPI 7.7): it runs after the current behaviour.
+            interrupt: false,
+        })
+    }
+
+    /// Safety requirement 002 for a GPS hit: the place with the drift of the whole wait, in a zone that allows surfacing,
+    /// and the ways to it and on.
+    pub(super) fn judge_surfacing(
+        &self,
+        place: Shape,
+        strayed_m: f64,
+        ends: (End, End),
+        extent: &VerticalExtent,
+        route: &Route,
+    ) -> Result<f64, Refusal> {
+        let adrift = Sweep {
+            shape: place,
+            radius_m: strayed_m + self.drift_m(),
+        };
+        let mut least_m = match self.fence.check_surfacing(&adrift, extent) {
+            Ok(clearance) => clearance.metres,
+            Err(breach) => return Err(refusal(&breach)),
+        };
+        for from in &route.from {
+            least_m = least_m.min(self.way_by(true, *from, ends.0, strayed_m, extent)?);
+        }
+        for to in &route.to {
+            least_m = least_m.min(self.way_by(true, ends.1, End::At(*to), strayed_m, extent)?);
+        }
+        Ok(least_m)
+    }
+
+    /// How far the current carries a vehicle that waits at the surface for GPS.
+    pub(super) fn drift_m(&self) -> f64 {
+        self.limits.current_max_mps * self.limits.gps_hit_duration_max_s
+    }
+
+    /// The greatest depth that an insert leads to, metres; `None` where an altitude's depth cannot be known.
+    pub(crate) fn deepest_m(&self, insert: &Insert, depth: Depth, lock: Option<BottomLock>) -> Option<f64> {
+        let vertical = match insert.path {
+            InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. } => flight.vertical,
+            InsertPath::Surface { .. } => return Some(depth.as_m()),
+        };
+        let around = self.ends(insert).0.point();
+        let extent = self.extent(vertical, depth, lock, around, self.length_m(insert));
+        extent.ok().map(|extent| extent.depth_max_m)
+    }
+
+    /// A way within the extent, or one on which the vehicle may be at any depth down to the extent's deepest.
+    pub(super) fn way_by(
+        &self,
+        any_depth: bool,
+        from: End,
+        to: End,
+        strayed_m: f64,
+        extent: &VerticalExtent,
+    ) -> Result<f64, Refusal> {
+        if any_depth {
+            self.way_of_any_depth(from, to, strayed_m, extent)
+        } else {
+            self.way(from, to, strayed_m, extent)
+        }
+    }
+
+    /// All depths must be allowed, by the zone's depths or because it may surface on the whole way.
+    fn way_of_any_depth(&self, from: End, to: End, strayed_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {
+        let (from, from_m) = point_and_radius(from);
+        let (to, to_m) = point_and_radius(to);
+        let sweep = Sweep {
+            shape: Shape::leg(from, to),
+            radius_m: strayed_m + from_m.max(to_m),
+        };
+        let from_surface = VerticalExtent {
+            depth_min_m: extent.depth_min_m.min(0.0),
+            ..*extent
+        };
+        let checked = self
+            .fence
+            .check(&sweep, &from_surface)
+            .or_else(|breach| self.fence.check_surfacing(&sweep, extent).map_err(|_| breach));
+        match checked {
+            Ok(clearance) => Ok(clearance.metres),
+            Err(breach) => Err(refusal(&breach)),
+        }
+    }
+}

@@ -1,0 +1,372 @@
+//! GPS hits: inserts that bring the vehicle to the surface (SPI 7.7).
+
+use std::time::Duration;
+
+use backseat_core::plugin::{GpsHitRequest, Judge, PositionRequest, Request, RequestState, StepInput};
+use backseat_core::{Envelope, FailAction, Grant, Limits, Note, Operator, PluginSetup};
+use backseat_spi::{AckStatus, ToVehicle};
+use backseat_units::Utc;
+
+use crate::course::{self, at, good_line, limits, line};
+use crate::trial::{Setup, Trial, shorts};
+use crate::vehicle::Reply;
+
+fn plugin(name: &str) -> PluginSetup {
+    PluginSetup {
+        grants: vec![Grant::Modify, Grant::Insert, Grant::Surface],
+        ..course::plugin(name)
+    }
+}
+
+fn setup() -> Setup {
+    Setup {
+        fence: course::harbour(),
+        plugins: vec![plugin("first"), plugin("second")],
+        ..Setup::default()
+    }
+}
+
+fn under_way() -> Trial {
+    Trial::with_under_way(setup())
+}
+
+/// In the harbour, with clear ways to it and on.
+fn hit(tag: u64) -> Request {
+    hit_at(tag, (0.0, 500.0))
+}
+
+fn hit_at(tag: u64, (east_m, north_m): (f64, f64)) -> Request {
+    Request::GpsHit(GpsHitRequest {
+        tag,
+        position: at(east_m, north_m),
+    })
+}
+
+/// An accepted GPS hit under tag 1 with identifier 1.
+fn accepted() -> Trial {
+    let mut trial = under_way();
+    trial.ask(0, [hit(1)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+    trial
+}
+
+fn rejected(trial: &mut Trial, request: Request) -> String {
+    let tag = match &request {
+        Request::GpsHit(hit) => hit.tag,
+        Request::Trackline(line) => line.tag,
+        other => panic!("{other:?}"),
+    };
+    trial.ask(0, [request]);
+    trial.run_for(0.5);
+    trial.rejection(tag)
+}
+
+#[test]
+fn a_gps_hit_is_pending_accepted_started_and_ended_and_says_what_was_asked() {
+    let mut trial = under_way();
+    let reply = Reply::Pending(Duration::from_millis(1500), AckStatus::Succeeded);
+    trial.vehicle.replies.insert("RGP", reply);
+    trial.ask(0, [hit(1)]);
+    trial.run_for(2.5);
+    let now = trial.now;
+    trial.vehicle.begin(now, None, Some(1));
+    trial.run_for(0.5);
+    let now = trial.now;
+    trial.vehicle.end(now, None, Some(1));
+    trial.run_for(0.5);
+    assert_eq!(
+        shorts(&trial.states(1)),
+        ["sent", "pending", "accepted", "started", "ended"]
+    );
+    let Some((_, ToVehicle::GpsHit(sent))) = trial.commands("RGP").pop() else {
+        panic!("no BPRGP")
+    };
+    let mut bytes = Vec::new();
+    ToVehicle::from(sent).encode(&mut bytes).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    let (body, sum) = text.trim_end().split_once('*').unwrap();
+    let fields: Vec<&str> = body.split(',').collect();
+    assert_eq!((fields[0], fields.len()), ("$BPRGP", 10), "{text}");
+    assert_eq!(fields[1].len(), "hhmmss.sss".len(), "{text}");
+    assert_eq!(fields[2], "1");
+    assert_eq!((fields[4], fields[6]), ("N", "W"));
+    assert_eq!(
+        &fields[7..],
+        ["", "", "0"],
+        "the vehicle's own defaults, and straight to the surface"
+    );
+    let xor = body[1..].bytes().fold(0, |sum, byte| sum ^ byte);
+    assert_eq!(sum, format!("{xor:02X}"));
+    assert_eq!(trial.core.open_requests(), 0);
+}
+
+#[test]
+fn sr_009_a_refused_gps_hit_has_failed_and_one_without_answer_may_be_flown_yet() {
+    let mut trial = under_way();
+    trial.vehicle.replies.insert("RGP", Reply::Refuse);
+    trial.ask(0, [hit(1)]);
+    trial.run_for(1.0);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "failed"]);
+
+    let limits = Limits {
+        inserts_open_max: 1,
+        ..limits()
+    };
+    let mut trial = Trial::with_under_way(Setup { limits, ..setup() });
+    trial.vehicle.replies.insert("RGP", Reply::Silent);
+    trial.ask(0, [hit(1)]);
+    trial.run_for(4.0);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
+    assert!(trial.commands("RCN").is_empty(), "BPRCN does not cover it");
+    assert!(rejected(&mut trial, good_line(2)).contains("cap: 1 inserts are open"));
+    let now = trial.now;
+    trial.vehicle.end(now, None, Some(1));
+    trial.run_for(0.2);
+    trial.ask(0, [good_line(3)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"]);
+}
+
+#[test]
+fn sr_009_a_gps_hit_in_doubt_is_resolved_by_the_vehicles_plan_which_proves_nothing_by_its_silence() {
+    for named in [true, false] {
+        let mut trial = under_way();
+        trial.vehicle.replies.insert("RGP", Reply::Silent);
+        trial.ask(0, [hit(1)]);
+        trial.run_for(0.5);
+        if named {
+            trial.vehicle.inserted.insert(1);
+        }
+        trial.cut();
+        trial.run_for(3.0);
+        let end = if named { "accepted" } else { "timed out" };
+        assert_eq!(shorts(&trial.states(1)), ["sent", "unknown", end]);
+        assert_eq!(trial.commands("RGP").len(), 1, "never sent twice");
+    }
+}
+
+#[test]
+fn it_needs_its_own_grant() {
+    let plugins = vec![course::plugin("first"), course::plugin("second")];
+    let mut trial = Trial::with_under_way(Setup { plugins, ..setup() });
+    assert!(rejected(&mut trial, hit(1)).contains("does not grant it Surface"));
+}
+
+#[test]
+fn sr_002_it_surfaces_only_where_the_fence_allows_it_drift_and_all() {
+    let mut trial = under_way();
+    let text = rejected(&mut trial, hit_at(1, (0.0, 1500.0)));
+    assert!(
+        text.starts_with("surfacing: outside inclusion 'harbour', the nearest that allows surfacing,"),
+        "{text}"
+    );
+    // 0.3 m/s for 900 s is 270 m, and the errors: 200 m from the harbour's edge are too few.
+    assert!(rejected(&mut trial, hit_at(2, (0.0, 700.0))).starts_with("surfacing: "));
+    let limits = Limits {
+        gps_hit_duration_max_s: 300.0,
+        ..limits()
+    };
+    let mut quicker = Trial::with_under_way(Setup { limits, ..setup() });
+    quicker.ask(0, [hit_at(2, (0.0, 700.0))]);
+    quicker.run_for(0.5);
+    assert_eq!(shorts(&quicker.states(2)), ["sent", "accepted"]);
+    // A fence that allows it nowhere.
+    let mut trial = Trial::with_under_way(Setup {
+        fence: course::fence(),
+        ..setup()
+    });
+    assert!(rejected(&mut trial, hit(1)).contains("no inclusion zone allows surfacing"));
+}
+
+#[test]
+fn sr_002_the_ways_to_and_from_the_surface_are_judged_at_every_depth_that_is_passed() {
+    // The plan's leg ends at (600, 0). The way from there leads over the shoals: a line at 20 m passes under them, the way
+    // to the surface may not.
+    let mut trial = under_way();
+    let text = rejected(&mut trial, hit_at(1, (1450.0, 500.0)));
+    assert!(text.starts_with("exclusion: inside exclusion 'shoals'"), "{text}");
+    trial.ask(0, [Request::Trackline(line(2, (1400.0, 470.0), (1500.0, 530.0)))]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
+}
+
+#[test]
+fn sr_002_what_follows_a_gps_hit_comes_from_the_surface_and_from_where_it_has_drifted() {
+    let beyond = |tag| Request::Trackline(line(tag, (1300.0, 270.0), (1400.0, 270.0)));
+    let mut trial = under_way();
+    trial.ask(0, [beyond(1)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "alone it is good");
+    let mut trial = accepted();
+    let text = rejected(&mut trial, beyond(2));
+    assert!(text.starts_with("exclusion: inside exclusion 'shoals'"), "{text}");
+    trial.ask(0, [good_line(3)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
+}
+
+#[test]
+fn sr_002_what_interrupts_before_a_gps_hit_goes_on_to_the_surface() {
+    // From a line beyond the shoals, which interrupts, the vehicle may go on to the GPS hit and come up on the way.
+    let beyond = |tag| {
+        let mut beyond = line(tag, (1300.0, 270.0), (1400.0, 270.0));
+        beyond.interrupt = true;
+        Request::Trackline(beyond)
+    };
+    let mut trial = under_way();
+    trial.ask(0, [beyond(1)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "alone it is good");
+    let mut trial = accepted();
+    let text = rejected(&mut trial, beyond(2));
+    assert!(text.starts_with("exclusion: inside exclusion 'shoals'"), "{text}");
+}
+
+#[test]
+fn sr_002_a_depth_of_what_is_flown_before_it_counts() {
+    let deep = |tag| {
+        let mut deep = line(tag, (0.0, 500.0), (300.0, 500.0));
+        deep.vertical = backseat_core::plugin::VerticalRequest::DepthM(55.0);
+        Request::Trackline(deep)
+    };
+    // Over 58.5 m of water a line at 55 m keeps 2.5 m, its error of 1 m included; where the vehicle comes from there, it
+    // may be at 56 m, and the same error leaves too little.
+    let limits = Limits {
+        water_depth_min_m: Some(58.5),
+        ..limits()
+    };
+    let mut trial = Trial::with(Setup { limits, ..setup() });
+    trial.vehicle.altitude_m = None;
+    trial.run_for(2.0);
+    trial.ask(0, [hit(1), deep(2), hit(3)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
+    assert!(trial.rejection(3).starts_with("altitude: "), "{}", trial.rejection(3));
+}
+
+#[test]
+fn figures_that_are_no_place_are_rejected() {
+    let mut trial = under_way();
+    for (tag, (latitude_deg, longitude_deg)) in
+        (1..).zip([(f64::NAN, -70.0), (91.0, -70.0), (42.0, f64::INFINITY), (42.0, 1e300)])
+    {
+        let position = PositionRequest {
+            latitude_deg,
+            longitude_deg,
+        };
+        let text = rejected(&mut trial, Request::GpsHit(GpsHitRequest { tag, position }));
+        assert!(text.starts_with("limit: "), "{text}");
+    }
+    // A legal place on the other side of the earth.
+    assert!(rejected(&mut trial, hit_at(9, (3e6, 0.0))).starts_with("surfacing: "));
+    assert!(trial.commands("RGP").is_empty());
+}
+
+#[test]
+fn sr_019_gps_hits_are_capped_in_number_and_in_the_duration_of_all_inserts() {
+    let limits = Limits {
+        gps_hits_total_max: 1,
+        inserts_total_max: 1,
+        ..limits()
+    };
+    let mut trial = Trial::with_under_way(Setup { limits, ..setup() });
+    trial.ask(0, [hit(1)]);
+    trial.run_for(0.5);
+    assert!(rejected(&mut trial, hit(2)).contains("1 GPS hits have been sent"));
+    trial.ask(0, [good_line(3)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(3))[0], "sent", "it is no trackline");
+
+    let limits = Limits {
+        inserts_duration_max_s: 3000.0,
+        ..course::limits()
+    };
+    let mut trial = Trial::with_under_way(Setup { limits, ..setup() });
+    trial.ask(0, [hit(1)]);
+    trial.run_for(0.5);
+    let text = rejected(&mut trial, hit(2));
+    assert!(text.contains("together over 3000 s"), "{text}");
+}
+
+#[test]
+fn it_cannot_be_cancelled_by_its_plugin_its_plugins_failure_or_the_operators_hold() {
+    let failing = PluginSetup {
+        on_failure: FailAction::Cancel,
+        ..plugin("first")
+    };
+    let mut trial = Trial::with_under_way(Setup {
+        plugins: vec![failing, plugin("second")],
+        ..setup()
+    });
+    trial.ask(0, [hit(1), good_line(2)]);
+    trial.run_for(0.5);
+    trial.ask(0, [Request::Cancel(1)]);
+    trial.run_for(0.5);
+    let Some(RequestState::Rejected(text)) = trial.cancel_states(1).pop() else {
+        panic!("{:?}", trial.cancel_states(1))
+    };
+    assert!(text.contains("a GPS hit cannot be cancelled"), "{text}");
+    trial.fail(0, backseat_core::plugin::FaultKind::Trap);
+    trial.run_for(0.5);
+    trial.operator(Operator::Hold);
+    trial.run_for(0.5);
+    assert_eq!(trial.commands("RCN").len(), 1, "the trackline alone");
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
+    assert_eq!(shorts(&trial.states(2)).last(), Some(&"cancelled"));
+    let said = trial.notes().into_iter().filter(
+        |(_, note)| matches!(note, Note::Text { text } if text.contains("may be flown yet: it cannot be cancelled")),
+    );
+    assert_eq!(said.count(), 2);
+}
+
+#[test]
+fn it_needs_a_complete_plan_and_control() {
+    let mut trial = under_way();
+    trial.vehicle.replies.insert("RMP", Reply::Silent);
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(77), None);
+    trial.run_for(0.5);
+    assert!(rejected(&mut trial, hit(1)).starts_with("plan: "));
+    let now = trial.now;
+    trial.vehicle.set_control(now, false);
+    trial.run_for(0.5);
+    assert!(rejected(&mut trial, hit(2)).starts_with("control: "));
+    assert!(trial.commands("RGP").is_empty());
+}
+
+#[test]
+fn answers_twice_or_for_something_else_change_nothing() {
+    let mut trial = accepted();
+    let sent = trial.commands("RGP").pop().unwrap().1.created().unwrap();
+    let now = trial.now;
+    trial
+        .vehicle
+        .acknowledge(now, ("RGP", sent, Some(1), AckStatus::Failed));
+    trial
+        .vehicle
+        .acknowledge(now, ("RTK", sent, Some(1), AckStatus::Failed));
+    trial.vehicle.end(now, None, Some(2));
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
+}
+
+#[test]
+fn a_plugin_that_asks_the_fence_gets_cores_answer() {
+    let envelope = Envelope::new(course::harbour(), limits());
+    let mut trial = under_way();
+    trial.run_for(0.5);
+    let (_, step) = trial.steps(0).pop().unwrap();
+    assert!(envelope.judge(&hit(1), &step).unwrap() > 0.0);
+    assert_eq!(
+        envelope.judge(&hit_at(1, (0.0, 1500.0)), &step).unwrap_err().rule,
+        "surfacing"
+    );
+    let blind = StepInput {
+        navigation: None,
+        utc: Utc::from_unix_nanos(0),
+        ..step
+    };
+    assert!(envelope.judge(&hit(1), &blind).is_err());
+}

@@ -291,7 +291,7 @@ fn may_follow(from: &RequestState, to: &RequestState) -> bool {
         S::Rejected(_) => matches!(to, S::Rejected(_) | S::Sent | S::Ended(_)),
         S::Sent => !matches!(to, S::Rejected(_) | S::Sent),
         S::Pending => !matches!(to, S::Rejected(_) | S::Sent | S::Pending),
-        S::Unknown => matches!(to, S::Accepted | S::Started | S::Failed(_) | S::Ended(_)),
+        S::Unknown => matches!(to, S::Accepted | S::Started | S::Failed(_) | S::TimedOut | S::Ended(_)),
         S::Accepted => matches!(to, S::Started | S::Ended(_) | S::Cancelled | S::Failed(_) | S::TimedOut),
         S::Started => matches!(to, S::Ended(_)),
         S::Failed(_) | S::TimedOut | S::Ended(_) | S::Cancelled => false,

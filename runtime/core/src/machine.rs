@@ -23,6 +23,7 @@ use crate::settings::{PluginSetup, Settings};
 use crate::silent::Silent;
 use crate::stamp::Stamper;
 use crate::timer::{Timer, Timers};
+use crate::topside::Topside;
 
 /// Called later than this after the promised time, every lease ends before anything else is done: what we know of the
 /// vehicle is old, and so is what it knows of us.
@@ -53,6 +54,7 @@ pub struct Core {
     pub(crate) adjustments: Adjustments,
     pub(crate) acoustic: Acoustic,
     pub(crate) dvl: DvlTrigger,
+    pub(crate) topside: Topside,
     pub(crate) plugins: Vec<Slot>,
     pub(crate) start: Start,
     /// Backseat control as the configured hook last said.
@@ -96,6 +98,7 @@ impl Core {
             adjustments: Adjustments::default(),
             acoustic: Acoustic::default(),
             dvl: DvlTrigger::default(),
+            topside: Topside::default(),
             plugins: slots,
             start,
             handed_over: None,

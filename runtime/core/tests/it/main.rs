@@ -4,6 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
 #![expect(clippy::wildcard_enum_match_arm, reason = "a test looks for one thing among many")]
 
+mod acoustic;
 mod control;
 mod course;
 mod freshness;
@@ -15,5 +16,7 @@ mod operator;
 mod plugins;
 mod random;
 mod session;
+mod silent;
+mod topside;
 mod trial;
 mod vehicle;

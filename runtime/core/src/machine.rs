@@ -260,6 +260,7 @@ impl Core {
             if let Some(reason) = lost {
                 self.end_lease(reason);
                 self.end_hold(reason);
+                self.end_dvl(reason);
             }
             self.note(Note::Control {
                 granted,
@@ -303,12 +304,14 @@ impl Core {
                 self.held = true;
                 self.end_lease("the operator holds");
                 self.end_hold("the operator holds");
+                self.end_dvl("the operator holds");
                 self.cancel_all_of(None, "the operator holds");
             }
             Operator::Release => self.held = false,
             Operator::Stop => {
                 self.end_lease("the run is ending");
                 self.end_hold("the run is ending");
+                self.end_dvl("the run is ending");
                 self.stopping = true;
                 self.outputs.push_back(Output::Finish);
             }

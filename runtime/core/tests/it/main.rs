@@ -7,6 +7,7 @@
 mod acoustic;
 mod control;
 mod course;
+mod dvl;
 mod freshness;
 mod geometry;
 mod inserts;

@@ -4,20 +4,22 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use backseat_core::plugin::{FaultKind, ModifyRequest, PositionRequest, Request, TrackcircleRequest, VerticalRequest};
-use backseat_core::plugin::{RequestState, TracklineRequest};
-use backseat_core::{FailAction, Note, Operator, PluginSetup};
+use backseat_core::plugin::{
+    DvlTriggerRequest, FaultKind, ModifyRequest, PacketRequest, PositionRequest, Request, RequestState, SilentRequest,
+    Topic, TopsideRequest, TrackcircleRequest, TracklineRequest, Transport, VerticalRequest,
+};
+use backseat_core::{FailAction, Grant, Note, Operator};
 use backseat_spi::{
-    AckStatus, Acknowledgement, BackseatControl, BehaviorBegin, BehaviorEnd, BehaviorId, CommandName, FromVehicle,
-    MissionStatus, PlanElement, PlanElementKind, Text,
+    AckStatus, Acknowledgement, BackseatControl, BehaviorBegin, BehaviorEnd, BehaviorId, CommandName, DvlTriggering,
+    FrameSentStatus, FromVehicle, MediumAccess, MissionStatus, PacketSent, PlanElement, PlanElementKind, Text,
 };
 use backseat_units::{EastNorth, Position, TimeOfDay, Timestamp};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
 
-use crate::course::{at, plugin};
-use crate::trial::{Seen, Setup, Trial, short};
+use crate::course::at;
+use crate::trial::{Seen, Trial, granted, short};
 use crate::vehicle::Reply;
 
 #[derive(Clone, Debug)]
@@ -30,6 +32,8 @@ enum Act {
     Status(&'static str),
     Begin(Option<u32>, Option<u32>),
     End(Option<u32>, Option<u32>),
+    /// An acoustic window of so many seconds.
+    Window(u64),
     Replies(&'static str, Reply),
     Navigates(bool),
     Frozen(bool),
@@ -93,6 +97,16 @@ fn request() -> BoxedStrategy<Request> {
         ),
         2 => tag.clone().prop_map(Request::Cancel),
         1 => ".{0,40}".prop_map(Request::Message),
+        1 => (tag.clone(), ".{0,40}|[a-z ]{1,40}").prop_map(|(tag, text)| Request::Topside(TopsideRequest {
+            tag, slowest: Transport::RadioModem, text,
+        })),
+        2 => (tag.clone(), any::<bool>()).prop_map(|(tag, silent)| Request::Silent(SilentRequest { tag, silent })),
+        4 => (0..2u64, any::<bool>(), any::<bool>()).prop_map(|(tag, external, triggering)| {
+            Request::DvlTrigger(DvlTriggerRequest { tag, external, triggering })
+        }),
+        2 => (tag.clone(), -1..5i32, vec(vec(any::<u8>(), 0..300), 0..10)).prop_map(|(tag, mode, frames)| {
+            Request::Packet(PacketRequest { tag, destination: 3, mode, acknowledge: true, frames })
+        }),
         1 => (tag, 0..2000u64).prop_map(|(id, ms)| Request::Timer { id, after: Duration::from_millis(ms) }),
     ]
     .boxed()
@@ -163,7 +177,9 @@ fn sentence() -> BoxedStrategy<FromVehicle> {
         }),
         (
             time(),
-            select(vec!["LOG", "RMB", "RTK", "RTC", "RCN", "RMP", "EMB", "NAK", "XYZ"]),
+            select(vec![
+                "LOG", "RMB", "RTK", "RTC", "RCN", "RMP", "EMB", "NAK", "XYZ", "TOP", "SIL", "DVR", "CPD",
+            ]),
             prop_oneof![Just(TimeOfDay::MIDNIGHT), time()],
             identifier(),
             select(vec![AckStatus::Succeeded, AckStatus::Failed, AckStatus::Pending]),
@@ -180,6 +196,17 @@ fn sentence() -> BoxedStrategy<FromVehicle> {
                 }
                 .into()
             }),
+        (time(), any::<bool>()).prop_map(|(created, begin)| DvlTriggering { created, begin }.into()),
+        (time(), 0..20u32, 1..=8u32, -1..5i32).prop_map(|(created, request, frames, status)| {
+            PacketSent {
+                created,
+                sent: created,
+                request,
+                frames,
+                statuses: [FrameSentStatus::from_code(status); 8],
+            }
+            .into()
+        }),
         (
             time(),
             proptest::option::of(0..5u32),
@@ -224,8 +251,12 @@ fn act() -> BoxedStrategy<Act> {
         2 => select(vec!["Running", "Running", "Ready", "Completed", ""]).prop_map(Act::Status),
         3 => (number.clone(), own.clone()).prop_map(|(number, own)| Act::Begin(number, own)),
         3 => (number, own).prop_map(|(number, own)| Act::End(number, own)),
-        3 => (select(vec!["LOG", "RMB", "RTK", "RTC", "RCN", "RMP", "EMB"]), reply())
+        5 => (
+            select(vec!["LOG", "RMB", "RTK", "RTC", "RCN", "RMP", "EMB", "TOP", "SIL", "DVR", "CPD"]),
+            reply(),
+        )
             .prop_map(|(name, reply)| Act::Replies(name, reply)),
+        2 => (0..4000u64).prop_map(Act::Window),
         1 => any::<bool>().prop_map(Act::Navigates),
         1 => any::<bool>().prop_map(Act::Frozen),
         1 => (-100.0..100.0).prop_map(Act::Jump),
@@ -245,14 +276,12 @@ fn act() -> BoxedStrategy<Act> {
 }
 
 fn start() -> Trial {
-    let second = PluginSetup {
-        on_failure: FailAction::Cancel,
-        ..plugin("second")
-    };
-    let mut trial = Trial::with(Setup {
-        plugins: vec![plugin("first"), second],
-        ..Setup::default()
-    });
+    let grants = [Grant::Topside, Grant::Silent, Grant::Dvl, Grant::Acoustic];
+    let mut setup = granted(&grants, &[Topic::Acoustic]);
+    // Over before the run is.
+    setup.limits.silent_term_s = 20.0;
+    setup.plugins[1].on_failure = FailAction::Cancel;
+    let mut trial = Trial::with(setup);
     trial.run_for(1.0);
     trial
 }
@@ -270,6 +299,19 @@ fn play(trial: &mut Trial, acts: Vec<Act>) {
             Act::End(number, own) => trial.vehicle.end(now, number, own),
             Act::Replies(name, reply) => {
                 trial.vehicle.replies.insert(name, reply);
+            }
+            Act::Window(seconds) => {
+                let (created, until) = (
+                    trial.vehicle.clock(now),
+                    trial.vehicle.clock(now + Duration::from_secs(seconds)),
+                );
+                let window = MediumAccess {
+                    created,
+                    until,
+                    address: 7,
+                    device: Text::cleaned("WHOI"),
+                };
+                trial.vehicle.say(now, window);
             }
             Act::Navigates(navigates) => trial.vehicle.navigates = navigates,
             Act::Frozen(frozen) => trial.vehicle.frozen = frozen.then_some(now),

@@ -380,6 +380,13 @@ mod tests {
                 },
             ),
             (
+                "silent_term_s",
+                Limits {
+                    silent_term_s: 0.0,
+                    ..limits()
+                },
+            ),
+            (
                 "lead_max_m",
                 Limits {
                     lead_max_m: -1.0,

@@ -1,55 +1,295 @@
 //! Packets through the vehicle's acoustic modem (SPI 9; safety requirement 016).
+//!
+//! A packet waits for BFCPS, which names it by our identifier, across losses of the link too: the modem sends it all the
+//! same. Where the modem fails no report comes (9.2), so a packet that has none a minute after it left has timed out.
 
-use backseat_spi::{MediumAccess, PacketReceived, PacketSent};
-use backseat_units::Timestamp;
+use std::time::Duration;
 
-use crate::commands::Answer;
+use backseat_spi::{
+    FrameData, FrameReceivedStatus, FrameSentStatus, MAX_LINE, MediumAccess, Packet, PacketReceived, PacketSent,
+    ToVehicle,
+};
+use backseat_units::{TimeOfDay, Timestamp};
+
+use crate::commands::{Answer, Purpose};
+use crate::envelope::limit;
 use crate::helm::refused;
+use crate::io::Note;
 use crate::ledger::RequestKind;
+use crate::limits::Grant;
 use crate::machine::Core;
-use crate::plugin::{PacketRequest, PluginId};
+use crate::plugin::{
+    Event, PacketRequest, PluginId, ReceivedFrame, ReceivedPacket, Refusal, RequestState, Topic, Window,
+};
+use crate::quota::LastMinute;
+use crate::timer::Timer;
+
+/// A packet's report comes within this or not at all. An acknowledged packet travels some kilometres of water twice, and
+/// waits in the modem before that.
+const REPORT_WITHIN: Duration = Duration::from_secs(60);
+/// A window that ends later than this is a mistaken time of day and no window.
+const WINDOW_MAX: Duration = Duration::from_secs(3600);
 
 /// What is known of the modem.
 #[derive(Debug, Default)]
 pub(crate) struct Acoustic {
-    until: Option<Timestamp>,
+    /// A packet may leave before this, to arrive before the window's end.
+    open_until: Option<Timestamp>,
+    /// The packets without a report.
+    packets: Vec<Unreported>,
+    sent: LastMinute,
+}
+
+#[derive(Debug)]
+struct Unreported {
+    request: u64,
+    /// Our name for it in BFCPS.
+    identifier: u32,
+    overdue: Timestamp,
 }
 
 impl Acoustic {
     /// Whether the payload may send now.
     pub(crate) fn is_open(&self, now: Timestamp) -> bool {
-        self.until.is_some_and(|until| now < until)
+        self.open_until.is_some_and(|until| now < until)
     }
 }
 
 impl Core {
     pub(crate) fn ask_packet(&mut self, plugin: PluginId, asked: PacketRequest) {
         let request = self.ledger.propose(plugin, asked.tag, RequestKind::Packet);
-        self.reject(request, refused("state", "not offered"));
+        match self.admit_packet(plugin, asked) {
+            Ok(packet) => self.send_packet(request, packet),
+            Err(refusal) => self.reject(request, refusal),
+        }
+    }
+
+    fn admit_packet(&mut self, plugin: PluginId, asked: PacketRequest) -> Result<Packet, Refusal> {
+        self.admit(plugin, Grant::Acoustic)?;
+        for message in ["CMA", "CPS"] {
+            if !self.session.is_subscribed(message) {
+                let text = format!("the vehicle has not acknowledged the subscription to BF{message}");
+                return Err(refused("window", &text));
+            }
+        }
+        if !self.acoustic.is_open(self.now) {
+            return Err(refused("window", "no window is open, or it ends too soon (SPI 9.1)"));
+        }
+        if self.silent.is_kept() {
+            return Err(refused("state", "the vehicle is in silent mode (SPI 7.22)"));
+        }
+        let most = self.envelope.limits().packets_per_min;
+        if !self.acoustic.sent.has_room(self.now, most) {
+            let text = format!("{most} packets have been sent in the last minute, the most there may be");
+            return Err(refused("rate", &text));
+        }
+        if asked.mode < 0 {
+            return Err(limit(format!("telemetry mode {} is none (SPI 9.3)", asked.mode)));
+        }
+        let bytes = asked
+            .frames
+            .iter()
+            .fold(0usize, |all, frame| all.saturating_add(frame.len()));
+        // Two digits a byte; what else is in the line is seen when it is encoded.
+        if bytes > MAX_LINE / 2 {
+            return Err(limit(format!("frames of {bytes} bytes do not fit into a line")));
+        }
+        let frames = FrameData::new(asked.frames).map_err(|error| limit(error.to_string()))?;
+        let packet = Packet {
+            created: self.stamper.stamp(self.now, "CPD"),
+            request: self.packet_identifier()?,
+            destination: asked.destination,
+            mode: asked.mode,
+            ack: asked.acknowledge,
+            frames,
+        };
+        // An identifier is for what can be said.
+        match ToVehicle::Packet(packet.clone()).encode(&mut Vec::new()) {
+            Ok(()) => Ok(packet),
+            Err(error) => Err(limit(error.to_string())),
+        }
+    }
+
+    /// The next identifier, from the numbers of the inserts: unique for the whole mission, whatever restarts.
+    fn packet_identifier(&self) -> Result<u32, Refusal> {
+        match self.start.identifiers {
+            None => Err(refused("identifier", "the identifiers' state on disk is missing")),
+            Some(identifiers) if identifiers.next >= identifiers.reserved => {
+                Err(refused("identifier", "no identifier is reserved on disk yet"))
+            }
+            Some(identifiers) => Ok(identifiers.next),
+        }
+    }
+
+    fn send_packet(&mut self, request: u64, packet: Packet) {
+        let identifier = packet.request;
+        if let Some(identifiers) = &mut self.start.identifiers {
+            identifiers.next = identifier + 1;
+        }
+        self.reserve();
+        let purpose = Purpose::Packet(request);
+        if self.send_request(request, "CPD", &ToVehicle::Packet(packet), purpose) {
+            self.acoustic.sent.add(self.now);
+            self.acoustic.packets.push(Unreported {
+                request,
+                identifier,
+                overdue: self.now + REPORT_WITHIN,
+            });
+            self.watch_acoustic();
+        }
     }
 
     pub(crate) fn packet_answered(&mut self, request: u64, answer: Answer<'_>) {
-        let _ = (request, answer);
+        match answer {
+            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Done => self.transition(request, RequestState::Accepted),
+            Answer::Refused(text) => {
+                self.acoustic.packets.retain(|packet| packet.request != request);
+                self.watch_acoustic();
+                self.transition(request, RequestState::Failed(text.to_owned()));
+            }
+            // The report says more than the acknowledgement would have, and may come yet.
+            Answer::Missing => {}
+        }
     }
 
-    /// BFCMA.
+    /// BFCMA. The newest one holds: it may shorten an earlier one.
     pub(crate) fn window(&mut self, message: &MediumAccess) {
         self.heard(message.created);
+        self.acoustic.open_until = None;
+        match self.ends_of(message) {
+            Ok((until, open_until)) => {
+                self.acoustic.open_until = Some(open_until);
+                let window = Window {
+                    until,
+                    address: message.address,
+                    device: message.device.as_str().to_owned(),
+                };
+                self.tell_wanting(Topic::Acoustic, &Event::Window(window));
+            }
+            Err(reason) => self.note(Note::Text {
+                text: format!("an acoustic window until {} is none: {reason}", message.until),
+            }),
+        }
+        self.watch_acoustic();
     }
 
-    /// BFCPS.
+    /// When a window ends on our clock, and until when a packet may leave.
+    fn ends_of(&self, message: &MediumAccess) -> Result<(Timestamp, Timestamp), &'static str> {
+        let nanos = u64::try_from(message.until.nanos_since(message.created)).unwrap_or(0);
+        let length = Duration::from_nanos(nanos);
+        if length.is_zero() {
+            return Err("it ends before it begins");
+        }
+        if length > WINDOW_MAX {
+            return Err("it ends more than an hour after it begins");
+        }
+        let until = (self.now - self.age(message.created)) + length;
+        // Once for the delay that the clocks' offset hides, once for the packet's own way.
+        let open_until = until - 2 * self.envelope.limits().link_delay_max();
+        if open_until > self.now {
+            Ok((until, open_until))
+        } else {
+            Err("nothing that leaves now would arrive in it")
+        }
+    }
+
+    /// BFCPS: of our packets and of everybody's else.
     pub(crate) fn packet_sent(&mut self, message: &PacketSent) {
         self.heard(message.created);
+        let packets = &mut self.acoustic.packets;
+        let own = packets.iter().position(|packet| packet.identifier == message.request);
+        let Some(index) = own else { return };
+        let request = packets.remove(index).request;
+        self.watch_acoustic();
+        self.transition(request, RequestState::Ended(report(message)));
     }
 
-    /// BFCPR.
+    /// BFCPR: as many frames as it says, good or not; places that it left empty count as not good.
     pub(crate) fn packet_received(&mut self, message: PacketReceived) {
         self.heard(message.created);
+        let count = usize::try_from(message.frames).unwrap_or(usize::MAX);
+        let frames = message.data.into_iter().take(count).map(|frame| ReceivedFrame {
+            good: frame.status == FrameReceivedStatus::Good,
+            data: frame.data.into_vec(),
+        });
+        let packet = ReceivedPacket {
+            arrived: self.now - self.age(message.arrived),
+            source: message.source,
+            destination: message.destination,
+            mode: (message.mode != -1).then_some(message.mode),
+            frames: frames.collect(),
+        };
+        self.tell_wanting(Topic::Acoustic, &Event::Packet(packet));
     }
 
-    pub(crate) fn acoustic_expired(&mut self) {}
+    pub(crate) fn acoustic_expired(&mut self) {
+        if !self.acoustic.is_open(self.now) {
+            self.acoustic.open_until = None;
+        }
+        let now = self.now;
+        let overdue: Vec<Unreported> = self
+            .acoustic
+            .packets
+            .extract_if(.., |packet| packet.overdue <= now)
+            .collect();
+        self.watch_acoustic();
+        for packet in overdue {
+            self.transition(packet.request, RequestState::TimedOut);
+        }
+    }
 
+    /// What is not known to be open is closed. The packets' reports may come on the next connection.
     pub(crate) fn acoustic_link_lost(&mut self) {
-        self.acoustic.until = None;
+        self.acoustic.open_until = None;
+        self.watch_acoustic();
+        let unreported: Vec<u64> = self.acoustic.packets.iter().map(|packet| packet.request).collect();
+        for request in unreported {
+            let state = self.ledger.get(request).map(|entry| &entry.state);
+            if matches!(state, Some(RequestState::Sent | RequestState::Pending)) {
+                self.transition(request, RequestState::Unknown);
+            }
+        }
     }
+
+    fn watch_acoustic(&mut self) {
+        let packets = self.acoustic.packets.iter().map(|packet| packet.overdue);
+        let next = packets.chain(self.acoustic.open_until).min();
+        self.timers.set_or_stop(Timer::Acoustic, next);
+    }
+
+    /// How old something of the vehicle's time is.
+    fn age(&self, written: TimeOfDay) -> Duration {
+        let age = self.tracker.clock().age(self.now, self.utc(), written);
+        age.unwrap_or_default()
+    }
+}
+
+/// What became of a packet, frame by frame.
+fn report(message: &PacketSent) -> String {
+    let count = usize::try_from(message.frames).unwrap_or(usize::MAX);
+    let statuses: Vec<FrameSentStatus> = message.statuses.into_iter().take(count).collect();
+    let failed = statuses
+        .iter()
+        .filter(|status| **status == FrameSentStatus::FailedToSend)
+        .count();
+    let mut text = match statuses.len() {
+        0 => return "no frame was sent".to_owned(),
+        1 => "1 frame".to_owned(),
+        count => format!("{count} frames"),
+    };
+    if failed > 0 {
+        text.push_str(&format!(", {failed} not sent"));
+    }
+    for (index, status) in statuses.into_iter().enumerate() {
+        text.push_str(if index == 0 { ": " } else { ", " });
+        match status {
+            FrameSentStatus::Unset => text.push_str("unset"),
+            FrameSentStatus::Unacknowledged => text.push_str("unacknowledged"),
+            FrameSentStatus::Acked => text.push_str("acked"),
+            FrameSentStatus::FailedToSend => text.push_str("failed to send"),
+            FrameSentStatus::Other(code) => text.push_str(&format!("status {code}")),
+        }
+    }
+    text
 }

@@ -12,12 +12,12 @@ use crate::session::name;
 impl Core {
     pub(crate) fn acknowledged(&mut self, ack: &Acknowledgement) {
         self.heard(ack.created);
-        let pending = ack.status == AckStatus::Pending;
-        let Some(command) = self.commands.answer(ack, pending, self.now) else {
+        let Some((command, settled)) = self.commands.answer(ack, self.now) else {
             return;
         };
         let answer = match ack.status {
             AckStatus::Pending => Answer::Pending,
+            AckStatus::Succeeded if !settled => Answer::Pending,
             AckStatus::Succeeded => Answer::Done,
             AckStatus::Invalid | AckStatus::Failed | AckStatus::Other(_) => Answer::Refused(ack.text.as_str()),
         };
@@ -33,6 +33,7 @@ impl Core {
             Purpose::Insert(request) => self.insert_answered(request, answer),
             Purpose::Cancel { cancel, insert } => self.cancel_answered(cancel, insert, answer),
             Purpose::Request(request) => self.request_answered(request, answer),
+            Purpose::Topside(request) => self.topside_answered(request, answer),
             Purpose::Silent(request) => self.silent_answered(request, answer),
             Purpose::Adjustment(request) => self.adjustment_answered(request, answer),
             Purpose::Packet(request) => self.packet_answered(request, answer),

@@ -2,13 +2,15 @@
 
 use std::time::Duration;
 
-use backseat_spi::{Acknowledgement, BehaviorId, CommandName};
+use backseat_spi::{AckStatus, Acknowledgement, BehaviorId, CommandName};
 use backseat_units::{TimeOfDay, Timestamp};
 
 /// The first acknowledgement comes within this: they are sent immediately (4.4).
 pub(crate) const FIRST_WITHIN: Duration = Duration::from_secs(1);
 /// A pending command is settled within 2 s (4.4), and the link's delay.
 pub(crate) const SETTLED_WITHIN: Duration = Duration::from_secs(4);
+/// Silent mode is settled within 2 s, and 2 s more where the tailcone still turns (7.22), and the link's delay.
+pub(crate) const SILENT_WITHIN: Duration = Duration::from_secs(6);
 /// A whole plan takes longer on its way (7.19).
 pub(crate) const PLAN_WITHIN: Duration = Duration::from_secs(10);
 
@@ -27,6 +29,8 @@ pub(crate) enum Purpose {
     Cancel { cancel: Option<u64>, insert: u64 },
     /// A request that ends with the answer to its one command.
     Request(u64),
+    /// A message to the topside, by its request.
+    Topside(u64),
     /// Silent mode, by its request.
     Silent(u64),
     /// A trim or buoyancy adjustment, by its request.
@@ -100,6 +104,7 @@ impl Commands {
                     | Purpose::Insert(_)
                     | Purpose::Cancel { .. }
                     | Purpose::Request(_)
+                    | Purpose::Topside(_)
                     | Purpose::Silent(_)
                     | Purpose::Adjustment(_)
                     | Purpose::Packet(_)
@@ -115,8 +120,8 @@ impl Commands {
     }
 
     /// The command that an acknowledgement answers: by name, echoed time and identifier; one that names no command
-    /// (`NAK`) answers the oldest. A final answer takes it; a pending one leaves it waiting.
-    pub(crate) fn answer(&mut self, ack: &Acknowledgement, pending: bool, now: Timestamp) -> Option<Command> {
+    /// (`NAK`) answers the oldest. With it, whether it is settled: a final answer takes it, another leaves it waiting.
+    pub(crate) fn answer(&mut self, ack: &Acknowledgement, now: Timestamp) -> Option<(Command, bool)> {
         let index = if ack.command.as_str() == "NAK" {
             self.sent.iter().position(|command| !command.pending)?
         } else {
@@ -136,8 +141,16 @@ impl Commands {
                         .flatten()
                 })?
         };
-        if pending {
-            let command = &mut self.sent[index];
+        let command = &mut self.sent[index];
+        let settled = match ack.status {
+            AckStatus::Pending => false,
+            // The first of two acknowledgements of silent mode tells of the receipt, and need not say pending (7.22).
+            AckStatus::Succeeded => command.pending || !matches!(command.purpose, Purpose::Silent(_)),
+            AckStatus::Invalid | AckStatus::Failed | AckStatus::Other(_) => true,
+        };
+        if settled {
+            Some((self.sent.remove(index), true))
+        } else {
             if command.pending {
                 // Said again, it gives the vehicle no more time.
                 return None;
@@ -145,12 +158,13 @@ impl Commands {
             command.pending = true;
             command.deadline = match command.purpose {
                 Purpose::Plan => now + PLAN_WITHIN,
+                Purpose::Silent(_) => now + SILENT_WITHIN,
                 Purpose::Subscription(_)
                 | Purpose::Lease(_)
                 | Purpose::Insert(_)
                 | Purpose::Cancel { .. }
                 | Purpose::Request(_)
-                | Purpose::Silent(_)
+                | Purpose::Topside(_)
                 | Purpose::Adjustment(_)
                 | Purpose::Packet(_)
                 | Purpose::DvlTrigger(_)
@@ -160,9 +174,7 @@ impl Commands {
                 | Purpose::EmptyMission(_)
                 | Purpose::Courtesy => now + SETTLED_WITHIN,
             };
-            Some(*command)
-        } else {
-            Some(self.sent.remove(index))
+            Some((*command, false))
         }
     }
 

@@ -1,37 +1,326 @@
 //! The payload's part in triggering the DVL (SPI 5.6, 7.4; safety requirement 017).
+//!
+//! A request begins with BPDVR 1,0 and lasts until it is over for good; what its plugin asks for under the same tag
+//! meanwhile is a step of it. The phases are those of the handshake:
+//!
+//! ```text
+//! Requested  --BFDVT 1-->  Allowed  --the plugin triggers: 1,1-->  Triggering
+//! Triggering --the plugin pauses: 1,0-->  Allowed
+//! Triggering --the plugin is about to end it: 0,1-->  Ending
+//! any        --BFDVT 0-->  Ceasing  --the plugin wants it again: 1,0-->  Requested
+//! any        --the plugin ends it: 0,0; or a time is over-->  no request, and the DVL triggers itself
+//! ```
+//!
+//! The vehicle takes the DVL back 5 s after its last trigger. We do not see the trigger, so while it triggers a plugin
+//! repeats its request at least as often; a repetition changes no field and is not sent. Whatever ends a request is said
+//! by one BPDVR 0,0, which needs the link alone.
 
-use backseat_spi::DvlTriggering;
+use std::time::Duration;
 
-use crate::commands::Answer;
+use backseat_spi::{DvlTriggerRequest as Said, DvlTriggering, ToVehicle};
+use backseat_units::Timestamp;
+
+use crate::commands::{Answer, Purpose};
 use crate::helm::refused;
+use crate::io::Note;
 use crate::ledger::RequestKind;
+use crate::limits::Grant;
 use crate::machine::Core;
-use crate::plugin::{DvlTriggerRequest, PluginId};
+use crate::plugin::{DvlTriggerRequest, Event, PluginId, Refusal, RequestState};
+use crate::timer::Timer;
+
+/// The vehicle takes the DVL back when it has not been triggered for this long (7.4).
+const TRIGGER_WITHIN: Duration = Duration::from_secs(5);
+/// A plugin that is to stop says within this that it has, or whether it wants to go on later.
+const CEASE_WITHIN: Duration = Duration::from_secs(1);
+/// The vehicle allows it when that is safe, which may take its time; a request does not wait for longer than this.
+const ALLOW_WITHIN: Duration = Duration::from_secs(300);
+/// What nobody has asked for is answered this often at most: a vehicle that takes the answer for a question would ask
+/// again.
+const ANSWER_EVERY: Duration = Duration::from_secs(1);
 
 /// Where the handshake stands.
 #[derive(Debug, Default)]
-pub(crate) struct DvlTrigger {}
+pub(crate) struct DvlTrigger {
+    open: Option<Handshake>,
+    /// When a BFDVT that nobody had asked for was last answered.
+    answered: Option<Timestamp>,
+}
+
+/// The one open request.
+#[derive(Clone, Copy, Debug)]
+struct Handshake {
+    request: u64,
+    plugin: PluginId,
+    tag: u64,
+    phase: Phase,
+    /// The phase ends no later.
+    until: Timestamp,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// BPDVR 1,0 was sent.
+    Requested,
+    /// BFDVT 1 came.
+    Allowed,
+    /// BPDVR 1,1 was sent.
+    Triggering,
+    /// BPDVR 0,1 was sent, to which BFDVT 0 is the answer.
+    Ending,
+    /// BFDVT 0 came.
+    Ceasing,
+}
+
+impl DvlTrigger {
+    /// Whether the payload may say that it is triggering.
+    pub(crate) fn may_trigger(&self) -> bool {
+        self.open
+            .is_some_and(|open| matches!(open.phase, Phase::Allowed | Phase::Triggering))
+    }
+}
 
 impl Core {
     pub(crate) fn ask_dvl(&mut self, plugin: PluginId, asked: &DvlTriggerRequest) {
+        if self.dvl.open.is_some_and(|open| open.until <= self.now) {
+            // Its time was over before this was asked.
+            self.dvl_expired();
+        }
+        let own = self
+            .dvl
+            .open
+            .filter(|open| open.plugin == plugin && open.tag == asked.tag);
+        let refusal = match own {
+            Some(open) => self.step_dvl(open, asked),
+            None => return self.request_dvl(plugin, asked),
+        };
+        if let Err(refusal) = refusal {
+            // The open request stands: a refused step has an entry of its own.
+            let request = self.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
+            self.reject(request, refusal);
+        }
+    }
+
+    fn request_dvl(&mut self, plugin: PluginId, asked: &DvlTriggerRequest) {
         let request = self.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
-        self.reject(request, refused("state", "not offered"));
+        if let Err(refusal) = self.admit_dvl(plugin, asked) {
+            return self.reject(request, refusal);
+        }
+        let message = self.dvl_message(true, false);
+        if self.send_request(request, "DVR", &message, Purpose::DvlTrigger(request)) {
+            self.dvl.open = Some(Handshake {
+                request,
+                plugin,
+                tag: asked.tag,
+                phase: Phase::Requested,
+                until: self.now + ALLOW_WITHIN,
+            });
+            self.watch_dvl();
+        }
+    }
+
+    fn admit_dvl(&mut self, plugin: PluginId, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
+        self.admit(plugin, Grant::Dvl)?;
+        match self.dvl.open {
+            Some(open) if open.plugin == plugin => Err(refused(
+                "tag",
+                &format!("this plugin's request with tag {} is still open", open.tag),
+            )),
+            Some(_) => Err(refused("priority", "another plugin has asked for the DVL's trigger")),
+            None if asked.triggering => Err(not_allowed()),
+            None if !asked.external => Err(refused("state", "no request is open that this could end")),
+            None => Ok(()),
+        }
+    }
+
+    /// What the plugin of the open request asks for next.
+    fn step_dvl(&mut self, open: Handshake, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
+        if !asked.external && !asked.triggering {
+            // Neither rate nor control holds back the end of it: BPDVR 0,0 may always be said.
+            let reason = match open.phase {
+                Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending => "its plugin ended it",
+                Phase::Ceasing => "the vehicle stopped it",
+            };
+            self.end_dvl(reason);
+            return Ok(());
+        }
+        self.admit(open.plugin, Grant::Dvl)?;
+        match (asked.external, asked.triggering) {
+            (true, false) => match open.phase {
+                Phase::Requested | Phase::Allowed => {}
+                Phase::Triggering => self.say_dvl(open, asked, Phase::Allowed, TRIGGER_WITHIN),
+                Phase::Ceasing => self.say_dvl(open, asked, Phase::Requested, ALLOW_WITHIN),
+                Phase::Ending => return Err(refused("state", "its plugin is ending it")),
+            },
+            (true, true) => match open.phase {
+                Phase::Allowed => {
+                    self.say_dvl(open, asked, Phase::Triggering, TRIGGER_WITHIN);
+                    self.transition(open.request, RequestState::Started);
+                }
+                Phase::Triggering => self.enter_dvl(open, Phase::Triggering, TRIGGER_WITHIN),
+                Phase::Requested | Phase::Ending | Phase::Ceasing => return Err(not_allowed()),
+            },
+            (false, _) => match open.phase {
+                Phase::Triggering => self.say_dvl(open, asked, Phase::Ending, TRIGGER_WITHIN),
+                Phase::Ending => {}
+                Phase::Requested | Phase::Allowed | Phase::Ceasing => return Err(not_allowed()),
+            },
+        }
+        Ok(())
+    }
+
+    /// Sends a step of the open request, which brings it into another phase.
+    fn say_dvl(&mut self, open: Handshake, asked: &DvlTriggerRequest, phase: Phase, within: Duration) {
+        let message = self.dvl_message(asked.external, asked.triggering);
+        let mut command = self.courtesy("DVR", message.created());
+        command.purpose = Purpose::DvlTrigger(open.request);
+        if self.transmit_for(open.plugin.into(), &message, Some(command)) {
+            self.enter_dvl(open, phase, within);
+        } else {
+            self.end_dvl("it could not be sent");
+        }
+    }
+
+    fn enter_dvl(&mut self, open: Handshake, phase: Phase, within: Duration) {
+        let until = self.now + within;
+        self.dvl.open = Some(Handshake { phase, until, ..open });
+        self.watch_dvl();
+    }
+
+    fn dvl_message(&mut self, external: bool, triggering: bool) -> ToVehicle {
+        ToVehicle::DvlTriggerRequest(Said {
+            created: self.stamper.stamp(self.now, "DVR"),
+            external,
+            triggering,
+        })
     }
 
     pub(crate) fn dvl_answered(&mut self, request: u64, answer: Answer<'_>) {
-        let _ = (request, answer);
+        let Some(open) = self.dvl.open.filter(|open| open.request == request) else {
+            return;
+        };
+        match answer {
+            Answer::Pending => self.transition(request, RequestState::Pending),
+            // Of the first step; for the later ones the request has come further.
+            Answer::Done => self.transition(request, RequestState::Accepted),
+            Answer::Refused(text) => self.close_dvl(if self.has_started(request) {
+                RequestState::Ended(format!("the vehicle refused it: {text}"))
+            } else {
+                RequestState::Failed(text.to_owned())
+            }),
+            Answer::Missing => match open.phase {
+                Phase::Requested | Phase::Triggering | Phase::Ending => self.close_dvl(if self.has_started(request) {
+                    RequestState::Ended("the vehicle did not acknowledge it".to_owned())
+                } else {
+                    RequestState::TimedOut
+                }),
+                // The vehicle's BFDVT has answered it.
+                Phase::Allowed | Phase::Ceasing => {}
+            },
+        }
+    }
+
+    fn has_started(&self, request: u64) -> bool {
+        self.ledger
+            .get(request)
+            .is_some_and(|entry| entry.state == RequestState::Started)
     }
 
     /// BFDVT.
     pub(crate) fn dvl_triggering(&mut self, message: &DvlTriggering) {
         self.heard(message.created);
+        let Some(open) = self.dvl.open else {
+            return self.answer_unasked(message.begin);
+        };
+        let said = match (message.begin, open.phase) {
+            (true, Phase::Requested) => {
+                // The vehicle has counted since it said so: what was held up on its way leaves less.
+                let age = self.tracker.clock().age(self.now, self.utc(), message.created);
+                let within = TRIGGER_WITHIN.saturating_sub(age.unwrap_or_default());
+                self.enter_dvl(open, Phase::Allowed, within);
+                true
+            }
+            (false, Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending) => {
+                self.enter_dvl(open, Phase::Ceasing, CEASE_WITHIN);
+                false
+            }
+            // Said again, it changes nothing; a plugin that is to stop asks anew first.
+            (true, Phase::Allowed | Phase::Triggering | Phase::Ending | Phase::Ceasing) | (false, Phase::Ceasing) => {
+                return;
+            }
+        };
+        self.tell(open.plugin, Event::DvlTrigger(said));
     }
 
-    pub(crate) fn dvl_expired(&mut self) {}
+    /// Nobody has asked, or no longer: we neither trigger nor want to.
+    fn answer_unasked(&mut self, begin: bool) {
+        let recent = |at: Timestamp| self.now.since(at) < ANSWER_EVERY;
+        if self.dvl.answered.is_some_and(recent) {
+            return;
+        }
+        self.dvl.answered = Some(self.now);
+        let what = if begin { "allows" } else { "stops" };
+        self.note(Note::Text {
+            text: format!("the vehicle {what} DVL triggering that no open request is about"),
+        });
+        self.say_not_triggering();
+    }
 
-    pub(crate) fn dvl_link_lost(&mut self) {}
+    fn say_not_triggering(&mut self) {
+        let message = self.dvl_message(false, false);
+        let command = self.courtesy("DVR", message.created());
+        self.transmit(&message, Some(command));
+    }
+
+    pub(crate) fn dvl_expired(&mut self) {
+        let Some(open) = self.dvl.open else { return };
+        self.end_dvl(match open.phase {
+            Phase::Requested => "the vehicle did not allow it within 300 s",
+            Phase::Allowed => "not triggered within 5 s",
+            Phase::Triggering => "its plugin did not say within 5 s that it goes on",
+            Phase::Ending => "the vehicle did not stop it within 5 s",
+            Phase::Ceasing => "the vehicle stopped it, and its plugin did not answer within 1 s",
+        });
+    }
+
+    /// Ends the open request, if there is one: BPDVR 0,0 where the link is up.
+    pub(crate) fn end_dvl(&mut self, reason: &str) {
+        self.close_dvl(RequestState::Ended(reason.to_owned()));
+    }
+
+    fn close_dvl(&mut self, state: RequestState) {
+        let Some(open) = self.dvl.open.take() else { return };
+        self.watch_dvl();
+        self.say_not_triggering();
+        self.transition(open.request, state);
+    }
+
+    /// Without us the vehicle takes the DVL back by itself, 5 s after the last trigger.
+    pub(crate) fn dvl_link_lost(&mut self) {
+        self.dvl.answered = None;
+        let unanswered = |open: Handshake| {
+            let state = self.ledger.get(open.request).map(|entry| &entry.state);
+            matches!(state, Some(RequestState::Sent | RequestState::Pending))
+        };
+        self.close_dvl(if self.dvl.open.is_some_and(unanswered) {
+            RequestState::TimedOut
+        } else {
+            RequestState::Ended("the link is down".to_owned())
+        });
+    }
 
     pub(crate) fn dvl_plugin_failed(&mut self, plugin: PluginId) {
-        let _ = plugin;
+        if self.dvl.open.is_some_and(|open| open.plugin == plugin) {
+            self.end_dvl("its plugin failed");
+        }
     }
+
+    fn watch_dvl(&mut self) {
+        self.timers
+            .set_or_stop(Timer::Dvl, self.dvl.open.map(|open| open.until));
+    }
+}
+
+fn not_allowed() -> Refusal {
+    refused("state", "the vehicle does not allow triggering now (BFDVT, SPI 7.4)")
 }

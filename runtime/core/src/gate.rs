@@ -1,4 +1,4 @@
-//! The last place before the wire (safety requirements 001, 012, 014 and 016): what each message needs.
+//! The last place before the wire (safety requirements 001, 012, 014, 016 and 017): what each message needs.
 //!
 //! Who asks for a message has checked all that it needs; this is checked once more here, for the day when one forgets.
 
@@ -30,6 +30,8 @@ enum Needs {
     Driver,
     /// An armed runtime with control, in a window of the acoustic modem (016).
     Window,
+    /// An armed runtime with control, where the vehicle has allowed the DVL's triggering (017).
+    Handshake,
     /// It never leaves.
     Never,
 }
@@ -47,7 +49,9 @@ const fn needs(message: &ToVehicle) -> Needs {
         M::CancelBehavior(_) => Needs::OwnInsert,
         M::DvlTriggerRequest(request) => {
             // What ends the triggering is a reply of the handshake; what begins it is not.
-            if request.external || request.triggering {
+            if request.triggering {
+                Needs::Handshake
+            } else if request.external {
                 Needs::Control
             } else {
                 Needs::Link
@@ -129,6 +133,7 @@ impl Core {
             Needs::NoMission => operator && armed && !self.held && !self.stopping && self.orders.no_mission(),
             Needs::Driver => driver && armed,
             Needs::Window => control() && self.acoustic.is_open(self.now),
+            Needs::Handshake => control() && self.dvl.may_trigger(),
             Needs::Never => false,
         }
     }

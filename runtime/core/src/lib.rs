@@ -40,6 +40,7 @@ mod orders;
 mod owner;
 mod plan;
 pub mod plugin;
+mod quota;
 mod receive;
 mod samples;
 mod session;

@@ -92,6 +92,9 @@ pub struct Limits {
     /// How often silent mode may be entered in the whole mission.
     #[serde(default = "default::silences_total_max")]
     pub silences_total_max: u32,
+    /// After how long the vehicle leaves silent mode by itself, seconds: configured in the vehicle (SPI 7.22).
+    #[serde(default = "default::silent_term_s")]
+    pub silent_term_s: f64,
     /// How many messages may be sent to the topside in a minute: the acoustic modem passes a few.
     #[serde(default = "default::topside_per_min")]
     pub topside_per_min: u32,
@@ -152,6 +155,9 @@ mod default {
     pub(super) const fn silences_total_max() -> u32 {
         20
     }
+    pub(super) const fn silent_term_s() -> f64 {
+        300.0
+    }
     pub(super) const fn topside_per_min() -> u32 {
         6
     }
@@ -178,6 +184,7 @@ impl Limits {
             ("modify_term_max_s", self.modify_term_max_s),
             ("inserts_duration_max_s", self.inserts_duration_max_s),
             ("gps_hit_duration_max_s", self.gps_hit_duration_max_s),
+            ("silent_term_s", self.silent_term_s),
             ("water_depth_min_m", self.water_depth_min_m.unwrap_or(1.0)),
             ("water_depth_max_m", self.water_depth_max_m.unwrap_or(1.0)),
         ];
@@ -249,6 +256,14 @@ impl Limits {
 
     pub(crate) fn navigation_age_max(&self) -> Duration {
         seconds(self.navigation_age_max_s)
+    }
+
+    pub(crate) fn link_delay_max(&self) -> Duration {
+        seconds(self.link_delay_max_s)
+    }
+
+    pub(crate) fn silent_term(&self) -> Duration {
+        seconds(self.silent_term_s)
     }
 
     pub(crate) fn modify_term_max(&self) -> Duration {
@@ -332,6 +347,7 @@ pub(crate) mod tests {
             gps_hit_duration_max_s: 900.0,
             adjustments_total_max: 10,
             silences_total_max: 20,
+            silent_term_s: 300.0,
             topside_per_min: 6,
             packets_per_min: 12,
             modify_needs_plan: true,
@@ -360,6 +376,13 @@ pub(crate) mod tests {
                 "turn_rate_dps",
                 Limits {
                     turn_rate_dps: f64::NAN,
+                    ..limits()
+                },
+            ),
+            (
+                "silent_term_s",
+                Limits {
+                    silent_term_s: 0.0,
                     ..limits()
                 },
             ),

@@ -24,6 +24,7 @@ use crate::settings::{PluginSetup, Settings};
 use crate::silent::Silent;
 use crate::stamp::Stamper;
 use crate::timer::{Timer, Timers};
+use crate::topside::Topside;
 
 /// Called later than this after the promised time, every lease ends before anything else is done: what we know of the
 /// vehicle is old, and so is what it knows of us.
@@ -55,6 +56,7 @@ pub struct Core {
     pub(crate) acoustic: Acoustic,
     pub(crate) dvl: DvlTrigger,
     pub(crate) orders: Orders,
+    pub(crate) topside: Topside,
     pub(crate) plugins: Vec<Slot>,
     pub(crate) start: Start,
     /// Backseat control as the configured hook last said.
@@ -100,6 +102,7 @@ impl Core {
             acoustic: Acoustic::default(),
             dvl: DvlTrigger::default(),
             orders: Orders::default(),
+            topside: Topside::default(),
             plugins: slots,
             start,
             handed_over: None,
@@ -265,6 +268,7 @@ impl Core {
             if let Some(reason) = lost {
                 self.end_lease(reason);
                 self.end_hold(reason);
+                self.end_dvl(reason);
             }
             self.note(Note::Control {
                 granted,
@@ -309,6 +313,7 @@ impl Core {
                 self.held = true;
                 self.end_lease("the operator holds");
                 self.end_hold("the operator holds");
+                self.end_dvl("the operator holds");
                 self.cancel_all_of(None, "the operator holds");
             }
             Operator::Release => {
@@ -318,6 +323,7 @@ impl Core {
             Operator::Stop => {
                 self.end_lease("the run is ending");
                 self.end_hold("the run is ending");
+                self.end_dvl("the run is ending");
                 self.stopping = true;
                 self.outputs.push_back(Output::Finish);
             }

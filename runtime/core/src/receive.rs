@@ -66,6 +66,7 @@ impl Core {
                 });
                 self.end_lease("power goes");
                 self.end_hold("power goes");
+                self.end_dvl("power goes");
                 self.stopping = true;
                 self.tell_all(&Event::Shutdown);
                 self.timers.set(Timer::Shutdown, self.now + CLOSE_AFTER_SHUTDOWN);

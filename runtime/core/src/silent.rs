@@ -1,27 +1,243 @@
 //! Silent mode (SPI 7.22; safety requirement 018).
+//!
+//! The vehicle acknowledges a BPSIL twice: on its receipt, then within 2 s, or 4 s where its tailcone still turns, with
+//! what came of it. It leaves silent mode by itself, after five minutes where the mission file says nothing else, and
+//! without a word. So the five minutes are kept here, from the moment that the request was sent: a plugin is told no
+//! later than they are over. The other way round, the vehicle counts as silent for as long as it may be: until then no
+//! request enters silent mode anew, which would not extend it.
+//!
+//! Silence outlives us: neither a lost link, nor lost control, the operator's hold, the mission's end or the failure of
+//! the plugin that asked for it ends it before its time. Only that plugin may leave it before.
 
-use crate::commands::Answer;
+use backseat_spi::{SilentMode, ToVehicle};
+use backseat_units::Timestamp;
+
+use crate::commands::{Answer, Purpose, SILENT_WITHIN};
 use crate::helm::refused;
 use crate::ledger::RequestKind;
+use crate::limits::Grant;
 use crate::machine::Core;
-use crate::plugin::{PluginId, SilentRequest};
+use crate::plugin::{PluginId, Refusal, RequestState, SilentRequest};
+use crate::timer::Timer;
 
 /// What is known of the vehicle's silence.
 #[derive(Debug, Default)]
-pub(crate) struct Silent {}
+pub(crate) struct Silent {
+    state: State,
+    /// How often it has been asked for.
+    entered: u32,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+enum State {
+    /// The vehicle is not silent for us.
+    #[default]
+    Normal,
+    /// BPSIL 1 was sent.
+    Entering(Entry),
+    /// The vehicle is silent, or may be.
+    Silent(Silence),
+    /// BPSIL 0 was sent, for this request.
+    Leaving(Silence, u64),
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    plugin: PluginId,
+    request: u64,
+    sent: Timestamp,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Silence {
+    /// Who asked for it.
+    plugin: PluginId,
+    /// The request; `None` where it is at its end, or had no answer, and the vehicle may be silent all the same.
+    entry: Option<u64>,
+    /// The request ends no later.
+    until: Timestamp,
+    /// The vehicle is silent no longer.
+    over: Timestamp,
+}
+
+impl Silent {
+    /// Whether a plugin counts on the vehicle's silence.
+    pub(crate) fn is_kept(&self) -> bool {
+        match self.state {
+            State::Normal => false,
+            State::Entering(_) => true,
+            State::Silent(silence) | State::Leaving(silence, _) => silence.entry.is_some(),
+        }
+    }
+}
 
 impl Core {
     pub(crate) fn ask_silent(&mut self, plugin: PluginId, asked: &SilentRequest) {
         let request = self.ledger.propose(plugin, asked.tag, RequestKind::Silent);
-        self.reject(request, refused("state", "not offered"));
+        let next = match self.admit_silent(plugin, asked.silent, request) {
+            Ok(next) => next,
+            Err(refusal) => return self.reject(request, refusal),
+        };
+        let message = ToVehicle::SilentMode(SilentMode {
+            created: self.stamper.stamp(self.now, "SIL"),
+            silent: asked.silent,
+        });
+        if self.send_request(request, "SIL", &message, Purpose::Silent(request)) {
+            self.silent.entered += u32::from(asked.silent);
+            self.silent.state = next;
+        }
     }
 
+    /// The state that a request leads to.
+    fn admit_silent(&mut self, plugin: PluginId, silent: bool, request: u64) -> Result<State, Refusal> {
+        self.admit(plugin, Grant::Silent)?;
+        if !self.session.is_subscribed("ACK") {
+            return Err(refused("state", "the vehicle's acknowledgements are not on (SPI 7.22)"));
+        }
+        match self.silent.state {
+            State::Entering(_) | State::Leaving(..) => {
+                Err(refused("state", "the vehicle has not answered for the last one"))
+            }
+            State::Normal if silent => self.admit_entry(plugin, request),
+            State::Normal => Err(refused("state", "the vehicle is not silent")),
+            State::Silent(silence) if silent => Err(refused(
+                "state",
+                &format!(
+                    "the vehicle may be silent for another {:.0} s, and entering anew would not extend it (SPI 7.22)",
+                    silence.over.since(self.now).as_secs_f64()
+                ),
+            )),
+            State::Silent(silence) if silence.plugin != plugin => {
+                Err(refused("priority", "another plugin has asked for the silence"))
+            }
+            State::Silent(silence) => Ok(State::Leaving(silence, request)),
+        }
+    }
+
+    fn admit_entry(&self, plugin: PluginId, request: u64) -> Result<State, Refusal> {
+        let most = self.envelope.limits().silences_total_max;
+        if self.silent.entered >= most {
+            let text = format!("silent mode has been asked for {most} times, the most of a mission");
+            return Err(refused("cap", &text));
+        }
+        Ok(State::Entering(Entry {
+            plugin,
+            request,
+            sent: self.now,
+        }))
+    }
+
+    /// The vehicle's answers to a BPSIL: the first, on its receipt, comes as pending whatever it says.
     pub(crate) fn silent_answered(&mut self, request: u64, answer: Answer<'_>) {
-        let _ = (request, answer);
+        match self.silent.state {
+            State::Entering(entry) if entry.request == request => self.entry_answered(entry, answer),
+            State::Leaving(silence, leave) if leave == request => self.leave_answered(silence, leave, answer),
+            State::Normal | State::Entering(_) | State::Silent(_) | State::Leaving(..) => {}
+        }
     }
 
-    /// The five minutes are over.
-    pub(crate) fn silent_expired(&mut self) {}
+    fn entry_answered(&mut self, entry: Entry, answer: Answer<'_>) {
+        let Entry { plugin, request, sent } = entry;
+        match answer {
+            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Done => {
+                let term = self.envelope.limits().silent_term();
+                self.become_silent(State::Silent(Silence {
+                    plugin,
+                    entry: Some(request),
+                    until: sent + term,
+                    over: self.now + term,
+                }));
+                self.transition(request, RequestState::Accepted);
+                self.transition(request, RequestState::Started);
+            }
+            Answer::Refused(text) => {
+                self.become_silent(State::Normal);
+                self.transition(request, RequestState::Failed(text.to_owned()));
+            }
+            Answer::Missing => self.entry_unanswered(entry),
+        }
+    }
 
-    pub(crate) fn silent_link_lost(&mut self) {}
+    /// The vehicle may fall silent yet, and nothing will say so: it counts as silent for as long as that may last.
+    fn entry_unanswered(&mut self, entry: Entry) {
+        let limits = self.envelope.limits();
+        let over = self.now + limits.link_delay_max() + SILENT_WITHIN + limits.silent_term();
+        self.become_silent(State::Silent(Silence {
+            plugin: entry.plugin,
+            entry: None,
+            until: over,
+            over,
+        }));
+        self.transition(entry.request, RequestState::TimedOut);
+    }
+
+    fn leave_answered(&mut self, silence: Silence, leave: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => self.transition(leave, RequestState::Pending),
+            Answer::Done => {
+                self.become_silent(State::Normal);
+                self.end_entry(silence, "normal again");
+                self.transition(leave, RequestState::Accepted);
+                self.transition(leave, RequestState::Ended("normal again".to_owned()));
+            }
+            Answer::Refused(text) => {
+                self.become_silent(State::Silent(silence));
+                self.transition(leave, RequestState::Failed(text.to_owned()));
+            }
+            Answer::Missing => self.leave_unanswered(silence, leave),
+        }
+    }
+
+    /// The vehicle may be silent or not: nobody can count on it any more.
+    fn leave_unanswered(&mut self, silence: Silence, leave: u64) {
+        self.become_silent(State::Silent(Silence { entry: None, ..silence }));
+        self.end_entry(silence, "the vehicle has not said whether it is normal again");
+        self.transition(leave, RequestState::TimedOut);
+    }
+
+    fn end_entry(&mut self, silence: Silence, reason: &str) {
+        if let Some(entry) = silence.entry {
+            self.transition(entry, RequestState::Ended(reason.to_owned()));
+        }
+    }
+
+    /// Takes the state on, with its timer.
+    fn become_silent(&mut self, state: State) {
+        self.silent.state = state;
+        let next = match state {
+            State::Normal | State::Entering(_) => None,
+            State::Silent(silence) | State::Leaving(silence, _) => match silence.entry {
+                Some(_) => Some(silence.until),
+                None => Some(silence.over).filter(|_| matches!(state, State::Silent(_))),
+            },
+        };
+        self.timers.set_or_stop(Timer::Silent, next);
+    }
+
+    /// The five minutes are over: for the request first, then for the vehicle too.
+    pub(crate) fn silent_expired(&mut self) {
+        let (silence, next) = match self.silent.state {
+            State::Normal | State::Entering(_) => return,
+            State::Silent(silence) => {
+                let lapsed = Silence { entry: None, ..silence };
+                let over = silence.over <= self.now;
+                (silence, if over { State::Normal } else { State::Silent(lapsed) })
+            }
+            // Its answer says what the vehicle is now.
+            State::Leaving(silence, leave) => (silence, State::Leaving(Silence { entry: None, ..silence }, leave)),
+        };
+        self.become_silent(next);
+        let term_s = self.envelope.limits().silent_term_s;
+        self.end_entry(silence, &format!("lapsed after {term_s} s"));
+    }
+
+    /// Silence outlives the link; what was not answered never will be.
+    pub(crate) fn silent_link_lost(&mut self) {
+        match self.silent.state {
+            State::Normal | State::Silent(_) => {}
+            State::Entering(entry) => self.entry_unanswered(entry),
+            State::Leaving(silence, leave) => self.leave_unanswered(silence, leave),
+        }
+    }
 }

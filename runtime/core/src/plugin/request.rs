@@ -161,11 +161,17 @@ pub struct TopsideRequest {
     pub tag: u64,
     /// The slowest way that is still worth it; advisory.
     pub slowest: Transport,
-    /// Printable ASCII without comma, asterisk and dollar.
+    /// 1 to 200 bytes of printable ASCII without comma, asterisk and dollar, and without the three letters of a command
+    /// (`RMB`, `TOP`) in upper case: some vehicles act on a name wherever it stands. What does not hold to that is
+    /// rejected as it is.
     pub text: String,
 }
 
 /// What the payload wants of the DVL's trigger, and what it does.
+///
+/// A request begins with `external` alone and is one entry of the ledger until it ends; what is asked for under its tag
+/// meanwhile is a step of it. While it triggers a plugin repeats that at least every 5 s; when the vehicle wants it to
+/// stop it answers within 1 s, with neither (the end of it) or with `external` alone (again, when the vehicle allows).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DvlTriggerRequest {
     /// The plugin's name for it.
@@ -176,7 +182,8 @@ pub struct DvlTriggerRequest {
     pub triggering: bool,
 }
 
-/// Silent mode.
+/// Silent mode. An entry has started when the vehicle is silent and ends no later than the vehicle may be heard again;
+/// only the plugin that asked for it may leave it before. It outlives plugin, control and link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SilentRequest {
     /// The plugin's name for it.
@@ -185,7 +192,8 @@ pub struct SilentRequest {
     pub silent: bool,
 }
 
-/// A packet for the acoustic modem.
+/// A packet for the acoustic modem. It is sent only where it arrives before the end of a [`Window`](super::Window), and
+/// ends with the vehicle's report of its frames, or has timed out a minute after it was sent.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PacketRequest {
     /// The plugin's name for it.

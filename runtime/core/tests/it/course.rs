@@ -70,6 +70,7 @@ pub(crate) fn limits() -> Limits {
         gps_hit_duration_max_s: 900.0,
         adjustments_total_max: 10,
         silences_total_max: 20,
+        silent_term_s: 300.0,
         topside_per_min: 6,
         packets_per_min: 12,
         modify_needs_plan: true,

@@ -4,9 +4,11 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
 #![expect(clippy::wildcard_enum_match_arm, reason = "a test looks for one thing among many")]
 
+mod acoustic;
 mod adjustments;
 mod control;
 mod course;
+mod dvl;
 mod freshness;
 mod geometry;
 mod gps;
@@ -18,5 +20,7 @@ mod orders;
 mod plugins;
 mod random;
 mod session;
+mod silent;
+mod topside;
 mod trial;
 mod vehicle;

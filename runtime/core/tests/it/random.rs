@@ -5,13 +5,14 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use backseat_core::plugin::{
-    FaultKind, GpsHitRequest, ModifyRequest, PositionRequest, Request, TrackcircleRequest, VerticalRequest,
+    DvlTriggerRequest, FaultKind, GpsHitRequest, ModifyRequest, PacketRequest, PositionRequest, Request, RequestState,
+    SilentRequest, Topic, TopsideRequest, TrackcircleRequest, TracklineRequest, Transport, VerticalRequest,
 };
-use backseat_core::plugin::{RequestState, TracklineRequest};
 use backseat_core::{Condition, FailAction, Grant, Note, Operator, Order, PluginSetup, Policy, RequestKind, Settings};
 use backseat_spi::{
     AckStatus, Acknowledgement, AdjustmentError, AdjustmentStatus, BackseatControl, BehaviorBegin, BehaviorEnd,
-    BehaviorId, CommandName, FromVehicle, MissionStatus, PlanElement, PlanElementKind, Text, TrimStatus,
+    BehaviorId, CommandName, DvlTriggering, FrameSentStatus, FromVehicle, MediumAccess, MissionStatus, PacketSent,
+    PlanElement, PlanElementKind, Text, TrimStatus,
 };
 use backseat_units::{EastNorth, Position, TimeOfDay, Timestamp};
 use proptest::collection::vec;
@@ -32,6 +33,8 @@ enum Act {
     Status(&'static str),
     Begin(Option<u32>, Option<u32>),
     End(Option<u32>, Option<u32>),
+    /// An acoustic window of so many seconds.
+    Window(u64),
     Replies(&'static str, Reply),
     Navigates(bool),
     Frozen(bool),
@@ -99,6 +102,16 @@ fn request() -> BoxedStrategy<Request> {
         1 => tag.clone().prop_map(Request::Trim),
         1 => tag.clone().prop_map(Request::Buoyancy),
         1 => ".{0,40}".prop_map(Request::Message),
+        1 => (tag.clone(), ".{0,40}|[a-z ]{1,40}").prop_map(|(tag, text)| Request::Topside(TopsideRequest {
+            tag, slowest: Transport::RadioModem, text,
+        })),
+        2 => (tag.clone(), any::<bool>()).prop_map(|(tag, silent)| Request::Silent(SilentRequest { tag, silent })),
+        4 => (0..2u64, any::<bool>(), any::<bool>()).prop_map(|(tag, external, triggering)| {
+            Request::DvlTrigger(DvlTriggerRequest { tag, external, triggering })
+        }),
+        2 => (tag.clone(), -1..5i32, vec(vec(any::<u8>(), 0..300), 0..10)).prop_map(|(tag, mode, frames)| {
+            Request::Packet(PacketRequest { tag, destination: 3, mode, acknowledge: true, frames })
+        }),
         1 => (tag, 0..2000u64).prop_map(|(id, ms)| Request::Timer { id, after: Duration::from_millis(ms) }),
     ]
     .boxed()
@@ -181,7 +194,8 @@ fn sentence() -> BoxedStrategy<FromVehicle> {
         (
             time(),
             select(vec![
-                "LOG", "RMB", "RTK", "RTC", "RGP", "RCN", "RMP", "EMB", "TRM", "ABT", "SEM", "NAK", "XYZ"
+                "LOG", "RMB", "RTK", "RTC", "RGP", "RCN", "RMP", "EMB", "TRM", "ABT", "SEM", "NAK", "XYZ", "TOP", "SIL",
+                "DVR", "CPD",
             ]),
             prop_oneof![Just(TimeOfDay::MIDNIGHT), time()],
             identifier(),
@@ -199,6 +213,17 @@ fn sentence() -> BoxedStrategy<FromVehicle> {
                 }
                 .into()
             }),
+        (time(), any::<bool>()).prop_map(|(created, begin)| DvlTriggering { created, begin }.into()),
+        (time(), 0..20u32, 1..=8u32, -1..5i32).prop_map(|(created, request, frames, status)| {
+            PacketSent {
+                created,
+                sent: created,
+                request,
+                frames,
+                statuses: [FrameSentStatus::from_code(status); 8],
+            }
+            .into()
+        }),
         (
             time(),
             proptest::option::of(0..5u32),
@@ -243,10 +268,12 @@ fn act() -> BoxedStrategy<Act> {
         2 => select(vec!["Running", "Running", "Ready", "Completed", ""]).prop_map(Act::Status),
         3 => (number.clone(), own.clone()).prop_map(|(number, own)| Act::Begin(number, own)),
         3 => (number, own).prop_map(|(number, own)| Act::End(number, own)),
-        3 => (select(vec![
-            "LOG", "RMB", "RTK", "RTC", "RGP", "RCN", "RMP", "EMB", "TRM", "BOY", "ABT", "KIL", "SEM", "RCA", "RCB"
+        5 => (select(vec![
+            "LOG", "RMB", "RTK", "RTC", "RGP", "RCN", "RMP", "EMB", "TRM", "BOY", "ABT", "KIL", "SEM", "RCA", "RCB",
+            "TOP", "SIL", "DVR", "CPD",
         ]), reply())
             .prop_map(|(name, reply)| Act::Replies(name, reply)),
+        2 => (0..4000u64).prop_map(Act::Window),
         1 => any::<bool>().prop_map(Act::Navigates),
         1 => any::<bool>().prop_map(Act::Frozen),
         1 => (-100.0..100.0).prop_map(Act::Jump),
@@ -285,7 +312,16 @@ fn order() -> BoxedStrategy<Order> {
 /// A plugin with every grant that the acts use.
 fn plugin(name: &str) -> PluginSetup {
     let mut setup = course::plugin(name);
-    setup.grants.extend([Grant::Surface, Grant::Trim, Grant::Buoyancy]);
+    setup.grants.extend([
+        Grant::Surface,
+        Grant::Trim,
+        Grant::Buoyancy,
+        Grant::Topside,
+        Grant::Silent,
+        Grant::Dvl,
+        Grant::Acoustic,
+    ]);
+    setup.description.topics.push(Topic::Acoustic);
     setup
 }
 
@@ -294,12 +330,14 @@ fn start() -> Trial {
 }
 
 fn start_with(policies: Vec<Policy>) -> Trial {
-    let second = PluginSetup {
-        on_failure: FailAction::Cancel,
-        ..plugin("second")
-    };
+    let mut second = plugin("second");
+    second.on_failure = FailAction::Cancel;
+    let mut limits = course::limits();
+    // Over before the run is.
+    limits.silent_term_s = 20.0;
     let mut trial = Trial::with(Setup {
         fence: course::harbour(),
+        limits,
         plugins: vec![plugin("first"), second],
         settings: Settings {
             policies,
@@ -324,6 +362,19 @@ fn play(trial: &mut Trial, acts: Vec<Act>) {
             Act::End(number, own) => trial.vehicle.end(now, number, own),
             Act::Replies(name, reply) => {
                 trial.vehicle.replies.insert(name, reply);
+            }
+            Act::Window(seconds) => {
+                let (created, until) = (
+                    trial.vehicle.clock(now),
+                    trial.vehicle.clock(now + Duration::from_secs(seconds)),
+                );
+                let window = MediumAccess {
+                    created,
+                    until,
+                    address: 7,
+                    device: Text::cleaned("WHOI"),
+                };
+                trial.vehicle.say(now, window);
             }
             Act::Navigates(navigates) => trial.vehicle.navigates = navigates,
             Act::Frozen(frozen) => trial.vehicle.frozen = frozen.then_some(now),

@@ -4,9 +4,12 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use backseat_core::plugin::{Event, FaultKind, PluginFault, PluginId, Request, RequestState, Returned, StepInput};
+use backseat_core::plugin::{
+    Event, FaultKind, PluginFault, PluginId, Request, RequestState, Returned, StepInput, Topic,
+};
 use backseat_core::{
-    ControlHook, Core, Identifiers, Input, Limits, Note, Operator, Order, Output, PluginSetup, RequestKind, Restarted,
+    ControlHook, Core, Grant, Identifiers, Input, Limits, Note, Operator, Order, Output, PluginSetup, RequestKind,
+    Restarted,
     Settings, Start,
 };
 use backseat_fence::Fence;
@@ -50,6 +53,8 @@ pub(crate) struct Trial {
     pub(crate) now: Timestamp,
     pub(crate) vehicle: Vehicle,
     pub(crate) seen: Vec<(Timestamp, Seen)>,
+    /// What was written to the vehicle, as it was written.
+    pub(crate) written: Vec<String>,
     /// One way.
     pub(crate) delay: Duration,
     /// What the vehicle says arrives no earlier.
@@ -115,6 +120,7 @@ impl Trial {
             now: Timestamp::ZERO,
             vehicle: Vehicle::new(),
             seen: Vec::new(),
+            written: Vec::new(),
             delay: Duration::from_millis(5),
             stalled_until: Timestamp::ZERO,
             asleep_until: Timestamp::ZERO,
@@ -334,6 +340,7 @@ impl Trial {
                     let command =
                         ToVehicle::decode(&Sentence::parse(str::from_utf8(&bytes).unwrap()).unwrap()).unwrap();
                     assert!(bytes.ends_with(b"\r\n"), "{command:?}");
+                    self.written.push(String::from_utf8(bytes.clone()).unwrap());
                     self.judge.sent(self.now, &command);
                     self.to_vehicle.push_back((self.now + self.delay, bytes));
                     Seen::Sent(command)
@@ -508,6 +515,8 @@ struct Judge {
     last_modify: Option<Timestamp>,
     reserved: u32,
     identifiers: Vec<u32>,
+    /// The vehicle's last word on the DVL's triggering.
+    may_trigger: bool,
 }
 
 impl Judge {
@@ -525,11 +534,13 @@ impl Judge {
             last_modify: None,
             reserved: start.identifiers.map_or(0, |identifiers| identifiers.reserved),
             identifiers: Vec::new(),
+            may_trigger: false,
         }
     }
 
     fn link(&mut self, up: bool) {
         self.up = up;
+        self.may_trigger = false;
         (self.handed_over, self.running, self.solved, self.modified) = (None, None, None, None);
     }
 
@@ -555,6 +566,7 @@ impl Judge {
             }
             FromVehicle::Navigation(_) => self.solved = self.solved.max(solved),
             FromVehicle::Shutdown(_) => self.held = true,
+            FromVehicle::DvlTriggering(message) => self.may_trigger = message.begin,
             _ => {}
         }
     }
@@ -601,6 +613,15 @@ impl Judge {
                 );
                 self.identifiers.push(identifier);
             }
+            ToVehicle::Packet(packet) => {
+                let fresh = packet.request < self.reserved && !self.identifiers.contains(&packet.request);
+                assert!(fresh, "identifier {} of a packet", packet.request);
+                self.identifiers.push(packet.request);
+            }
+            ToVehicle::DvlTriggerRequest(request) => {
+                assert!(self.may_trigger || !request.triggering, "BPDVR x,1 at {now} unasked");
+                self.may_trigger &= request.external || request.triggering;
+            }
             _ => {}
         }
         if matches!(
@@ -636,4 +657,31 @@ pub(crate) fn short(state: &RequestState) -> &'static str {
 
 pub(crate) fn shorts(states: &[RequestState]) -> Vec<&'static str> {
     states.iter().map(short).collect()
+}
+
+/// The usual trial, its plugins granted these too and hearing these too.
+pub(crate) fn granted(grants: &[Grant], topics: &[Topic]) -> Setup {
+    let mut setup = Setup::default();
+    for plugin in &mut setup.plugins {
+        plugin.grants.extend(grants);
+        plugin.description.topics.extend(topics);
+    }
+    setup
+}
+
+/// The fields of the last line of a name that was written, its time of day left out, after a look at what every line has:
+/// a time with three decimals, a checksum of two upper-case digits, CRLF.
+pub(crate) fn last_written(trial: &Trial, name: &str) -> Vec<String> {
+    let start = format!("${name},");
+    let line = trial.written.iter().rfind(|line| line.starts_with(&start)).unwrap();
+    let (body, sum) = line.strip_suffix("\r\n").unwrap().split_once('*').unwrap();
+    let expected = body.bytes().skip(1).fold(0, |sum, byte| sum ^ byte);
+    assert_eq!(sum, format!("{expected:02X}"), "{line}");
+    let mut fields: Vec<String> = body.split(',').skip(1).map(str::to_owned).collect();
+    let time = fields.remove(0);
+    assert!(
+        time.len() == 10 && time.bytes().enumerate().all(|(at, byte)| (at == 6) == (byte == b'.')),
+        "{line}"
+    );
+    fields
 }

@@ -21,6 +21,8 @@ pub(crate) enum Reply {
     Late(Duration, AckStatus),
     /// Pending again and again, and never settled.
     PendingForEver,
+    /// Success at once, and this after a while.
+    Twice(Duration, AckStatus),
     Silent,
     /// As no command at all.
     Nak,
@@ -252,6 +254,10 @@ impl Vehicle {
                 for second in 0..120 {
                     self.acknowledge(now + Duration::from_secs(second), ack(AckStatus::Pending));
                 }
+            }
+            Reply::Twice(after, status) => {
+                self.acknowledge(now, ack(AckStatus::Succeeded));
+                self.acknowledge(now + after, ack(status));
             }
             Reply::Silent => {}
             Reply::Nak => self.acknowledge(now, ("NAK", TimeOfDay::MIDNIGHT, None, AckStatus::Invalid)),

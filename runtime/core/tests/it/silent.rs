@@ -1,0 +1,357 @@
+use std::time::Duration;
+
+use backseat_core::plugin::{FaultKind, Request, RequestState, SilentRequest};
+use backseat_core::{Grant, Limits, Operator};
+use backseat_spi::AckStatus;
+use backseat_units::Timestamp;
+
+use crate::course::limits;
+use crate::trial::{Setup, Trial, granted, last_written, shorts};
+use crate::vehicle::Reply;
+
+fn silent(tag: u64) -> Request {
+    Request::Silent(SilentRequest { tag, silent: true })
+}
+
+fn normal(tag: u64) -> Request {
+    Request::Silent(SilentRequest { tag, silent: false })
+}
+
+fn setup() -> Setup {
+    granted(&[Grant::Silent], &[])
+}
+
+const TWICE: Reply = Reply::Pending(Duration::from_millis(1500), AckStatus::Succeeded);
+
+/// A vehicle that answers as the specification says.
+fn under_way() -> Trial {
+    under_way_with(setup())
+}
+
+fn under_way_with(setup: Setup) -> Trial {
+    let mut trial = Trial::with_under_way(setup);
+    trial.vehicle.replies.insert("SIL", TWICE);
+    trial
+}
+
+/// The first plugin has made the vehicle silent under tag 1; when it asked.
+fn quiet() -> (Trial, Timestamp) {
+    let mut trial = under_way();
+    trial.ask(0, [silent(1)]);
+    trial.run_for(2.0);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "pending", "accepted", "started"]);
+    let sent = trial.sent("SIL")[0];
+    (trial, sent)
+}
+
+fn run_until(trial: &mut Trial, at: Timestamp) {
+    trial.run_for(at.since(trial.now).as_secs_f64());
+}
+
+fn lapsed() -> Option<RequestState> {
+    Some(RequestState::Ended("lapsed after 300 s".to_owned()))
+}
+
+#[test]
+fn sr_018_silence_is_kept_for_five_minutes_from_when_it_was_asked_for() {
+    let (mut trial, sent) = quiet();
+    assert_eq!(last_written(&trial, "BPSIL"), ["1"]);
+    run_until(&mut trial, sent + Duration::from_millis(299_990));
+    assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"));
+    run_until(&mut trial, sent + Duration::from_secs(300));
+    assert_eq!(trial.states(1).last().cloned(), lapsed());
+    assert_eq!(trial.core.open_requests(), 0);
+    // The vehicle counts from when it was silent, up to 1.5 s later: until then nothing would be gained by asking.
+    trial.ask(0, [silent(2)]);
+    trial.run_for(0.3);
+    assert!(trial.rejection(2).starts_with("state: "));
+    trial.run_for(2.0);
+    trial.ask(0, [silent(3)]);
+    trial.run_for(2.0);
+    assert_eq!(shorts(&trial.states(3)).last(), Some(&"started"));
+    assert_eq!(trial.sent("SIL").len(), 2);
+}
+
+#[test]
+fn sr_018_the_first_acknowledgement_tells_of_the_receipt_alone() {
+    let answers = [
+        (Reply::Twice(Duration::from_secs(4), AckStatus::Succeeded), "started"),
+        (Reply::Twice(Duration::from_secs(4), AckStatus::Failed), "failed"),
+        (Reply::Pending(Duration::from_secs(4), AckStatus::Succeeded), "started"),
+        (Reply::Pending(Duration::from_secs(4), AckStatus::Failed), "failed"),
+    ];
+    for (reply, state) in answers {
+        let mut trial = under_way();
+        trial.vehicle.replies.insert("SIL", reply);
+        trial.ask(0, [silent(1)]);
+        trial.run_for(3.9);
+        assert_eq!(shorts(&trial.states(1)), ["sent", "pending"], "{reply:?}");
+        trial.run_for(0.3);
+        assert_eq!(shorts(&trial.states(1)).last(), Some(&state), "{reply:?}");
+    }
+}
+
+#[test]
+fn sr_009_a_refused_entry_has_failed_and_can_be_asked_for_again() {
+    for reply in [
+        Reply::Refuse,
+        Reply::Nak,
+        Reply::Pending(Duration::from_secs(2), AckStatus::Failed),
+    ] {
+        let mut trial = under_way();
+        trial.vehicle.replies.insert("SIL", reply);
+        trial.ask(0, [silent(1)]);
+        trial.run_for(3.0);
+        assert_eq!(
+            trial.states(1).last(),
+            Some(&RequestState::Failed("as told".to_owned()))
+        );
+        trial.vehicle.replies.insert("SIL", TWICE);
+        trial.ask(0, [silent(2)]);
+        trial.run_for(2.0);
+        assert_eq!(shorts(&trial.states(2)).last(), Some(&"started"));
+    }
+}
+
+#[test]
+fn sr_018_an_entry_without_its_answers_may_have_made_the_vehicle_silent() {
+    // No receipt; a receipt and no more; a second one that comes too late.
+    for (reply, after) in [
+        (Reply::Silent, 2.0),
+        (Reply::PendingForEver, 6.0),
+        (Reply::Ok, 6.0),
+        (Reply::Pending(Duration::from_secs(8), AckStatus::Succeeded), 6.0),
+    ] {
+        let mut trial = under_way();
+        trial.vehicle.replies.insert("SIL", reply);
+        trial.ask(0, [silent(1)]);
+        trial.run_for(after - 0.1);
+        assert_eq!(trial.core.open_requests(), 1, "{reply:?}");
+        trial.run_for(0.4);
+        assert_eq!(trial.states(1).last(), Some(&RequestState::TimedOut), "{reply:?}");
+        trial.vehicle.replies.insert("SIL", TWICE);
+        trial.run_for(250.0);
+        trial.ask(0, [silent(2)]);
+        trial.run_for(0.3);
+        assert!(trial.rejection(2).contains("may be silent for another"), "{reply:?}");
+        trial.run_for(70.0);
+        trial.ask(0, [silent(3)]);
+        trial.run_for(2.0);
+        assert_eq!(shorts(&trial.states(3)).last(), Some(&"started"), "{reply:?}");
+        assert!(!trial.states(1).contains(&RequestState::Started), "{reply:?}");
+    }
+}
+
+#[test]
+fn sr_018_whose_entry_had_no_answer_may_ask_for_normal_to_be_sure() {
+    let mut trial = under_way();
+    trial.vehicle.replies.insert("SIL", Reply::Silent);
+    trial.ask(0, [silent(1)]);
+    trial.run_for(3.0);
+    trial.vehicle.replies.insert("SIL", TWICE);
+    trial.ask(0, [normal(2)]);
+    trial.run_for(2.0);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "pending", "accepted", "ended"]);
+    assert_eq!(last_written(&trial, "BPSIL"), ["0"]);
+    trial.ask(0, [silent(3)]);
+    trial.run_for(2.0);
+    assert_eq!(shorts(&trial.states(3)).last(), Some(&"started"));
+}
+
+#[test]
+fn sr_018_a_link_lost_at_the_entry_leaves_the_vehicle_counted_as_silent() {
+    for wait in [0.05, 0.5] {
+        let mut trial = under_way();
+        trial.ask(0, [silent(1)]);
+        trial.run_for(0.1 + wait);
+        trial.cut();
+        assert_eq!(trial.states(1).last(), Some(&RequestState::TimedOut));
+        trial.run_for(280.0);
+        assert_eq!(trial.sent("SIL").len(), 1, "never twice");
+        trial.ask(0, [silent(2)]);
+        trial.run_for(0.3);
+        assert!(trial.rejection(2).contains("may be silent"));
+        trial.run_for(40.0);
+        trial.ask(0, [silent(3)]);
+        trial.run_for(2.0);
+        assert_eq!(shorts(&trial.states(3)).last(), Some(&"started"));
+    }
+}
+
+#[test]
+fn sr_018_silence_outlives_link_control_mission_hold_and_plugin() {
+    type Act = fn(&mut Trial);
+    let acts: [Act; 7] = [
+        |trial| trial.cut(),
+        |trial| {
+            trial.unreachable = true;
+            trial.cut();
+        },
+        |trial| {
+            let now = trial.now;
+            trial.vehicle.set_control(now, false);
+        },
+        |trial| {
+            let now = trial.now;
+            trial.vehicle.set_status(now, "Completed");
+        },
+        |trial| trial.operator(Operator::Hold),
+        |trial| trial.fail(0, FaultKind::Trap),
+        |trial| trial.fail(0, FaultKind::Error),
+    ];
+    for act in acts {
+        let (mut trial, sent) = quiet();
+        trial.run_for(10.0);
+        act(&mut trial);
+        run_until(&mut trial, sent + Duration::from_millis(299_900));
+        assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"));
+        trial.run_for(0.1);
+        assert_eq!(trial.states(1).last().cloned(), lapsed());
+        assert_eq!(trial.sent("SIL").len(), 1);
+        assert_eq!(trial.core.open_requests(), 0);
+    }
+}
+
+#[test]
+fn sr_018_its_plugin_leaves_silence_before_its_time() {
+    let (mut trial, _) = quiet();
+    trial.ask(0, [normal(2)]);
+    trial.run_for(2.0);
+    assert_eq!(last_written(&trial, "BPSIL"), ["0"]);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "pending", "accepted", "ended"]);
+    let normal_again = RequestState::Ended("normal again".to_owned());
+    assert_eq!(trial.states(1).last(), Some(&normal_again));
+    assert_eq!(trial.states(2).last(), Some(&normal_again));
+    assert_eq!(trial.core.open_requests(), 0);
+    trial.run_for(400.0);
+    assert_eq!(trial.states(1).len(), 5, "it does not lapse as well");
+}
+
+#[test]
+fn sr_018_a_refused_leave_leaves_the_silence_as_it_was() {
+    let (mut trial, sent) = quiet();
+    trial.vehicle.replies.insert("SIL", Reply::Refuse);
+    trial.ask(0, [normal(2)]);
+    trial.run_for(1.0);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "failed"]);
+    assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"));
+    run_until(&mut trial, sent + Duration::from_secs(300));
+    assert_eq!(trial.states(1).last().cloned(), lapsed());
+}
+
+#[test]
+fn sr_018_a_leave_without_answer_ends_the_silence_for_its_plugin_and_not_for_the_next() {
+    for cut in [true, false] {
+        let (mut trial, _) = quiet();
+        trial.vehicle.replies.insert("SIL", Reply::Silent);
+        trial.ask(0, [normal(2)]);
+        trial.run_for(0.5);
+        if cut {
+            trial.cut();
+        }
+        trial.run_for(6.0);
+        assert_eq!(trial.states(2).last(), Some(&RequestState::TimedOut));
+        let ended = RequestState::Ended("the vehicle has not said whether it is normal again".to_owned());
+        assert_eq!(trial.states(1).last(), Some(&ended));
+        assert_eq!(trial.core.open_requests(), 0);
+        trial.vehicle.replies.insert("SIL", TWICE);
+        trial.ask(0, [silent(3)]);
+        trial.run_for(0.3);
+        assert!(trial.rejection(3).contains("may be silent"));
+        trial.run_for(300.0);
+        trial.ask(0, [silent(4)]);
+        trial.run_for(2.0);
+        assert_eq!(shorts(&trial.states(4)).last(), Some(&"started"));
+    }
+}
+
+#[test]
+fn sr_018_silence_that_lapses_while_it_is_left_ends_once() {
+    for (reply, leave) in [
+        (TWICE, "ended"),
+        (Reply::Refuse, "failed"),
+        (Reply::Silent, "timed out"),
+    ] {
+        let (mut trial, sent) = quiet();
+        run_until(&mut trial, sent + Duration::from_millis(299_500));
+        let reply = match reply {
+            Reply::Refuse => Reply::Late(Duration::from_millis(1500), AckStatus::Failed),
+            reply => reply,
+        };
+        trial.vehicle.replies.insert("SIL", reply);
+        trial.ask(0, [normal(2)]);
+        trial.run_for(5.0);
+        assert_eq!(trial.states(1).last().cloned(), lapsed());
+        assert_eq!(shorts(&trial.states(2)).last(), Some(&leave));
+        trial.vehicle.replies.insert("SIL", TWICE);
+        trial.ask(0, [silent(3)]);
+        trial.run_for(2.0);
+        assert_eq!(shorts(&trial.states(3)).last(), Some(&"started"));
+    }
+}
+
+#[test]
+fn what_the_state_does_not_allow_is_rejected() {
+    let mut trial = under_way();
+    trial.ask(0, [normal(1)]);
+    trial.run_for(0.3);
+    assert!(trial.rejection(1).contains("is not silent"));
+    // One after the other, and the second before the first is answered.
+    trial.ask(0, [silent(2), silent(3), normal(4)]);
+    trial.run_for(2.0);
+    assert!(trial.rejection(3).contains("has not answered for the last one"));
+    assert!(trial.rejection(4).contains("has not answered for the last one"));
+    trial.ask(0, [silent(5)]);
+    trial.ask(1, [silent(6), normal(7)]);
+    trial.run_for(0.3);
+    assert!(trial.rejection(5).contains("would not extend it"));
+    assert!(trial.rejection(6).contains("would not extend it"));
+    assert!(trial.rejection(7).starts_with("priority: another plugin"));
+    assert_eq!(shorts(&trial.states(2)).last(), Some(&"started"));
+    assert_eq!(trial.sent("SIL").len(), 1);
+}
+
+#[test]
+fn sr_018_silent_mode_needs_its_acknowledgements() {
+    let mut trial = Trial::with(setup());
+    trial.vehicle.replies.insert("LOG", Reply::Refuse);
+    trial.run_for(2.0);
+    trial.ask(0, [silent(1)]);
+    trial.run_for(0.3);
+    assert!(trial.rejection(1).contains("acknowledgements are not on"));
+}
+
+#[test]
+fn sr_019_silent_mode_is_asked_for_no_more_often_than_the_mission_allows() {
+    let limits = Limits {
+        silences_total_max: 2,
+        silent_term_s: 20.0,
+        ..limits()
+    };
+    let mut trial = under_way_with(Setup { limits, ..setup() });
+    for tag in 1..=2 {
+        trial.ask(0, [silent(tag)]);
+        trial.run_for(30.0);
+        let ended = RequestState::Ended("lapsed after 20 s".to_owned());
+        assert_eq!(trial.states(tag).last(), Some(&ended), "the term is the mission file's");
+    }
+    trial.script(0, |_| (Duration::from_millis(1), Ok(vec![silent(3)])));
+    trial.run_for(60.0);
+    assert!(trial.rejection(3).starts_with("cap: "));
+    assert_eq!(trial.sent("SIL").len(), 2);
+}
+
+#[test]
+fn sr_001_silent_mode_needs_the_grant_and_control() {
+    let mut trial = Trial::under_way();
+    trial.ask(0, [silent(1)]);
+    trial.run_for(0.3);
+    assert!(trial.rejection(1).contains("does not grant it Silent"));
+    let (mut trial, _) = quiet();
+    let now = trial.now;
+    trial.vehicle.set_control(now, false);
+    trial.run_for(0.5);
+    trial.ask(0, [normal(2)]);
+    trial.run_for(0.3);
+    assert!(trial.rejection(2).starts_with("control: "));
+}

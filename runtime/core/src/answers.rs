@@ -38,6 +38,7 @@ impl Core {
             Purpose::Packet(request) => self.packet_answered(request, answer),
             Purpose::DvlTrigger(request) => self.dvl_answered(request, answer),
             Purpose::Hold(request) => self.hold_answered(request, command.name, answer),
+            Purpose::SpeedRestored(request) => self.speed_restored(request, answer),
             Purpose::Courtesy => {
                 if let Answer::Refused(text) = answer {
                     self.note(Note::Text {

@@ -37,6 +37,8 @@ pub(crate) enum Purpose {
     DvlTrigger(u64),
     /// A command of a hold, by its request.
     Hold(u64),
+    /// The vehicle's own speed limit after a hold, by the hold's request.
+    SpeedRestored(u64),
     /// Nothing hangs on it.
     Courtesy,
 }
@@ -121,6 +123,7 @@ impl Commands {
                 | Purpose::Packet(_)
                 | Purpose::DvlTrigger(_)
                 | Purpose::Hold(_)
+                | Purpose::SpeedRestored(_)
                 | Purpose::Courtesy => now + SETTLED_WITHIN,
             };
             Some(*command)
@@ -143,6 +146,15 @@ impl Commands {
     pub(crate) fn forget_lease(&mut self) {
         for command in &mut self.sent {
             if matches!(command.purpose, Purpose::Lease(_)) {
+                command.purpose = Purpose::Courtesy;
+            }
+        }
+    }
+
+    /// The hold is over: nothing hangs on its commands any more.
+    pub(crate) fn forget_hold(&mut self) {
+        for command in &mut self.sent {
+            if matches!(command.purpose, Purpose::Hold(_)) {
                 command.purpose = Purpose::Courtesy;
             }
         }

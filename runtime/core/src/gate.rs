@@ -37,8 +37,7 @@ const fn needs(message: &ToVehicle) -> Needs {
         | M::LogMessage(_)
         | M::EndModify(_)
         | M::CancelBehavior(_)
-        | M::RequestPlan(_)
-        | M::Resume(_) => Needs::Link,
+        | M::RequestPlan(_) => Needs::Link,
         M::DvlTriggerRequest(request) => {
             // What ends the triggering is a reply of the handshake; what begins it is not.
             if request.external || request.triggering {
@@ -68,6 +67,8 @@ const fn needs(message: &ToVehicle) -> Needs {
         M::Abort(_) | M::Kill(_) | M::StartEmptyMission(_) => Needs::OperatorArmed,
         M::TopsideRelay(_) => Needs::Driver,
         M::Packet(_) => Needs::Window,
+        // Only as the end of a hold, see `Core::ends_hold`.
+        M::Resume(_) => Needs::Never,
         // What is unknown is not ours.
         M::Unknown(_) => Needs::Never,
     }
@@ -85,7 +86,7 @@ impl Core {
     }
 
     fn pass(&mut self, owner: Option<Owner>, message: &ToVehicle, command: Option<Command>) -> bool {
-        if !self.session.is_up() || !self.may_leave(owner, needs(message)) {
+        if !self.session.is_up() || !(self.ends_hold(message) || self.may_leave(owner, needs(message))) {
             return false;
         }
         let mut bytes = Vec::with_capacity(96);

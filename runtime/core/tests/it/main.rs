@@ -6,8 +6,11 @@
 
 mod control;
 mod course;
+mod devices;
 mod freshness;
 mod geometry;
+mod hull;
+mod hull_bounds;
 mod inserts;
 mod lease;
 mod ledger;

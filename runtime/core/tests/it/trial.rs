@@ -49,6 +49,8 @@ pub(crate) struct Trial {
     pub(crate) now: Timestamp,
     pub(crate) vehicle: Vehicle,
     pub(crate) seen: Vec<(Timestamp, Seen)>,
+    /// What was written to the vehicle, as it was written.
+    pub(crate) written: Vec<String>,
     /// One way.
     pub(crate) delay: Duration,
     /// What the vehicle says arrives no earlier.
@@ -111,6 +113,7 @@ impl Trial {
             now: Timestamp::ZERO,
             vehicle: Vehicle::new(),
             seen: Vec::new(),
+            written: Vec::new(),
             delay: Duration::from_millis(5),
             stalled_until: Timestamp::ZERO,
             asleep_until: Timestamp::ZERO,
@@ -331,6 +334,7 @@ impl Trial {
                     let command =
                         ToVehicle::decode(&Sentence::parse(str::from_utf8(&bytes).unwrap()).unwrap()).unwrap();
                     assert!(bytes.ends_with(b"\r\n"), "{command:?}");
+                    self.written.push(String::from_utf8(bytes.clone()).unwrap());
                     self.judge.sent(self.now, &command);
                     self.to_vehicle.push_back((self.now + self.delay, bytes));
                     Seen::Sent(command)
@@ -503,6 +507,9 @@ struct Judge {
     /// When the last BPRMB that no BPEMB has ended was sent.
     modified: Option<Timestamp>,
     last_modify: Option<Timestamp>,
+    /// When the last message left that keeps a mission suspended, while one is.
+    suspended: Option<Timestamp>,
+    last_move: Option<Timestamp>,
     reserved: u32,
     identifiers: Vec<u32>,
 }
@@ -520,6 +527,8 @@ impl Judge {
             solved: None,
             modified: None,
             last_modify: None,
+            suspended: None,
+            last_move: None,
             reserved: start.identifiers.map_or(0, |identifiers| identifiers.reserved),
             identifiers: Vec::new(),
         }
@@ -528,6 +537,7 @@ impl Judge {
     fn link(&mut self, up: bool) {
         self.up = up;
         (self.handed_over, self.running, self.solved, self.modified) = (None, None, None, None);
+        self.suspended = None;
     }
 
     fn heard(&mut self, message: &FromVehicle, solved: Option<Timestamp>) {
@@ -566,6 +576,10 @@ impl Judge {
             self.has_control() || self.modified.is_none(),
             "a modify stands at {now} without control"
         );
+        assert!(
+            self.has_control() || self.suspended.is_none(),
+            "a hold stands at {now} without control"
+        );
     }
 
     fn sent(&mut self, now: Timestamp, command: &ToVehicle) {
@@ -574,6 +588,7 @@ impl Judge {
             ToVehicle::ModifyBehavior(modify) => {
                 let full = modify.horizontal.is_some() && modify.vertical_m.is_some() && modify.speed.is_some();
                 assert!(full, "{modify:?} leaves a value to inherit");
+                assert!(self.suspended.is_none(), "BPRMB at {now} under a hold");
                 if let Some(last) = self.last_modify {
                     assert!(
                         now.since(last) >= Duration::from_millis(200),
@@ -589,6 +604,22 @@ impl Judge {
             ToVehicle::EndModify(_) => {
                 assert!(self.modified.take().is_some(), "a BPEMB that ends nothing at {now}");
             }
+            ToVehicle::Suspend(_) => {
+                assert!(self.modified.is_none(), "BPSUS at {now} under a modify");
+                self.suspended = Some(now);
+            }
+            ToVehicle::Continue(_) | ToVehicle::HullPosition(_) | ToVehicle::BottomPosition(_) => {
+                let last = self.suspended.replace(now).expect("a suspended mission");
+                assert!(now.since(last) <= Duration::from_secs(1), "{name} late at {now}");
+                if name != "CON" {
+                    let last = self.last_move.replace(now);
+                    let rate = last.is_none_or(|last| now.since(last) >= Duration::from_millis(200));
+                    assert!(rate, "{name} over 5 Hz at {now}");
+                }
+            }
+            ToVehicle::Resume(_) => {
+                assert!(self.suspended.take().is_some(), "a BPRES that ends nothing at {now}");
+            }
             ToVehicle::Trackline(_) | ToVehicle::Trackcircle(_) | ToVehicle::GpsHit(_) => {
                 let identifier = identifier.unwrap();
                 assert!(identifier < self.reserved, "identifier {identifier} is not reserved");
@@ -602,7 +633,22 @@ impl Judge {
         }
         if matches!(
             name,
-            "RMB" | "RTK" | "RTC" | "RGP" | "SUS" | "CON" | "GHP" | "GBP" | "TOP" | "SIL" | "TRM" | "BOY" | "CPD"
+            "RMB"
+                | "RTK"
+                | "RTC"
+                | "RGP"
+                | "SUS"
+                | "CON"
+                | "GHP"
+                | "GBP"
+                | "SAN"
+                | "PTZ"
+                | "LIT"
+                | "TOP"
+                | "SIL"
+                | "TRM"
+                | "BOY"
+                | "CPD"
         ) {
             assert!(self.armed && self.has_control(), "{name} at {now} without control");
             let solved = self.solved.expect("navigation");

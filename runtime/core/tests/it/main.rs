@@ -11,6 +11,7 @@ mod freshness;
 mod geometry;
 mod hull;
 mod hull_bounds;
+mod hull_random;
 mod inserts;
 mod lease;
 mod ledger;

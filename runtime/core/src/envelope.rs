@@ -13,6 +13,7 @@ use crate::plugin::{
     TracklineRequest, VerticalRequest,
 };
 
+mod boxes;
 mod hull;
 
 pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};

@@ -89,6 +89,7 @@ impl Core {
         if !self.session.is_up() || !(self.ends_hold(message) || self.may_leave(owner, needs(message))) {
             return false;
         }
+        self.hull_resets(message);
         let mut bytes = Vec::with_capacity(96);
         if let Err(error) = message.encode(&mut bytes) {
             self.note(Note::Text {

@@ -7,8 +7,7 @@
 use std::time::Duration;
 
 use backseat_spi::{
-    BottomPosition, CartesianNavigation, CommandName, Continue, HullPosition, HullSpeedLimit, RelativeNavigation,
-    Resume, Suspend, ToVehicle, VerticalReference,
+    BottomPosition, CommandName, Continue, HullPosition, HullSpeedLimit, Resume, Suspend, ToVehicle, VerticalReference,
 };
 use backseat_units::Timestamp;
 
@@ -20,9 +19,14 @@ use crate::ledger::RequestKind;
 use crate::limits::{Grant, Limits};
 use crate::machine::Core;
 use crate::plugin::{CartesianSample, HoldRequest, HoldTarget, PluginId, Refusal, RelativeSample, RequestState};
-use crate::relative::Track;
 use crate::session::name;
 use crate::timer::Timer;
+
+mod speed;
+mod track;
+
+use speed::SpeedLimit;
+use track::Track;
 
 /// The vehicle takes its mission up again after 2 s (8.1).
 const REFRESH_EVERY: Duration = Duration::from_millis(500);
@@ -77,17 +81,6 @@ enum Stage {
     Moving(u64),
     /// All of it is acknowledged.
     Standing,
-}
-
-/// What is known of the vehicle's speed limit (BPSPD), which outlives holds and connections.
-#[derive(Debug, Default)]
-struct SpeedLimit {
-    /// What it is, where the vehicle has acknowledged it and nothing has been sent since.
-    known_mps: Option<f64>,
-    /// It may not be the vehicle's own.
-    changed: bool,
-    /// The hold whose end has asked for the vehicle's own again; the answer is awaited.
-    restoring: Option<u64>,
 }
 
 impl Hull {
@@ -439,67 +432,6 @@ impl Core {
         });
     }
 
-    /// Whether a message ends the hold that is being ended: that needs no control (safety requirement 014).
-    pub(crate) fn ends_hold(&self, message: &ToVehicle) -> bool {
-        let restores = |limit: &HullSpeedLimit| self.speed_default_mps() == Some(limit.speed_mps);
-        self.hull.ending
-            && (matches!(message, ToVehicle::Resume(_))
-                || matches!(message, ToVehicle::HullSpeedLimit(limit) if restores(limit)))
-    }
-
-    /// Gives the vehicle its own speed limit back where a hold has changed it.
-    fn restore_speed(&mut self, request: u64) {
-        if !self.hull.limit.changed {
-            return;
-        }
-        let Some(speed_mps) = self.speed_default_mps() else {
-            return;
-        };
-        let created = self.stamper.stamp(self.now, "SPD");
-        let command = Command {
-            purpose: Purpose::SpeedRestored(request),
-            ..self.courtesy("SPD", Some(created))
-        };
-        let limit = ToVehicle::HullSpeedLimit(HullSpeedLimit { created, speed_mps });
-        if self.transmit(&limit, Some(command)) {
-            self.hull.limit.known_mps = None;
-            self.hull.limit.restoring = Some(request);
-        }
-    }
-
-    /// Control has come. A limit that a hold left changed, for its link was lost, is restored now: not before, for
-    /// without control nothing moves by it, and little may be sent (safety requirement 014).
-    pub(crate) fn hull_control_granted(&mut self) {
-        if self.hull.hold.is_none() && self.hull.limit.restoring.is_none() {
-            self.restore_speed(0);
-        }
-    }
-
-    pub(crate) fn speed_restored(&mut self, request: u64, answer: Answer<'_>) {
-        if self.hull.limit.restoring != Some(request) {
-            return;
-        }
-        match answer {
-            Answer::Pending => return,
-            Answer::Done => {
-                self.hull.limit = SpeedLimit {
-                    known_mps: self.speed_default_mps(),
-                    ..SpeedLimit::default()
-                };
-            }
-            // It stays changed: the next hold's end and the next control try again.
-            Answer::Refused(_) | Answer::Missing => self.note(Note::Text {
-                text: "the vehicle has not taken its own speed limit back (BPSPD)".to_owned(),
-            }),
-        }
-        self.hull.limit.restoring = None;
-    }
-
-    fn speed_default_mps(&self) -> Option<f64> {
-        let hull = self.envelope.limits().hull.as_ref();
-        hull.map(|hull| hull.speed_default_mps)
-    }
-
     /// An answer to a message of the hold that stands.
     pub(crate) fn hold_answered(&mut self, request: u64, command: CommandName, answer: Answer<'_>) {
         let Some(hold) = self.hull.hold else { return };
@@ -555,72 +487,9 @@ impl Core {
         }
     }
 
-    /// BFRNV.
-    pub(crate) fn relative_navigated(&mut self, message: &RelativeNavigation) {
-        self.heard(message.created);
-        if !self.hull.relative.advances(message.created, message.solution) {
-            return;
-        }
-        let sample = RelativeSample {
-            measured: self.when(message.solution),
-            horizontal_m: message.horizontal_m,
-            vertical_m: message.vertical_m,
-            distance_m: message.distance_m,
-            heading_deg: message.heading_deg,
-            depth_m: message.depth_m,
-            absolute_heading_deg: message.absolute_heading_deg,
-            roll_deg: message.roll_deg,
-            pitch_deg: message.pitch_deg,
-        };
-        let jumped = self.hull.relative.take(self.now, sample, message.solution);
-        self.relative_came("BFRNV", jumped);
-    }
-
-    /// BFCNV. It bears no time of its solution: one that stands still while the messages go on cannot be told.
-    pub(crate) fn cartesian_navigated(&mut self, message: &CartesianNavigation) {
-        self.heard(message.created);
-        if !self.hull.cartesian.advances(message.created, message.created) {
-            return;
-        }
-        let sample = CartesianSample {
-            measured: self.when(message.created),
-            x_m: message.x_m,
-            y_m: message.y_m,
-            z_m: message.z_m,
-            heading_deg: message.heading_deg,
-        };
-        let jumped = self.hull.cartesian.take(self.now, sample, message.created);
-        self.relative_came("BFCNV", jumped);
-    }
-
-    fn relative_came(&mut self, message: &str, jumped_m: Option<f64>) {
-        if let Some(metres) = jumped_m {
-            // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
-            let text = format!("{message} jumped by {metres:.1} m");
-            self.end_hold(&text);
-            self.note(Note::Navigation { text });
-        }
-        self.watch_relative();
-    }
-
-    /// Sets when relative navigation will have become stale under the hold.
-    fn watch_relative(&mut self) {
-        let stale_at = [self.hull.relative.stale_at(), self.hull.cartesian.stale_at()];
-        let next = stale_at.into_iter().flatten().filter(|at| *at > self.now).min();
-        let next = next.filter(|_| self.hull.hold.is_some());
-        self.timers.set_or_stop(Timer::Relative, next);
-    }
-
     /// The next BPCON is due, or what has changed.
     pub(crate) fn refresh_hold(&mut self) {
         self.drive_hold();
-    }
-
-    /// Relative navigation has become stale: the hold stands where it does not need it.
-    pub(crate) fn relative_expired(&mut self) {
-        if self.hold_is_sound() {
-            self.watch_relative();
-        }
     }
 
     pub(crate) fn hold_plugin_failed(&mut self, plugin: PluginId) {

@@ -42,7 +42,6 @@ mod owner;
 mod plan;
 pub mod plugin;
 mod receive;
-mod relative;
 mod samples;
 mod session;
 mod settings;

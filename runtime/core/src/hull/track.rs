@@ -3,10 +3,14 @@
 
 use std::time::Duration;
 
+use backseat_spi::{CartesianNavigation, RelativeNavigation, ToVehicle};
 use backseat_units::{TimeOfDay, Timestamp};
 
+use crate::io::Note;
 use crate::limits::Limits;
+use crate::machine::Core;
 use crate::plugin::{CartesianSample, RelativeSample};
+use crate::timer::Timer;
 
 /// After a jump, relative navigation must be steady for this long (safety requirement 021).
 const STEADY_AFTER_JUMP: Duration = Duration::from_secs(10);
@@ -105,6 +109,11 @@ impl<S: Placed> Track<S> {
         Some(metres)
     }
 
+    /// The vehicle is told where it is: what comes is elsewhere, however near, and must be steady again.
+    pub(crate) fn unsettle(&mut self, now: Timestamp) {
+        self.jumped_at = Some(now);
+    }
+
     /// The newest sample while it is fresh.
     pub(crate) fn fresh(&self, now: Timestamp) -> Option<S> {
         let (sample, _) = self.newest?;
@@ -124,6 +133,81 @@ impl<S: Placed> Track<S> {
     pub(crate) fn stale_at(&self) -> Option<Timestamp> {
         let (sample, _) = self.newest?;
         Some(sample.measured() + self.age_max + Duration::from_nanos(1))
+    }
+}
+
+impl Core {
+    /// BFRNV.
+    pub(crate) fn relative_navigated(&mut self, message: &RelativeNavigation) {
+        self.heard(message.created);
+        if !self.hull.relative.advances(message.created, message.solution) {
+            return;
+        }
+        let sample = RelativeSample {
+            measured: self.when(message.solution),
+            horizontal_m: message.horizontal_m,
+            vertical_m: message.vertical_m,
+            distance_m: message.distance_m,
+            heading_deg: message.heading_deg,
+            depth_m: message.depth_m,
+            absolute_heading_deg: message.absolute_heading_deg,
+            roll_deg: message.roll_deg,
+            pitch_deg: message.pitch_deg,
+        };
+        let jumped = self.hull.relative.take(self.now, sample, message.solution);
+        self.relative_came("BFRNV", jumped);
+    }
+
+    /// BFCNV. It bears no time of its solution: one that stands still while the messages go on cannot be told.
+    pub(crate) fn cartesian_navigated(&mut self, message: &CartesianNavigation) {
+        self.heard(message.created);
+        if !self.hull.cartesian.advances(message.created, message.created) {
+            return;
+        }
+        let sample = CartesianSample {
+            measured: self.when(message.created),
+            x_m: message.x_m,
+            y_m: message.y_m,
+            z_m: message.z_m,
+            heading_deg: message.heading_deg,
+        };
+        let jumped = self.hull.cartesian.take(self.now, sample, message.created);
+        self.relative_came("BFCNV", jumped);
+    }
+
+    fn relative_came(&mut self, message: &str, jumped_m: Option<f64>) {
+        if let Some(metres) = jumped_m {
+            // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
+            let text = format!("{message} jumped by {metres:.1} m");
+            self.end_hold(&text);
+            self.note(Note::Navigation { text });
+        }
+        self.watch_relative();
+    }
+
+    /// Sets when relative navigation will have become stale under the hold.
+    pub(super) fn watch_relative(&mut self) {
+        let stale_at = [self.hull.relative.stale_at(), self.hull.cartesian.stale_at()];
+        let next = stale_at.into_iter().flatten().filter(|at| *at > self.now).min();
+        let next = next.filter(|_| self.hull.hold.is_some());
+        self.timers.set_or_stop(Timer::Relative, next);
+    }
+
+    /// Relative navigation has become stale: the hold stands where it does not need it.
+    pub(crate) fn relative_expired(&mut self) {
+        if self.hold_is_sound() {
+            self.watch_relative();
+        }
+    }
+
+    /// A message is about to leave. One that moves the vehicle's idea of where it is ends the hold first, and relative
+    /// navigation must be steady again before the next (safety requirement 021).
+    pub(crate) fn hull_resets(&mut self, message: &ToVehicle) {
+        if matches!(message, ToVehicle::RelativeReset(_) | ToVehicle::BearingOffset(_)) {
+            self.end_hold("relative navigation is reset");
+            self.hull.relative.unsettle(self.now);
+            self.hull.cartesian.unsettle(self.now);
+        }
     }
 }
 
@@ -189,6 +273,18 @@ mod tests {
         }
         let expected: Vec<u64> = (500..2000).chain(12_000..15_000).step_by(100).collect();
         assert_eq!(steady, expected);
+    }
+
+    #[test]
+    fn after_a_reset_it_must_be_steady_again_however_near() {
+        let mut track = track();
+        for millis in (0..=1000).step_by(100) {
+            track.take(Timestamp::from_millis(millis), sample(millis, 0.0), at(millis));
+        }
+        let now = Timestamp::from_secs(1);
+        assert!(track.steady(now).is_some());
+        track.unsettle(now);
+        assert!(track.steady(now).is_none() && track.fresh(now).is_some());
     }
 
     #[test]

@@ -42,6 +42,7 @@ impl Core {
             Purpose::CancelAll(request) => self.cancel_all_answered(request, answer),
             Purpose::Ending(request) => self.ending_answered(request, answer),
             Purpose::EmptyMission(request) => self.empty_mission_answered(request, answer),
+            Purpose::SpeedRestored(request) => self.speed_restored(request, answer),
             Purpose::Courtesy => {
                 if let Answer::Refused(text) = answer {
                     self.note(Note::Text {

@@ -47,6 +47,8 @@ pub(crate) enum Purpose {
     Ending(u64),
     /// The start of an empty mission, by its request.
     EmptyMission(u64),
+    /// The vehicle's own speed limit after a hold, by the hold's request.
+    SpeedRestored(u64),
     /// Nothing hangs on it.
     Courtesy,
 }
@@ -110,6 +112,7 @@ impl Commands {
                     | Purpose::Packet(_)
                     | Purpose::DvlTrigger(_)
                     | Purpose::Hold(_)
+                    | Purpose::SpeedRestored(_)
                     | Purpose::CancelAll(_)
                     | Purpose::EmptyMission(_),
                 ) => return false,
@@ -172,6 +175,7 @@ impl Commands {
                 | Purpose::CancelAll(_)
                 | Purpose::Ending(_)
                 | Purpose::EmptyMission(_)
+                | Purpose::SpeedRestored(_)
                 | Purpose::Courtesy => now + SETTLED_WITHIN,
             };
             Some((*command, false))
@@ -192,6 +196,15 @@ impl Commands {
     pub(crate) fn forget_lease(&mut self) {
         for command in &mut self.sent {
             if matches!(command.purpose, Purpose::Lease(_)) {
+                command.purpose = Purpose::Courtesy;
+            }
+        }
+    }
+
+    /// The hold is over: nothing hangs on its commands any more.
+    pub(crate) fn forget_hold(&mut self) {
+        for command in &mut self.sent {
+            if matches!(command.purpose, Purpose::Hold(_)) {
                 command.purpose = Purpose::Courtesy;
             }
         }

@@ -223,7 +223,7 @@ impl Core {
 
     fn invoke(&mut self, index: usize) {
         let navigation = self.tracker.fresh(self.now).copied();
-        let (relative, cartesian) = (self.hull.relative(), self.hull.cartesian());
+        let (relative, cartesian) = (self.hull.relative(self.now), self.hull.cartesian(self.now));
         let utc = self.utc();
         let (now, control) = (self.now, self.granted);
         let slot = &mut self.plugins[index];

@@ -1,23 +1,62 @@
-//! Sonar angle, camera and light of a hovering vehicle (SPI 8.5, 8.10, 8.11).
+//! Sonar angle, camera and light of a hovering vehicle (SPI 8.5, 8.10, 8.11): each one command, over with its answer.
 
-use crate::helm::refused;
+use backseat_spi::{Camera, Light, SonarAngle, ToVehicle};
+
+use crate::commands::Purpose;
 use crate::ledger::RequestKind;
+use crate::limits::Grant;
 use crate::machine::Core;
-use crate::plugin::{CameraRequest, LightRequest, PluginId, SonarAngleRequest};
+use crate::plugin::{CameraRequest, LightRequest, PluginId, Refusal, SonarAngleRequest};
 
 impl Core {
     pub(crate) fn ask_sonar_angle(&mut self, plugin: PluginId, asked: &SonarAngleRequest) {
         let request = self.ledger.propose(plugin, asked.tag, RequestKind::SonarAngle);
-        self.reject(request, refused("state", "not offered"));
+        let admitted = self.admit_device(plugin);
+        if let Err(refusal) = admitted.and_then(|()| self.envelope.admit_sonar_angle(asked)) {
+            return self.reject(request, refusal);
+        }
+        let message = SonarAngle {
+            created: self.stamper.stamp(self.now, "SAN"),
+            angle_deg: asked.angle_deg,
+        };
+        self.send_device(request, "SAN", &ToVehicle::SonarAngle(message));
     }
 
     pub(crate) fn ask_camera(&mut self, plugin: PluginId, asked: &CameraRequest) {
         let request = self.ledger.propose(plugin, asked.tag, RequestKind::Camera);
-        self.reject(request, refused("state", "not offered"));
+        let admitted = self.admit_device(plugin);
+        if let Err(refusal) = admitted.and_then(|()| self.envelope.admit_camera(asked)) {
+            return self.reject(request, refusal);
+        }
+        let message = Camera {
+            created: self.stamper.stamp(self.now, "PTZ"),
+            pan: asked.pan,
+            tilt: asked.tilt,
+            zoom: asked.zoom,
+        };
+        self.send_device(request, "PTZ", &ToVehicle::Camera(message));
     }
 
     pub(crate) fn ask_light(&mut self, plugin: PluginId, asked: &LightRequest) {
         let request = self.ledger.propose(plugin, asked.tag, RequestKind::Light);
-        self.reject(request, refused("state", "not offered"));
+        let admitted = self.admit_device(plugin);
+        if let Err(refusal) = admitted.and_then(|()| self.envelope.admit_light(asked)) {
+            return self.reject(request, refusal);
+        }
+        let message = Light {
+            created: self.stamper.stamp(self.now, "LIT"),
+            light: asked.light,
+            on: asked.on,
+        };
+        self.send_device(request, "LIT", &ToVehicle::Light(message));
+    }
+
+    fn admit_device(&mut self, plugin: PluginId) -> Result<(), Refusal> {
+        self.admit(plugin, Grant::Devices)
+    }
+
+    fn send_device(&mut self, request: u64, letters: &'static str, message: &ToVehicle) {
+        // Where it is held back the request has been rejected.
+        let _sent = self.send_request(request, letters, message, Purpose::Request(request));
     }
 }

@@ -13,7 +13,11 @@ use crate::plugin::{
     TracklineRequest, VerticalRequest,
 };
 
+mod boxes;
+mod hull;
 mod surfacing;
+
+pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
 
 /// The vehicle keeps a modify for this long after the last BPRMB that it received (SPI 7.12).
 pub(crate) const MODIFY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -465,23 +469,9 @@ impl Envelope {
         around: EastNorth,
         reach_m: f64,
     ) -> Result<VerticalExtent, Refusal> {
-        let limits = &self.limits;
-        let error_m = limits.vertical_error_m;
-        let by_lock = lock.map(|lock| {
-            let change_m = limits.seabed_slope_max * (lock.at.distance_m(around) + reach_m);
-            (lock.water_depth_m - change_m, lock.water_depth_m + change_m)
-        });
-        let shallowest_m = match (by_lock, limits.water_depth_min_m) {
-            (Some((lock_m, _)), Some(known_m)) => lock_m.max(known_m),
-            (Some((lock_m, _)), None) => lock_m,
-            (None, Some(known_m)) => known_m,
-            (None, None) => 0.0,
-        };
-        let deepest_m = match (by_lock, limits.water_depth_max_m) {
-            (Some((_, lock_m)), Some(known_m)) => Some(lock_m.min(known_m)),
-            (Some((_, lock_m)), None) => Some(lock_m),
-            (None, known_m) => known_m,
-        };
+        let error_m = self.limits.vertical_error_m;
+        let (shallowest_m, deepest_m) = self.water_depths(lock, around, reach_m);
+        let shallowest_m = shallowest_m.unwrap_or(0.0);
         let now_m = depth.as_m();
         Ok(match vertical {
             Vertical::Depth(set) => VerticalExtent {
@@ -504,6 +494,28 @@ impl Envelope {
                 }
             }
         })
+    }
+}
+
+impl Envelope {
+    /// The least and the greatest water depth within `reach_m` of a point, metres, where they are known.
+    fn water_depths(&self, lock: Option<BottomLock>, around: EastNorth, reach_m: f64) -> (Option<f64>, Option<f64>) {
+        let limits = &self.limits;
+        let by_lock = lock.map(|lock| {
+            let change_m = limits.seabed_slope_max * (lock.at.distance_m(around) + reach_m);
+            (lock.water_depth_m - change_m, lock.water_depth_m + change_m)
+        });
+        let shallowest_m = match (by_lock, limits.water_depth_min_m) {
+            (Some((lock_m, _)), Some(known_m)) => Some(lock_m.max(known_m)),
+            (Some((lock_m, _)), None) => Some(lock_m),
+            (None, known_m) => known_m,
+        };
+        let deepest_m = match (by_lock, limits.water_depth_max_m) {
+            (Some((_, lock_m)), Some(known_m)) => Some(lock_m.min(known_m)),
+            (Some((_, lock_m)), None) => Some(lock_m),
+            (None, known_m) => known_m,
+        };
+        (shallowest_m, deepest_m)
     }
 }
 
@@ -530,7 +542,20 @@ impl Judge for Envelope {
                 self.judge_insert(&self.admit_trackcircle(circle)?, navigation.depth, lock, &from_here)
             }
             Request::GpsHit(hit) => self.judge_insert(&self.admit_gps_hit(hit)?, navigation.depth, lock, &from_here),
-            Request::Hold(_) => Err(limit("the fence does not know it yet".to_owned())),
+            Request::Hold(hold) => {
+                let around = Surroundings {
+                    relative: input.relative.as_ref(),
+                    cartesian: input.cartesian.as_ref(),
+                    navigation,
+                    lock,
+                    suspended: None,
+                    now: input.now,
+                };
+                self.judge_hold(&self.admit_hold(hold)?, &around)
+            }
+            Request::SonarAngle(asked) => self.admit_sonar_angle(asked).map(|()| f64::MAX),
+            Request::Camera(asked) => self.admit_camera(asked).map(|()| f64::MAX),
+            Request::Light(asked) => self.admit_light(asked).map(|()| f64::MAX),
             // They have no geometry.
             Request::EndModify
             | Request::Cancel(_)
@@ -542,9 +567,6 @@ impl Judge for Envelope {
             | Request::Buoyancy(_)
             | Request::Packet(_)
             | Request::EndHold
-            | Request::SonarAngle(_)
-            | Request::Camera(_)
-            | Request::Light(_)
             | Request::Timer { .. } => Ok(f64::MAX),
         }
     }

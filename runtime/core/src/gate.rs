@@ -44,8 +44,7 @@ const fn needs(message: &ToVehicle) -> Needs {
         | M::PayloadStatus(_)
         | M::LogMessage(_)
         | M::EndModify(_)
-        | M::RequestPlan(_)
-        | M::Resume(_) => Needs::Link,
+        | M::RequestPlan(_) => Needs::Link,
         M::CancelBehavior(_) => Needs::OwnInsert,
         M::DvlTriggerRequest(request) => {
             // What ends the triggering is a reply of the handshake; what begins it is not.
@@ -79,6 +78,8 @@ const fn needs(message: &ToVehicle) -> Needs {
         M::StartEmptyMission(_) => Needs::NoMission,
         M::TopsideRelay(_) => Needs::Driver,
         M::Packet(_) => Needs::Window,
+        // Only as the end of a hold, see `Core::ends_hold`.
+        M::Resume(_) => Needs::Never,
         // What is unknown is not ours.
         M::Unknown(_) => Needs::Never,
     }
@@ -96,9 +97,10 @@ impl Core {
     }
 
     fn pass(&mut self, owner: Option<Owner>, message: &ToVehicle, command: Option<Command>) -> bool {
-        if !self.session.is_up() || !self.may_leave(owner, message) {
+        if !self.session.is_up() || !(self.ends_hold(message) || self.may_leave(owner, message)) {
             return false;
         }
+        self.hull_resets(message);
         let mut bytes = Vec::with_capacity(96);
         if let Err(error) = message.encode(&mut bytes) {
             self.note(Note::Text {

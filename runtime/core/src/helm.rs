@@ -65,6 +65,8 @@ impl Core {
             judged: self.now,
         });
         self.timers.set(Timer::Term, self.now + modify.duration);
+        // BPRES comes before BPRMB. The lease stands already, for a plugin that fails of the events ends it.
+        self.end_hold("a modify took its place");
         match sent {
             // A lease that has just ended counts: ending and asking anew is no way around the rate.
             None => match self.modify_sent.filter(|sent| self.now.since(*sent) < REFRESH_AT_LEAST) {
@@ -83,6 +85,9 @@ impl Core {
             && lease.plugin < plugin
         {
             return Err(refused("priority", "a plugin of higher priority steers"));
+        }
+        if self.hull.holder().is_some_and(|holder| holder < plugin) {
+            return Err(refused("priority", "a plugin of higher priority holds the vehicle"));
         }
         let setpoint = self.envelope.admit_modify(modify)?;
         self.judge(&setpoint)?;

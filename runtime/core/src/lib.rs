@@ -30,6 +30,7 @@ mod envelope;
 mod gate;
 mod helm;
 mod hull;
+mod hull_limits;
 mod inserts;
 mod io;
 mod ledger;
@@ -53,6 +54,7 @@ mod topside;
 
 pub use drivers::{DriverSentence, DriverSetup};
 pub use envelope::Envelope;
+pub use hull_limits::{BottomBox, HullBox, HullLimits};
 pub use io::{Identifiers, Input, Note, Operator, Output, Restarted, Start};
 pub use ledger::{RequestCounts, RequestKind, Transition};
 pub use limits::{FailAction, Grant, HeadingFrame, LimitError, Limits};

@@ -2,6 +2,8 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use crate::hull_limits::HullLimits;
+
 /// A limit that makes no sense.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} is {value}: expected {expected}")]
@@ -104,6 +106,9 @@ pub struct Limits {
     /// Whether a modify needs the vehicle's plan (BPRMP), so that the way back to it can be checked.
     #[serde(default = "default::modify_needs_plan")]
     pub modify_needs_plan: bool,
+    /// What a hovering vehicle may do beside its mission; without it, nothing.
+    #[serde(default)]
+    pub hull: Option<HullLimits>,
 }
 
 mod default {
@@ -251,7 +256,7 @@ impl Limits {
                 expected: "at least 1",
             });
         }
-        Ok(())
+        self.hull.as_ref().map_or(Ok(()), HullLimits::validate)
     }
 
     pub(crate) fn navigation_age_max(&self) -> Duration {
@@ -272,7 +277,7 @@ impl Limits {
 }
 
 /// Seconds of a validated limit as a duration; nonsense becomes zero, which allows nothing.
-fn seconds(seconds: f64) -> Duration {
+pub(crate) fn seconds(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or(Duration::ZERO)
 }
 
@@ -351,6 +356,7 @@ pub(crate) mod tests {
             topside_per_min: 6,
             packets_per_min: 12,
             modify_needs_plan: true,
+            hull: None,
         }
     }
 

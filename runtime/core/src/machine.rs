@@ -81,6 +81,7 @@ impl Core {
     #[must_use]
     pub fn new(settings: Settings, envelope: Arc<Envelope>, plugins: Vec<PluginSetup>, start: Start) -> Self {
         let tracker = Tracker::new(*envelope.fence().frame(), envelope.limits());
+        let hull = Hull::new(envelope.limits());
         let slots: Vec<Slot> = plugins.into_iter().map(Slot::new).collect();
         let mut core = Self {
             settings,
@@ -96,7 +97,7 @@ impl Core {
             plan: Plan::default(),
             ledger: Ledger::default(),
             lease: None,
-            hull: Hull::default(),
+            hull,
             silent: Silent::default(),
             adjustments: Adjustments::default(),
             acoustic: Acoustic::default(),
@@ -184,10 +185,10 @@ impl Core {
         self.tracker.newest()
     }
 
-    /// Whether a lease stands.
+    /// Whether a lease stands, a modify or a hold.
     #[must_use]
-    pub const fn is_steering(&self) -> bool {
-        self.lease.is_some()
+    pub fn is_steering(&self) -> bool {
+        self.lease.is_some() || self.hull.holder().is_some()
     }
 
     /// How many requests are not at their end.
@@ -269,6 +270,9 @@ impl Core {
                 self.end_lease(reason);
                 self.end_hold(reason);
                 self.end_dvl(reason);
+            }
+            if granted {
+                self.hull_control_granted();
             }
             self.note(Note::Control {
                 granted,

@@ -185,6 +185,9 @@ impl Core {
         });
         // It modified another one (SPI 7.12).
         self.end_lease("a behaviour began under it");
+        // A suspended mission begins none: the vehicle has taken it up again. An end says nothing of the kind, for the
+        // behaviour that is suspended may be reported so (SPI 8.1 leaves it open), and a hold modifies none.
+        self.end_hold("a behaviour began: the mission goes on");
         self.end_overtaken(message.identifier);
         self.orders.began(message.identifier);
         let mut own = None;

@@ -89,6 +89,7 @@ impl Core {
     pub(crate) fn link_up(&mut self) {
         self.framer.clear();
         self.tracker.reset();
+        self.hull.reset();
         self.commands.clear();
         self.plan.forget();
         self.handed_over = None;
@@ -126,6 +127,7 @@ impl Core {
         self.commands.clear();
         self.plan.forget();
         self.tracker.reset();
+        self.hull.reset();
         self.silent_link_lost();
         self.adjustments_link_lost();
         self.acoustic_link_lost();
@@ -300,7 +302,7 @@ impl Core {
                 StatusCondition::PluginQuarantined => self.plugins.iter().any(Slot::is_quarantined),
                 StatusCondition::NavigationStale => self.tracker.fresh(self.now).is_none(),
             });
-        let text = match (self.lease.is_some(), self.lost_because()) {
+        let text = match (self.is_steering(), self.lost_because()) {
             (true, _) => "steering",
             (false, None) => "has control",
             (false, Some(reason)) => reason,

@@ -74,6 +74,7 @@ pub(crate) fn limits() -> Limits {
         topside_per_min: 6,
         packets_per_min: 12,
         modify_needs_plan: true,
+        hull: None,
     }
 }
 

@@ -53,7 +53,7 @@ enum Act {
     Order(Order),
 }
 
-fn figure(usual: impl Strategy<Value = f64> + 'static) -> BoxedStrategy<f64> {
+pub(crate) fn figure(usual: impl Strategy<Value = f64> + 'static) -> BoxedStrategy<f64> {
     prop_oneof![12 => usual, 1 => select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 1e300, 91.0])]
         .boxed()
 }
@@ -117,7 +117,7 @@ fn request() -> BoxedStrategy<Request> {
     .boxed()
 }
 
-fn reply() -> BoxedStrategy<Reply> {
+pub(crate) fn reply() -> BoxedStrategy<Reply> {
     let after = (0..6000u64).prop_map(Duration::from_millis);
     let status = select(vec![
         AckStatus::Succeeded,
@@ -405,7 +405,7 @@ fn kind_of(name: &str) -> RequestKind {
 }
 
 /// Each request comes to one end at most, and the counts are those of what was told.
-fn ledger_is_consistent(trial: &Trial) {
+pub(crate) fn ledger_is_consistent(trial: &Trial) {
     let mut last: BTreeMap<u64, &'static str> = BTreeMap::new();
     let (mut ended, mut rejected, mut sent) = (0, 0, 0);
     for (at, note) in trial.notes() {
@@ -434,7 +434,7 @@ fn ledger_is_consistent(trial: &Trial) {
 }
 
 /// All faults are over: within a minute control is back, and when the mission is over nothing is open.
-fn it_recovers(trial: &mut Trial) {
+pub(crate) fn it_recovers(trial: &mut Trial) {
     trial.vehicle.replies.clear();
     (trial.vehicle.navigates, trial.vehicle.frozen, trial.vehicle.replays) = (true, None, true);
     (trial.vehicle.control, trial.vehicle.status) = (true, "Running");

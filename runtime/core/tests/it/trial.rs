@@ -513,6 +513,9 @@ struct Judge {
     /// When the last BPRMB that no BPEMB has ended was sent.
     modified: Option<Timestamp>,
     last_modify: Option<Timestamp>,
+    /// When the last message left that keeps a mission suspended, while one is.
+    suspended: Option<Timestamp>,
+    last_move: Option<Timestamp>,
     reserved: u32,
     identifiers: Vec<u32>,
     /// The vehicle's last word on the DVL's triggering.
@@ -532,6 +535,8 @@ impl Judge {
             solved: None,
             modified: None,
             last_modify: None,
+            suspended: None,
+            last_move: None,
             reserved: start.identifiers.map_or(0, |identifiers| identifiers.reserved),
             identifiers: Vec::new(),
             may_trigger: false,
@@ -542,6 +547,7 @@ impl Judge {
         self.up = up;
         self.may_trigger = false;
         (self.handed_over, self.running, self.solved, self.modified) = (None, None, None, None);
+        self.suspended = None;
     }
 
     fn heard(&mut self, message: &FromVehicle, solved: Option<Timestamp>) {
@@ -581,6 +587,10 @@ impl Judge {
             self.has_control() || self.modified.is_none(),
             "a modify stands at {now} without control"
         );
+        assert!(
+            self.has_control() || self.suspended.is_none(),
+            "a hold stands at {now} without control"
+        );
     }
 
     fn sent(&mut self, now: Timestamp, command: &ToVehicle) {
@@ -589,6 +599,7 @@ impl Judge {
             ToVehicle::ModifyBehavior(modify) => {
                 let full = modify.horizontal.is_some() && modify.vertical_m.is_some() && modify.speed.is_some();
                 assert!(full, "{modify:?} leaves a value to inherit");
+                assert!(self.suspended.is_none(), "BPRMB at {now} under a hold");
                 if let Some(last) = self.last_modify {
                     assert!(
                         now.since(last) >= Duration::from_millis(200),
@@ -603,6 +614,22 @@ impl Judge {
             }
             ToVehicle::EndModify(_) => {
                 assert!(self.modified.take().is_some(), "a BPEMB that ends nothing at {now}");
+            }
+            ToVehicle::Suspend(_) => {
+                assert!(self.modified.is_none(), "BPSUS at {now} under a modify");
+                self.suspended = Some(now);
+            }
+            ToVehicle::Continue(_) | ToVehicle::HullPosition(_) | ToVehicle::BottomPosition(_) => {
+                let last = self.suspended.replace(now).expect("a suspended mission");
+                assert!(now.since(last) <= Duration::from_secs(1), "{name} late at {now}");
+                if name != "CON" {
+                    let last = self.last_move.replace(now);
+                    let rate = last.is_none_or(|last| now.since(last) >= Duration::from_millis(200));
+                    assert!(rate, "{name} over 5 Hz at {now}");
+                }
+            }
+            ToVehicle::Resume(_) => {
+                assert!(self.suspended.take().is_some(), "a BPRES that ends nothing at {now}");
             }
             ToVehicle::Trackline(_) | ToVehicle::Trackcircle(_) | ToVehicle::GpsHit(_) => {
                 let identifier = identifier.unwrap();
@@ -626,7 +653,22 @@ impl Judge {
         }
         if matches!(
             name,
-            "RMB" | "RTK" | "RTC" | "RGP" | "SUS" | "CON" | "GHP" | "GBP" | "TOP" | "SIL" | "TRM" | "BOY" | "CPD"
+            "RMB"
+                | "RTK"
+                | "RTC"
+                | "RGP"
+                | "SUS"
+                | "CON"
+                | "GHP"
+                | "GBP"
+                | "SAN"
+                | "PTZ"
+                | "LIT"
+                | "TOP"
+                | "SIL"
+                | "TRM"
+                | "BOY"
+                | "CPD"
         ) {
             assert!(self.armed && self.has_control(), "{name} at {now} without control");
             let solved = self.solved.expect("navigation");

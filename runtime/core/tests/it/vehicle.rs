@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use backseat_spi::{
-    AckStatus, Acknowledgement, BackseatControl, BehaviorBegin, BehaviorEnd, BehaviorId, CommandName, FromVehicle,
-    MissionStatus, Navigation, PlanElement, PlanElementKind, PositionQuality, Sentence, Text, ToVehicle,
-    VehicleVersion, VelocityAndRates, catalogue,
+    AckStatus, Acknowledgement, BackseatControl, BehaviorBegin, BehaviorEnd, BehaviorId, CartesianNavigation,
+    CommandName, FromVehicle, MissionStatus, Navigation, PlanElement, PlanElementKind, PositionQuality,
+    RelativeNavigation, Sentence, Text, ToVehicle, VehicleVersion, VelocityAndRates, catalogue,
 };
 use backseat_units::{Altitude, Depth, EastNorth, Heading, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 
@@ -56,6 +56,12 @@ pub(crate) struct Vehicle {
     pub(crate) deaf_to_subscriptions: u32,
     due: Vec<(Timestamp, FromVehicle)>,
     next_navigation: Timestamp,
+    /// Horizontal, vertical, distance: it says BFRNV.
+    pub(crate) hull_m: Option<[f64; 3]>,
+    /// X and y: it says BFCNV.
+    pub(crate) bottom_m: Option<[f64; 2]>,
+    /// The solution of BFRNV stands still since then.
+    pub(crate) hull_frozen: Option<Timestamp>,
 }
 
 impl Vehicle {
@@ -81,6 +87,9 @@ impl Vehicle {
             deaf_to_subscriptions: 0,
             due: Vec::new(),
             next_navigation: Timestamp::from_millis(50),
+            hull_m: None,
+            bottom_m: None,
+            hull_frozen: None,
         }
     }
 
@@ -124,6 +133,7 @@ impl Vehicle {
                 said.push((self.navigation(now, solved).into(), Some(solved)));
                 said.push((self.velocity(now).into(), None));
             }
+            said.extend(self.relative_navigation(now).map(|message| (message, None)));
         }
         said
     }
@@ -160,6 +170,34 @@ impl Vehicle {
             roll_rate_dps: 0.0,
             yaw_rate_dps: 0.0,
         }
+    }
+
+    /// BFRNV and BFCNV, where it says them.
+    fn relative_navigation(&self, now: Timestamp) -> impl Iterator<Item = FromVehicle> + use<> {
+        let created = self.clock(now);
+        let hull_m = self.hull_m.filter(|_| self.subscribed.contains("RNV"));
+        let bottom_m = self.bottom_m.filter(|_| self.subscribed.contains("CNV"));
+        let relative = hull_m.map(|place| RelativeNavigation {
+            created,
+            horizontal_m: place[0],
+            vertical_m: place[1],
+            distance_m: place[2],
+            heading_deg: 0.0,
+            depth_m: self.depth_m,
+            absolute_heading_deg: 0.0,
+            roll_deg: 0.0,
+            pitch_deg: 0.0,
+            solution: self.clock(self.hull_frozen.unwrap_or(now)),
+        });
+        let cartesian = bottom_m.map(|place| CartesianNavigation {
+            created,
+            x_m: place[0],
+            y_m: place[1],
+            z_m: self.depth_m,
+            heading_deg: 0.0,
+        });
+        let relative = relative.map(FromVehicle::from).into_iter();
+        relative.chain(cartesian.map(FromVehicle::from))
     }
 
     pub(crate) fn set_control(&mut self, now: Timestamp, granted: bool) {

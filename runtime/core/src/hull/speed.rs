@@ -1,0 +1,81 @@
+//! The vehicle's speed limit, which outlives holds and connections (BPSPD, SPI 8.4).
+
+use backseat_spi::{HullSpeedLimit, ToVehicle};
+
+use crate::commands::{Answer, Command, Purpose};
+use crate::io::Note;
+use crate::machine::Core;
+
+/// What is known of the vehicle's speed limit (BPSPD), which outlives holds and connections.
+#[derive(Debug, Default)]
+pub(super) struct SpeedLimit {
+    /// What it is, where the vehicle has acknowledged it and nothing has been sent since.
+    pub(super) known_mps: Option<f64>,
+    /// It may not be the vehicle's own.
+    pub(super) changed: bool,
+    /// The hold whose end has asked for the vehicle's own again; the answer is awaited.
+    pub(super) restoring: Option<u64>,
+}
+
+impl Core {
+    /// Whether a message ends the hold that is being ended: that needs no control (safety requirement 014).
+    pub(crate) fn ends_hold(&self, message: &ToVehicle) -> bool {
+        let restores = |limit: &HullSpeedLimit| self.speed_default_mps() == Some(limit.speed_mps);
+        self.hull.ending
+            && (matches!(message, ToVehicle::Resume(_))
+                || matches!(message, ToVehicle::HullSpeedLimit(limit) if restores(limit)))
+    }
+
+    /// Gives the vehicle its own speed limit back where a hold has changed it.
+    pub(super) fn restore_speed(&mut self, request: u64) {
+        if !self.hull.limit.changed {
+            return;
+        }
+        let Some(speed_mps) = self.speed_default_mps() else {
+            return;
+        };
+        let created = self.stamper.stamp(self.now, "SPD");
+        let command = Command {
+            purpose: Purpose::SpeedRestored(request),
+            ..self.courtesy("SPD", Some(created))
+        };
+        let limit = ToVehicle::HullSpeedLimit(HullSpeedLimit { created, speed_mps });
+        if self.transmit(&limit, Some(command)) {
+            self.hull.limit.known_mps = None;
+            self.hull.limit.restoring = Some(request);
+        }
+    }
+
+    /// Control has come. A limit that a hold left changed, for its link was lost, is restored now: not before, for
+    /// without control nothing moves by it, and little may be sent (safety requirement 014).
+    pub(crate) fn hull_control_granted(&mut self) {
+        if self.hull.hold.is_none() && self.hull.limit.restoring.is_none() {
+            self.restore_speed(0);
+        }
+    }
+
+    pub(crate) fn speed_restored(&mut self, request: u64, answer: Answer<'_>) {
+        if self.hull.limit.restoring != Some(request) {
+            return;
+        }
+        match answer {
+            Answer::Pending => return,
+            Answer::Done => {
+                self.hull.limit = SpeedLimit {
+                    known_mps: self.speed_default_mps(),
+                    ..SpeedLimit::default()
+                };
+            }
+            // It stays changed: the next hold's end and the next control try again.
+            Answer::Refused(_) | Answer::Missing => self.note(Note::Text {
+                text: "the vehicle has not taken its own speed limit back (BPSPD)".to_owned(),
+            }),
+        }
+        self.hull.limit.restoring = None;
+    }
+
+    pub(super) fn speed_default_mps(&self) -> Option<f64> {
+        let hull = self.envelope.limits().hull.as_ref();
+        hull.map(|hull| hull.speed_default_mps)
+    }
+}

@@ -1,0 +1,166 @@
+use std::time::Duration;
+
+use backseat_core::plugin::{CameraRequest, LightRequest, Request, SonarAngleRequest};
+use backseat_core::{Grant, HullLimits, Operator};
+use backseat_spi::AckStatus;
+
+use crate::hull::{hovering, hovering_with, hull_limits, lines, setup};
+use crate::trial::{Trial, shorts};
+use crate::vehicle::Reply;
+
+const fn sonar(tag: u64, angle_deg: f64) -> Request {
+    Request::SonarAngle(SonarAngleRequest { tag, angle_deg })
+}
+
+const fn camera(tag: u64, pan: i32, tilt: i32, zoom: i32) -> Request {
+    Request::Camera(CameraRequest { tag, pan, tilt, zoom })
+}
+
+const fn light(tag: u64, light: i32, on: bool) -> Request {
+    Request::Light(LightRequest { tag, light, on })
+}
+
+fn all() -> [(&'static str, Request); 3] {
+    [
+        ("SAN", sonar(1, -30.5)),
+        ("PTZ", camera(1, 9, -9, 0)),
+        ("LIT", light(1, 0, true)),
+    ]
+}
+
+#[test]
+fn sonar_camera_and_light_are_told_and_done() {
+    let mut trial = hovering();
+    trial.ask(
+        0,
+        [
+            sonar(1, -30.5),
+            camera(2, 9, -9, 0),
+            light(3, 1, true),
+            light(4, 1, false),
+        ],
+    );
+    trial.run_for(0.5);
+    assert_eq!(lines(&trial, "SAN"), ["-30.5"]);
+    assert_eq!(lines(&trial, "PTZ"), ["9,-9,0"]);
+    assert_eq!(lines(&trial, "LIT"), ["1,1", "1,0"]);
+    for tag in 1..=4 {
+        assert_eq!(shorts(&trial.states(tag)), ["sent", "accepted", "ended"]);
+    }
+    assert_eq!(trial.core.open_requests(), 0);
+}
+
+#[test]
+fn a_refusal_and_silence_are_the_outcome() {
+    for (name, request) in all() {
+        let replies = [
+            (Reply::Refuse, vec!["sent", "failed"]),
+            (Reply::Nak, vec!["sent", "failed"]),
+            (Reply::Silent, vec!["sent", "timed out"]),
+            (
+                Reply::Late(Duration::from_secs(3), AckStatus::Succeeded),
+                vec!["sent", "timed out"],
+            ),
+            (
+                Reply::Pending(Duration::from_secs(1), AckStatus::Succeeded),
+                vec!["sent", "pending", "accepted", "ended"],
+            ),
+            (Reply::PendingForEver, vec!["sent", "pending", "timed out"]),
+        ];
+        for (reply, states) in replies {
+            let mut trial = hovering();
+            trial.vehicle.replies.insert(name, reply);
+            trial.ask(0, [request.clone()]);
+            trial.run_for(8.0);
+            assert_eq!(shorts(&trial.states(1)), states, "{name} {reply:?}");
+            assert_eq!(trial.core.open_requests(), 0);
+        }
+    }
+}
+
+#[test]
+fn a_link_lost_before_the_answer_leaves_it_unanswered_and_it_is_not_sent_again() {
+    for (name, request) in all() {
+        let mut trial = hovering();
+        trial.vehicle.replies.insert(name, Reply::Silent);
+        trial.ask(0, [request]);
+        trial.run_for(0.3);
+        trial.cut();
+        trial.vehicle.replies.clear();
+        trial.run_for(6.0);
+        assert!(trial.core.has_control());
+        assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"], "{name}");
+        assert_eq!(trial.commands(name).len(), 1);
+    }
+}
+
+#[test]
+fn figures_beyond_the_limits_are_rejected_and_never_clamped() {
+    let mut trial = hovering();
+    let bad = [
+        (sonar(1, 45.1), "within -45 to 45 degrees, not 45.1"),
+        (sonar(2, f64::NAN), "not NaN"),
+        (sonar(3, f64::NEG_INFINITY), "not -inf"),
+        (
+            camera(4, 10, 0, 0),
+            "the camera's pan must be within -9 to 9 tenths of a second, not 10",
+        ),
+        (camera(5, 0, -10, 0), "tilt"),
+        (camera(6, 0, 0, i32::MAX), "zoom"),
+        (light(7, -1, true), "a light's number is 0 or more"),
+    ];
+    for (tag, (request, text)) in (1..).zip(bad) {
+        trial.ask(0, [request]);
+        trial.run_for(0.2);
+        let rejection = trial.rejection(tag);
+        assert!(
+            rejection.starts_with("limit: ") && rejection.contains(text),
+            "{rejection}"
+        );
+    }
+    for name in ["SAN", "PTZ", "LIT"] {
+        assert!(trial.commands(name).is_empty());
+    }
+}
+
+#[test]
+fn sr_001_devices_need_a_table_a_grant_and_control() {
+    let mut no_table = Trial::with_under_way(setup(None));
+    let mut no_grant = setup(Some(hull_limits()));
+    no_grant.plugins[0].grants.retain(|grant| *grant != Grant::Devices);
+    let mut no_grant = Trial::with_under_way(no_grant);
+    let mut no_control = hovering();
+    no_control.operator(Operator::Hold);
+    for (trial, text) in [
+        (&mut no_table, "the mission has no [limits.hull]"),
+        (&mut no_grant, "does not grant it Devices"),
+        (&mut no_control, "control: the operator holds"),
+    ] {
+        for (name, request) in all() {
+            trial.ask(0, [request]);
+            trial.run_for(0.3);
+            assert!(trial.rejection(1).contains(text), "{}", trial.rejection(1));
+            assert!(trial.commands(name).is_empty());
+        }
+    }
+    let mut no_angles = hovering_with(HullLimits {
+        sonar_angle_min_deg: None,
+        sonar_angle_max_deg: None,
+        ..hull_limits()
+    });
+    no_angles.ask(0, [sonar(1, 0.0)]);
+    no_angles.run_for(0.3);
+    assert!(no_angles.rejection(1).contains("no sonar_angle_min_deg"));
+}
+
+#[test]
+fn sr_019_a_flood_is_held_to_the_rate_of_requests() {
+    let mut trial = hovering();
+    trial.script(0, |_| {
+        let flood = (0..100).map(|tag| camera(tag, 1, 0, 0));
+        (Duration::from_millis(1), Ok(flood.collect()))
+    });
+    trial.run_for(2.0);
+    assert!(trial.commands("PTZ").len() <= 65, "{}", trial.commands("PTZ").len());
+    assert!(trial.core.has_control());
+}

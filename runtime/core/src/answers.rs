@@ -13,7 +13,8 @@ impl Core {
     pub(crate) fn acknowledged(&mut self, ack: &Acknowledgement) {
         self.heard(ack.created);
         let pending = ack.status == AckStatus::Pending;
-        let Some(command) = self.commands.answer(ack, pending, self.now) else {
+        let subscriptions = self.session.subscriptions();
+        let Some(command) = self.commands.answer(ack, pending, self.now, subscriptions) else {
             return;
         };
         let answer = match ack.status {
@@ -27,6 +28,8 @@ impl Core {
     /// Takes an answer, or its absence, to what its command was sent for.
     pub(crate) fn answered(&mut self, command: Command, answer: Answer<'_>) {
         match command.purpose {
+            // Its answer tells of the vehicle's habits and of nothing else.
+            Purpose::Early => {}
             Purpose::Subscription(index) => self.subscription_answered(index, answer),
             Purpose::Plan => self.plan_answered(answer),
             Purpose::Lease(request) => self.lease_answered(request, answer),

@@ -96,8 +96,7 @@ impl Core {
             return false;
         }
         if let Some(command) = command {
-            // A command that is given up for want of room was sent long ago and its answer is overdue anyway.
-            let _given_up = self.commands.push(command);
+            self.commands.push(command, self.now);
         }
         self.outputs.push_back(Output::Send(bytes));
         true

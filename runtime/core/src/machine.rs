@@ -258,10 +258,7 @@ impl Core {
                 self.end_lease(reason);
                 self.end_hold(reason);
             }
-            self.note(Note::Control {
-                granted,
-                reason: lost.unwrap_or("").to_owned(),
-            });
+            self.tell_of_control(lost.unwrap_or(""));
             self.tell_all(&Event::Control(granted));
         }
     }

@@ -50,7 +50,7 @@ mod subscriptions;
 mod timer;
 mod topside;
 
-pub use drivers::{DriverSentence, DriverSetup};
+pub use drivers::{ConductivityUnit, DriverBounds, DriverSentence, DriverSetup};
 pub use envelope::Envelope;
 pub use io::{Identifiers, Input, Note, Operator, Output, Restarted, Start};
 pub use ledger::{RequestCounts, RequestKind, Transition};

@@ -9,6 +9,7 @@ use crate::acoustic::Acoustic;
 use crate::adjustment::Adjustments;
 use crate::commands::{Answer, Commands};
 use crate::conductor::Slot;
+use crate::drivers::Drivers;
 use crate::dvl::DvlTrigger;
 use crate::envelope::Envelope;
 use crate::helm::Lease;
@@ -16,6 +17,7 @@ use crate::hull::Hull;
 use crate::io::{Input, Note, Operator, Output, Start};
 use crate::ledger::{Ledger, RequestCounts};
 use crate::navigation::Tracker;
+use crate::owner::Owner;
 use crate::plan::Plan;
 use crate::plugin::{Event, PluginId, RequestState};
 use crate::session::Session;
@@ -53,6 +55,7 @@ pub struct Core {
     pub(crate) adjustments: Adjustments,
     pub(crate) acoustic: Acoustic,
     pub(crate) dvl: DvlTrigger,
+    pub(crate) drivers: Drivers,
     pub(crate) plugins: Vec<Slot>,
     pub(crate) start: Start,
     /// Backseat control as the configured hook last said.
@@ -77,6 +80,7 @@ impl Core {
     pub fn new(settings: Settings, envelope: Arc<Envelope>, plugins: Vec<PluginSetup>, start: Start) -> Self {
         let tracker = Tracker::new(*envelope.fence().frame(), envelope.limits());
         let slots: Vec<Slot> = plugins.into_iter().map(Slot::new).collect();
+        let drivers = Drivers::new(&settings.drivers);
         let mut core = Self {
             settings,
             envelope,
@@ -96,6 +100,7 @@ impl Core {
             adjustments: Adjustments::default(),
             acoustic: Acoustic::default(),
             dvl: DvlTrigger::default(),
+            drivers,
             plugins: slots,
             start,
             handed_over: None,
@@ -315,14 +320,13 @@ impl Core {
         let Some(transition) = self.ledger.transition(request, to) else {
             return;
         };
-        if let Some(plugin) = transition.owner.plugin() {
-            self.tell(
-                plugin,
-                Event::Outcome {
-                    tag: transition.tag,
-                    state: transition.state.clone(),
-                },
-            );
+        match transition.owner {
+            Owner::Plugin(plugin) => {
+                let (tag, state) = (transition.tag, transition.state.clone());
+                self.tell(plugin, Event::Outcome { tag, state });
+            }
+            Owner::Driver(driver) => self.tell_driver(driver, &transition),
+            Owner::Operator => {}
         }
         self.note(Note::Request(transition));
     }

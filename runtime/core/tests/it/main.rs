@@ -6,6 +6,7 @@
 
 mod control;
 mod course;
+mod drivers;
 mod freshness;
 mod geometry;
 mod inserts;

@@ -7,6 +7,7 @@
 mod clock;
 mod control;
 mod course;
+mod day;
 mod drivers;
 mod freshness;
 mod geometry;

@@ -511,9 +511,12 @@ fn sr_021_what_moves_the_frame_ends_the_lease_before_it_leaves_and_ten_seconds_p
     assert!(trial.core.is_steering());
 }
 
+/// How control is lost.
+type Loss = fn(&mut Trial);
+
 #[test]
 fn sr_014_without_control_only_the_relay_passes() {
-    let cases: [(&str, fn(&mut Trial)); 4] = [
+    let cases: [(&str, Loss); 4] = [
         ("the vehicle has control", |trial| {
             let now = trial.now;
             trial.vehicle.set_control(now, false);

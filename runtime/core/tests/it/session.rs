@@ -283,7 +283,7 @@ fn a_refused_subscription_is_the_one_that_was_refused_and_is_not_sent_again() {
         trial.run_for(0.5);
         let sent = subscriptions(&trial, Timestamp::ZERO);
         let answered = if unasked { &sent[..] } else { &sent[1..] };
-        for message in answered.to_vec() {
+        for message in answered {
             log_ack(&mut trial, "LOG", if message == "MIS" { 1 } else { 2 }, "as it is");
         }
         trial.run_for(4.0);

@@ -38,7 +38,6 @@ pub(crate) struct Vehicle {
     /// Navigation's own error.
     pub(crate) jump: EastNorth,
     pub(crate) navigates: bool,
-    pub(crate) navigates_every: Duration,
     /// The solution's time stands still since then.
     pub(crate) frozen: Option<Timestamp>,
     /// Whether what it has said of control is said again to a new subscriber.
@@ -73,7 +72,6 @@ impl Vehicle {
             altitude_m: Some(70.0),
             jump: EastNorth::default(),
             navigates: true,
-            navigates_every: Duration::from_millis(100),
             frozen: None,
             replays: true,
             control: true,
@@ -132,7 +130,7 @@ impl Vehicle {
         self.due = later;
         let mut said: Vec<_> = due.into_iter().map(|(_, message)| (message, None)).collect();
         if self.next_navigation <= now {
-            self.next_navigation = now + self.navigates_every;
+            self.next_navigation = now + Duration::from_millis(100);
             if self.navigates && self.subscribed.contains("NVG") && self.subscribed.contains("NVR") {
                 let solved = self.frozen.unwrap_or(now);
                 said.push((self.navigation(now, solved).into(), Some(solved)));

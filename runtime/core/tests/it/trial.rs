@@ -614,10 +614,13 @@ impl Judge {
             }
             _ => {}
         }
-        if matches!(
-            name,
-            "RMB" | "RTK" | "RTC" | "RGP" | "SUS" | "CON" | "GHP" | "GBP" | "TOP" | "SIL" | "TRM" | "BOY" | "CPD"
-        ) {
+        let moves_navigation = matches!(name, "NPU" | "CTD" | "RNS" | "RBO");
+        if moves_navigation
+            || matches!(
+                name,
+                "RMB" | "RTK" | "RTC" | "RGP" | "SUS" | "CON" | "GHP" | "GBP" | "TOP" | "SIL" | "TRM" | "BOY" | "CPD"
+            )
+        {
             assert!(self.armed && self.has_control(), "{name} at {now} without control");
             let solved = self.solved.expect("navigation");
             let age = now.since(solved);

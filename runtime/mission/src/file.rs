@@ -1,6 +1,8 @@
 use backseat_core::{FailAction, Grant, Limits, Settings};
 use serde::{Deserialize, Serialize};
 
+use crate::drivers::DriverTable;
+
 /// `mission.toml` as it is written.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -16,6 +18,9 @@ pub struct MissionFile {
     /// The plugins, the first of the highest priority.
     #[serde(default, rename = "plugin")]
     pub plugins: Vec<PluginTable>,
+    /// Who may send what moves the vehicle's idea of where it is.
+    #[serde(default, rename = "driver")]
+    pub drivers: Vec<DriverTable>,
 }
 
 /// The `[vehicle]` table.

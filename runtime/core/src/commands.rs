@@ -74,22 +74,17 @@ pub(crate) struct Commands {
     answers_early: bool,
 }
 
-/// More than this many at once and the oldest is late at once: no peer makes us remember without bound.
+/// More than this many at once and the oldest is given up: no peer makes us remember without bound.
 const COMMANDS_MAX: usize = 256;
 
 /// The name under which subscriptions are acknowledged. They have no time that an acknowledgement could echo.
 const LOG: &str = "LOG";
 
 impl Commands {
-    /// Remembers a command that leaves now. One that has to make room for it is taken for late: its ledger entry ends
-    /// as any other's.
-    pub(crate) fn push(&mut self, command: Command, now: Timestamp) {
-        if self.sent.len() >= COMMANDS_MAX
-            && let Some(oldest) = self.sent.iter_mut().find(|command| command.deadline > now)
-        {
-            oldest.deadline = now;
-        }
+    pub(crate) fn push(&mut self, command: Command) -> Option<Command> {
+        let given_up = (self.sent.len() >= COMMANDS_MAX).then(|| self.sent.remove(0));
         self.sent.push(command);
+        given_up
     }
 
     /// The command that an acknowledgement answers: by name, echoed time and identifier; one that names no command
@@ -270,10 +265,10 @@ mod tests {
     /// What a connection begins with.
     fn begun() -> Commands {
         let mut commands = Commands::default();
-        commands.push(command("VER", Some(at(1)), Purpose::Early, 2), Timestamp::ZERO);
-        commands.push(command("LOG", None, Purpose::Early, 2), Timestamp::ZERO);
+        commands.push(command("VER", Some(at(1)), Purpose::Early, 2));
+        commands.push(command("LOG", None, Purpose::Early, 2));
         for index in 1..MESSAGES.len() {
-            commands.push(command("LOG", None, Purpose::Subscription(index), 2), Timestamp::ZERO);
+            commands.push(command("LOG", None, Purpose::Subscription(index), 2));
         }
         commands
     }
@@ -330,8 +325,8 @@ mod tests {
     #[test]
     fn only_the_refusal_of_what_could_not_be_read_lacks_the_echo() {
         let mut commands = Commands::default();
-        commands.push(command("RMB", Some(at(7)), Purpose::Lease(1), 2), Timestamp::ZERO);
-        commands.push(command("RMB", Some(at(8)), Purpose::Lease(2), 2), Timestamp::ZERO);
+        commands.push(command("RMB", Some(at(7)), Purpose::Lease(1), 2));
+        commands.push(command("RMB", Some(at(8)), Purpose::Lease(2), 2));
         let late = |echoed, status| ack("RMB", echoed, status, "");
         assert_eq!(answered(&mut commands, &late(at(6), AckStatus::Succeeded)), None);
         assert_eq!(
@@ -344,19 +339,5 @@ mod tests {
         );
         let unread = late(TimeOfDay::MIDNIGHT, AckStatus::Invalid);
         assert_eq!(answered(&mut commands, &unread), Some(Purpose::Lease(1)));
-    }
-
-    #[test]
-    fn a_command_that_has_to_make_room_is_late_and_not_forgotten() {
-        let mut commands = Commands::default();
-        for number in 0..COMMANDS_MAX as u64 + 2 {
-            let created = Some(at(number + 1));
-            commands.push(command("RTK", created, Purpose::Insert(number), 2), Timestamp::ZERO);
-        }
-        let mut late = Vec::new();
-        while let Some(command) = commands.late(Timestamp::ZERO) {
-            late.push(command.purpose);
-        }
-        assert_eq!(late, [Purpose::Insert(0), Purpose::Insert(1)]);
     }
 }

@@ -41,6 +41,10 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         Some(address) => host_and_port(address, "--connect")?,
         None => host_and_port(&mission.file.vehicle.address, "mission.toml: vehicle.address")?,
     };
+    let (ports, heard) = {
+        let _within = runtime.enter();
+        Ports::open(&mission.file.drivers)?
+    };
     let host = Host::new()?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     let state = State::open(arguments.state.as_deref(), &mission.name)?;
@@ -83,10 +87,6 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         start,
     );
     let (sender, answers) = unbounded_channel();
-    let (ports, heard) = {
-        let _within = runtime.enter();
-        Ports::open(&mission.file.drivers)?
-    };
     let driver = Driver {
         core,
         clock,

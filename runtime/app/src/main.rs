@@ -5,6 +5,7 @@
 mod check;
 mod cli;
 mod clock;
+mod drivers;
 mod link;
 mod mvc;
 mod operator;

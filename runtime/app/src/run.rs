@@ -19,6 +19,7 @@ use tracing::{error, info, warn};
 
 use crate::cli::Run;
 use crate::clock::Clock;
+use crate::drivers::{Heard, Ports};
 use crate::link::{Link, Ready, connect};
 use crate::operator::Signals;
 use crate::plugins::{Answer, Crew};
@@ -39,6 +40,10 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let address = match &arguments.connect {
         Some(address) => host_and_port(address, "--connect")?,
         None => host_and_port(&mission.file.vehicle.address, "mission.toml: vehicle.address")?,
+    };
+    let (ports, heard) = {
+        let _within = runtime.enter();
+        Ports::open(&mission.file.drivers)?
     };
     let host = Host::new()?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
@@ -90,6 +95,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         connect_at: None,
         connecting: None,
         crew: Crew::new(host, loaded.plugins, sender),
+        ports,
         state,
         recorder: Some(recorder),
         finished: false,
@@ -100,7 +106,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         recorded_navigation: None,
         names,
     };
-    runtime.block_on(driver.drive(answers, signals))?;
+    runtime.block_on(driver.drive(answers, heard, signals))?;
     Ok(true)
 }
 
@@ -160,6 +166,7 @@ struct Driver {
     connect_at: Option<Timestamp>,
     connecting: Option<Pin<Box<dyn Future<Output = std::io::Result<TcpStream>>>>>,
     crew: Crew,
+    ports: Ports,
     state: State,
     /// Gone once it has failed: a full disk stops the log, not the vehicle.
     recorder: Option<Recorder<BufWriter<File>>>,
@@ -175,7 +182,12 @@ struct Driver {
 }
 
 impl Driver {
-    async fn drive(mut self, mut answers: UnboundedReceiver<Answer>, mut signals: Signals) -> Result<()> {
+    async fn drive(
+        mut self,
+        mut answers: UnboundedReceiver<Answer>,
+        mut heard: Heard,
+        mut signals: Signals,
+    ) -> Result<()> {
         let mut buffer = vec![0; 64 * 1024];
         let mut flush_at = Timestamp::ZERO + FLUSH_EVERY;
         self.carry_out_all();
@@ -202,6 +214,8 @@ impl Driver {
                     Ready::Writable => self.flush(),
                     Ready::Closed => self.lose_link("the vehicle closed the connection".to_owned()),
                 },
+                // Last: whatever the operator's programs say waits for all else.
+                Some((driver, bytes)) = heard.recv() => self.feed(Input::Driver(driver, &bytes)),
             }
             let now = self.clock.now();
             if self.link.write_deadline().is_some_and(|at| at <= now) {
@@ -270,6 +284,7 @@ impl Driver {
             Output::ResetLink => self.reset = true,
             Output::Invoke(plugin, input) => self.crew.step(plugin, input),
             Output::Restart(plugin) => self.crew.restart(plugin),
+            Output::Driver(driver, line) => self.ports.tell(driver, line),
             Output::Reserve(below) => match self.state.reserve(below) {
                 Ok(()) => self.reserve = Some(below),
                 Err(error) => error!("identifiers cannot be reserved, no more inserts are sent: {error:#}"),

@@ -7,6 +7,7 @@ use backseat_recorder::{Header, Rate, Recorder};
 use backseat_sim::{Report, Simulation, load_plugins, survey_map};
 use backseat_units::Timestamp;
 use indicatif::{ProgressBar, ProgressStyle};
+use tracing::info;
 
 use crate::cli::{Sim, Speed};
 use crate::clock::{Clock, pause};
@@ -41,6 +42,14 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
     }
 
+    if let [first, ..] = &mission.file.drivers[..] {
+        let all = mission.file.drivers.len();
+        info!(
+            "drivers are not simulated: {} and {} more are not listened for",
+            first.name,
+            all - 1
+        );
+    }
     let flying = Clock::start();
     let mut simulation = Simulation::new(&mission, arguments.seed, loaded, recorder)?;
     let progress = progress_bar(arguments.json);

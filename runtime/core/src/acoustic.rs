@@ -11,6 +11,7 @@ use backseat_spi::{
 };
 use backseat_units::{TimeOfDay, Timestamp};
 
+use crate::clock::elapsed_nanos;
 use crate::commands::{Answer, Purpose};
 use crate::envelope::limit;
 use crate::helm::refused;
@@ -176,7 +177,7 @@ impl Core {
 
     /// When a window ends on our clock, and until when a packet may leave.
     fn ends_of(&self, message: &MediumAccess) -> Result<(Timestamp, Timestamp), &'static str> {
-        let nanos = u64::try_from(message.until.nanos_since(message.created)).unwrap_or(0);
+        let nanos = u64::try_from(elapsed_nanos(message.created, message.until)).unwrap_or(0);
         let length = Duration::from_nanos(nanos);
         if length.is_zero() {
             return Err("it ends before it begins");

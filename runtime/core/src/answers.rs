@@ -12,7 +12,16 @@ use crate::session::name;
 impl Core {
     pub(crate) fn acknowledged(&mut self, ack: &Acknowledgement) {
         self.heard(ack.created);
-        let Some((command, settled)) = self.commands.answer(ack, self.now) else {
+        if let AckStatus::Other(code) = ack.status {
+            // It neither accepts nor refuses: the command stays unanswered, or what the vehicle flies would count as over.
+            if let Some(count) = self.session.malformed() {
+                let text = format!("BFACK of {}: status {code} is not defined", ack.command.as_str());
+                self.note(Note::Malformed { text, count });
+            }
+            return;
+        }
+        let subscriptions = self.session.subscriptions();
+        let Some((command, settled)) = self.commands.answer(ack, self.now, subscriptions) else {
             return;
         };
         let answer = match ack.status {
@@ -27,6 +36,8 @@ impl Core {
     /// Takes an answer, or its absence, to what its command was sent for.
     pub(crate) fn answered(&mut self, command: Command, answer: Answer<'_>) {
         match command.purpose {
+            // Its answer tells of the vehicle's habits and of nothing else.
+            Purpose::Early => {}
             Purpose::Subscription(index) => self.subscription_answered(index, answer),
             Purpose::Plan => self.plan_answered(answer),
             Purpose::Lease(request) => self.lease_answered(request, answer),

@@ -17,6 +17,8 @@ pub(crate) const PLAN_WITHIN: Duration = Duration::from_secs(10);
 /// What a command was sent for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Purpose {
+    /// It leaves before acknowledgements are asked for; a vehicle may answer it all the same.
+    Early,
     /// A subscription of the session, by its place in the list.
     Subscription(usize),
     /// The plan.
@@ -80,10 +82,15 @@ pub(crate) struct Command {
 #[derive(Debug, Default)]
 pub(crate) struct Commands {
     sent: Vec<Command>,
+    /// The vehicle answers on this connection what was sent before it was asked to.
+    answers_early: bool,
 }
 
 /// More than this many at once are not remembered: no peer makes us remember without bound.
 const COMMANDS_MAX: usize = 256;
+
+/// The name under which subscriptions are acknowledged. They have no time that an acknowledgement could echo.
+const LOG: &str = "LOG";
 
 impl Commands {
     /// Remembers a command that is to be sent. False where there is no room for its answer, so that it must not be sent:
@@ -96,7 +103,7 @@ impl Commands {
                 (Some(idle), _) => {
                     self.sent.remove(idle);
                 }
-                (None, Purpose::Courtesy) => return true,
+                (None, Purpose::Courtesy | Purpose::Early) => return true,
                 (None, Purpose::Ending(_)) => {}
                 (
                     None,
@@ -124,27 +131,38 @@ impl Commands {
 
     /// The command that an acknowledgement answers: by name, echoed time and identifier; one that names no command
     /// (`NAK`) answers the oldest. With it, whether it is settled: a final answer takes it, another leaves it waiting.
-    pub(crate) fn answer(&mut self, ack: &Acknowledgement, now: Timestamp) -> Option<(Command, bool)> {
-        let index = if ack.command.as_str() == "NAK" {
+    /// `subscriptions` are the messages that [`Purpose::Subscription`] counts.
+    pub(crate) fn answer(
+        &mut self,
+        ack: &Acknowledgement,
+        now: Timestamp,
+        subscriptions: &[&str],
+    ) -> Option<(Command, bool)> {
+        let index = if ack.command == CommandName::NAK {
             self.sent.iter().position(|command| !command.pending)?
+        } else if ack.command.as_str() == LOG {
+            self.subscription(ack, subscriptions)?
         } else {
             self.sent
                 .iter()
                 .position(|command| {
                     command.name == ack.command
-                        && command.created.unwrap_or(TimeOfDay::MIDNIGHT) == ack.command_created.truncated_to_millis()
+                        && command.created == Some(ack.command_created.truncated_to_millis())
                         && (ack.behavior.is_none()
                             || command.identifier.is_none()
                             || ack.behavior == command.identifier)
                 })
                 .or_else(|| {
                     // A command that could not be read is refused with no echo of its time: the oldest of its name.
-                    (ack.command_created == TimeOfDay::MIDNIGHT)
+                    // Nothing but that refusal may lack the echo, or a late answer would confirm a later command.
+                    let unread = ack.status == AckStatus::Invalid && ack.command_created == TimeOfDay::MIDNIGHT;
+                    unread
                         .then(|| self.sent.iter().position(|command| command.name == ack.command))
                         .flatten()
                 })?
         };
         let command = &mut self.sent[index];
+        self.answers_early |= command.purpose == Purpose::Early;
         let settled = match ack.status {
             AckStatus::Pending => false,
             // The first of two acknowledgements of silent mode tells of the receipt, and need not say pending (7.22).
@@ -162,7 +180,8 @@ impl Commands {
             command.deadline = match command.purpose {
                 Purpose::Plan => now + PLAN_WITHIN,
                 Purpose::Silent(_) => now + SILENT_WITHIN,
-                Purpose::Subscription(_)
+                Purpose::Early
+                | Purpose::Subscription(_)
                 | Purpose::Lease(_)
                 | Purpose::Insert(_)
                 | Purpose::Cancel { .. }
@@ -180,6 +199,50 @@ impl Commands {
             };
             Some((*command, false))
         }
+    }
+
+    /// The subscription that an acknowledgement is for: the one that its text names, else the oldest.
+    ///
+    /// What was sent before acknowledgements were asked for counts only where the vehicle answers such a thing. It
+    /// answers in order, so it would have answered BPVER before any subscription; otherwise each answer would be taken
+    /// for that of the subscription before.
+    fn subscription(&mut self, ack: &Acknowledgement, subscriptions: &[&str]) -> Option<usize> {
+        if !self.answers_early {
+            self.sent.retain(|command| command.purpose != Purpose::Early);
+        }
+        let subject = |command: &Command| match command.purpose {
+            Purpose::Subscription(index) => subscriptions.get(index).copied(),
+            // The first of the list is subscribed before acknowledgements are.
+            Purpose::Early => subscriptions.first().copied(),
+            Purpose::Plan
+            | Purpose::Lease(_)
+            | Purpose::Insert(_)
+            | Purpose::Cancel { .. }
+            | Purpose::Request(_)
+            | Purpose::Topside(_)
+            | Purpose::Silent(_)
+            | Purpose::Adjustment(_)
+            | Purpose::Packet(_)
+            | Purpose::DvlTrigger(_)
+            | Purpose::Hold(_)
+            | Purpose::SpeedRestored(_)
+            | Purpose::CancelAll(_)
+            | Purpose::Ending(_)
+            | Purpose::EmptyMission(_)
+            | Purpose::Courtesy => None,
+        };
+        let waiting = || self.sent.iter().filter(|command| command.name == ack.command);
+        let text = ack.text.as_str();
+        let mut named = waiting().filter_map(subject).filter(|subject| names(text, subject));
+        let named = match (named.next(), named.next()) {
+            (Some(one), None) => Some(one),
+            // The same message may be subscribed twice; two messages in one text name none.
+            (Some(one), Some(other)) if one == other && named.all(|more| more == one) => Some(one),
+            (Some(_), Some(_)) | (None, _) => None,
+        };
+        self.sent.iter().position(|command| {
+            command.name == ack.command && named.is_none_or(|named| subject(command) == Some(named))
+        })
     }
 
     /// Takes a command whose answer is late.
@@ -222,38 +285,145 @@ impl Commands {
     /// The link is gone: no answer comes.
     pub(crate) fn clear(&mut self) {
         self.sent.clear();
+        self.answers_early = false;
     }
+}
+
+/// Whether a text has a message's name among its words, `NVG` or `BFNVG`.
+fn names(text: &str, message: &str) -> bool {
+    text.split(|character: char| !character.is_ascii_alphanumeric())
+        .any(|word| word.strip_prefix("BF").unwrap_or(word) == message)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::session::name;
+    use backseat_spi::Text;
 
-    fn command(purpose: Purpose) -> Command {
+    const MESSAGES: [&str; 4] = ["CTL", "ACK", "MIS", "CTL"];
+
+    fn command(letters: &str, created: Option<TimeOfDay>, purpose: Purpose, deadline_s: u64) -> Command {
         Command {
-            name: name("RTK"),
-            created: None,
+            name: CommandName::new(letters).unwrap(),
+            created,
             identifier: None,
             purpose,
-            deadline: Timestamp::ZERO,
+            deadline: Timestamp::from_secs(deadline_s),
             pending: false,
         }
+    }
+
+    fn ack(letters: &str, echoed: TimeOfDay, status: AckStatus, text: &str) -> Acknowledgement {
+        Acknowledgement {
+            created: TimeOfDay::MIDNIGHT,
+            command: CommandName::new(letters).unwrap(),
+            command_created: echoed,
+            behavior: None,
+            status,
+            text: Text::cleaned(text),
+        }
+    }
+
+    fn at(millis: u64) -> TimeOfDay {
+        TimeOfDay::from_nanos(millis * 1_000_000).unwrap()
+    }
+
+    /// What a connection begins with.
+    fn begun() -> Commands {
+        let mut commands = Commands::default();
+        commands.push(command("VER", Some(at(1)), Purpose::Early, 2));
+        commands.push(command("LOG", None, Purpose::Early, 2));
+        for index in 1..MESSAGES.len() {
+            commands.push(command("LOG", None, Purpose::Subscription(index), 2));
+        }
+        commands
+    }
+
+    fn answered(commands: &mut Commands, ack: &Acknowledgement) -> Option<Purpose> {
+        let command = commands.answer(ack, Timestamp::ZERO, &MESSAGES);
+        command.map(|(command, _)| command.purpose)
+    }
+
+    #[test]
+    fn a_vehicle_that_answers_when_asked_to_answers_from_the_asking_on() {
+        let mut commands = begun();
+        for index in 1..MESSAGES.len() {
+            let log = ack("LOG", TimeOfDay::MIDNIGHT, AckStatus::Succeeded, "log set");
+            assert_eq!(answered(&mut commands, &log), Some(Purpose::Subscription(index)));
+        }
+        assert_eq!(commands.next_deadline(), None);
+    }
+
+    #[test]
+    fn a_vehicle_that_answers_unasked_answers_from_the_beginning() {
+        for first in [
+            ack("VER", at(1), AckStatus::Succeeded, ""),
+            ack("NAK", TimeOfDay::MIDNIGHT, AckStatus::Invalid, "what"),
+        ] {
+            let mut commands = begun();
+            assert_eq!(answered(&mut commands, &first), Some(Purpose::Early));
+            let log = ack("LOG", TimeOfDay::MIDNIGHT, AckStatus::Succeeded, "log set");
+            assert_eq!(answered(&mut commands, &log), Some(Purpose::Early));
+            for index in 1..MESSAGES.len() {
+                assert_eq!(answered(&mut commands, &log), Some(Purpose::Subscription(index)));
+            }
+        }
+    }
+
+    #[test]
+    fn a_subscription_that_the_answer_names_is_the_one() {
+        let mut commands = begun();
+        let log = |text| ack("LOG", TimeOfDay::MIDNIGHT, AckStatus::Failed, text);
+        assert_eq!(
+            answered(&mut commands, &log("no BFMIS here")),
+            Some(Purpose::Subscription(2))
+        );
+        assert_eq!(answered(&mut commands, &log("CTL ON")), Some(Purpose::Subscription(3)));
+        assert_eq!(answered(&mut commands, &log("ACK")), Some(Purpose::Subscription(1)));
+        assert_eq!(answered(&mut commands, &log("ACK")), None);
+        let mut commands = begun();
+        assert_eq!(
+            answered(&mut commands, &log("either MIS or CTL")),
+            Some(Purpose::Subscription(1))
+        );
+    }
+
+    #[test]
+    fn only_the_refusal_of_what_could_not_be_read_lacks_the_echo() {
+        let mut commands = Commands::default();
+        commands.push(command("RMB", Some(at(7)), Purpose::Lease(1), 2));
+        commands.push(command("RMB", Some(at(8)), Purpose::Lease(2), 2));
+        let late = |echoed, status| ack("RMB", echoed, status, "");
+        assert_eq!(answered(&mut commands, &late(at(6), AckStatus::Succeeded)), None);
+        assert_eq!(
+            answered(&mut commands, &late(TimeOfDay::MIDNIGHT, AckStatus::Succeeded)),
+            None
+        );
+        assert_eq!(
+            answered(&mut commands, &late(at(8), AckStatus::Succeeded)),
+            Some(Purpose::Lease(2))
+        );
+        let unread = late(TimeOfDay::MIDNIGHT, AckStatus::Invalid);
+        assert_eq!(answered(&mut commands, &unread), Some(Purpose::Lease(1)));
+    }
+
+    fn insert(purpose: Purpose) -> Command {
+        command("RTK", None, purpose, 0)
     }
 
     #[test]
     fn what_hangs_on_a_command_is_never_forgotten_for_want_of_room() {
         let mut commands = Commands::default();
-        assert!(commands.push(command(Purpose::Courtesy)));
+        assert!(commands.push(insert(Purpose::Courtesy)));
         for request in 0..COMMANDS_MAX as u64 {
-            assert!(commands.push(command(Purpose::Insert(request))), "{request}");
+            assert!(commands.push(insert(Purpose::Insert(request))), "{request}");
         }
-        assert!(!commands.push(command(Purpose::Insert(999))), "it is not sent then");
+        assert!(!commands.push(insert(Purpose::Insert(999))), "it is not sent then");
         assert!(
-            commands.push(command(Purpose::Courtesy)),
+            commands.push(insert(Purpose::Courtesy)),
             "it is sent, and its answer is nobody's"
         );
-        assert!(commands.push(command(Purpose::Ending(1000))));
+        assert!(commands.push(insert(Purpose::Ending(1000))));
         let mut late = Vec::new();
         while let Some(command) = commands.late(Timestamp::ZERO) {
             late.push(command.purpose);

@@ -52,7 +52,7 @@ mod subscriptions;
 mod timer;
 mod topside;
 
-pub use drivers::{DriverSentence, DriverSetup};
+pub use drivers::{ConductivityUnit, DriverBounds, DriverSentence, DriverSetup};
 pub use envelope::Envelope;
 pub use hull_limits::{BottomBox, HullBox, HullLimits};
 pub use io::{Identifiers, Input, Note, Operator, Output, Restarted, Start};

@@ -9,6 +9,7 @@ use crate::acoustic::Acoustic;
 use crate::adjustment::Adjustments;
 use crate::commands::{Answer, Commands};
 use crate::conductor::Slot;
+use crate::drivers::Drivers;
 use crate::dvl::DvlTrigger;
 use crate::envelope::Envelope;
 use crate::helm::Lease;
@@ -17,6 +18,7 @@ use crate::io::{Input, Note, Operator, Output, Start};
 use crate::ledger::{Ledger, RequestCounts};
 use crate::navigation::Tracker;
 use crate::orders::Orders;
+use crate::owner::Owner;
 use crate::plan::Plan;
 use crate::plugin::{Event, PluginId, RequestState};
 use crate::session::Session;
@@ -57,6 +59,7 @@ pub struct Core {
     pub(crate) dvl: DvlTrigger,
     pub(crate) orders: Orders,
     pub(crate) topside: Topside,
+    pub(crate) drivers: Drivers,
     pub(crate) plugins: Vec<Slot>,
     pub(crate) start: Start,
     /// Backseat control as the configured hook last said.
@@ -83,6 +86,7 @@ impl Core {
         let tracker = Tracker::new(*envelope.fence().frame(), envelope.limits());
         let hull = Hull::new(envelope.limits());
         let slots: Vec<Slot> = plugins.into_iter().map(Slot::new).collect();
+        let drivers = Drivers::new(&settings.drivers);
         let mut core = Self {
             settings,
             envelope,
@@ -104,6 +108,7 @@ impl Core {
             dvl: DvlTrigger::default(),
             orders: Orders::default(),
             topside: Topside::default(),
+            drivers,
             plugins: slots,
             start,
             handed_over: None,
@@ -274,10 +279,7 @@ impl Core {
             if granted {
                 self.hull_control_granted();
             }
-            self.note(Note::Control {
-                granted,
-                reason: lost.unwrap_or("").to_owned(),
-            });
+            self.tell_of_control(lost.unwrap_or(""));
             self.tell_all(&Event::Control(granted));
         }
     }
@@ -340,14 +342,13 @@ impl Core {
         let Some(transition) = self.ledger.transition(request, to) else {
             return;
         };
-        if let Some(plugin) = transition.owner.plugin() {
-            self.tell(
-                plugin,
-                Event::Outcome {
-                    tag: transition.tag,
-                    state: transition.state.clone(),
-                },
-            );
+        match transition.owner {
+            Owner::Plugin(plugin) => {
+                let (tag, state) = (transition.tag, transition.state.clone());
+                self.tell(plugin, Event::Outcome { tag, state });
+            }
+            Owner::Driver(driver) => self.tell_driver(driver, &transition),
+            Owner::Operator => {}
         }
         self.note(Note::Request(transition));
     }

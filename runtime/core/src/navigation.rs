@@ -3,7 +3,7 @@ use std::time::Duration;
 use backseat_spi::{Navigation, PositionQuality, VelocityAndRates};
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 
-use crate::clock::VehicleClock;
+use crate::clock::{VehicleClock, elapsed_nanos};
 use crate::envelope::{BottomLock, bottom_lock};
 use crate::limits::Limits;
 use crate::plugin::NavigationSample;
@@ -95,7 +95,7 @@ impl Tracker {
         let mut change = Change::Follows;
         let mut velocity = (0.0, 0.0, 0.0, 0.0);
         if let Some(last) = &self.newest {
-            let elapsed_nanos = message.solution.nanos_since(last.solution);
+            let elapsed_nanos = elapsed_nanos(last.solution, message.solution);
             if elapsed_nanos <= 0 {
                 return None;
             }
@@ -154,6 +154,11 @@ impl Tracker {
         newest.written == message.created
     }
 
+    /// When the newest sample was written, by the vehicle's clock.
+    pub(crate) fn written(&self) -> Option<TimeOfDay> {
+        self.newest.as_ref().map(|newest| newest.written)
+    }
+
     /// The newest sample, however old.
     pub(crate) fn newest(&self) -> Option<&NavigationSample> {
         self.newest.as_ref().map(|newest| &newest.sample)
@@ -169,6 +174,12 @@ impl Tracker {
     /// with every sample of a navigation that is just as old as may be.
     pub(crate) fn unsettle(&mut self) {
         self.steady_since = None;
+    }
+
+    /// The vehicle is told where it is, or what its frame is: what it says from now on is another frame's (safety
+    /// requirement 021).
+    pub(crate) fn frame_reset(&mut self, now: Timestamp) {
+        self.jumped_at = Some(now);
     }
 
     /// When the newest sample will have become stale.

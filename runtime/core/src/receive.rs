@@ -39,6 +39,7 @@ impl Core {
     }
 
     fn message(&mut self, message: FromVehicle) {
+        self.session.confirm_by_data(message.name());
         match message {
             FromVehicle::Navigation(message) => self.navigated(&message),
             FromVehicle::VelocityAndRates(message) => self.velocity(&message),
@@ -82,11 +83,7 @@ impl Core {
                 self.note(Note::VehicleVersion {
                     version: message.version.as_str().to_owned(),
                 });
-                let offset_s = self.tracker.clock().offset_nanos(self.now).unwrap_or(0) as f64 / 1e9;
-                self.note(Note::Clock {
-                    offset_s,
-                    vehicle: message.created,
-                });
+                self.tell_of_clock(message.created);
             }
             FromVehicle::LoggingBegin(message) => {
                 self.heard(message.created);

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use backseat_spi::{CommandName, LoggingControl, PayloadStatus, PayloadVersion, RequestPlan, Text, ToVehicle};
-use backseat_units::Timestamp;
+use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
 use crate::conductor::Slot;
@@ -11,7 +11,7 @@ use crate::io::{Note, Output};
 use crate::machine::Core;
 use crate::plugin::RequestState;
 use crate::settings::StatusCondition;
-use crate::subscriptions;
+use crate::subscriptions::{self, ACKNOWLEDGEMENTS};
 use crate::timer::Timer;
 
 /// The interface that we speak.
@@ -26,7 +26,18 @@ const OLD_FOR: Duration = Duration::from_secs(30);
 const PLAN_RETRY: Duration = Duration::from_secs(5);
 const STATUS_EVERY: Duration = Duration::from_secs(10);
 const RETRY_MIN_S: f64 = 0.5;
+/// The longest pause between two attempts to connect, chance included.
 const RETRY_MAX_S: f64 = 10.0;
+/// Subscriptions that are not answered are sent again after 2, 4, 8, 16 and then every 32 s: there are vehicles that
+/// never acknowledge, and their link is not to be filled with asking.
+const SUBSCRIPTION_DOUBLINGS: u32 = 4;
+/// Changes of control that are told of at once, and how long until one more is: a vehicle that hands over and takes back
+/// ten times a second does not fill the log.
+const CONTROL_NOTES: u32 = 8;
+const CONTROL_NOTE_EVERY: Duration = Duration::from_secs(5);
+/// A change of the vehicle's clock against ours that is told of, nanoseconds.
+const CLOCK_STEP_NANOS: i64 = 500_000_000;
+const CLOCK_NOTE_EVERY: Duration = Duration::from_secs(10);
 
 /// Where the connection stands.
 #[derive(Debug)]
@@ -37,11 +48,31 @@ pub(crate) struct Session {
     /// How often in a row navigation has not come.
     silences: u32,
     subscriptions: Vec<&'static str>,
-    /// Which of them the vehicle has acknowledged on this connection.
+    /// Which of them the vehicle has acknowledged, or has sent the data of, on this connection.
     confirmed: Vec<bool>,
+    /// How often each has been sent on this connection without an answer.
+    unanswered: Vec<u32>,
+    /// How many are not confirmed.
+    unconfirmed: usize,
+    /// Acknowledgements have been subscribed on this connection.
+    acknowledged: bool,
     malformed: u64,
     /// Since when navigation has come and been old.
     old_since: Option<Timestamp>,
+    /// The vehicle's clock as it was last told of on this connection, and when.
+    clock_told: Option<(i64, Timestamp)>,
+    control_notes: ControlNotes,
+}
+
+/// How many changes of control are still told of, and what has not been.
+#[derive(Debug)]
+struct ControlNotes {
+    left: u32,
+    /// When one more was let through last.
+    refilled: Timestamp,
+    untold: u64,
+    /// What was last told.
+    told: bool,
 }
 
 impl Session {
@@ -52,9 +83,62 @@ impl Session {
             attempts: 0,
             silences: 0,
             confirmed: vec![false; subscriptions.len()],
+            unanswered: vec![0; subscriptions.len()],
+            unconfirmed: subscriptions.len(),
+            acknowledged: false,
             subscriptions,
             malformed: 0,
             old_since: None,
+            clock_told: None,
+            control_notes: ControlNotes {
+                left: CONTROL_NOTES,
+                refilled: Timestamp::ZERO,
+                untold: 0,
+                told: false,
+            },
+        }
+    }
+
+    /// A new connection: nothing is subscribed on it.
+    fn begin(&mut self) {
+        self.up = true;
+        self.silences = 0;
+        self.malformed = 0;
+        self.old_since = None;
+        self.clock_told = None;
+        self.acknowledged = false;
+        self.doubt_subscriptions();
+    }
+
+    /// The vehicle may have none of the subscriptions.
+    fn doubt_subscriptions(&mut self) {
+        self.confirmed.fill(false);
+        self.unanswered.fill(0);
+        self.unconfirmed = self.subscriptions.len();
+    }
+
+    /// The messages that are subscribed, in order.
+    pub(crate) fn subscriptions(&self) -> &[&'static str] {
+        &self.subscriptions
+    }
+
+    /// A message has come, `BFNVG`: its subscription stands, whatever became of the acknowledgement.
+    pub(crate) fn confirm_by_data(&mut self, message: &str) {
+        if self.unconfirmed == 0 {
+            return;
+        }
+        for index in 0..self.subscriptions.len() {
+            if message.strip_prefix("BF") == Some(self.subscriptions[index]) {
+                self.confirm(index);
+            }
+        }
+    }
+
+    fn confirm(&mut self, index: usize) {
+        self.unanswered[index] = 0;
+        if !self.confirmed[index] {
+            self.confirmed[index] = true;
+            self.unconfirmed -= 1;
         }
     }
 
@@ -62,7 +146,7 @@ impl Session {
         self.up
     }
 
-    /// Whether the vehicle has acknowledged the subscription to a message on this connection.
+    /// Whether the vehicle has acknowledged the subscription to a message on this connection, or sent the message.
     pub(crate) fn is_subscribed(&self, message: &str) -> bool {
         let mut both = self.subscriptions.iter().zip(&self.confirmed);
         both.any(|(subscription, confirmed)| *subscription == message && *confirmed)
@@ -71,11 +155,7 @@ impl Session {
     /// Counts a sentence that cannot be read; how many there were. Told at 1, 10, 100, ...
     pub(crate) fn malformed(&mut self) -> Option<u64> {
         self.malformed += 1;
-        let mut told = 1;
-        while told < self.malformed {
-            told *= 10;
-        }
-        (told == self.malformed).then_some(told)
+        is_told(self.malformed).then_some(self.malformed)
     }
 
     /// Navigation came: the connection is good.
@@ -94,18 +174,15 @@ impl Core {
         self.plan.forget();
         self.handed_over = None;
         self.running = None;
-        self.session.up = true;
-        self.session.silences = 0;
-        self.session.malformed = 0;
-        self.session.old_since = None;
-        self.session.confirmed.fill(false);
+        self.session.begin();
         self.note(Note::LinkUp);
         let created = self.stamper.stamp(self.now, "VER");
         let version = ToVehicle::PayloadVersion(PayloadVersion {
             created,
             version: Text::cleaned(VERSION),
         });
-        self.transmit(&version, None);
+        let command = self.early("VER", Some(created));
+        self.transmit(&version, Some(command));
         self.subscribe_all();
         self.ask_for_plan();
         self.orders_link_up();
@@ -165,16 +242,16 @@ impl Core {
         self.session.attempts = self.session.attempts.saturating_add(1);
     }
 
-    /// Doubled at each attempt, within half and one and a half of it by chance, so that payloads that lost the vehicle
-    /// together do not come back together.
+    /// Doubled at each attempt, half of it by chance, so that payloads that lost the vehicle together do not come back
+    /// together.
     fn retry_s(&self) -> f64 {
-        let doubled = RETRY_MIN_S * f64::from(1u32 << self.session.attempts.min(5));
+        let doubled = 2.0 * RETRY_MIN_S * f64::from(1u32 << self.session.attempts.min(5));
         let mut bits = self.start.jitter ^ u64::from(self.session.attempts) ^ self.now.as_nanos();
         // The finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014): every bit of the state counts.
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         let chance = ((bits ^ (bits >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
-        (doubled.min(RETRY_MAX_S) * (0.5 + chance)).max(RETRY_MIN_S)
+        doubled.min(RETRY_MAX_S) * (0.5 + 0.5 * chance)
     }
 
     fn subscribe_all(&mut self) {
@@ -184,26 +261,41 @@ impl Core {
     }
 
     fn subscribe(&mut self, index: usize) {
+        let subject = self.session.subscriptions[index];
         let message = ToVehicle::LoggingControl(LoggingControl {
-            message: Text::cleaned(self.session.subscriptions[index]),
+            message: Text::cleaned(subject),
             on: true,
         });
-        // The first comes before acknowledgements are on.
-        let command = (index > 0).then(|| Command {
-            name: name("LOG"),
-            created: None,
-            identifier: None,
-            purpose: Purpose::Subscription(index),
-            deadline: self.now + 2 * FIRST_WITHIN,
-            pending: false,
-        });
-        self.transmit(&message, command);
+        self.session.acknowledged |= subject == ACKNOWLEDGEMENTS;
+        let command = if self.session.acknowledged {
+            let doublings = self.session.unanswered[index].min(SUBSCRIPTION_DOUBLINGS);
+            self.session.unanswered[index] += 1;
+            Command {
+                name: name("LOG"),
+                created: None,
+                identifier: None,
+                purpose: Purpose::Subscription(index),
+                deadline: self.now + 2 * FIRST_WITHIN * (1 << doublings),
+                pending: false,
+            }
+        } else {
+            self.early("LOG", None)
+        };
+        self.transmit(&message, Some(command));
+    }
+
+    /// A command that leaves before acknowledgements are asked for.
+    fn early(&self, letters: &'static str, created: Option<TimeOfDay>) -> Command {
+        Command {
+            purpose: Purpose::Early,
+            ..self.courtesy(letters, created)
+        }
     }
 
     pub(crate) fn subscription_answered(&mut self, index: usize, answer: Answer<'_>) {
         match answer {
             Answer::Pending => {}
-            Answer::Done => self.session.confirmed[index] = true,
+            Answer::Done => self.session.confirm(index),
             Answer::Refused(text) => {
                 let message = self.session.subscriptions[index];
                 self.note(Note::Text {
@@ -263,6 +355,7 @@ impl Core {
     pub(crate) fn navigation_came(&mut self) {
         self.session.heard_navigation();
         self.timers.set(Timer::Silence, self.now + SILENT);
+        self.watch_clock();
         if self.tracker.fresh(self.now).is_some() && self.tracker.steady(self.now) {
             self.session.old_since = None;
             return;
@@ -273,6 +366,73 @@ impl Core {
             let text = "navigation has come old for 30 s: the connection is reset and the clocks are learnt anew";
             self.note(Note::Text { text: text.to_owned() });
             self.outputs.push_back(Output::ResetLink);
+        }
+    }
+
+    /// Tells of the vehicle's clock where it has moved against ours since it was last told on this connection.
+    fn watch_clock(&mut self) {
+        let Some(offset) = self.tracker.clock().offset_nanos(self.now) else {
+            return;
+        };
+        if let Some((told, at)) = self.session.clock_told
+            && (offset.abs_diff(told) < CLOCK_STEP_NANOS.unsigned_abs() || self.now.since(at) < CLOCK_NOTE_EVERY)
+        {
+            return;
+        }
+        if let Some(written) = self.tracker.written() {
+            self.tell_of_clock(written);
+        }
+    }
+
+    /// Tells of the vehicle's clock, which has just said `written`.
+    pub(crate) fn tell_of_clock(&mut self, written: TimeOfDay) {
+        let offset = self.tracker.clock().offset_nanos(self.now).unwrap_or(0);
+        self.session.clock_told = Some((offset, self.now));
+        self.note(Note::Clock {
+            offset_s: offset as f64 / 1e9,
+            vehicle: written,
+        });
+    }
+
+    /// Control has changed hands: told at once, unless it does so all the time.
+    pub(crate) fn tell_of_control(&mut self, reason: &str) {
+        let granted = self.granted;
+        let notes = &mut self.session.control_notes;
+        let every = CONTROL_NOTE_EVERY.as_nanos();
+        let refill = u32::try_from(self.now.since(notes.refilled).as_nanos() / every).unwrap_or(u32::MAX);
+        if refill > 0 {
+            notes.left = notes.left.saturating_add(refill).min(CONTROL_NOTES);
+            notes.refilled = self.now;
+        }
+        if notes.left == 0 {
+            notes.untold += 1;
+            return;
+        }
+        notes.left -= 1;
+        notes.told = granted;
+        self.note(Note::Control {
+            granted,
+            reason: reason.to_owned(),
+        });
+    }
+
+    /// What was not told of control when it changed too often.
+    fn catch_up_on_control(&mut self) {
+        let granted = self.granted;
+        let notes = &mut self.session.control_notes;
+        let untold = std::mem::take(&mut notes.untold);
+        if untold == 0 {
+            return;
+        }
+        let changed = std::mem::replace(&mut notes.told, granted) != granted;
+        self.note(Note::Text {
+            text: format!("control has changed hands {untold} times more"),
+        });
+        if changed {
+            self.note(Note::Control {
+                granted,
+                reason: self.lost_because().unwrap_or("").to_owned(),
+            });
         }
     }
 
@@ -288,12 +448,14 @@ impl Core {
             self.note(Note::Text {
                 text: "no navigation for 5 s: subscribing anew".to_owned(),
             });
+            self.session.doubt_subscriptions();
             self.subscribe_all();
         }
         self.timers.set(Timer::Silence, self.now + SILENT);
     }
 
     pub(crate) fn send_status(&mut self) {
+        self.catch_up_on_control();
         let failed = self
             .settings
             .status_failed_when
@@ -319,7 +481,7 @@ impl Core {
     }
 
     /// A command whose answer is taken note of and no more.
-    pub(crate) fn courtesy(&self, command: &'static str, created: Option<backseat_units::TimeOfDay>) -> Command {
+    pub(crate) fn courtesy(&self, command: &'static str, created: Option<TimeOfDay>) -> Command {
         Command {
             name: name(command),
             created,
@@ -329,6 +491,15 @@ impl Core {
             pending: false,
         }
     }
+}
+
+/// Whether something that is counted is told of at this count: at 1, 10, 100, ...
+pub(crate) fn is_told(count: u64) -> bool {
+    let mut told = 1u64;
+    while told < count {
+        told = told.saturating_mul(10);
+    }
+    told == count
 }
 
 /// A command's three letters.

@@ -3,12 +3,17 @@ use std::time::Duration;
 
 use backseat_units::{TimeOfDay, Timestamp, Utc};
 
+/// A stamp is moved on because of an earlier one for so long after that; later it is another day's.
+const BURST: Duration = Duration::from_secs(60);
+
 /// Gives our sentences their timestamps: UTC in whole milliseconds, never the same twice running for one name, so that
-/// an acknowledgement's echo names exactly one command.
+/// an acknowledgement's echo names exactly one command. Never midnight to the millisecond, which in an echo means that
+/// there was no time.
 #[derive(Debug)]
 pub(crate) struct Stamper {
     utc_at_start: Utc,
-    last: BTreeMap<&'static str, TimeOfDay>,
+    /// By name, with the time at which it was given.
+    last: BTreeMap<&'static str, (TimeOfDay, Timestamp)>,
 }
 
 impl Stamper {
@@ -25,14 +30,16 @@ impl Stamper {
 
     pub(crate) fn stamp(&mut self, now: Timestamp, name: &'static str) -> TimeOfDay {
         let mut stamp = self.utc(now).time_of_day().truncated_to_millis();
-        if let Some(last) = self.last.get(name)
+        if let Some((last, given)) = self.last.get(name)
+            && now.since(*given) < BURST
             && stamp.nanos_since(*last) <= 0
-            // Further back than this is a new day or a stepped clock, not a burst.
-            && stamp.nanos_since(*last) > -60_000_000_000
         {
             stamp = *last + Duration::from_millis(1);
         }
-        self.last.insert(name, stamp);
+        if stamp == TimeOfDay::MIDNIGHT {
+            stamp = stamp + Duration::from_millis(1);
+        }
+        self.last.insert(name, (stamp, now));
         stamp
     }
 }
@@ -47,11 +54,19 @@ mod tests {
         let stamps: Vec<String> = (0..3)
             .map(|_| stamper.stamp(Timestamp::ZERO, "BPRMB").to_string())
             .collect();
-        assert_eq!(stamps, ["23:59:59.999", "00:00:00.000", "00:00:00.001"]);
+        assert_eq!(stamps, ["23:59:59.999", "00:00:00.001", "00:00:00.002"]);
         assert_eq!(stamper.stamp(Timestamp::ZERO, "BPRTK").to_string(), "23:59:59.999");
         assert_eq!(
             stamper.stamp(Timestamp::from_secs(1), "BPRMB").to_string(),
             "00:00:00.999"
         );
+    }
+
+    #[test]
+    fn a_day_later_the_stamp_is_that_of_the_clock() {
+        let mut stamper = Stamper::new(Utc::from_unix_nanos(36_000_000_000_000));
+        stamper.stamp(Timestamp::from_secs(30), "BPABT");
+        let next_day = stamper.stamp(Timestamp::from_secs(86_400), "BPABT");
+        assert_eq!(next_day.to_string(), "10:00:00.000");
     }
 }

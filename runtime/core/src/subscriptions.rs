@@ -4,9 +4,12 @@ use crate::conductor::Slot;
 use crate::limits::Grant;
 use crate::plugin::Topic;
 
+/// BFACK: what is sent before this subscription is not acknowledged.
+pub(crate) const ACKNOWLEDGEMENTS: &str = "ACK";
+
 /// BFCTL before all: real vehicles send it only on the transition, and who subscribes late misses the hand-over. The
 /// acknowledgements next, and BFCTL once more, so that it is acknowledged too.
-const ALWAYS: [&str; 8] = ["CTL", "ACK", "MIS", "CTL", "NVG", "NVR", "MBS", "MBE"];
+const ALWAYS: [&str; 8] = ["CTL", ACKNOWLEDGEMENTS, "MIS", "CTL", "NVG", "NVR", "MBS", "MBE"];
 
 /// What a topic needs. Command messages come unasked (SPI 4.3).
 const fn of_topic(topic: Topic) -> &'static [&'static str] {

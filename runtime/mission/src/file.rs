@@ -1,6 +1,8 @@
 use backseat_core::{FailAction, Grant, Limits, Policy, Settings};
 use serde::{Deserialize, Serialize};
 
+use crate::drivers::DriverTable;
+
 /// `mission.toml` as it is written.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -29,6 +31,9 @@ pub struct MissionFile {
     /// ```
     #[serde(default, rename = "policy")]
     pub policies: Vec<Policy>,
+    /// Who may send what moves the vehicle's idea of where it is.
+    #[serde(default, rename = "driver")]
+    pub drivers: Vec<DriverTable>,
 }
 
 /// The `[vehicle]` table.

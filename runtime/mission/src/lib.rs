@@ -5,11 +5,13 @@
 //! The whole that results can be printed, and its hash is in every log.
 
 mod component;
+mod drivers;
 mod error;
 mod file;
 mod mission;
 
 pub use component::find_component;
+pub use drivers::DriverTable;
 pub use error::MissionError;
 pub use file::{BudgetTable, MissionFile, PluginTable, VehicleTable};
 pub use mission::{Layers, Mission};

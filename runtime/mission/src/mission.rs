@@ -10,6 +10,7 @@ use config::{Config, Environment, File, FileFormat};
 use sha2::{Digest, Sha256};
 
 use crate::component::find_component;
+use crate::drivers::{DriverTable, check_drivers};
 use crate::error::MissionError;
 use crate::file::{MissionFile, PluginTable};
 
@@ -56,6 +57,8 @@ impl Mission {
         // Alone first: the layers would lose the line.
         toml::from_str::<MissionFile>(&text).map_err(|error| toml_error(&path, &text, &error))?;
         let mut file = layered(&path, &text, layers)?;
+        check_drivers(&file.drivers).map_err(|fault| value(&path, fault))?;
+        file.session.drivers = file.drivers.iter().map(DriverTable::setup).collect();
         file.limits
             .validate()
             .map_err(|error| value(&path, format!("limits.{error}")))?;
@@ -473,6 +476,87 @@ order = { start-empty-mission = { duration_s = 600 } }
             ),
         ] {
             let message = with(when, order);
+            assert!(message.contains(said), "{message}");
+        }
+    }
+
+    const DRIVERS: &str = r#"
+[[driver]]
+name = "usbl"
+sends = ["BPNPU"]
+
+[driver.bounds]
+fix_distance_max_m = 200.0
+
+[[driver]]
+name = "pod"
+sends = ["BPCTD", "BPTMR"]
+listen = "127.0.0.1:29511"
+bounds = { rate_max_hz = 10.0, conductivity_out = "S/m" }
+"#;
+
+    #[test]
+    fn drivers_are_read_and_are_the_sessions() {
+        let mission = load(&format!("{MISSION}{DRIVERS}"), FENCE, &[]).unwrap();
+        let drivers = &mission.file.drivers;
+        assert_eq!(drivers[0].listen, "127.0.0.1:29510");
+        assert_eq!(drivers[0].bounds.fix_distance_max_m, 200.0);
+        assert_eq!(
+            (drivers[0].bounds.rate_max_hz, drivers[0].bounds.fix_force),
+            (2.0, false)
+        );
+        assert_eq!(
+            drivers[1].sends,
+            [
+                backseat_core::DriverSentence::PayloadCtd,
+                backseat_core::DriverSentence::Relay
+            ]
+        );
+        let setups: Vec<_> = drivers.iter().map(DriverTable::setup).collect();
+        assert_eq!(mission.file.session.drivers, setups);
+        // The resolved whole, which is hashed and logged, holds them and reads back as the same.
+        assert!(mission.resolved.contains("conductivity_out = \"S/m\""));
+        assert_eq!(load(&mission.resolved, FENCE, &[]).unwrap().file, mission.file);
+    }
+
+    #[test]
+    fn a_driver_that_makes_no_sense_is_named() {
+        let with = |from: &str, to: &str| {
+            let drivers = DRIVERS.replace(from, to);
+            assert_ne!(drivers, DRIVERS);
+            fault(&format!("{MISSION}{drivers}"), &[])
+        };
+        for (from, to, said) in [
+            (
+                "\"pod\"",
+                "\"usbl\"",
+                "driver name `usbl`: expected one that is not empty and not used twice",
+            ),
+            ("\"pod\"", "\"\"", "driver name ``"),
+            ("[\"BPNPU\"]", "[]", "driver `usbl`: sends needs one sentence at least"),
+            (
+                "\"BPTMR\"]",
+                "\"BPCTD\"]",
+                "driver `pod`: sends needs one sentence at least, and none twice",
+            ),
+            ("\"BPTMR\"]", "\"BPABT\"]", "unknown variant `BPABT`, expected one of"),
+            ("127.0.0.1:29511", "", "driver `pod`: listen is \"\""),
+            ("127.0.0.1:29511", "127.0.0.1:0", "expected an IP address and a port"),
+            (
+                "127.0.0.1:29511",
+                "127.0.0.1:29510",
+                "where another driver is listened for",
+            ),
+            (
+                "= 200.0",
+                "= nan",
+                "driver `usbl`: bounds.fix_distance_max_m is NaN: expected above 0",
+            ),
+            ("rate_max_hz = 10.0", "rate_max_hz = 0.0", "bounds.rate_max_hz is 0"),
+            ("\"S/m\"", "\"mS/cm\"", "unknown variant `mS/cm`"),
+            ("fix_distance_max_m", "fix_distance", "unknown field `fix_distance`"),
+        ] {
+            let message = with(from, to);
             assert!(message.contains(said), "{message}");
         }
     }

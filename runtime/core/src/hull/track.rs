@@ -6,6 +6,7 @@ use std::time::Duration;
 use backseat_spi::{CartesianNavigation, RelativeNavigation, ToVehicle};
 use backseat_units::{TimeOfDay, Timestamp};
 
+use crate::clock::elapsed_nanos;
 use crate::io::Note;
 use crate::limits::Limits;
 use crate::machine::Core;
@@ -87,8 +88,8 @@ impl<S: Placed> Track<S> {
 
     /// Whether a message is newer than the newest, by the time of its solution, and that time can be.
     pub(crate) fn advances(&self, created: TimeOfDay, solution: TimeOfDay) -> bool {
-        solution.nanos_since(created) <= AHEAD_MAX_NANOS
-            && self.newest.is_none_or(|(_, last)| solution.nanos_since(last) > 0)
+        elapsed_nanos(created, solution) <= AHEAD_MAX_NANOS
+            && self.newest.is_none_or(|(_, last)| elapsed_nanos(last, solution) > 0)
     }
 
     /// Takes a sample that advances. By how many metres it has jumped, if it has.

@@ -6,9 +6,12 @@
 
 mod acoustic;
 mod adjustments;
+mod clock;
 mod control;
 mod course;
+mod day;
 mod devices;
+mod drivers;
 mod dvl;
 mod freshness;
 mod geometry;

@@ -8,7 +8,10 @@ use backseat_core::plugin::{
     DvlTriggerRequest, FaultKind, GpsHitRequest, ModifyRequest, PacketRequest, PositionRequest, Request, RequestState,
     SilentRequest, Topic, TopsideRequest, TrackcircleRequest, TracklineRequest, Transport, VerticalRequest,
 };
-use backseat_core::{Condition, FailAction, Grant, Note, Operator, Order, PluginSetup, Policy, RequestKind, Settings};
+use backseat_core::{
+    Condition, DriverBounds, DriverId, DriverSentence, DriverSetup, FailAction, Grant, Input, Note, Operator, Order,
+    PluginSetup, Policy, RequestKind, Settings,
+};
 use backseat_spi::{
     AckStatus, Acknowledgement, AdjustmentError, AdjustmentStatus, BackseatControl, BehaviorBegin, BehaviorEnd,
     BehaviorId, CommandName, DvlTriggering, FrameSentStatus, FromVehicle, MediumAccess, MissionStatus, PacketSent,
@@ -47,6 +50,8 @@ enum Act {
     Sleep(u64),
     ReadMax(usize),
     Ask(usize, Vec<Request>),
+    /// A driver says this.
+    Drive(String),
     Fail(usize, FaultKind),
     Hold,
     Release,
@@ -194,8 +199,8 @@ fn sentence() -> BoxedStrategy<FromVehicle> {
         (
             time(),
             select(vec![
-                "LOG", "RMB", "RTK", "RTC", "RGP", "RCN", "RMP", "EMB", "TRM", "ABT", "SEM", "NAK", "XYZ", "TOP", "SIL",
-                "DVR", "CPD",
+                "LOG", "RMB", "RTK", "RTC", "RGP", "RCN", "RMP", "EMB", "TRM", "ABT", "SEM", "NAK", "XYZ", "TOP",
+                "SIL", "DVR", "CPD",
             ]),
             prop_oneof![Just(TimeOfDay::MIDNIGHT), time()],
             identifier(),
@@ -248,6 +253,21 @@ fn sentence() -> BoxedStrategy<FromVehicle> {
     .boxed()
 }
 
+/// A driver's line, at the time of the dive's start or at none.
+fn drive() -> BoxedStrategy<Act> {
+    let lines = prop_oneof![
+        figure(-60.0..60.0).prop_map(|offset| format!("BPRBO,081025.987,{offset}")),
+        (figure(-60.0..60.0), figure(-60.0..60.0)).prop_map(|(x, y)| format!("BPRNS,081025.987,{x},{y},90")),
+        (figure(0.0..5e4), 0..60u32).prop_map(|(c, s)| format!("BPCTD,081025.987,{c},10,300,2213{s:02}.5")),
+        (select(vec!["4200.0", "4200.2", "4300.0"]), 0..2u32, 0..60u32).prop_map(|(latitude, force, s)| format!(
+            "BPNPU,081025.987,{latitude},N,07000.0,W,10,20,{force},2213{s:02}.5"
+        )),
+        Just("BPTMR,081025.987,3,hello".to_owned()),
+        ".{0,40}".prop_map(|text| text),
+    ];
+    lines.prop_map(|line| Act::Drive(format!("${line}\n"))).boxed()
+}
+
 fn act() -> BoxedStrategy<Act> {
     let own = proptest::option::of(1..6u32);
     let number = proptest::option::of(1..5u32);
@@ -286,6 +306,7 @@ fn act() -> BoxedStrategy<Act> {
         1 => (1..400usize).prop_map(Act::ReadMax),
         20 => (0..2usize, vec(request(), 0..6)).prop_map(|(plugin, requests)| Act::Ask(plugin, requests)),
         2 => (0..2usize, select(kinds)).prop_map(|(plugin, kind)| Act::Fail(plugin, kind)),
+        4 => drive(),
         1 => Just(Act::Hold),
         2 => Just(Act::Release),
     ]
@@ -325,6 +346,26 @@ fn plugin(name: &str) -> PluginSetup {
     setup
 }
 
+/// A driver that may send everything, often.
+fn every_driver() -> DriverSetup {
+    DriverSetup {
+        name: "pod".to_owned(),
+        sends: vec![
+            DriverSentence::Relay,
+            DriverSentence::PayloadCtd,
+            DriverSentence::PositionFix,
+            DriverSentence::RelativeReset,
+            DriverSentence::BearingOffset,
+        ],
+        bounds: DriverBounds {
+            rate_max_hz: 10.0,
+            measured_age_max_s: 60.0,
+            fix_force: true,
+            ..DriverBounds::default()
+        },
+    }
+}
+
 fn start() -> Trial {
     start_with(Vec::new())
 }
@@ -341,6 +382,7 @@ fn start_with(policies: Vec<Policy>) -> Trial {
         plugins: vec![plugin("first"), second],
         settings: Settings {
             policies,
+            drivers: vec![every_driver()],
             ..Settings::default()
         },
         ..Setup::default()
@@ -387,6 +429,7 @@ fn play(trial: &mut Trial, acts: Vec<Act>) {
             Act::Sleep(ms) => trial.asleep_until = now + Duration::from_millis(ms),
             Act::ReadMax(bytes) => trial.read_max = bytes,
             Act::Ask(plugin, requests) => trial.ask(plugin, requests),
+            Act::Drive(line) => trial.feed(Input::Driver(DriverId(0), line.as_bytes())),
             Act::Fail(plugin, kind) => trial.fail(plugin, kind),
             Act::Hold => trial.operator(Operator::Hold),
             Act::Release => trial.operator(Operator::Release),

@@ -1,9 +1,12 @@
 use std::time::Duration;
 
-use backseat_core::Note;
-use backseat_units::Timestamp;
+use backseat_core::plugin::{FaultKind, Request};
+use backseat_core::{Core, Input, Note, Output, Settings, StatusCondition};
+use backseat_spi::{AckStatus, ToVehicle};
+use backseat_units::{TimeOfDay, Timestamp};
 
-use crate::trial::{Seen, Trial};
+use crate::course::{self, good_line, modify};
+use crate::trial::{Seen, Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
 fn subscriptions(trial: &Trial, since: Timestamp) -> Vec<String> {
@@ -52,7 +55,11 @@ fn connections_are_tried_again_with_growing_pauses() {
         .skip(1)
         .collect();
     assert!((10..60).contains(&pauses.len()), "{pauses:?}");
-    assert!(pauses[0] <= Duration::from_secs(1) && pauses.iter().all(|pause| *pause <= Duration::from_secs(15)));
+    assert!(pauses[0] <= Duration::from_secs(1) && pauses.iter().all(|pause| *pause <= Duration::from_secs(10)));
+    let long = &pauses[5..];
+    assert!(
+        long.iter().all(|pause| *pause >= Duration::from_secs(5)) && long.windows(2).all(|pair| pair[0] != pair[1])
+    );
     trial.unreachable = false;
     trial.run_for(20.0);
     assert!(trial.core.has_control());
@@ -189,4 +196,300 @@ fn status_goes_out_every_ten_seconds_and_is_good() {
     for (_, status) in statuses {
         assert!(matches!(status, backseat_spi::ToVehicle::PayloadStatus(status) if status.ok));
     }
+}
+
+#[test]
+fn the_first_bytes_of_a_connection_are_those_of_the_specification() {
+    let setup = Setup::default();
+    let mut core = Core::new(
+        setup.settings,
+        course::envelope(setup.limits),
+        setup.plugins,
+        setup.start,
+    );
+    core.handle(Timestamp::from_millis(250), Input::LinkUp);
+    let mut lines = String::new();
+    while let Some(output) = core.poll_output() {
+        if let Output::Send(bytes) = output {
+            lines.push_str(std::str::from_utf8(&bytes).unwrap());
+        }
+    }
+    let expected = "$BPVER,221320.250,1.12*56\r\n$BPLOG,CTL,ON*0C\r\n$BPLOG,ACK,ON*1E\r\n$BPLOG,MIS,ON*00\r\n";
+    assert!(lines.starts_with(expected), "{lines}");
+    assert!(lines.contains("$BPRMP,221320.250*68\r\n"), "{lines}");
+}
+
+#[test]
+fn the_vehicles_version_is_noted() {
+    let trial = Trial::under_way();
+    let versions: Vec<_> = trial
+        .notes()
+        .into_iter()
+        .filter(|(_, note)| matches!(note, Note::VehicleVersion { version } if version == "1.11"))
+        .collect();
+    assert_eq!(versions.len(), 1);
+}
+
+/// An acknowledgement as real vehicles write it, with the name and the text as they are.
+fn log_ack(trial: &mut Trial, name: &str, status: u8, text: &str) {
+    let (hour, minute, second, nanos) = trial.vehicle.clock(trial.now).hms_nano();
+    let millis = nanos / 1_000_000;
+    let body = format!("BFACK,{hour:02}{minute:02}{second:02}.{millis:03},{name},000000.000,0,{status},0,{text}");
+    let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+    trial.hear_bytes(format!("${body}*{sum:02X}\r\n").as_bytes());
+}
+
+/// Connected to a vehicle that says nothing by itself.
+fn connected() -> Trial {
+    let mut trial = Trial::new();
+    trial.vehicle.navigates = false;
+    trial.vehicle.replays = false;
+    trial.vehicle.replies.insert("LOG", Reply::Silent);
+    trial.vehicle.replies.insert("RMP", Reply::Silent);
+    trial.run_for(0.5);
+    trial
+}
+
+fn refused_subscriptions(trial: &Trial) -> Vec<String> {
+    let refused = |(_, note): (Timestamp, Note)| {
+        let text = note.to_string();
+        let message = text.strip_prefix("the vehicle refused the subscription to ")?;
+        Some(message.split(':').next()?.to_owned())
+    };
+    trial.notes().into_iter().filter_map(refused).collect()
+}
+
+#[test]
+fn a_subscription_is_acknowledged_under_its_short_and_under_its_long_name() {
+    for name in ["LOG", "BPLOG"] {
+        let mut trial = connected();
+        let sent = subscriptions(&trial, Timestamp::ZERO).len();
+        for _ in 1..sent {
+            log_ack(&mut trial, name, 2, "log set");
+        }
+        trial.run_for(4.0);
+        assert_eq!(subscriptions(&trial, Timestamp::ZERO).len(), sent, "{name}");
+    }
+}
+
+#[test]
+fn a_refused_subscription_is_the_one_that_was_refused_and_is_not_sent_again() {
+    for unasked in [false, true] {
+        let mut trial = Trial::new();
+        trial.vehicle.navigates = false;
+        trial.vehicle.replays = false;
+        trial.vehicle.answers_unasked = unasked;
+        trial.vehicle.replies.insert("LOG", Reply::Silent);
+        trial.run_for(0.5);
+        let sent = subscriptions(&trial, Timestamp::ZERO);
+        let answered = if unasked { &sent[..] } else { &sent[1..] };
+        for message in answered {
+            log_ack(&mut trial, "LOG", if message == "MIS" { 1 } else { 2 }, "as it is");
+        }
+        trial.run_for(4.0);
+        assert_eq!(refused_subscriptions(&trial), ["BFMIS"], "unasked: {unasked}");
+        assert_eq!(subscriptions(&trial, Timestamp::ZERO).len(), sent.len());
+    }
+}
+
+#[test]
+fn an_acknowledgement_that_names_its_subscription_is_believed_in_any_order() {
+    let mut trial = connected();
+    let mut sent = subscriptions(&trial, Timestamp::ZERO);
+    sent.remove(0);
+    sent.reverse();
+    for message in sent {
+        let status = if message == "NVR" { 1 } else { 2 };
+        log_ack(&mut trial, "LOG", status, &format!("{message} logging is ON"));
+    }
+    trial.run_for(0.1);
+    assert_eq!(refused_subscriptions(&trial), ["BFNVR"]);
+}
+
+#[test]
+fn a_message_that_comes_needs_no_acknowledgement_and_the_others_are_asked_for_less_and_less_often() {
+    let mut trial = Trial::new();
+    trial.vehicle.replies.insert("LOG", Reply::Silent);
+    trial.run_for(120.0);
+    assert!(trial.core.has_control());
+    let first = trial.commands("LOG")[0].0;
+    let times = |message: &str| -> Vec<u64> {
+        let of = |(at, command)| match command {
+            ToVehicle::LoggingControl(logging) if logging.message.as_str() == message => Some(at),
+            _ => None,
+        };
+        let sent = trial.commands("LOG").into_iter().filter_map(of);
+        sent.map(|at: Timestamp| at.since(first).as_secs()).collect()
+    };
+    assert_eq!(times("NVG"), [0]);
+    assert_eq!(times("MIS"), [0]);
+    assert_eq!(times("MBE"), [0, 2, 6, 14, 30, 62, 94]);
+}
+
+#[test]
+fn a_connection_that_is_back_within_100_ms_is_subscribed_whole() {
+    let mut trial = Trial::under_way();
+    let first = subscriptions(&trial, Timestamp::ZERO);
+    trial.feed(Input::LinkDown);
+    trial.run_for(0.08);
+    let back = trial.now;
+    trial.vehicle.connected(back);
+    trial.feed(Input::LinkUp);
+    assert_eq!(subscriptions(&trial, back), first);
+}
+
+#[test]
+fn a_vehicle_that_forgets_the_subscriptions_is_asked_until_it_answers() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.subscribed.clear();
+    trial.vehicle.deaf_to_subscriptions = 4;
+    let forgotten = trial.now;
+    trial.run_for(10.0);
+    assert!(trial.core.has_control());
+    let again = subscriptions(&trial, forgotten);
+    assert!(
+        again.iter().filter(|message| *message == "ACK").count() >= 2,
+        "{again:?}"
+    );
+}
+
+#[test]
+fn status_says_0_only_for_what_the_operator_listed() {
+    let cases: [(Vec<StatusCondition>, bool, bool); 4] = [
+        (vec![], true, true),
+        (vec![StatusCondition::NavigationStale], false, true),
+        (vec![StatusCondition::PluginQuarantined], true, false),
+        (
+            vec![StatusCondition::NavigationStale, StatusCondition::PluginQuarantined],
+            false,
+            false,
+        ),
+    ];
+    let last_ok = |trial: &Trial| match trial.commands("STS").pop() {
+        Some((_, ToVehicle::PayloadStatus(status))) => status.ok,
+        other => panic!("{other:?}"),
+    };
+    for (listed, ok_when_stale, ok_when_quarantined) in cases {
+        let setup = || Setup {
+            settings: Settings {
+                status_failed_when: listed.clone(),
+                ..Settings::default()
+            },
+            ..Setup::default()
+        };
+        let mut trial = Trial::with_under_way(setup());
+        trial.run_for(10.0);
+        assert!(last_ok(&trial), "{listed:?}: all is well");
+        trial.vehicle.navigates = false;
+        trial.run_for(10.0);
+        assert_eq!(last_ok(&trial), ok_when_stale, "{listed:?}: stale");
+        let mut trial = Trial::with_under_way(setup());
+        trial.restart_fails = Some(FaultKind::Start);
+        trial.fail(1, FaultKind::Trap);
+        trial.run_for(120.0);
+        assert_eq!(last_ok(&trial), ok_when_quarantined, "{listed:?}: quarantined");
+    }
+}
+
+#[test]
+fn sr_009_a_late_answer_changes_nothing_and_confirms_no_later_command() {
+    let mut trial = Trial::under_way();
+    trial
+        .vehicle
+        .replies
+        .insert("RMB", Reply::Late(Duration::from_millis(1500), AckStatus::Succeeded));
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(1.15);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
+    trial.vehicle.replies.insert("RMB", Reply::Silent);
+    trial.ask(0, [Request::Modify(modify(2))]);
+    trial.run_for(0.9);
+    assert_eq!(
+        shorts(&trial.states(2)),
+        ["sent"],
+        "the answer to the first came meanwhile"
+    );
+    trial.run_for(1.0);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "timed out"]);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
+}
+
+#[test]
+fn a_command_without_a_name_in_its_answer_is_the_oldest() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.replies.insert("RTK", Reply::Silent);
+    trial.ask(0, [good_line(1), good_line(2)]);
+    trial.run_for(0.3);
+    let now = trial.now;
+    let nak = ("NAK", TimeOfDay::MIDNIGHT, None, AckStatus::Invalid);
+    trial.vehicle.acknowledge(now, nak);
+    trial.run_for(0.1);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "failed"]);
+    assert_eq!(shorts(&trial.states(2)), ["sent"]);
+}
+
+#[test]
+fn an_answer_is_for_the_behaviour_that_it_names() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.replies.insert("RTK", Reply::Silent);
+    trial.ask(0, [good_line(1), good_line(2)]);
+    trial.run_for(0.3);
+    let sent = trial.commands("RTK");
+    let stamps: Vec<_> = sent.iter().map(|(_, command)| command.created().unwrap()).collect();
+    assert_ne!(stamps[0], stamps[1], "no two of one name bear the same time");
+    let now = trial.now;
+    // The time of the first and the identifier of the second name neither.
+    trial
+        .vehicle
+        .acknowledge(now, ("RTK", stamps[0], Some(2), AckStatus::Failed));
+    trial
+        .vehicle
+        .acknowledge(now, ("RTK", stamps[1], Some(2), AckStatus::Pending));
+    trial
+        .vehicle
+        .acknowledge(now, ("RTK", stamps[1], Some(2), AckStatus::Pending));
+    trial
+        .vehicle
+        .acknowledge(now, ("RTK", stamps[1], Some(2), AckStatus::Succeeded));
+    trial
+        .vehicle
+        .acknowledge(now, ("RTK", stamps[1], Some(2), AckStatus::Failed));
+    trial.run_for(0.1);
+    assert_eq!(shorts(&trial.states(1)), ["sent"]);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "pending", "accepted"]);
+}
+
+#[test]
+fn control_that_comes_and_goes_ten_times_a_second_takes_effect_each_time_and_does_not_fill_the_log() {
+    let mut trial = Trial::under_way();
+    let begun = trial.now;
+    for turn in 0..600 {
+        let granted = turn % 2 == 1;
+        let now = trial.now;
+        trial.vehicle.set_control(now, granted);
+        trial.run_for(0.05);
+        assert_eq!(trial.core.has_control(), granted);
+        trial.run_for(0.05);
+    }
+    let told = |trial: &Trial| -> Vec<bool> {
+        let control = |(at, note): (Timestamp, Note)| match note {
+            Note::Control { granted, .. } if at >= begun => Some(granted),
+            _ => None,
+        };
+        trial.notes().into_iter().filter_map(control).collect()
+    };
+    assert!((8..40).contains(&told(&trial).len()), "{} notes", told(&trial).len());
+    let now = trial.now;
+    trial.vehicle.set_control(now, false);
+    trial.run_for(11.0);
+    assert_eq!(
+        told(&trial).last(),
+        Some(&false),
+        "how it stands is told within ten seconds"
+    );
+    let more = trial
+        .notes()
+        .into_iter()
+        .filter(|(_, note)| note.to_string().contains("times more"));
+    assert!(more.count() >= 3);
 }

@@ -9,8 +9,7 @@ use backseat_core::plugin::{
 };
 use backseat_core::{
     ControlHook, Core, Grant, Identifiers, Input, Limits, Note, Operator, Order, Output, PluginSetup, RequestKind,
-    Restarted,
-    Settings, Start,
+    Restarted, Settings, Start,
 };
 use backseat_fence::Fence;
 use backseat_spi::{FromVehicle, Sentence, ToVehicle};
@@ -36,6 +35,9 @@ pub(crate) enum Seen {
 
 /// A plugin's behaviour in a step: how long it takes and what it returns.
 pub(crate) type Script = Box<dyn FnMut(&StepInput) -> (Duration, Result<Vec<Request>, PluginFault>)>;
+
+/// What becomes of bytes on their way.
+pub(crate) type Way = Box<dyn FnMut(Vec<u8>) -> Vec<u8>>;
 
 enum Answer {
     Returned(Returned),
@@ -66,6 +68,8 @@ pub(crate) struct Trial {
     /// Connections fail.
     pub(crate) unreachable: bool,
     pub(crate) restart_fails: Option<FaultKind>,
+    /// What becomes of bytes on their way to core.
+    pub(crate) way: Option<Way>,
     to_core: VecDeque<Arrival>,
     to_vehicle: VecDeque<(Timestamp, Vec<u8>)>,
     connect_at: Option<Timestamp>,
@@ -127,6 +131,7 @@ impl Trial {
             read_max: usize::MAX,
             unreachable: false,
             restart_fails: None,
+            way: None,
             to_core: VecDeque::new(),
             to_vehicle: VecDeque::new(),
             connect_at: None,
@@ -322,7 +327,11 @@ impl Trial {
         for (message, solved) in &arrival.said {
             self.judge.heard(message, *solved);
         }
-        for read in arrival.bytes.chunks(self.read_max) {
+        let bytes = match &mut self.way {
+            Some(way) => way(arrival.bytes),
+            None => arrival.bytes,
+        };
+        for read in bytes.chunks(self.read_max) {
             self.feed(Input::Received(read));
         }
         self.judge.settled(self.now);
@@ -474,6 +483,10 @@ impl Trial {
             _ => None,
         };
         self.seen.iter().filter_map(note).collect()
+    }
+
+    pub(crate) fn is_connected(&self) -> bool {
+        self.judge.up
     }
 
     pub(crate) fn lease_ends(&self) -> Vec<(Timestamp, String)> {
@@ -651,7 +664,8 @@ impl Judge {
             }
             _ => {}
         }
-        if matches!(
+        let moves_navigation = matches!(name, "NPU" | "CTD" | "RNS" | "RBO");
+        let steers = matches!(
             name,
             "RMB"
                 | "RTK"
@@ -669,7 +683,8 @@ impl Judge {
                 | "TRM"
                 | "BOY"
                 | "CPD"
-        ) {
+        );
+        if moves_navigation || steers {
             assert!(self.armed && self.has_control(), "{name} at {now} without control");
             let solved = self.solved.expect("navigation");
             let age = now.since(solved);

@@ -52,6 +52,10 @@ pub(crate) struct Vehicle {
     /// Another payload's inserts that its plan names, with the place where each ends.
     pub(crate) others: Vec<(u32, (f64, f64))>,
     pub(crate) subscribed: BTreeSet<String>,
+    /// It acknowledges what comes before it was asked to.
+    pub(crate) answers_unasked: bool,
+    /// When its clock has a leap second.
+    pub(crate) leap_at: Option<Timestamp>,
     /// Subscriptions that it does not hear, so often.
     pub(crate) deaf_to_subscriptions: u32,
     due: Vec<(Timestamp, FromVehicle)>,
@@ -84,6 +88,8 @@ impl Vehicle {
             inserted: BTreeSet::new(),
             others: Vec::new(),
             subscribed: BTreeSet::new(),
+            answers_unasked: false,
+            leap_at: None,
             deaf_to_subscriptions: 0,
             due: Vec::new(),
             next_navigation: Timestamp::from_millis(50),
@@ -95,7 +101,15 @@ impl Vehicle {
 
     pub(crate) fn clock(&self, now: Timestamp) -> TimeOfDay {
         let true_nanos = (self.utc + Duration::from_nanos(now.as_nanos())).as_unix_nanos();
-        Utc::from_unix_nanos(true_nanos.wrapping_add_signed(self.clock_nanos)).time_of_day()
+        let nanos = true_nanos.wrapping_add_signed(self.clock_nanos);
+        match self.leap_at.filter(|leap| now >= *leap) {
+            None => Utc::from_unix_nanos(nanos).time_of_day(),
+            Some(leap) if now.since(leap) < Duration::from_secs(1) => {
+                let within = u64::try_from(now.since(leap).as_nanos()).unwrap();
+                TimeOfDay::from_nanos(86_400_000_000_000 + within).unwrap()
+            }
+            Some(_) => Utc::from_unix_nanos(nanos - 1_000_000_000).time_of_day(),
+        }
     }
 
     pub(crate) fn say(&mut self, at: Timestamp, message: impl Into<FromVehicle>) {
@@ -266,7 +280,7 @@ impl Vehicle {
                 }
             }
         }
-        if !self.subscribed.contains("ACK") {
+        if !self.subscribed.contains("ACK") && !self.answers_unasked {
             return;
         }
         let created = command.created().unwrap_or(TimeOfDay::MIDNIGHT);

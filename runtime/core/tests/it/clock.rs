@@ -1,0 +1,163 @@
+//! The vehicle's clock: its time is data, and nothing of it costs more than it must.
+
+use std::time::Duration;
+
+use backseat_core::Note;
+use backseat_units::Timestamp;
+
+use crate::course::modify_for;
+use crate::trial::{Setup, Trial};
+
+const SECOND: i64 = 1_000_000_000;
+const HOUR: i64 = 3600 * SECOND;
+
+/// A dive whose vehicle's clock says this many seconds before midnight at its start.
+fn before_midnight(seconds: i64) -> Trial {
+    let mut trial = Trial::new();
+    let clock = i64::try_from(trial.vehicle.clock(Timestamp::ZERO).as_nanos()).unwrap();
+    trial.vehicle.clock_nanos = 24 * HOUR - clock - seconds * SECOND;
+    trial
+}
+
+fn steer(trial: &mut Trial) {
+    trial.ask(0, [modify_for(1, Duration::from_secs(60))]);
+    trial.run_for(0.5);
+    assert!(trial.core.is_steering(), "{:?}", trial.states(1));
+}
+
+/// What was told of the offset: ours less the vehicle's, seconds.
+fn offsets(trial: &Trial) -> Vec<f64> {
+    let told = |(_, note)| match note {
+        Note::Clock { offset_s, .. } => Some(offset_s),
+        _ => None,
+    };
+    trial.notes().into_iter().filter_map(told).collect()
+}
+
+fn late_sentences(trial: &Trial) -> bool {
+    trial
+        .notes()
+        .iter()
+        .any(|(_, note)| matches!(note, Note::Navigation { .. }))
+}
+
+#[test]
+fn midnight_on_either_clock_costs_nothing_whichever_comes_first() {
+    // Ours stands at 22:13:20 and passes midnight when the trial's start says so.
+    for (ours_before_s, vehicle_ahead_s) in [(10, 5), (10, -5), (10, 3600), (10, -3600), (10, 0), (10, 43_200)] {
+        let mut setup = Setup::default();
+        let start = 1_700_006_400 - ours_before_s;
+        setup.start.utc = backseat_units::Utc::from_unix_nanos(start * 1_000_000_000);
+        let mut trial = Trial::with(setup);
+        // The vehicle's own counts from its start at 22:13:20.
+        trial.vehicle.clock_nanos = i64::try_from(start - 1_700_000_000).unwrap() * SECOND + vehicle_ahead_s * SECOND;
+        trial.run_for(3.0);
+        steer(&mut trial);
+        trial.run_for(30.0);
+        assert!(
+            trial.core.is_steering() && trial.lease_ends().is_empty(),
+            "{vehicle_ahead_s} s ahead"
+        );
+        assert!(!late_sentences(&trial));
+    }
+}
+
+#[test]
+fn a_leap_second_costs_nothing() {
+    for delay_ms in [5, 80] {
+        let mut trial = before_midnight(10);
+        trial.delay = Duration::from_millis(delay_ms);
+        trial.vehicle.leap_at = Some(Timestamp::from_secs(10));
+        trial.run_for(3.0);
+        steer(&mut trial);
+        trial.run_for(20.0);
+        assert!(trial.core.is_steering(), "{:?}", trial.lease_ends());
+        assert!(trial.lease_ends().is_empty());
+        let told = offsets(&trial);
+        let step = told.last().unwrap() - told[0];
+        assert!((step - 1.0).abs() < 0.05, "{told:?}");
+        // Ages are counted as before: what is held up afterwards is old.
+        trial.stalled_until = trial.now + Duration::from_millis(1500);
+        trial.run_for(1.3);
+        assert!(!trial.core.is_steering() && !trial.core.has_control());
+    }
+}
+
+#[test]
+fn hours_between_the_clocks_are_told_and_cost_nothing() {
+    for hours in [-9, 1, 7] {
+        let mut trial = Trial::new();
+        trial.vehicle.clock_nanos = hours * HOUR;
+        trial.run_for(2.0);
+        steer(&mut trial);
+        let told = offsets(&trial);
+        assert!(
+            told.iter().all(|offset| (offset + hours as f64 * 3600.0).abs() < 0.1),
+            "{told:?}"
+        );
+        assert_eq!(told.len(), 1, "once on a connection");
+    }
+}
+
+#[test]
+fn a_clock_set_forward_costs_nothing_and_is_told() {
+    for seconds in [1, 5, 4000] {
+        let mut trial = Trial::under_way();
+        // The first note of the offset is some time ago.
+        trial.run_for(10.0);
+        steer(&mut trial);
+        trial.vehicle.clock_nanos += seconds * SECOND;
+        trial.run_for(5.0);
+        assert!(trial.core.is_steering() && trial.lease_ends().is_empty());
+        assert!(
+            (offsets(&trial).last().unwrap() + seconds as f64).abs() < 0.1,
+            "{:?}",
+            offsets(&trial)
+        );
+    }
+}
+
+#[test]
+fn sr_008_a_clock_set_back_is_old_navigation_until_it_is_learnt_anew_within_a_minute() {
+    // By hours too: half a day forward is as much as half a day back.
+    for seconds in [2, 5, 4000, 50_000] {
+        let mut trial = Trial::under_way();
+        steer(&mut trial);
+        trial.vehicle.clock_nanos -= seconds * SECOND;
+        trial.run_for(1.5);
+        let forward = seconds > 43_200;
+        assert_eq!(trial.core.is_steering(), forward, "{seconds} s");
+        trial.run_for(60.0);
+        assert!(trial.core.has_control(), "{seconds} s");
+        if !forward {
+            assert!(
+                (offsets(&trial).last().unwrap() - seconds as f64).abs() < 0.1,
+                "{:?}",
+                offsets(&trial)
+            );
+        }
+    }
+}
+
+#[test]
+fn clocks_that_drift_apart_cost_nothing() {
+    for parts_per_million in [-90, 90] {
+        let mut trial = Trial::under_way();
+        trial.ask(0, [modify_for(1, Duration::from_secs(60))]);
+        for _ in 0..55 {
+            trial.run_for(1.0);
+            trial.vehicle.clock_nanos += parts_per_million * 1000;
+        }
+        assert!(
+            trial.core.is_steering(),
+            "{parts_per_million} ppm: {:?}",
+            trial.lease_ends()
+        );
+        // An hour's drift in one step of the time that it takes.
+        for _ in 0..600 {
+            trial.run_for(0.2);
+            trial.vehicle.clock_nanos += parts_per_million * 200;
+        }
+        assert!(trial.core.has_control());
+    }
+}

@@ -1,0 +1,735 @@
+//! Configured drivers: what they may send, what is made of it, and what they are told.
+
+use std::time::Duration;
+
+use backseat_core::plugin::{Request, RequestState};
+use backseat_core::{
+    ConductivityUnit, DriverBounds, DriverId, DriverSentence, DriverSetup, Input, Note, Operator, Owner, RequestKind,
+    Settings,
+};
+use backseat_spi::{AckStatus, FromVehicle, PositionFix, Sentence, ToVehicle};
+use backseat_units::{EastNorth, Timestamp, Utc};
+
+use crate::course::{self, modify};
+use crate::trial::{Seen, Setup, Trial, short, shorts};
+use crate::vehicle::Reply;
+
+const ALL: [DriverSentence; 5] = [
+    DriverSentence::Relay,
+    DriverSentence::PayloadCtd,
+    DriverSentence::PositionFix,
+    DriverSentence::RelativeReset,
+    DriverSentence::BearingOffset,
+];
+
+fn driver(name: &str, sends: &[DriverSentence], bounds: DriverBounds) -> DriverSetup {
+    DriverSetup {
+        name: name.to_owned(),
+        sends: sends.to_vec(),
+        bounds,
+    }
+}
+
+fn setup(bounds: DriverBounds) -> Setup {
+    Setup {
+        settings: Settings {
+            drivers: vec![driver("pod", &ALL, bounds)],
+            ..Settings::default()
+        },
+        ..Setup::default()
+    }
+}
+
+/// Often enough for a test that says many things one after the other.
+fn often() -> DriverBounds {
+    DriverBounds {
+        rate_max_hz: 50.0,
+        ..DriverBounds::default()
+    }
+}
+
+fn under_way(bounds: DriverBounds) -> Trial {
+    Trial::with_under_way(setup(bounds))
+}
+
+/// As real payloads do: no checksum, a line feed alone.
+fn say(trial: &mut Trial, body: &str) {
+    trial.feed(Input::Driver(DriverId(0), format!("${body}\n").as_bytes()));
+}
+
+/// Our clock, so many seconds from now, as a field.
+fn clock(trial: &Trial, seconds: f64) -> String {
+    let now = Utc::from_unix_nanos(1_700_000_000_000_000_000) + Duration::from_nanos(trial.now.as_nanos());
+    let nanos = now.as_unix_nanos().wrapping_add_signed((seconds * 1e9) as i64);
+    let (hour, minute, second, nanos) = Utc::from_unix_nanos(nanos).time_of_day().hms_nano();
+    format!("{hour:02}{minute:02}{second:02}.{:03}", nanos / 1_000_000)
+}
+
+fn line(message: &ToVehicle) -> String {
+    let mut out = Vec::new();
+    message.encode(&mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+/// A fix so many metres from navigation.
+fn fix(trial: &Trial, off: EastNorth) -> PositionFix {
+    let here = trial.core.navigation().unwrap().local;
+    let now = Utc::from_unix_nanos(1_700_000_000_000_000_000) + Duration::from_nanos(trial.now.as_nanos());
+    PositionFix {
+        created: "01:02:03.456".parse().unwrap(),
+        position: course::fence().frame().to_position(here + off),
+        error_m: 12.5,
+        depth_m: 20.0,
+        force: false,
+        measured: now.time_of_day().truncated_to_millis(),
+    }
+}
+
+fn say_fix(trial: &mut Trial, fix: PositionFix) {
+    let bytes = line(&fix.into());
+    trial.feed(Input::Driver(DriverId(0), bytes.as_bytes()));
+}
+
+/// What driver 0 has been told: name, echoed time, status, text.
+fn told(trial: &Trial) -> Vec<(String, String, AckStatus, String)> {
+    told_to(trial, 0)
+}
+
+fn told_to(trial: &Trial, driver: usize) -> Vec<(String, String, AckStatus, String)> {
+    let ack = |(_, seen): &(Timestamp, Seen)| match seen {
+        Seen::Told(to, bytes) if *to == driver => {
+            let line = std::str::from_utf8(bytes).unwrap();
+            assert!(line.ends_with("\r\n"), "{line:?}");
+            let FromVehicle::Acknowledgement(ack) = FromVehicle::decode(&Sentence::parse(line).unwrap()).unwrap()
+            else {
+                panic!("{line} is no acknowledgement");
+            };
+            let (name, echoed) = (ack.command.to_string(), ack.command_created.to_string());
+            Some((name, echoed, ack.status, ack.text.as_str().to_owned()))
+        }
+        _ => None,
+    };
+    trial.seen.iter().filter_map(ack).collect()
+}
+
+fn statuses(trial: &Trial) -> Vec<AckStatus> {
+    told(trial).into_iter().map(|(_, _, status, _)| status).collect()
+}
+
+/// The states of the driver's requests of a kind.
+fn states(trial: &Trial, kind: RequestKind) -> Vec<RequestState> {
+    let state = |(_, note)| match note {
+        Note::Request(transition) if transition.kind == kind => {
+            assert_eq!(transition.owner, Owner::Driver(DriverId(0)));
+            Some(transition.state)
+        }
+        _ => None,
+    };
+    trial.notes().into_iter().filter_map(state).collect()
+}
+
+fn sent_anything(trial: &Trial) -> bool {
+    ["TMR", "CTD", "NPU", "RNS", "RBO"]
+        .iter()
+        .any(|name| !trial.sent(name).is_empty())
+}
+
+#[test]
+fn each_sentence_leaves_under_our_own_stamp_and_its_answer_comes_back_under_the_drivers() {
+    let mut trial = under_way(often());
+    for body in [
+        "BPTMR,081025.987,3,abort",
+        "BPCTD,081025.987,42914,10.25,303.4,RECENT",
+        "BPRNS,081025.987,1.5,-2.25,90",
+        "BPRBO,081025.987,-2.5",
+    ] {
+        // What moves the frame has its ten seconds.
+        trial.run_for(11.0);
+        let body = body.replace("RECENT", &clock(&trial, -0.5));
+        let at = clock(&trial, 0.0);
+        say(&mut trial, &body);
+        let name = &body[2..5];
+        let sent = trial.commands(name);
+        assert_eq!(sent.len(), 1, "{:?}", told(&trial));
+        let expected = body.replacen("081025.987", &at, 1);
+        let checksum = expected.bytes().fold(0, |sum, byte| sum ^ byte);
+        assert_eq!(line(&sent[0].1), format!("${expected}*{checksum:02X}\r\n"));
+        trial.run_for(0.1);
+        let last = told(&trial).pop().unwrap();
+        assert_eq!(
+            (last.0.as_str(), last.1.as_str(), last.2),
+            (name, "08:10:25.987", AckStatus::Succeeded)
+        );
+    }
+    trial.run_for(11.0);
+    let fix = fix(&trial, EastNorth::new(30.0, 0.0));
+    trial.run_for(0.3);
+    let at = clock(&trial, 0.0);
+    say_fix(&mut trial, fix.clone());
+    let sent = line(&trial.commands("NPU").pop().unwrap().1);
+    let body = |line: &str| line.split_once('*').unwrap().0.to_owned();
+    assert_eq!(body(&sent), body(&line(&fix.into())).replacen("010203.456", &at, 1));
+    trial.run_for(0.1);
+    assert_eq!(told(&trial).len(), 5);
+    for kind in [
+        RequestKind::Relay,
+        RequestKind::PayloadCtd,
+        RequestKind::PositionFix,
+        RequestKind::RelativeReset,
+        RequestKind::BearingOffset,
+    ] {
+        assert_eq!(shorts(&states(&trial, kind)), ["sent", "accepted", "ended"], "{kind:?}");
+    }
+    assert_eq!(trial.core.open_requests(), 0);
+}
+
+#[test]
+fn the_vehicles_refusal_its_silence_and_its_pending_come_back() {
+    for (reply, ends, said) in [
+        (Reply::Refuse, vec!["sent", "failed"], vec![AckStatus::Failed]),
+        (Reply::Silent, vec!["sent", "timed out"], vec![AckStatus::Failed]),
+        (Reply::Nak, vec!["sent", "failed"], vec![AckStatus::Failed]),
+        (
+            Reply::Pending(Duration::from_secs(1), AckStatus::Succeeded),
+            vec!["sent", "pending", "accepted", "ended"],
+            vec![AckStatus::Pending, AckStatus::Succeeded],
+        ),
+        (
+            Reply::PendingForEver,
+            vec!["sent", "pending", "timed out"],
+            vec![AckStatus::Pending, AckStatus::Failed],
+        ),
+        // After the deadline an answer changes nothing.
+        (
+            Reply::Late(Duration::from_secs(3), AckStatus::Succeeded),
+            vec!["sent", "timed out"],
+            vec![AckStatus::Failed],
+        ),
+    ] {
+        let mut trial = under_way(often());
+        trial.vehicle.replies.insert("NPU", reply);
+        let fix = fix(&trial, EastNorth::new(0.0, 10.0));
+        say_fix(&mut trial, fix);
+        trial.run_for(10.0);
+        assert_eq!(shorts(&states(&trial, RequestKind::PositionFix)), ends, "{reply:?}");
+        assert_eq!(statuses(&trial), said, "{reply:?}");
+        assert_eq!(trial.core.open_requests(), 0);
+    }
+}
+
+#[test]
+fn sr_009_a_link_lost_midway_ends_the_request_and_nothing_is_sent_twice() {
+    let mut trial = under_way(often());
+    trial
+        .vehicle
+        .replies
+        .insert("NPU", Reply::Pending(Duration::from_secs(2), AckStatus::Succeeded));
+    let fix = fix(&trial, EastNorth::new(0.0, 10.0));
+    say_fix(&mut trial, fix.clone());
+    trial.run_for(0.5);
+    trial.cut();
+    assert_eq!(
+        shorts(&states(&trial, RequestKind::PositionFix)),
+        ["sent", "pending", "timed out"]
+    );
+    assert_eq!(statuses(&trial), [AckStatus::Pending, AckStatus::Failed]);
+    // Without a link nothing is kept for later.
+    say_fix(&mut trial, fix);
+    say(&mut trial, "BPTMR,081025.987,3,abort");
+    assert_eq!(statuses(&trial)[2..], [AckStatus::Failed, AckStatus::Failed]);
+    trial.run_for(10.0);
+    assert_eq!((trial.sent("NPU").len(), trial.sent("TMR").len()), (1, 0));
+    assert_eq!(trial.core.open_requests(), 0);
+}
+
+#[test]
+fn answers_that_come_twice_or_for_something_else_change_nothing() {
+    let mut trial = under_way(often());
+    trial.vehicle.replies.insert("RBO", Reply::Silent);
+    say(&mut trial, "BPRBO,081025.987,2.5");
+    let now = trial.now;
+    let created = trial.commands("RBO")[0].1.created().unwrap();
+    let other = created + Duration::from_millis(1);
+    trial.vehicle.acknowledge(now, ("RBO", other, None, AckStatus::Failed));
+    trial
+        .vehicle
+        .acknowledge(now, ("RNS", created, None, AckStatus::Failed));
+    trial
+        .vehicle
+        .acknowledge(now, ("RBO", created, None, AckStatus::Succeeded));
+    trial
+        .vehicle
+        .acknowledge(now, ("RBO", created, None, AckStatus::Failed));
+    trial
+        .vehicle
+        .acknowledge(now, ("RBO", created, None, AckStatus::Succeeded));
+    trial.run_for(3.0);
+    assert_eq!(
+        shorts(&states(&trial, RequestKind::BearingOffset)),
+        ["sent", "accepted", "ended"]
+    );
+    assert_eq!(statuses(&trial), [AckStatus::Succeeded]);
+}
+
+#[test]
+fn what_a_driver_may_not_send_and_what_is_no_sentence_is_refused_and_counted() {
+    let mut trial = Trial::with_under_way(Setup {
+        settings: Settings {
+            drivers: vec![driver("ctd", &[DriverSentence::PayloadCtd], often())],
+            ..Settings::default()
+        },
+        ..Setup::default()
+    });
+    for (body, name, echoed) in [
+        ("BPTMR,081025.987,3,abort", "TMR", "08:10:25.987"),
+        ("BPABT,081025.987,for no reason,1", "ABT", "08:10:25.987"),
+        ("BPRMB,081025.987,90,3,0,1.5,1,0", "RMB", "08:10:25.987"),
+        ("BPLOG,NVG,ON", "LOG", "00:00:00.000"),
+        ("BPXYZ,081025.987,1", "NAK", "00:00:00.000"),
+        ("BFCTL,081025.987,1", "NAK", "00:00:00.000"),
+        ("BPCTD,081025.987,salty,1,2,081025.987", "CTD", "00:00:00.000"),
+        ("BPCTD,081025.987,nan,1,2,081025.987", "CTD", "00:00:00.000"),
+        ("BPCTD,081025.987,1e400,1,2,081025.987", "CTD", "00:00:00.000"),
+        ("BPCTD,,,,,", "CTD", "00:00:00.000"),
+        ("BPCTD", "CTD", "00:00:00.000"),
+        (
+            "BPCTD,081025.987,42914,10.25,303.4,081025.900*00",
+            "NAK",
+            "00:00:00.000",
+        ),
+        (",", "NAK", "00:00:00.000"),
+    ] {
+        trial.run_for(0.1);
+        say(&mut trial, body);
+        let last = told(&trial).pop().unwrap();
+        assert_eq!(
+            (last.0.as_str(), last.1.as_str(), last.2),
+            (name, echoed, AckStatus::Invalid),
+            "{body}"
+        );
+    }
+    assert_eq!(told(&trial).len(), 13);
+    let counted = trial
+        .notes()
+        .into_iter()
+        .filter(|(_, note)| note.to_string().contains("driver ctd"));
+    let counted: Vec<String> = counted.map(|(_, note)| note.to_string()).collect();
+    assert_eq!(
+        counted,
+        [
+            "driver ctd: 1 lines were not taken",
+            "driver ctd: 10 lines were not taken"
+        ]
+    );
+    assert!(!sent_anything(&trial));
+    assert_eq!(
+        trial.core.request_counts().proposed,
+        0,
+        "what may not be sent is no request"
+    );
+}
+
+#[test]
+fn a_program_that_speaks_to_a_vehicle_may_begin_as_it_does_there() {
+    let mut trial = under_way(often());
+    let (versions, subscriptions) = (trial.sent("VER").len(), trial.sent("LOG").len());
+    say(&mut trial, "BPVER,081025.987,1.12");
+    say(&mut trial, "BPLOG,ACK,ON");
+    assert_eq!(statuses(&trial), [AckStatus::Succeeded; 2]);
+    trial.run_for(1.0);
+    assert_eq!(
+        (trial.sent("VER").len(), trial.sent("LOG").len()),
+        (versions, subscriptions)
+    );
+}
+
+#[test]
+fn figures_beyond_the_bounds_are_rejected_and_never_clamped() {
+    let mut trial = under_way(often());
+    trial.run_for(1.0);
+    let recent = clock(&trial, 0.0);
+    let ctd = |figures: &str| format!("BPCTD,081025.987,{figures},{recent}");
+    let (old, ahead) = (clock(&trial, -11.0), clock(&trial, 3.0));
+    for (body, rule) in [
+        (ctd("-1,10,300"), "conductivity is -1.000 uS/cm"),
+        (ctd("100001,10,300"), "conductivity is 100001.000"),
+        (ctd("40000,51,300"), "temperature is 51.000 degC"),
+        (ctd("40000,-6,300"), "temperature is -6.000"),
+        (ctd("40000,10,-1"), "pressure is -1.000 kPa"),
+        (ctd("40000,10,130000"), "pressure is 130000.000"),
+        (format!("BPCTD,081025.987,40000,10,300,{old}"), "measured"),
+        (format!("BPCTD,081025.987,40000,10,300,{ahead}"), "measured"),
+        ("BPCTD,081025.987,40000,10,300,101010.000".to_owned(), "measured"),
+        ("BPRNS,081025.987,51,0,0".to_owned(), "x is 51.000 m"),
+        ("BPRNS,081025.987,0,-51,0".to_owned(), "y is -51.000 m"),
+        ("BPRNS,081025.987,0,0,361".to_owned(), "the bearing is 361.000"),
+        ("BPRBO,081025.987,46".to_owned(), "the offset is 46.000 degrees"),
+        ("BPRBO,081025.987,-46".to_owned(), "the offset is -46.000"),
+    ] {
+        say(&mut trial, &body);
+        let last = told(&trial).pop().unwrap();
+        assert_eq!(last.2, AckStatus::Failed, "{body}");
+        assert!(
+            last.3.starts_with("limit: ") && last.3.contains(rule),
+            "{body}: {}",
+            last.3
+        );
+        trial.run_for(0.05);
+    }
+    let good = fix(&trial, EastNorth::new(30.0, 0.0));
+    let far = fix(&trial, EastNorth::new(501.0, 0.0)).position;
+    let away = backseat_units::Position::from_deg(43.0, -70.0).unwrap();
+    for (fix, rule) in [
+        (
+            PositionFix {
+                force: true,
+                ..good.clone()
+            },
+            "force",
+        ),
+        (
+            PositionFix {
+                error_m: 0.0,
+                ..good.clone()
+            },
+            "error is 0 m",
+        ),
+        (
+            PositionFix {
+                error_m: -1.0,
+                ..good.clone()
+            },
+            "error is -1.000 m",
+        ),
+        (
+            PositionFix {
+                error_m: 101.0,
+                ..good.clone()
+            },
+            "error is 101.000 m",
+        ),
+        (
+            PositionFix {
+                depth_m: -1.0,
+                ..good.clone()
+            },
+            "depth is -1.000 m",
+        ),
+        (
+            PositionFix {
+                depth_m: 71.0,
+                ..good.clone()
+            },
+            "depth is 71.000 m",
+        ),
+        (
+            PositionFix {
+                position: far,
+                ..good.clone()
+            },
+            "way from navigation is 50",
+        ),
+        (
+            PositionFix { position: away, ..good },
+            "way from the fence's middle is 111",
+        ),
+    ] {
+        say_fix(&mut trial, fix);
+        let last = told(&trial).pop().unwrap();
+        assert!(
+            last.2 == AckStatus::Failed && last.3.contains(rule),
+            "{rule}: {}",
+            last.3
+        );
+        trial.run_for(0.05);
+    }
+    assert!(!sent_anything(&trial));
+    assert_eq!(trial.core.request_counts().rejected, 22);
+    assert_eq!(trial.core.open_requests(), 0);
+}
+
+#[test]
+fn conductivity_leaves_in_the_unit_that_the_vehicle_is_set_to() {
+    use ConductivityUnit::{MicrosiemensPerCentimetre as Micro, SiemensPerMetre as Siemens};
+    for (conductivity_in, conductivity_out, says, leaves) in [
+        (Micro, Micro, "42914", 42_914.0),
+        (Micro, Siemens, "42914", 4.291),
+        (Siemens, Micro, "4.2914", 42_914.0),
+        (Siemens, Siemens, "4.291", 4.291),
+    ] {
+        let mut trial = under_way(DriverBounds {
+            conductivity_in,
+            conductivity_out,
+            ..often()
+        });
+        let recent = clock(&trial, 0.0);
+        say(&mut trial, &format!("BPCTD,081025.987,{says},10.25,303.4,{recent}"));
+        let Some((_, ToVehicle::PayloadCtd(ctd))) = trial.commands("CTD").pop() else {
+            panic!("{:?}", told(&trial));
+        };
+        assert!((ctd.conductivity_us_per_cm - leaves).abs() < 1e-6, "{ctd:?}");
+    }
+}
+
+#[test]
+fn sr_021_what_moves_the_frame_ends_the_lease_before_it_leaves_and_ten_seconds_pass() {
+    for forced in ["NPU", "RNS", "RBO"] {
+        let mut trial = under_way(DriverBounds {
+            fix_force: true,
+            ..often()
+        });
+        trial.ask(0, [Request::Modify(modify(1))]);
+        trial.run_for(0.5);
+        assert!(trial.core.is_steering());
+        let before = trial.now;
+        match forced {
+            "NPU" => {
+                let fix = PositionFix {
+                    force: true,
+                    ..fix(&trial, EastNorth::new(5.0, 0.0))
+                };
+                say_fix(&mut trial, fix);
+            }
+            "RNS" => say(&mut trial, "BPRNS,081025.987,1.5,-2.25,90"),
+            _ => say(&mut trial, "BPRBO,081025.987,-2.5"),
+        }
+        assert_eq!(trial.names_since(before), ["EMB", forced], "{:?}", told(&trial));
+        assert!(!trial.core.is_steering() && !trial.core.has_control());
+        trial.run_for(9.8);
+        assert!(!trial.core.has_control(), "steady for too short a time");
+        trial.run_for(0.5);
+        assert!(trial.core.has_control());
+        assert_eq!(statuses(&trial), [AckStatus::Succeeded]);
+    }
+    // A fix that the vehicle weighs by itself is watched as all navigation is.
+    let mut trial = under_way(often());
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(0.5);
+    let fix = fix(&trial, EastNorth::new(5.0, 0.0));
+    say_fix(&mut trial, fix);
+    trial.run_for(1.0);
+    assert!(trial.core.is_steering());
+}
+
+/// How control is lost.
+type Loss = fn(&mut Trial);
+
+#[test]
+fn sr_014_without_control_only_the_relay_passes() {
+    let cases: [(&str, Loss); 4] = [
+        ("the vehicle has control", |trial| {
+            let now = trial.now;
+            trial.vehicle.set_control(now, false);
+        }),
+        ("the mission is not running", |trial| {
+            let now = trial.now;
+            trial.vehicle.set_status(now, "Ready");
+        }),
+        ("the operator holds", |trial| trial.operator(Operator::Hold)),
+        ("navigation is stale", |trial| trial.vehicle.navigates = false),
+    ];
+    for (reason, lose) in cases {
+        let mut trial = under_way(often());
+        let recent = clock(&trial, 0.0);
+        let fix = fix(&trial, EastNorth::default());
+        lose(&mut trial);
+        trial.run_for(1.5);
+        say_fix(&mut trial, fix);
+        for body in [
+            format!("BPCTD,081025.987,42914,10.25,303.4,{recent}"),
+            "BPRNS,081025.987,1.5,-2.25,90".to_owned(),
+            "BPRBO,081025.987,-2.5".to_owned(),
+        ] {
+            say(&mut trial, &body);
+        }
+        for (name, _, status, text) in told(&trial) {
+            assert_eq!(
+                (status, text.as_str()),
+                (AckStatus::Failed, format!("control: {reason}").as_str()),
+                "{name}"
+            );
+        }
+        assert_eq!(told(&trial).len(), 4);
+        assert!(!sent_anything(&trial));
+        say(&mut trial, "BPTMR,081025.987,3,abort");
+        trial.run_for(0.1);
+        assert_eq!(trial.sent("TMR").len(), 1);
+        assert_eq!(told(&trial).pop().unwrap().2, AckStatus::Succeeded);
+    }
+}
+
+#[test]
+fn sr_001_not_armed_nothing_of_a_drivers_leaves() {
+    let mut setup = setup(often());
+    setup.start.armed = false;
+    let mut trial = Trial::with_under_way(setup);
+    let fix = fix(&trial, EastNorth::default());
+    say_fix(&mut trial, fix);
+    say(&mut trial, "BPTMR,081025.987,3,abort");
+    trial.run_for(0.5);
+    assert!(!sent_anything(&trial));
+    for (_, _, status, text) in told(&trial) {
+        assert_eq!(
+            (status, text.as_str()),
+            (AckStatus::Failed, "control: the runtime is not armed")
+        );
+    }
+}
+
+#[test]
+fn sr_019_a_drivers_rate_is_bounded_each_for_itself() {
+    let mut trial = Trial::with_under_way(Setup {
+        settings: Settings {
+            drivers: vec![
+                driver("modem", &ALL, DriverBounds::default()),
+                driver(
+                    "other",
+                    &ALL,
+                    DriverBounds {
+                        rate_max_hz: 0.2,
+                        ..DriverBounds::default()
+                    },
+                ),
+            ],
+            ..Settings::default()
+        },
+        ..Setup::default()
+    });
+    for _ in 0..20 {
+        say(&mut trial, "BPTMR,081025.987,3,hello");
+        trial.feed(Input::Driver(DriverId(1), b"$BPTMR,081026.987,3,hello\n"));
+        trial.run_for(0.1);
+    }
+    let passed = |driver| {
+        let told = told_to(&trial, driver).into_iter();
+        told.filter(|(_, _, status, _)| *status == AckStatus::Succeeded).count()
+    };
+    // Two at once and two a second for two seconds; one at once and none in the five seconds after it.
+    assert_eq!((passed(0), passed(1)), (5, 1));
+    assert!(
+        told(&trial)
+            .iter()
+            .any(|ack| ack.3.starts_with("rate: more than 2 sentences"))
+    );
+    assert!(
+        told_to(&trial, 1).iter().all(|ack| ack.1 == "08:10:26.987"),
+        "each hears of its own"
+    );
+}
+
+#[test]
+fn sr_006_sr_013_a_flood_and_garbage_of_a_driver_disturb_nobody() {
+    let mut trial = under_way(DriverBounds::default());
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(0.5);
+    for flood in [
+        "$BPTMR,081025.987,3,abort\n".repeat(10_000).into_bytes(),
+        "$\n".repeat(10_000).into_bytes(),
+        "$BPXYZ\n".repeat(10_000).into_bytes(),
+        vec![b'x'; 10_000_000],
+        [b"$BPCTD,".to_vec(), vec![b'9'; 10_000_000]].concat(),
+        vec![0xff; 100_000],
+    ] {
+        let before = trial.seen.len();
+        trial.feed(Input::Driver(DriverId(0), &flood));
+        assert!(trial.seen.len() - before < 200, "{} outputs", trial.seen.len() - before);
+        trial.run_for(1.1);
+        assert!(trial.core.is_steering());
+    }
+    let modifies = trial.sent("RMB");
+    assert!(
+        modifies
+            .windows(2)
+            .all(|pair| pair[1].since(pair[0]) <= Duration::from_millis(1100))
+    );
+    // What comes after the garbage is read.
+    trial.run_for(1.0);
+    say(&mut trial, "");
+    let relayed = trial.sent("TMR").len();
+    say(&mut trial, "BPTMR,081025.987,3,home");
+    assert_eq!(trial.sent("TMR").len(), relayed + 1);
+}
+
+#[test]
+fn a_drivers_sentences_come_in_any_split_and_without_order() {
+    let mut trial = under_way(often());
+    let mut checked = Vec::new();
+    ToVehicle::decode(&Sentence::parse("$BPTMR,081025.987,3,come home").unwrap())
+        .unwrap()
+        .encode(&mut checked)
+        .unwrap();
+    for byte in &checked {
+        trial.feed(Input::Driver(DriverId(0), &[*byte]));
+    }
+    trial.run_for(0.1);
+    assert_eq!(statuses(&trial), [AckStatus::Succeeded]);
+    // One that was cut is not ended by what comes next.
+    trial.feed(Input::Driver(DriverId(0), b"$BPTMR,081025.987,3,abo"));
+    trial.feed(Input::Driver(DriverId(0), b"$\n"));
+    trial.run_for(0.1);
+    assert_eq!(trial.sent("TMR").len(), 1);
+    assert_eq!(statuses(&trial), [AckStatus::Succeeded, AckStatus::Invalid]);
+}
+
+#[test]
+fn a_driver_that_the_mission_does_not_know_is_not_heard() {
+    let mut trial = under_way(often());
+    trial.feed(Input::Driver(DriverId(1), b"$BPTMR,081025.987,3,abort\n"));
+    trial.run_for(0.5);
+    assert!(!sent_anything(&trial) && told_to(&trial, 1).is_empty());
+}
+
+#[test]
+fn a_plugin_that_fails_and_control_that_is_lost_midway_leave_the_request_to_its_answer() {
+    let mut trial = under_way(often());
+    trial
+        .vehicle
+        .replies
+        .insert("RBO", Reply::Late(Duration::from_secs(1), AckStatus::Succeeded));
+    say(&mut trial, "BPRBO,081025.987,2.5");
+    trial.fail(0, backseat_core::plugin::FaultKind::Trap);
+    trial.run_for(0.3);
+    let now = trial.now;
+    trial.vehicle.set_control(now, false);
+    trial.run_for(3.0);
+    assert_eq!(statuses(&trial), [AckStatus::Succeeded]);
+    assert_eq!(
+        states(&trial, RequestKind::BearingOffset).last().map(short),
+        Some("ended")
+    );
+}
+
+#[test]
+fn bounds_that_make_no_sense_are_named() {
+    assert_eq!(DriverBounds::default().validate(), Ok(()));
+    let broken = |bounds: DriverBounds| bounds.validate().unwrap_err().key;
+    let usual = DriverBounds::default;
+    assert_eq!(
+        broken(DriverBounds {
+            rate_max_hz: 0.0,
+            ..usual()
+        }),
+        "rate_max_hz"
+    );
+    assert_eq!(
+        broken(DriverBounds {
+            fix_distance_max_m: f64::NAN,
+            ..usual()
+        }),
+        "fix_distance_max_m"
+    );
+    assert_eq!(
+        broken(DriverBounds {
+            offset_max_deg: 181.0,
+            ..usual()
+        }),
+        "offset_max_deg"
+    );
+    assert_eq!(
+        broken(DriverBounds {
+            measured_age_max_s: -1.0,
+            ..usual()
+        }),
+        "measured_age_max_s"
+    );
+}

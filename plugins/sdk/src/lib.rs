@@ -62,8 +62,8 @@
 //! is a [`GpsHit`], which nobody can cancel. All others end when the vehicle has said whether it has done them.
 //!
 //! # Grants
-//! A request that the mission does not grant the plugin is rejected by the rule `grant`, whatever it asks. The operator
-//! grants by name, plugin by plugin:
+//! A request that the mission does not grant the plugin is rejected, whatever it asks for, and a [`Request::Message`],
+//! which has no outcome, is dropped. The operator grants by name, plugin by plugin:
 //!
 //! ```toml
 //! [[plugin]]

@@ -101,6 +101,8 @@ fn input() -> Result<StepInput, Box<dyn std::error::Error>> {
             yaw_rate_dps: 0.1,
             gps: false,
         }),
+        relative: None,
+        cartesian: None,
         control: true,
         events: Vec::new(),
     })

@@ -61,3 +61,52 @@ impl From<wit::Topic> for core::Topic {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In the order of the interface.
+    const TOPICS: [wit::Topic; 19] = [
+        wit::Topic::Ctd,
+        wit::Topic::MissionCommand,
+        wit::Topic::Behavior,
+        wit::Topic::Logging,
+        wit::Topic::Topside,
+        wit::Topic::Acoustic,
+        wit::Topic::Plan,
+        wit::Topic::Telemetry,
+        wit::Topic::SoundVelocity,
+        wit::Topic::Compass,
+        wit::Topic::Pressure,
+        wit::Topic::VehicleSpeed,
+        wit::Topic::Battery,
+        wit::Topic::Surfaces,
+        wit::Topic::Dvl,
+        wit::Topic::DvlBeams,
+        wit::Topic::Imu,
+        wit::Topic::Servo,
+        wit::Topic::RelativeNavigation,
+    ];
+
+    #[test]
+    fn a_topic_is_the_one_of_its_name() {
+        for topic in TOPICS {
+            let name = format!("{topic:?}").replace("Topic::", "");
+            assert_eq!(format!("{:?}", core::Topic::from(topic)), name);
+        }
+    }
+
+    #[test]
+    fn topics_are_in_order_and_none_is_there_twice() {
+        let described = wit::Description {
+            name: "a".to_owned(),
+            version: "1".to_owned(),
+            step_period_ns: 20_000_000,
+            topics: TOPICS.into_iter().rev().chain(TOPICS).collect(),
+        };
+        let topics = description(described).unwrap().topics;
+        assert_eq!(topics.len(), TOPICS.len());
+        assert!(topics.is_sorted());
+    }
+}

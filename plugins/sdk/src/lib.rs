@@ -79,7 +79,7 @@
 //! | `message` | [`Request::Message`] |
 //! | `surface` | [`Request::GpsHit`], where the fence lets the vehicle surface |
 //! | `topside` | [`Request::Topside`] |
-//! | `dvl` | [`Request::DvlTrigger`] |
+//! | `dvl` | [`Request::DvlTrigger`], of one plugin at a time |
 //! | `silent` | [`Request::Silent`] |
 //! | `trim` | [`Request::Trim`] |
 //! | `buoyancy` | [`Request::Buoyancy`] |

@@ -8,7 +8,8 @@ pub const FRAMES: usize = 8;
 pub const FRAME_BYTES: usize = 1024;
 
 /// Whether a text can stand in a sentence: printable ASCII without comma, asterisk and dollar (SPI 4.2), at most
-/// [`TEXT_BYTES`]. A [`Topside`](crate::Topside) with any other is rejected.
+/// [`TEXT_BYTES`]. A [`Topside`](crate::Topside) with any other is rejected, as is one with a command's three letters in
+/// upper case or of more than 200 bytes.
 #[must_use]
 pub fn is_plain(text: &str) -> bool {
     text.len() <= TEXT_BYTES

@@ -9,6 +9,10 @@ use backseat_suite::{Backseat, Mission};
 /// A live modify is sent again each second; more than this and a sibling has held it up.
 const GAP_MAX_S: f64 = 1.05;
 
+/// All that a mission can let a plugin do.
+const EVERY_GRANT: &str = r#"["modify", "insert", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy",
+    "acoustic", "hull", "devices"]"#;
+
 /// Isobath, the first in priority, beside `faulty` with a fault that comes a minute after control has, which is after
 /// about 150 s and for five minutes. What lies across the fence lies to the north.
 fn beside_isobath(fault: &str) -> Mission {
@@ -18,7 +22,7 @@ fn beside_isobath(fault: &str) -> Mission {
         .append(
             "mission.toml",
             &format!(
-                "[[plugin]]\nname = \"bad\"\ncomponent = \"faulty\"\ngrants = [\"modify\", \"insert\", \"message\"]\n\
+                "[[plugin]]\nname = \"bad\"\ncomponent = \"faulty\"\ngrants = {EVERY_GRANT}\n\
                  [plugin.config]\nfault = \"{fault}\"\nafter_s = 210.0\n\
                  target_north_m = 3000.0\ntarget_east_m = 0.0"
             ),
@@ -60,10 +64,13 @@ fn flies(mission: &Mission, path: &Path) -> Log {
     read(path).expect("the log can be read")
 }
 
+/// Sentences that move nothing of the vehicle.
+const NOT_STEERING: [&str; 5] = ["$BPSTS", "$BPMSG", "$BPTOP", "$BPDVR", "$BPSIL"];
+
 /// The sentences that steer, with the times when they were sent.
 fn steering(log: &Log) -> Vec<(f64, String)> {
     let mut sentences = sent(log);
-    sentences.retain(|(_, sentence)| !sentence.starts_with("$BPSTS,") && !sentence.starts_with("$BPMSG,"));
+    sentences.retain(|(_, sentence)| !NOT_STEERING.iter().any(|name| sentence.starts_with(name)));
     sentences
 }
 
@@ -144,6 +151,17 @@ faults! {
     a_plugin_that_falls_silent "stale";
     a_plugin_that_contradicts_itself "contradict";
     a_plugin_that_wants_across_the_fence "cross_fence";
+    a_plugin_that_floods_the_topside "topside_flood";
+    a_plugin_that_floods_the_acoustic_modem "packet_flood";
+    a_plugin_that_surfaces_again_and_again "gps_flood";
+    a_plugin_that_flashes_the_light "light_flood";
+    a_plugin_whose_packet_has_too_many_frames "nine_frames" "TooMuch";
+    a_plugin_whose_frame_is_too_long "long_frame" "TooMuch";
+    a_plugin_whose_packet_is_empty "no_frames";
+    a_plugin_whose_message_is_too_long "long_topside" "TooMuch";
+    a_plugin_whose_texts_delimit_sentences "reserved_text";
+    a_plugin_that_throws_the_camera "camera_1000";
+    a_plugin_that_does_not_wait_for_leave "uninvited";
 }
 
 /// The reasons that requests of the bad plugin were rejected for, but for isobath's steering.
@@ -246,4 +264,41 @@ fn what_the_bad_plugin_asked_for_never_reached_the_wire() {
             .iter()
             .any(|(_, sentence)| sentence.starts_with("$BPRTK,") || sentence.starts_with("$BPRTC,"))
     );
+}
+
+#[test]
+fn no_text_becomes_a_sentence_of_its_own() {
+    let mission = beside_isobath("reserved_text");
+    let log = flies(&mission, &mission.beside("run.mcap"));
+    for (at_s, sentence) in sent(&log) {
+        assert!(
+            !sentence.starts_with("$BPABT") && !sentence.starts_with("$BPKIL"),
+            "at {at_s} s: {sentence}"
+        );
+        assert_eq!(sentence.matches('$').count(), 1, "at {at_s} s: {sentence}");
+        assert_eq!(sentence.matches('*').count(), 1, "at {at_s} s: {sentence}");
+        assert!(sentence.is_ascii(), "at {at_s} s: {sentence}");
+    }
+}
+
+#[test]
+fn a_flood_is_cut_to_what_the_mission_allows() {
+    for (fault, name, per_min) in [
+        ("topside_flood", "$BPTOP,", 6),
+        ("packet_flood", "$BPCPD,", 12),
+        ("gps_flood", "$BPRGP,", 0),
+    ] {
+        let mission = beside_isobath(fault);
+        let log = flies(&mission, &mission.beside("run.mcap"));
+        let times: Vec<f64> = sent(&log)
+            .into_iter()
+            .filter(|(_, sentence)| sentence.starts_with(name))
+            .map(|(at_s, _)| at_s)
+            .collect();
+        for begin_s in &times {
+            let within = times.iter().filter(|at_s| (*begin_s..begin_s + 60.0).contains(*at_s));
+            let count = within.count();
+            assert!(count <= per_min, "{count} of {name} in the minute from {begin_s} s");
+        }
+    }
 }

@@ -90,13 +90,13 @@ pub enum Fault {
     Contradict,
     /// It asks for a trackline to the target, and for a modify towards it, whatever the fence says.
     CrossFence,
-    /// It sends 200 messages to the topside.
+    /// It sends 100 messages to the topside.
     TopsideFlood,
-    /// It sends 200 acoustic packets.
+    /// It sends 100 acoustic packets.
     PacketFlood,
-    /// It asks for 200 GPS hits.
+    /// It asks for 100 GPS hits.
     GpsFlood,
-    /// It switches the light 200 times.
+    /// It switches the light 100 times.
     LightFlood,
     /// Its packet has nine frames.
     NineFrames,
@@ -127,6 +127,8 @@ pub struct Faulty {
 }
 
 const SECOND_NS: u64 = 1_000_000_000;
+/// Requests of a step that are too many for a mission and not for the host.
+const FLOOD: usize = 100;
 const YEAR_NS: u64 = 365 * 86_400 * SECOND_NS;
 
 impl Plugin for Faulty {
@@ -282,7 +284,7 @@ impl Faulty {
 
     /// Many requests of a kind, by their tags.
     fn many(&mut self, request: impl Fn(u64) -> Request) -> Vec<Request> {
-        (0..200).map(|_| request(self.next_tag())).collect()
+        (0..FLOOD).map(|_| request(self.next_tag())).collect()
     }
 
     fn contradictions(&mut self) -> Vec<Request> {

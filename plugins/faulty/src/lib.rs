@@ -3,8 +3,15 @@
 //! Until its fault comes it is a good plugin: it asks each second for a modify of 5 s.
 
 use backseat_sdk::units::EastNorth;
-use backseat_sdk::{Description, Modify, Plugin, Position, Request, StepInput, Trackline, Vertical, fence, log};
+use backseat_sdk::{
+    Description, FRAME_BYTES, FRAMES, Modify, Plugin, Position, Request, StepInput, TEXT_BYTES, Trackline, Vertical,
+    fence, log,
+};
 use serde::Deserialize;
+
+mod requests;
+
+use requests::{packet, topside};
 
 /// The plugin's table in the mission file.
 #[derive(Clone, Debug, Deserialize)]
@@ -83,6 +90,30 @@ pub enum Fault {
     Contradict,
     /// It asks for a trackline to the target, and for a modify towards it, whatever the fence says.
     CrossFence,
+    /// It sends 100 messages to the topside.
+    TopsideFlood,
+    /// It sends 100 acoustic packets.
+    PacketFlood,
+    /// It asks for 100 GPS hits.
+    GpsFlood,
+    /// It switches the light 100 times.
+    LightFlood,
+    /// Its packet has nine frames.
+    NineFrames,
+    /// Its packet's frame is of 10 KiB.
+    LongFrame,
+    /// Its packet has no frames.
+    NoFrames,
+    /// Its message to the topside is a byte too long.
+    LongTopside,
+    /// Its texts hold what delimits sentences, and a whole sentence.
+    ReservedText,
+    /// It moves the camera by 1000.
+    #[serde(rename = "camera_1000")]
+    Camera1000,
+    /// It asks for what needs the vehicle's leave, without it: packets, the DVL's trigger, silence under way, a hold of
+    /// a vehicle that does not hover.
+    Uninvited,
 }
 
 /// A plugin that misbehaves.
@@ -96,6 +127,8 @@ pub struct Faulty {
 }
 
 const SECOND_NS: u64 = 1_000_000_000;
+/// Requests of a step that are too many for a mission and not for the host.
+const FLOOD: usize = 100;
 const YEAR_NS: u64 = 365 * 86_400 * SECOND_NS;
 
 impl Plugin for Faulty {
@@ -171,6 +204,25 @@ impl Plugin for Faulty {
             }
             Fault::Contradict => Ok(self.contradictions()),
             Fault::CrossFence => Ok(self.cross_fence(input)),
+            Fault::TopsideFlood => Ok(self.many(|tag| topside(tag, "again"))),
+            Fault::PacketFlood => Ok(self.many(|tag| packet(tag, 1, 32))),
+            Fault::GpsFlood => {
+                let position = input
+                    .navigation
+                    .map_or(requests::ORIGIN, |navigation| navigation.position);
+                Ok(self.many(|tag| requests::gps_hit(tag, position)))
+            }
+            Fault::LightFlood => Ok(self.many(|tag| requests::light(tag, tag.is_multiple_of(2)))),
+            Fault::NineFrames => Ok(vec![packet(self.next_tag(), FRAMES + 1, 1)]),
+            Fault::LongFrame => Ok(vec![packet(self.next_tag(), 1, 10 * FRAME_BYTES)]),
+            Fault::NoFrames => Ok(vec![packet(self.next_tag(), 0, 0)]),
+            Fault::LongTopside => Ok(vec![topside(self.next_tag(), &"x".repeat(TEXT_BYTES + 1))]),
+            Fault::ReservedText => Ok(requests::RESERVED
+                .iter()
+                .flat_map(|text| [topside(self.next_tag(), text), Request::Message((*text).into())])
+                .collect()),
+            Fault::Camera1000 => Ok(vec![requests::camera(self.next_tag(), 1000)]),
+            Fault::Uninvited => Ok(requests::uninvited(|| self.next_tag())),
         }
     }
 
@@ -227,29 +279,12 @@ impl Faulty {
 
     /// One value wherever a request has a figure.
     fn figures(&mut self, value: f64) -> Vec<Request> {
-        let (vertical, speed) = (Vertical::Depth(value), value);
-        let position = Position {
-            latitude: value,
-            longitude: value,
-        };
-        let (first, second) = (self.next_tag(), self.next_tag());
-        vec![
-            Request::Modify(Modify {
-                tag: first,
-                heading: value,
-                vertical,
-                speed,
-                duration_ns: u64::MAX,
-            }),
-            Request::Trackline(Trackline {
-                tag: second,
-                start: position,
-                end: position,
-                vertical,
-                speed,
-                interrupt: true,
-            }),
-        ]
+        requests::with_figure(value, || self.next_tag())
+    }
+
+    /// Many requests of a kind, by their tags.
+    fn many(&mut self, request: impl Fn(u64) -> Request) -> Vec<Request> {
+        (0..FLOOD).map(|_| request(self.next_tag())).collect()
     }
 
     fn contradictions(&mut self) -> Vec<Request> {

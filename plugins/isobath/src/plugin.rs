@@ -188,7 +188,15 @@ impl Isobath {
             | Event::MissionCommand(_)
             | Event::BehaviorBegan(_)
             | Event::BehaviorEnded(_)
-            | Event::Timer(_) => {}
+            | Event::Timer(_)
+            | Event::LoggingBegan(_)
+            | Event::LoggingEnded(_)
+            | Event::TopsideMessage(_)
+            | Event::DvlTrigger(_)
+            | Event::Window(_)
+            | Event::Packet(_)
+            | Event::Plan(_)
+            | Event::Sample(_) => {}
         }
     }
 

@@ -2,7 +2,7 @@
 
 use backseat_units as units;
 
-use crate::{Navigation, Position, StepInput};
+use crate::{Cartesian, Navigation, PlannedPoint, Position, Relative, StepInput};
 
 impl From<units::Position> for Position {
     fn from(position: units::Position) -> Self {
@@ -40,6 +40,14 @@ impl Navigation {
     }
 }
 
+impl PlannedPoint {
+    /// Where it is in the mission's local frame.
+    #[must_use]
+    pub fn local(&self) -> units::EastNorth {
+        units::EastNorth::new(self.east, self.north)
+    }
+}
+
 /// For unit tests: at the surface at 0 N 0 E, heading north, at rest, with no bottom lock.
 impl Default for Navigation {
     fn default() -> Self {
@@ -65,6 +73,36 @@ impl Default for Navigation {
     }
 }
 
+/// For unit tests: at the target, facing it.
+impl Default for Relative {
+    fn default() -> Self {
+        Self {
+            age_ns: 0,
+            horizontal: 0.0,
+            vertical: 0.0,
+            distance: 0.0,
+            heading: 0.0,
+            depth: 0.0,
+            absolute_heading: 0.0,
+            roll: 0.0,
+            pitch: 0.0,
+        }
+    }
+}
+
+/// For unit tests: at the inertial frame's origin, facing the target.
+impl Default for Cartesian {
+    fn default() -> Self {
+        Self {
+            age_ns: 0,
+            x: 0.0,
+            y: 0.0,
+            z: 0.0,
+            heading: 0.0,
+        }
+    }
+}
+
 /// For unit tests: the start of a run, without navigation, control or events.
 impl Default for StepInput {
     fn default() -> Self {
@@ -72,6 +110,8 @@ impl Default for StepInput {
             now_ns: 0,
             utc_ns: 0,
             navigation: None,
+            relative: None,
+            cartesian: None,
             control: false,
             events: Vec::new(),
         }

@@ -49,15 +49,46 @@
 //!
 //! # What the runtime bounds
 //! Each call has a budget of fuel (roughly, WebAssembly instructions), each plugin a limit of memory. A step returns at
-//! most 256 requests; a message is at most 256 bytes, a snapshot at most 1 MiB. A plugin that breaks a bound or panics
-//! is started anew: a new instance gets [`Plugin::new`], [`Plugin::restore`] with the last snapshot, and an
-//! [`Event::Restored`]. An `Err` from `step` is recorded as a failure, and the instance lives on.
+//! most 256 requests; a text is at most [`TEXT_BYTES`], a packet has at most [`FRAMES`] frames of at most
+//! [`FRAME_BYTES`], a snapshot is at most 1 MiB. A plugin that breaks a bound or panics is started anew: a new instance
+//! gets [`Plugin::new`], [`Plugin::restore`] with the last snapshot, and an [`Event::Restored`]. An `Err` from `step` is
+//! recorded as a failure, and the instance lives on.
 //!
 //! # Requests and outcomes
 //! Every request that can come to an end carries a `tag` of the plugin's choosing, which returns in
-//! [`Event::Outcome`]: use a new one for each request whose fate matters. A [`Modify`] stands for its duration and the
-//! runtime refreshes it, so ask again before it runs out, or whenever the setpoint changes. A [`Trackline`] or
-//! [`Trackcircle`] is flown by the vehicle by itself once it has accepted it.
+//! [`Event::Outcome`]: use a new one for each request whose fate matters. A [`Modify`], or a [`Hold`] of a hovering
+//! vehicle, stands for its duration and the runtime refreshes it, so ask again before it runs out, or whenever the
+//! setpoint changes. A [`Trackline`] or [`Trackcircle`] is flown by the vehicle by itself once it has accepted it, and so
+//! is a [`GpsHit`], which nobody can cancel. All others end when the vehicle has said whether it has done them.
+//!
+//! # Grants
+//! A request that the mission does not grant the plugin is rejected, whatever it asks for, and a [`Request::Message`],
+//! which has no outcome, is dropped. The operator grants by name, plugin by plugin:
+//!
+//! ```toml
+//! [[plugin]]
+//! name = "survey"
+//! component = "survey"
+//! grants = ["modify", "insert", "message"]
+//! ```
+//!
+//! | grant | what it allows |
+//! |---|---|
+//! | `modify` | [`Request::Modify`], [`Request::EndModify`] |
+//! | `insert` | [`Request::Trackline`], [`Request::Trackcircle`], [`Request::Cancel`] |
+//! | `message` | [`Request::Message`] |
+//! | `surface` | [`Request::GpsHit`], where the fence lets the vehicle surface |
+//! | `topside` | [`Request::Topside`] |
+//! | `dvl` | [`Request::DvlTrigger`], of one plugin at a time |
+//! | `silent` | [`Request::Silent`] |
+//! | `trim` | [`Request::Trim`] |
+//! | `buoyancy` | [`Request::Buoyancy`] |
+//! | `acoustic` | [`Request::Packet`] |
+//! | `hull` | [`Request::Hold`], [`Request::EndHold`] |
+//! | `devices` | [`Request::SonarAngle`], [`Request::Camera`], [`Request::Light`] |
+//!
+//! [`Request::Timer`] needs none. What a plugin hears needs none either, but a [`Topic`] of its [`Description`], except
+//! for [`Event::DvlTrigger`], which comes with `dvl`.
 
 #[doc(hidden)]
 pub mod bindings;
@@ -67,10 +98,15 @@ pub mod exports;
 pub mod fence;
 pub mod log;
 mod plugin;
+mod request;
 
 pub use backseat_units as units;
 pub use bindings::backseat::plugin::types::{
-    Behavior, Ctd, Description, Event, Modify, Navigation, Outcome, Position, Request, Restored, State, StepInput,
-    Timer, Topic, Trackcircle, Trackline, Vertical,
+    Axes, Battery, Beams, Behavior, BottomPosition, Camera, Cartesian, Compass, Ctd, Description, Dvl, DvlBeams,
+    DvlTrigger, Event, GpsHit, Hold, HoldTarget, HullPosition, Imu, Light, Modify, Navigation, Outcome, Packet,
+    PlannedElement, PlannedPoint, Position, Pressure, ReceivedFrame, ReceivedPacket, Relative, Request, Restored,
+    Sample, Servo, Silent, SonarAngle, SoundVelocity, State, StepInput, Surfaces, Telemetry, Timer, Topic, Topside,
+    TopsideMessage, Trackcircle, Trackline, Transport, VehicleSpeed, Vertical, Window,
 };
 pub use plugin::{NoConfig, Plugin};
+pub use request::{FRAME_BYTES, FRAMES, TEXT_BYTES, is_plain};

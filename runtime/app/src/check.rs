@@ -29,6 +29,22 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
                 Topic::Ctd => "CTD",
                 Topic::MissionCommand => "mission commands",
                 Topic::Behavior => "behaviours",
+                Topic::Logging => "data logging",
+                Topic::Topside => "topside messages",
+                Topic::Acoustic => "acoustic packets",
+                Topic::Plan => "the vehicle's plan",
+                Topic::Telemetry => "telemetry",
+                Topic::SoundVelocity => "sound velocity",
+                Topic::Compass => "compasses",
+                Topic::Pressure => "pressure",
+                Topic::VehicleSpeed => "vehicle speed",
+                Topic::Battery => "batteries",
+                Topic::Surfaces => "elevator and rudder",
+                Topic::Dvl => "DVL",
+                Topic::DvlBeams => "DVL beams",
+                Topic::Imu => "IMU",
+                Topic::Servo => "pitch servos",
+                Topic::RelativeNavigation => "relative navigation",
             })
             .collect();
         say!(

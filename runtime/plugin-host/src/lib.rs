@@ -11,7 +11,7 @@
 //! | fuel of a call | [`Budget`] | `OutOfFuel` |
 //! | linear memory in all, 64 instances, 32 tables, 8 memories, 100,000 table elements | [`Budget`] | `Memory`, where it then traps |
 //! | bytes that one call passes to the host | 128 KiB a step, 1 MiB a snapshot | `TooMuch`, before anything is allocated for them |
-//! | 256 requests a step, 256 bytes a message | | `TooMuch` |
+//! | 256 requests a step, 256 bytes a text, 8 frames of 1024 bytes a packet | | `TooMuch` |
 //! | 32 log lines a step of 256 bytes | | cut; the rest are counted |
 //! | wall clock | [`Plugin::set_deadline_ticks`] | `Deadline` |
 //!

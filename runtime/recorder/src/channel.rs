@@ -92,11 +92,16 @@ const INPUT: &str = r#"{
   "description": "An input of core that is not bytes of the link.",
   "required": ["input"],
   "properties": {
-    "input": {"enum": ["start", "link-up", "link-down", "returned", "restarted", "operator", "reserved", "timeout"]},
+    "input": {"enum": ["start", "link-up", "link-down", "returned", "restarted", "operator", "driver", "reserved", "timeout"]},
     "plugin": {"type": "integer", "description": "Place in priority order, 0 first (returned, restarted)."},
     "returned": {"type": "object", "description": "Fuel, log lines, and requests or fault of a step."},
     "restarted": {"type": "object", "description": "Fuel, lost steps, and fault, if any, of a restart."},
-    "act": {"enum": ["hold", "release", "stop"]},
+    "act": {
+      "type": ["string", "object"],
+      "description": "What the operator did: hold, release, stop; or {\"order\": ...} with what no plugin may ask for."
+    },
+    "driver": {"type": "integer", "description": "Place in the mission file, 0 first (driver)."},
+    "bytes": {"type": ["string", "array"], "description": "As text where they are UTF-8, else as numbers (driver)."},
     "below": {"type": "integer", "description": "All SPI identifiers below this are reserved (reserved)."},
     "start": {"type": "object", "description": "What core was started with: UTC in ns, identifiers, armed, held, jitter."}
   }
@@ -107,9 +112,11 @@ const OUTPUT: &str = r#"{
   "description": "An output of core that is neither bytes of the link nor a note.",
   "required": ["output"],
   "properties": {
-    "output": {"enum": ["connect", "reset-link", "invoke", "restart", "reserve", "finish"]},
+    "output": {"enum": ["connect", "reset-link", "invoke", "driver", "restart", "reserve", "finish"]},
     "plugin": {"type": "integer", "description": "Place in priority order, 0 first (invoke, restart)."},
     "step": {"type": "object", "description": "The step's whole input (invoke in a deployed log)."},
+    "driver": {"type": "integer", "description": "Place in the mission file, 0 first (driver)."},
+    "bytes": {"type": ["string", "array"], "description": "As text where they are UTF-8, else as numbers (driver)."},
     "after_s": {"type": "number", "description": "Back-off, seconds (connect)."},
     "below": {"type": "integer", "description": "Reserve all SPI identifiers below this (reserve)."}
   }
@@ -127,14 +134,20 @@ const NOTE: &str = r#"{
 
 const REQUEST: &str = r#"{
   "type": "object",
-  "description": "A request of a plugin has come to another state.",
-  "required": ["text", "request", "plugin", "tag", "kind", "state"],
+  "description": "A request of a plugin, the operator or a driver has come to another state.",
+  "required": ["text", "request", "owner", "tag", "kind", "state"],
   "properties": {
     "text": {"type": "string", "description": "All of it in a line."},
     "request": {"type": "integer", "description": "Its number in this run."},
-    "plugin": {"type": "integer", "description": "Place in priority order, 0 first."},
-    "tag": {"type": "integer", "description": "The plugin's name for it."},
-    "kind": {"enum": ["modify", "trackline", "trackcircle", "cancel"]},
+    "owner": {"enum": ["plugin", "operator", "driver"], "description": "Whose it is."},
+    "plugin": {"type": "integer", "description": "Place in priority order, 0 first; of a plugin's."},
+    "driver": {"type": "integer", "description": "Place in the mission file, 0 first; of a driver's."},
+    "tag": {"type": "integer", "description": "Its owner's name for it."},
+    "kind": {"enum": [
+      "modify", "trackline", "trackcircle", "cancel", "gps-hit", "cancel-all", "cancel-current", "cancel-element",
+      "abort", "kill", "start-empty-mission", "topside", "relay", "dvl-trigger", "silent", "trim", "buoyancy", "packet",
+      "hold", "sonar-angle", "camera", "light", "position-fix", "payload-ctd", "relative-reset", "bearing-offset"
+    ]},
     "identifier": {"type": ["integer", "null"], "description": "SPI identifier of an insert."},
     "state": {"enum": ["rejected", "sent", "pending", "accepted", "failed", "timed-out", "unknown", "started", "ended", "cancelled"]},
     "reason": {"type": ["string", "null"], "description": "Why, where it was rejected, failed or ended."}

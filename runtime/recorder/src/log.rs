@@ -308,6 +308,7 @@ fn read_record(channel: Channel, data: Vec<u8>) -> Result<Record, serde_json::Er
             InputOwned::Returned { plugin, returned } => Record::Input(LoggedInput::Returned(plugin, returned)),
             InputOwned::Restarted { plugin, restarted } => Record::Input(LoggedInput::Restarted(plugin, restarted)),
             InputOwned::Operator { act } => Record::Input(LoggedInput::Operator(act)),
+            InputOwned::Driver { driver, bytes } => Record::Input(LoggedInput::Driver(driver, bytes)),
             InputOwned::Reserved { below } => Record::Input(LoggedInput::Reserved(below)),
             InputOwned::Timeout => Record::Input(LoggedInput::Timeout),
         },

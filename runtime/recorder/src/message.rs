@@ -1,9 +1,10 @@
 //! The shapes of the JSON channels' messages. Their schemas are in [`crate::Channel::schema`].
 
 use backseat_core::plugin::{NavigationSample, PluginId, RequestState, Returned, StepInput};
-use backseat_core::{Input, Note, Operator, RequestKind, Restarted, Start, Transition};
+use backseat_core::{DriverId, Input, Note, Operator, Owner, RequestKind, Restarted, Start, Transition};
 use serde::{Deserialize, Serialize};
 
+use crate::bytes;
 use crate::request::{ReturnedJson, ReturnedRef};
 
 /// An input of core as the log has it, to be handed to core again.
@@ -21,6 +22,8 @@ pub enum LoggedInput {
     Restarted(PluginId, Restarted),
     /// The operator had acted.
     Operator(Operator),
+    /// Bytes from a configured driver.
+    Driver(DriverId, Vec<u8>),
     /// Identifiers below this were reserved.
     Reserved(u32),
     /// The time that core had asked for had come.
@@ -37,7 +40,8 @@ impl LoggedInput {
             Self::Received(bytes) => Input::Received(bytes),
             Self::Returned(plugin, returned) => Input::Returned(*plugin, returned.clone()),
             Self::Restarted(plugin, restarted) => Input::Restarted(*plugin, restarted.clone()),
-            Self::Operator(act) => Input::Operator(*act),
+            Self::Operator(act) => Input::Operator(act.clone()),
+            Self::Driver(driver, bytes) => Input::Driver(*driver, bytes),
             Self::Reserved(below) => Input::Reserved(*below),
             Self::Timeout => Input::Timeout,
         }
@@ -62,7 +66,12 @@ pub(crate) enum InputRef<'a> {
         restarted: &'a Restarted,
     },
     Operator {
-        act: Operator,
+        act: &'a Operator,
+    },
+    Driver {
+        driver: DriverId,
+        #[serde(with = "bytes")]
+        bytes: &'a [u8],
     },
     Reserved {
         below: u32,
@@ -90,6 +99,11 @@ pub(crate) enum InputOwned {
     Operator {
         act: Operator,
     },
+    Driver {
+        driver: DriverId,
+        #[serde(with = "bytes")]
+        bytes: Vec<u8>,
+    },
     Reserved {
         below: u32,
     },
@@ -108,6 +122,11 @@ pub(crate) enum OutputRef<'a> {
         plugin: PluginId,
         #[serde(skip_serializing_if = "Option::is_none")]
         step: Option<&'a StepInput>,
+    },
+    Driver {
+        driver: DriverId,
+        #[serde(with = "bytes")]
+        bytes: &'a [u8],
     },
     Restart {
         plugin: PluginId,
@@ -139,7 +158,11 @@ pub(crate) struct ControlRef<'a> {
 pub(crate) struct RequestRef<'a> {
     text: &'a str,
     request: u64,
-    plugin: PluginId,
+    owner: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plugin: Option<PluginId>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    driver: Option<DriverId>,
     tag: u64,
     kind: RequestKind,
     identifier: Option<u32>,
@@ -161,10 +184,17 @@ impl<'a> RequestRef<'a> {
             RequestState::Ended(reason) => ("ended", Some(reason.as_str())),
             RequestState::Cancelled => ("cancelled", None),
         };
+        let (owner, plugin, driver) = match transition.owner {
+            Owner::Plugin(plugin) => ("plugin", Some(plugin), None),
+            Owner::Operator => ("operator", None, None),
+            Owner::Driver(driver) => ("driver", None, Some(driver)),
+        };
         Self {
             text,
             request: transition.request,
-            plugin: transition.plugin,
+            owner,
+            plugin,
+            driver,
             tag: transition.tag,
             kind: transition.kind,
             identifier: transition.identifier,

@@ -110,7 +110,8 @@ impl<W: Write + Seek> Recorder<W> {
                 plugin: *plugin,
                 restarted,
             },
-            Input::Operator(act) => InputRef::Operator { act: *act },
+            Input::Operator(act) => InputRef::Operator { act },
+            Input::Driver(driver, bytes) => InputRef::Driver { driver: *driver, bytes },
             Input::Reserved(below) => InputRef::Reserved { below: *below },
         };
         self.put_json(Channel::Input, now, &message)
@@ -135,6 +136,7 @@ impl<W: Write + Seek> Recorder<W> {
                     Rate::Deployed => Some(step),
                 },
             },
+            Output::Driver(driver, bytes) => OutputRef::Driver { driver: *driver, bytes },
             Output::Restart(plugin) => OutputRef::Restart { plugin: *plugin },
             Output::Reserve(below) => OutputRef::Reserve { below: *below },
             Output::Finish => OutputRef::Finish,

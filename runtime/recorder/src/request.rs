@@ -6,8 +6,9 @@
 use std::time::Duration;
 
 use backseat_core::plugin::{
-    LogLine, ModifyRequest, PluginFault, PositionRequest, Request, Returned, TrackcircleRequest, TracklineRequest,
-    VerticalRequest,
+    CameraRequest, DvlTriggerRequest, GpsHitRequest, HoldRequest, HoldTarget, LightRequest, LogLine, ModifyRequest,
+    PacketRequest, PluginFault, PositionRequest, Request, Returned, SilentRequest, SonarAngleRequest, TopsideRequest,
+    TrackcircleRequest, TracklineRequest, VerticalRequest,
 };
 use serde::{Deserialize, Serialize};
 
@@ -78,6 +79,18 @@ enum RequestJson {
     Trackcircle(#[serde(with = "TrackcircleJson")] TrackcircleRequest),
     Cancel(u64),
     Message(String),
+    GpsHit(#[serde(with = "GpsHitJson")] GpsHitRequest),
+    Topside(TopsideRequest),
+    DvlTrigger(DvlTriggerRequest),
+    Silent(SilentRequest),
+    Trim(u64),
+    Buoyancy(u64),
+    Packet(PacketRequest),
+    Hold(#[serde(with = "HoldJson")] HoldRequest),
+    EndHold,
+    SonarAngle(#[serde(with = "SonarAngleJson")] SonarAngleRequest),
+    Camera(CameraRequest),
+    Light(LightRequest),
     Timer { id: u64, after: Duration },
 }
 
@@ -126,6 +139,55 @@ struct TrackcircleJson {
     #[serde(with = "optional_figure")]
     entry_angle_deg: Option<f64>,
     interrupt: bool,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "GpsHitRequest")]
+struct GpsHitJson {
+    tag: u64,
+    #[serde(with = "PositionJson")]
+    position: PositionRequest,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "HoldRequest")]
+struct HoldJson {
+    tag: u64,
+    #[serde(with = "HoldTargetJson")]
+    target: HoldTarget,
+    #[serde(with = "optional_figure")]
+    speed_mps: Option<f64>,
+    duration: Duration,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "HoldTarget", rename_all = "snake_case")]
+enum HoldTargetJson {
+    Here,
+    Hull {
+        #[serde(with = "figure")]
+        horizontal_m: f64,
+        #[serde(with = "figure")]
+        vertical_m: f64,
+        #[serde(with = "figure")]
+        distance_m: f64,
+    },
+    Bottom {
+        #[serde(with = "figure")]
+        x_m: f64,
+        #[serde(with = "figure")]
+        y_m: f64,
+        #[serde(with = "VerticalJson")]
+        vertical: VerticalRequest,
+    },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "SonarAngleRequest")]
+struct SonarAngleJson {
+    tag: u64,
+    #[serde(with = "figure")]
+    angle_deg: f64,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -6,13 +6,18 @@ use std::path::Path;
 use std::time::Duration;
 
 use backseat_core::plugin::{
-    FaultKind, LogLevel, LogLine, ModifyRequest, NavigationSample, PluginFault, PluginId, PositionRequest, Request,
-    RequestState, Returned, StepInput, TrackcircleRequest, TracklineRequest, VerticalRequest,
+    CameraRequest, DvlTriggerRequest, FaultKind, GpsHitRequest, HoldRequest, HoldTarget, LightRequest, LogLevel,
+    LogLine, ModifyRequest, NavigationSample, PacketRequest, PluginFault, PluginId, PositionRequest, Request,
+    RequestState, Returned, SilentRequest, SonarAngleRequest, StepInput, TopsideRequest, TrackcircleRequest,
+    TracklineRequest, Transport, VerticalRequest,
 };
-use backseat_core::{Identifiers, Input, Note, Operator, Output, RequestKind, Restarted, Start, Transition};
+use backseat_core::{
+    DriverId, Identifiers, Input, Note, Operator, Order, Output, Owner, RequestKind, Restarted, Start, Transition,
+};
 use backseat_recorder::{COMPONENT_LIMIT, Header, LoggedInput, Rate, Record, Recorder, RecorderError, parse, read};
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
 use proptest::prelude::*;
+use serde_json::json;
 
 const UTC: u64 = 1_780_000_000_000_000_000;
 
@@ -54,6 +59,15 @@ fn recorded(rate: Rate, record: impl FnOnce(&mut Recorder<&mut Cursor<Vec<u8>>>)
     record(&mut recorder);
     recorder.finish().unwrap();
     file.into_inner()
+}
+
+fn hold(target: HoldTarget, speed_mps: Option<f64>) -> Request {
+    Request::Hold(HoldRequest {
+        tag: 18,
+        target,
+        speed_mps,
+        duration: Duration::from_millis(1500),
+    })
 }
 
 fn returned(requests: Vec<Request>) -> Input<'static> {
@@ -111,6 +125,62 @@ fn every_input_comes_back_in_handle_order() {
                 interrupt: false,
             }),
         ]),
+        returned(vec![
+            Request::GpsHit(GpsHitRequest { tag: 11, position }),
+            Request::Topside(TopsideRequest {
+                tag: 12,
+                slowest: Transport::RadioModem,
+                text: "half way".into(),
+            }),
+            Request::DvlTrigger(DvlTriggerRequest {
+                tag: 13,
+                external: true,
+                triggering: false,
+            }),
+            Request::Silent(SilentRequest { tag: 14, silent: true }),
+            Request::Trim(15),
+            Request::Buoyancy(u64::MAX),
+            Request::Packet(PacketRequest {
+                tag: 17,
+                destination: u32::MAX,
+                mode: -1,
+                acknowledge: true,
+                frames: vec![vec![0, 255], vec![], b"text".to_vec()],
+            }),
+            hold(HoldTarget::Here, None),
+            hold(
+                HoldTarget::Hull {
+                    horizontal_m: 1.5,
+                    vertical_m: -0.1,
+                    distance_m: f64::INFINITY,
+                },
+                Some(0.5),
+            ),
+            hold(
+                HoldTarget::Bottom {
+                    x_m: -0.0,
+                    y_m: f64::NEG_INFINITY,
+                    vertical: VerticalRequest::AltitudeM(2.0),
+                },
+                Some(f64::MAX),
+            ),
+            Request::EndHold,
+            Request::SonarAngle(SonarAngleRequest {
+                tag: 19,
+                angle_deg: f64::MIN_POSITIVE,
+            }),
+            Request::Camera(CameraRequest {
+                tag: 20,
+                pan: i32::MIN,
+                tilt: 0,
+                zoom: i32::MAX,
+            }),
+            Request::Light(LightRequest {
+                tag: 21,
+                light: -1,
+                on: true,
+            }),
+        ]),
         Input::Returned(
             PluginId(0),
             Returned {
@@ -136,6 +206,15 @@ fn every_input_comes_back_in_handle_order() {
             },
         ),
         Input::Operator(Operator::Hold),
+        Input::Operator(Operator::Order(Order::CancelAll)),
+        Input::Operator(Operator::Order(Order::Abort {
+            text: "a leak".into(),
+            errors: false,
+        })),
+        Input::Operator(Operator::Order(Order::StartEmptyMission { duration_s: 600 })),
+        Input::Driver(DriverId(2), b"$BPNPU,000000.000\r\n"),
+        Input::Driver(DriverId(0), b"\xff\x00 no sentence"),
+        Input::Driver(DriverId(0), b""),
         Input::LinkDown,
     ];
     let start = Start {
@@ -164,7 +243,7 @@ fn every_input_comes_back_in_handle_order() {
         .collect();
     assert_eq!(back, expected);
     let sequences: Vec<_> = log.entries.iter().map(|entry| entry.sequence).collect();
-    assert_eq!(sequences, (0..12).collect::<Vec<_>>());
+    assert_eq!(sequences, (0..back.len() as u32 + 1).collect::<Vec<_>>());
 }
 
 proptest! {
@@ -192,6 +271,30 @@ proptest! {
         }
     }
 
+    /// As above, for the figures of what is no modify.
+    #[test]
+    fn figures_of_every_request_survive_bit_for_bit(figures in proptest::array::uniform7(any::<f64>())) {
+        let [x_m, y_m, depth_m, speed_mps, angle_deg, latitude_deg, longitude_deg] = figures;
+        let bottom = HoldTarget::Bottom { x_m, y_m, vertical: VerticalRequest::DepthM(depth_m) };
+        let hull = HoldTarget::Hull { horizontal_m: x_m, vertical_m: y_m, distance_m: depth_m };
+        let position = PositionRequest { latitude_deg, longitude_deg };
+        let asked = vec![
+            hold(bottom, Some(speed_mps)),
+            hold(hull, Some(speed_mps)),
+            Request::SonarAngle(SonarAngleRequest { tag: 1, angle_deg }),
+            Request::GpsHit(GpsHitRequest { tag: 2, position }),
+        ];
+        let bytes = recorded(Rate::Simulation, |recorder| {
+            recorder.input(Timestamp::ZERO, &returned(asked.clone())).unwrap();
+        });
+        let log = parse(&bytes).unwrap();
+        let Some((_, LoggedInput::Returned(_, Returned { result: Ok(requests), .. }))) = log.inputs().next() else {
+            panic!("no step returned: {log:?}");
+        };
+        // The shortest decimal that reads back as the same figure, with its sign; NaN whatever its bits.
+        prop_assert_eq!(format!("{requests:?}"), format!("{asked:?}"));
+    }
+
     #[test]
     fn no_bytes_make_the_reader_panic(cut in 0usize..4000, at in 0usize..4000, with in any::<u8>()) {
         let mut bytes = recorded(Rate::Deployed, |recorder| {
@@ -206,10 +309,10 @@ proptest! {
 
 #[test]
 fn outputs_go_to_their_channels() {
-    let transition = |state| {
+    let transition = |owner, state| {
         Output::Note(Note::Request(Transition {
             request: 5,
-            plugin: PluginId(0),
+            owner,
             tag: 77,
             kind: RequestKind::Trackline,
             identifier: Some(12),
@@ -220,6 +323,8 @@ fn outputs_go_to_their_channels() {
         now: Timestamp::ZERO,
         utc: Utc::from_unix_nanos(UTC),
         navigation: Some(navigation(Timestamp::ZERO)),
+        relative: None,
+        cartesian: None,
         control: true,
         events: vec![],
     };
@@ -234,12 +339,17 @@ fn outputs_go_to_their_channels() {
         Output::Reserve(64),
         Output::Finish,
         Output::Note(Note::Plan { elements: 4 }),
-        transition(RequestState::Sent),
-        transition(RequestState::Rejected("exclusion: wreck, 12.0 m".into())),
+        transition(Owner::Operator, RequestState::Sent),
+        transition(
+            Owner::Plugin(PluginId(3)),
+            RequestState::Rejected("exclusion: wreck, 12.0 m".into()),
+        ),
         Output::Note(Note::Control {
             granted: false,
             reason: "link lost".into(),
         }),
+        transition(Owner::Driver(DriverId(1)), RequestState::Accepted),
+        Output::Driver(DriverId(1), b"$BFACK\r\n".to_vec()),
     ];
     let write = |recorder: &mut Recorder<&mut Cursor<Vec<u8>>>| {
         for output in &outputs {
@@ -258,20 +368,28 @@ fn outputs_go_to_their_channels() {
         };
         json.clone()
     };
-    assert_eq!(json(1), serde_json::json!({"output": "connect", "after_s": 1.5}));
-    assert_eq!(json(3), serde_json::json!({"output": "invoke", "plugin": 2}));
-    assert_eq!(json(5), serde_json::json!({"output": "reserve", "below": 64}));
+    assert_eq!(json(1), json!({"output": "connect", "after_s": 1.5}));
+    assert_eq!(json(3), json!({"output": "invoke", "plugin": 2}));
+    assert_eq!(json(5), json!({"output": "reserve", "below": 64}));
     assert_eq!(
         json(7),
-        serde_json::json!({"text": "the vehicle's plan has 4 elements", "note": "plan", "elements": 4})
+        json!({"text": "the vehicle's plan has 4 elements", "note": "plan", "elements": 4})
     );
     assert!(matches!(records[8], Record::Request(_)));
+    let whose = |index: usize| ["owner", "plugin", "driver"].map(|key| json(index)[key].clone());
+    assert_eq!(whose(8), [json!("operator"), json!(null), json!(null)]);
+    assert_eq!(whose(9), [json!("plugin"), json!(3), json!(null)]);
+    assert_eq!(whose(11), [json!("driver"), json!(null), json!(1)]);
     assert_eq!(json(9)["state"], "rejected");
     assert_eq!(json(9)["reason"], "exclusion: wreck, 12.0 m");
     assert_eq!(json(9)["kind"], "trackline");
     assert!(matches!(records[10], Record::Control(_)));
-    assert_eq!(records[11], &Record::Vehicle("began trackline".into()));
-    assert_eq!(log.notes().count(), 4);
+    assert_eq!(
+        json(12),
+        json!({"output": "driver", "driver": 1, "bytes": "$BFACK\r\n"})
+    );
+    assert_eq!(records[13], &Record::Vehicle("began trackline".into()));
+    assert_eq!(log.notes().count(), 5);
     assert_eq!(log.link().count(), 1);
 
     // At sea an invocation is logged whole, so that a plugin's author has it without a replay.
@@ -288,7 +406,7 @@ fn simulation_decodes_once_a_second_and_sea_all() {
         for tick in 0..100 {
             let now = Timestamp::from_millis(50 + 100 * tick);
             recorder.navigation(now, &navigation(now)).unwrap();
-            recorder.truth(now, &serde_json::json!({"tick": tick})).unwrap();
+            recorder.truth(now, &json!({"tick": tick})).unwrap();
         }
     };
     let times = |bytes: &[u8]| -> Vec<u64> {

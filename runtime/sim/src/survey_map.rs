@@ -189,6 +189,9 @@ fn insert_shape(insert: &ToVehicle, frame: &LocalFrame) -> Option<Shape> {
     if let ToVehicle::Trackline(line) = insert {
         return Some(Shape::Line(frame.to_local(line.start), frame.to_local(line.end)));
     }
+    if let ToVehicle::GpsHit(hit) = insert {
+        return Some(Shape::Point(frame.to_local(hit.position)));
+    }
     let ToVehicle::Trackcircle(circle) = insert else {
         return None;
     };
@@ -199,7 +202,7 @@ fn insert_shape(insert: &ToVehicle, frame: &LocalFrame) -> Option<Shape> {
 }
 
 /// Rules that speak of a place; what was rejected for want of control or by a cap has none.
-const OF_PLACE: [&str; 5] = ["inclusion", "exclusion", "depth", "altitude", "limit"];
+const OF_PLACE: [&str; 6] = ["inclusion", "exclusion", "depth", "altitude", "limit", "surfacing"];
 
 fn rejected_shape(rejected: &crate::trace::Rejected, frame: &LocalFrame, extent: Extent) -> Option<Rejected> {
     let (rule, reason) = rejected.reason.split_once(": ")?;
@@ -225,7 +228,22 @@ fn rejected_shape(rejected: &crate::trace::Rejected, frame: &LocalFrame, extent:
             Shape::Line(from?, from?.offset(modify.heading_deg, 60.0))
         }
         Request::Modify(_) => Shape::Point(from?),
-        Request::EndModify | Request::Cancel(_) | Request::Message(_) | Request::Timer { .. } => return None,
+        Request::GpsHit(hit) => Shape::Point(local(hit.position)?),
+        Request::EndModify
+        | Request::Cancel(_)
+        | Request::Message(_)
+        | Request::Topside(_)
+        | Request::DvlTrigger(_)
+        | Request::Silent(_)
+        | Request::Trim(_)
+        | Request::Buoyancy(_)
+        | Request::Packet(_)
+        | Request::Hold(_)
+        | Request::EndHold
+        | Request::SonarAngle(_)
+        | Request::Camera(_)
+        | Request::Light(_)
+        | Request::Timer { .. } => return None,
     };
     let in_view = match shape {
         Shape::Point(at) | Shape::Line(at, _) => holds(extent, at),

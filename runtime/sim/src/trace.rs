@@ -94,13 +94,15 @@ impl Trace {
 
     /// A sentence of ours, whole.
     pub(crate) fn sent(&mut self, bytes: &[u8]) {
-        if !bytes.starts_with(b"$BPRT") {
+        if !bytes.starts_with(b"$BPRT") && !bytes.starts_with(b"$BPRG") {
             return;
         }
         let mut framer = Framer::new(Policy::FromPayload);
         framer.push(bytes);
         while let Some(sentence) = framer.next_sentence() {
-            if let Ok(message @ (ToVehicle::Trackline(_) | ToVehicle::Trackcircle(_))) = ToVehicle::decode(&sentence) {
+            if let Ok(message @ (ToVehicle::Trackline(_) | ToVehicle::Trackcircle(_) | ToVehicle::GpsHit(_))) =
+                ToVehicle::decode(&sentence)
+            {
                 self.inserts.push(message);
             }
         }
@@ -114,7 +116,21 @@ impl Trace {
                 Request::Modify(modify) => modify.tag,
                 Request::Trackline(line) => line.tag,
                 Request::Trackcircle(circle) => circle.tag,
-                Request::EndModify | Request::Cancel(_) | Request::Message(_) | Request::Timer { .. } => continue,
+                Request::GpsHit(hit) => hit.tag,
+                Request::Topside(message) => message.tag,
+                Request::DvlTrigger(trigger) => trigger.tag,
+                Request::Silent(silent) => silent.tag,
+                Request::Trim(tag) | Request::Buoyancy(tag) => *tag,
+                Request::Packet(packet) => packet.tag,
+                Request::Hold(hold) => hold.tag,
+                Request::SonarAngle(sonar) => sonar.tag,
+                Request::Camera(camera) => camera.tag,
+                Request::Light(light) => light.tag,
+                Request::EndModify
+                | Request::Cancel(_)
+                | Request::Message(_)
+                | Request::EndHold
+                | Request::Timer { .. } => continue,
             };
             self.asked.push((tag, request.clone()));
         }

@@ -164,6 +164,8 @@ fn step() {
         now: Timestamp::ZERO,
         utc: Utc::default(),
         navigation: Some(navigation()),
+        relative: None,
+        cartesian: None,
         control: false,
         events: Vec::new(),
     };

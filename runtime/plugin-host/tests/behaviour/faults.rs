@@ -1,15 +1,18 @@
-use backseat_core::plugin::{FaultKind, Request, VerticalRequest};
+use backseat_core::plugin::{FaultKind, HoldTarget, Request, VerticalRequest};
 use backseat_plugin_host::Budget;
 
 use crate::fixture::{fault_kind, faulty, input, only_modify, template};
 
 /// Every fault that ends the instance, and what it is called.
-const LOST: [(&str, FaultKind); 5] = [
+const LOST: [(&str, FaultKind); 8] = [
     ("trap", FaultKind::Trap),
     ("loop", FaultKind::OutOfFuel),
     ("grow", FaultKind::Memory),
     ("flood", FaultKind::TooMuch),
     ("huge_string", FaultKind::TooMuch),
+    ("nine_frames", FaultKind::TooMuch),
+    ("long_frame", FaultKind::TooMuch),
+    ("long_topside", FaultKind::TooMuch),
 ];
 
 /// Room for all that the faults do within their budget.
@@ -106,11 +109,28 @@ fn wild_figures_reach_core_as_they_are() {
     ] {
         let returned = faulty(fault, 0, Budget::default()).step(&input(0));
         let requests = returned.result.unwrap();
-        let [Request::Modify(modify), Request::Trackline(line)] = &requests[..] else {
+        let [
+            Request::Modify(modify),
+            Request::Trackline(line),
+            Request::GpsHit(hit),
+            Request::Hold(hull),
+            Request::Hold(bottom),
+            Request::SonarAngle(sonar),
+        ] = &requests[..]
+        else {
             panic!("{fault}: {requests:?}");
         };
-        let VerticalRequest::DepthM(depth_m) = line.vertical else {
-            panic!("{fault}: {line:?}")
+        let (
+            VerticalRequest::DepthM(depth_m),
+            HoldTarget::Hull { distance_m, .. },
+            HoldTarget::Bottom {
+                y_m,
+                vertical: VerticalRequest::AltitudeM(altitude_m),
+                ..
+            },
+        ) = (line.vertical, hull.target, bottom.target)
+        else {
+            panic!("{fault}: {requests:?}")
         };
         for value in [
             modify.heading_deg,
@@ -118,6 +138,12 @@ fn wild_figures_reach_core_as_they_are() {
             line.start.latitude_deg,
             line.end.longitude_deg,
             depth_m,
+            hit.position.longitude_deg,
+            distance_m,
+            hull.speed_mps.unwrap(),
+            y_m,
+            altitude_m,
+            sonar.angle_deg,
         ] {
             assert!(matches(value), "{fault}: {value}");
         }
@@ -143,6 +169,49 @@ fn bad_manners_within_the_bounds_are_for_core_to_judge() {
         .unwrap();
     assert_eq!(contradictory.len(), 6);
     assert!(contradictory.contains(&Request::EndModify));
+}
+
+#[test]
+fn floods_within_the_bounds_and_odd_texts_are_for_core_to_judge() {
+    let asked = |fault| faulty(fault, 0, Budget::default()).step(&input(0)).result.unwrap();
+    let all = |fault, is: fn(&Request) -> bool| {
+        let requests = asked(fault);
+        assert_eq!((requests.len(), requests.iter().all(is)), (100, true), "{fault}");
+    };
+    all("topside_flood", |request| matches!(request, Request::Topside(_)));
+    all("packet_flood", |request| matches!(request, Request::Packet(_)));
+    all(
+        "gps_flood",
+        |request| matches!(request, Request::GpsHit(hit) if hit.position.latitude_deg == 42.0),
+    );
+    all("light_flood", |request| matches!(request, Request::Light(_)));
+    let texts: Vec<String> = asked("reserved_text")
+        .into_iter()
+        .filter_map(|request| {
+            if let Request::Topside(message) = request {
+                Some(message.text)
+            } else {
+                None
+            }
+        })
+        .collect();
+    assert!(texts.iter().any(|text| text.contains("\r\n$BPKIL,")), "{texts:?}");
+    assert!(texts.iter().any(|text| text.ends_with("\u{e9}\0")), "{texts:?}");
+    assert!(matches!(&asked("camera_1000")[..], [Request::Camera(camera)] if camera.tilt == -1000));
+    assert!(matches!(&asked("no_frames")[..], [Request::Packet(packet)] if packet.frames.is_empty()));
+    assert_eq!(asked("uninvited").len(), 5);
+}
+
+#[test]
+fn a_bound_that_is_broken_is_named() {
+    for (fault, text) in [
+        ("nine_frames", "a packet of 9 frames, expected at most 8"),
+        ("long_frame", "a frame of 10240 bytes, expected at most 1024"),
+        ("long_topside", "a message of 257 bytes, expected at most 256"),
+    ] {
+        let returned = faulty(fault, 0, Budget::default()).step(&input(0));
+        assert_eq!(returned.result.unwrap_err().text, text);
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@ use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, U
 /// The components, built once for all tests.
 pub(crate) struct Components {
     pub(crate) host: Host,
+    pub(crate) echo: Component,
     pub(crate) faulty: Component,
     pub(crate) template: Component,
     pub(crate) template_bytes: Vec<u8>,
@@ -18,14 +19,16 @@ pub(crate) fn components() -> &'static Components {
     COMPONENTS.get_or_init(|| {
         let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("components");
-        let paths = backseat_componentize::build(&workspace, &["faulty", "template"], &out)
+        let paths = backseat_componentize::build(&workspace, &["faulty", "template", "echo"], &out)
             .unwrap_or_else(|error| panic!("failed to build the plugins: {error}"));
         let host = Host::new().unwrap();
         let faulty = host.load("faulty", &std::fs::read(&paths[0]).unwrap()).unwrap();
         let template_bytes = std::fs::read(&paths[1]).unwrap();
         let template = host.load("template", &template_bytes).unwrap();
+        let echo = host.load("echo", &std::fs::read(&paths[2]).unwrap()).unwrap();
         Components {
             host,
+            echo,
             faulty,
             template,
             template_bytes,
@@ -93,6 +96,8 @@ pub(crate) fn input(second: u64) -> StepInput {
             yaw_rate_dps: 0.1,
             gps: false,
         }),
+        relative: None,
+        cartesian: None,
         control: true,
         events: Vec::new(),
     }

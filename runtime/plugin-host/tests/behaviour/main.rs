@@ -11,3 +11,4 @@ mod determinism;
 mod faults;
 mod fixture;
 mod life_cycle;
+mod round_trip;

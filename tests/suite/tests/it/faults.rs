@@ -9,6 +9,10 @@ use backseat_suite::{Backseat, Mission};
 /// A live modify is sent again each second; more than this and a sibling has held it up.
 const GAP_MAX_S: f64 = 1.05;
 
+/// All that a mission can let a plugin do.
+const EVERY_GRANT: &str = r#"["modify", "insert", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy",
+    "acoustic", "hull", "devices"]"#;
+
 /// Isobath, the first in priority, beside `faulty` with a fault that comes a minute after control has, which is after
 /// about 150 s and for five minutes. What lies across the fence lies to the north.
 fn beside_isobath(fault: &str) -> Mission {
@@ -18,7 +22,7 @@ fn beside_isobath(fault: &str) -> Mission {
         .append(
             "mission.toml",
             &format!(
-                "[[plugin]]\nname = \"bad\"\ncomponent = \"faulty\"\ngrants = [\"modify\", \"insert\", \"message\"]\n\
+                "[[plugin]]\nname = \"bad\"\ncomponent = \"faulty\"\ngrants = {EVERY_GRANT}\n\
                  [plugin.config]\nfault = \"{fault}\"\nafter_s = 210.0\n\
                  target_north_m = 3000.0\ntarget_east_m = 0.0"
             ),
@@ -76,13 +80,11 @@ fn undisturbed() -> &'static Vec<(f64, String)> {
     })
 }
 
-/// The good plugin steers for the five minutes, every refresh comes in time, and no byte that steers is different for
-/// the bad one's being there.
+/// The good plugin steers for the five minutes, and every refresh comes in time.
 #[track_caller]
-fn isobath_steers(log: &Log) {
+fn isobath_is_refreshed(log: &Log) {
     let (mut steered_s, mut last) = (0.0, None::<f64>);
-    let steering = steering(log);
-    for (at_s, sentence) in &steering {
+    for (at_s, sentence) in steering(log) {
         if sentence.starts_with("$BPRMB,") {
             if let Some(last_s) = last {
                 assert!(
@@ -92,7 +94,7 @@ fn isobath_steers(log: &Log) {
                 );
                 steered_s += at_s - last_s;
             }
-            last = Some(*at_s);
+            last = Some(at_s);
         } else if sentence.starts_with("$BPEMB,") {
             last = None;
         }
@@ -104,21 +106,29 @@ fn isobath_steers(log: &Log) {
             .count(),
         0
     );
+}
+
+/// As above, and no byte that steers is different for the bad one's being there.
+#[track_caller]
+fn isobath_steers(log: &Log) {
+    isobath_is_refreshed(log);
+    let steering = steering(log);
     for (here, there) in steering.iter().zip(undisturbed()) {
         assert_eq!(here, there, "the first difference");
     }
     assert_eq!(steering.len(), undisturbed().len());
 }
 
-/// A test for each fault: its name in the plugin's configuration, and how it is told where it is a failure.
+/// A test for each fault: its name in the plugin's configuration, how it is told where it is a failure, and what must
+/// hold of isobath.
 macro_rules! faults {
-    ($($name:ident $fault:literal $($kind:literal)?;)*) => {
+    ($holds:ident: $($name:ident $fault:literal $($kind:literal)?;)*) => {
         $(
             #[test]
             fn $name() {
                 let mission = beside_isobath($fault);
                 let log = flies(&mission, &mission.beside("run.mcap"));
-                isobath_steers(&log);
+                $holds(&log);
                 $(
                     let count = failures(&log, $kind);
                     assert!(count >= 2, "{count} failures of the kind {}", $kind);
@@ -128,7 +138,7 @@ macro_rules! faults {
     };
 }
 
-faults! {
+faults! { isobath_steers:
     a_plugin_that_panics "trap" "Trap";
     a_plugin_that_never_returns "loop" "OutOfFuel";
     a_plugin_that_takes_all_memory "grow" "Memory";
@@ -144,6 +154,22 @@ faults! {
     a_plugin_that_falls_silent "stale";
     a_plugin_that_contradicts_itself "contradict";
     a_plugin_that_wants_across_the_fence "cross_fence";
+    a_plugin_that_surfaces_again_and_again "gps_flood";
+    a_plugin_whose_packet_has_too_many_frames "nine_frames" "TooMuch";
+    a_plugin_whose_frame_is_too_long "long_frame" "TooMuch";
+    a_plugin_whose_packet_is_empty "no_frames";
+    a_plugin_whose_message_is_too_long "long_topside" "TooMuch";
+}
+
+// What these ask for may be sent within its limits. On a link whose delays are drawn write by write, isobath's own
+// sentences are then not the same to the byte.
+faults! { isobath_is_refreshed:
+    a_plugin_that_floods_the_topside "topside_flood";
+    a_plugin_that_floods_the_acoustic_modem "packet_flood";
+    a_plugin_that_flashes_the_light "light_flood";
+    a_plugin_whose_texts_delimit_sentences "reserved_text";
+    a_plugin_that_throws_the_camera "camera_1000";
+    a_plugin_that_does_not_wait_for_leave "uninvited";
 }
 
 /// The reasons that requests of the bad plugin were rejected for, but for isobath's steering.
@@ -246,4 +272,41 @@ fn what_the_bad_plugin_asked_for_never_reached_the_wire() {
             .iter()
             .any(|(_, sentence)| sentence.starts_with("$BPRTK,") || sentence.starts_with("$BPRTC,"))
     );
+}
+
+#[test]
+fn no_text_becomes_a_sentence_of_its_own() {
+    let mission = beside_isobath("reserved_text");
+    let log = flies(&mission, &mission.beside("run.mcap"));
+    for (at_s, sentence) in sent(&log) {
+        assert!(
+            !sentence.starts_with("$BPABT") && !sentence.starts_with("$BPKIL"),
+            "at {at_s} s: {sentence}"
+        );
+        assert_eq!(sentence.matches('$').count(), 1, "at {at_s} s: {sentence}");
+        assert_eq!(sentence.matches('*').count(), 1, "at {at_s} s: {sentence}");
+        assert!(sentence.is_ascii(), "at {at_s} s: {sentence}");
+    }
+}
+
+#[test]
+fn a_flood_is_cut_to_what_the_mission_allows() {
+    for (fault, name, per_min) in [
+        ("topside_flood", "$BPTOP,", 6),
+        ("packet_flood", "$BPCPD,", 12),
+        ("gps_flood", "$BPRGP,", 0),
+    ] {
+        let mission = beside_isobath(fault);
+        let log = flies(&mission, &mission.beside("run.mcap"));
+        let times: Vec<f64> = sent(&log)
+            .into_iter()
+            .filter(|(_, sentence)| sentence.starts_with(name))
+            .map(|(at_s, _)| at_s)
+            .collect();
+        for begin_s in &times {
+            let within = times.iter().filter(|at_s| (*begin_s..begin_s + 60.0).contains(*at_s));
+            let count = within.count();
+            assert!(count <= per_min, "{count} of {name} in the minute from {begin_s} s");
+        }
+    }
 }

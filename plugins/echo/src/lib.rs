@@ -1,0 +1,269 @@
+//! A plugin for tests of the way between core and plugins: it says back what it hears, and asks for all that there is.
+
+use std::fmt::Write as _;
+
+use backseat_sdk::{
+    BottomPosition, Camera, Description, DvlTrigger, FRAME_BYTES, FRAMES, GpsHit, Hold, HoldTarget, HullPosition,
+    Light, Modify, Packet, Plugin, Position, Request, Silent, SonarAngle, StepInput, Timer, Topic, Topside,
+    Trackcircle, Trackline, Transport, Vertical, fence, log,
+};
+use serde::Deserialize;
+
+/// The plugin's table in the mission file.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// What it answers each step with.
+    pub answer: Answer,
+}
+
+/// What it answers each step with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    /// The step's whole input, as Rust's `Debug` writes it, in the frames of packets.
+    Input,
+    /// [`every_request`].
+    EveryRequest,
+    /// Nothing, but it asks the fence of each of [`every_request`] and logs the answer.
+    AskFence,
+}
+
+/// Says back what it hears.
+#[derive(Clone, Copy, Debug)]
+pub struct Echo(Config);
+
+impl Plugin for Echo {
+    type Config = Config;
+
+    fn describe() -> Description {
+        Description {
+            name: "echo".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            step_period_ns: 1_000_000_000,
+            topics: vec![
+                Topic::RelativeNavigation,
+                Topic::Servo,
+                Topic::Imu,
+                Topic::DvlBeams,
+                Topic::Dvl,
+                Topic::Surfaces,
+                Topic::Battery,
+                Topic::VehicleSpeed,
+                Topic::Pressure,
+                Topic::Compass,
+                Topic::SoundVelocity,
+                Topic::Telemetry,
+                Topic::Plan,
+                Topic::Acoustic,
+                Topic::Topside,
+                Topic::Logging,
+                Topic::Behavior,
+                Topic::MissionCommand,
+                Topic::Ctd,
+            ],
+        }
+    }
+
+    fn new(config: Config) -> Result<Self, String> {
+        Ok(Self(config))
+    }
+
+    fn step(&mut self, input: &StepInput) -> Result<Vec<Request>, String> {
+        Ok(match self.0.answer {
+            Answer::Input => said_back(input),
+            Answer::EveryRequest => every_request(),
+            Answer::AskFence => {
+                for request in every_request() {
+                    match fence::check(&request) {
+                        Ok(metres) => log::info!("holds by {metres} m"),
+                        Err(breach) => log::info!("{}: {} m, {}", breach.rule, breach.metres, breach.text),
+                    }
+                }
+                vec![]
+            }
+        })
+    }
+}
+
+backseat_sdk::export!(Echo);
+
+fn said_back(input: &StepInput) -> Vec<Request> {
+    let mut text = String::new();
+    // A String takes everything.
+    let _ = write!(text, "{input:?}");
+    text.as_bytes()
+        .chunks(FRAMES * FRAME_BYTES)
+        .filter_map(|part| Packet::of(0, 0, 0, part, FRAME_BYTES))
+        .map(Request::Packet)
+        .collect()
+}
+
+/// Every request that there is, and each of its variants, with figures that are all different.
+#[must_use]
+pub fn every_request() -> Vec<Request> {
+    let position = |latitude, longitude| Position { latitude, longitude };
+    let topside = |tag, slowest, text: &str| {
+        Request::Topside(Topside {
+            tag,
+            slowest,
+            text: text.into(),
+        })
+    };
+    let hold = |tag, target, speed, duration_ns| {
+        Request::Hold(Hold {
+            tag,
+            target,
+            speed,
+            duration_ns,
+        })
+    };
+    vec![
+        Request::Modify(Modify {
+            tag: 1,
+            heading: 101.5,
+            vertical: Vertical::Altitude(102.5),
+            speed: 103.5,
+            duration_ns: 104,
+        }),
+        Request::EndModify,
+        Request::Trackline(Trackline {
+            tag: 2,
+            start: position(1.25, 2.25),
+            end: position(3.25, 4.25),
+            vertical: Vertical::Depth(105.5),
+            speed: 106.5,
+            interrupt: true,
+        }),
+        Request::Trackcircle(Trackcircle {
+            tag: 3,
+            centre: position(5.25, 6.25),
+            radius: 107.5,
+            orbits: -108.5,
+            vertical: Vertical::Altitude(109.5),
+            speed: 110.5,
+            entry_angle: Some(111.5),
+            interrupt: false,
+        }),
+        Request::Trackcircle(Trackcircle {
+            tag: 4,
+            centre: position(-7.25, -8.25),
+            radius: 112.5,
+            orbits: 113.5,
+            vertical: Vertical::Depth(114.5),
+            speed: 115.5,
+            entry_angle: None,
+            interrupt: true,
+        }),
+        Request::Cancel(5),
+        Request::Message("a line".into()),
+        Request::GpsHit(GpsHit {
+            tag: 6,
+            position: position(9.25, -10.25),
+        }),
+        topside(7, Transport::Ethernet, "by cable"),
+        topside(8, Transport::Wifi, "by air"),
+        topside(9, Transport::RadioModem, "by radio"),
+        topside(10, Transport::AcousticModem, ""),
+        Request::DvlTrigger(DvlTrigger {
+            tag: 11,
+            external: true,
+            triggering: false,
+        }),
+        Request::DvlTrigger(DvlTrigger {
+            tag: 12,
+            external: false,
+            triggering: true,
+        }),
+        Request::Silent(Silent { tag: 13, silent: true }),
+        Request::Silent(Silent { tag: 14, silent: false }),
+        Request::Trim(15),
+        Request::Buoyancy(16),
+        Request::Packet(Packet {
+            tag: 17,
+            destination: 4_000_000_001,
+            mode: -118,
+            acknowledge: true,
+            frames: vec![vec![0, 255, b'$'], vec![], vec![7; FRAME_BYTES]],
+        }),
+        Request::Packet(Packet {
+            tag: 18,
+            destination: 119,
+            mode: 120,
+            acknowledge: false,
+            frames: (0..8).map(|frame| vec![frame]).collect(),
+        }),
+        hold(19, HoldTarget::Here, None, 121),
+        hold(
+            20,
+            HoldTarget::Hull(HullPosition {
+                horizontal: 122.5,
+                vertical: -123.5,
+                distance: 124.5,
+            }),
+            Some(125.5),
+            126,
+        ),
+        hold(
+            21,
+            HoldTarget::Bottom(BottomPosition {
+                x: 127.5,
+                y: -128.5,
+                vertical: Vertical::Altitude(129.5),
+            }),
+            Some(130.5),
+            131,
+        ),
+        hold(
+            22,
+            HoldTarget::Bottom(BottomPosition {
+                x: -0.0,
+                y: f64::INFINITY,
+                vertical: Vertical::Depth(132.5),
+            }),
+            None,
+            u64::MAX,
+        ),
+        Request::EndHold,
+        Request::SonarAngle(SonarAngle { tag: 23, angle: -133.5 }),
+        Request::Camera(Camera {
+            tag: 24,
+            pan: -9,
+            tilt: 134,
+            zoom: i32::MIN,
+        }),
+        Request::Light(Light {
+            tag: 25,
+            light: -135,
+            on: true,
+        }),
+        Request::Light(Light {
+            tag: u64::MAX,
+            light: 136,
+            on: false,
+        }),
+        Request::Timer(Timer { id: 137, after_ns: 138 }),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_input_of_any_length_is_said_back_whole() {
+        let input = StepInput {
+            events: vec![backseat_sdk::Event::MissionCommand("x".repeat(20_000))],
+            ..StepInput::default()
+        };
+        let requests = Echo(Config { answer: Answer::Input }).step(&input).unwrap();
+        let mut bytes = Vec::new();
+        for request in &requests {
+            let Request::Packet(packet) = request else {
+                panic!("{request:?}")
+            };
+            bytes.extend(packet.frames.concat());
+        }
+        assert_eq!(String::from_utf8(bytes).unwrap(), format!("{input:?}"));
+    }
+}

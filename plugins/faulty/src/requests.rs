@@ -1,0 +1,124 @@
+use backseat_sdk::{
+    BottomPosition, Camera, DvlTrigger, GpsHit, Hold, HoldTarget, HullPosition, Light, Modify, Packet, Position,
+    Request, Silent, SonarAngle, Topside, Trackline, Transport, Vertical,
+};
+
+/// Where latitude and longitude begin.
+pub(crate) const ORIGIN: Position = Position {
+    latitude: 0.0,
+    longitude: 0.0,
+};
+
+/// Texts that would be more than text in a sentence.
+pub(crate) const RESERVED: [&str; 5] = [
+    "a,b",
+    "a*4E",
+    "$BPABT,000000.000*5A",
+    "first\r\n$BPKIL,000000.000*5A\r\n",
+    "caf\u{e9}\0",
+];
+
+pub(crate) fn topside(tag: u64, text: &str) -> Request {
+    Request::Topside(Topside {
+        tag,
+        slowest: Transport::AcousticModem,
+        text: text.into(),
+    })
+}
+
+pub(crate) fn packet(tag: u64, frames: usize, bytes: usize) -> Request {
+    Request::Packet(Packet {
+        tag,
+        destination: 1,
+        mode: 0,
+        acknowledge: false,
+        frames: vec![vec![0x55; bytes]; frames],
+    })
+}
+
+pub(crate) fn gps_hit(tag: u64, position: Position) -> Request {
+    Request::GpsHit(GpsHit { tag, position })
+}
+
+pub(crate) fn light(tag: u64, on: bool) -> Request {
+    Request::Light(Light { tag, light: 0, on })
+}
+
+pub(crate) fn camera(tag: u64, movement: i32) -> Request {
+    Request::Camera(Camera {
+        tag,
+        pan: movement,
+        tilt: -movement,
+        zoom: movement,
+    })
+}
+
+/// What needs the vehicle's leave first.
+pub(crate) fn uninvited(mut tag: impl FnMut() -> u64) -> Vec<Request> {
+    vec![
+        packet(tag(), 1, 8),
+        Request::DvlTrigger(DvlTrigger {
+            tag: tag(),
+            external: false,
+            triggering: true,
+        }),
+        Request::Silent(Silent {
+            tag: tag(),
+            silent: true,
+        }),
+        hold(tag(), HoldTarget::Here, None),
+        Request::EndHold,
+    ]
+}
+
+/// One value wherever a request has a figure.
+pub(crate) fn with_figure(value: f64, mut tag: impl FnMut() -> u64) -> Vec<Request> {
+    let (vertical, speed) = (Vertical::Depth(value), value);
+    let position = Position {
+        latitude: value,
+        longitude: value,
+    };
+    let hull = HoldTarget::Hull(HullPosition {
+        horizontal: value,
+        vertical: value,
+        distance: value,
+    });
+    let bottom = HoldTarget::Bottom(BottomPosition {
+        x: value,
+        y: value,
+        vertical: Vertical::Altitude(value),
+    });
+    vec![
+        Request::Modify(Modify {
+            tag: tag(),
+            heading: value,
+            vertical,
+            speed,
+            duration_ns: u64::MAX,
+        }),
+        Request::Trackline(Trackline {
+            tag: tag(),
+            start: position,
+            end: position,
+            vertical,
+            speed,
+            interrupt: true,
+        }),
+        gps_hit(tag(), position),
+        hold(tag(), hull, Some(value)),
+        hold(tag(), bottom, Some(value)),
+        Request::SonarAngle(SonarAngle {
+            tag: tag(),
+            angle: value,
+        }),
+    ]
+}
+
+fn hold(tag: u64, target: HoldTarget, speed: Option<f64>) -> Request {
+    Request::Hold(Hold {
+        tag,
+        target,
+        speed,
+        duration_ns: 5_000_000_000,
+    })
+}

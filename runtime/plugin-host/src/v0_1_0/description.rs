@@ -1,0 +1,112 @@
+use std::time::Duration;
+
+use backseat_core::plugin as core;
+
+use super::wit;
+
+/// The longest name or version, bytes.
+const NAME_BYTES: usize = 64;
+/// The shortest step period.
+const PERIOD_MIN: Duration = Duration::from_millis(20);
+/// The longest step period.
+const PERIOD_MAX: Duration = Duration::from_secs(60);
+
+/// A description within its bounds, or what is out of them and what was expected.
+pub(crate) fn description(described: wit::Description) -> Result<core::Description, (String, &'static str)> {
+    for (what, text) in [("name", &described.name), ("version", &described.version)] {
+        if text.is_empty() || text.len() > NAME_BYTES || text.chars().any(char::is_control) {
+            return Err((
+                format!("a {what} of {} bytes", text.len()),
+                "1 to 64 bytes of printable text",
+            ));
+        }
+    }
+    let step_period = Duration::from_nanos(described.step_period_ns);
+    if !(PERIOD_MIN..=PERIOD_MAX).contains(&step_period) {
+        return Err((format!("a step period of {step_period:?}"), "20 ms to 60 s"));
+    }
+    let mut topics: Vec<core::Topic> = described.topics.into_iter().map(core::Topic::from).collect();
+    topics.sort();
+    topics.dedup();
+    Ok(core::Description {
+        name: described.name,
+        version: described.version,
+        step_period,
+        topics,
+    })
+}
+
+impl From<wit::Topic> for core::Topic {
+    fn from(topic: wit::Topic) -> Self {
+        match topic {
+            wit::Topic::Ctd => Self::Ctd,
+            wit::Topic::MissionCommand => Self::MissionCommand,
+            wit::Topic::Behavior => Self::Behavior,
+            wit::Topic::Logging => Self::Logging,
+            wit::Topic::Topside => Self::Topside,
+            wit::Topic::Acoustic => Self::Acoustic,
+            wit::Topic::Plan => Self::Plan,
+            wit::Topic::Telemetry => Self::Telemetry,
+            wit::Topic::SoundVelocity => Self::SoundVelocity,
+            wit::Topic::Compass => Self::Compass,
+            wit::Topic::Pressure => Self::Pressure,
+            wit::Topic::VehicleSpeed => Self::VehicleSpeed,
+            wit::Topic::Battery => Self::Battery,
+            wit::Topic::Surfaces => Self::Surfaces,
+            wit::Topic::Dvl => Self::Dvl,
+            wit::Topic::DvlBeams => Self::DvlBeams,
+            wit::Topic::Imu => Self::Imu,
+            wit::Topic::Servo => Self::Servo,
+            wit::Topic::RelativeNavigation => Self::RelativeNavigation,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In the order of the interface.
+    const TOPICS: [wit::Topic; 19] = [
+        wit::Topic::Ctd,
+        wit::Topic::MissionCommand,
+        wit::Topic::Behavior,
+        wit::Topic::Logging,
+        wit::Topic::Topside,
+        wit::Topic::Acoustic,
+        wit::Topic::Plan,
+        wit::Topic::Telemetry,
+        wit::Topic::SoundVelocity,
+        wit::Topic::Compass,
+        wit::Topic::Pressure,
+        wit::Topic::VehicleSpeed,
+        wit::Topic::Battery,
+        wit::Topic::Surfaces,
+        wit::Topic::Dvl,
+        wit::Topic::DvlBeams,
+        wit::Topic::Imu,
+        wit::Topic::Servo,
+        wit::Topic::RelativeNavigation,
+    ];
+
+    #[test]
+    fn a_topic_is_the_one_of_its_name() {
+        for topic in TOPICS {
+            let name = format!("{topic:?}").replace("Topic::", "");
+            assert_eq!(format!("{:?}", core::Topic::from(topic)), name);
+        }
+    }
+
+    #[test]
+    fn topics_are_in_order_and_none_is_there_twice() {
+        let described = wit::Description {
+            name: "a".to_owned(),
+            version: "1".to_owned(),
+            step_period_ns: 20_000_000,
+            topics: TOPICS.into_iter().rev().chain(TOPICS).collect(),
+        };
+        let topics = description(described).unwrap().topics;
+        assert_eq!(topics.len(), TOPICS.len());
+        assert!(topics.is_sorted());
+    }
+}

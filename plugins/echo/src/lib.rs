@@ -43,6 +43,8 @@ impl Plugin for Echo {
             step_period_ns: 1_000_000_000,
             topics: vec![
                 Topic::RelativeNavigation,
+                Topic::Buoyancy,
+                Topic::Trim,
                 Topic::Servo,
                 Topic::Imu,
                 Topic::DvlBeams,

@@ -44,6 +44,8 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
                 Topic::DvlBeams => "DVL beams",
                 Topic::Imu => "IMU",
                 Topic::Servo => "pitch servos",
+                Topic::Trim => "trim",
+                Topic::Buoyancy => "buoyancy",
                 Topic::RelativeNavigation => "relative navigation",
             })
             .collect();

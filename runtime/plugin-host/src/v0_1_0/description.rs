@@ -57,6 +57,8 @@ impl From<wit::Topic> for core::Topic {
             wit::Topic::DvlBeams => Self::DvlBeams,
             wit::Topic::Imu => Self::Imu,
             wit::Topic::Servo => Self::Servo,
+            wit::Topic::Trim => Self::Trim,
+            wit::Topic::Buoyancy => Self::Buoyancy,
             wit::Topic::RelativeNavigation => Self::RelativeNavigation,
         }
     }
@@ -67,7 +69,7 @@ mod tests {
     use super::*;
 
     /// In the order of the interface.
-    const TOPICS: [wit::Topic; 19] = [
+    const TOPICS: [wit::Topic; 21] = [
         wit::Topic::Ctd,
         wit::Topic::MissionCommand,
         wit::Topic::Behavior,
@@ -86,6 +88,8 @@ mod tests {
         wit::Topic::DvlBeams,
         wit::Topic::Imu,
         wit::Topic::Servo,
+        wit::Topic::Trim,
+        wit::Topic::Buoyancy,
         wit::Topic::RelativeNavigation,
     ];
 

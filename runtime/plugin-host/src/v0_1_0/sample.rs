@@ -132,6 +132,17 @@ pub(super) fn sample(sample: &core::Sample, now: Timestamp) -> wit::Sample {
             dvl: sample.dvl_deg,
             sonar: sample.sonar_deg,
         }),
+        core::Sample::Trim(sample) => wit::Sample::Trim(wit::Trim {
+            age_ns: age_ns(sample.measured),
+            adjusting: sample.adjusting,
+            pitch: sample.pitch_deg,
+            roll: sample.roll_deg,
+        }),
+        core::Sample::Buoyancy(sample) => wit::Sample::Buoyancy(wit::Buoyancy {
+            age_ns: age_ns(sample.measured),
+            adjusting: sample.adjusting,
+            buoyancy: sample.buoyancy_n,
+        }),
     }
 }
 

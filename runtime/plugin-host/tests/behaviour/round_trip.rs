@@ -259,6 +259,8 @@ fn a_plugin_asks_for_topics_in_any_order() {
             Topic::DvlBeams,
             Topic::Imu,
             Topic::Servo,
+            Topic::Trim,
+            Topic::Buoyancy,
             Topic::RelativeNavigation,
         ]
     );

@@ -1,8 +1,8 @@
 use std::time::Duration;
 
 use backseat_core::plugin::{
-    BatterySample, CompassSample, DvlBeamsSample, DvlSample, ImuSample, PressureSample, Sample, ServoSample,
-    SoundVelocitySample, SurfacesSample, TelemetrySample, VehicleSpeedSample,
+    BatterySample, BuoyancySample, CompassSample, DvlBeamsSample, DvlSample, ImuSample, PressureSample, Sample,
+    ServoSample, SoundVelocitySample, SurfacesSample, TelemetrySample, TrimSample, VehicleSpeedSample,
 };
 use backseat_sdk as sdk;
 use backseat_units::Timestamp;
@@ -199,6 +199,32 @@ pub(super) fn samples(now: Timestamp) -> Vec<(Sample, sdk::Sample)> {
                 age_ns: 12_000_000,
                 dvl: 43.5,
                 sonar: -44.5,
+            }),
+        ),
+        (
+            Sample::Trim(TrimSample {
+                measured: ago(13),
+                adjusting: true,
+                pitch_deg: 45.5,
+                roll_deg: -46.5,
+            }),
+            sdk::Sample::Trim(sdk::Trim {
+                age_ns: 13_000_000,
+                adjusting: true,
+                pitch: 45.5,
+                roll: -46.5,
+            }),
+        ),
+        (
+            Sample::Buoyancy(BuoyancySample {
+                measured: ago(14),
+                adjusting: false,
+                buoyancy_n: -47.5,
+            }),
+            sdk::Sample::Buoyancy(sdk::Buoyancy {
+                age_ns: 14_000_000,
+                adjusting: false,
+                buoyancy: -47.5,
             }),
         ),
     ]

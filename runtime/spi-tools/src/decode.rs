@@ -54,7 +54,9 @@ pub fn decode(mut input: impl Read, decoding: Decoding, out: &mut impl Write) ->
                 lines.clear();
             }
         }
-        out.write_all(&lines).and_then(|()| out.flush()).map_err(Error::Output)?;
+        out.write_all(&lines)
+            .and_then(|()| out.flush())
+            .map_err(Error::Output)?;
         lines.clear();
         if read == 0 {
             tally.set_passed(splitter.too_long, splitter.noise_bytes);
@@ -114,7 +116,10 @@ mod tests {
             .iter()
             .map(|object| {
                 let object = object.as_object().unwrap();
-                assert!(object.contains_key("message") != object.contains_key("error"), "{object:?}");
+                assert!(
+                    object.contains_key("message") != object.contains_key("error"),
+                    "{object:?}"
+                );
                 let text = |key: &str| object.get(key).and_then(Value::as_str).unwrap_or("").to_owned();
                 let line = object.get("line").and_then(Value::as_u64).unwrap_or(0);
                 (text("name"), text("checksum"), text("error"), line)
@@ -127,15 +132,26 @@ mod tests {
         assert_eq!(said[0], right("BFCTL", "valid"));
         assert_eq!(said[1], right("BPLOG", "absent"));
         assert_eq!(said[2].0, "BFMIS");
-        assert_eq!(said[3], wrong("BFCTL", "invalid", "checksum \"79\" is wrong: 78 is right", 6));
+        assert_eq!(
+            said[3],
+            wrong("BFCTL", "invalid", "checksum \"79\" is wrong: 78 is right", 6)
+        );
         assert_eq!(said[4], wrong("BFMSC", "invalid", "not utf-8 from byte 21 on", 7));
         assert_eq!(
             said[5],
-            wrong("BFNVG", "absent", "cut short: the next sentence begins before the line ends", 8)
+            wrong(
+                "BFNVG",
+                "absent",
+                "cut short: the next sentence begins before the line ends",
+                8
+            )
         );
         assert_eq!(said[6], wrong("BFXYZ", "absent", "unknown message", 8));
         assert_eq!((said[7].0.as_str(), said[7].3), ("BFCTL", 9));
-        assert_eq!(said[8], wrong("BFSHT", "absent", "cut off: the input ends before the line does", 11));
+        assert_eq!(
+            said[8],
+            wrong("BFSHT", "absent", "cut off: the input ends before the line does", 11)
+        );
         assert_eq!(said.len(), 9);
         assert_eq!((tally.sentences(), tally.noise_bytes), (9, 11));
     }
@@ -148,7 +164,10 @@ mod tests {
             "9 sentences, 2 read, 2 with a wrong checksum, 1 unknown, 1 not decodable, 1 not utf-8, 2 cut short, \
              11 bytes of noise"
         );
-        assert_eq!(decoded(b"$BFCTL,081025.987,1*78", TEXT).1.to_string(), "1 sentence, 1 read");
+        assert_eq!(
+            decoded(b"$BFCTL,081025.987,1*78", TEXT).1.to_string(),
+            "1 sentence, 1 read"
+        );
     }
 
     #[test]
@@ -169,8 +188,14 @@ mod tests {
         };
         let (text, tally) = decoded(b"$BFCTL,081025.987,1*79\n", ignoring);
         let object: Value = serde_json::from_str(&text).unwrap();
-        assert_eq!((&object["checksum"], &object["message"]["granted"]), (&"invalid".into(), &true.into()));
-        assert_eq!(tally.to_string(), "1 sentence, 1 read, 1 read in spite of a wrong checksum");
+        assert_eq!(
+            (&object["checksum"], &object["message"]["granted"]),
+            (&"invalid".into(), &true.into())
+        );
+        assert_eq!(
+            tally.to_string(),
+            "1 sentence, 1 read, 1 read in spite of a wrong checksum"
+        );
     }
 
     #[test]
@@ -197,7 +222,9 @@ mod tests {
         impl Read for Live {
             fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
                 assert_eq!(self.1.borrow().iter().filter(|byte| **byte == b'\n').count(), self.0);
-                let Some(entry) = catalogue().get(self.0) else { return Ok(0) };
+                let Some(entry) = catalogue().get(self.0) else {
+                    return Ok(0);
+                };
                 self.0 += 1;
                 let line = format!("{}\r\n", entry.example);
                 out[..line.len()].copy_from_slice(line.as_bytes());

@@ -1,4 +1,4 @@
-use std::io::{BufRead, Read, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 
 use backseat_spi::{Direction, FromVehicle, ToVehicle};
 use serde::Deserialize;
@@ -20,18 +20,23 @@ const MAX_OBJECT: usize = 1 << 16;
 ///
 /// # Errors
 /// Name the line, the message and its field, and what was expected.
-pub fn encode(mut input: impl BufRead, out: &mut impl Write) -> Result<u64, Error> {
+pub fn encode(input: impl Read, out: &mut impl Write) -> Result<u64, Error> {
+    let mut input = BufReader::with_capacity(MAX_OBJECT, input);
     let mut text = Vec::new();
     let mut sentences = Vec::new();
     let mut count = 0;
     for line in 1.. {
         // Before more is waited for, what there is goes out.
-        if sentences.len() > MAX_OBJECT || input.fill_buf().map_err(Error::Input)?.is_empty() || !has_line(&mut input)? {
+        if sentences.len() > MAX_OBJECT || memchr::memchr(b'\n', input.buffer()).is_none() {
             flush(&mut sentences, out)?;
         }
         text.clear();
         let limit = MAX_OBJECT as u64 + 1;
-        let read = input.by_ref().take(limit).read_until(b'\n', &mut text).map_err(Error::Input)?;
+        let read = input
+            .by_ref()
+            .take(limit)
+            .read_until(b'\n', &mut text)
+            .map_err(Error::Input)?;
         if read == 0 {
             break;
         }
@@ -41,7 +46,9 @@ pub fn encode(mut input: impl BufRead, out: &mut impl Write) -> Result<u64, Erro
             continue;
         } else {
             object(line, &text).and_then(|message| {
-                message.encode(&mut sentences).map_err(|source| Error::Value { line, source })
+                message
+                    .encode(&mut sentences)
+                    .map_err(|source| Error::Value { line, source })
             })
         };
         if let Err(error) = encoded {
@@ -54,13 +61,10 @@ pub fn encode(mut input: impl BufRead, out: &mut impl Write) -> Result<u64, Erro
     Ok(count)
 }
 
-/// Whether a whole line can be had without waiting.
-fn has_line(input: &mut impl BufRead) -> Result<bool, Error> {
-    Ok(memchr::memchr(b'\n', input.fill_buf().map_err(Error::Input)?).is_some())
-}
-
 fn flush(sentences: &mut Vec<u8>, out: &mut impl Write) -> Result<(), Error> {
-    out.write_all(sentences).and_then(|()| out.flush()).map_err(Error::Output)?;
+    out.write_all(sentences)
+        .and_then(|()| out.flush())
+        .map_err(Error::Output)?;
     sentences.clear();
     Ok(())
 }
@@ -80,7 +84,9 @@ struct Object {
 }
 
 fn object(line: u64, text: &[u8]) -> Result<Message, Error> {
-    let Object { name, message, error, .. } = serde_json::from_slice(text).map_err(|error| Error::Object {
+    let Object {
+        name, message, error, ..
+    } = serde_json::from_slice(text).map_err(|error| Error::Object {
         line,
         column: error.column(),
         fault: without_place(&error.to_string()),
@@ -151,7 +157,10 @@ mod tests {
 
     #[test]
     fn decode_encode_decode_is_the_identity_for_every_message() {
-        let sentences: String = catalogue().iter().map(|entry| format!("{}\r\n", entry.example)).collect();
+        let sentences: String = catalogue()
+            .iter()
+            .map(|entry| format!("{}\r\n", entry.example))
+            .collect();
         let objects = decoded(&sentences);
         let (again, count) = encoded(&objects);
         assert_eq!(count.unwrap(), 71);
@@ -169,15 +178,18 @@ mod tests {
             fault("{\"name\":\"BPSTS\",\"message\":{\"created\":\"08:10:25\",\"ok\":true}}"),
             "line 1: BPSTS: missing field `text`; see `backseat spi list BPSTS`"
         );
-        assert!(fault("{\"name\":\"BPSTS\",\"message\":{\"okay\":true}}").starts_with(
-            "line 1: BPSTS field okay: unknown field `okay`, expected one of `created`, `ok`, `text`"
-        ));
-        assert!(fault("{\"name\":\"BPSPD\",\"message\":{\"created\":\"08:10:25\",\"speed_mps\":1e12}}").starts_with(
-            "line 1: BPSPD field speed_mps: expected "
-        ));
-        assert!(fault("{\"name\":\"BPSPD\",\"message\":{\"created\":\"8 o'clock\",\"speed_mps\":1}}").starts_with(
-            "line 1: BPSPD field created: "
-        ));
+        assert!(
+            fault("{\"name\":\"BPSTS\",\"message\":{\"okay\":true}}")
+                .starts_with("line 1: BPSTS field okay: unknown field `okay`, expected one of `created`, `ok`, `text`")
+        );
+        assert!(
+            fault("{\"name\":\"BPSPD\",\"message\":{\"created\":\"08:10:25\",\"speed_mps\":1e12}}")
+                .starts_with("line 1: BPSPD field speed_mps: expected ")
+        );
+        assert!(
+            fault("{\"name\":\"BPSPD\",\"message\":{\"created\":\"8 o'clock\",\"speed_mps\":1}}")
+                .starts_with("line 1: BPSPD field created: ")
+        );
         assert!(fault("{\"name\":\"BPXYZ\",\"message\":{}}").starts_with("line 1: \"BPXYZ\" is no message"));
         assert!(fault("$BFCTL,081025.987,1*78").starts_with("line 1 column 1: expected value; expected {\"name\""));
         assert!(fault("{\"name\":\"BPRMP\"}").starts_with("line 1: no `message`; expected"));
@@ -192,7 +204,10 @@ mod tests {
         for bad in ["a,b", "a*b", "$BPABT", "a\\r\\nb", "é"] {
             let object = format!("{{\"name\":\"BPMSG\",\"message\":{{\"created\":\"08:10:25\",\"text\":\"{bad}\"}}}}");
             let fault = fault(&object);
-            assert!(fault.starts_with("line 1: BPMSG field text: character ") && fault.contains("not allowed"), "{fault}");
+            assert!(
+                fault.starts_with("line 1: BPMSG field text: character ") && fault.contains("not allowed"),
+                "{fault}"
+            );
         }
     }
 

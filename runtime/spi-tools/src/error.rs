@@ -88,11 +88,19 @@ pub enum Error {
 }
 
 fn at(column: usize) -> String {
-    if column == 0 { String::new() } else { format!(" column {column}") }
+    if column == 0 {
+        String::new()
+    } else {
+        format!(" column {column}")
+    }
 }
 
 fn within(path: &str) -> String {
-    if path.is_empty() || path == "." { String::new() } else { format!(" field {path}") }
+    if path.is_empty() || path == "." {
+        String::new()
+    } else {
+        format!(" field {path}")
+    }
 }
 
 impl Error {

@@ -94,7 +94,14 @@ fn brief(field: &EntryField) -> String {
 const BRIEF_RANGE: usize = 16;
 
 fn whole(entry: &Entry, paint: Paint, out: &mut impl Write) -> std::io::Result<()> {
-    writeln!(out, "{}{}{}  {}", paint.strong(), entry.name, paint.plain(), entry.title)?;
+    writeln!(
+        out,
+        "{}{}{}  {}",
+        paint.strong(),
+        entry.name,
+        paint.plain(),
+        entry.title
+    )?;
     writeln!(out, "section  SPI {}, {}", entry.section, way(entry.direction))?;
     writeln!(out, "example  {}", entry.example)?;
     let width = |text: fn(&EntryField) -> usize| entry.fields.iter().map(text).max().unwrap_or(0);
@@ -112,7 +119,11 @@ fn whole(entry: &Entry, paint: Paint, out: &mut impl Write) -> std::io::Result<(
     )?;
     for field in entry.fields {
         let formats = field.formats.join(",");
-        writeln!(out, "{:<name$}  {:<unit$}  {:<range$}  {formats}", field.name, field.unit, field.range)?;
+        writeln!(
+            out,
+            "{:<name$}  {:<unit$}  {:<range$}  {formats}",
+            field.name, field.unit, field.range
+        )?;
     }
     Ok(())
 }
@@ -182,7 +193,10 @@ mod tests {
             }
             assert!(!line.contains('\u{1b}'));
         }
-        assert!(text.contains("altitude (m, 0..12000), depth (m, -100..12000)"), "{text}");
+        assert!(
+            text.contains("altitude (m, 0..12000), depth (m, -100..12000)"),
+            "{text}"
+        );
     }
 
     #[test]
@@ -191,7 +205,10 @@ mod tests {
         let rows: Vec<serde_json::Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
         assert_eq!(rows.len(), 71);
         let navigation = rows.iter().find(|row| row["name"] == "BFNVG").unwrap();
-        assert_eq!((&navigation["section"], &navigation["direction"]), (&"6.1".into(), &"from-vehicle".into()));
+        assert_eq!(
+            (&navigation["section"], &navigation["direction"]),
+            (&"6.1".into(), &"from-vehicle".into())
+        );
         assert_eq!(navigation["fields"][4]["unit"], "m");
         assert_eq!(navigation["fields"][1]["formats"].as_array().unwrap().len(), 4);
     }
@@ -200,10 +217,17 @@ mod tests {
     fn one_message_is_shown_whole_by_any_form_of_its_name() {
         let text = listed(&["BFNVG"], PLAIN);
         assert!(text.starts_with("BFNVG  navigation update\nsection  SPI 6.1, from vehicle\nexample  $BFNVG,"));
-        assert!(text.lines().any(|line| line.starts_with("depth ") && line.contains("-100..12000")), "{text}");
+        assert!(
+            text.lines()
+                .any(|line| line.starts_with("depth ") && line.contains("-100..12000")),
+            "{text}"
+        );
         assert_eq!(listed(&["nvg"], PLAIN), text);
         assert_eq!(listed(&["CTD"], Listing::Json).lines().count(), 2);
         let error = list(&["NVX".to_owned()], PLAIN, &mut Vec::new()).unwrap_err();
-        assert_eq!(error.to_string(), "no message is named \"NVX\": `backseat spi list` names all 71");
+        assert_eq!(
+            error.to_string(),
+            "no message is named \"NVX\": `backseat spi list` names all 71"
+        );
     }
 }

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use backseat_spi::{ChecksumState, DecodeError, FromVehicle, Sentence, ToVehicle};
+use backseat_spi::{ChecksumState, DecodeError, Direction, Entry, FromVehicle, Sentence, ToVehicle};
 use serde::Serialize;
 
 use crate::sheet::entry;
@@ -11,6 +11,8 @@ use crate::splitter::{End, Piece};
 pub(crate) struct Reading<'a> {
     /// The name as it stands, letters and digits.
     pub(crate) name: &'a str,
+    /// The row of the catalogue that it has by its name.
+    pub(crate) entry: Option<&'static Entry>,
     pub(crate) checksum: Checksum,
     pub(crate) line: u64,
     pub(crate) bytes: &'a [u8],
@@ -97,11 +99,15 @@ impl<'a> Reading<'a> {
     pub(crate) fn of(piece: Piece<'a>, ignore_checksum: bool) -> Option<Self> {
         let rest = piece.bytes.get(1..)?;
         let length = rest.iter().take_while(|byte| byte.is_ascii_alphanumeric()).count();
-        let name = std::str::from_utf8(&rest[..length]).ok().filter(|name| !name.is_empty())?;
+        let name = std::str::from_utf8(&rest[..length])
+            .ok()
+            .filter(|name| !name.is_empty())?;
         let checksum = Checksum::of(piece.bytes);
-        let outcome = read(piece, checksum, ignore_checksum);
+        let entry = entry(name);
+        let outcome = read(piece, entry, checksum, ignore_checksum);
         Some(Self {
             name,
+            entry,
             checksum,
             line: piece.line,
             bytes: piece.bytes,
@@ -110,7 +116,12 @@ impl<'a> Reading<'a> {
     }
 }
 
-fn read(piece: Piece<'_>, checksum: Checksum, ignore_checksum: bool) -> Result<Message, ReadingError> {
+fn read(
+    piece: Piece<'_>,
+    entry: Option<&Entry>,
+    checksum: Checksum,
+    ignore_checksum: bool,
+) -> Result<Message, ReadingError> {
     match (piece.end, checksum) {
         (End::Line, _) | (End::Input, Checksum::Valid) => {}
         (End::Dollar, _) => return Err(ReadingError::CutShort),
@@ -130,19 +141,11 @@ fn read(piece: Piece<'_>, checksum: Checksum, ignore_checksum: bool) -> Result<M
         }
         ChecksumState::Valid | ChecksumState::Absent | ChecksumState::Invalid => {}
     }
-    let name = sentence.name();
-    if name.starts_with("BF") {
-        match FromVehicle::decode(&sentence)? {
-            FromVehicle::Unknown(_) => {}
-            message => return Ok(Message::FromVehicle(message)),
-        }
-    } else if name.starts_with("BP") {
-        match ToVehicle::decode(&sentence)? {
-            ToVehicle::Unknown(_) => {}
-            message => return Ok(Message::ToVehicle(message)),
-        }
+    match entry.map(|entry| entry.direction) {
+        Some(Direction::FromVehicle) => Ok(Message::FromVehicle(FromVehicle::decode(&sentence)?)),
+        Some(Direction::ToVehicle) => Ok(Message::ToVehicle(ToVehicle::decode(&sentence)?)),
+        None => Err(ReadingError::Unknown),
     }
-    Err(ReadingError::Unknown)
 }
 
 impl Checksum {
@@ -153,9 +156,9 @@ impl Checksum {
             return Self::Absent;
         };
         let digits = &bytes[star + 1..];
-        let found = std::str::from_utf8(digits).ok().filter(|digits| {
-            matches!(digits.len(), 1 | 2) && digits.bytes().all(|digit| digit.is_ascii_hexdigit())
-        });
+        let found = std::str::from_utf8(digits)
+            .ok()
+            .filter(|digits| matches!(digits.len(), 1 | 2) && digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
         match found.and_then(|digits| u8::from_str_radix(digits, 16).ok()) {
             Some(sum) if sum == xor(&bytes[..star]) => Self::Valid,
             Some(_) | None => Self::Invalid,
@@ -168,15 +171,6 @@ fn xor(bytes: &[u8]) -> u8 {
 }
 
 impl Message {
-    /// The sentence's name. Both tables give the one of their row; what is in neither is no message here.
-    pub(crate) fn name(&self) -> &'static str {
-        let name = match self {
-            Self::FromVehicle(message) => message.name(),
-            Self::ToVehicle(message) => message.name(),
-        };
-        entry(name).map_or("", |entry| entry.name)
-    }
-
     /// Appends the sentence with checksum and line end.
     pub(crate) fn encode(&self, out: &mut Vec<u8>) -> Result<(), backseat_spi::EncodeError> {
         match self {
@@ -206,7 +200,7 @@ impl fmt::Display for Raw<'_> {
 
 #[cfg(test)]
 mod tests {
-    use backseat_spi::{Direction, catalogue};
+    use backseat_spi::catalogue;
 
     use super::*;
 
@@ -246,7 +240,10 @@ mod tests {
         assert_eq!(error("$GPGGA,1,2"), "unknown message");
         assert_eq!(error("$BFXYZ,1,2"), "unknown message");
         assert_eq!(error("$BPNVG,1,2"), "unknown message");
-        assert_eq!(error("$BFCTL;1"), "expected a comma, an asterisk or the end after the name");
+        assert_eq!(
+            error("$BFCTL;1"),
+            "expected a comma, an asterisk or the end after the name"
+        );
         assert!(error("$BFCTL,081025.987,2").starts_with("BFCTL field 2 (granted) \"2\": "));
     }
 
@@ -262,9 +259,17 @@ mod tests {
 
     #[test]
     fn what_is_cut_is_no_message_but_for_a_last_line_with_its_checksum() {
-        let cut = |line: &str, end| Reading::of(piece(line.as_bytes(), end), false).unwrap().outcome.map(|_| ());
+        let cut = |line: &str, end| {
+            Reading::of(piece(line.as_bytes(), end), false)
+                .unwrap()
+                .outcome
+                .map(|_| ())
+        };
         assert_eq!(cut("$BFMSC,081025.987,start li", End::Input), Err(ReadingError::CutOff));
-        assert_eq!(cut("$BFMSC,081025.987,start li", End::Dollar), Err(ReadingError::CutShort));
+        assert_eq!(
+            cut("$BFMSC,081025.987,start li", End::Dollar),
+            Err(ReadingError::CutShort)
+        );
         assert_eq!(cut("$BFCTL,081025.987,1*78", End::Input), Ok(()));
         assert_eq!(Reading::of(piece(b"$", End::Line), false), None);
         assert_eq!(Reading::of(piece(b"$,1", End::Line), false), None);

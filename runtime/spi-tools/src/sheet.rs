@@ -1,4 +1,6 @@
+use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::sync::LazyLock;
 
 use backseat_spi::{Entry, catalogue};
 use serde::Serialize;
@@ -69,10 +71,11 @@ fn write_text(out: &mut Vec<u8>, paint: Paint, reading: &Reading<'_>, with_line:
     let (strong, plain) = (paint.strong(), paint.plain());
     match &reading.outcome {
         Ok(message) => {
-            let name = message.name();
-            let Some(entry) = entry(name) else { return Ok(()) };
-            write!(out, "{strong}{name}{plain}  {}: ", entry.title)?;
-            write_fields(out, entry.fields, message)?;
+            let (title, fields) = reading
+                .entry
+                .map_or(("", [].as_slice()), |entry| (entry.title, entry.fields));
+            write!(out, "{strong}{}{plain}  {title}: ", reading.name)?;
+            write_fields(out, fields, message)?;
             match reading.checksum {
                 Checksum::Valid => Ok(()),
                 Checksum::Absent => write!(out, "{}  (no checksum){plain}", paint.quiet()),
@@ -92,5 +95,7 @@ fn write_text(out: &mut Vec<u8>, paint: Paint, reading: &Reading<'_>, with_line:
 
 /// A message's row of the catalogue.
 pub(crate) fn entry(name: &str) -> Option<&'static Entry> {
-    catalogue().iter().find(|entry| entry.name == name)
+    static ROWS: LazyLock<BTreeMap<&str, &Entry>> =
+        LazyLock::new(|| catalogue().iter().map(|entry| (entry.name, entry)).collect());
+    ROWS.get(name).copied()
 }

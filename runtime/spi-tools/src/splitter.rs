@@ -141,7 +141,10 @@ mod tests {
             ("$D,4", End::Line, 5),
             ("$E", End::Input, 7),
         ];
-        let expected: Vec<_> = expected.iter().map(|(text, end, line)| ((*text).to_owned(), *end, *line)).collect();
+        let expected: Vec<_> = expected
+            .iter()
+            .map(|(text, end, line)| ((*text).to_owned(), *end, *line))
+            .collect();
         assert_eq!(out, expected);
         assert_eq!(splitter.noise_bytes, 6, "boot and two blanks");
     }
@@ -158,7 +161,10 @@ mod tests {
         }
         splitter.push(b"$BFSHT,081025.987*71\r\n");
         assert_eq!(splitter.next().unwrap().bytes, b"$BFSHT,081025.987*71");
-        assert_eq!((splitter.too_long, splitter.noise_bytes), (1, 7 + (160 << 16) - MAX_LINE as u64));
+        assert_eq!(
+            (splitter.too_long, splitter.noise_bytes),
+            (1, 7 + (160 << 16) - MAX_LINE as u64)
+        );
         assert!(most < 1 << 18, "{most}");
     }
 

@@ -3,7 +3,7 @@ use std::fmt;
 
 use backseat_spi::catalogue;
 
-use crate::reading::{Cause, Reading};
+use crate::reading::{Cause, Checksum, Reading};
 
 /// What has been met, by message and by fault.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -19,9 +19,11 @@ pub struct Tally {
 impl Tally {
     pub(crate) fn count(&mut self, reading: &Reading<'_>) {
         match &reading.outcome {
-            Ok(message) => {
-                *self.messages.entry(message.name()).or_default() += 1;
-                if reading.checksum == crate::reading::Checksum::Invalid {
+            Ok(_) => {
+                // What has been read has a row.
+                let name = reading.entry.map_or("", |entry| entry.name);
+                *self.messages.entry(name).or_default() += 1;
+                if reading.checksum == Checksum::Invalid {
                     self.ignored_checksums += 1;
                 }
             }
@@ -49,17 +51,27 @@ impl Tally {
 
     /// How many messages of each name have been read, in the order of the specification.
     pub(crate) fn by_message(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
-        catalogue().iter().filter_map(|entry| Some((entry.name, *self.messages.get(entry.name)?)))
+        catalogue()
+            .iter()
+            .filter_map(|entry| Some((entry.name, *self.messages.get(entry.name)?)))
     }
 
     /// What is wrong, in words; nothing where all is well.
     pub(crate) fn faults(&self) -> Vec<String> {
-        let mut faults: Vec<String> = self.faults.iter().map(|(cause, count)| format!("{count} {}", cause.text())).collect();
+        let mut faults: Vec<String> = self
+            .faults
+            .iter()
+            .map(|(cause, count)| format!("{count} {}", cause.text()))
+            .collect();
         if self.ignored_checksums > 0 {
             faults.push(format!("{} read in spite of a wrong checksum", self.ignored_checksums));
         }
         if self.too_long > 0 {
-            faults.push(format!("{} over {} bytes without an end", self.too_long, backseat_spi::MAX_LINE));
+            faults.push(format!(
+                "{} over {} bytes without an end",
+                self.too_long,
+                backseat_spi::MAX_LINE
+            ));
         }
         if self.noise_bytes > 0 {
             faults.push(format!("{} bytes of noise", self.noise_bytes));
@@ -72,7 +84,12 @@ impl fmt::Display for Tally {
     /// One line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sentences = self.sentences();
-        write!(f, "{sentences} sentence{}, {} read", if sentences == 1 { "" } else { "s" }, self.read())?;
+        write!(
+            f,
+            "{sentences} sentence{}, {} read",
+            if sentences == 1 { "" } else { "s" },
+            self.read()
+        )?;
         self.faults().iter().try_for_each(|fault| write!(f, ", {fault}"))
     }
 }

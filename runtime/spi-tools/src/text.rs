@@ -81,7 +81,11 @@ impl Plain<'_> {
     }
 
     fn write_blank<W: ?Sized + Write>(&mut self, out: &mut W) -> io::Result<()> {
-        if std::mem::take(&mut self.blank) { out.write_all(b" ") } else { Ok(()) }
+        if std::mem::take(&mut self.blank) {
+            out.write_all(b" ")
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -145,11 +149,19 @@ impl Formatter for Plain<'_> {
     }
 
     fn begin_string<W: ?Sized + Write>(&mut self, out: &mut W) -> io::Result<()> {
-        if self.is_free_text() { out.write_all(b"\"") } else { Ok(()) }
+        if self.is_free_text() {
+            out.write_all(b"\"")
+        } else {
+            Ok(())
+        }
     }
 
     fn end_string<W: ?Sized + Write>(&mut self, out: &mut W) -> io::Result<()> {
-        if self.is_free_text() { out.write_all(b"\"") } else { Ok(()) }
+        if self.is_free_text() {
+            out.write_all(b"\"")
+        } else {
+            Ok(())
+        }
     }
 
     fn write_string_fragment<W: ?Sized + Write>(&mut self, out: &mut W, fragment: &str) -> io::Result<()> {
@@ -160,7 +172,11 @@ impl Formatter for Plain<'_> {
                 _ => None,
             };
             // A choice by its number only.
-            return if fragment == "other" && self.depth > 1 { out.write_all(b"other ") } else { Ok(()) };
+            return if fragment == "other" && self.depth > 1 {
+                out.write_all(b"other ")
+            } else {
+                Ok(())
+            };
         }
         self.write_blank(out)?;
         out.write_all(fragment.as_bytes())
@@ -256,14 +272,21 @@ mod tests {
         );
         assert!(line("$BPCPD,081025.987,4711,3,1,1,2,48656C6C6F,00FF,,,,,,").ends_with("frames [48656C6C6F 00FF]"));
         let frames = line("$BFCPR,081025.987,081025.500,3,7,-1,2,1,48656C6C6F,9,00FF,0,,0,,0,,0,,0,,0,");
-        assert!(frames.contains("data [(good 48656C6C6F) ((other 9) 00FF) (unset) ("), "{frames}");
+        assert!(
+            frames.contains("data [(good 48656C6C6F) ((other 9) 00FF) (unset) ("),
+            "{frames}"
+        );
     }
 
     #[test]
     fn every_example_can_be_shown() {
         for entry in catalogue() {
             let line = line(entry.example);
-            let shown: Vec<_> = entry.fields.iter().filter(|field| line.contains(bare_name(field))).collect();
+            let shown: Vec<_> = entry
+                .fields
+                .iter()
+                .filter(|field| line.contains(bare_name(field)))
+                .collect();
             assert_eq!(shown.len(), entry.fields.len(), "{line}");
             assert!(!line.contains('{') && !line.contains('\n'), "{line}");
         }

@@ -25,8 +25,33 @@ pub(crate) enum Purpose {
     Insert(u64),
     /// The cancelling of an insert: the cancel's own request if a plugin asked, and the insert's.
     Cancel { cancel: Option<u64>, insert: u64 },
+    /// A request that ends with the answer to its one command.
+    Request(u64),
+    /// Silent mode, by its request.
+    Silent(u64),
+    /// A trim or buoyancy adjustment, by its request.
+    Adjustment(u64),
+    /// An acoustic packet, by its request.
+    Packet(u64),
+    /// The DVL's triggering, by its request.
+    DvlTrigger(u64),
+    /// A command of a hold, by its request.
+    Hold(u64),
     /// Nothing hangs on it.
     Courtesy,
+}
+
+/// The vehicle's answer to a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Answer<'a> {
+    /// It is working on it (acknowledgement status 3); the first time that it says so.
+    Pending,
+    /// It has done it.
+    Done,
+    /// It has refused it or failed at it; its text.
+    Refused(&'a str),
+    /// None came in time.
+    Missing,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -90,6 +115,12 @@ impl Commands {
                 | Purpose::Lease(_)
                 | Purpose::Insert(_)
                 | Purpose::Cancel { .. }
+                | Purpose::Request(_)
+                | Purpose::Silent(_)
+                | Purpose::Adjustment(_)
+                | Purpose::Packet(_)
+                | Purpose::DvlTrigger(_)
+                | Purpose::Hold(_)
                 | Purpose::Courtesy => now + SETTLED_WITHIN,
             };
             Some(*command)

@@ -9,8 +9,10 @@ use backseat_units::Timestamp;
 use crate::envelope::limit;
 use crate::helm::refused;
 use crate::io::{Note, Output, Restarted};
+use crate::ledger::RequestKind;
 use crate::limits::{FailAction, Grant};
 use crate::machine::Core;
+use crate::orders::{Condition, Order};
 use crate::plugin::{
     Event, FaultKind, LogLevel, PluginFault, PluginId, Refusal, Request, RequestState, Returned, StepInput, Topic,
 };
@@ -49,6 +51,8 @@ pub(crate) struct Slot {
     state: State,
     events: Vec<Event>,
     due: Timestamp,
+    /// When its last step began.
+    invoked: Timestamp,
     /// It was due while a step was under way.
     overdue: bool,
     timers: Vec<(Timestamp, u64)>,
@@ -65,6 +69,7 @@ impl Slot {
             state: State::Idle,
             events: Vec::new(),
             due: Timestamp::ZERO,
+            invoked: Timestamp::ZERO,
             overdue: false,
             timers: Vec::new(),
             failures: 0,
@@ -78,8 +83,20 @@ impl Slot {
         self.setup.description.topics.contains(&topic)
     }
 
+    pub(crate) fn topics(&self) -> &[Topic] {
+        &self.setup.description.topics
+    }
+
+    pub(crate) fn grants(&self) -> &[Grant] {
+        &self.setup.grants
+    }
+
     pub(crate) fn is_quarantined(&self) -> bool {
         self.state == State::Quarantined
+    }
+
+    fn is_filling(&self) -> bool {
+        self.events.len() >= EVENTS_MAX / 2
     }
 
     fn period(&self) -> Duration {
@@ -99,6 +116,12 @@ impl Slot {
             State::Idle => {
                 let timer = self.timers.iter().map(|(at, _)| *at).min();
                 let due = self.due_without_navigation();
+                // A queue that fills is emptied before its time.
+                let due = if self.is_filling() {
+                    self.invoked + PERIOD_MIN
+                } else {
+                    due
+                };
                 Some(timer.map_or(due, |timer| timer.min(due)))
             }
             State::BackingOff { until } => Some(until),
@@ -179,7 +202,8 @@ impl Core {
                         }
                         !expired
                     });
-                    if timed || now + early >= due {
+                    let filling = slot.is_filling() && now >= slot.invoked + PERIOD_MIN;
+                    if timed || filling || now + early >= due {
                         self.invoke(index);
                     }
                 }
@@ -199,11 +223,13 @@ impl Core {
 
     fn invoke(&mut self, index: usize) {
         let navigation = self.tracker.fresh(self.now).copied();
+        let (relative, cartesian) = (self.hull.relative(), self.hull.cartesian());
         let utc = self.utc();
         let (now, control) = (self.now, self.granted);
         let slot = &mut self.plugins[index];
         slot.state = State::Running;
         slot.overdue = false;
+        slot.invoked = now;
         // A little jitter does not move the cadence; more than that is another phase, navigation's own.
         slot.due = if now.since(slot.due) <= slot.period() / 4 {
             slot.due + slot.period()
@@ -217,6 +243,8 @@ impl Core {
                 now,
                 utc,
                 navigation,
+                relative,
+                cartesian,
                 control,
                 events,
             },
@@ -269,7 +297,7 @@ impl Core {
                 let open = self
                     .ledger
                     .iter()
-                    .filter(|(_, entry)| entry.plugin == plugin)
+                    .filter(|(_, entry)| entry.owner == plugin)
                     .map(|(_, entry)| entry.tag)
                     .collect();
                 self.tell(
@@ -316,13 +344,26 @@ impl Core {
         } else {
             "it goes on"
         };
+        let quarantined = self.plugins[plugin.0].is_quarantined();
         self.note(Note::PluginFailed { plugin, fault, then });
         if self.lease.is_some_and(|lease| lease.plugin == plugin) {
             self.end_lease("its plugin failed");
         }
+        self.hold_plugin_failed(plugin);
+        self.dvl_plugin_failed(plugin);
         match on_failure {
             FailAction::Yield => {}
             FailAction::Cancel => self.cancel_all_of(Some(plugin), "its plugin failed"),
+            FailAction::Abort => {
+                self.cancel_all_of(Some(plugin), "its plugin failed");
+                self.order(&Order::Abort {
+                    text: "a plugin failed".to_owned(),
+                    errors: true,
+                });
+            }
+        }
+        if quarantined {
+            self.carry_out(|when| matches!(when, Condition::PluginQuarantined));
         }
     }
 
@@ -342,6 +383,18 @@ impl Core {
             Request::Trackline(_) | Request::Trackcircle(_) => self.ask_insert(plugin, &request),
             Request::Cancel(tag) => self.ask_cancel(plugin, tag),
             Request::Message(text) => self.ask_message(plugin, &text),
+            Request::GpsHit(_) => self.ask_insert(plugin, &request),
+            Request::Topside(asked) => self.ask_topside(plugin, &asked),
+            Request::DvlTrigger(asked) => self.ask_dvl(plugin, &asked),
+            Request::Silent(asked) => self.ask_silent(plugin, &asked),
+            Request::Trim(tag) => self.ask_adjustment(plugin, tag, RequestKind::Trim),
+            Request::Buoyancy(tag) => self.ask_adjustment(plugin, tag, RequestKind::Buoyancy),
+            Request::Packet(asked) => self.ask_packet(plugin, asked),
+            Request::Hold(asked) => self.ask_hold(plugin, &asked),
+            Request::EndHold => self.ask_end_hold(plugin),
+            Request::SonarAngle(asked) => self.ask_sonar_angle(plugin, &asked),
+            Request::Camera(asked) => self.ask_camera(plugin, &asked),
+            Request::Light(asked) => self.ask_light(plugin, &asked),
             Request::Timer { id, after } => {
                 let slot = &mut self.plugins[plugin.0];
                 if slot.timers.len() < TIMERS_MAX {

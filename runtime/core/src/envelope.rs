@@ -453,7 +453,22 @@ impl Judge for Envelope {
             Request::Trackcircle(circle) => {
                 self.judge_insert(&self.admit_trackcircle(circle)?, navigation.depth, lock, &from_here)
             }
-            Request::EndModify | Request::Cancel(_) | Request::Message(_) | Request::Timer { .. } => Ok(f64::MAX),
+            Request::GpsHit(_) | Request::Hold(_) => Err(limit("the fence does not know it yet".to_owned())),
+            // They have no geometry.
+            Request::EndModify
+            | Request::Cancel(_)
+            | Request::Message(_)
+            | Request::Topside(_)
+            | Request::DvlTrigger(_)
+            | Request::Silent(_)
+            | Request::Trim(_)
+            | Request::Buoyancy(_)
+            | Request::Packet(_)
+            | Request::EndHold
+            | Request::SonarAngle(_)
+            | Request::Camera(_)
+            | Request::Light(_)
+            | Request::Timer { .. } => Ok(f64::MAX),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use backseat_spi::{EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode, ToVehicle};
 use backseat_units::{Timestamp, utm_convergence_deg};
 
-use crate::commands::{Command, FIRST_WITHIN, Purpose};
+use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::envelope::{Route, Setpoint, Vertical};
 use crate::io::Note;
 use crate::ledger::RequestKind;
@@ -199,17 +199,19 @@ impl Core {
     }
 
     /// An answer to a refresh.
-    pub(crate) fn lease_answered(&mut self, request: u64, refused_with: Option<&str>) {
+    pub(crate) fn lease_answered(&mut self, request: u64, answer: Answer<'_>) {
         let live = self.lease.is_some_and(|lease| lease.request == request);
-        match refused_with {
-            None => self.transition_once_accepted(request),
-            Some(text) if live => {
+        match answer {
+            Answer::Pending => {}
+            Answer::Missing => self.lease_unanswered(request),
+            Answer::Done => self.transition_once_accepted(request),
+            Answer::Refused(text) if live => {
                 let reason = format!("the vehicle refused it: {text}");
                 self.close_lease(&reason, |_| RequestState::Failed(text.to_owned()));
             }
             // The refused one was replaced meanwhile. A plugin that asks anew in every step always has: waiting for the
             // answer to the newest one would wait for ever.
-            Some(text) => self.end_lease(&format!("the vehicle refused it: {text}")),
+            Answer::Refused(text) => self.end_lease(&format!("the vehicle refused it: {text}")),
         }
     }
 
@@ -224,7 +226,7 @@ impl Core {
     }
 
     /// A refresh was not acknowledged in time.
-    pub(crate) fn lease_unanswered(&mut self, request: u64) {
+    fn lease_unanswered(&mut self, request: u64) {
         if self.lease.is_some_and(|lease| lease.request == request) {
             self.close_lease("the vehicle did not acknowledge it", |_| RequestState::TimedOut);
         } else if self.lease.is_some() {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use backseat_spi::{BehaviorId, CancelBehavior, Interrupt, SpeedMode, ToVehicle, Trackcircle, Trackline, VerticalMode};
 
-use crate::commands::{Command, FIRST_WITHIN, Purpose};
+use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::envelope::{End, Insert, InsertPath, Route, Vertical};
 use crate::helm::refused;
 use crate::io::Output;
@@ -34,6 +34,18 @@ impl Core {
             | Request::EndModify
             | Request::Cancel(_)
             | Request::Message(_)
+            | Request::GpsHit(_)
+            | Request::Topside(_)
+            | Request::DvlTrigger(_)
+            | Request::Silent(_)
+            | Request::Trim(_)
+            | Request::Buoyancy(_)
+            | Request::Packet(_)
+            | Request::Hold(_)
+            | Request::EndHold
+            | Request::SonarAngle(_)
+            | Request::Camera(_)
+            | Request::Light(_)
             | Request::Timer { .. } => return,
         };
         let request = self.ledger.propose(plugin, tag, kind);
@@ -283,7 +295,7 @@ impl Core {
             .filter(|(_, entry)| {
                 entry.is_open_insert()
                     && entry.state != RequestState::Started
-                    && plugin.is_none_or(|plugin| plugin == entry.plugin)
+                    && plugin.is_none_or(|plugin| entry.owner == plugin)
             })
             .map(|(request, _)| request)
             .collect();
@@ -293,14 +305,25 @@ impl Core {
     }
 
     /// The vehicle's answer to an insert.
-    pub(crate) fn insert_answered(&mut self, request: u64, to: RequestState) {
-        self.transition(request, to);
+    pub(crate) fn insert_answered(&mut self, request: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Done => self.transition(request, RequestState::Accepted),
+            Answer::Refused(text) => self.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => self.insert_unanswered(request),
+        }
     }
 
     /// The vehicle's answer to a cancel.
-    pub(crate) fn cancel_answered(&mut self, cancel: Option<u64>, insert: u64, refused_with: Option<&str>) {
-        match refused_with {
-            None => {
+    pub(crate) fn cancel_answered(&mut self, cancel: Option<u64>, insert: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => {}
+            Answer::Missing => {
+                if let Some(cancel) = cancel {
+                    self.transition(cancel, RequestState::TimedOut);
+                }
+            }
+            Answer::Done => {
                 self.transition(insert, RequestState::Cancelled);
                 self.ledger.settle_doubt(insert);
                 if let Some(cancel) = cancel {
@@ -308,7 +331,7 @@ impl Core {
                     self.transition(cancel, RequestState::Ended("done".to_owned()));
                 }
             }
-            Some(text) => {
+            Answer::Refused(text) => {
                 if let Some(cancel) = cancel {
                     self.transition(cancel, RequestState::Failed(text.to_owned()));
                 }
@@ -317,7 +340,7 @@ impl Core {
     }
 
     /// An insert was not answered: it counts as one that the vehicle may fly, and is called back where that is possible.
-    pub(crate) fn insert_unanswered(&mut self, request: u64) {
+    fn insert_unanswered(&mut self, request: u64) {
         self.send_cancel(None, request);
         self.transition(request, RequestState::TimedOut);
     }
@@ -381,7 +404,7 @@ impl Core {
     fn open_insert(&self, plugin: PluginId, tag: u64) -> Option<u64> {
         self.ledger
             .iter()
-            .find(|(_, entry)| entry.is_open_insert() && entry.plugin == plugin && entry.tag == tag)
+            .find(|(_, entry)| entry.is_open_insert() && entry.owner == plugin && entry.tag == tag)
             .map(|(request, _)| request)
     }
 

@@ -6,6 +6,8 @@ use backseat_units::{TimeOfDay, Utc};
 use serde::{Deserialize, Serialize};
 
 use crate::ledger::Transition;
+use crate::orders::Order;
+use crate::owner::{DriverId, Owner};
 use crate::plugin::{LogLine, PluginFault, PluginId, RequestState, Returned, StepInput};
 
 /// What a driver hands to core.
@@ -23,6 +25,8 @@ pub enum Input<'a> {
     Restarted(PluginId, Restarted),
     /// The operator.
     Operator(Operator),
+    /// Bytes from a configured driver, in any split.
+    Driver(DriverId, &'a [u8]),
     /// All SPI identifiers below this are reserved on disk.
     Reserved(u32),
     /// The time that `poll_timeout` said has come.
@@ -41,7 +45,7 @@ pub struct Restarted {
 }
 
 /// What the operator does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Operator {
     /// Take the helm from every plugin, end leases, cancel inserts. The driver keeps it across restarts.
@@ -50,6 +54,8 @@ pub enum Operator {
     Release,
     /// End the run: leases end.
     Stop,
+    /// What no plugin may ask for.
+    Order(Order),
 }
 
 /// What core wants done.
@@ -66,6 +72,8 @@ pub enum Output {
     ResetLink,
     /// Run a step of a plugin and return it.
     Invoke(PluginId, StepInput),
+    /// Write this to a driver.
+    Driver(DriverId, Vec<u8>),
     /// Make a new instance of a plugin from its last snapshot.
     Restart(PluginId),
     /// Reserve all SPI identifiers below this on disk.
@@ -235,7 +243,10 @@ impl fmt::Display for Told<'_> {
             N::Mission { status } => write!(f, "mission {status}"),
             N::Control { granted: true, .. } => write!(f, "control granted"),
             N::Control { granted: false, reason } => write!(f, "no control: {reason}"),
-            N::Request(transition) => write_transition(f, transition, &who(&transition.plugin)),
+            N::Request(transition) => match transition.owner {
+                Owner::Plugin(plugin) => write_transition(f, transition, &who(&plugin)),
+                owner @ (Owner::Operator | Owner::Driver(_)) => write_transition(f, transition, &owner),
+            },
             N::LeaseEnded { plugin, reason } => write!(f, "{} no longer steers: {reason}", who(plugin)),
             N::Plan { elements } => write!(f, "the vehicle's plan has {elements} elements"),
             N::Behavior {
@@ -265,10 +276,10 @@ impl fmt::Display for Told<'_> {
     }
 }
 
-fn write_transition(f: &mut fmt::Formatter<'_>, transition: &Transition, who: &Who<'_>) -> fmt::Result {
+fn write_transition(f: &mut fmt::Formatter<'_>, transition: &Transition, who: &dyn fmt::Display) -> fmt::Result {
     let Transition {
         request,
-        plugin: _,
+        owner: _,
         tag,
         kind,
         identifier,

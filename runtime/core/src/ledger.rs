@@ -4,7 +4,8 @@ use backseat_spi::BehaviorId;
 use serde::{Deserialize, Serialize};
 
 use crate::envelope::Insert;
-use crate::plugin::{PluginId, RequestState};
+use crate::owner::Owner;
+use crate::plugin::RequestState;
 
 /// What kind of request an entry of the ledger is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,12 +19,56 @@ pub enum RequestKind {
     Trackcircle,
     /// BPRCN.
     Cancel,
+    /// BPRGP.
+    GpsHit,
+    /// BPRCA.
+    CancelAll,
+    /// BPRCB.
+    CancelCurrent,
+    /// BPRCE.
+    CancelElement,
+    /// BPABT.
+    Abort,
+    /// BPKIL.
+    Kill,
+    /// BPSEM.
+    StartEmptyMission,
+    /// BPTOP.
+    Topside,
+    /// BPTMR.
+    Relay,
+    /// BPDVR.
+    DvlTrigger,
+    /// BPSIL.
+    Silent,
+    /// BPTRM.
+    Trim,
+    /// BPBOY.
+    Buoyancy,
+    /// BPCPD.
+    Packet,
+    /// BPSUS, BPCON, BPGHP, BPGBP, BPRES: one lease.
+    Hold,
+    /// BPSAN.
+    SonarAngle,
+    /// BPPTZ.
+    Camera,
+    /// BPLIT.
+    Light,
+    /// BPNPU.
+    PositionFix,
+    /// BPCTD.
+    PayloadCtd,
+    /// BPRNS.
+    RelativeReset,
+    /// BPRBO.
+    BearingOffset,
 }
 
 /// How many requests have come how far. A request counts once in `proposed`, and once in each state that it reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RequestCounts {
-    /// Asked for by plugins.
+    /// Asked for by plugins, the operator, policies and drivers.
     pub proposed: u64,
     /// Refused before they were sent.
     pub rejected: u64,
@@ -38,7 +83,7 @@ pub struct RequestCounts {
 /// A request that is not at its end.
 #[derive(Clone, Debug)]
 pub(crate) struct Entry {
-    pub(crate) plugin: PluginId,
+    pub(crate) owner: Owner,
     pub(crate) tag: u64,
     pub(crate) kind: RequestKind,
     pub(crate) state: RequestState,
@@ -53,7 +98,7 @@ pub(crate) struct Entry {
 impl Entry {
     /// Whether the vehicle may yet fly this insert.
     pub(crate) fn is_open_insert(&self) -> bool {
-        self.identifier.is_some()
+        self.insert.is_some()
     }
 }
 
@@ -63,8 +108,8 @@ pub struct Transition {
     /// The request's number in this run.
     pub request: u64,
     /// Whose it is.
-    pub plugin: PluginId,
-    /// The plugin's name for it.
+    pub owner: Owner,
+    /// The owner's name for it.
     pub tag: u64,
     /// What it is.
     pub kind: RequestKind,
@@ -89,11 +134,11 @@ pub(crate) struct Ledger {
 
 impl Ledger {
     /// Enters a request; its number.
-    pub(crate) fn propose(&mut self, plugin: PluginId, tag: u64, kind: RequestKind) -> u64 {
+    pub(crate) fn propose(&mut self, owner: impl Into<Owner>, tag: u64, kind: RequestKind) -> u64 {
         self.last += 1;
         self.counts.proposed += 1;
         let entry = Entry {
-            plugin,
+            owner: owner.into(),
             tag,
             kind,
             state: PROPOSED,
@@ -175,7 +220,8 @@ impl Ledger {
 
     /// Whether an insert is in doubt: no further one is sent until the vehicle has named it.
     pub(crate) fn in_doubt(&self) -> bool {
-        self.iter().any(|(_, entry)| entry.state == RequestState::Unknown)
+        self.iter()
+            .any(|(_, entry)| entry.is_open_insert() && entry.state == RequestState::Unknown)
     }
 
     /// Takes a request to another state. `None` where it is at its end already or cannot go there: what came too late
@@ -200,7 +246,7 @@ impl Ledger {
         entry.state = to.clone();
         let transition = Transition {
             request,
-            plugin: entry.plugin,
+            owner: entry.owner,
             tag: entry.tag,
             kind: entry.kind,
             identifier: entry.identifier.map(BehaviorId::get),
@@ -255,6 +301,23 @@ fn may_follow(from: &RequestState, to: &RequestState) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use backseat_units::{Depth, Position, Speed};
+
+    use crate::envelope::{InsertPath, Vertical};
+    use crate::plugin::PluginId;
+
+    fn insert() -> Insert {
+        let place = Position::from_deg(42.0, -70.0).unwrap();
+        Insert {
+            path: InsertPath::Line {
+                start: place,
+                end: place,
+            },
+            vertical: Vertical::Depth(Depth::from_m(5.0).unwrap()),
+            speed: Speed::from_mps(1.5).unwrap(),
+            interrupt: false,
+        }
+    }
 
     #[test]
     fn a_request_has_one_end_and_late_answers_change_nothing() {
@@ -284,7 +347,7 @@ mod tests {
     fn an_unanswered_insert_stays_under_the_cap() {
         let mut ledger = Ledger::default();
         let request = ledger.propose(PluginId(0), 1, RequestKind::Trackline);
-        ledger.get_mut(request).unwrap().identifier = Some(BehaviorId::new(5));
+        ledger.get_mut(request).unwrap().insert = Some(insert());
         ledger.transition(request, RequestState::Sent);
         ledger.transition(request, RequestState::TimedOut);
         assert_eq!(ledger.open_inserts(), 1);
@@ -294,6 +357,7 @@ mod tests {
     fn an_unknown_one_is_in_doubt_until_the_vehicle_names_it() {
         let mut ledger = Ledger::default();
         let request = ledger.propose(PluginId(0), 1, RequestKind::Trackline);
+        ledger.get_mut(request).unwrap().insert = Some(insert());
         ledger.transition(request, RequestState::Sent);
         ledger.transition(request, RequestState::Unknown);
         assert!(ledger.in_doubt());

@@ -17,28 +17,45 @@
 //! The safety requirements that code here keeps are cited where it keeps them, by their number in
 //! `runtime/docs/safety.md`.
 
+mod acoustic;
+mod adjustment;
+mod answers;
 mod clock;
 mod commands;
 mod conductor;
+mod devices;
+mod drivers;
+mod dvl;
 mod envelope;
+mod gate;
 mod helm;
+mod hull;
 mod inserts;
 mod io;
 mod ledger;
 mod limits;
 mod machine;
 mod navigation;
+mod orders;
+mod owner;
 mod plan;
 pub mod plugin;
 mod receive;
+mod samples;
 mod session;
 mod settings;
+mod silent;
 mod stamp;
+mod subscriptions;
 mod timer;
+mod topside;
 
+pub use drivers::{DriverSentence, DriverSetup};
 pub use envelope::Envelope;
 pub use io::{Identifiers, Input, Note, Operator, Output, Restarted, Start};
 pub use ledger::{RequestCounts, RequestKind, Transition};
 pub use limits::{FailAction, Grant, HeadingFrame, LimitError, Limits};
 pub use machine::Core;
+pub use orders::{Condition, Order, Policy};
+pub use owner::{DriverId, Owner};
 pub use settings::{ControlHook, PluginSetup, Settings, StatusCondition};

@@ -80,6 +80,24 @@ pub struct Limits {
     /// How many requests of one plugin are taken in a second.
     #[serde(default = "default::requests_per_s")]
     pub requests_per_s: u32,
+    /// How many GPS hits may be sent in the whole mission.
+    #[serde(default = "default::gps_hits_total_max")]
+    pub gps_hits_total_max: u32,
+    /// How long a GPS hit takes at most, from the surface mark to the next behaviour, seconds.
+    #[serde(default = "default::gps_hit_duration_max_s")]
+    pub gps_hit_duration_max_s: f64,
+    /// How many trim and buoyancy adjustments may be sent in the whole mission.
+    #[serde(default = "default::adjustments_total_max")]
+    pub adjustments_total_max: u32,
+    /// How often silent mode may be entered in the whole mission.
+    #[serde(default = "default::silences_total_max")]
+    pub silences_total_max: u32,
+    /// How many messages may be sent to the topside in a minute: the acoustic modem passes a few.
+    #[serde(default = "default::topside_per_min")]
+    pub topside_per_min: u32,
+    /// How many acoustic packets may be sent in a minute.
+    #[serde(default = "default::packets_per_min")]
+    pub packets_per_min: u32,
     /// Whether a modify needs the vehicle's plan (BPRMP), so that the way back to it can be checked.
     #[serde(default = "default::modify_needs_plan")]
     pub modify_needs_plan: bool,
@@ -122,6 +140,24 @@ mod default {
     pub(super) const fn requests_per_s() -> u32 {
         20
     }
+    pub(super) const fn gps_hits_total_max() -> u32 {
+        10
+    }
+    pub(super) const fn gps_hit_duration_max_s() -> f64 {
+        900.0
+    }
+    pub(super) const fn adjustments_total_max() -> u32 {
+        10
+    }
+    pub(super) const fn silences_total_max() -> u32 {
+        20
+    }
+    pub(super) const fn topside_per_min() -> u32 {
+        6
+    }
+    pub(super) const fn packets_per_min() -> u32 {
+        12
+    }
     pub(super) const fn modify_needs_plan() -> bool {
         true
     }
@@ -141,6 +177,7 @@ impl Limits {
             ("link_delay_max_s", self.link_delay_max_s),
             ("modify_term_max_s", self.modify_term_max_s),
             ("inserts_duration_max_s", self.inserts_duration_max_s),
+            ("gps_hit_duration_max_s", self.gps_hit_duration_max_s),
             ("water_depth_min_m", self.water_depth_min_m.unwrap_or(1.0)),
             ("water_depth_max_m", self.water_depth_max_m.unwrap_or(1.0)),
         ];
@@ -234,6 +271,24 @@ pub enum Grant {
     Insert,
     /// BPMSG lines in the vehicle's log.
     Message,
+    /// BPRGP: surfacing, where the fence allows it.
+    Surface,
+    /// BPTOP messages.
+    Topside,
+    /// The payload's part in triggering the DVL (BPDVR).
+    Dvl,
+    /// BPSIL.
+    Silent,
+    /// BPTRM.
+    Trim,
+    /// BPBOY.
+    Buoyancy,
+    /// BPCPD packets, in the windows that the vehicle gives.
+    Acoustic,
+    /// Leases of a hovering vehicle (BPSUS, BPCON, BPGHP, BPGBP, BPSPD, BPRES).
+    Hull,
+    /// Sonar angle, camera and light of a hovering vehicle (BPSAN, BPPTZ, BPLIT).
+    Devices,
 }
 
 /// What is done with a plugin's affairs when it fails.
@@ -245,6 +300,8 @@ pub enum FailAction {
     Yield,
     /// Its lease ends and its inserts that have not begun are cancelled, one by one by their identifiers.
     Cancel,
+    /// As `cancel`, and the vehicle's mission is aborted (BPABT, SPI 7.16).
+    Abort,
 }
 
 #[cfg(test)]
@@ -271,6 +328,12 @@ mod tests {
             inserts_total_max: 100,
             inserts_duration_max_s: 3600.0,
             requests_per_s: 20,
+            gps_hits_total_max: 10,
+            gps_hit_duration_max_s: 900.0,
+            adjustments_total_max: 10,
+            silences_total_max: 20,
+            topside_per_min: 6,
+            packets_per_min: 12,
             modify_needs_plan: true,
         }
     }

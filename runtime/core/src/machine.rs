@@ -2,13 +2,17 @@ use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
-use backseat_spi::{BehaviorId, Framer, Policy, ToVehicle};
+use backseat_spi::{BehaviorId, Framer, Policy};
 use backseat_units::{Timestamp, Utc};
 
-use crate::commands::{Command, Commands};
+use crate::acoustic::Acoustic;
+use crate::adjustment::Adjustments;
+use crate::commands::{Answer, Commands};
 use crate::conductor::Slot;
+use crate::dvl::DvlTrigger;
 use crate::envelope::Envelope;
 use crate::helm::Lease;
+use crate::hull::Hull;
 use crate::io::{Input, Note, Operator, Output, Start};
 use crate::ledger::{Ledger, RequestCounts};
 use crate::navigation::Tracker;
@@ -16,6 +20,7 @@ use crate::plan::Plan;
 use crate::plugin::{Event, PluginId, RequestState};
 use crate::session::Session;
 use crate::settings::{PluginSetup, Settings};
+use crate::silent::Silent;
 use crate::stamp::Stamper;
 use crate::timer::{Timer, Timers};
 
@@ -43,6 +48,11 @@ pub struct Core {
     pub(crate) plan: Plan,
     pub(crate) ledger: Ledger,
     pub(crate) lease: Option<Lease>,
+    pub(crate) hull: Hull,
+    pub(crate) silent: Silent,
+    pub(crate) adjustments: Adjustments,
+    pub(crate) acoustic: Acoustic,
+    pub(crate) dvl: DvlTrigger,
     pub(crate) plugins: Vec<Slot>,
     pub(crate) start: Start,
     /// Backseat control as the configured hook last said.
@@ -81,6 +91,11 @@ impl Core {
             plan: Plan::default(),
             ledger: Ledger::default(),
             lease: None,
+            hull: Hull::default(),
+            silent: Silent::default(),
+            adjustments: Adjustments::default(),
+            acoustic: Acoustic::default(),
+            dvl: DvlTrigger::default(),
             plugins: slots,
             start,
             handed_over: None,
@@ -112,6 +127,7 @@ impl Core {
                 seconds: self.now.since(promised).as_secs_f64(),
             });
             self.end_lease("the runtime woke late");
+            self.end_hold("the runtime woke late");
         }
         match input {
             Input::LinkUp => self.link_up(),
@@ -120,6 +136,7 @@ impl Core {
             Input::Returned(plugin, returned) => self.returned(plugin, returned),
             Input::Restarted(plugin, restarted) => self.restarted(plugin, restarted),
             Input::Operator(act) => self.operator(act),
+            Input::Driver(driver, bytes) => self.driver_received(driver, bytes),
             Input::Reserved(below) => self.reserved(below),
             Input::Timeout => {}
         }
@@ -186,42 +203,6 @@ impl Core {
         self.outputs.push_back(Output::Note(note));
     }
 
-    /// The last place before the wire. Safety requirements 001 and 014: what steers the vehicle passes only with
-    /// control; everything else only where the list for lost control has it.
-    pub(crate) fn transmit(&mut self, message: &ToVehicle, command: Option<Command>) -> bool {
-        if !self.session.is_up() {
-            return false;
-        }
-        let steers = match message {
-            ToVehicle::ModifyBehavior(_) | ToVehicle::Trackline(_) | ToVehicle::Trackcircle(_) => true,
-            ToVehicle::PayloadVersion(_)
-            | ToVehicle::LoggingControl(_)
-            | ToVehicle::PayloadStatus(_)
-            | ToVehicle::LogMessage(_)
-            | ToVehicle::EndModify(_)
-            | ToVehicle::CancelBehavior(_)
-            | ToVehicle::RequestPlan(_) => false,
-            // Never sent: BPRCA may take another payload's inserts too, and what is unknown is not ours.
-            ToVehicle::CancelAll(_) | ToVehicle::Unknown(_) => return false,
-        };
-        if steers && (!self.start.armed || self.lost_because().is_some()) {
-            return false;
-        }
-        let mut bytes = Vec::with_capacity(96);
-        if let Err(error) = message.encode(&mut bytes) {
-            self.note(Note::Text {
-                text: format!("{} was not sent: {error}", message.name()),
-            });
-            return false;
-        }
-        if let Some(command) = command {
-            // A command that is given up for want of room was sent long ago and its answer is overdue anyway.
-            let _given_up = self.commands.push(command);
-        }
-        self.outputs.push_back(Output::Send(bytes));
-        true
-    }
-
     /// Why we have no control; `None` where it is ours.
     pub(crate) fn lost_because(&self) -> Option<&'static str> {
         let reason = if !self.session.is_up() {
@@ -275,6 +256,7 @@ impl Core {
             self.granted = granted;
             if let Some(reason) = lost {
                 self.end_lease(reason);
+                self.end_hold(reason);
             }
             self.note(Note::Control {
                 granted,
@@ -292,31 +274,42 @@ impl Core {
             Timer::Navigation => {}
             Timer::Acknowledgement => {
                 while let Some(command) = self.commands.late(self.now) {
-                    self.unanswered(command);
+                    self.answered(command, Answer::Missing);
                 }
             }
             Timer::Silence => self.silence(),
             Timer::Plan => self.ask_for_plan(),
             Timer::Status => self.send_status(),
+            Timer::HoldTerm => self.end_hold("its term is over"),
+            Timer::Hold => self.refresh_hold(),
+            Timer::Relative => self.relative_expired(),
+            Timer::Silent => self.silent_expired(),
+            Timer::Adjustment => self.adjustment_expired(),
+            Timer::Acoustic => self.acoustic_expired(),
+            Timer::Dvl => self.dvl_expired(),
+            Timer::Policy => self.policies_due(),
             Timer::Plugins => self.step_due(false),
             Timer::Shutdown => self.outputs.push_back(Output::Finish),
         }
     }
 
-    fn operator(&mut self, act: Operator) {
-        self.note(Note::Operator { act });
+    pub(crate) fn operator(&mut self, act: Operator) {
+        self.note(Note::Operator { act: act.clone() });
         match act {
             Operator::Hold => {
                 self.held = true;
                 self.end_lease("the operator holds");
+                self.end_hold("the operator holds");
                 self.cancel_all_of(None, "the operator holds");
             }
             Operator::Release => self.held = false,
             Operator::Stop => {
                 self.end_lease("the run is ending");
+                self.end_hold("the run is ending");
                 self.stopping = true;
                 self.outputs.push_back(Output::Finish);
             }
+            Operator::Order(order) => self.order(&order),
         }
     }
 
@@ -325,13 +318,15 @@ impl Core {
         let Some(transition) = self.ledger.transition(request, to) else {
             return;
         };
-        self.tell(
-            transition.plugin,
-            Event::Outcome {
-                tag: transition.tag,
-                state: transition.state.clone(),
-            },
-        );
+        if let Some(plugin) = transition.owner.plugin() {
+            self.tell(
+                plugin,
+                Event::Outcome {
+                    tag: transition.tag,
+                    state: transition.state.clone(),
+                },
+            );
+        }
         self.note(Note::Request(transition));
     }
 

@@ -153,6 +153,11 @@ impl Plan {
             .collect()
     }
 
+    /// All elements, the inserts included.
+    pub(crate) fn elements(&self) -> impl Iterator<Item = &Element> {
+        self.elements.iter()
+    }
+
     /// How many elements there are, the inserts included.
     pub(crate) fn len(&self) -> usize {
         self.elements.len()

@@ -8,6 +8,20 @@ use std::time::Duration;
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
 use serde::{Deserialize, Serialize};
 
+mod request;
+mod sample;
+
+pub use request::{
+    CameraRequest, DvlTriggerRequest, GpsHitRequest, HoldRequest, HoldTarget, LightRequest, ModifyRequest,
+    PacketRequest, PositionRequest, Request, SilentRequest, SonarAngleRequest, TopsideRequest, TrackcircleRequest,
+    TracklineRequest, Transport, VerticalRequest,
+};
+pub use sample::{
+    BatterySample, CartesianSample, CompassSample, CtdSample, DvlBeamsSample, DvlSample, ImuSample, PlannedElement,
+    PressureSample, ReceivedFrame, ReceivedPacket, RelativeSample, Sample, ServoSample, SoundVelocitySample,
+    SurfacesSample, TelemetrySample, VehicleSpeedSample, Window,
+};
+
 /// Which plugin of the mission: its place in priority order, 0 first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct PluginId(pub usize);
@@ -34,6 +48,38 @@ pub enum Topic {
     MissionCommand,
     /// [`Event::BehaviorBegan`] and [`Event::BehaviorEnded`].
     Behavior,
+    /// [`Event::LoggingBegan`] and [`Event::LoggingEnded`].
+    Logging,
+    /// [`Event::TopsideMessage`].
+    Topside,
+    /// [`Event::Window`] and [`Event::Packet`].
+    Acoustic,
+    /// [`Event::Plan`].
+    Plan,
+    /// [`Sample::Telemetry`] (BFTEL, SPI 6.3).
+    Telemetry,
+    /// [`Sample::SoundVelocity`] (BFSVS, SPI 6.4).
+    SoundVelocity,
+    /// [`Sample::Compass`] (BFRCM, SPI 6.5).
+    Compass,
+    /// [`Sample::Pressure`] (BFRDP, SPI 6.6).
+    Pressure,
+    /// [`Sample::VehicleSpeed`] (BFRVL, SPI 6.7).
+    VehicleSpeed,
+    /// [`Sample::Battery`] (BFRBS, SPI 6.8).
+    Battery,
+    /// [`Sample::Surfaces`] (BFERC, SPI 6.12).
+    Surfaces,
+    /// [`Sample::Dvl`] (BFDVL, SPI 6.13).
+    Dvl,
+    /// [`Sample::DvlBeams`] (BFDV2, SPI 6.14).
+    DvlBeams,
+    /// [`Sample::Imu`] (BFIMU, SPI 6.15).
+    Imu,
+    /// [`Sample::Servo`] (BFPIT, SPI 6.18).
+    Servo,
+    /// [`StepInput::relative`] and [`StepInput::cartesian`] (BFRNV, BFCNV, SPI 6.17, 6.19).
+    RelativeNavigation,
 }
 
 /// Navigation as plugins and the monitor see it: BFNVG with BFNVR of the same time (SPI 6.1, 6.2), checked, the grid
@@ -67,110 +113,6 @@ pub struct NavigationSample {
     pub yaw_rate_dps: f64,
     /// The solution includes GPS: the vehicle is at the surface.
     pub gps: bool,
-}
-
-/// A vertical setpoint as a plugin asks for it, metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum VerticalRequest {
-    /// Below the surface.
-    DepthM(f64),
-    /// Above the seabed.
-    AltitudeM(f64),
-}
-
-/// A latitude and longitude as a plugin gives them, degrees.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PositionRequest {
-    /// North positive.
-    pub latitude_deg: f64,
-    /// East positive.
-    pub longitude_deg: f64,
-}
-
-impl From<Position> for PositionRequest {
-    fn from(position: Position) -> Self {
-        Self {
-            latitude_deg: position.latitude.as_deg(),
-            longitude_deg: position.longitude.as_deg(),
-        }
-    }
-}
-
-/// What a plugin asks for. `tag` is the plugin's own name for the request; its outcomes carry it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Request {
-    /// A lease: BPRMB, refreshed by core (SPI 7.12).
-    Modify(ModifyRequest),
-    /// End this plugin's lease now (BPEMB, SPI 7.13).
-    EndModify,
-    /// An insert: BPRTK (SPI 7.5).
-    Trackline(TracklineRequest),
-    /// An insert: BPRTC (SPI 7.6).
-    Trackcircle(TrackcircleRequest),
-    /// Cancel the insert with this tag (BPRCN, SPI 7.8).
-    Cancel(u64),
-    /// A line in the vehicle's log (BPMSG, SPI 7.18).
-    Message(String),
-    /// Wake this plugin with [`Event::Timer`].
-    Timer {
-        /// Comes back in the event.
-        id: u64,
-        /// From now.
-        after: Duration,
-    },
-}
-
-/// Steer for a while.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ModifyRequest {
-    /// The plugin's name for it.
-    pub tag: u64,
-    /// True heading, degrees.
-    pub heading_deg: f64,
-    /// Depth or altitude.
-    pub vertical: VerticalRequest,
-    /// Through the water, m/s.
-    pub speed_mps: f64,
-    /// How long it stands unless it is replaced.
-    pub duration: Duration,
-}
-
-/// A straight line to survey.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TracklineRequest {
-    /// The plugin's name for it.
-    pub tag: u64,
-    /// Where it begins.
-    pub start: PositionRequest,
-    /// Where it ends.
-    pub end: PositionRequest,
-    /// Depth or altitude.
-    pub vertical: VerticalRequest,
-    /// Through the water, m/s.
-    pub speed_mps: f64,
-    /// Interrupt the current behaviour rather than follow it.
-    pub interrupt: bool,
-}
-
-/// A circle to fly.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TrackcircleRequest {
-    /// The plugin's name for it.
-    pub tag: u64,
-    /// Its centre.
-    pub centre: PositionRequest,
-    /// Metres.
-    pub radius_m: f64,
-    /// Clockwise positive.
-    pub orbits: f64,
-    /// Depth or altitude.
-    pub vertical: VerticalRequest,
-    /// Through the water, m/s.
-    pub speed_mps: f64,
-    /// Where on the circle to begin, degrees from north.
-    pub entry_angle_deg: Option<f64>,
-    /// Interrupt the current behaviour rather than follow it.
-    pub interrupt: bool,
 }
 
 /// Where a request stands; the ledger's states as a plugin sees them.
@@ -229,19 +171,27 @@ pub enum Event {
     },
     /// Power goes in a minute (BFSHT, SPI 5.2).
     Shutdown,
-}
-
-/// A CTD sample.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CtdSample {
-    /// When it was measured, on our clock.
-    pub measured: Timestamp,
-    /// Microsiemens per centimetre.
-    pub conductivity_us_per_cm: f64,
-    /// Degrees Celsius.
-    pub temperature_c: f64,
-    /// Kilopascals.
-    pub pressure_kpa: f64,
+    /// The vehicle begins the lead-in of a survey line: log data (BFBDL, SPI 5.3). The mission planner's text.
+    LoggingBegan(String),
+    /// The lead-out is over: stop logging (BFSDL, SPI 5.4). The mission planner's text.
+    LoggingEnded(String),
+    /// A message from the topside (BFTOP, SPI 5.5).
+    TopsideMessage {
+        /// How it came; `None` for a way that the specification does not number.
+        transport: Option<Transport>,
+        /// Its text.
+        text: String,
+    },
+    /// The vehicle lets the payload trigger the DVL, or wants it to stop (BFDVT, SPI 5.6). For who is granted it.
+    DvlTrigger(bool),
+    /// The acoustic modem is the payload's for a while (BFCMA, SPI 9.1).
+    Window(Window),
+    /// A packet came through the acoustic modem (BFCPR, SPI 9.3).
+    Packet(ReceivedPacket),
+    /// The vehicle's plan is known anew (BFPLN, SPI 6.20), in the order that it is flown.
+    Plan(Vec<PlannedElement>),
+    /// A sensor's sample, for who asked for its topic.
+    Sample(Sample),
 }
 
 /// A behaviour of the vehicle's mission.
@@ -262,6 +212,10 @@ pub struct StepInput {
     pub utc: Utc,
     /// The newest navigation, while it is fresh.
     pub navigation: Option<NavigationSample>,
+    /// Where a hovering vehicle is relative to its target, while that is fresh (BFRNV, SPI 6.17).
+    pub relative: Option<RelativeSample>,
+    /// Where it is in its own inertial frame, while that is fresh (BFCNV, SPI 6.19).
+    pub cartesian: Option<CartesianSample>,
     /// Whether requests can be sent.
     pub control: bool,
     /// What has happened since the last step, oldest first.
@@ -344,7 +298,8 @@ pub trait Judge: Send + Sync {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Refusal {
     /// The rule: `inclusion`, `exclusion`, `depth`, `altitude`, `limit` where it is the geometry or its figures; else
-    /// `control`, `navigation`, `plan`, `priority`, `rate`, `cap`, `tag`, `interrupt`, `identifier`, `doubt`.
+    /// `control`, `navigation`, `plan`, `priority`, `rate`, `cap`, `tag`, `interrupt`, `identifier`, `doubt`,
+    /// `surfacing`, `hull`, `window`, `text`, `state`.
     pub rule: &'static str,
     /// What is missing, metres; 0 where metres are not its measure.
     pub metres: f64,

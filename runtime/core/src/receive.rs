@@ -1,15 +1,16 @@
 //! What the vehicle says (SPI 5 and 6).
 
 use backseat_spi::{
-    AckStatus, Acknowledgement, BehaviorBegin, BehaviorEnd, Ctd, DecodeError, FromVehicle, MissionCommand,
-    MissionStatus, Navigation, VelocityAndRates,
+    BehaviorBegin, BehaviorEnd, BehaviorId, Ctd, DecodeError, FromVehicle, MissionCommand, MissionStatus, Navigation,
+    VelocityAndRates,
 };
 use backseat_units::TimeOfDay;
 
-use crate::commands::{Command, Purpose};
 use crate::io::Note;
 use crate::machine::{CLOSE_AFTER_SHUTDOWN, Core};
 use crate::navigation::Change;
+use crate::orders::Condition;
+use crate::owner::Owner;
 use crate::plugin::{Behavior, CtdSample, Event, PluginId, RequestState, Topic};
 use crate::settings::ControlHook;
 use crate::timer::Timer;
@@ -64,6 +65,7 @@ impl Core {
                     text: "the vehicle shuts our power off in a minute".to_owned(),
                 });
                 self.end_lease("power goes");
+                self.end_hold("power goes");
                 self.stopping = true;
                 self.tell_all(&Event::Shutdown);
                 self.timers.set(Timer::Shutdown, self.now + CLOSE_AFTER_SHUTDOWN);
@@ -85,11 +87,39 @@ impl Core {
                     vehicle: message.created,
                 });
             }
+            FromVehicle::LoggingBegin(message) => {
+                self.heard(message.created);
+                self.tell_wanting(Topic::Logging, &Event::LoggingBegan(message.text.as_str().to_owned()));
+            }
+            FromVehicle::LoggingEnd(message) => {
+                self.heard(message.created);
+                self.tell_wanting(Topic::Logging, &Event::LoggingEnded(message.text.as_str().to_owned()));
+            }
+            FromVehicle::TopsideMessage(message) => self.topside_message(&message),
+            FromVehicle::DvlTriggering(message) => self.dvl_triggering(&message),
+            FromVehicle::TrimStatus(message) => self.trim_status(&message),
+            FromVehicle::BuoyancyStatus(message) => self.buoyancy_status(&message),
+            FromVehicle::MediumAccess(message) => self.window(&message),
+            FromVehicle::PacketSent(message) => self.packet_sent(&message),
+            FromVehicle::PacketReceived(message) => self.packet_received(message),
+            FromVehicle::RelativeNavigation(message) => self.relative_navigated(&message),
+            FromVehicle::CartesianNavigation(message) => self.cartesian_navigated(&message),
+            FromVehicle::Telemetry(_)
+            | FromVehicle::SoundVelocity(_)
+            | FromVehicle::Compass(_)
+            | FromVehicle::DepthSensor(_)
+            | FromVehicle::VehicleSpeed(_)
+            | FromVehicle::Battery(_)
+            | FromVehicle::ControlSurfaces(_)
+            | FromVehicle::Dvl(_)
+            | FromVehicle::DvlBeams(_)
+            | FromVehicle::Imu(_)
+            | FromVehicle::ServoPositions(_) => self.sampled(&message),
             FromVehicle::Unknown(_) => {}
         }
     }
 
-    fn heard(&mut self, created: TimeOfDay) {
+    pub(crate) fn heard(&mut self, created: TimeOfDay) {
         let utc = self.utc();
         self.tracker.heard(self.now, utc, created);
     }
@@ -152,11 +182,12 @@ impl Core {
         });
         // It modified another one (SPI 7.12).
         self.end_lease("a behaviour began under it");
+        self.end_overtaken(message.identifier);
         let mut own = None;
         match (message.identifier, message.number) {
             (Some(identifier), _) => {
                 if let Some(request) = self.ledger.by_identifier(identifier) {
-                    own = self.ledger.get(request).map(|entry| (entry.plugin, entry.tag));
+                    own = self.ledger.get(request).map(|entry| (entry.owner, entry.tag));
                     self.transition(request, RequestState::Started);
                 }
             }
@@ -189,13 +220,28 @@ impl Core {
             .identifier
             .and_then(|identifier| self.ledger.by_identifier(identifier))
         {
-            own = self.ledger.get(request).map(|entry| (entry.plugin, entry.tag));
+            own = self.ledger.get(request).map(|entry| (entry.owner, entry.tag));
             self.transition(request, RequestState::Ended("flown".to_owned()));
         }
         self.tell_of_behavior(false, own, message.kind.as_str());
     }
 
-    fn tell_of_behavior(&mut self, began: bool, own: Option<(PluginId, u64)>, kind: &str) {
+    /// The vehicle flies one behaviour at a time: an insert that had begun is over where another one begins, though its
+    /// BFMBE was lost with a connection.
+    fn end_overtaken(&mut self, begun: Option<BehaviorId>) {
+        let overtaken: Vec<u64> = self
+            .ledger
+            .iter()
+            .filter(|(_, entry)| entry.is_open_insert() && entry.state == RequestState::Started)
+            .filter(|(_, entry)| entry.identifier != begun)
+            .map(|(request, _)| request)
+            .collect();
+        for request in overtaken {
+            self.transition(request, RequestState::Ended("another behaviour has begun".to_owned()));
+        }
+    }
+
+    fn tell_of_behavior(&mut self, began: bool, own: Option<(Owner, u64)>, kind: &str) {
         for index in 0..self.plugins.len() {
             let plugin = PluginId(index);
             if self.plugins[index].wants(Topic::Behavior) {
@@ -230,6 +276,7 @@ impl Core {
         self.note(Note::Text {
             text: format!("mission command: {text}"),
         });
+        self.carry_out(|when| matches!(when, Condition::MissionCommand(command) if command == text));
         self.tell_wanting(Topic::MissionCommand, &Event::MissionCommand(text.to_owned()));
     }
 
@@ -250,81 +297,11 @@ impl Core {
         self.tell_wanting(Topic::Ctd, &Event::Ctd(sample));
     }
 
-    fn tell_wanting(&mut self, topic: Topic, event: &Event) {
+    pub(crate) fn tell_wanting(&mut self, topic: Topic, event: &Event) {
         for index in 0..self.plugins.len() {
             if self.plugins[index].wants(topic) {
                 self.tell(PluginId(index), event.clone());
             }
-        }
-    }
-
-    /// Acknowledgements never refresh navigation's clock, but they do tell of the vehicle's.
-    fn acknowledged(&mut self, ack: &Acknowledgement) {
-        self.heard(ack.created);
-        if let AckStatus::Other(_) = ack.status {
-            // Neither done nor refused: the command stays unanswered, and times out as one.
-            return;
-        }
-        let pending = ack.status == AckStatus::Pending;
-        let Some(command) = self.commands.answer(ack, pending, self.now) else {
-            return;
-        };
-        let text = ack.text.as_str();
-        let refused_with = (ack.status != AckStatus::Succeeded).then_some(text);
-        match (command.purpose, pending) {
-            (Purpose::Insert(request), true) => self.insert_answered(request, RequestState::Pending),
-            // The series follows its own pending acknowledgement; what came before is of an earlier asking.
-            (Purpose::Plan, true) => self.plan.begin(),
-            (_, true) => {}
-            (Purpose::Insert(request), false) => {
-                let to = refused_with.map_or(RequestState::Accepted, |text| RequestState::Failed(text.to_owned()));
-                self.insert_answered(request, to);
-            }
-            (Purpose::Lease(request), false) => self.lease_answered(request, refused_with),
-            (Purpose::Cancel { cancel, insert }, false) => self.cancel_answered(cancel, insert, refused_with),
-            (Purpose::Subscription(index), false) => {
-                self.session.confirm(index);
-                if let Some(text) = refused_with {
-                    self.note(Note::Text {
-                        text: format!("the vehicle refused a subscription: {text}"),
-                    });
-                }
-            }
-            (Purpose::Plan, false) if refused_with.is_none() => {
-                self.plan.end(true);
-                if self.plan.is_complete() {
-                    self.note(Note::Plan {
-                        elements: self.plan.len(),
-                    });
-                    self.resolve_by_plan();
-                } else {
-                    self.plan_failed();
-                }
-            }
-            (Purpose::Plan, false) => self.plan_failed(),
-            (Purpose::Courtesy, false) => {
-                if let Some(text) = refused_with {
-                    self.note(Note::Text {
-                        text: format!("the vehicle refused {}: {text}", command.name.as_str()),
-                    });
-                }
-            }
-        }
-    }
-
-    /// No answer came in time.
-    pub(crate) fn unanswered(&mut self, command: Command) {
-        match command.purpose {
-            Purpose::Subscription(index) => self.subscription_unanswered(index),
-            Purpose::Plan => self.plan_failed(),
-            Purpose::Lease(request) => self.lease_unanswered(request),
-            Purpose::Insert(request) => self.insert_unanswered(request),
-            Purpose::Cancel { cancel, .. } => {
-                if let Some(cancel) = cancel {
-                    self.transition(cancel, RequestState::TimedOut);
-                }
-            }
-            Purpose::Courtesy => {}
         }
     }
 }

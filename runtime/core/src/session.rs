@@ -5,13 +5,13 @@ use std::time::Duration;
 use backseat_spi::{CommandName, LoggingControl, PayloadStatus, PayloadVersion, RequestPlan, Text, ToVehicle};
 use backseat_units::Timestamp;
 
-use crate::commands::{Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
+use crate::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
 use crate::conductor::Slot;
 use crate::io::{Note, Output};
-use crate::ledger::RequestKind;
 use crate::machine::Core;
-use crate::plugin::{RequestState, Topic};
+use crate::plugin::RequestState;
 use crate::settings::StatusCondition;
+use crate::subscriptions;
 use crate::timer::Timer;
 
 /// The interface that we speak.
@@ -28,10 +28,6 @@ const STATUS_EVERY: Duration = Duration::from_secs(10);
 const RETRY_MIN_S: f64 = 0.5;
 const RETRY_MAX_S: f64 = 10.0;
 
-/// BFCTL before all: real vehicles send it only on the transition, and who subscribes late misses the hand-over. The
-/// acknowledgements next, and BFCTL once more, so that it is acknowledged too.
-const SUBSCRIPTIONS: [&str; 9] = ["CTL", "ACK", "MIS", "CTL", "NVG", "NVR", "MBS", "MBE", "CTD"];
-
 /// Where the connection stands.
 #[derive(Debug)]
 pub(crate) struct Session {
@@ -40,8 +36,9 @@ pub(crate) struct Session {
     attempts: u32,
     /// How often in a row navigation has not come.
     silences: u32,
-    wants_ctd: bool,
-    confirmed: [bool; SUBSCRIPTIONS.len()],
+    subscriptions: Vec<&'static str>,
+    /// Which of them the vehicle has acknowledged on this connection.
+    confirmed: Vec<bool>,
     malformed: u64,
     /// Since when navigation has come and been old.
     old_since: Option<Timestamp>,
@@ -49,12 +46,13 @@ pub(crate) struct Session {
 
 impl Session {
     pub(crate) fn new(plugins: &[Slot]) -> Self {
+        let subscriptions = subscriptions::of(plugins);
         Self {
             up: false,
             attempts: 0,
             silences: 0,
-            wants_ctd: plugins.iter().any(|slot| slot.wants(Topic::Ctd)),
-            confirmed: [false; SUBSCRIPTIONS.len()],
+            confirmed: vec![false; subscriptions.len()],
+            subscriptions,
             malformed: 0,
             old_since: None,
         }
@@ -64,8 +62,10 @@ impl Session {
         self.up
     }
 
-    pub(crate) fn confirm(&mut self, index: usize) {
-        self.confirmed[index] = true;
+    /// Whether the vehicle has acknowledged the subscription to a message on this connection.
+    pub(crate) fn is_subscribed(&self, message: &str) -> bool {
+        let mut both = self.subscriptions.iter().zip(&self.confirmed);
+        both.any(|(subscription, confirmed)| *subscription == message && *confirmed)
     }
 
     /// Counts a sentence that cannot be read; how many there were. Told at 1, 10, 100, ...
@@ -97,7 +97,7 @@ impl Core {
         self.session.silences = 0;
         self.session.malformed = 0;
         self.session.old_since = None;
-        self.session.confirmed = [false; SUBSCRIPTIONS.len()];
+        self.session.confirmed.fill(false);
         self.note(Note::LinkUp);
         let created = self.stamper.stamp(self.now, "VER");
         let version = ToVehicle::PayloadVersion(PayloadVersion {
@@ -119,31 +119,30 @@ impl Core {
         // No BPEMB reaches the vehicle: its own clock ends the modify.
         self.session.up = false;
         self.end_lease("the link is down");
+        self.end_hold("the link is down");
         self.handed_over = None;
         self.running = None;
         self.commands.clear();
         self.plan.forget();
         self.tracker.reset();
-        let undecided: Vec<u64> = self
+        self.silent_link_lost();
+        self.adjustments_link_lost();
+        self.acoustic_link_lost();
+        self.dvl_link_lost();
+        let undecided: Vec<(u64, bool)> = self
             .ledger
             .iter()
             .filter(|(_, entry)| matches!(entry.state, RequestState::Sent | RequestState::Pending))
-            .map(|(request, _)| request)
+            .map(|(request, entry)| (request, entry.is_open_insert()))
             .collect();
-        for request in undecided {
-            // A cancel has no identifier of its own that could resolve it.
-            let cancel = self
-                .ledger
-                .get(request)
-                .is_some_and(|entry| entry.kind == RequestKind::Cancel);
-            self.transition(
-                request,
-                if cancel {
-                    RequestState::TimedOut
-                } else {
-                    RequestState::Unknown
-                },
-            );
+        for (request, insert) in undecided {
+            // What has no identifier of its own cannot be resolved by one.
+            let to = if insert {
+                RequestState::Unknown
+            } else {
+                RequestState::TimedOut
+            };
+            self.transition(request, to);
         }
         for timer in [Timer::Silence, Timer::Plan, Timer::Status] {
             self.timers.stop(timer);
@@ -175,16 +174,14 @@ impl Core {
     }
 
     fn subscribe_all(&mut self) {
-        for (index, message) in SUBSCRIPTIONS.iter().enumerate() {
-            if *message != "CTD" || self.session.wants_ctd {
-                self.subscribe(index);
-            }
+        for index in 0..self.session.subscriptions.len() {
+            self.subscribe(index);
         }
     }
 
-    pub(crate) fn subscribe(&mut self, index: usize) {
+    fn subscribe(&mut self, index: usize) {
         let message = ToVehicle::LoggingControl(LoggingControl {
-            message: Text::cleaned(SUBSCRIPTIONS[index]),
+            message: Text::cleaned(self.session.subscriptions[index]),
             on: true,
         });
         // The first comes before acknowledgements are on.
@@ -199,10 +196,19 @@ impl Core {
         self.transmit(&message, command);
     }
 
-    /// A subscription was not acknowledged. What it asked for may come all the same.
-    pub(crate) fn subscription_unanswered(&mut self, index: usize) {
-        if !self.session.confirmed[index] {
-            self.subscribe(index);
+    pub(crate) fn subscription_answered(&mut self, index: usize, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => {}
+            Answer::Done => self.session.confirmed[index] = true,
+            Answer::Refused(text) => {
+                let message = self.session.subscriptions[index];
+                self.note(Note::Text {
+                    text: format!("the vehicle refused the subscription to BF{message}: {text}"),
+                });
+            }
+            // What it asked for may come all the same.
+            Answer::Missing if self.session.confirmed[index] => {}
+            Answer::Missing => self.subscribe(index),
         }
     }
 
@@ -221,6 +227,26 @@ impl Core {
         };
         if self.transmit(&ToVehicle::RequestPlan(RequestPlan { created }), Some(command)) {
             self.plan.begin();
+        }
+    }
+
+    pub(crate) fn plan_answered(&mut self, answer: Answer<'_>) {
+        match answer {
+            // The series follows its own pending acknowledgement; what came before is of an earlier asking.
+            Answer::Pending => self.plan.begin(),
+            Answer::Done => {
+                self.plan.end(true);
+                if self.plan.is_complete() {
+                    self.note(Note::Plan {
+                        elements: self.plan.len(),
+                    });
+                    self.resolve_by_plan();
+                    self.tell_of_plan();
+                } else {
+                    self.plan_failed();
+                }
+            }
+            Answer::Refused(_) | Answer::Missing => self.plan_failed(),
         }
     }
 

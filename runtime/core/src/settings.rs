@@ -1,6 +1,8 @@
 use serde::{Deserialize, Serialize};
 
+use crate::drivers::DriverSetup;
 use crate::limits::{FailAction, Grant, HeadingFrame};
+use crate::orders::Policy;
 use crate::plugin::Description;
 
 /// What hands control to the backseat.
@@ -32,6 +34,12 @@ pub struct Settings {
     /// The conditions under which BPSTS says 0, which feeds the vehicle's own fixed safety rules (SPI 3). None by
     /// default: a plugin's failure is text.
     pub status_failed_when: Vec<StatusCondition>,
+    /// What is done for the operator when something happens: the mission's `[[policy]]` tables.
+    #[serde(skip)]
+    pub policies: Vec<Policy>,
+    /// Who may send what moves the vehicle's idea of where it is: the mission's `[[driver]]` tables.
+    #[serde(skip)]
+    pub drivers: Vec<DriverSetup>,
 }
 
 /// A condition of ours that the operator may make the vehicle's affair.

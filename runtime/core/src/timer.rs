@@ -5,18 +5,34 @@ use backseat_units::Timestamp;
 pub(crate) enum Timer {
     /// The lease's term is over. What ends a lease comes before what refreshes it.
     Term,
+    /// A hold's term is over.
+    HoldTerm,
     /// The oldest command without an acknowledgement is late.
     Acknowledgement,
     /// The lease is due for its next BPRMB.
     Refresh,
+    /// A hold is due for its next BPCON.
+    Hold,
     /// Navigation becomes stale, or steady.
     Navigation,
+    /// Relative navigation becomes stale under a hold.
+    Relative,
     /// Navigation has not come since the link came up or since it stopped.
     Silence,
     /// The plan is due to be asked for.
     Plan,
     /// BPSTS is due.
     Status,
+    /// Silent mode has lapsed by itself.
+    Silent,
+    /// A trim or buoyancy adjustment has taken too long.
+    Adjustment,
+    /// An acoustic window ends, or a packet's report is overdue.
+    Acoustic,
+    /// The DVL's triggering handshake is overdue.
+    Dvl,
+    /// A policy's condition has lasted for long enough.
+    Policy,
     /// A plugin is due: a step, one of its timers, or its restart.
     Plugins,
     /// The logs must be closed: power goes.
@@ -24,14 +40,22 @@ pub(crate) enum Timer {
 }
 
 impl Timer {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 17] = [
         Self::Term,
+        Self::HoldTerm,
         Self::Acknowledgement,
         Self::Refresh,
+        Self::Hold,
         Self::Navigation,
+        Self::Relative,
         Self::Silence,
         Self::Plan,
         Self::Status,
+        Self::Silent,
+        Self::Adjustment,
+        Self::Acoustic,
+        Self::Dvl,
+        Self::Policy,
         Self::Plugins,
         Self::Shutdown,
     ];

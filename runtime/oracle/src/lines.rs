@@ -94,7 +94,7 @@ mod tests {
         let long = [b'x'; 3 * MAX_LINE];
         assert_eq!(lines(&[&long, &long, b"\n$A\n"]), [None, Some(b"$A".to_vec())]);
         assert_eq!(
-            lines(&[&long[..600], &long[..600], b"\n$A\n"]),
+            lines(&[&long[..MAX_LINE / 2 + 100], &long[..MAX_LINE / 2 + 100], b"\n$A\n"]),
             [None, Some(b"$A".to_vec())]
         );
     }

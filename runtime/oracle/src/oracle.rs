@@ -323,7 +323,7 @@ impl Oracle {
                 let created = ack.command_created.truncated_to_millis();
                 let taken = match ack.status {
                     AckStatus::Succeeded => true,
-                    AckStatus::Invalid | AckStatus::Failed => false,
+                    AckStatus::Invalid | AckStatus::Failed | AckStatus::Other(_) => false,
                     AckStatus::Pending => return,
                 };
                 match ack.command.as_str() {
@@ -368,7 +368,7 @@ impl Oracle {
             });
         }
         let denied = self.judge_permission(at, &name);
-        self.we_say(at, &message, &name, created, denied);
+        self.we_say(at, &message, denied);
     }
 
     /// Whether control surely is not ours, after telling so where the sentence needs it.
@@ -396,7 +396,7 @@ impl Oracle {
         }
         let rule = match name {
             b"BPVER" | b"BPLOG" | b"BPSTS" | b"BPMSG" | b"BPRMP" | b"BPRCN" | b"BPABT" | b"BPKIL" | b"BPDVR"
-            | b"BPTMR" | b"BPRES" => return true,
+            | b"BPTMR" | b"BPRES" | b"BPSPD" => return true,
             b"BPEMB" if self.lease.is_unended() => return true,
             b"BPEMB" => Rule::EndModifySurplus,
             b"BPRMB" | b"BPRTK" | b"BPRTC" | b"BPRGP" => Rule::NoControl,

@@ -392,6 +392,8 @@ impl Simulation {
             }
             Output::Reserve(below) => self.reserved = Some(below),
             Output::Finish => self.finished = true,
+            // No driver runs in simulation: there is none to hear it.
+            Output::Driver(..) => {}
             Output::Note(note) => self.note(&note),
         }
     }

@@ -51,6 +51,12 @@ pub(crate) fn limits() -> Limits {
         inserts_total_max: 100,
         inserts_duration_max_s: 7200.0,
         requests_per_s: 20,
+        gps_hits_total_max: 10,
+        gps_hit_duration_max_s: 900.0,
+        adjustments_total_max: 10,
+        silences_total_max: 20,
+        topside_per_min: 6,
+        packets_per_min: 12,
         modify_needs_plan: true,
     }
 }

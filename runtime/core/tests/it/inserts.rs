@@ -533,3 +533,18 @@ fn sr_009_the_ledger_is_closed_when_the_mission_is() {
         assert_eq!(shorts(&trial.states(tag)).last(), Some(&"ended"), "{tag}");
     }
 }
+
+#[test]
+fn sr_009_an_insert_whose_end_was_lost_with_the_link_ends_where_another_behaviour_begins() {
+    let mut trial = accepted();
+    begin(&mut trial, 1);
+    trial.vehicle.replays = false;
+    trial.cut();
+    trial.run_for(5.0);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "started"]);
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(2), None);
+    trial.run_for(0.3);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "started", "ended"]);
+    assert_eq!(trial.core.open_requests(), 0);
+}

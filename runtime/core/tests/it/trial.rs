@@ -19,6 +19,8 @@ use crate::vehicle::{Vehicle, name_of};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Seen {
     Sent(ToVehicle),
+    /// To a driver.
+    Told(usize, Vec<u8>),
     Note(Note),
     Connect(Duration),
     Reset,
@@ -193,6 +195,7 @@ impl Trial {
             Operator::Hold => self.judge.held = true,
             Operator::Release => self.judge.held = false,
             Operator::Stop => self.judge.held = true,
+            Operator::Order(_) => {}
         }
         self.feed(Input::Operator(act));
     }
@@ -371,6 +374,7 @@ impl Trial {
                     self.feed(Input::Reserved(below));
                     continue;
                 }
+                Output::Driver(driver, bytes) => Seen::Told(driver.0, bytes),
                 Output::Finish => Seen::Finish,
                 Output::Note(note) => Seen::Note(note),
             };
@@ -585,7 +589,7 @@ impl Judge {
             ToVehicle::EndModify(_) => {
                 assert!(self.modified.take().is_some(), "a BPEMB that ends nothing at {now}");
             }
-            ToVehicle::Trackline(_) | ToVehicle::Trackcircle(_) => {
+            ToVehicle::Trackline(_) | ToVehicle::Trackcircle(_) | ToVehicle::GpsHit(_) => {
                 let identifier = identifier.unwrap();
                 assert!(identifier < self.reserved, "identifier {identifier} is not reserved");
                 assert!(
@@ -594,10 +598,12 @@ impl Judge {
                 );
                 self.identifiers.push(identifier);
             }
-            ToVehicle::CancelAll(_) => panic!("BPRCA takes other payloads' inserts too"),
-            _ => return,
+            _ => {}
         }
-        if matches!(name, "RMB" | "RTK" | "RTC") {
+        if matches!(
+            name,
+            "RMB" | "RTK" | "RTC" | "RGP" | "SUS" | "CON" | "GHP" | "GBP" | "TOP" | "SIL" | "TRM" | "BOY" | "CPD"
+        ) {
             assert!(self.armed && self.has_control(), "{name} at {now} without control");
             let solved = self.solved.expect("navigation");
             let age = now.since(solved);

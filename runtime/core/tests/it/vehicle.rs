@@ -6,7 +6,7 @@ use std::time::Duration;
 use backseat_spi::{
     AckStatus, Acknowledgement, BackseatControl, BehaviorBegin, BehaviorEnd, BehaviorId, CommandName, FromVehicle,
     MissionStatus, Navigation, PlanElement, PlanElementKind, PositionQuality, Sentence, Text, ToVehicle,
-    VehicleVersion, VelocityAndRates,
+    VehicleVersion, VelocityAndRates, catalogue,
 };
 use backseat_units::{Altitude, Depth, EastNorth, Heading, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 
@@ -260,6 +260,7 @@ impl Vehicle {
             match &command {
                 ToVehicle::Trackline(insert) => self.inserted.insert(insert.identifier.get()),
                 ToVehicle::Trackcircle(insert) => self.inserted.insert(insert.identifier.get()),
+                ToVehicle::GpsHit(insert) => self.inserted.insert(insert.identifier.get()),
                 ToVehicle::CancelBehavior(cancel) => self.inserted.remove(&cancel.identifier.get()),
                 _ => false,
             };
@@ -318,18 +319,14 @@ impl Vehicle {
 
 /// The three letters of a command and the identifier that it bears.
 pub(crate) fn name_of(command: &ToVehicle) -> (&'static str, Option<u32>) {
-    match command {
-        ToVehicle::LoggingControl(_) => ("LOG", None),
-        ToVehicle::PayloadStatus(_) => ("STS", None),
-        ToVehicle::Trackline(insert) => ("RTK", Some(insert.identifier.get())),
-        ToVehicle::Trackcircle(insert) => ("RTC", Some(insert.identifier.get())),
-        ToVehicle::CancelBehavior(cancel) => ("RCN", Some(cancel.identifier.get())),
-        ToVehicle::CancelAll(_) => ("RCA", None),
-        ToVehicle::ModifyBehavior(_) => ("RMB", None),
-        ToVehicle::EndModify(_) => ("EMB", None),
-        ToVehicle::LogMessage(_) => ("MSG", None),
-        ToVehicle::RequestPlan(_) => ("RMP", None),
-        ToVehicle::PayloadVersion(_) => ("VER", None),
-        ToVehicle::Unknown(message) => panic!("core sent {message:?}"),
-    }
+    let entry = catalogue().iter().find(|entry| entry.name == command.name());
+    let name = &entry.unwrap_or_else(|| panic!("core sent {command:?}")).name[2..];
+    let identifier = match command {
+        ToVehicle::Trackline(insert) => Some(insert.identifier.get()),
+        ToVehicle::Trackcircle(insert) => Some(insert.identifier.get()),
+        ToVehicle::GpsHit(insert) => Some(insert.identifier.get()),
+        ToVehicle::CancelBehavior(cancel) => Some(cancel.identifier.get()),
+        _ => None,
+    };
+    (name, identifier)
 }

@@ -93,7 +93,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     (
         "$BPABT,070000.000,stop,1",
-        &["$BFACK,080005.000,ABT,000000.000,0,0,0,not supported by this mock yet"],
+        &["$BFACK,080005.000,ABT,070000.000,0,0,0,not supported by this mock yet"],
     ),
     (
         "$BPXYZ,070000.000",

@@ -4,7 +4,7 @@ use backseat_spi::{
     HorizontalMode, Interrupt, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode, SpeedMode, ToVehicle, Trackcircle,
     Trackline, VerticalMode,
 };
-use backseat_units::{TimeOfDay, Timestamp};
+use backseat_units::Timestamp;
 
 use super::{END_WITHIN, Oracle};
 use crate::area::{Fault, Setpoint};
@@ -20,14 +20,7 @@ impl Oracle {
         reason = "sentences that no rule is about, those of later versions included"
     )]
     /// Judges what a sentence of ours asks for. `denied` where control surely is not ours.
-    pub(super) fn we_say(
-        &mut self,
-        at: Timestamp,
-        message: &ToVehicle,
-        name: &[u8; 5],
-        created: Option<TimeOfDay>,
-        denied: bool,
-    ) {
+    pub(super) fn we_say(&mut self, at: Timestamp, message: &ToVehicle, denied: bool) {
         match message {
             ToVehicle::ModifyBehavior(modify) => self.judge_modify(at, modify, denied),
             ToVehicle::EndModify(_) => {
@@ -40,20 +33,14 @@ impl Oracle {
                 self.inserts.cancel_sent(cancel.created, cancel.identifier.get());
             }
             ToVehicle::RequestPlan(_) => self.plan.asked(),
-            ToVehicle::Unknown(unknown) if name == b"BPRGP" => {
-                let identifier = unknown.fields().nth(1).and_then(|field| field.trim().parse().ok());
-                let Some(identifier) = identifier else {
-                    self.findings
-                        .add(at, Rule::Malformed, || "BPRGP without identifier".to_owned());
-                    return;
-                };
+            ToVehicle::GpsHit(hit) => {
                 let insert = Insert {
-                    created,
+                    created: Some(hit.created),
                     interrupts: false,
                     duration_s: 0.0,
                     state: State::Sent,
                 };
-                self.insert_sent(at, identifier, insert);
+                self.insert_sent(at, hit.identifier.get(), insert);
             }
             _ => {}
         }

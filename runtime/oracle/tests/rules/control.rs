@@ -108,8 +108,8 @@ fn requirement_012_aborts_and_wide_cancels_are_the_operators() {
 #[test]
 fn requirement_021_the_vehicles_position_is_not_ours_to_move() {
     for body in [
-        "BPNPU,{t},4200.3,N,07000.9,W",
-        "BPRNS,{t}",
+        "BPNPU,{t},4200.3,N,07000.9,W,5,10,0,{t}",
+        "BPRNS,{t},1,2,3",
         "BPRBO,{t},3",
         "BPSEM,{t},1,0",
     ] {

@@ -1,0 +1,93 @@
+//! What the vehicle's answers are for (SPI 4.4, 6.21). Acknowledgements never refresh navigation's clock.
+
+use backseat_spi::{AckStatus, Acknowledgement, ToVehicle};
+
+use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
+use crate::helm::refused;
+use crate::io::Note;
+use crate::machine::Core;
+use crate::plugin::RequestState;
+use crate::session::name;
+
+impl Core {
+    pub(crate) fn acknowledged(&mut self, ack: &Acknowledgement) {
+        self.heard(ack.created);
+        if let AckStatus::Other(_) = ack.status {
+            // Neither done nor refused: the command stays unanswered, and times out as one.
+            return;
+        }
+        let pending = ack.status == AckStatus::Pending;
+        let Some(command) = self.commands.answer(ack, pending, self.now) else {
+            return;
+        };
+        let answer = match ack.status {
+            AckStatus::Pending => Answer::Pending,
+            AckStatus::Succeeded => Answer::Done,
+            AckStatus::Invalid | AckStatus::Failed | AckStatus::Other(_) => Answer::Refused(ack.text.as_str()),
+        };
+        self.answered(command, answer);
+    }
+
+    /// Takes an answer, or its absence, to what its command was sent for.
+    pub(crate) fn answered(&mut self, command: Command, answer: Answer<'_>) {
+        match command.purpose {
+            Purpose::Subscription(index) => self.subscription_answered(index, answer),
+            Purpose::Plan => self.plan_answered(answer),
+            Purpose::Lease(request) => self.lease_answered(request, answer),
+            Purpose::Insert(request) => self.insert_answered(request, answer),
+            Purpose::Cancel { cancel, insert } => self.cancel_answered(cancel, insert, answer),
+            Purpose::Request(request) => self.request_answered(request, answer),
+            Purpose::Silent(request) => self.silent_answered(request, answer),
+            Purpose::Adjustment(request) => self.adjustment_answered(request, answer),
+            Purpose::Packet(request) => self.packet_answered(request, answer),
+            Purpose::DvlTrigger(request) => self.dvl_answered(request, answer),
+            Purpose::Hold(request) => self.hold_answered(request, command.name, answer),
+            Purpose::Courtesy => {
+                if let Answer::Refused(text) = answer {
+                    self.note(Note::Text {
+                        text: format!("the vehicle refused {}: {text}", command.name.as_str()),
+                    });
+                }
+            }
+        }
+    }
+
+    /// Sends a request's command. False where the gate holds it back: then the request is rejected.
+    pub(crate) fn send_request(
+        &mut self,
+        request: u64,
+        letters: &'static str,
+        message: &ToVehicle,
+        purpose: Purpose,
+    ) -> bool {
+        let command = Command {
+            name: name(letters),
+            created: message.created(),
+            identifier: None,
+            purpose,
+            deadline: self.now + 2 * FIRST_WITHIN,
+            pending: false,
+        };
+        let owner = self.ledger.get(request).map(|entry| entry.owner);
+        let sent = owner.is_some_and(|owner| self.transmit_for(owner, message, Some(command)));
+        if sent {
+            self.transition(request, RequestState::Sent);
+        } else {
+            self.reject(request, refused("control", "it could not be sent"));
+        }
+        sent
+    }
+
+    /// The answer to a request that ends with it.
+    fn request_answered(&mut self, request: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Done => {
+                self.transition(request, RequestState::Accepted);
+                self.transition(request, RequestState::Ended("done".to_owned()));
+            }
+            Answer::Refused(text) => self.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => self.transition(request, RequestState::TimedOut),
+        }
+    }
+}

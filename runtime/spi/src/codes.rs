@@ -2,7 +2,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
-use crate::number;
 
 /// Numbered choices of the specification. A number that it does not define is kept, for whoever acts on it to refuse.
 macro_rules! codes {
@@ -39,7 +38,7 @@ macro_rules! codes {
             const RANGE: &'static str = concat!("code", $(" ", $code,)* " …");
 
             fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
-                number::parse_signed(reader.trimmed()?).map(Self::from_code)
+                reader.signed().map(Self::from_code)
             }
 
             fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
@@ -287,9 +286,9 @@ impl Field for VerticalReference {
     }
 
     fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
-        writer.text(match value {
-            Self::Depth => "D",
-            Self::Altitude => "A",
+        writer.character(match value {
+            Self::Depth => b'D',
+            Self::Altitude => b'A',
         });
         Ok(())
     }

@@ -4,6 +4,7 @@ use crate::error::{DecodeError, Fault};
 use crate::hex;
 use crate::number;
 use crate::sentence::Sentence;
+use crate::word;
 
 /// How one value of a message stands on the wire: which fields it takes, and how they are read and written.
 ///
@@ -39,27 +40,32 @@ pub(crate) trait Field {
 ///
 /// Works on bytes: all delimiters are ASCII, and only free text needs to be looked at as characters again.
 pub(crate) struct Reader<'a> {
-    /// What is left, or `None` where the last field has been taken. After the last comma it is empty: one empty field.
-    rest: Option<&'a [u8]>,
-    /// The line from the field on that was taken last.
-    last: &'a [u8],
-    number: usize,
+    /// All fields with the commas between them.
+    fields: &'a [u8],
+    /// Where the next field starts: after the last comma there is one more, which may be empty, and then none.
+    at: usize,
+    /// Where the field starts that was taken last.
+    last: usize,
+    /// There is not even an empty field.
+    absent: bool,
 }
 
 impl<'a> Reader<'a> {
     pub(crate) fn new(sentence: &Sentence<'a>) -> Self {
+        let body = sentence.body();
         Self {
-            rest: sentence.body().map(str::as_bytes),
-            last: b"",
-            number: 0,
+            fields: body.unwrap_or_default().as_bytes(),
+            at: usize::from(body.is_none()),
+            last: 0,
+            absent: body.is_none(),
         }
     }
 
     /// The next field as it stands.
     pub(crate) fn bytes(&mut self) -> Result<&'a [u8], Fault> {
-        let rest = self.begin()?;
+        let rest = self.rest()?;
         let length = find_comma(rest).unwrap_or(rest.len());
-        self.finish(rest, length);
+        self.skip(length);
         Ok(&rest[..length])
     }
 
@@ -75,43 +81,82 @@ impl<'a> Reader<'a> {
     }
 
     /// The next field as a floating-point number.
+    #[inline]
     pub(crate) fn decimal(&mut self) -> Result<f64, Fault> {
-        let rest = self.begin()?;
+        match self.short_decimal() {
+            Some(value) => Ok(value),
+            None => self.long_decimal(),
+        }
+    }
+
+    /// Takes the next field where it is a short number. Apart from [`Self::decimal`] because this comes back in registers.
+    #[inline(never)]
+    fn short_decimal(&mut self) -> Option<f64> {
+        let (value, length) = number::scan_short(self.window()?)?;
+        self.skip(length);
+        Some(value)
+    }
+
+    fn long_decimal(&mut self) -> Result<f64, Fault> {
+        let rest = self.rest()?;
         self.decimal_from(rest, 0)
+    }
+
+    /// The next field as a whole number.
+    pub(crate) fn integer(&mut self) -> Result<u32, Fault> {
+        match self.digit() {
+            Some(digit) => Ok(u32::from(digit)),
+            None => number::parse_integer(self.trimmed()?),
+        }
+    }
+
+    /// The next field as a whole number that may be negative.
+    pub(crate) fn signed(&mut self) -> Result<i32, Fault> {
+        match self.digit() {
+            Some(digit) => Ok(i32::from(digit)),
+            None => number::parse_signed(self.trimmed()?),
+        }
     }
 
     /// The next field as fixed-width digits and then a floating-point number: `ddmm.mm`.
     pub(crate) fn digits_and_decimal<const WIDTH: usize>(&mut self, fault: Fault) -> Result<(u32, f64), Fault> {
-        let mut rest = self.begin()?;
+        let mut rest = self.rest()?;
         if rest.first().is_none_or(|byte| !byte.is_ascii_digit()) {
-            let field = trim(&rest[..find_comma(rest).unwrap_or(rest.len())]);
+            let length = find_comma(rest).unwrap_or(rest.len());
+            let field = trim(&rest[..length]);
             if field.is_empty() {
+                self.skip(length);
                 return Err(Fault::Empty);
             }
             rest = rest.trim_ascii_start();
         }
         let (Some(digits), Some(b'0'..=b'9' | b'.')) = (rest.first_chunk::<WIDTH>(), rest.get(WIDTH)) else {
+            self.last = self.at;
             return Err(fault);
         };
         let mut whole = 0;
         for byte in digits {
             match byte.wrapping_sub(b'0') {
                 digit @ 0..=9 => whole = whole * 10 + u32::from(digit),
-                _ => return Err(fault),
+                _ => {
+                    self.last = self.at;
+                    return Err(fault);
+                }
             }
         }
         Ok((whole, self.decimal_from(rest, WIDTH).map_err(|_| fault)?))
     }
 
-    /// The number that starts at `skip` in the field that starts `rest`.
+    /// The number that starts at `skip` in `rest`, which starts in the next field.
     fn decimal_from(&mut self, rest: &'a [u8], skip: usize) -> Result<f64, Fault> {
+        let before = self.fields.len() - self.at - rest.len() + skip;
         let from = &rest[skip..];
         if let Some((value, length)) = number::scan_decimal(from) {
-            self.finish(from, length);
+            self.skip(before + length);
             return Ok(value);
         }
         let length = find_comma(from).unwrap_or(from.len());
-        self.finish(from, length);
+        self.skip(before + length);
         let text = trim(&from[..length]);
         if text.is_empty() {
             Err(Fault::Empty)
@@ -120,14 +165,46 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Takes the next field where it is a single digit.
+    fn digit(&mut self) -> Option<u8> {
+        let [character] = self.peek()?;
+        let digit = character.wrapping_sub(b'0');
+        (digit <= 9).then(|| {
+            self.skip(1);
+            digit
+        })
+    }
+
+    /// Whether no field is left.
+    pub(crate) const fn is_done(&self) -> bool {
+        self.at > self.fields.len()
+    }
+
+    /// The next bytes, where a field of exactly that length may begin with them; for [`Self::skip`] once it is known that
+    /// there is no comma among them.
+    pub(crate) fn peek<const N: usize>(&self) -> Option<&'a [u8; N]> {
+        let rest = self.fields.get(self.at..)?;
+        match rest.get(N) {
+            None | Some(b',') => rest.first_chunk(),
+            Some(_) => None,
+        }
+    }
+
+    /// Takes the next field, of which the length is known.
+    pub(crate) const fn skip(&mut self, length: usize) {
+        self.last = self.at;
+        self.at += length + 1;
+    }
+
     /// How many fields are left.
     pub(crate) fn remaining(&self) -> usize {
-        self.rest.map_or(0, |rest| 1 + memchr::memchr_iter(b',', rest).count())
+        let rest = self.fields.get(self.at..);
+        rest.map_or(0, |rest| 1 + memchr::memchr_iter(b',', rest).count())
     }
 
     /// Whether the next field is there and blank.
     pub(crate) fn next_is_blank(&self) -> bool {
-        self.rest.is_some_and(|rest| match rest {
+        self.fields.get(self.at..).is_some_and(|rest| match rest {
             [] | [b',', ..] => true,
             [first, ..] if first.is_ascii_whitespace() => matches!(rest.trim_ascii_start(), [] | [b',', ..]),
             _ => false,
@@ -137,7 +214,11 @@ impl<'a> Reader<'a> {
     /// The error for a fault in the field that was taken last.
     #[cold]
     pub(crate) fn error(&self, message: &'static str, field: &'static str, fault: Fault) -> DecodeError {
-        let found = as_text(&self.last[..find_comma(self.last).unwrap_or(self.last.len())]);
+        let (before, last) = self.fields.split_at_checked(self.last).unwrap_or((self.fields, b""));
+        let commas = memchr::memchr_iter(b',', before).count();
+        // A field that is missing comes after the last one.
+        let missing = usize::from(self.last > self.fields.len() && !self.absent);
+        let found = as_text(&last[..find_comma(last).unwrap_or(last.len())]);
         let found = found
             .chars()
             .take(DecodeError::FOUND_CHARS)
@@ -146,21 +227,27 @@ impl<'a> Reader<'a> {
         DecodeError {
             message,
             field,
-            number: self.number,
+            number: 1 + commas + missing,
             found,
             fault,
         }
     }
 
-    fn begin(&mut self) -> Result<&'a [u8], Fault> {
-        self.number += 1;
-        self.last = self.rest.unwrap_or(b"");
-        self.rest.ok_or(Fault::Missing)
+    /// All from the next field on.
+    fn rest(&mut self) -> Result<&'a [u8], Fault> {
+        match self.fields.get(self.at..) {
+            Some(rest) => Ok(rest),
+            None => {
+                self.last = self.at;
+                Err(Fault::Missing)
+            }
+        }
     }
 
-    /// Goes on after the comma at `length`.
-    fn finish(&mut self, field: &'a [u8], length: usize) {
-        self.rest = field.get(length + 1..);
+    /// The next eight bytes, as far as there are so many.
+    fn window(&self) -> Option<u64> {
+        let chunk = self.fields.get(self.at..)?.first_chunk()?;
+        Some(u64::from_le_bytes(*chunk))
     }
 }
 
@@ -176,23 +263,22 @@ pub(crate) fn trim(bytes: &[u8]) -> &[u8] {
     }
 }
 
-/// Eight bytes at a time: fields are short, so that a vector search costs more to start than it saves.
+/// Eight bytes at a time: most fields are short, so that a vector search costs more to start than it saves.
 fn find_comma(bytes: &[u8]) -> Option<usize> {
-    const ONES: u64 = u64::from_ne_bytes([1; 8]);
-    const HIGHS: u64 = u64::from_ne_bytes([0x80; 8]);
-    const COMMAS: u64 = u64::from_ne_bytes([b','; 8]);
-    let mut chunks = bytes.chunks_exact(8);
-    for (index, chunk) in chunks.by_ref().take(4).enumerate() {
-        let word = u64::from_le_bytes(chunk.try_into().expect("chunks_exact(8) gives eight bytes"));
-        // A zero byte where the comma was: the lowest one is exact, and only that is used.
-        let zeros = word ^ COMMAS;
-        let hit = zeros.wrapping_sub(ONES) & !zeros & HIGHS;
-        if hit != 0 {
-            return Some(index * 8 + (hit.trailing_zeros() / 8) as usize);
+    let mut rest = bytes;
+    let mut searched = 0;
+    while let Some((chunk, after)) = rest.split_first_chunk::<8>() {
+        let word = u64::from_le_bytes(*chunk);
+        if let Some(at) = word::first(word, b',') {
+            return Some(searched + at);
+        }
+        searched += 8;
+        rest = after;
+        if searched == 32 {
+            return memchr(b',', rest).map(|at| searched + at);
         }
     }
-    let searched = (bytes.len() / 8).min(4) * 8;
-    memchr(b',', bytes.get(searched..)?).map(|at| searched + at)
+    rest.iter().position(|byte| *byte == b',').map(|at| searched + at)
 }
 
 /// Appends the fields of a sentence, each with its comma before it.
@@ -203,6 +289,11 @@ pub(crate) struct Writer<'a> {
 impl<'a> Writer<'a> {
     pub(crate) const fn new(out: &'a mut Vec<u8>) -> Self {
         Self { out }
+    }
+
+    /// A field of one ASCII character that is no delimiter.
+    pub(crate) fn character(&mut self, character: u8) {
+        self.out.extend_from_slice(&[b',', character]);
     }
 
     /// A field of ASCII text that holds no delimiter.

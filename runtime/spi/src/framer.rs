@@ -139,6 +139,9 @@ impl Framer {
     }
 }
 
+/// Takes the next good sentence, and counts what it passes over. Inlined, because a sentence comes back through memory
+/// otherwise.
+#[inline(always)]
 fn next<'a>(buffer: &'a [u8], cursor: &mut Cursor, counts: &mut FrameCounts, policy: Policy) -> Option<Sentence<'a>> {
     loop {
         let pending = &buffer[cursor.start..];

@@ -182,28 +182,28 @@ messages! {
         /// Turns of the thruster a minute.
         thruster_rpm: f64 as Decimal<3>, "rpm";
         /// Speed through the water as these turns let expect, metres per second; `None` where the vehicle has no table for it.
-        water_speed_mps: Option<f64> as Optional<Decimal<4>>, "m/s";
+        water_speed_mps: Option<f64> as OrDefault<Optional<Decimal<4>>>, "m/s";
     }
     "$BFRVL,081025.987,250.5,1.5*70"
 
-    /// One battery, or all together. What a vehicle does not know it leaves empty.
+    /// One battery, or all together. What a vehicle does not know it leaves empty, or out.
     "BFRBS" Battery, "6.8", "battery voltage" {
         /// When the message was made, UTC.
         created: TimeOfDay as Created, "UTC";
         /// Which battery, from 1; 0 is all of them together.
         number: u32 as u32, "count";
         /// Voltage of the whole stack, volts.
-        voltage_v: Option<f64> as Optional<Decimal<4>>, "V";
+        voltage_v: Option<f64> as OrDefault<Optional<Decimal<4>>>, "V";
         /// Voltage of the weakest cell, volts.
-        cell_min_v: Option<f64> as Optional<Decimal<4>>, "V";
+        cell_min_v: Option<f64> as OrDefault<Optional<Decimal<4>>>, "V";
         /// Voltage of the strongest cell, volts.
-        cell_max_v: Option<f64> as Optional<Decimal<4>>, "V";
+        cell_max_v: Option<f64> as OrDefault<Optional<Decimal<4>>>, "V";
         /// Temperature of the hottest cell, degrees Celsius.
-        temperature_c: Option<f64> as Optional<Decimal<4>>, "degC";
+        temperature_c: Option<f64> as OrDefault<Optional<Decimal<4>>>, "degC";
         /// Capacity, kilowatt-hours.
-        capacity_kwh: Option<f64> as Optional<Decimal<4>>, "kWh";
+        capacity_kwh: Option<f64> as OrDefault<Optional<Decimal<4>>>, "kWh";
         /// State of charge, percent. Read as it comes, written within 0 to 100.
-        charge_percent: Option<f64> as Optional<Percent>, "%";
+        charge_percent: Option<f64> as OrDefault<Optional<Percent>>, "%";
     }
     "$BFRBS,081025.987,0,29.85,3.71,3.75,18.5,3.2,87.5*64"
 

@@ -32,7 +32,7 @@ pub(crate) fn decode(text: &[u8]) -> Result<Box<[u8]>, Fault> {
     }
     let bytes = text
         .chunks_exact(2)
-        .map(|pair| Some(value(pair[0])? << 4 | value(pair[1])?));
+        .map(|pair| Some((value(pair[0])? << 4) | value(pair[1])?));
     bytes.collect::<Option<Box<[u8]>>>().ok_or(FAULT)
 }
 

@@ -55,16 +55,19 @@ impl CommandName {
         } else {
             name
         };
-        match <[u8; 3]>::try_from(letters.as_bytes()) {
-            Ok(bytes)
-                if bytes
-                    .iter()
-                    .all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit()) =>
-            {
-                Ok(Self(bytes))
-            }
-            Ok(_) | Err(_) => Err(CommandNameError),
-        }
+        letters
+            .as_bytes()
+            .try_into()
+            .ok()
+            .and_then(Self::from_letters)
+            .ok_or(CommandNameError)
+    }
+
+    pub(crate) fn from_letters(letters: [u8; 3]) -> Option<Self> {
+        letters
+            .iter()
+            .all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit())
+            .then_some(Self(letters))
     }
 
     /// The three letters.

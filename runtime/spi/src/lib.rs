@@ -7,7 +7,11 @@
 //! Decoding is tolerant, as real vehicles and clients need it: more fields than expected, blanks around numbers,
 //! missing zero padding and absent checksums of payloads pass; what cannot be read is an error that names message,
 //! field and fault. Encoding is strict: three decimals of a second, a checksum of two upper-case digits, CRLF, and an
-//! error rather than a sentence that the other side could misread.
+//! error rather than a sentence that the other side could misread. Few values are read that are not written: those are
+//! where losing the message would be worse.
+//!
+//! Messages serialise as their fields, without their name; [`FromVehicle::deserialize_named`] and
+//! [`ToVehicle::deserialize_named`] read them back. [`catalogue`] lists all 71 with their sections, units and ranges.
 //!
 //! ```
 //! use backseat_spi::{Framer, FromVehicle, Policy};
@@ -36,6 +40,7 @@ mod table;
 mod text;
 mod to_vehicle;
 mod unknown;
+mod word;
 
 pub use catalogue::{Direction, Entry, EntryField, catalogue};
 pub use codes::{

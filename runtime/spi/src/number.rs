@@ -1,4 +1,5 @@
 use crate::error::Fault;
+use crate::word;
 
 /// The greatest magnitude of a plain number, either way. Far beyond every unit of the specification, and small
 /// enough that six decimals of it are exact in 64 bits.
@@ -30,6 +31,45 @@ const PAIRS: [u8; 200] = {
 /// the standard library would take (`inf`, `nan`, `1e3`); up to 15 digits then make an exact integer, and one division by
 /// an exact power of ten rounds as it must. Minus zero becomes zero.
 pub(crate) fn scan_decimal(bytes: &[u8]) -> Option<(f64, usize)> {
+    match bytes.first_chunk() {
+        Some(chunk) => scan_short(u64::from_le_bytes(*chunk)).or_else(|| scan_long(bytes)),
+        None => scan_long(bytes),
+    }
+}
+
+/// A number of at most seven characters, with the comma after it among the eight that are given.
+#[inline]
+pub(crate) fn scan_short(word: u64) -> Option<(f64, usize)> {
+    let end = word::first_bit(word, b',');
+    if !(8..=56).contains(&end) {
+        return None;
+    }
+    let negative = word & 0xff == u64::from(b'-');
+    let skipped = if negative { 8 } else { 0 };
+    let mut width = end - skipped;
+    let mut text = (word >> skipped) & ((1 << width) - 1);
+    let mut decimals = 0;
+    let point = word::first_bit(text, b'.');
+    if point < 64 {
+        let before = (1 << point) - 1;
+        text = (text & before) | ((text >> 8) & !before);
+        width -= 8;
+        decimals = (width - point) / 8;
+    }
+    if width == 0 {
+        return None;
+    }
+    // Noughts before the digits, where the text ended after them.
+    let values = (text ^ (word::all(b'0') >> (64 - width))) << (64 - width);
+    if !word::are_digits(values) {
+        return None;
+    }
+    let magnitude = word::number(values) as f64 / POWERS[decimals as usize & 15];
+    let value = if negative { 0.0 - magnitude } else { magnitude };
+    Some((value, end as usize / 8))
+}
+
+fn scan_long(bytes: &[u8]) -> Option<(f64, usize)> {
     let (negative, first) = match bytes.first()? {
         b'-' => (true, 1),
         _ => (false, 0),
@@ -116,71 +156,72 @@ pub(crate) fn parse_signed(bytes: &[u8]) -> Result<i32, Fault> {
 
 /// Writes a number with at most `decimals` places (no more than 6), without zeros at the end and without minus zero.
 ///
-/// Rounds half away from zero. Fixed-point by hand: the standard library's formatting takes four times as long.
+/// Rounds half away from zero. Fixed-point by hand: the standard library's formatting takes many times as long.
 pub(crate) fn write_decimal(out: &mut Vec<u8>, value: f64, decimals: u8) -> Result<(), Fault> {
     let magnitude = value.abs();
     if magnitude.is_nan() || magnitude > LIMIT {
         return Err(NOT_A_NUMBER);
     }
-    let mut places = usize::from(decimals);
-    let mut scaled = (magnitude * POWERS[places] + 0.5) as u64;
-    if scaled == 0 {
-        out.push(b'0');
-        return Ok(());
+    let scaled = (magnitude * POWERS[usize::from(decimals)] + 0.5) as u64;
+    // Divisors that are constants cost a multiplication.
+    let (whole, millionths) = match decimals {
+        0 => (scaled, 0),
+        1 => (scaled / 10, scaled % 10 * 100_000),
+        2 => (scaled / 100, scaled % 100 * 10_000),
+        3 => (scaled / 1_000, scaled % 1_000 * 1_000),
+        4 => (scaled / 10_000, scaled % 10_000 * 100),
+        5 => (scaled / 100_000, scaled % 100_000 * 10),
+        _ => (scaled / 1_000_000, scaled % 1_000_000),
+    };
+    if value < 0.0 && scaled > 0 {
+        out.push(b'-');
     }
-    while places > 0 && scaled.is_multiple_of(10) {
-        scaled /= 10;
-        places -= 1;
+    write_integer(out, whole);
+    if millionths > 0 {
+        let digits = word::digits(millionths * 100);
+        let length = 8 - digits.leading_zeros() as usize / 8;
+        push_characters(out, ((digits | word::all(b'0')) << 8) | u64::from(b'.'), 1 + length);
     }
-    let mut buffer = [b'0'; 24];
-    let mut at = 24;
-    if places > 0 {
-        at -= places;
-        let power = POWERS[places] as u64;
-        write_digits(&mut buffer, 24, scaled % power);
-        scaled /= power;
-        at -= 1;
-        buffer[at] = b'.';
-    }
-    at = write_digits(&mut buffer, at, scaled);
-    if buffer[at] == b'.' {
-        at -= 1;
-    }
-    if value < 0.0 {
-        at -= 1;
-        buffer[at] = b'-';
-    }
-    out.extend_from_slice(&buffer[at..]);
     Ok(())
 }
 
 /// Writes a whole number.
+#[inline]
 pub(crate) fn write_integer(out: &mut Vec<u8>, value: u64) {
-    let mut buffer = [b'0'; 24];
-    let at = write_digits(&mut buffer, 24, value).min(23);
-    out.extend_from_slice(&buffer[at..]);
+    if value < 10 {
+        out.push(b'0' + value as u8);
+    } else if value < 100 {
+        out.extend_from_slice(&two_digits(value as u32));
+    } else {
+        write_long_integer(out, value);
+    }
+}
+
+/// Writes a whole number that is not 0.
+fn write_long_integer(out: &mut Vec<u8>, value: u64) {
+    const EIGHT_DIGITS: u64 = 100_000_000;
+    if value < EIGHT_DIGITS {
+        let digits = word::digits(value);
+        let noughts = digits.trailing_zeros() / 8;
+        let characters = (digits | word::all(b'0')) >> (noughts * 8);
+        push_characters(out, characters, 8 - noughts as usize);
+    } else {
+        write_long_integer(out, value / EIGHT_DIGITS);
+        push_characters(out, word::digits(value % EIGHT_DIGITS) | word::all(b'0'), 8);
+    }
+}
+
+/// Appends the first characters of a word: one store of eight bytes and a cut.
+fn push_characters(out: &mut Vec<u8>, characters: u64, length: usize) {
+    let end = out.len() + length;
+    out.extend_from_slice(&characters.to_le_bytes());
+    out.truncate(end);
 }
 
 /// Two digits into a buffer. The value must be below 100.
 pub(crate) fn two_digits(value: u32) -> [u8; 2] {
     let pair = value as usize % 100 * 2;
     [PAIRS[pair], PAIRS[pair + 1]]
-}
-
-/// Writes digits so that they end before `end`; zero writes none. Returns where they start.
-fn write_digits(buffer: &mut [u8; 24], end: usize, value: u64) -> usize {
-    let mut at = end;
-    let mut value = value;
-    while value >= 10 {
-        at -= 2;
-        buffer[at..at + 2].copy_from_slice(&two_digits((value % 100) as u32));
-        value /= 100;
-    }
-    if value > 0 {
-        at -= 1;
-        buffer[at] = b'0' + value as u8;
-    }
-    at
 }
 
 #[cfg(test)]

@@ -1,5 +1,4 @@
-use nom::branch::alt;
-use nom::bytes::complete::{tag, take_until, take_while1};
+use nom::bytes::complete::{tag, take, take_while1};
 use nom::combinator::{opt, rest};
 use nom::sequence::preceded;
 use nom::{IResult, Parser};
@@ -129,11 +128,18 @@ impl<'a> Iterator for Fields<'a> {
 /// The exclusive or of all bytes between `$` and `*`: the NMEA 0183 checksum.
 pub(crate) fn xor(bytes: &[u8]) -> u8 {
     let mut words = bytes.chunks_exact(8);
-    let sum = words.by_ref().fold(0, |sum, word| {
-        sum ^ u64::from_ne_bytes(word.try_into().expect("eight bytes"))
+    let mut sum = words.by_ref().fold(0, |sum, word| {
+        sum ^ u64::from_le_bytes(word.try_into().expect("eight bytes"))
     });
-    let sum = sum.to_ne_bytes().iter().fold(0, |sum, byte| sum ^ byte);
-    words.remainder().iter().fold(sum, |sum, byte| sum ^ byte)
+    match (words.remainder(), bytes.last_chunk()) {
+        ([], _) => {}
+        // The last eight bytes again, less those that were in the last word.
+        (rest, Some(last)) => sum ^= u64::from_le_bytes(*last) >> (64 - 8 * rest.len()),
+        (rest, None) => return rest.iter().fold(0, |sum, byte| sum ^ byte),
+    }
+    sum ^= sum >> 32;
+    sum ^= sum >> 16;
+    (sum ^ (sum >> 8)) as u8
 }
 
 struct Parts<'a> {
@@ -144,17 +150,23 @@ struct Parts<'a> {
 
 fn parts(line: &[u8]) -> IResult<&[u8], Parts<'_>> {
     let (line, name) = preceded(tag("$"), take_while1(|byte: u8| byte.is_ascii_alphanumeric())).parse(line)?;
-    let (line, body) = opt(preceded(tag(","), alt((take_until("*"), rest)))).parse(line)?;
+    let (line, body) = opt(preceded(tag(","), before_star)).parse(line)?;
     let (line, digits) = opt(preceded(tag("*"), rest)).parse(line)?;
     let (line, _) = nom::combinator::eof(line)?;
     Ok((line, Parts { name, body, digits }))
+}
+
+/// All up to the first asterisk or the end.
+fn before_star(text: &[u8]) -> IResult<&[u8], &[u8]> {
+    let star = memchr::memchr(b'*', text).unwrap_or(text.len());
+    take(star).parse(text)
 }
 
 /// One or two hexadecimal digits of either case: real clients send `*4` for `*04`.
 fn checksum(digits: &[u8]) -> Option<u8> {
     match *digits {
         [low] => hex::value(low),
-        [high, low] => Some(hex::value(high)? << 4 | hex::value(low)?),
+        [high, low] => Some((hex::value(high)? << 4) | hex::value(low)?),
         _ => None,
     }
 }

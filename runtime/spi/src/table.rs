@@ -47,14 +47,15 @@ macro_rules! messages {
 
                 const KEY: u64 = $crate::table::key($name);
 
-                fn read(reader: &mut $crate::field::Reader<'_>) -> Result<Self, $crate::DecodeError> {
+                /// Gives the enum and not the message: it is put together where it will be, and not copied there.
+                fn read(reader: &mut $crate::field::Reader<'_>) -> Result<$Enum, $crate::DecodeError> {
                     $(
                         let $field = match <$Form as $crate::field::Field>::decode(reader) {
                             Ok(value) => value,
                             Err(fault) => return Err(reader.error($name, stringify!($field), fault)),
                         };
                     )*
-                    Ok(Self { $($field),* })
+                    Ok($Enum::$Message(Self { $($field),* }))
                 }
 
                 fn write(&self, out: &mut Vec<u8>) -> Result<(), $crate::EncodeError> {
@@ -91,7 +92,7 @@ macro_rules! messages {
             pub fn decode(sentence: &$crate::Sentence<'_>) -> Result<Self, $crate::DecodeError> {
                 let mut reader = $crate::field::Reader::new(sentence);
                 match $crate::table::key(sentence.name()) {
-                    $( $Message::KEY => $Message::read(&mut reader).map(Self::$Message), )*
+                    $( $Message::KEY => $Message::read(&mut reader), )*
                     _ => Ok(Self::Unknown($crate::UnknownMessage::of(sentence))),
                 }
             }
@@ -251,19 +252,12 @@ pub(crate) use unnest;
 use crate::error::EncodeError;
 use crate::{MAX_LINE, hex, sentence};
 
-/// A name as a number, so that decoding finds its row by comparing integers. Names over eight bytes are none of ours.
+/// A name as a number, so that decoding finds its row by comparing integers. All of ours have five letters.
 pub(crate) const fn key(name: &str) -> u64 {
-    let bytes = name.as_bytes();
-    if bytes.len() > 8 {
-        return 0;
+    match *name.as_bytes() {
+        [a, b, c, d, e] => u64::from_be_bytes([0, 0, 0, a, b, c, d, e]),
+        _ => 0,
     }
-    let mut key = 0;
-    let mut at = 0;
-    while at < bytes.len() {
-        key = key << 8 | bytes[at] as u64;
-        at += 1;
-    }
-    key
 }
 
 /// Writes dollar sign, what `write` writes, checksum and line end; nothing at all where that fails or is too long.

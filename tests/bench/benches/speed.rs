@@ -1,4 +1,4 @@
-//! Prints the speed table.
+//! Prints the speed table of the fence, the plugins and the whole loop.
 #![expect(clippy::disallowed_methods, reason = "a benchmark reads the clock")]
 
 use std::fmt::Write as _;
@@ -6,6 +6,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use backseat_bench::{HEADER, in_turn, row};
 use backseat_core::plugin::{NavigationSample, StepInput};
 use backseat_core::{Envelope, Limits};
 use backseat_fence::{Fence, Shape, Sweep, VerticalExtent};
@@ -14,143 +15,18 @@ use backseat_mvc::{ClientId, Mvc};
 use backseat_plugin_host::{Budget, Host};
 use backseat_recorder::{Header, Rate, Recorder};
 use backseat_sim::{Simulation, load_plugins};
-use backseat_spi::{Framer, FromVehicle, Policy};
 use backseat_units::{Altitude, Depth, EastNorth, Heading, LocalFrame, Position, Timestamp, Utc};
-
-/// Rounds of a row; ours and the floor take turns, and the best of each counts.
-const ROUNDS: usize = 15;
 
 fn main() {
     // `cargo test --benches` runs this too, and has no time for it.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
-    println!("| work | ours | floor | ratio | aim |");
-    println!("|---|---|---|---|---|");
-    decode();
+    println!("{HEADER}");
     fence(100);
     fence(10_000);
     step();
     whole_loop();
-}
-
-/// Nanoseconds of one call, the best of some batches, for two in turn.
-fn in_turn(calls: u32, mut ours: impl FnMut(), mut floor: impl FnMut()) -> (f64, f64) {
-    let (mut best_ours, mut best_floor) = (f64::MAX, f64::MAX);
-    for _ in 0..ROUNDS {
-        best_ours = best_ours.min(batch(calls, &mut ours));
-        best_floor = best_floor.min(batch(calls, &mut floor));
-    }
-    (best_ours, best_floor)
-}
-
-fn batch(calls: u32, work: &mut impl FnMut()) -> f64 {
-    let start = Instant::now();
-    for _ in 0..calls {
-        work();
-    }
-    start.elapsed().as_nanos() as f64 / f64::from(calls)
-}
-
-fn row(work: &str, (ours, floor): (f64, f64), floor_is: &str, aim: &str) {
-    println!(
-        "| {work} | {ours:.0} ns | {floor:.0} ns ({floor_is}) | {:.2} | {aim} |",
-        ours / floor
-    );
-}
-
-const NVG: &[u8] = b"$BFNVG,081025.987,4221.81092,N,07106.84603,W,1,45.3,20.1,203.1,-3.4,4.5,081025.980*4E\r\n";
-
-fn decode() {
-    let mut framer = Framer::new(Policy::FromVehicle);
-    let times = in_turn(
-        100_000,
-        || {
-            framer.push(black_box(NVG));
-            while let Some(sentence) = framer.next_sentence() {
-                black_box(FromVehicle::decode(&sentence).is_ok());
-            }
-        },
-        || {
-            black_box(decode_by_hand(black_box(NVG)));
-        },
-    );
-    row(
-        "BFNVG bytes to typed message",
-        times,
-        "written by hand for this sentence",
-        "ratio 1.3",
-    );
-}
-
-/// The least that reading this one sentence costs: its checksum, its fields in their order and their numbers by digits,
-/// no range looked at, no error told, no other sentence known.
-fn decode_by_hand(line: &[u8]) -> Option<[f64; 10]> {
-    let star = memchr_star(line)?;
-    let sum = line[1..star].iter().fold(0, |sum, byte| sum ^ byte);
-    let digits = line.get(star + 1..star + 3)?;
-    if !line.starts_with(b"$BFNVG,") || hex(digits[0])? * 16 + hex(digits[1])? != sum {
-        return None;
-    }
-    let mut at = 7;
-    let mut field = || {
-        let from = at;
-        while line[at] != b',' && line[at] != b'*' {
-            at += 1;
-        }
-        at += 1;
-        &line[from..at - 1]
-    };
-    let created = clock(field())?;
-    let latitude = degrees(field(), 2)?;
-    let latitude = if field() == b"S" { -latitude } else { latitude };
-    let longitude = degrees(field(), 3)?;
-    let longitude = if field() == b"W" { -longitude } else { longitude };
-    let mut values = [created, latitude, longitude, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    for value in &mut values[3..9] {
-        *value = number(field())?;
-    }
-    values[9] = clock(field())?;
-    Some(values)
-}
-
-fn memchr_star(line: &[u8]) -> Option<usize> {
-    line.iter().position(|byte| *byte == b'*')
-}
-
-fn hex(digit: u8) -> Option<u8> {
-    char::from(digit)
-        .to_digit(16)
-        .and_then(|digit| u8::try_from(digit).ok())
-}
-
-fn number(text: &[u8]) -> Option<f64> {
-    const SCALES: [f64; 10] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
-    let (negative, digits) = match text {
-        [b'-', rest @ ..] => (true, rest),
-        rest => (false, rest),
-    };
-    let (mut whole, mut decimals, mut point) = (0u64, 0, false);
-    for byte in digits {
-        match byte {
-            b'0'..=b'9' => {
-                whole = whole * 10 + u64::from(byte - b'0');
-                decimals += usize::from(point);
-            }
-            b'.' if !point => point = true,
-            _ => return None,
-        }
-    }
-    let value = whole as f64 / SCALES.get(decimals)?;
-    Some(if negative { -value } else { value })
-}
-
-fn clock(text: &[u8]) -> Option<f64> {
-    Some(number(text.get(..2)?)? * 3600.0 + number(text.get(2..4)?)? * 60.0 + number(text.get(4..)?)?)
-}
-
-fn degrees(text: &[u8], digits: usize) -> Option<f64> {
-    Some(number(text.get(..digits)?)? + number(text.get(digits..)?)? / 60.0)
 }
 
 /// A star-shaped fence with so many vertices, around 42 N 70 W.

@@ -1,5 +1,10 @@
-//! The speed table. `cargo xtask bench` prints it.
+//! The speed tables. `cargo xtask bench` prints them.
 //!
 //! The machine that measures is shared and noisy, so every row stands beside a floor: the least that the work can
 //! cost, written by hand in the benchmark and measured in the same run, both in turn. What counts is the ratio. Nothing
 //! here is a test.
+
+pub mod by_hand;
+mod measure;
+
+pub use measure::{HEADER, in_turn, row};

@@ -17,7 +17,7 @@
 //!     --target x86_64-unknown-linux-gnu --target-dir target/fuzz
 //! mkdir -p target/fuzz/found
 //! target/fuzz/x86_64-unknown-linux-gnu/release/fuzz-from-vehicle \
-//!     target/fuzz/found tests/fuzz/corpus/from_vehicle -max_len=1200 -max_total_time=60
+//!     target/fuzz/found tests/fuzz/corpus/from_vehicle -max_len=4400 -max_total_time=60
 //! ```
 //!
 //! libFuzzer writes a failing input to `crash-…`; put it into the target's corpus under a name that says what it is.

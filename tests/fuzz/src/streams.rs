@@ -1,4 +1,4 @@
-use backseat_spi::{ChecksumState, FrameCounts, Framer, MAX_LINE, Policy, Sentence};
+use backseat_spi::{ChecksumState, FrameCounts, Framer, FromVehicle, MAX_LINE, Policy, Sentence, ToVehicle};
 
 const POLICIES: [Policy; 2] = [Policy::FromVehicle, Policy::FromPayload];
 
@@ -33,7 +33,8 @@ pub fn frame(data: &[u8]) {
     }
 }
 
-/// Frames a stream cut as its first bytes say, and in one piece: the same sentences and the same counts.
+/// Frames a stream cut as its first bytes say, and in one piece: the same sentences and the same counts. Each sentence is
+/// a message or an error that names one of its fields, in both directions.
 pub fn stream(data: &[u8]) {
     let (cuts, data) = data.split_at(data.len().min(8));
     if cuts.is_empty() || data.len() >= Framer::MAX_BACKLOG {
@@ -59,6 +60,9 @@ fn sentences<'a>(policy: Policy, pieces: impl Iterator<Item = &'a [u8]>) -> (Vec
     for piece in pieces {
         framer.push(piece);
         while let Some(sentence) = framer.next_sentence() {
+            for error in [FromVehicle::decode(&sentence).err(), ToVehicle::decode(&sentence).err()] {
+                assert!(error.is_none_or(|error| error.number <= sentence.fields().count() + 1));
+            }
             out.push(sentence.raw().to_owned());
         }
     }

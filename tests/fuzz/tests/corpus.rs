@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use backseat_fuzz::Target;
-use backseat_spi::catalogue;
+use backseat_spi::{Direction, catalogue};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
@@ -43,6 +43,20 @@ fn no_input_breaks_a_target() {
                 run(name, seed, target, &mutant);
             }
         }
+    }
+}
+
+/// Each row of the tables has its seed, for libFuzzer, which knows no catalogue.
+#[test]
+fn each_message_has_a_seed() {
+    for entry in catalogue() {
+        let target = match entry.direction {
+            Direction::FromVehicle => "from_vehicle",
+            Direction::ToVehicle => "to_vehicle",
+        };
+        let file = format!("corpus/{target}/row_{}", entry.name.to_ascii_lowercase());
+        let seed = fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(&file)).expect(&file);
+        assert_eq!(seed, entry.example.as_bytes(), "{file}");
     }
 }
 

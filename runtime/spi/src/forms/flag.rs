@@ -3,7 +3,6 @@ use proptest::prelude::{BoxedStrategy, Strategy, any};
 
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
-use crate::number::parse_integer;
 
 /// 0 or 1.
 pub(crate) struct Flag;
@@ -14,15 +13,16 @@ impl Field for Flag {
     const RANGE: &'static str = "0/1";
 
     fn decode(reader: &mut Reader<'_>) -> Result<bool, Fault> {
-        match parse_integer(reader.trimmed()?) {
+        match reader.integer() {
             Ok(0) => Ok(false),
             Ok(1) => Ok(true),
+            Err(fault @ (Fault::Missing | Fault::Empty)) => Err(fault),
             Ok(_) | Err(_) => Err(Fault::expected("0 or 1")),
         }
     }
 
     fn encode(value: &bool, writer: &mut Writer<'_>) -> Result<(), Fault> {
-        writer.text(if *value { "1" } else { "0" });
+        writer.character(if *value { b'1' } else { b'0' });
         Ok(())
     }
 

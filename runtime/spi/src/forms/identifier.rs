@@ -5,7 +5,6 @@ use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
 use crate::forms::Optional;
 use crate::identity::{BehaviorId, CommandName};
-use crate::number::parse_integer;
 
 impl Field for CommandName {
     type Value = Self;
@@ -13,6 +12,10 @@ impl Field for CommandName {
     const RANGE: &'static str = "three of A-Z 0-9";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
+        if let Some(letters) = reader.peek().copied().and_then(Self::from_letters) {
+            reader.skip(3);
+            return Ok(letters);
+        }
         Self::new(reader.text()?.trim_ascii()).map_err(|_| Fault::expected("three upper-case letters, or BP and three"))
     }
 
@@ -35,7 +38,7 @@ impl Field for BehaviorId {
     const RANGE: &'static str = "0..4294967295";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
-        parse_integer(reader.trimmed()?).map(Self::new)
+        reader.integer().map(Self::new)
     }
 
     fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {

@@ -5,7 +5,6 @@ use proptest::prelude::{BoxedStrategy, Just, Strategy, any, prop_oneof};
 
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
-use crate::number::{parse_integer, parse_signed};
 
 /// Plain numbers, at most `D` decimals written. The unit is in the field's name.
 pub(crate) struct Decimal<const D: u8>;
@@ -15,6 +14,7 @@ impl<const D: u8> Field for Decimal<D> {
     const FORMATS: &'static [&'static str] = &["x.x"];
     const RANGE: &'static str = "any";
 
+    #[inline]
     fn decode(reader: &mut Reader<'_>) -> Result<f64, Fault> {
         reader.decimal()
     }
@@ -36,7 +36,7 @@ impl Field for u32 {
     const RANGE: &'static str = "0..4294967295";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
-        parse_integer(reader.trimmed()?)
+        reader.integer()
     }
 
     fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
@@ -57,7 +57,7 @@ impl Field for i32 {
     const RANGE: &'static str = "-2147483648..2147483647";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
-        parse_signed(reader.trimmed()?)
+        reader.signed()
     }
 
     fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
@@ -176,7 +176,7 @@ where
     const RANGE: &'static str = F::RANGE;
 
     fn decode(reader: &mut Reader<'_>) -> Result<F::Value, Fault> {
-        if reader.remaining() == 0 {
+        if reader.is_done() {
             return Ok(F::Value::default());
         }
         if reader.next_is_blank() {

@@ -119,7 +119,7 @@ impl Field for FrameData {
 
 /// The data of one frame, none where the place is left out.
 fn data(reader: &mut Reader<'_>) -> Result<Box<[u8]>, Fault> {
-    if reader.remaining() == 0 {
+    if reader.is_done() {
         return Ok(Box::default());
     }
     hex::decode(reader.bytes()?.trim_ascii())

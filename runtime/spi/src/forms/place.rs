@@ -174,6 +174,18 @@ mod tests {
         );
     }
 
+    #[test]
+    fn poles_and_the_antimeridian_survive_and_are_never_passed() {
+        for latitude in [-90.0, -89.999_999_999_9, -0.0, 89.999_999_999_9, 90.0] {
+            for longitude in [-180.0, -179.999_999_999_9, 0.0, 179.999_999_999_9, 180.0] {
+                let text = written::<Position>(&at(latitude, longitude)).unwrap();
+                let back = read::<Position>(&text[1..]).unwrap();
+                assert!((back.latitude.as_deg() - latitude).abs() < 1e-9, "{text}");
+                assert!((back.longitude.as_deg() - longitude).abs() < 1e-9, "{text}");
+            }
+        }
+    }
+
     proptest! {
         #[test]
         fn positions_survive_to_under_a_centimetre(latitude in -90.0..=90.0f64, longitude in -180.0..=180.0f64) {

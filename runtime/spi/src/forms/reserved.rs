@@ -43,9 +43,11 @@ impl<F: Field, R: Reserved> Field for Then<F, R> {
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault> {
         let value = F::decode(reader)?;
-        let present = reader.remaining().min(R::FIELDS.len());
-        for _ in 0..present {
-            reader.text()?;
+        for _ in R::FIELDS {
+            if reader.is_done() {
+                break;
+            }
+            reader.bytes()?;
         }
         Ok(value)
     }

@@ -36,7 +36,7 @@ impl Field for LastText {
     const RANGE: &'static str = Text::RANGE;
 
     fn decode(reader: &mut Reader<'_>) -> Result<Text, Fault> {
-        if reader.remaining() == 0 {
+        if reader.is_done() {
             Ok(Text::default())
         } else {
             Text::decode(reader)

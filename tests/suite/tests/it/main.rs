@@ -9,3 +9,4 @@ mod refusals;
 mod session;
 mod silence;
 mod simulation;
+mod spi;

@@ -138,14 +138,12 @@ pub(crate) enum Spi {
     /// sure, so that it has an `error`, which names the right checksum; --ignore-checksum reads it all the same.
     ///
     /// Exit code 0 also where sentences were faulty; 2 where the input cannot be read.
-    #[command(verbatim_doc_comment)]
     Decode(SpiDecode),
     /// Make sentences of JSON objects, one a line, as `decode --json` writes them
     ///
     /// An object is {"name":"BPLOG","message":{"message":"NVG","on":true}}. What comes out is valid: checksum, CRLF, every
     /// value within its range, no reserved character in a text. The first wrong line ends it, with exit code 2 and an error
     /// that names line, field and what was expected; the sentences before it have been written.
-    #[command(verbatim_doc_comment)]
     Encode(SpiEncode),
     /// Watch a live vehicle: subscribe to what it tells, and show it
     ///
@@ -154,7 +152,6 @@ pub(crate) enum Spi {
     /// takes no part in the mission. A lost link is made again with back-off.
     ///
     /// Ctrl-C ends it with a summary on standard error. Exit code 0 where a message was read, 1 where none was.
-    #[command(verbatim_doc_comment)]
     Connect(SpiConnect),
 }
 

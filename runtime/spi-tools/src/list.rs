@@ -5,6 +5,9 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::paint::Paint;
+use crate::reading::Reading;
+use crate::sheet::{Form, write_reading};
+use crate::splitter::{End, Piece};
 
 /// How the catalogue is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +88,8 @@ fn brief(field: &EntryField) -> String {
     let EntryField { name, unit, range, .. } = field;
     if *range == "any" || range.len() > BRIEF_RANGE || *unit == "UTC" {
         format!("{name} ({unit})")
+    } else if range.starts_with(unit) {
+        format!("{name} ({range})")
     } else {
         format!("{name} ({unit}, {range})")
     }
@@ -104,6 +109,7 @@ fn whole(entry: &Entry, paint: Paint, out: &mut impl Write) -> std::io::Result<(
     )?;
     writeln!(out, "section  SPI {}, {}", entry.section, way(entry.direction))?;
     writeln!(out, "example  {}", entry.example)?;
+    writeln!(out, "as json  {}", as_json(entry)?)?;
     let width = |text: fn(&EntryField) -> usize| entry.fields.iter().map(text).max().unwrap_or(0);
     let name = width(|field| field.name.len()).max("field".len());
     let unit = width(|field| field.unit.len()).max("unit".len());
@@ -126,6 +132,20 @@ fn whole(entry: &Entry, paint: Paint, out: &mut impl Write) -> std::io::Result<(
         )?;
     }
     Ok(())
+}
+
+/// The example as `decode --json` shows it and `encode` takes it.
+fn as_json(entry: &Entry) -> std::io::Result<String> {
+    let piece = Piece {
+        bytes: entry.example.as_bytes(),
+        end: End::Line,
+        line: 1,
+    };
+    let mut line = Vec::new();
+    if let Some(reading) = Reading::of(piece, false) {
+        write_reading(&mut line, Form::Json, &reading, None)?;
+    }
+    Ok(String::from_utf8_lossy(&line).trim_end().to_owned())
 }
 
 fn json(entry: &Entry, out: &mut impl Write) -> std::io::Result<()> {
@@ -220,6 +240,10 @@ mod tests {
         assert!(
             text.lines()
                 .any(|line| line.starts_with("depth ") && line.contains("-100..12000")),
+            "{text}"
+        );
+        assert!(
+            text.contains("as json  {\"name\":\"BFNVG\",\"checksum\":\"valid\",\"message\":{\"created\":"),
             "{text}"
         );
         assert_eq!(listed(&["nvg"], PLAIN), text);

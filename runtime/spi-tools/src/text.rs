@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use backseat_spi::EntryField;
 use serde::Serialize;
-use serde_json::ser::{CharEscape, Formatter, Serializer};
+use serde_json::ser::{CharEscape, CompactFormatter, Formatter, Serializer};
 
 use crate::reading::Message;
 
@@ -211,11 +211,18 @@ impl Formatter for Plain<'_> {
         let letters = match self.key.take() {
             Some(Key::Latitude) => ["N", "S"],
             Some(Key::Longitude) => ["E", "W"],
-            None => return write!(out, "{value}"),
+            // Without the `.0` of JSON.
+            None if value.trunc() == value && value.abs() < WHOLE_MAX => {
+                return CompactFormatter.write_i64(out, value as i64);
+            }
+            None => return CompactFormatter.write_f64(out, value),
         };
         out.write_all(place(value, letters).as_bytes())
     }
 }
+
+/// Beyond this a number has an exponent.
+const WHOLE_MAX: f64 = 1e15;
 
 /// `42.363515 N`: six decimals are a decimetre.
 pub(crate) fn place(degrees: f64, [positive, negative]: [&str; 2]) -> String {

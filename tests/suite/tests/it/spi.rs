@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use backseat_suite::{Backseat, Mission, Process, Signal, Vehicle, Way, eventually, free_address};
+use backseat_suite::{Backseat, Mission, Process, Signal, Vehicle, Way, eventually, free_address, settle};
 use serde_json::Value;
 
 use crate::session::SOON;
@@ -16,7 +16,7 @@ use crate::session::SOON;
 /// one, a value out of range, a line without an end, and a cut at the end.
 fn nasty() -> Vec<u8> {
     let mut recording = b"VxWorks login: \r\n\
-        $BFVER,081025.000,1.11*4B\r\n\n\
+        $BFVER,081025.000,1.11*4A\r\n\n\
         $BPLOG,NVG,ON\n\
         $BFNVG,081025.987,4221.81092,N,07106.84603,W,1,45.3,20.1,203.1,-3.4,4.5,081025.980*4E\r\n\
         $BFNVG,081025.987,4221.81092,N,07106.84603,W,1,45.3,20.1,203.1,-3.4,4.5,081025.980*5b\r\n\
@@ -252,7 +252,8 @@ fn watch(address: &str, arguments: &[&str]) -> Process {
 
 #[test]
 fn connect_subscribes_shows_what_comes_and_sends_nothing_else() {
-    let vehicle = Vehicle::start(&Mission::steady());
+    let mission = Mission::steady();
+    let vehicle = Vehicle::start(&mission);
     let mut watch = watch(&vehicle.address, &["--json"]);
     let names = |watch: &Process| {
         let said = watch.stdout();
@@ -280,6 +281,9 @@ fn connect_subscribes_shows_what_comes_and_sends_nothing_else() {
             "{object}"
         );
     }
+    vehicle.receives("BPLOG", 4, SOON);
+    // The vehicle's log is written every half second: had there been more, it would be there.
+    settle(Duration::from_secs(2));
     let received: Vec<_> = vehicle
         .lines()
         .into_iter()
@@ -292,7 +296,8 @@ fn connect_subscribes_shows_what_comes_and_sends_nothing_else() {
 
 #[test]
 fn connect_asks_only_for_what_it_is_told_to() {
-    let vehicle = Vehicle::start(&Mission::steady());
+    let mission = Mission::steady();
+    let vehicle = Vehicle::start(&mission);
     let mut watch = watch(&vehicle.address, &["--only", "NVR,ctl", "--seconds", "3"]);
     assert_eq!(watch.wait(SOON), Some(0), "{}", watch.stderr());
     assert!(
@@ -301,6 +306,8 @@ fn connect_asks_only_for_what_it_is_told_to() {
         watch.stdout()
     );
     assert!(!watch.stdout().contains("BFNVG"), "{}", watch.stdout());
+    vehicle.receives("BPLOG", 2, SOON);
+    settle(Duration::from_secs(2));
     let lines = vehicle.lines();
     let subscribed: Vec<_> = lines
         .iter()
@@ -347,7 +354,7 @@ fn scripted(connections: Vec<Vec<&'static [u8]>>) -> (String, Arc<Mutex<Vec<Stri
 
 fn send(stream: &mut TcpStream, piece: &[u8]) {
     stream.write_all(piece).unwrap();
-    backseat_suite::settle(Duration::from_millis(20));
+    settle(Duration::from_millis(20));
 }
 
 #[test]

@@ -12,10 +12,6 @@ use crate::session::name;
 impl Core {
     pub(crate) fn acknowledged(&mut self, ack: &Acknowledgement) {
         self.heard(ack.created);
-        if let AckStatus::Other(_) = ack.status {
-            // Neither done nor refused: the command stays unanswered, and times out as one.
-            return;
-        }
         let pending = ack.status == AckStatus::Pending;
         let Some(command) = self.commands.answer(ack, pending, self.now) else {
             return;

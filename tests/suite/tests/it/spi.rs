@@ -320,24 +320,24 @@ fn connect_asks_only_for_what_it_is_told_to() {
 /// A vehicle after a script: for each connection what it sends after the subscriptions, in pieces. It keeps the last
 /// connection. Gives the address, and what it has received from each.
 fn scripted(connections: Vec<Vec<&'static [u8]>>) -> (String, Arc<Mutex<Vec<String>>>) {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap().to_string();
+    let listener = TcpListener::bind("127.0.0.1:0").expect("the machine has a free port");
+    let address = listener.local_addr().expect("what is bound has an address").to_string();
     let received = Arc::new(Mutex::new(Vec::new()));
     let kept = Arc::clone(&received);
     std::thread::spawn(move || {
         let last = connections.len() - 1;
         for (index, pieces) in connections.into_iter().enumerate() {
-            let (mut stream, _) = listener.accept().unwrap();
-            stream.set_nodelay(true).unwrap();
-            kept.lock().unwrap().push(String::new());
-            let mut reader = BufReader::new(stream.try_clone().unwrap());
+            let (mut stream, _) = listener.accept().expect("the watch connects");
+            stream.set_nodelay(true).expect("the stream is open");
+            kept.lock().expect("nobody panics with it").push(String::new());
+            let mut reader = BufReader::new(stream.try_clone().expect("the stream is open"));
             let mut hear = |count: usize| {
                 for _ in 0..count {
                     let mut line = String::new();
                     if reader.read_line(&mut line).unwrap_or(0) == 0 {
                         return;
                     }
-                    kept.lock().unwrap()[index].push_str(&line);
+                    kept.lock().expect("nobody panics with it")[index].push_str(&line);
                 }
             };
             hear(4);
@@ -353,7 +353,7 @@ fn scripted(connections: Vec<Vec<&'static [u8]>>) -> (String, Arc<Mutex<Vec<Stri
 }
 
 fn send(stream: &mut TcpStream, piece: &[u8]) {
-    stream.write_all(piece).unwrap();
+    stream.write_all(piece).expect("the watch reads");
     settle(Duration::from_millis(20));
 }
 

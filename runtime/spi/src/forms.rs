@@ -5,15 +5,17 @@ mod packet;
 mod place;
 mod quantity;
 mod reserved;
+mod several;
 mod time;
 mod words;
 
 pub(crate) use flag::{Flag, OnOff};
 pub(crate) use identifier::{IdentifierOrEmpty, IdentifierOrZero};
-pub(crate) use number::{Decimal, Each, EntryAngle, Nine, Optional, OrDefault, Percent};
+pub(crate) use number::{Decimal, EntryAngle, Nine, Percent};
 pub(crate) use packet::{FrameCount, ReceivedFrames};
 pub(crate) use quantity::BottomLock;
 pub(crate) use reserved::{Then, ThreeEmpty, Zero};
+pub(crate) use several::{Each, Optional, OrDefault};
 pub(crate) use time::Created;
 pub(crate) use words::{LastText, Word};
 

@@ -37,6 +37,7 @@ impl<'a> Sentence<'a> {
     ///
     /// # Errors
     /// [`SentenceError`] where the line has not the form of a sentence.
+    #[inline]
     pub fn parse(line: &'a str) -> Result<Self, SentenceError> {
         let raw = line.trim_ascii_end();
         let (_, parts) = parts(raw.as_bytes()).map_err(|_| SentenceError)?;

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use backseat_bench::{HEADER, by_hand, in_turn, row};
 use backseat_spi::{
     BehaviorId, Framer, FromVehicle, HorizontalMode, Interrupt, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode,
-    Policy, SpeedMode, ToVehicle, Trackline, VerticalMode, catalogue,
+    Policy, Sentence, SpeedMode, ToVehicle, Trackline, VerticalMode, catalogue,
 };
 use backseat_units::{Position, TimeOfDay};
 
@@ -36,6 +36,15 @@ fn main() {
     stream();
 }
 
+/// Nanoseconds of one call, for two in turn: many batches that are shorter than a slice of a busy machine.
+fn best(calls: u32, mut ours: impl FnMut(), mut floor: impl FnMut()) -> (f64, f64) {
+    (0..20)
+        .map(|_| in_turn(calls, &mut ours, &mut floor))
+        .fold((f64::MAX, f64::MAX), |best, times| {
+            (best.0.min(times.0), best.1.min(times.1))
+        })
+}
+
 /// Bytes pushed into a framer, and the message out.
 fn decode(name: &str, line: &[u8], floor: impl FnMut()) {
     let mut framer = Framer::new(Policy::FromVehicle);
@@ -44,7 +53,7 @@ fn decode(name: &str, line: &[u8], floor: impl FnMut()) {
         let sentence = framer.next_sentence().expect("a whole line was pushed");
         black_box(FromVehicle::decode(&sentence).expect("it is one"));
     };
-    let times = in_turn(100_000, ours, floor);
+    let times = best(2_000, ours, floor);
     row(
         &format!("{name} bytes to typed message"),
         times,
@@ -91,8 +100,8 @@ fn compare(name: &str, message: &ToVehicle, floor: impl Fn(&mut Vec<u8>)) {
     message.encode(&mut ours).expect("it can be written");
     floor(&mut by_hand);
     assert_eq!(ours.escape_ascii().to_string(), by_hand.escape_ascii().to_string());
-    let times = in_turn(
-        100_000,
+    let times = best(
+        2_000,
         || {
             ours.clear();
             black_box(message).encode(&mut ours).expect("it can be written");
@@ -112,30 +121,28 @@ fn compare(name: &str, message: &ToVehicle, floor: impl Fn(&mut Vec<u8>)) {
     );
 }
 
-/// A second of a busy vehicle, over and over, as it would be read from a socket: 10 Hz of navigation, velocity, DVL and
-/// inertial data, the slower sensors, what the mission says, and a little noise.
+/// A minute of a busy vehicle, as they would be read from a socket: 10 Hz of navigation, velocity, DVL and inertial
+/// data, the slower sensors, what the mission says, and a little noise; no number twice, for predictors to remember.
 fn stream() {
     let stream = traffic();
     let reads = || stream.chunks(4096);
     let mut framer = Framer::new(Policy::FromVehicle);
-    let times = in_turn(
-        1,
-        || {
-            for read in reads() {
-                framer.push(read);
-                while let Some(sentence) = framer.next_sentence() {
-                    black_box(FromVehicle::decode(&sentence).expect("a good sentence"));
-                }
+    let mut ours = || {
+        for read in reads() {
+            framer.push(read);
+            while let Some(sentence) = framer.next_sentence() {
+                black_box(FromVehicle::decode(&sentence).expect("a good sentence"));
             }
-        },
-        || {
-            let mut lines = 0u64;
-            for read in reads() {
-                lines += memchr::memchr_iter(b'\n', black_box(read)).count() as u64;
-            }
-            black_box(lines);
-        },
-    );
+        }
+    };
+    let mut floor = || {
+        let mut lines = 0u64;
+        for read in reads() {
+            lines += memchr::memchr_iter(b'\n', black_box(read)).count() as u64;
+        }
+        black_box(lines);
+    };
+    let times = best(1, &mut ours, &mut floor);
     let speed = |nanos: f64| stream.len() as f64 / nanos * 1000.0;
     println!(
         "| mixed stream to typed messages | {:.0} MB/s | {:.0} MB/s (lines found by memchr, nothing read) | {:.1} | 300 MB/s |",
@@ -146,19 +153,62 @@ fn stream() {
 }
 
 fn traffic() -> Vec<u8> {
-    let line = |name: &str| {
-        let entry = catalogue().iter().find(|entry| entry.name == name);
-        format!("{}\r\n", entry.expect("it is in the catalogue").example)
-    };
-    let fast: String = ["BFNVG", "BFNVR", "BFDVL", "BFIMU", "BFRNV"].map(line).concat();
-    let mut second = fast.repeat(10);
-    for name in [
-        "BFACK", "BFMIS", "BFMBS", "BFCTD", "BFRBS", "BFRVL", "BFSVS", "BFERC", "BFRDP", "BFRCM", "BFPLN",
-    ] {
-        second.push_str(&line(name));
+    let mut random = Random(1);
+    let mut stream = String::new();
+    for _ in 0..60 {
+        for _ in 0..10 {
+            for name in ["BFNVG", "BFNVR", "BFDVL", "BFIMU", "BFRNV"] {
+                random.line(name, &mut stream);
+            }
+        }
+        for name in [
+            "BFACK", "BFMIS", "BFMBS", "BFCTD", "BFRBS", "BFRVL", "BFSVS", "BFERC", "BFRDP", "BFRCM", "BFPLN",
+        ] {
+            random.line(name, &mut stream);
+        }
+        stream.push_str("login: \r\n\r\n\n$BFNVG,081025.987,42");
+        random.line("BFACK", &mut stream);
+        stream.push_str("$BFCTL,081025.987,0*78\r\n");
     }
-    second.push_str("login: \r\n\r\n\n$BFNVG,081025.987,42");
-    second.push_str(&line("BFACK"));
-    second.push_str("$BFCTL,081025.987,0*78\r\n");
-    second.repeat(500).into_bytes()
+    stream.into_bytes()
+}
+
+/// A linear congruential generator: numbers that look as a vehicle's do.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: u64) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % bound
+    }
+
+    /// The catalogue's example of a message with other numbers in it.
+    fn line(&mut self, name: &str, out: &mut String) {
+        let entry = catalogue()
+            .iter()
+            .find(|entry| entry.name == name)
+            .expect("it is in the catalogue");
+        let formats = entry
+            .fields
+            .iter()
+            .flat_map(|field| field.formats.iter().map(move |format| (*format, field.range)));
+        let sentence = Sentence::parse(entry.example).expect("an example is a sentence");
+        let mut body = name.to_owned();
+        for ((format, range), example) in formats.zip(sentence.fields()) {
+            body.push(',');
+            if format == "x.x" {
+                let sign = if range == "any" && self.below(3) == 0 { "-" } else { "" };
+                let decimals = 1 + self.below(4) as usize;
+                let value = self.below(100_000) as f64 / 1000.0;
+                body.push_str(&format!("{sign}{value:.decimals$}"));
+            } else {
+                body.push_str(example);
+            }
+        }
+        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+        out.push_str(&format!("${body}*{sum:02X}\r\n"));
+    }
 }

@@ -20,6 +20,7 @@
 //!     target/fuzz/found tests/fuzz/corpus/from_vehicle -max_len=4400 -max_total_time=60
 //! ```
 //!
+//! Inputs that reached new code are kept as `found_…`, a share of what `-set_cover_merge=1` leaves of them.
 //! libFuzzer writes a failing input to `crash-…`; put it into the target's corpus under a name that says what it is.
 
 mod messages;

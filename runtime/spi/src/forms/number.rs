@@ -1,10 +1,9 @@
-use core::marker::PhantomData;
-
 #[cfg(test)]
-use proptest::prelude::{BoxedStrategy, Just, Strategy, any, prop_oneof};
+use proptest::prelude::{BoxedStrategy, Strategy, any};
 
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
+use crate::forms::Optional;
 
 /// Plain numbers, at most `D` decimals written. The unit is in the field's name.
 pub(crate) struct Decimal<const D: u8>;
@@ -130,111 +129,6 @@ impl Field for Percent {
     }
 }
 
-/// Several values of one form, one after the other.
-pub(crate) struct Each<F, const N: usize>(PhantomData<F>);
-
-impl<F: Field, const N: usize> Field for Each<F, N>
-where
-    F::Value: Copy + core::fmt::Debug + 'static,
-{
-    type Value = [F::Value; N];
-    const FORMATS: &'static [&'static str] = match F::FORMATS {
-        [format] => &[*format; N],
-        _ => panic!("only values of one field are repeated"),
-    };
-    const RANGE: &'static str = F::RANGE;
-
-    fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault> {
-        let mut values = [F::decode(reader)?; N];
-        for value in values.iter_mut().skip(1) {
-            *value = F::decode(reader)?;
-        }
-        Ok(values)
-    }
-
-    fn encode(values: &Self::Value, writer: &mut Writer<'_>) -> Result<(), Fault> {
-        values.iter().try_for_each(|value| F::encode(value, writer))
-    }
-
-    #[cfg(test)]
-    fn strategy() -> BoxedStrategy<Self::Value> {
-        proptest::collection::vec(F::strategy(), N)
-            .prop_map(|values| values.try_into().expect("as many as there are places"))
-            .boxed()
-    }
-}
-
-/// A value that a sender may leave out: then, or where its field is empty, its default.
-pub(crate) struct OrDefault<F>(PhantomData<F>);
-
-impl<F: Field> Field for OrDefault<F>
-where
-    F::Value: Default,
-{
-    type Value = F::Value;
-    const FORMATS: &'static [&'static str] = F::FORMATS;
-    const RANGE: &'static str = F::RANGE;
-
-    fn decode(reader: &mut Reader<'_>) -> Result<F::Value, Fault> {
-        if reader.is_done() {
-            return Ok(F::Value::default());
-        }
-        if reader.next_is_blank() {
-            for _ in F::FORMATS {
-                reader.bytes()?;
-            }
-            return Ok(F::Value::default());
-        }
-        F::decode(reader)
-    }
-
-    fn encode(value: &F::Value, writer: &mut Writer<'_>) -> Result<(), Fault> {
-        F::encode(value, writer)
-    }
-
-    #[cfg(test)]
-    fn strategy() -> BoxedStrategy<F::Value> {
-        F::strategy()
-    }
-}
-
-/// A value whose fields may be empty: the first one says.
-pub(crate) struct Optional<F>(PhantomData<F>);
-
-impl<F: Field> Field for Optional<F>
-where
-    F::Value: Clone + core::fmt::Debug + 'static,
-{
-    type Value = Option<F::Value>;
-    const FORMATS: &'static [&'static str] = F::FORMATS;
-    const RANGE: &'static str = F::RANGE;
-
-    fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault> {
-        if reader.next_is_blank() {
-            for _ in F::FORMATS {
-                reader.bytes()?;
-            }
-            return Ok(None);
-        }
-        F::decode(reader).map(Some)
-    }
-
-    fn encode(value: &Self::Value, writer: &mut Writer<'_>) -> Result<(), Fault> {
-        match value {
-            Some(value) => F::encode(value, writer),
-            None => {
-                F::FORMATS.iter().for_each(|_| writer.empty());
-                Ok(())
-            }
-        }
-    }
-
-    #[cfg(test)]
-    fn strategy() -> BoxedStrategy<Self::Value> {
-        prop_oneof![Just(None), F::strategy().prop_map(Some)].boxed()
-    }
-}
-
 /// The entry angle of a trackcircle: the header of SPI 7.6 leaves it out, the table has it. Read with and without,
 /// and always written.
 pub(crate) struct EntryAngle;
@@ -287,40 +181,12 @@ mod tests {
     }
 
     #[test]
-    fn values_that_may_be_left_out_have_their_default() {
-        let second = |body: &str| {
-            let line = format!("$X,7{body}");
-            let sentence = crate::Sentence::parse(&line).unwrap();
-            let mut reader = Reader::new(&sentence);
-            u32::decode(&mut reader)?;
-            OrDefault::<u32>::decode(&mut reader)
-        };
-        assert_eq!(
-            (second(""), second(","), second(", ,9"), second(",8")),
-            (Ok(0), Ok(0), Ok(0), Ok(8))
-        );
-        assert!(second(",x").is_err());
-    }
-
-    #[test]
     fn a_camera_moves_nine_tenths_at_most_and_a_battery_may_say_more_than_all() {
         assert_eq!((read::<Nine>("-9"), read::<Nine>("9")), (Ok(-9), Ok(9)));
         assert!(read::<Nine>("10").is_err() && written::<Nine>(&-10).is_err());
         assert_eq!(read::<Percent>("100.4"), Ok(100.4));
         assert!(written::<Percent>(&100.4).is_err() && written::<Percent>(&-0.1).is_err());
         assert!(written::<Percent>(&f64::NAN).is_err());
-    }
-
-    #[test]
-    fn each_place_of_an_array_is_its_own_field() {
-        type Ranges = Each<Optional<Decimal<3>>, 4>;
-        assert_eq!(read::<Ranges>("1.5,, ,-2"), Ok([Some(1.5), None, None, Some(-2.0)]));
-        assert_eq!(read::<Ranges>("1.5,,"), Err(Fault::Missing));
-        assert_eq!(
-            written::<Ranges>(&[None, Some(2.0), None, Some(0.0)]).unwrap(),
-            ",,2,,0"
-        );
-        assert_eq!(Ranges::FORMATS, ["x.x"; 4]);
     }
 
     #[test]

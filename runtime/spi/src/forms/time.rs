@@ -165,6 +165,14 @@ mod tests {
         }
     }
 
+    proptest::proptest! {
+        #[test]
+        fn the_short_way_reads_what_the_long_way_reads(text in "[0-2/][0-9:][0-6][0-9][0-6][0-9][-./0][0-9:]{2}[0-9/]") {
+            let short = parse_millis(text.as_bytes().try_into().unwrap());
+            proptest::prop_assert_eq!(short, parse_time(text.as_bytes()));
+        }
+    }
+
     #[test]
     fn three_decimals_are_written_and_never_rounded_up() {
         assert_eq!(

@@ -13,6 +13,7 @@ mod output;
 mod plugins;
 mod run;
 mod sim;
+mod spi;
 mod state;
 
 use std::io::IsTerminal;
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(arguments),
         Command::Mvc(arguments) => mvc::mvc(arguments),
         Command::Check(arguments) => check::check(arguments),
+        Command::Spi(command) => spi::spi(command),
     };
     match result {
         Ok(true) => ExitCode::SUCCESS,

@@ -1,6 +1,6 @@
 use std::fs::{self, File};
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command};
 use std::time::Duration;
 
 use rustix::process::{Pid, Signal, kill_process};
@@ -17,7 +17,7 @@ pub struct Process {
 }
 
 impl Process {
-    pub(crate) fn start(mut command: Command, folder: Option<PathBuf>, stdout: Option<PathBuf>) -> Self {
+    pub(crate) fn start(mut command: Command, folder: Option<PathBuf>, stdout: Option<PathBuf>, stdin: &[u8]) -> Self {
         let streams = tempfile::tempdir().expect("a temporary folder can be made");
         let file = |name: &str| File::create(streams.path().join(name)).expect("the folder is ours");
         let empty = streams.path().join("folder");
@@ -29,7 +29,10 @@ impl Process {
             let opened = File::options().write(true).open(&path);
             opened.unwrap_or_else(|error| panic!("{}: {error}", path.display()))
         });
-        command.stdin(Stdio::null()).stdout(stdout).stderr(file("stderr"));
+        let input = streams.path().join("stdin");
+        fs::write(&input, stdin).expect("the folder is ours");
+        let stdin = File::open(&input).expect("it was just written");
+        command.stdin(stdin).stdout(stdout).stderr(file("stderr"));
         let child = command.spawn().expect("the program was just built");
         Self { child, streams }
     }

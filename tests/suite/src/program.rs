@@ -22,6 +22,7 @@ pub struct Backseat {
     environment: Vec<(OsString, OsString)>,
     folder: Option<PathBuf>,
     stdout: Option<PathBuf>,
+    stdin: Vec<u8>,
 }
 
 impl Backseat {
@@ -71,6 +72,13 @@ impl Backseat {
         self
     }
 
+    /// Gives it this on its standard input; without, there is nothing to be read.
+    #[must_use]
+    pub fn stdin(mut self, bytes: impl Into<Vec<u8>>) -> Self {
+        self.stdin = bytes.into();
+        self
+    }
+
     /// Runs it to its end.
     ///
     /// # Panics
@@ -102,7 +110,7 @@ impl Backseat {
         command.env("BACKSEAT_PLUGINS", backseat_test_support::plugins());
         command.envs(self.environment);
         command.args(self.arguments);
-        Process::start(command, self.folder, self.stdout)
+        Process::start(command, self.folder, self.stdout, &self.stdin)
     }
 }
 

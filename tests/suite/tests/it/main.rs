@@ -10,3 +10,4 @@ mod refusals;
 mod session;
 mod silence;
 mod simulation;
+mod spi;

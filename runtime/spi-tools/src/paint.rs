@@ -1,0 +1,26 @@
+/// Escape sequences for a terminal that takes them, and nothing for all else.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Paint(bool);
+
+impl Paint {
+    pub(crate) const fn new(colour: bool) -> Self {
+        Self(colour)
+    }
+
+    pub(crate) const fn strong(self) -> &'static str {
+        if self.0 { "\x1b[1m" } else { "" }
+    }
+
+    pub(crate) const fn quiet(self) -> &'static str {
+        if self.0 { "\x1b[2m" } else { "" }
+    }
+
+    pub(crate) const fn alarm(self) -> &'static str {
+        if self.0 { "\x1b[31m" } else { "" }
+    }
+
+    /// The end of each of them.
+    pub(crate) const fn plain(self) -> &'static str {
+        if self.0 { "\x1b[0m" } else { "" }
+    }
+}

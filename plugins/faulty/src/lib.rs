@@ -128,7 +128,7 @@ pub struct Faulty {
 
 const SECOND_NS: u64 = 1_000_000_000;
 /// Requests of a step that are too many for a mission and not for the host.
-const FLOOD: usize = 100;
+const FLOOD: usize = 200;
 const YEAR_NS: u64 = 365 * 86_400 * SECOND_NS;
 
 impl Plugin for Faulty {

@@ -20,7 +20,7 @@ pub(crate) enum Answer {
 }
 
 enum Order {
-    Step(StepInput),
+    Step(Box<StepInput>),
     Restart,
 }
 
@@ -53,7 +53,7 @@ impl Crew {
     }
 
     pub(crate) fn step(&self, plugin: PluginId, input: StepInput) {
-        if self.orders[plugin.0].send(Order::Step(input)).is_err() {
+        if self.orders[plugin.0].send(Order::Step(Box::new(input))).is_err() {
             let result = Err(lost());
             let _closed = self.answers.send(Answer::Returned(
                 plugin,

@@ -7,7 +7,7 @@ use std::pin::Pin;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use backseat_core::{Core, Grant, Input, Operator, Output, Start};
+use backseat_core::{Core, Grant, Input, Note, Operator, Output, Start};
 use backseat_mission::Mission;
 use backseat_plugin_host::Host;
 use backseat_recorder::{Header, Rate, Recorder};
@@ -290,12 +290,16 @@ impl Driver {
                 Err(error) => error!("identifiers cannot be reserved, no more inserts are sent: {error:#}"),
             },
             Output::Finish => self.finished = true,
-            Output::Note(note) => self.tell(&note),
+            Output::Note(note) => {
+                if let Note::Operator { act } = &note {
+                    self.keep(act);
+                }
+                self.tell(&note);
+            }
         }
     }
 
-    fn tell(&mut self, note: &backseat_core::Note) {
-        use backseat_core::Note;
+    fn tell(&mut self, note: &Note) {
         let told = note.told(&self.names);
         match note {
             Note::LinkDown { retry_s, .. } => match self.link_lost.take() {
@@ -342,15 +346,19 @@ impl Driver {
         }
     }
 
-    fn operator(&mut self, act: Operator) {
+    /// Hold and release outlive the process, whether the operator said them or a policy did.
+    fn keep(&mut self, act: &Operator) {
         let kept = match act {
             Operator::Hold => self.state.set_held(true),
             Operator::Release => self.state.set_held(false),
-            Operator::Stop => Ok(()),
+            Operator::Stop | Operator::Order(_) => Ok(()),
         };
         if let Err(error) = kept {
             error!("the operator's act holds for this run only, it could not be kept: {error:#}");
         }
+    }
+
+    fn operator(&mut self, act: Operator) {
         self.feed(Input::Operator(act));
     }
 

@@ -95,8 +95,11 @@ impl Slot {
         self.state == State::Quarantined
     }
 
+    /// The vehicle says so much that the queue fills before the plugin's time. Outcomes do not count: they are answers to
+    /// what the plugin asked, and one that floods would be stepped the more often the more it asks.
     fn is_filling(&self) -> bool {
-        self.events.len() >= EVENTS_MAX / 2
+        let told = |event: &&Event| !matches!(event, Event::Outcome { .. });
+        self.events.len() >= EVENTS_MAX / 2 && self.events.iter().filter(told).count() >= EVENTS_MAX / 2
     }
 
     fn period(&self) -> Duration {

@@ -312,7 +312,9 @@ mod tests {
         } = *situation;
         link && match name {
             // 014: without control too.
-            "BPVER" | "BPLOG" | "BPSTS" | "BPMSG" | "BPRMP" | "BPEMB" | "BPRES" => true,
+            "BPVER" | "BPLOG" | "BPSTS" | "BPMSG" | "BPRMP" | "BPEMB" => true,
+            // Only as the end of a hold, and none stands.
+            "BPRES" => false,
             "BPRCN" => own_insert,
             "BPTMR" => driver && armed,
             // 012

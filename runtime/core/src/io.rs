@@ -59,6 +59,10 @@ pub enum Operator {
 }
 
 /// What core wants done.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a step is the commonest output; it is moved once, and a box would be an allocation a step"
+)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Output {
     /// Write this to the vehicle, at once and whole.

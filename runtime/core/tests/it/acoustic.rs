@@ -293,7 +293,7 @@ fn sr_016_a_packet_needs_the_subscriptions_that_watch_over_it() {
     trial.ask(0, [small(1)]);
     trial.run_for(0.3);
     assert!(
-        trial.rejection(1).contains("the subscription to BFCMA"),
+        trial.rejection(1).contains("the subscription to BFCPS"),
         "{}",
         trial.rejection(1)
     );

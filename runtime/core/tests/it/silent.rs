@@ -314,7 +314,9 @@ fn what_the_state_does_not_allow_is_rejected() {
 #[test]
 fn sr_018_silent_mode_needs_its_acknowledgements() {
     let mut trial = Trial::with(setup());
-    trial.vehicle.replies.insert("LOG", Reply::Refuse);
+    for name in ["LOG", "VER", "RMP", "STS"] {
+        trial.vehicle.replies.insert(name, Reply::Silent);
+    }
     trial.run_for(2.0);
     trial.ask(0, [silent(1)]);
     trial.run_for(0.3);

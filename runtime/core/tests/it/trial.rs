@@ -19,6 +19,7 @@ use crate::course;
 use crate::vehicle::{Vehicle, name_of};
 
 /// What came out of core, or in from the vehicle.
+#[expect(clippy::large_enum_variant, reason = "a record of a test")]
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Seen {
     Sent(ToVehicle),

@@ -23,14 +23,19 @@ fn connect(address: &str) -> BufReader<TcpStream> {
         || TcpStream::connect(address).ok(),
         || format!("nobody listens on {address}"),
     );
-    stream.set_read_timeout(Some(READ_WITHIN)).unwrap();
+    stream
+        .set_read_timeout(Some(READ_WITHIN))
+        .expect("a time-out above zero");
     BufReader::new(stream)
 }
 
 fn answer(driver: &mut BufReader<TcpStream>, line: &str) -> Vec<String> {
-    driver.get_mut().write_all(line.as_bytes()).unwrap();
+    driver
+        .get_mut()
+        .write_all(line.as_bytes())
+        .expect("the runtime hears the driver");
     let mut answer = String::new();
-    driver.read_line(&mut answer).unwrap();
+    driver.read_line(&mut answer).expect("the runtime answers");
     answer.split(',').map(str::to_owned).collect()
 }
 

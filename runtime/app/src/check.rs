@@ -72,6 +72,18 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         );
         good = false;
     }
+    for policy in &mission.file.policies {
+        say!("policy: when {:?}: {:?}", policy.when, policy.order);
+    }
+    for driver in &mission.file.drivers {
+        let sends: Vec<&str> = driver.sends.iter().map(|sentence| sentence.letters()).collect();
+        say!(
+            "driver {}: may send BP{}, heard on {}",
+            driver.name,
+            sends.join(", BP"),
+            driver.listen
+        );
+    }
     match &mission.world {
         None => say!("no world.toml: this mission cannot be simulated"),
         Some(world) => {

@@ -25,6 +25,8 @@ use crate::operator::Signals;
 use crate::plugins::{Answer, Crew};
 use crate::state::State;
 
+/// What is granted that the vehicle must know by an identifier.
+const NAMED: [Grant; 3] = [Grant::Insert, Grant::Surface, Grant::Acoustic];
 const FLUSH_EVERY: Duration = Duration::from_secs(2);
 /// How long a last BPEMB may take to leave when the run ends.
 const FAREWELL: Duration = Duration::from_millis(300);
@@ -55,10 +57,10 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         .file
         .plugins
         .iter()
-        .any(|plugin| plugin.grants.contains(&Grant::Insert));
+        .any(|plugin| plugin.grants.iter().any(|grant| NAMED.contains(grant)));
     if identifiers.is_none() && inserts {
         info!(
-            "no record of SPI identifiers at {}: tracklines and circles are off; begin one with --first-identifier N",
+            "no record of SPI identifiers at {}: tracklines, circles, GPS hits and acoustic packets are off; begin one with --first-identifier N",
             state.identifiers_path().display()
         );
     }

@@ -65,7 +65,8 @@ impl DriverSentence {
     }
 
     /// The three letters that it is acknowledged by.
-    const fn letters(self) -> &'static str {
+    #[must_use]
+    pub const fn letters(self) -> &'static str {
         match self {
             Self::Relay => "TMR",
             Self::PayloadCtd => "CTD",

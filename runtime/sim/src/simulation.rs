@@ -4,7 +4,9 @@ use std::io::BufWriter;
 use std::time::Duration;
 
 use backseat_core::plugin::{PluginId, Returned};
-use backseat_core::{ControlHook, Core, Identifiers, Input, Note, Operator, Output, RequestCounts, Restarted, Start};
+use backseat_core::{
+    ControlHook, Core, FailAction, Identifiers, Input, Note, Operator, Output, RequestCounts, Restarted, Start,
+};
 use backseat_mission::{Mission, MissionError};
 use backseat_mvc::{Activity, ClientId, Mvc, MvcError, Status, Truth, WorldFile};
 use backseat_oracle::{Oracle, OracleError};
@@ -109,7 +111,7 @@ impl Simulation {
                 },
                 tracking_error_m: limits.tracking_error_m,
                 navigation_age_max_s: limits.navigation_age_max_s,
-                operator_commands: false,
+                operator_commands: orders(mission),
                 inserts_open_max: limits.inserts_open_max,
                 inserts_total_max: limits.inserts_total_max,
                 inserts_duration_max_s: limits.inserts_duration_max_s,
@@ -522,4 +524,10 @@ impl Simulation {
         });
         Ok(())
     }
+}
+
+/// Whether the operator of a mission has ordered anything in advance that no plugin may send.
+fn orders(mission: &Mission) -> bool {
+    let aborts = |plugin: &backseat_mission::PluginTable| plugin.on_failure == FailAction::Abort;
+    !mission.file.policies.is_empty() || mission.file.plugins.iter().any(aborts)
 }

@@ -4,8 +4,7 @@ use std::time::Duration;
 
 use backseat_core::plugin::{Request, RequestState};
 use backseat_core::{
-    ConductivityUnit, DriverBounds, DriverId, DriverSentence, DriverSetup, Input, Note, Operator, Owner, RequestKind,
-    Settings,
+    DriverBounds, DriverId, DriverSentence, DriverSetup, Input, Note, Operator, Owner, RequestKind, Settings,
 };
 use backseat_spi::{AckStatus, FromVehicle, PositionFix, Sentence, ToVehicle};
 use backseat_units::{EastNorth, Timestamp, Utc};
@@ -22,7 +21,10 @@ const ALL: [DriverSentence; 5] = [
     DriverSentence::BearingOffset,
 ];
 
-fn driver(name: &str, sends: &[DriverSentence], bounds: DriverBounds) -> DriverSetup {
+/// How control is lost.
+type Loss = fn(&mut Trial);
+
+pub(crate) fn driver(name: &str, sends: &[DriverSentence], bounds: DriverBounds) -> DriverSetup {
     DriverSetup {
         name: name.to_owned(),
         sends: sends.to_vec(),
@@ -30,7 +32,7 @@ fn driver(name: &str, sends: &[DriverSentence], bounds: DriverBounds) -> DriverS
     }
 }
 
-fn setup(bounds: DriverBounds) -> Setup {
+pub(crate) fn setup(bounds: DriverBounds) -> Setup {
     Setup {
         settings: Settings {
             drivers: vec![driver("pod", &ALL, bounds)],
@@ -41,38 +43,38 @@ fn setup(bounds: DriverBounds) -> Setup {
 }
 
 /// Often enough for a test that says many things one after the other.
-fn often() -> DriverBounds {
+pub(crate) fn often() -> DriverBounds {
     DriverBounds {
         rate_max_hz: 50.0,
         ..DriverBounds::default()
     }
 }
 
-fn under_way(bounds: DriverBounds) -> Trial {
+pub(crate) fn under_way(bounds: DriverBounds) -> Trial {
     Trial::with_under_way(setup(bounds))
 }
 
 /// As real payloads do: no checksum, a line feed alone.
-fn say(trial: &mut Trial, body: &str) {
+pub(crate) fn say(trial: &mut Trial, body: &str) {
     trial.feed(Input::Driver(DriverId(0), format!("${body}\n").as_bytes()));
 }
 
 /// Our clock, so many seconds from now, as a field.
-fn clock(trial: &Trial, seconds: f64) -> String {
+pub(crate) fn clock(trial: &Trial, seconds: f64) -> String {
     let now = Utc::from_unix_nanos(1_700_000_000_000_000_000) + Duration::from_nanos(trial.now.as_nanos());
     let nanos = now.as_unix_nanos().wrapping_add_signed((seconds * 1e9) as i64);
     let (hour, minute, second, nanos) = Utc::from_unix_nanos(nanos).time_of_day().hms_nano();
     format!("{hour:02}{minute:02}{second:02}.{:03}", nanos / 1_000_000)
 }
 
-fn line(message: &ToVehicle) -> String {
+pub(crate) fn line(message: &ToVehicle) -> String {
     let mut out = Vec::new();
     message.encode(&mut out).unwrap();
     String::from_utf8(out).unwrap()
 }
 
 /// A fix so many metres from navigation.
-fn fix(trial: &Trial, off: EastNorth) -> PositionFix {
+pub(crate) fn fix(trial: &Trial, off: EastNorth) -> PositionFix {
     let here = trial.core.navigation().unwrap().local;
     let now = Utc::from_unix_nanos(1_700_000_000_000_000_000) + Duration::from_nanos(trial.now.as_nanos());
     PositionFix {
@@ -85,17 +87,17 @@ fn fix(trial: &Trial, off: EastNorth) -> PositionFix {
     }
 }
 
-fn say_fix(trial: &mut Trial, fix: PositionFix) {
+pub(crate) fn say_fix(trial: &mut Trial, fix: PositionFix) {
     let bytes = line(&fix.into());
     trial.feed(Input::Driver(DriverId(0), bytes.as_bytes()));
 }
 
 /// What driver 0 has been told: name, echoed time, status, text.
-fn told(trial: &Trial) -> Vec<(String, String, AckStatus, String)> {
+pub(crate) fn told(trial: &Trial) -> Vec<(String, String, AckStatus, String)> {
     told_to(trial, 0)
 }
 
-fn told_to(trial: &Trial, driver: usize) -> Vec<(String, String, AckStatus, String)> {
+pub(crate) fn told_to(trial: &Trial, driver: usize) -> Vec<(String, String, AckStatus, String)> {
     let ack = |(_, seen): &(Timestamp, Seen)| match seen {
         Seen::Told(to, bytes) if *to == driver => {
             let line = std::str::from_utf8(bytes).unwrap();
@@ -112,12 +114,12 @@ fn told_to(trial: &Trial, driver: usize) -> Vec<(String, String, AckStatus, Stri
     trial.seen.iter().filter_map(ack).collect()
 }
 
-fn statuses(trial: &Trial) -> Vec<AckStatus> {
+pub(crate) fn statuses(trial: &Trial) -> Vec<AckStatus> {
     told(trial).into_iter().map(|(_, _, status, _)| status).collect()
 }
 
 /// The states of the driver's requests of a kind.
-fn states(trial: &Trial, kind: RequestKind) -> Vec<RequestState> {
+pub(crate) fn states(trial: &Trial, kind: RequestKind) -> Vec<RequestState> {
     let state = |(_, note)| match note {
         Note::Request(transition) if transition.kind == kind => {
             assert_eq!(transition.owner, Owner::Driver(DriverId(0)));
@@ -128,7 +130,7 @@ fn states(trial: &Trial, kind: RequestKind) -> Vec<RequestState> {
     trial.notes().into_iter().filter_map(state).collect()
 }
 
-fn sent_anything(trial: &Trial) -> bool {
+pub(crate) fn sent_anything(trial: &Trial) -> bool {
     ["TMR", "CTD", "NPU", "RNS", "RBO"]
         .iter()
         .any(|name| !trial.sent(name).is_empty())
@@ -344,177 +346,6 @@ fn a_program_that_speaks_to_a_vehicle_may_begin_as_it_does_there() {
 }
 
 #[test]
-fn figures_beyond_the_bounds_are_rejected_and_never_clamped() {
-    let mut trial = under_way(often());
-    trial.run_for(1.0);
-    let recent = clock(&trial, 0.0);
-    let ctd = |figures: &str| format!("BPCTD,081025.987,{figures},{recent}");
-    let (old, ahead) = (clock(&trial, -11.0), clock(&trial, 3.0));
-    for (body, rule) in [
-        (ctd("-1,10,300"), "conductivity is -1.000 uS/cm"),
-        (ctd("100001,10,300"), "conductivity is 100001.000"),
-        (ctd("40000,51,300"), "temperature is 51.000 degC"),
-        (ctd("40000,-6,300"), "temperature is -6.000"),
-        (ctd("40000,10,-1"), "pressure is -1.000 kPa"),
-        (ctd("40000,10,130000"), "pressure is 130000.000"),
-        (format!("BPCTD,081025.987,40000,10,300,{old}"), "measured"),
-        (format!("BPCTD,081025.987,40000,10,300,{ahead}"), "measured"),
-        ("BPCTD,081025.987,40000,10,300,101010.000".to_owned(), "measured"),
-        ("BPRNS,081025.987,51,0,0".to_owned(), "x is 51.000 m"),
-        ("BPRNS,081025.987,0,-51,0".to_owned(), "y is -51.000 m"),
-        ("BPRNS,081025.987,0,0,361".to_owned(), "the bearing is 361.000"),
-        ("BPRBO,081025.987,46".to_owned(), "the offset is 46.000 degrees"),
-        ("BPRBO,081025.987,-46".to_owned(), "the offset is -46.000"),
-    ] {
-        say(&mut trial, &body);
-        let last = told(&trial).pop().unwrap();
-        assert_eq!(last.2, AckStatus::Failed, "{body}");
-        assert!(
-            last.3.starts_with("limit: ") && last.3.contains(rule),
-            "{body}: {}",
-            last.3
-        );
-        trial.run_for(0.05);
-    }
-    let good = fix(&trial, EastNorth::new(30.0, 0.0));
-    let far = fix(&trial, EastNorth::new(501.0, 0.0)).position;
-    let away = backseat_units::Position::from_deg(43.0, -70.0).unwrap();
-    for (fix, rule) in [
-        (
-            PositionFix {
-                force: true,
-                ..good.clone()
-            },
-            "force",
-        ),
-        (
-            PositionFix {
-                error_m: 0.0,
-                ..good.clone()
-            },
-            "error is 0 m",
-        ),
-        (
-            PositionFix {
-                error_m: -1.0,
-                ..good.clone()
-            },
-            "error is -1.000 m",
-        ),
-        (
-            PositionFix {
-                error_m: 101.0,
-                ..good.clone()
-            },
-            "error is 101.000 m",
-        ),
-        (
-            PositionFix {
-                depth_m: -1.0,
-                ..good.clone()
-            },
-            "depth is -1.000 m",
-        ),
-        (
-            PositionFix {
-                depth_m: 71.0,
-                ..good.clone()
-            },
-            "depth is 71.000 m",
-        ),
-        (
-            PositionFix {
-                position: far,
-                ..good.clone()
-            },
-            "way from navigation is 50",
-        ),
-        (
-            PositionFix { position: away, ..good },
-            "way from the fence's middle is 111",
-        ),
-    ] {
-        say_fix(&mut trial, fix);
-        let last = told(&trial).pop().unwrap();
-        assert!(
-            last.2 == AckStatus::Failed && last.3.contains(rule),
-            "{rule}: {}",
-            last.3
-        );
-        trial.run_for(0.05);
-    }
-    assert!(!sent_anything(&trial));
-    assert_eq!(trial.core.request_counts().rejected, 22);
-    assert_eq!(trial.core.open_requests(), 0);
-}
-
-#[test]
-fn conductivity_leaves_in_the_unit_that_the_vehicle_is_set_to() {
-    use ConductivityUnit::{MicrosiemensPerCentimetre as Micro, SiemensPerMetre as Siemens};
-    for (conductivity_in, conductivity_out, says, leaves) in [
-        (Micro, Micro, "42914", 42_914.0),
-        (Micro, Siemens, "42914", 4.291),
-        (Siemens, Micro, "4.2914", 42_914.0),
-        (Siemens, Siemens, "4.291", 4.291),
-    ] {
-        let mut trial = under_way(DriverBounds {
-            conductivity_in,
-            conductivity_out,
-            ..often()
-        });
-        let recent = clock(&trial, 0.0);
-        say(&mut trial, &format!("BPCTD,081025.987,{says},10.25,303.4,{recent}"));
-        let Some((_, ToVehicle::PayloadCtd(ctd))) = trial.commands("CTD").pop() else {
-            panic!("{:?}", told(&trial));
-        };
-        assert!((ctd.conductivity_us_per_cm - leaves).abs() < 1e-6, "{ctd:?}");
-    }
-}
-
-#[test]
-fn sr_021_what_moves_the_frame_ends_the_lease_before_it_leaves_and_ten_seconds_pass() {
-    for forced in ["NPU", "RNS", "RBO"] {
-        let mut trial = under_way(DriverBounds {
-            fix_force: true,
-            ..often()
-        });
-        trial.ask(0, [Request::Modify(modify(1))]);
-        trial.run_for(0.5);
-        assert!(trial.core.is_steering());
-        let before = trial.now;
-        match forced {
-            "NPU" => {
-                let fix = PositionFix {
-                    force: true,
-                    ..fix(&trial, EastNorth::new(5.0, 0.0))
-                };
-                say_fix(&mut trial, fix);
-            }
-            "RNS" => say(&mut trial, "BPRNS,081025.987,1.5,-2.25,90"),
-            _ => say(&mut trial, "BPRBO,081025.987,-2.5"),
-        }
-        assert_eq!(trial.names_since(before), ["EMB", forced], "{:?}", told(&trial));
-        assert!(!trial.core.is_steering() && !trial.core.has_control());
-        trial.run_for(9.8);
-        assert!(!trial.core.has_control(), "steady for too short a time");
-        trial.run_for(0.5);
-        assert!(trial.core.has_control());
-        assert_eq!(statuses(&trial), [AckStatus::Succeeded]);
-    }
-    // A fix that the vehicle weighs by itself is watched as all navigation is.
-    let mut trial = under_way(often());
-    trial.ask(0, [Request::Modify(modify(1))]);
-    trial.run_for(0.5);
-    let fix = fix(&trial, EastNorth::new(5.0, 0.0));
-    say_fix(&mut trial, fix);
-    trial.run_for(1.0);
-    assert!(trial.core.is_steering());
-}
-
-/// How control is lost.
-type Loss = fn(&mut Trial);
-
-#[test]
 fn sr_014_without_control_only_the_relay_passes() {
     let cases: [(&str, Loss); 4] = [
         ("the vehicle has control", |trial| {
@@ -696,40 +527,5 @@ fn a_plugin_that_fails_and_control_that_is_lost_midway_leave_the_request_to_its_
     assert_eq!(
         states(&trial, RequestKind::BearingOffset).last().map(short),
         Some("ended")
-    );
-}
-
-#[test]
-fn bounds_that_make_no_sense_are_named() {
-    assert_eq!(DriverBounds::default().validate(), Ok(()));
-    let broken = |bounds: DriverBounds| bounds.validate().unwrap_err().key;
-    let usual = DriverBounds::default;
-    assert_eq!(
-        broken(DriverBounds {
-            rate_max_hz: 0.0,
-            ..usual()
-        }),
-        "rate_max_hz"
-    );
-    assert_eq!(
-        broken(DriverBounds {
-            fix_distance_max_m: f64::NAN,
-            ..usual()
-        }),
-        "fix_distance_max_m"
-    );
-    assert_eq!(
-        broken(DriverBounds {
-            offset_max_deg: 181.0,
-            ..usual()
-        }),
-        "offset_max_deg"
-    );
-    assert_eq!(
-        broken(DriverBounds {
-            measured_age_max_s: -1.0,
-            ..usual()
-        }),
-        "measured_age_max_s"
     );
 }

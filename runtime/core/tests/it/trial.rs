@@ -8,14 +8,15 @@ use backseat_core::plugin::{
     Event, FaultKind, PluginFault, PluginId, Request, RequestState, Returned, StepInput, Topic,
 };
 use backseat_core::{
-    ControlHook, Core, Grant, Identifiers, Input, Limits, Note, Operator, Order, Output, PluginSetup, RequestKind,
-    Restarted, Settings, Start,
+    Core, Grant, Identifiers, Input, Limits, Note, Operator, Order, Output, PluginSetup, RequestKind, Restarted,
+    Settings, Start,
 };
 use backseat_fence::Fence;
 use backseat_spi::{FromVehicle, Sentence, ToVehicle};
 use backseat_units::{Timestamp, Utc};
 
 use crate::course;
+use crate::judge::Judge;
 use crate::vehicle::{Vehicle, name_of};
 
 /// What came out of core, or in from the vehicle.
@@ -511,189 +512,6 @@ impl Trial {
             .into_iter()
             .flat_map(|(_, input)| input.events)
             .collect()
-    }
-}
-
-/// Knows what the vehicle has said and what has been delivered, and nothing of core.
-struct Judge {
-    hook: ControlHook,
-    armed: bool,
-    age_max: Duration,
-    up: bool,
-    held: bool,
-    handed_over: Option<bool>,
-    running: Option<bool>,
-    solved: Option<Timestamp>,
-    /// When the last BPRMB that no BPEMB has ended was sent.
-    modified: Option<Timestamp>,
-    last_modify: Option<Timestamp>,
-    /// When the last message left that keeps a mission suspended, while one is.
-    suspended: Option<Timestamp>,
-    last_move: Option<Timestamp>,
-    reserved: u32,
-    identifiers: Vec<u32>,
-    /// The vehicle's last word on the DVL's triggering.
-    may_trigger: bool,
-}
-
-impl Judge {
-    fn new(hook: ControlHook, start: &Start, limits: &Limits) -> Self {
-        Self {
-            hook,
-            armed: start.armed,
-            age_max: Duration::from_secs_f64(limits.navigation_age_max_s),
-            up: false,
-            held: start.held,
-            handed_over: None,
-            running: None,
-            solved: None,
-            modified: None,
-            last_modify: None,
-            suspended: None,
-            last_move: None,
-            reserved: start.identifiers.map_or(0, |identifiers| identifiers.reserved),
-            identifiers: Vec::new(),
-            may_trigger: false,
-        }
-    }
-
-    fn link(&mut self, up: bool) {
-        self.up = up;
-        self.may_trigger = false;
-        (self.handed_over, self.running, self.solved, self.modified) = (None, None, None, None);
-        self.suspended = None;
-    }
-
-    fn heard(&mut self, message: &FromVehicle, solved: Option<Timestamp>) {
-        match message {
-            FromVehicle::BackseatControl(control) if self.hook == ControlHook::Bfctl => {
-                self.handed_over = Some(control.granted);
-            }
-            FromVehicle::MissionStatus(status) => {
-                self.running = Some(status.status.as_str().starts_with("Running"));
-                if self.hook == ControlHook::Running {
-                    self.handed_over = self.running;
-                }
-            }
-            FromVehicle::MissionCommand(command) => {
-                if let ControlHook::MissionCommand { grant, revoke } = &self.hook {
-                    match command.text.as_str() {
-                        text if text == grant => self.handed_over = Some(true),
-                        text if text == revoke => self.handed_over = Some(false),
-                        _ => {}
-                    }
-                }
-            }
-            FromVehicle::Navigation(_) => self.solved = self.solved.max(solved),
-            FromVehicle::Shutdown(_) => self.held = true,
-            FromVehicle::DvlTriggering(message) => self.may_trigger = message.begin,
-            _ => {}
-        }
-    }
-
-    fn has_control(&self) -> bool {
-        self.up && !self.held && self.handed_over == Some(true) && self.running == Some(true)
-    }
-
-    /// Core has handled what arrived: without control nothing stands.
-    fn settled(&self, now: Timestamp) {
-        assert!(
-            self.has_control() || self.modified.is_none(),
-            "a modify stands at {now} without control"
-        );
-        assert!(
-            self.has_control() || self.suspended.is_none(),
-            "a hold stands at {now} without control"
-        );
-    }
-
-    fn sent(&mut self, now: Timestamp, command: &ToVehicle) {
-        let (name, identifier) = name_of(command);
-        match command {
-            ToVehicle::ModifyBehavior(modify) => {
-                let full = modify.horizontal.is_some() && modify.vertical_m.is_some() && modify.speed.is_some();
-                assert!(full, "{modify:?} leaves a value to inherit");
-                assert!(self.suspended.is_none(), "BPRMB at {now} under a hold");
-                if let Some(last) = self.last_modify {
-                    assert!(
-                        now.since(last) >= Duration::from_millis(200),
-                        "BPRMB over 5 Hz at {now}"
-                    );
-                }
-                if let Some(last) = self.modified {
-                    assert!(now.since(last) <= Duration::from_millis(2500), "BPRMB late at {now}");
-                }
-                self.last_modify = Some(now);
-                self.modified = Some(now);
-            }
-            ToVehicle::EndModify(_) => {
-                assert!(self.modified.take().is_some(), "a BPEMB that ends nothing at {now}");
-            }
-            ToVehicle::Suspend(_) => {
-                assert!(self.modified.is_none(), "BPSUS at {now} under a modify");
-                self.suspended = Some(now);
-            }
-            ToVehicle::Continue(_) | ToVehicle::HullPosition(_) | ToVehicle::BottomPosition(_) => {
-                let last = self.suspended.replace(now).expect("a suspended mission");
-                assert!(now.since(last) <= Duration::from_secs(1), "{name} late at {now}");
-                if name != "CON" {
-                    let last = self.last_move.replace(now);
-                    let rate = last.is_none_or(|last| now.since(last) >= Duration::from_millis(200));
-                    assert!(rate, "{name} over 5 Hz at {now}");
-                }
-            }
-            ToVehicle::Resume(_) => {
-                assert!(self.suspended.take().is_some(), "a BPRES that ends nothing at {now}");
-            }
-            ToVehicle::Trackline(_) | ToVehicle::Trackcircle(_) | ToVehicle::GpsHit(_) => {
-                let identifier = identifier.unwrap();
-                assert!(identifier < self.reserved, "identifier {identifier} is not reserved");
-                assert!(
-                    !self.identifiers.contains(&identifier),
-                    "identifier {identifier} is used twice"
-                );
-                self.identifiers.push(identifier);
-            }
-            ToVehicle::Packet(packet) => {
-                let fresh = packet.request < self.reserved && !self.identifiers.contains(&packet.request);
-                assert!(fresh, "identifier {} of a packet", packet.request);
-                self.identifiers.push(packet.request);
-            }
-            ToVehicle::DvlTriggerRequest(request) => {
-                assert!(self.may_trigger || !request.triggering, "BPDVR x,1 at {now} unasked");
-                self.may_trigger &= request.external || request.triggering;
-            }
-            _ => {}
-        }
-        let moves_navigation = matches!(name, "NPU" | "CTD" | "RNS" | "RBO");
-        let steers = matches!(
-            name,
-            "RMB"
-                | "RTK"
-                | "RTC"
-                | "RGP"
-                | "SUS"
-                | "CON"
-                | "GHP"
-                | "GBP"
-                | "SAN"
-                | "PTZ"
-                | "LIT"
-                | "TOP"
-                | "SIL"
-                | "TRM"
-                | "BOY"
-                | "CPD"
-        );
-        if moves_navigation || steers {
-            assert!(self.armed && self.has_control(), "{name} at {now} without control");
-            let solved = self.solved.expect("navigation");
-            let age = now.since(solved);
-            assert!(
-                age <= self.age_max + Duration::from_millis(20),
-                "{name} on navigation {age:?} old"
-            );
-        }
     }
 }
 

@@ -176,7 +176,7 @@ fn floods_within_the_bounds_and_odd_texts_are_for_core_to_judge() {
     let asked = |fault| faulty(fault, 0, Budget::default()).step(&input(0)).result.unwrap();
     let all = |fault, is: fn(&Request) -> bool| {
         let requests = asked(fault);
-        assert_eq!((requests.len(), requests.iter().all(is)), (100, true), "{fault}");
+        assert_eq!((requests.len(), requests.iter().all(is)), (200, true), "{fault}");
     };
     all("topside_flood", |request| matches!(request, Request::Topside(_)));
     all("packet_flood", |request| matches!(request, Request::Packet(_)));

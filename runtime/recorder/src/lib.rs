@@ -54,6 +54,7 @@ mod header;
 mod log;
 mod message;
 pub mod picture;
+mod raw;
 mod recorder;
 mod request;
 

@@ -3,8 +3,6 @@ use std::path::Path;
 
 use backseat_core::Start;
 use backseat_units::{Timestamp, Utc};
-use mcap::McapError;
-use mcap::read::{ChunkFlattener, Options};
 use mcap::records::{MessageHeader, Record as Raw};
 use serde_json::Value;
 
@@ -12,6 +10,7 @@ use crate::channel::Channel;
 use crate::error::RecorderError;
 use crate::header::{COMPONENTS, FORMAT, RUN, Rate};
 use crate::message::{InputOwned, Line, LoggedInput};
+use crate::raw::Records;
 
 /// A log, read back whole.
 #[derive(Clone, Debug, PartialEq)]
@@ -176,8 +175,7 @@ fn parse_named(bytes: &[u8], log: &str) -> Result<Log, RecorderError> {
         log: log.to_owned(),
         source: Box::new(source),
     };
-    let options = Options::IgnoreEndMagic | Options::ValidateChunkCrcs;
-    let records = ChunkFlattener::new_with_options(bytes, options).map_err(damaged)?;
+    let records = Records::new(bytes).map_err(damaged)?;
     let mut channels: BTreeMap<u16, Channel> = BTreeMap::new();
     let mut run = None;
     let mut components = BTreeMap::new();
@@ -185,13 +183,7 @@ fn parse_named(bytes: &[u8], log: &str) -> Result<Log, RecorderError> {
     let mut entries = Vec::new();
     let mut complete = false;
     for record in records {
-        let record = match record {
-            Ok(record) => record,
-            // The limit is the file's own length: a record that says it is longer was cut short.
-            Err(McapError::UnexpectedEof | McapError::UnexpectedEoc | McapError::RecordTooLarge { .. }) => break,
-            Err(source) => return Err(damaged(source)),
-        };
-        match record {
+        match record.map_err(damaged)? {
             Raw::Channel(channel) => {
                 if let Some(known) = Channel::from_topic(&channel.topic) {
                     channels.insert(channel.id, known);

@@ -295,15 +295,65 @@ proptest! {
         prop_assert_eq!(format!("{requests:?}"), format!("{asked:?}"));
     }
 
+    /// Whatever is wrong in it; checksums say no more where they are zero.
     #[test]
-    fn no_bytes_make_the_reader_panic(cut in 0usize..4000, at in 0usize..4000, with in any::<u8>()) {
-        let mut bytes = recorded(Rate::Deployed, |recorder| {
-            recorder.input(Timestamp::ZERO, &Input::Received(b"$BFVER\r\n")).unwrap();
-        });
-        let length = bytes.len();
-        bytes[at % length] = with;
-        bytes.truncate(cut.max(length / 2));
+    fn no_bytes_make_the_reader_panic(
+        cut in any::<prop::sample::Index>(),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<[u8; 4]>(), 1usize..=4), 1..8),
+    ) {
+        let mut bytes = short_log();
+        for (at, with, count) in changes {
+            let at = at.index(bytes.len() - count);
+            bytes[at..at + count].copy_from_slice(&with[..count]);
+        }
+        bytes.truncate(bytes.len() / 2 + cut.index(bytes.len() / 2));
         let _ = parse(&bytes);
+    }
+}
+
+/// A log with an attachment and one chunk.
+fn short_log() -> Vec<u8> {
+    recorded(Rate::Deployed, |recorder| {
+        recorder
+            .input(Timestamp::ZERO, &Input::Received(b"$BFVER\r\n"))
+            .unwrap();
+    })
+}
+
+#[test]
+fn no_single_byte_makes_the_reader_panic() {
+    let mut bytes = short_log();
+    for at in 0..bytes.len() {
+        let was = bytes[at];
+        for with in [
+            0,
+            1,
+            0x7f,
+            0xff,
+            was ^ 1,
+            was ^ 0x80,
+            was.wrapping_add(1),
+            was.wrapping_sub(1),
+        ] {
+            bytes[at] = with;
+            let _ = parse(&bytes);
+        }
+        bytes[at] = was;
+    }
+}
+
+#[test]
+fn a_file_cut_anywhere_reads_up_to_the_cut() {
+    let bytes = short_log();
+    for length in 0..bytes.len() {
+        match parse(&bytes[..length]) {
+            Ok(log) => assert!(log.entries.len() <= 1, "{length}"),
+            Err(error) => assert!(
+                matches!(error, RecorderError::Damaged { .. } if length < mcap::MAGIC.len())
+                    || matches!(error, RecorderError::Foreign { .. }),
+                "{length}: {error}"
+            ),
+        }
     }
 }
 

@@ -22,9 +22,22 @@ pub(crate) fn target() -> Result<PathBuf> {
 
 /// Runs Cargo in the workspace; its failure is ours.
 pub(crate) fn cargo(arguments: &[&str]) -> Result<()> {
-    let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    run(&mut cargo_command(arguments))
+}
+
+/// Runs Cargo's tests. Property tests draw the same cases each time, so that a change passes or fails by what it is;
+/// `PROPTEST_RNG_SEED` draws others.
+pub(crate) fn cargo_test(arguments: &[&str]) -> Result<()> {
+    const SEED: &str = "PROPTEST_RNG_SEED";
+    let seed = env::var_os(SEED).unwrap_or_else(|| "20261121".into());
+    run(cargo_command(arguments).env(SEED, seed))
+}
+
+fn cargo_command(arguments: &[&str]) -> Command {
     println!("> cargo {}", arguments.join(" "));
-    run(Command::new(program).args(arguments))
+    let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(arguments);
+    command
 }
 
 /// Runs a command in the workspace; its failure is ours.

@@ -3,7 +3,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::cargo::{cargo, root, run, target};
+use crate::cargo::{cargo, cargo_test, root, run, target};
 use crate::tidy::tidy;
 
 const PLUGINS: [&str; 4] = ["isobath", "plume", "template", "faulty"];
@@ -42,7 +42,7 @@ pub(crate) fn test() -> Result<()> {
         "--deny",
         "warnings",
     ])?;
-    cargo(&["test", "--workspace", "--quiet", "--no-fail-fast"])
+    cargo_test(&["test", "--workspace", "--quiet", "--no-fail-fast"])
 }
 
 /// Builds the project's plugins and makes components of them.

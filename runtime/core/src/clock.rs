@@ -18,7 +18,7 @@ const NEW_DAY_NANOS: i64 = 3 * SECOND_NANOS;
 /// For so long after a leap second timestamps from before it may be met.
 const LEAP_REMEMBERED: Duration = Duration::from_secs(3600);
 
-/// The vehicle's clock seen from ours, on one connection.
+/// The vehicle's clock seen from ours.
 ///
 /// Each timestamp from the vehicle gives an upper bound of the offset between the clocks: ours at its arrival less the
 /// vehicle's at its writing is the offset plus the delay on the way. The smallest seen is the best, so an age counted

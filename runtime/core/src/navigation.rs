@@ -10,7 +10,8 @@ use crate::plugin::NavigationSample;
 
 /// After a jump, navigation must be steady for this long (safety requirement 021).
 const STEADY_AFTER_JUMP: Duration = Duration::from_secs(10);
-/// On a new connection the first samples only show how the clocks lie: what was buffered for us is old.
+/// On a new connection the first samples may be what was buffered for us, and on the first one they only show how the
+/// clocks lie.
 const STEADY_AFTER_CONNECT: Duration = Duration::from_millis(500);
 /// A jump is more than the vehicle can move, and this.
 const JUMP_ALLOWANCE_M: f64 = 10.0;
@@ -33,6 +34,7 @@ pub(crate) struct Tracker {
     age_max: Duration,
     speed_max_mps: f64,
     clock: VehicleClock,
+    clock_is_wrong: bool,
     newest: Option<Newest>,
     lock: Option<(BottomLock, Timestamp)>,
     /// Since when it has been steady; `None` before the first sample of this connection.
@@ -56,6 +58,7 @@ impl Tracker {
             age_max: limits.navigation_age_max(),
             speed_max_mps: limits.speed_max_mps.max(3.0) + limits.current_max_mps,
             clock: VehicleClock::default(),
+            clock_is_wrong: false,
             newest: None,
             lock: None,
             steady_since: None,
@@ -64,15 +67,24 @@ impl Tracker {
         }
     }
 
-    /// A new connection: nothing of the old one's clock or navigation holds, but the vehicle is not elsewhere for it.
+    /// A new connection: nothing of the old one's navigation holds, but the vehicle is not elsewhere for it, and its
+    /// clock is the same. Learnt anew, a link that holds everything up from its first byte on would look like a clock
+    /// that is behind.
     pub(crate) fn reset(&mut self) {
-        self.clock = VehicleClock::default();
+        if core::mem::take(&mut self.clock_is_wrong) {
+            self.clock = VehicleClock::default();
+        }
         let last = self.newest.take();
         self.before = last
             .map(|last| (last.sample.local, last.sample.solution))
             .or(self.before);
         self.lock = None;
         self.steady_since = None;
+    }
+
+    /// The vehicle's clock has been set, or we have been wrong about it: the next connection learns it anew.
+    pub(crate) fn doubt_clock(&mut self) {
+        self.clock_is_wrong = true;
     }
 
     /// Any message's timestamp tells of the clocks.

@@ -365,6 +365,7 @@ impl Core {
             self.session.old_since = None;
             let text = "navigation has come old for 30 s: the connection is reset and the clocks are learnt anew";
             self.note(Note::Text { text: text.to_owned() });
+            self.tracker.doubt_clock();
             self.outputs.push_back(Output::ResetLink);
         }
     }

@@ -97,6 +97,19 @@ fn sr_008_a_link_that_has_become_slow_is_seen_though_messages_keep_coming() {
 }
 
 #[test]
+fn sr_008_a_new_connection_that_is_slow_from_its_first_byte_is_not_taken_for_another_clock() {
+    let mut trial = Trial::steering();
+    trial.run_for(2.0);
+    trial.cut();
+    trial.delay = Duration::from_millis(1600);
+    let slow = trial.now;
+    trial.run_for(20.0);
+    insist(&mut trial);
+    trial.run_for(5.0);
+    assert!(!trial.core.has_control() && trial.sent_since("RMB", slow).is_empty());
+}
+
+#[test]
 fn hours_between_the_clocks_mean_nothing() {
     for hours in [-23, -12, -11, -3, 2, 11, 12, 23] {
         for offset_nanos in [-20_000_000, -3_000_000, 0, 3_000_000, 20_000_000] {

@@ -1,4 +1,4 @@
-//! The TCP connection to the vehicle, so kept that nothing old is ever delivered.
+//! The TCP connection to the vehicle, so kept that nothing old is ever delivered (safety requirement 007).
 
 use std::io;
 use std::time::Duration;

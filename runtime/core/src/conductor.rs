@@ -1,5 +1,5 @@
 //! Plugins as core sees them: when each is stepped, what it is told, what it may ask, and what becomes of it when it
-//! fails. One step of a plugin is under way at a time; core never waits for it.
+//! fails. One step of a plugin is under way at a time; core never waits for it (safety requirement 006).
 
 use std::time::Duration;
 

@@ -1,5 +1,5 @@
 //! Inserts: tracklines, trackcircles and GPS hits that the vehicle flies by itself once it has accepted them (SPI 7.5 to
-//! 7.7), and their cancelling (7.8). Safety requirements 002, 009, 019.
+//! 7.7), and their cancelling (7.8). Safety requirements 002, 009, 010 and 019.
 //!
 //! A GPS hit is an insert that runs after the current behaviour and that nothing takes back: BPRCN covers tracklines and
 //! trackcircles alone.

@@ -315,6 +315,7 @@ impl Core {
     pub(crate) fn operator(&mut self, act: Operator) {
         self.note(Note::Operator { act: act.clone() });
         match act {
+            // It beats every plugin (safety requirement 015).
             Operator::Hold => {
                 self.held = true;
                 self.end_lease("the operator holds");

@@ -5,7 +5,8 @@ use backseat_units::Timestamp;
 
 const MINUTE: Duration = Duration::from_secs(60);
 
-/// When something was done in the last minute: for limits of so many a minute, whichever minute it is.
+/// When something was done in the last minute: for limits of so many a minute, whichever minute it is (safety
+/// requirement 019).
 #[derive(Debug, Default)]
 pub(crate) struct LastMinute {
     at: VecDeque<Timestamp>,

@@ -195,7 +195,7 @@ impl Core {
     }
 
     pub(crate) fn link_down(&mut self) {
-        // No BPEMB reaches the vehicle: its own clock ends the modify.
+        // No BPEMB reaches the vehicle: its own clock ends the modify (safety requirement 007).
         self.session.up = false;
         self.end_lease("the link is down");
         self.end_hold("the link is down");

@@ -3,7 +3,8 @@
 //! A [`Host`] loads a [`Component`], a component starts a [`Plugin`], and a plugin is stepped. Calls are synchronous, one
 //! at a time; a deployed runtime gives each plugin a thread. What a plugin does within a call is the same on every
 //! machine: it has no clock, no random numbers, no files and no network, NaNs are canonical, relaxed SIMD and threads
-//! are off, and its fuel is counted by the instruction.
+//! are off, and its fuel is counted by the instruction. What one does to itself it does to nobody else (safety requirement
+//! 006).
 //!
 //! # What one plugin can take
 //! | bound | where | when it is broken |

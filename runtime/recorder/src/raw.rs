@@ -1,4 +1,4 @@
-//! The records of a file's bytes, none of which can be trusted.
+//! The records of a file's bytes, none of which can be trusted (safety requirement 013).
 //!
 //! The lengths that enclose one another are checked here, and only then is a record given to [`mcap`] to be read:
 //! its own readers subtract them first.

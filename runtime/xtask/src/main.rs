@@ -2,6 +2,7 @@
 
 mod cargo;
 mod demo;
+mod safety;
 mod seeds;
 mod tidy;
 

@@ -4,6 +4,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 
 use crate::cargo::root;
+use crate::safety::safety;
 
 /// Which crate may never depend on which of ours: the arrows of `runtime/docs/architecture.md`.
 const NEVER: [(&str, &[&str]); 9] = [
@@ -50,7 +51,9 @@ pub(crate) fn tidy() -> Result<()> {
     let root = root()?;
     let mut faults = Vec::new();
     arrows(&root, &mut faults)?;
-    for file in sources(&root)? {
+    let sources = sources(&root)?;
+    safety(&root, &sources, &mut faults)?;
+    for file in sources {
         let text = std::fs::read_to_string(root.join(&file)).with_context(|| file.display().to_string())?;
         let lines = text.lines().count();
         if lines > LINES_MAX {

@@ -67,7 +67,7 @@ impl Core {
         self.send_request(request, "RCB", &message, Purpose::Request(request));
     }
 
-    /// Safety requirement 002: the way from here to what comes next is the order's consequence.
+    /// Safety requirements 002 and 020: the way from here to what comes next is the order's consequence.
     fn judge_cancel_current(&self) -> Result<(), Refusal> {
         let Some(current) = self.orders.current else {
             return Err(refused(

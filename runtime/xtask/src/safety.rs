@@ -1,0 +1,186 @@
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+/// Where the requirements are.
+const DOCUMENT: &str = "runtime/docs/safety.md";
+/// How many there are.
+const REQUIREMENTS: u32 = 21;
+
+/// A requirement as the document has it.
+#[derive(Debug, Default, PartialEq)]
+struct Requirement {
+    number: String,
+    code: Vec<String>,
+    tests: Vec<String>,
+}
+
+/// Every requirement has code that cites it and tests that exist.
+pub(crate) fn safety(root: &Path, sources: &[PathBuf], faults: &mut Vec<String>) -> Result<()> {
+    let document = std::fs::read_to_string(root.join(DOCUMENT)).with_context(|| DOCUMENT.to_owned())?;
+    let requirements = parse(&document);
+    let mut functions = BTreeSet::new();
+    for file in sources {
+        let text = std::fs::read_to_string(root.join(file)).with_context(|| file.display().to_string())?;
+        functions.extend(tests(&text).map(str::to_owned));
+    }
+    let cites = |file: &str, number: &str| {
+        std::fs::read_to_string(root.join(file)).is_ok_and(|text| citations(&text).contains(number))
+    };
+    faults.extend(judge(&requirements, &functions, cites));
+    Ok(())
+}
+
+fn judge(
+    requirements: &[Requirement],
+    functions: &BTreeSet<String>,
+    cites: impl Fn(&str, &str) -> bool,
+) -> Vec<String> {
+    let mut faults = Vec::new();
+    let numbers: Vec<&str> = requirements
+        .iter()
+        .map(|requirement| requirement.number.as_str())
+        .collect();
+    let expected: Vec<String> = (1..=REQUIREMENTS).map(|number| format!("{number:03}")).collect();
+    if numbers != expected {
+        faults.push(format!(
+            "{DOCUMENT}: has {numbers:?}, expected 001 to {REQUIREMENTS:03}, each once"
+        ));
+    }
+    for Requirement { number, code, tests } in requirements {
+        if code.is_empty() || tests.is_empty() {
+            faults.push(format!("{DOCUMENT}: SR-{number} has no code or no tests"));
+        }
+        for file in code.iter().filter(|file| !cites(file, number)) {
+            faults.push(format!("{file}: does not cite safety requirement {number}"));
+        }
+        for test in tests.iter().filter(|test| !functions.contains(*test)) {
+            faults.push(format!(
+                "{DOCUMENT}: SR-{number} names the test {test}, which does not exist"
+            ));
+        }
+        let own = format!("sr_{number}");
+        if !tests.iter().any(|test| test.contains(&own)) {
+            faults.push(format!("{DOCUMENT}: no test of SR-{number} carries its number"));
+        }
+    }
+    faults
+}
+
+fn parse(document: &str) -> Vec<Requirement> {
+    let mut requirements: Vec<Requirement> = Vec::new();
+    let mut in_tests = false;
+    for line in document.lines() {
+        if let Some(head) = line.strip_prefix("## SR-") {
+            requirements.push(Requirement {
+                number: head.split(':').next().unwrap_or_default().to_owned(),
+                ..Requirement::default()
+            });
+        } else if line == "Code:" {
+            in_tests = false;
+        } else if line == "Tests:" {
+            in_tests = true;
+        } else if let (Some(item), Some(requirement)) = (line.strip_prefix("- "), requirements.last_mut()) {
+            let item = item.trim_matches('`').to_owned();
+            if in_tests {
+                requirement.tests.push(item);
+            } else {
+                requirement.code.push(item);
+            }
+        }
+    }
+    requirements
+}
+
+/// The names of the functions that are tests: what follows `#[test]`, attributes and comments between.
+fn tests(text: &str) -> impl Iterator<Item = &str> {
+    let mut marked = false;
+    text.lines().filter_map(move |line| {
+        let line = line.trim();
+        if line.starts_with("#[test]") || line.starts_with("#[tokio::test") {
+            marked = true;
+            return None;
+        }
+        if line.starts_with("#[") || line.starts_with("//") {
+            return None;
+        }
+        if !core::mem::take(&mut marked) {
+            return None;
+        }
+        let name = line.trim_start_matches("async ").strip_prefix("fn ")?;
+        name.split('(').next()
+    })
+}
+
+/// The numbers that follow the words "safety requirement" in comments.
+fn citations(text: &str) -> BTreeSet<String> {
+    let words: Vec<&str> = text
+        .split(|character: char| !character.is_ascii_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .collect();
+    let mut found = BTreeSet::new();
+    for (at, pair) in words.windows(2).enumerate() {
+        if pair[0].eq_ignore_ascii_case("safety") && pair[1].starts_with("requirement") {
+            let numbers = words[at + 2..].iter().take_while(|word| {
+                **word == "and" || word.len() == 3 && word.bytes().all(|byte| byte.is_ascii_digit())
+            });
+            found.extend(numbers.filter(|word| **word != "and").map(|word| (*word).to_owned()));
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests_of_the_check {
+    use super::*;
+
+    fn whole() -> Vec<Requirement> {
+        (1..=REQUIREMENTS)
+            .map(|number| Requirement {
+                number: format!("{number:03}"),
+                code: vec!["a.rs".to_owned()],
+                tests: vec![format!("sr_{number:03}_holds")],
+            })
+            .collect()
+    }
+
+    fn functions() -> BTreeSet<String> {
+        whole().into_iter().flat_map(|requirement| requirement.tests).collect()
+    }
+
+    #[test]
+    fn a_whole_table_passes_and_each_gap_is_named() {
+        assert!(judge(&whole(), &functions(), |_, _| true).is_empty());
+        let mut removed = functions();
+        removed.remove("sr_007_holds");
+        let faults = judge(&whole(), &removed, |_, _| true);
+        assert_eq!(faults.len(), 1);
+        assert!(faults[0].contains("sr_007_holds"), "{faults:?}");
+        let mut shorter = whole();
+        shorter.remove(3);
+        assert_eq!(judge(&shorter, &functions(), |_, _| true).len(), 1);
+        let mut untested = whole();
+        untested[4].tests.clear();
+        assert_eq!(judge(&untested, &functions(), |_, _| true).len(), 2);
+        assert_eq!(judge(&whole(), &functions(), |_, number| number != "012").len(), 1);
+    }
+
+    #[test]
+    fn the_document_and_the_sources_are_read() {
+        let document = "words\n## SR-001: a\n\nwhy\n\nCode:\n- `x.rs`\n\nTests:\n- `sr_001_b`\n- `c`\n";
+        let expected = Requirement {
+            number: "001".to_owned(),
+            code: vec!["x.rs".to_owned()],
+            tests: vec!["sr_001_b".to_owned(), "c".to_owned()],
+        };
+        assert_eq!(parse(document), [expected]);
+        let source = "#[test]\n#[should_panic]\nfn one() {}\nfn two() {}\n    #[test]\n    fn three(x: u8) {}\n";
+        assert_eq!(tests(source).collect::<Vec<_>>(), ["one", "three"]);
+        let text = "//! Safety requirements 002, 009 and 019.\n// (safety\n/// requirement 021) in 10 s";
+        assert_eq!(
+            citations(text).into_iter().collect::<Vec<_>>(),
+            ["002", "009", "019", "021"]
+        );
+    }
+}

@@ -8,4 +8,5 @@ mod mission;
 mod modify;
 mod navigation;
 mod payload;
+mod sections;
 mod session;

@@ -1,0 +1,3 @@
+use super::Section;
+
+pub(crate) const SECTIONS: &[Section] = &[];

@@ -1,0 +1,131 @@
+use super::Step::{Becomes, Forget, Hear, Never, Say, Until};
+use super::{Section, World};
+
+/// Section 6: status messages of the vehicle.
+pub(crate) const SECTIONS: &[Section] = &[
+    Section {
+        number: "6.1",
+        says: "has the UTM convergence factor applied",
+        world: World::Calm,
+        on: &["NVG"],
+        // Two degrees west of its zone's middle the grid's north lies 1.28 degrees east of true north there.
+        talk: &[
+            Until(1.0),
+            Hear("$BFNVG,080001.000,4218.00000"),
+            Forget,
+            Until(2.0),
+            Never("$BFNVR"),
+            Hear("$BFNVG,080001.900,"),
+        ],
+    },
+    Section {
+        number: "6.2",
+        says: "Down velocity (m/s)",
+        world: World::Calm,
+        on: &["NVR"],
+        talk: &[
+            Until(0.5),
+            Hear("$BFNVR,080000.500,0,0,0,0,0,0"),
+            Becomes(30.0, "dives", |truth| truth.depth_m > 2.0),
+            Hear("$BFNVR,"),
+        ],
+    },
+    Section {
+        number: "6.9",
+        says: "If the current behavior has been requested by the payload, this field will be empty",
+        world: World::Calm,
+        on: &["MBS"],
+        talk: &[
+            Until(1.0),
+            Hear("$BFMBS,080001.000,survey.dive,1,,trackline"),
+            Say("$BPRTK,070000.000,11,4218.1,N,07054.0,W,4218.2,N,07054.0,W,0,10,1.5,0,4"),
+            Hear("$BFMBS,080001.000,,,11,trackline"),
+        ],
+    },
+    Section {
+        number: "6.10",
+        says: "the Bluefin vehicle is ending the payload-requested behavior with the given number",
+        world: World::Calm,
+        on: &["MBE"],
+        talk: &[
+            Until(2.0),
+            Say("$BPRTK,070000.000,11,4218.01,N,07054.0,W,4218.02,N,07054.0,W,0,10,1.5,0,4"),
+            Hear("$BFMBE,080002.000,survey.dive,1,,trackline"),
+            Until(120.0),
+            Hear("$BFMBE,0800"),
+        ],
+    },
+    Section {
+        number: "6.11",
+        says: "may be followed by the logging directory for that mission",
+        world: World::With(&[("[mission]", "time_limit_s = 10")]),
+        on: &["MIS"],
+        talk: &[
+            Until(1.0),
+            Hear("$BFMIS,080001.000,survey.dive,Running /logs/survey,"),
+            Until(12.0),
+            Hear("$BFMIS,080011.000,survey.dive,Aborted,time limit"),
+        ],
+    },
+    Section {
+        number: "6.16",
+        says: "If the Bluefin vehicle is equipped with a CTD sensor, this message will provide the raw output",
+        world: World::With(&[("[sensors]", "ctd_period_s = 2")]),
+        on: &["CTD"],
+        talk: &[
+            Until(4.05),
+            Hear("$BFCTD,080000."), Hear("$BFCTD,080002."),
+            Never("$BFCTD"),
+        ],
+    },
+    Section {
+        number: "6.20",
+        says: "a trackcircle is sent as a series of waypoints approximating the planned circle",
+        world: World::Calm,
+        on: &["ACK"],
+        talk: &[
+            Until(5.0),
+            Say("$BPRTC,070000.000,12,4218.1,N,07054.0,W,40,1,0,10,1.5,0,0,0"),
+            Hear("$BFACK,080005.000,RTC,070000.000,12,2,0,"),
+            Say("$BPRMP,070000.001"),
+            Hear("$BFACK,080005.000,RMP,070000.001,0,3,0,"),
+            Until(7.0),
+            Hear("$BFPLN,"),
+            Hear("$BFPLN,"),
+            Hear("$BFPLN,"),
+            Until(7.5),
+            Hear("$BFACK,"),
+        ],
+    },
+    Section {
+        number: "6.21",
+        says: "By default, these acknowledgements are not sent",
+        world: World::Calm,
+        on: &[],
+        talk: &[
+            Say("$BPEMB,070000.000"),
+            Say("$BPLOG,ALL,ON"),
+            Say("$BPEMB,070000.000"),
+            Never("$BFACK"),
+            Say("$BPLOG,ACK,ON"),
+            Hear("$BFACK,080000.000,LOG,000000.000,0,2,0,"),
+            Say("$BPXYZ,070000.000"),
+            Hear("$BFACK,080000.000,NAK,000000.000,0,0,0,"),
+        ],
+    },
+    Section {
+        number: "6.24",
+        says: "when the internal value \"allowDynamicRequests\" transitions to true",
+        world: World::Calm,
+        on: &["CTL"],
+        talk: &[
+            Until(0.9),
+            Never("$BFCTL"),
+            Until(1.0),
+            Hear("$BFCTL,080001.000,1"),
+            Until(240.0),
+            Hear("$BFCTL,0803"),
+            Never("$BFCTL"),
+        ],
+    },
+];

@@ -1,47 +1,13 @@
-use core::time::Duration;
-
-use backseat_spi::{
-    AckStatus, Acknowledgement, BackseatControl, BehaviorId, CommandName, ModifyBehavior, Text, ToVehicle,
-};
+use backseat_spi::{AckStatus, BackseatControl, CommandName, ModifyBehavior, Text, ToVehicle};
 use backseat_units::{TimeOfDay, Timestamp};
 
-use crate::event::{ClientId, MvcEventKind, Refusal};
-use crate::file::AcknowledgeConfig;
+use crate::answers::Regarding;
+use crate::event::{ClientId, MvcEventKind};
 use crate::insert::Insert;
 use crate::modify::{self, ModifyFault};
 use crate::mvc::Mvc;
+use crate::requests::Work;
 use crate::server::{Named, Topic, named};
-
-/// How many requests may be pending at once.
-const PENDING_MAX: usize = 256;
-
-/// A request whose outcome is still to be told (SPI 4.4).
-#[derive(Clone, Debug)]
-pub(crate) struct Pending {
-    due: Timestamp,
-    re: Regarding,
-    work: Work,
-}
-
-#[derive(Clone, Debug)]
-enum Work {
-    Insert(Insert),
-    Cancel(BehaviorId),
-    Plan,
-    /// An insert that BPRCA has taken back meanwhile.
-    TakenBack(BehaviorId),
-}
-
-/// What an acknowledgement is about.
-#[derive(Clone, Copy, Debug)]
-struct Regarding {
-    client: ClientId,
-    command: CommandName,
-    created: TimeOfDay,
-    behavior: Option<BehaviorId>,
-    /// The connection that asked is gone: nobody is told, not even a new connection with the same number.
-    muted: bool,
-}
 
 impl Mvc {
     /// Does what a client asks.
@@ -55,10 +21,6 @@ impl Mvc {
             behavior: None,
             muted: false,
         };
-        #[expect(
-            clippy::wildcard_enum_match_arm,
-            reason = "what this mock does not fly is refused by its name"
-        )]
         match command {
             ToVehicle::LoggingControl(request) => self.logging(now, re, request.message, request.on),
             ToVehicle::PayloadVersion(message) => {
@@ -129,7 +91,32 @@ impl Mvc {
             // Always pending first, whatever the setting (SPI 7.19).
             ToVehicle::RequestPlan(_) => self.begin_pending(now, re, Work::Plan),
             ToVehicle::Unknown(unknown) => self.no_command(now, re, unknown.name()),
-            _ => self.invalid(now, re, "not supported by this mock yet"),
+            ToVehicle::GpsHit(request) => self.gps_hit(now, re, &request),
+            ToVehicle::CancelCurrent(request) => self.cancel_current(now, re, &request),
+            ToVehicle::CancelElement(request) => self.cancel_element(now, re, &request),
+            ToVehicle::Abort(request) => self.abort(now, re, &request),
+            ToVehicle::Kill(request) => self.kill(now, re, &request),
+            ToVehicle::StartEmptyMission(request) => self.start_empty_mission(now, re, &request),
+            ToVehicle::SilentMode(request) => self.silent_mode(now, re, &request),
+            ToVehicle::TrimAdjustment(request) => self.adjust_trim(now, re, &request),
+            ToVehicle::BuoyancyAdjustment(request) => self.adjust_buoyancy(now, re, &request),
+            ToVehicle::DvlTriggerRequest(request) => self.dvl_trigger_request(now, re, &request),
+            ToVehicle::TopsideText(request) => self.topside_text(now, re, &request),
+            ToVehicle::TopsideRelay(request) => self.topside_relay(now, re, &request),
+            ToVehicle::Packet(request) => self.packet(now, re, &request),
+            ToVehicle::PositionFix(request) => self.position_fix(now, re, &request),
+            ToVehicle::PayloadCtd(request) => self.payload_ctd(now, re, &request),
+            ToVehicle::Suspend(request) => self.suspend(now, re, &request),
+            ToVehicle::Continue(request) => self.keep_suspended(now, re, &request),
+            ToVehicle::Resume(request) => self.resume(now, re, &request),
+            ToVehicle::HullSpeedLimit(request) => self.hull_speed_limit(now, re, &request),
+            ToVehicle::SonarAngle(request) => self.sonar_angle(now, re, &request),
+            ToVehicle::HullPosition(request) => self.hull_position(now, re, &request),
+            ToVehicle::BottomPosition(request) => self.bottom_position(now, re, &request),
+            ToVehicle::RelativeReset(request) => self.relative_reset(now, re, &request),
+            ToVehicle::BearingOffset(request) => self.bearing_offset(now, re, &request),
+            ToVehicle::Camera(request) => self.camera(now, re, &request),
+            ToVehicle::Light(request) => self.light(now, re, &request),
         }
     }
 
@@ -143,23 +130,6 @@ impl Mvc {
             muted: false,
         };
         self.invalid(now, re, text.as_str());
-    }
-
-    /// A connection is gone: what it has asked for is decided all the same, and no longer answered.
-    pub(crate) fn mute(&mut self, client: ClientId) {
-        for pending in self.pending.iter_mut().filter(|pending| pending.re.client == client) {
-            pending.re.muted = true;
-        }
-    }
-
-    /// Tells the outcome of every pending request that is due.
-    pub(crate) fn resolve_pending(&mut self, now: Timestamp) {
-        while self.pending.front().is_some_and(|pending| pending.due <= now) {
-            if let Some(pending) = self.pending.pop_front() {
-                self.finish(now, pending.re, pending.work);
-                self.settle(now);
-            }
-        }
     }
 
     /// BPLOG (SPI 7.1).
@@ -226,111 +196,5 @@ impl Mvc {
             Ok(()) => self.acknowledge(now, re, AckStatus::Succeeded, ""),
             Err(why) => self.acknowledge(now, re, AckStatus::Failed, why),
         }
-    }
-
-    fn insert(&mut self, now: Timestamp, re: Regarding, insert: Result<Insert, String>) {
-        match insert {
-            Ok(insert) if insert.id.get() == 0 => self.invalid(now, re, "identifier 0: expected 1 or more"),
-            Ok(insert) => self.begin(now, re, Work::Insert(insert)),
-            Err(text) => self.invalid(now, re, &text),
-        }
-    }
-
-    /// Starts a request that may be pending.
-    fn begin(&mut self, now: Timestamp, re: Regarding, work: Work) {
-        match self.acknowledge {
-            AcknowledgeConfig::Immediate => self.finish(now, re, work),
-            AcknowledgeConfig::Pending => self.begin_pending(now, re, work),
-        }
-    }
-
-    fn begin_pending(&mut self, now: Timestamp, re: Regarding, work: Work) {
-        if self.pending.len() >= PENDING_MAX {
-            self.acknowledge(now, re, AckStatus::Failed, "too many requests are pending");
-            return;
-        }
-        self.acknowledge(now, re, AckStatus::Pending, "");
-        let due = now + Duration::from_secs_f64(self.pending_s.draw(&mut self.delays));
-        // Requests are decided in the order in which they came; each still in time, since no delay exceeds the most.
-        let due = self.pending.back().map_or(due, |last| last.due.max(due));
-        self.pending.push_back(Pending { due, re, work });
-    }
-
-    fn finish(&mut self, now: Timestamp, re: Regarding, work: Work) {
-        match work {
-            Work::Insert(insert) => match self.executive.insert(now, insert, &self.vehicle) {
-                Ok(()) => self.acknowledge(now, re, AckStatus::Succeeded, ""),
-                Err(why) => self.refuse(now, re, insert.id, why),
-            },
-            Work::TakenBack(id) => self.refuse(now, re, id, Refusal::Cancelled),
-            Work::Cancel(id) => match self.executive.cancel(re.client, id) {
-                Ok(()) => self.acknowledge(now, re, AckStatus::Succeeded, ""),
-                Err(why) => self.acknowledge(now, re, AckStatus::Failed, why),
-            },
-            Work::Plan if re.muted => {}
-            Work::Plan => {
-                let count = self.send_plan(now, re.client);
-                self.acknowledge(now, re, AckStatus::Succeeded, &format!("{count} elements"));
-            }
-        }
-    }
-
-    fn refuse(&mut self, now: Timestamp, re: Regarding, id: BehaviorId, why: Refusal) {
-        self.note(now, MvcEventKind::InsertRefused(re.client, id, why));
-        self.acknowledge(now, re, AckStatus::Failed, &why.to_string());
-    }
-
-    /// BPRCA also reaches the inserts that are still pending.
-    fn take_back(&mut self, client: ClientId) -> usize {
-        let all = self.interpretation.cancel_all;
-        let mut count = 0;
-        for pending in &mut self.pending {
-            if let Work::Insert(insert) = &pending.work
-                && (all || insert.client == client)
-            {
-                pending.work = Work::TakenBack(insert.id);
-                count += 1;
-            }
-        }
-        count
-    }
-
-    /// No command at all.
-    fn no_command(&mut self, now: Timestamp, re: Regarding, name: &str) {
-        let text = format!("{} is no command", name.chars().take(20).collect::<String>());
-        self.invalid(
-            now,
-            Regarding {
-                command: CommandName::NAK,
-                created: TimeOfDay::MIDNIGHT,
-                ..re
-            },
-            &text,
-        );
-    }
-
-    fn invalid(&mut self, now: Timestamp, re: Regarding, text: &str) {
-        self.note(
-            now,
-            MvcEventKind::CommandInvalid(re.client, re.command, Text::cleaned(text)),
-        );
-        self.acknowledge(now, re, AckStatus::Invalid, text);
-    }
-
-    /// BFACK (SPI 6.21), where the client has asked for acknowledgements.
-    fn acknowledge(&mut self, now: Timestamp, re: Regarding, status: AckStatus, text: &str) {
-        if re.muted || !self.server.has(re.client, Topic::Acknowledgement) {
-            return;
-        }
-        let message = Acknowledgement {
-            created: self.stamp(now),
-            command: re.command,
-            command_created: re.created,
-            // 0 is none on the wire.
-            behavior: re.behavior.filter(|id| id.get() != 0),
-            status,
-            text: Text::cleaned(text),
-        };
-        self.send(now, re.client, message.into());
     }
 }

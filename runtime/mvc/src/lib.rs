@@ -17,12 +17,21 @@
 //! Deliberately absent so far: GPS hits, trim and buoyancy, silent mode, the hovering hull's suspension, DVL
 //! triggering, acoustic communications, and the payload's abort and kill. Those commands are known and refused.
 
+mod acoustic;
+mod adjustment;
+mod aiding;
+mod answers;
 mod commands;
 mod course;
+mod dvl_trigger;
+mod ending;
 mod error;
+mod estimate;
 mod event;
 mod executive;
+mod faults;
 mod file;
+mod hovering;
 mod hull;
 mod insert;
 mod interpretation;
@@ -30,8 +39,13 @@ mod modify;
 mod mvc;
 mod plan;
 mod plan_report;
+mod power;
+mod requests;
 mod sensors;
 mod server;
+mod silence;
+mod surfacing;
+mod topside;
 mod truth;
 mod vehicle;
 

@@ -7,14 +7,23 @@ use backseat_spi::{
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 use backseat_world::{Span, Stream, World};
 
-use crate::commands::Pending;
+use crate::acoustic::Acoustic;
+use crate::adjustment::Adjustment;
+use crate::dvl_trigger::DvlTrigger;
 use crate::error::MvcError;
 use crate::event::{Behavior, ClientId, DropReason, MvcEvent, MvcEventKind, Source, Status};
 use crate::executive::Executive;
+use crate::faults::Faults;
 use crate::file::{AcknowledgeConfig, Profile, WorldFile};
+use crate::hovering::Hovering;
 use crate::interpretation::Interpretation;
+use crate::power::Power;
+use crate::requests::Pending;
 use crate::sensors::{Sensors, true_heading};
 use crate::server::{Received, Server, Topic};
+use crate::silence::Silence;
+use crate::surfacing::Surfacing;
+use crate::topside::Topside;
 use crate::truth::Truth;
 use crate::vehicle::{Drive, Vehicle};
 
@@ -40,7 +49,16 @@ pub struct Mvc {
     /// Angles from true north to the frame's north and to the UTM grid's, where the vehicle is.
     pub(crate) frame_convergence_deg: f64,
     pub(crate) grid_convergence_deg: f64,
-    sensors: Sensors,
+    pub(crate) sensors: Sensors,
+    pub(crate) surfacing: Surfacing,
+    pub(crate) silence: Silence,
+    pub(crate) adjustment: Adjustment,
+    pub(crate) power: Power,
+    pub(crate) dvl_trigger: DvlTrigger,
+    pub(crate) topside: Topside,
+    pub(crate) acoustic: Acoustic,
+    pub(crate) hovering: Hovering,
+    pub(crate) faults: Faults,
     utc_at_start: Utc,
     version: Text,
     dive_file: Text,
@@ -81,7 +99,7 @@ impl Mvc {
         let running = format!("{} {}", Status::Running.name(), file.mission.log_dir);
         Ok(Self {
             vehicle,
-            executive: Executive::new(plan, &file.mission, interpretation, period),
+            executive: Executive::new(plan, &file.mission, &file.vehicle, interpretation, period),
             server: Server::new(file.spi.clients_max),
             interpretation,
             pending: VecDeque::new(),
@@ -91,6 +109,15 @@ impl Mvc {
             frame_convergence_deg,
             grid_convergence_deg: utm_convergence_deg(position),
             sensors: Sensors::new(file.sensors, file.vehicle.tick_hz, seed),
+            surfacing: Surfacing::new(file, seed),
+            silence: Silence::new(file, seed),
+            adjustment: Adjustment::new(file, seed),
+            power: Power::new(file, seed),
+            dvl_trigger: DvlTrigger::new(file, seed),
+            topside: Topside::new(file, seed),
+            acoustic: Acoustic::new(file, seed),
+            hovering: Hovering::new(file, seed),
+            faults: Faults::new(file, seed),
             utc_at_start: file.start.utc,
             version: Text::cleaned(&file.spi.version),
             dive_file: Text::cleaned(&file.mission.dive_file),
@@ -292,8 +319,11 @@ impl Mvc {
     }
 
     fn tick(&mut self, now: Timestamp) {
+        self.tick_faults(now);
         self.resolve_pending(now);
-        let drive = self.executive.tick(now, &self.vehicle, self.frame_convergence_deg);
+        let drive = self
+            .executive
+            .tick(now, &self.sensors.estimate(&self.vehicle), self.frame_convergence_deg);
         self.vehicle.step(drive, self.period.as_secs_f64());
         self.vehicle.sense(&self.world, now);
         if self.vehicle.grounded != self.grounded {
@@ -311,6 +341,15 @@ impl Mvc {
         self.settle(now);
         self.report_navigation(now);
         self.watch_power(now);
+        self.tick_surfacing(now);
+        self.tick_silence(now);
+        self.tick_adjustment(now);
+        self.tick_power(now);
+        self.tick_dvl_trigger(now);
+        self.tick_topside(now);
+        self.tick_acoustic(now);
+        self.tick_hovering(now);
+        self.settle(now);
     }
 
     fn report_navigation(&mut self, now: Timestamp) {
@@ -441,7 +480,7 @@ impl Mvc {
         }
     }
 
-    fn publish(&mut self, now: Timestamp, topic: Option<Topic>, message: &FromVehicle) {
+    pub(crate) fn publish(&mut self, now: Timestamp, topic: Option<Topic>, message: &FromVehicle) {
         if let Err(name) = self.server.publish(topic, message) {
             self.note(now, MvcEventKind::NotEncoded(name));
         }

@@ -3,6 +3,7 @@ use backseat_units::utm_convergence_deg;
 use backseat_units::{Altitude, Depth, EastNorth, Heading, LocalFrame, Position, TimeOfDay, Timestamp};
 use backseat_world::{Stream, World};
 
+use crate::estimate::Estimate;
 use crate::file::SensorConfig;
 use crate::vehicle::Vehicle;
 
@@ -38,6 +39,17 @@ impl Sensors {
             dropout_chance: config.altitude_dropouts_per_h / readings_per_h,
             drift: EastNorth::default(),
             no_lock_until: Timestamp::ZERO,
+        }
+    }
+
+    /// What the executive steers by.
+    pub(crate) const fn estimate(&self, vehicle: &Vehicle) -> Estimate {
+        Estimate {
+            at: vehicle.at,
+            depth_m: vehicle.depth_m,
+            heading_deg: vehicle.heading_deg,
+            surge_mps: vehicle.surge_mps,
+            current: vehicle.current,
         }
     }
 

@@ -7,8 +7,8 @@ use crate::event::{ClientId, DropReason};
 /// How much may wait for a client, bytes: a long plan fits twice, a client that never reads is cut off.
 const BACKLOG_MAX: usize = 4 << 20;
 
-/// The status messages that a payload can switch on (SPI 6, 9), a bit each. What this vehicle has no sensor for can
-/// be switched on and never comes, as on a vehicle without the sensor.
+/// The names of the status messages in BPLOG, in the order of [`Topic`]. What this vehicle has no sensor for can be
+/// switched on and never comes, as on a vehicle without the sensor.
 const TOPICS: [&str; 27] = [
     "NVG", "NVR", "MBS", "MBE", "MIS", "CTL", "ACK", "CTD", "PLN", "TEL", "SVS", "RCM", "RDP", "RVL", "RBS", "ERC",
     "DVL", "DV2", "IMU", "RNV", "PIT", "CNV", "TRM", "BOY", "CMA", "CPS", "CPR",
@@ -17,17 +17,36 @@ const TOPICS: [&str; 27] = [
 /// The command messages (SPI 5), which are always on.
 const ALWAYS_ON: [&str; 7] = ["MSC", "SHT", "BDL", "SDL", "TOP", "DVT", "VER"];
 
-/// A status message that this vehicle sends.
+/// A status message that a payload can switch on (SPI 6, 9), a bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Topic {
-    Navigation = 0,
-    Velocity = 1,
-    BehaviorBegin = 2,
-    BehaviorEnd = 3,
-    Mission = 4,
-    Control = 5,
-    Acknowledgement = 6,
-    Ctd = 7,
+    Navigation,
+    Velocity,
+    BehaviorBegin,
+    BehaviorEnd,
+    Mission,
+    Control,
+    Acknowledgement,
+    Ctd,
+    Plan,
+    Telemetry,
+    SoundVelocity,
+    Compass,
+    DepthSensor,
+    VehicleSpeed,
+    Battery,
+    ElevatorRudder,
+    Dvl,
+    DvlExtended,
+    Imu,
+    RelativeNavigation,
+    PitchServo,
+    CartesianNavigation,
+    Trim,
+    Buoyancy,
+    MediumAccess,
+    PacketSent,
+    PacketReceived,
 }
 
 impl Topic {

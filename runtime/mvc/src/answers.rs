@@ -1,0 +1,62 @@
+use backseat_spi::{AckStatus, Acknowledgement, BehaviorId, CommandName, Text};
+use backseat_units::{TimeOfDay, Timestamp};
+
+use crate::event::{ClientId, MvcEventKind};
+use crate::mvc::Mvc;
+use crate::server::Topic;
+
+/// What an acknowledgement is about.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Regarding {
+    pub(crate) client: ClientId,
+    pub(crate) command: CommandName,
+    pub(crate) created: TimeOfDay,
+    pub(crate) behavior: Option<BehaviorId>,
+    /// The connection that asked is gone: nobody is told, not even a new connection with the same number.
+    pub(crate) muted: bool,
+}
+
+impl Mvc {
+    /// No command at all.
+    pub(crate) fn no_command(&mut self, now: Timestamp, re: Regarding, name: &str) {
+        let text = format!("{} is no command", name.chars().take(20).collect::<String>());
+        self.invalid(
+            now,
+            Regarding {
+                command: CommandName::NAK,
+                created: TimeOfDay::MIDNIGHT,
+                ..re
+            },
+            &text,
+        );
+    }
+
+    pub(crate) fn invalid(&mut self, now: Timestamp, re: Regarding, text: &str) {
+        self.note(
+            now,
+            MvcEventKind::CommandInvalid(re.client, re.command, Text::cleaned(text)),
+        );
+        self.acknowledge(now, re, AckStatus::Invalid, text);
+    }
+
+    pub(crate) fn unsupported(&mut self, now: Timestamp, re: Regarding) {
+        self.invalid(now, re, "not supported by this mock yet");
+    }
+
+    /// BFACK (SPI 6.21), where the client has asked for acknowledgements.
+    pub(crate) fn acknowledge(&mut self, now: Timestamp, re: Regarding, status: AckStatus, text: &str) {
+        if re.muted || !self.server.has(re.client, Topic::Acknowledgement) {
+            return;
+        }
+        let message = Acknowledgement {
+            created: self.stamp(now),
+            command: re.command,
+            command_created: re.created,
+            // 0 is none on the wire.
+            behavior: re.behavior.filter(|id| id.get() != 0),
+            status,
+            text: Text::cleaned(text),
+        };
+        self.send(now, re.client, message.into());
+    }
+}

@@ -1,0 +1,16 @@
+use backseat_units::EastNorth;
+
+/// What the vehicle believes of itself: the solution that its executive steers by and its navigation messages tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Estimate {
+    /// In the world's frame, metres.
+    pub(crate) at: EastNorth,
+    /// Metres, positive down.
+    pub(crate) depth_m: f64,
+    /// Degrees from the frame's north.
+    pub(crate) heading_deg: f64,
+    /// Speed through the water, metres a second.
+    pub(crate) surge_mps: f64,
+    /// Velocity of the water, metres a second east and north.
+    pub(crate) current: (f64, f64),
+}

@@ -1,0 +1,119 @@
+use core::time::Duration;
+
+use backseat_spi::{AckStatus, BehaviorId};
+use backseat_units::Timestamp;
+
+use crate::answers::Regarding;
+use crate::event::{ClientId, MvcEventKind, Refusal};
+use crate::file::AcknowledgeConfig;
+use crate::insert::Insert;
+use crate::mvc::Mvc;
+
+/// How many requests may be pending at once.
+const PENDING_MAX: usize = 256;
+
+/// A request whose outcome is still to be told (SPI 4.4).
+#[derive(Clone, Debug)]
+pub(crate) struct Pending {
+    due: Timestamp,
+    re: Regarding,
+    work: Work,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Work {
+    Insert(Insert),
+    Cancel(BehaviorId),
+    Plan,
+    /// An insert that BPRCA has taken back meanwhile.
+    TakenBack(BehaviorId),
+}
+
+impl Mvc {
+    /// A connection is gone: what it has asked for is decided all the same, and no longer answered.
+    pub(crate) fn mute(&mut self, client: ClientId) {
+        for pending in self.pending.iter_mut().filter(|pending| pending.re.client == client) {
+            pending.re.muted = true;
+        }
+    }
+
+    /// Tells the outcome of every pending request that is due.
+    pub(crate) fn resolve_pending(&mut self, now: Timestamp) {
+        while self.pending.front().is_some_and(|pending| pending.due <= now) {
+            if let Some(pending) = self.pending.pop_front() {
+                self.finish(now, pending.re, pending.work);
+                self.settle(now);
+            }
+        }
+    }
+
+    pub(crate) fn insert(&mut self, now: Timestamp, re: Regarding, insert: Result<Insert, String>) {
+        match insert {
+            Ok(insert) if insert.id.get() == 0 => self.invalid(now, re, "identifier 0: expected 1 or more"),
+            Ok(insert) => self.begin(now, re, Work::Insert(insert)),
+            Err(text) => self.invalid(now, re, &text),
+        }
+    }
+
+    /// Starts a request that may be pending.
+    pub(crate) fn begin(&mut self, now: Timestamp, re: Regarding, work: Work) {
+        match self.acknowledge {
+            AcknowledgeConfig::Immediate => self.finish(now, re, work),
+            AcknowledgeConfig::Pending => self.begin_pending(now, re, work),
+        }
+    }
+
+    pub(crate) fn begin_pending(&mut self, now: Timestamp, re: Regarding, work: Work) {
+        if self.pending.len() >= PENDING_MAX {
+            self.acknowledge(now, re, AckStatus::Failed, "too many requests are pending");
+            return;
+        }
+        self.acknowledge(now, re, AckStatus::Pending, "");
+        let due = now + Duration::from_secs_f64(self.pending_s.draw(&mut self.delays));
+        // Requests are decided in the order in which they came; each still in time, since no delay exceeds the most.
+        let due = self.pending.back().map_or(due, |last| last.due.max(due));
+        self.pending.push_back(Pending { due, re, work });
+    }
+
+    fn finish(&mut self, now: Timestamp, re: Regarding, work: Work) {
+        match work {
+            Work::Insert(insert) => match self
+                .executive
+                .insert(now, insert, &self.sensors.estimate(&self.vehicle))
+            {
+                Ok(()) => self.acknowledge(now, re, AckStatus::Succeeded, ""),
+                Err(why) => self.refuse(now, re, insert.id, why),
+            },
+            Work::TakenBack(id) => self.refuse(now, re, id, Refusal::Cancelled),
+            Work::Cancel(id) => match self.executive.cancel(re.client, id) {
+                Ok(()) => self.acknowledge(now, re, AckStatus::Succeeded, ""),
+                Err(why) => self.acknowledge(now, re, AckStatus::Failed, why),
+            },
+            Work::Plan if re.muted => {}
+            Work::Plan => {
+                let count = self.send_plan(now, re.client);
+                self.acknowledge(now, re, AckStatus::Succeeded, &format!("{count} elements"));
+            }
+        }
+    }
+
+    fn refuse(&mut self, now: Timestamp, re: Regarding, id: BehaviorId, why: Refusal) {
+        self.note(now, MvcEventKind::InsertRefused(re.client, id, why));
+        self.acknowledge(now, re, AckStatus::Failed, &why.to_string());
+    }
+
+    /// BPRCA also reaches the inserts that are still pending.
+    pub(crate) fn take_back(&mut self, client: ClientId) -> usize {
+        let all = self.interpretation.cancel_all;
+        let mut count = 0;
+        for pending in &mut self.pending {
+            if let Work::Insert(insert) = &pending.work
+                && (all || insert.client == client)
+            {
+                pending.work = Work::TakenBack(insert.id);
+                count += 1;
+            }
+        }
+        count
+    }
+}

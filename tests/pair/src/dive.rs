@@ -176,11 +176,9 @@ impl Dive {
     /// The states that the request under a tag came to, without their texts; cancels apart.
     #[must_use]
     pub fn states(&self, tag: u64) -> Vec<&'static str> {
-        let state = |(_, note): &(Timestamp, Note)| match note {
-            Note::Request(transition) if transition.tag == tag && transition.kind != RequestKind::Cancel => {
-                Some(name(&transition.state))
-            }
-            _ => None,
+        let state = |(_, note): &(Timestamp, Note)| {
+            let Note::Request(transition) = note else { return None };
+            (transition.tag == tag && transition.kind != RequestKind::Cancel).then(|| name(&transition.state))
         };
         self.notes.iter().filter_map(state).collect()
     }

@@ -1,0 +1,326 @@
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+
+use backseat_core::plugin::{Event, PluginId, Request, RequestState, Returned, StepInput};
+use backseat_core::{
+    Core, Envelope, Grant, Identifiers, Input, Limits, Note, Operator, Output, PluginSetup, RequestKind, Restarted,
+    Settings, Start,
+};
+use backseat_mvc::{ClientId, Mvc, MvcEvent, WorldFile};
+use backseat_units::Timestamp;
+
+use crate::course;
+
+/// What a byte takes from one side to the other.
+const DELAY: Duration = Duration::from_millis(5);
+/// What a step of the plugin takes.
+const STEP: Duration = Duration::from_millis(1);
+
+/// What a dive is made from.
+pub struct Setup {
+    /// Sections of `world.toml` that come behind the course's own.
+    pub world: String,
+    /// Replacements in the course's own sections.
+    pub replaced: Vec<(&'static str, &'static str)>,
+    /// The mission's limits.
+    pub limits: Limits,
+    /// The mission's settings.
+    pub settings: Settings,
+    /// The plugin.
+    pub plugin: PluginSetup,
+    /// The seed of the world.
+    pub seed: u64,
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self {
+            world: String::new(),
+            replaced: Vec::new(),
+            limits: course::limits(),
+            settings: Settings::default(),
+            plugin: course::course_plugin(&[Grant::Modify, Grant::Insert, Grant::Message], &[]),
+            seed: 1,
+        }
+    }
+}
+
+enum Answer {
+    Returned(Returned),
+    Restarted(Restarted),
+}
+
+/// A dive of both sides: see the crate.
+pub struct Dive {
+    /// The runtime's side.
+    pub core: Core,
+    /// The vehicle's side.
+    pub mvc: Mvc,
+    /// The time of both.
+    pub now: Timestamp,
+    /// What core has told.
+    pub notes: Vec<(Timestamp, Note)>,
+    /// What the plugin was told.
+    pub events: Vec<Event>,
+    /// The vehicle's log.
+    pub log: Vec<MvcEvent>,
+    /// What core has sent, with its time.
+    pub sent: Vec<(Timestamp, String)>,
+    /// Connections fail.
+    pub unreachable: bool,
+    client: ClientId,
+    connected: bool,
+    connect_at: Option<Timestamp>,
+    to_core: VecDeque<(Timestamp, Vec<u8>)>,
+    to_vehicle: VecDeque<(Timestamp, Vec<u8>)>,
+    answers: VecDeque<(Timestamp, PluginId, Answer)>,
+    asked: Vec<Request>,
+}
+
+impl Dive {
+    /// Both sides at their start, not connected.
+    ///
+    /// # Panics
+    /// Where the setup's world cannot be: it is a test's own.
+    #[must_use]
+    pub fn new(setup: Setup) -> Self {
+        let mut text = course::world(&setup.world);
+        for (from, to) in &setup.replaced {
+            assert!(text.contains(from), "{from} is in no world");
+            text = text.replace(from, to);
+        }
+        let file = WorldFile::from_toml(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let mvc = Mvc::new(&file, setup.seed).expect("the test's world is possible");
+        setup.limits.validate().expect("the test's limits are right");
+        let start = Start {
+            utc: mvc.utc(Timestamp::ZERO),
+            identifiers: Some(Identifiers { next: 1, reserved: 1 }),
+            armed: true,
+            held: false,
+            jitter: setup.seed,
+        };
+        let envelope = Arc::new(Envelope::new(course::fence(), setup.limits));
+        let core = Core::new(setup.settings, envelope, vec![setup.plugin], start);
+        let mut dive = Self {
+            core,
+            mvc,
+            now: Timestamp::ZERO,
+            notes: Vec::new(),
+            events: Vec::new(),
+            log: Vec::new(),
+            sent: Vec::new(),
+            unreachable: false,
+            client: ClientId(0),
+            connected: false,
+            connect_at: None,
+            to_core: VecDeque::new(),
+            to_vehicle: VecDeque::new(),
+            answers: VecDeque::new(),
+            asked: Vec::new(),
+        };
+        dive.drain();
+        dive
+    }
+
+    /// Some seconds into the mission: connected, in control, the plan known.
+    ///
+    /// # Panics
+    /// Where control does not come.
+    #[must_use]
+    pub fn under_way(setup: Setup) -> Self {
+        let mut dive = Self::new(setup);
+        dive.run_for(6.0);
+        assert!(dive.core.has_control(), "{:#?}", dive.notes);
+        dive
+    }
+
+    /// The plugin's next step returns this too.
+    pub fn ask(&mut self, request: Request) {
+        self.asked.push(request);
+    }
+
+    /// The operator acts.
+    pub fn operator(&mut self, act: Operator) {
+        self.feed(Input::Operator(act));
+    }
+
+    /// Lets the time pass.
+    pub fn run_for(&mut self, seconds: f64) {
+        let until = self.now + Duration::from_secs_f64(seconds);
+        while self.step(until) {}
+        self.now = until;
+    }
+
+    /// Lets the time pass until something holds; false where it does not within so many seconds.
+    pub fn run_until(&mut self, seconds: f64, holds: impl Fn(&Self) -> bool) -> bool {
+        let until = self.now + Duration::from_secs_f64(seconds);
+        while !holds(self) {
+            if !self.step(until) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The connection is gone, and all that was under way.
+    pub fn cut(&mut self) {
+        self.to_core.clear();
+        self.to_vehicle.clear();
+        if core::mem::take(&mut self.connected) {
+            self.mvc.disconnect(self.now, self.client);
+            self.feed(Input::LinkDown);
+        }
+    }
+
+    /// The states that the request under a tag came to, without their texts; cancels apart.
+    #[must_use]
+    pub fn states(&self, tag: u64) -> Vec<&'static str> {
+        let state = |(_, note): &(Timestamp, Note)| {
+            let Note::Request(transition) = note else { return None };
+            (transition.tag == tag && transition.kind != RequestKind::Cancel).then(|| name(&transition.state))
+        };
+        self.notes.iter().filter_map(state).collect()
+    }
+
+    /// How many sentences that begin like this core has sent.
+    #[must_use]
+    pub fn count(&self, begin: &str) -> usize {
+        self.sent.iter().filter(|(_, line)| line.starts_with(begin)).count()
+    }
+
+    fn step(&mut self, until: Timestamp) -> bool {
+        let due = [
+            self.to_vehicle.front().map(|(at, _)| *at),
+            self.mvc.poll_timeout(),
+            self.to_core.front().map(|(at, _)| *at),
+            self.answers.front().map(|(at, ..)| *at),
+            self.connect_at,
+            self.core.poll_timeout(),
+        ];
+        let first = due
+            .into_iter()
+            .enumerate()
+            .filter_map(|(what, at)| Some((at?, what)))
+            .min();
+        let Some((at, what)) = first.filter(|(at, _)| *at <= until) else {
+            return false;
+        };
+        self.now = self.now.max(at);
+        match what {
+            0 => {
+                if let Some((_, bytes)) = self.to_vehicle.pop_front() {
+                    self.mvc.receive(self.now, self.client, &bytes);
+                    self.listen();
+                }
+            }
+            1 => {
+                self.mvc.handle_timeout(self.now);
+                self.listen();
+            }
+            2 => {
+                if let Some((_, bytes)) = self.to_core.pop_front() {
+                    self.feed(Input::Received(&bytes));
+                }
+            }
+            3 => match self.answers.pop_front() {
+                Some((_, plugin, Answer::Returned(returned))) => self.feed(Input::Returned(plugin, returned)),
+                Some((_, plugin, Answer::Restarted(restarted))) => self.feed(Input::Restarted(plugin, restarted)),
+                None => {}
+            },
+            4 => self.connect(),
+            _ => self.feed(Input::Timeout),
+        }
+        true
+    }
+
+    fn connect(&mut self) {
+        self.connect_at = None;
+        if self.unreachable {
+            self.feed(Input::LinkDown);
+            return;
+        }
+        self.client = ClientId(self.client.0 + 1);
+        self.connected = true;
+        self.mvc.connect(self.now, self.client);
+        self.feed(Input::LinkUp);
+        self.listen();
+    }
+
+    /// Takes what the vehicle says.
+    fn listen(&mut self) {
+        let mut bytes = Vec::new();
+        while let Some(client) = self.mvc.poll_transmit(&mut bytes) {
+            if self.connected && client == self.client {
+                self.to_core.push_back((self.now + DELAY, bytes.clone()));
+            }
+        }
+        while let Some(event) = self.mvc.poll_event() {
+            self.log.push(event);
+        }
+        while let Some(client) = self.mvc.poll_disconnect() {
+            if client == self.client {
+                self.cut();
+            }
+        }
+    }
+
+    fn feed(&mut self, input: Input<'_>) {
+        self.core.handle(self.now, input);
+        self.drain();
+    }
+
+    fn drain(&mut self) {
+        while let Some(output) = self.core.poll_output() {
+            match output {
+                Output::Send(bytes) => {
+                    let line = String::from_utf8_lossy(&bytes).trim_end().to_owned();
+                    self.sent.push((self.now, line));
+                    self.to_vehicle.push_back((self.now + DELAY, bytes));
+                }
+                Output::Connect { after } => self.connect_at = Some(self.now + after),
+                Output::ResetLink => self.cut(),
+                Output::Invoke(plugin, input) => self.invoke(plugin, input),
+                Output::Restart(plugin) => {
+                    let restarted = Restarted {
+                        fuel: 0,
+                        lost_steps: 0,
+                        result: Ok(()),
+                    };
+                    self.answers
+                        .push_back((self.now + STEP, plugin, Answer::Restarted(restarted)));
+                }
+                Output::Reserve(below) => self.feed(Input::Reserved(below)),
+                Output::Driver(..) | Output::Finish => {}
+                Output::Note(note) => self.notes.push((self.now, note)),
+            }
+        }
+    }
+
+    fn invoke(&mut self, plugin: PluginId, input: StepInput) {
+        self.events.extend(input.events);
+        let returned = Returned {
+            fuel: 1,
+            log: Vec::new(),
+            result: Ok(core::mem::take(&mut self.asked)),
+        };
+        self.answers
+            .push_back((self.now + STEP, plugin, Answer::Returned(returned)));
+    }
+}
+
+/// A state without its text.
+const fn name(state: &RequestState) -> &'static str {
+    match state {
+        RequestState::Rejected(_) => "rejected",
+        RequestState::Sent => "sent",
+        RequestState::Pending => "pending",
+        RequestState::Accepted => "accepted",
+        RequestState::Failed(_) => "failed",
+        RequestState::TimedOut => "timed out",
+        RequestState::Unknown => "unknown",
+        RequestState::Started => "started",
+        RequestState::Ended(_) => "ended",
+        RequestState::Cancelled => "cancelled",
+    }
+}

@@ -1,0 +1,3 @@
+//! Each capability against the mock vehicle: its good path, refused, without an answer, the link lost midway.
+
+mod helm;

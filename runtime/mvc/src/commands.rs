@@ -4,7 +4,7 @@ use backseat_units::{TimeOfDay, Timestamp};
 use crate::answers::Regarding;
 use crate::event::{ClientId, MvcEventKind};
 use crate::insert::Insert;
-use crate::modify::{self, ModifyFault};
+use crate::modify;
 use crate::mvc::Mvc;
 use crate::requests::Work;
 use crate::server::{Named, Topic, named};
@@ -189,8 +189,7 @@ impl Mvc {
         };
         let outcome = match modify::read(request, self.vehicle.hull(), grid_deg) {
             Ok(values) => self.executive.modify(now, re.client, values),
-            Err(ModifyFault::Unsupported(why)) => Err(why),
-            Err(ModifyFault::Invalid(text)) => return self.invalid(now, re, &text),
+            Err(text) => return self.invalid(now, re, &text),
         };
         match outcome {
             Ok(()) => self.acknowledge(now, re, AckStatus::Succeeded, ""),

@@ -3,8 +3,10 @@ use core::time::Duration;
 use backseat_units::math::{asin, atan, wrap_180};
 use backseat_units::{EastNorth, Timestamp};
 
+use crate::estimate::Estimate;
+use crate::event::EndReason;
 use crate::hull::Hull;
-use crate::plan::Shape;
+use crate::plan::{GpsTimes, Shape};
 
 /// One behavior being flown: which part of its shape comes now, how far it has got, and where to steer.
 ///
@@ -29,6 +31,15 @@ enum Part {
     Hold {
         until: Timestamp,
     },
+    /// At the place of a GPS hit.
+    Surface {
+        since: Timestamp,
+        /// Heading of the climb, degrees from the frame's north.
+        heading_deg: f64,
+        /// Since when the antenna is out of the water.
+        up_since: Option<Timestamp>,
+    },
+    Idle,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,13 +54,41 @@ struct Line {
 /// Where a course wants the vehicle to go now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Steer {
-    /// Course over ground, degrees from the frame's north; for a setpoint the heading.
-    pub(crate) bearing_deg: f64,
-    /// Whether the bearing is a heading that the current may set off.
-    pub(crate) is_heading: bool,
+    pub(crate) way: Way,
     /// Distance from the shape's own line, metres.
     pub(crate) off_line_m: f64,
-    pub(crate) done: bool,
+    /// The course is at its end, and why.
+    pub(crate) end: Option<EndReason>,
+}
+
+/// How the vehicle is to go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Way {
+    /// A course over ground, degrees from the frame's north.
+    Course(f64),
+    /// A heading that the current may set off, degrees from true north.
+    Heading(f64),
+    /// To the surface on a heading, degrees from the frame's north.
+    Climb(f64),
+    /// Thruster off.
+    Drift,
+}
+
+impl Steer {
+    const fn on(way: Way) -> Self {
+        Self {
+            way,
+            off_line_m: 0.0,
+            end: None,
+        }
+    }
+
+    fn ending(self, reason: EndReason, when: bool) -> Self {
+        Self {
+            end: when.then_some(reason),
+            ..self
+        }
+    }
 }
 
 impl Line {
@@ -84,23 +123,27 @@ impl Line {
         let left_m = self.length_m - along_m;
         let captured = capture_m > 0.0 && left_m * left_m + right_m * right_m < capture_m * capture_m;
         Steer {
-            bearing_deg: self.bearing_deg - atan(right_m / lookahead_m).to_degrees(),
-            is_heading: false,
+            way: Way::Course(self.bearing_deg - atan(right_m / lookahead_m).to_degrees()),
             off_line_m: right_m.abs(),
-            done: left_m <= 0.0 || captured,
+            end: (left_m <= 0.0 || captured).then_some(EndReason::Done),
         }
     }
 }
 
 /// How near a waypoint, or the begin of a line or circle, counts as there, metres.
 const CAPTURE_M: f64 = 3.0;
+/// Above this depth the antenna is out of the water, metres.
+pub(crate) const SURFACED_M: f64 = 0.3;
 
 impl Course {
     pub(crate) fn begin(shape: Shape, at: EastNorth, now: Timestamp) -> Self {
         let part = match shape {
             Shape::Waypoint { to } => Part::Transit(Line::new(at, to)),
             Shape::Trackline { start, .. } => Part::Transit(Line::new(at, start)),
+            Shape::GpsHit { at: place, .. } => Part::Transit(Line::new(at, place)),
             Shape::Setpoint { duration, .. } => Part::Hold { until: now + duration },
+            Shape::Command => Part::Hold { until: now },
+            Shape::Idle => Part::Idle,
             Shape::Trackcircle {
                 centre,
                 radius_m,
@@ -114,18 +157,29 @@ impl Course {
         Self { shape, part }
     }
 
-    /// Goes on after a pause, which a setpoint's time does not count.
+    /// Goes on after a pause, which the times of a setpoint and of a GPS hit do not count.
     pub(crate) fn resume(&mut self, paused: Duration) {
-        if let Part::Hold { until } = &mut self.part {
-            *until = *until + paused;
+        match &mut self.part {
+            Part::Hold { until } => *until = *until + paused,
+            Part::Surface { since, up_since, .. } => {
+                *since = *since + paused;
+                *up_since = None;
+            }
+            Part::Transit(_) | Part::Along(_) | Part::Around { .. } | Part::Idle => {}
         }
     }
 
-    pub(crate) fn steer(&mut self, at: EastNorth, speed_mps: f64, hull: &Hull, now: Timestamp) -> Steer {
+    /// On a trackline itself, its lead-in and lead-out included.
+    pub(crate) const fn is_on_line(&self) -> bool {
+        matches!(self.part, Part::Along(_))
+    }
+
+    pub(crate) fn steer(&mut self, estimate: &Estimate, speed_mps: f64, hull: &Hull, now: Timestamp) -> Steer {
+        let at = estimate.at;
         let lookahead_m = (4.0 * speed_mps / hull.yaw_gain_per_s.max(0.1)).clamp(4.0, 40.0);
         if let Part::Transit(line) = self.part {
             let steer = line.steer(at, lookahead_m, CAPTURE_M);
-            if !steer.done {
+            if steer.end.is_none() {
                 return steer;
             }
             match self.shape {
@@ -136,7 +190,14 @@ impl Course {
                         swept_deg: 0.0,
                     };
                 }
-                Shape::Waypoint { .. } | Shape::Setpoint { .. } => return steer,
+                Shape::GpsHit { .. } => {
+                    self.part = Part::Surface {
+                        since: now,
+                        heading_deg: estimate.heading_deg,
+                        up_since: None,
+                    };
+                }
+                Shape::Waypoint { .. } | Shape::Setpoint { .. } | Shape::Command | Shape::Idle => return steer,
             }
         }
         match &mut self.part {
@@ -152,25 +213,71 @@ impl Course {
                 around(&self.shape, at, bearing_deg, *swept_deg, speed_mps, lookahead_m, hull)
             }
             Part::Hold { until } => {
-                let bearing_deg = match self.shape {
+                let heading_deg = match self.shape {
                     Shape::Setpoint { heading_deg, .. } => heading_deg,
-                    Shape::Waypoint { .. } | Shape::Trackline { .. } | Shape::Trackcircle { .. } => 0.0,
+                    Shape::Waypoint { .. }
+                    | Shape::Trackline { .. }
+                    | Shape::Trackcircle { .. }
+                    | Shape::GpsHit { .. }
+                    | Shape::Command
+                    | Shape::Idle => 0.0,
                 };
-                Steer {
-                    bearing_deg,
-                    is_heading: true,
-                    off_line_m: 0.0,
-                    done: now >= *until,
-                }
+                Steer::on(Way::Heading(heading_deg)).ending(EndReason::Done, now >= *until)
             }
+            Part::Surface {
+                since,
+                heading_deg,
+                up_since,
+            } => {
+                if estimate.depth_m < SURFACED_M {
+                    up_since.get_or_insert(now);
+                } else {
+                    *up_since = None;
+                }
+                surface(&self.shape, estimate, *since, *heading_deg, *up_since, now)
+            }
+            Part::Idle => Steer::on(Way::Drift),
         }
     }
+}
+
+/// At the place of a GPS hit: up in a straight line, then adrift until the fix. Where the payload brings the vehicle up
+/// (SPI 7.7: manual) it goes to and fro over the place until then.
+fn surface(
+    shape: &Shape,
+    estimate: &Estimate,
+    since: Timestamp,
+    heading_deg: f64,
+    up_since: Option<Timestamp>,
+    now: Timestamp,
+) -> Steer {
+    let Shape::GpsHit { at, climbs, times } = *shape else {
+        return Steer::on(Way::Drift).ending(EndReason::Done, true);
+    };
+    let GpsTimes { fix, within } = times;
+    let way = match up_since {
+        Some(_) => Way::Drift,
+        None if climbs => Way::Climb(heading_deg),
+        None => Way::Course(estimate.at.bearing_deg(at)),
+    };
+    let fixed = up_since.is_some_and(|up| now >= up + fix);
+    let end = if fixed {
+        Some(EndReason::Done)
+    } else {
+        (now >= since + within).then_some(EndReason::TimedOut)
+    };
+    Steer { end, ..Steer::on(way) }
 }
 
 fn circle_bearing_deg(shape: &Shape, at: EastNorth) -> f64 {
     match shape {
         Shape::Trackcircle { centre, .. } => centre.bearing_deg(at),
-        Shape::Waypoint { .. } | Shape::Trackline { .. } | Shape::Setpoint { .. } => 0.0,
+        Shape::Waypoint { .. }
+        | Shape::Trackline { .. }
+        | Shape::Setpoint { .. }
+        | Shape::GpsHit { .. }
+        | Shape::Command
+        | Shape::Idle => 0.0,
     }
 }
 
@@ -190,12 +297,7 @@ fn around(
         ..
     } = *shape
     else {
-        return Steer {
-            bearing_deg,
-            is_heading: false,
-            off_line_m: 0.0,
-            done: true,
-        };
+        return Steer::on(Way::Course(bearing_deg)).ending(EndReason::Done, true);
     };
     let out_m = centre.distance_m(at) - radius_m;
     // The turn lags behind what is asked for: ask for where the tangent will be.
@@ -205,10 +307,9 @@ fn around(
     let inward_deg = 90.0 + atan(out_m / lookahead_m).to_degrees() + lead_deg;
     let side = orbits.signum();
     Steer {
-        bearing_deg: bearing_deg + side * inward_deg,
-        is_heading: false,
+        way: Way::Course(bearing_deg + side * inward_deg),
         off_line_m: out_m.abs(),
-        done: swept_deg * side >= orbits.abs() * 360.0,
+        end: (swept_deg * side >= orbits.abs() * 360.0).then_some(EndReason::Done),
     }
 }
 

@@ -1,28 +1,91 @@
-use backseat_spi::{Abort, CancelCurrent, CancelElement, Kill, StartEmptyMission};
+use core::time::Duration;
+
+use backseat_spi::{
+    Abort, AbortReason, AckStatus, CancelCurrent, CancelElement, DurationUnit, Kill, StartEmptyMission,
+};
 use backseat_units::Timestamp;
 
 use crate::answers::Regarding;
+use crate::event::MvcEventKind;
+use crate::mission_event::MissionEvent;
 use crate::mvc::Mvc;
+
+/// The longest that an empty mission may be asked to last, seconds: a year.
+const EMPTY_MAX_S: f64 = 365.0 * 86_400.0;
 
 /// What ends behaviors, elements and missions at a payload's wish, and starts an empty one (SPI 7.10, 7.11, 7.16, 7.17, 7.20).
 impl Mvc {
+    /// BPRCB. A reserved field that is neither empty nor 0 does not parse.
     pub(crate) fn cancel_current(&mut self, now: Timestamp, re: Regarding, _request: &CancelCurrent) {
-        self.unsupported(now, re);
+        let outcome = self.executive.cancel_current(now, self.vehicle.at);
+        self.done(now, re, outcome, MissionEvent::CancelCurrent(re.client));
     }
 
+    /// BPRCE.
     pub(crate) fn cancel_element(&mut self, now: Timestamp, re: Regarding, _request: &CancelElement) {
-        self.unsupported(now, re);
+        let outcome = self.executive.cancel_element(now, self.vehicle.at);
+        self.done(now, re, outcome, MissionEvent::CancelElement(re.client));
     }
 
-    pub(crate) fn abort(&mut self, now: Timestamp, re: Regarding, _request: &Abort) {
-        self.unsupported(now, re);
+    /// BPABT.
+    pub(crate) fn abort(&mut self, now: Timestamp, re: Regarding, request: &Abort) {
+        let errors = match request.reason {
+            AbortReason::Successful => false,
+            AbortReason::Errors => true,
+            AbortReason::Other(code) => {
+                self.invalid(now, re, &format!("reason {code}: expected 0 or 1"));
+                return;
+            }
+        };
+        let outcome = self.executive.abort(errors, request.text.as_str());
+        let event = MissionEvent::Abort {
+            client: re.client,
+            errors,
+            text: request.text.clone(),
+        };
+        self.done(now, re, outcome, event);
     }
 
-    pub(crate) fn kill(&mut self, now: Timestamp, re: Regarding, _request: &Kill) {
-        self.unsupported(now, re);
+    /// BPKIL.
+    pub(crate) fn kill(&mut self, now: Timestamp, re: Regarding, request: &Kill) {
+        let outcome = self.executive.kill(request.text.as_str());
+        self.done(now, re, outcome, MissionEvent::Kill(re.client, request.text.clone()));
     }
 
-    pub(crate) fn start_empty_mission(&mut self, now: Timestamp, re: Regarding, _request: &StartEmptyMission) {
-        self.unsupported(now, re);
+    /// BPSEM.
+    pub(crate) fn start_empty_mission(&mut self, now: Timestamp, re: Regarding, request: &StartEmptyMission) {
+        let unit_s = match request.unit {
+            DurationUnit::Hours => 3600.0,
+            DurationUnit::Minutes => 60.0,
+            DurationUnit::Seconds => 1.0,
+            DurationUnit::Other(code) => {
+                self.invalid(now, re, &format!("unit {code}: expected 0 to 2"));
+                return;
+            }
+        };
+        let seconds = request.duration * unit_s;
+        if !(seconds > 0.0 && seconds <= EMPTY_MAX_S) {
+            let text = format!("duration {}: expected above 0 and at most a year", request.duration);
+            self.invalid(now, re, &text);
+            return;
+        }
+        let most = Duration::from_secs_f64(seconds);
+        let outcome = if self.empty_allowed {
+            self.executive.start_empty(now, self.vehicle.at, most)
+        } else {
+            Err("empty missions are not allowed on this vehicle")
+        };
+        self.done(now, re, outcome, MissionEvent::EmptyMission(re.client, most));
+    }
+
+    /// Answers, and notes what was done before what it has brought about.
+    fn done<E: AsRef<str>>(&mut self, now: Timestamp, re: Regarding, outcome: Result<(), E>, event: MissionEvent) {
+        match outcome {
+            Ok(()) => {
+                self.note(now, MvcEventKind::Executive(event));
+                self.acknowledge(now, re, AckStatus::Succeeded, "");
+            }
+            Err(why) => self.acknowledge(now, re, AckStatus::Failed, why.as_ref()),
+        }
     }
 }

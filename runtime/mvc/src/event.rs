@@ -4,6 +4,8 @@ use core::time::Duration;
 use backseat_spi::{BehaviorId, CommandName, Text};
 use backseat_units::Timestamp;
 
+use crate::mission_event::MissionEvent;
+
 /// A client of the server, as the driver numbers its connections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ClientId(pub u32);
@@ -46,7 +48,7 @@ pub enum MvcEventKind {
         /// As BFMIS says it.
         status: Status,
         /// Why, where there is more to say.
-        details: &'static str,
+        details: Text,
     },
     /// The vehicle gave (true) or took back (false) control.
     Control(bool),
@@ -64,6 +66,8 @@ pub enum MvcEventKind {
     InsertRefused(ClientId, BehaviorId, Refusal),
     /// An insert was taken out of the plan before it began.
     InsertCancelled(BehaviorId, CancelCause),
+    /// What the executive did at the plan's or a payload's wish.
+    Executive(MissionEvent),
     /// A command that could not be read, or is none.
     CommandInvalid(ClientId, CommandName, Text),
     /// BPSTS.
@@ -111,10 +115,14 @@ pub enum Status {
     Running,
     /// Climbing to the surface after the last element.
     WrappingUp,
+    /// Climbing to the surface after an abort with errors.
+    Aborting,
     /// Over, as planned.
     Completed,
     /// Over, before its end.
     Aborted,
+    /// Killed: no movement.
+    Stopped,
 }
 
 impl Status {
@@ -125,8 +133,10 @@ impl Status {
             Self::Ready => "Ready",
             Self::Running => "Running",
             Self::WrappingUp => "WrappingUp",
+            Self::Aborting => "Aborting",
             Self::Completed => "Completed",
             Self::Aborted => "Aborted",
+            Self::Stopped => "Stopped",
         }
     }
 }
@@ -143,10 +153,12 @@ pub struct Behavior {
 /// Where a behavior comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// The element of the plan with this number, from 1.
+    /// The behavior of the plan with this number in the dive file, from 1.
     Plan(u32),
     /// The insert with this identifier.
     Insert(BehaviorId),
+    /// An empty mission's wait for the payload (SPI 7.20).
+    Empty,
 }
 
 /// Why a behavior ended.
@@ -162,6 +174,12 @@ pub enum EndReason {
     ModifyLimit,
     /// Control was taken back, and with it the inserts.
     ControlLost,
+    /// BPRCB ended it.
+    Cancelled,
+    /// BPRCE ended the element that it belongs to.
+    ElementCancelled,
+    /// An empty mission has something to fly.
+    Relieved,
     /// The mission ended.
     MissionOver,
 }
@@ -169,12 +187,30 @@ pub enum EndReason {
 /// What a modify asks for; none inherits from the behavior (SPI 7.12).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModifyValues {
-    /// Heading, degrees from true north.
-    pub heading_deg: Option<f64>,
+    /// What is turned to.
+    pub horizontal: Option<ModifyHorizontal>,
     /// What is held vertically.
     pub vertical: Option<ModifyVertical>,
     /// Speed through the water, metres a second.
     pub speed_mps: Option<f64>,
+}
+
+impl ModifyValues {
+    /// Nothing is asked for.
+    pub(crate) const NONE: Self = Self {
+        horizontal: None,
+        vertical: None,
+        speed_mps: None,
+    };
+}
+
+/// What a modify turns to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ModifyHorizontal {
+    /// Heading, degrees from true north.
+    Heading(f64),
+    /// Rudder, degrees, positive to starboard.
+    Rudder(f64),
 }
 
 /// What a modify holds vertically.
@@ -186,6 +222,8 @@ pub enum ModifyVertical {
     Altitude(f64),
     /// Pitch, degrees, positive up.
     Pitch(f64),
+    /// Elevator, degrees, positive up.
+    Elevator(f64),
 }
 
 /// Why a modify ended.
@@ -199,6 +237,8 @@ pub enum ModifyEnd {
     ControlLost,
     /// It went beyond the mission's limits.
     Limit,
+    /// The behavior that it modified ended.
+    BehaviorEnded,
     /// The mission ended.
     MissionOver,
 }
@@ -222,6 +262,8 @@ pub enum Refusal {
     FarAway,
     /// The line is too short, or the circle too small or too long.
     Geometry,
+    /// A GPS hit asks for a spiral to the surface (SPI 7.7: "future implementation").
+    Spiral,
     /// Taken back by BPRCA before it was decided.
     Cancelled,
 }
@@ -233,6 +275,8 @@ pub enum CancelCause {
     Asked(ClientId),
     /// Control was taken back.
     ControlLost,
+    /// BPRCE ended the element that it had its place in.
+    ElementCancelled,
     /// The mission ended.
     MissionOver,
 }
@@ -255,7 +299,7 @@ impl fmt::Display for MvcEventKind {
             Self::Subscribed { client, message, on } => {
                 write!(f, "{client} switched {message} {}", if *on { "on" } else { "off" })
             }
-            Self::Mission { status, details: "" } => write!(f, "mission {}", status.name()),
+            Self::Mission { status, details } if details.as_str().is_empty() => write!(f, "mission {}", status.name()),
             Self::Mission { status, details } => write!(f, "mission {}: {details}", status.name()),
             Self::Control(true) => f.write_str("control given to the payload"),
             Self::Control(false) => f.write_str("control taken back"),
@@ -266,6 +310,7 @@ impl fmt::Display for MvcEventKind {
             Self::InsertAccepted(client, id) => write!(f, "insert {id} of {client} accepted"),
             Self::InsertRefused(client, id, why) => write!(f, "insert {id} of {client} refused: {why}"),
             Self::InsertCancelled(id, cause) => write!(f, "insert {id} cancelled: {cause}"),
+            Self::Executive(event) => write!(f, "{event}"),
             Self::CommandInvalid(client, name, text) => write!(f, "{client} sent an invalid command ({name}): {text}"),
             Self::PayloadStatus { client, ok, text } => {
                 write!(
@@ -300,6 +345,7 @@ impl fmt::Display for Behavior {
         match self.source {
             Source::Plan(number) => write!(f, "{} {number} of the plan", self.kind),
             Source::Insert(id) => write!(f, "inserted {} {id}", self.kind),
+            Source::Empty => f.write_str("the empty mission's wait"),
         }
     }
 }
@@ -312,6 +358,9 @@ impl fmt::Display for EndReason {
             Self::Interrupted => "interrupted by an insert",
             Self::ModifyLimit => "modified for too long or too far",
             Self::ControlLost => "control was taken back",
+            Self::Cancelled => "cancelled by a payload",
+            Self::ElementCancelled => "its element was cancelled by a payload",
+            Self::Relieved => "there is something to fly",
             Self::MissionOver => "the mission ended",
         })
     }
@@ -319,14 +368,16 @@ impl fmt::Display for EndReason {
 
 impl fmt::Display for ModifyValues {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.heading_deg {
-            Some(heading) => write!(f, "heading {heading:.1} deg")?,
+        match self.horizontal {
+            Some(ModifyHorizontal::Heading(heading)) => write!(f, "heading {heading:.1} deg")?,
+            Some(ModifyHorizontal::Rudder(rudder)) => write!(f, "rudder {rudder:.1} deg")?,
             None => f.write_str("heading its own")?,
         }
         match self.vertical {
             Some(ModifyVertical::Depth(depth)) => write!(f, ", depth {depth:.2} m")?,
             Some(ModifyVertical::Altitude(altitude)) => write!(f, ", altitude {altitude:.2} m")?,
             Some(ModifyVertical::Pitch(pitch)) => write!(f, ", pitch {pitch:.1} deg")?,
+            Some(ModifyVertical::Elevator(elevator)) => write!(f, ", elevator {elevator:.1} deg")?,
             None => f.write_str(", depth its own")?,
         }
         match self.speed_mps {
@@ -343,6 +394,7 @@ impl fmt::Display for ModifyEnd {
             Self::Lapsed => "5 s without a refresh",
             Self::ControlLost => "control was taken back",
             Self::Limit => "too long or too far",
+            Self::BehaviorEnded => "its behavior ended",
             Self::MissionOver => "the mission ended",
         })
     }
@@ -359,6 +411,7 @@ impl fmt::Display for Refusal {
             Self::Speed(speed) => write!(f, "speed {speed} m/s is beyond the limits of the vehicle"),
             Self::FarAway => f.write_str("the place is over 50 km from the origin"),
             Self::Geometry => f.write_str("the line is too short or the circle too small or too long"),
+            Self::Spiral => f.write_str("surfacing in a spiral is not implemented"),
             Self::Cancelled => f.write_str("cancelled before it was decided"),
         }
     }
@@ -369,6 +422,7 @@ impl fmt::Display for CancelCause {
         match self {
             Self::Asked(client) => write!(f, "{client} asked"),
             Self::ControlLost => f.write_str("control was taken back"),
+            Self::ElementCancelled => f.write_str("its element was cancelled by a payload"),
             Self::MissionOver => f.write_str("the mission ended"),
         }
     }

@@ -1,29 +1,31 @@
+mod ending;
 mod flow;
 mod inserts;
 mod modify;
+mod steering;
+
+pub(crate) use inserts::takes_back;
 
 use core::time::Duration;
 use std::collections::{BTreeSet, VecDeque};
 
-use backseat_spi::BehaviorId;
+use backseat_spi::{BehaviorId, Text};
 use backseat_units::{EastNorth, Timestamp};
 
-use crate::course::{Course, Steer, crabbed_deg};
+use crate::course::{Course, SURFACED_M};
 use crate::estimate::Estimate;
-use crate::event::{Behavior, CancelCause, EndReason, ModifyEnd, ModifyVertical, MvcEventKind, Source, Status};
-use crate::file::{MissionConfig, ModifyLimit, VehicleConfig, WrapUp};
+use crate::event::{Behavior, CancelCause, EndReason, ModifyEnd, MvcEventKind, Source, Status};
+use crate::file::{ControlWindow, MissionConfig, ModifyLimit, VehicleConfig, WrapUp};
 use crate::hull::Hull;
 use crate::insert::Insert;
 use crate::interpretation::Interpretation;
 use crate::modify::Modify;
-use crate::plan::{PlanItem, Vertical};
+use crate::plan::{PayloadText, PlanItem, Vertical};
 use crate::truth::Activity;
-use crate::vehicle::{Demand, Drive};
+use crate::vehicle::{Demand, Drive, Turn};
 
 /// How many identifiers a mission may use up.
 const IDENTIFIERS_MAX: usize = 100_000;
-/// Above this depth the wrap-up is done, metres.
-const SURFACED_M: f64 = 0.3;
 
 /// The mission executive: which behavior is flown, what is inserted, who has control.
 ///
@@ -37,10 +39,20 @@ pub(crate) struct Executive {
     altitude_min_m: f64,
     limits: Limits,
     starts_at: Timestamp,
+    /// When the mission is aborted if it runs still.
+    ends_at: Option<Timestamp>,
     status: Status,
-    /// The planned element that is current: the one that is flown, or after which the inserts are flown.
+    /// Why the mission ended, which its last status says again.
+    details: Text,
+    /// The mission is an empty one (SPI 7.20).
+    empty: bool,
+    /// The planned behavior that is current: the one that is flown, or after which the inserts are flown.
     index: usize,
+    /// The element that it belongs to; 0 before the first.
+    element: u32,
     element_began: Timestamp,
+    /// What the plan last held vertically, and its speed: how the way to a GPS hit is flown.
+    cruise: (Vertical, f64),
     running: Option<Running>,
     queue: VecDeque<Insert>,
     used: BTreeSet<BehaviorId>,
@@ -58,12 +70,12 @@ pub(crate) struct Executive {
 #[derive(Clone, Copy, Debug)]
 struct Limits {
     tick: Duration,
-    time_limit: Option<Duration>,
     inserts_max: u32,
     modify_total: Option<Duration>,
     modify_deviation_m: Option<f64>,
     modify_limit: ModifyLimit,
     wrap_up: WrapUp,
+    control: ControlWindow,
 }
 
 #[derive(Clone, Debug)]
@@ -75,6 +87,10 @@ struct Running {
     began: Timestamp,
     timeout: Option<Duration>,
     insert: Option<Insert>,
+    /// What the payload is told where a trackline's lead-in begins and its lead-out ends.
+    message: Option<PayloadText>,
+    /// The payload has been told to log.
+    logging: bool,
 }
 
 impl Executive {
@@ -85,24 +101,33 @@ impl Executive {
         interpretation: Interpretation,
         tick: Duration,
     ) -> Self {
+        let hull = vehicle.hull();
+        let starts_at = Timestamp::ZERO + Duration::from_secs_f64(config.starts_after_s);
         Self {
             log: Vec::new(),
             plan,
             interpretation,
-            hull: vehicle.hull(),
+            hull,
             altitude_min_m: vehicle.altitude_min_m,
             limits: Limits {
                 tick,
-                time_limit: config.time_limit_s.map(Duration::from_secs_f64),
                 inserts_max: config.inserts_max,
                 modify_total: config.modify_total_s.map(Duration::from_secs_f64),
                 modify_deviation_m: config.modify_deviation_m,
                 modify_limit: config.modify_limit,
                 wrap_up: config.wrap_up,
+                control: config.control,
             },
-            starts_at: Timestamp::ZERO + Duration::from_secs_f64(config.starts_after_s),
+            starts_at,
+            ends_at: config
+                .time_limit_s
+                .map(|limit| starts_at + Duration::from_secs_f64(limit)),
             status: Status::Ready,
+            details: Text::default(),
+            empty: false,
             index: 0,
+            element: 0,
+            cruise: (Vertical::Depth(0.0), hull.speed_max_mps / 2.0),
             element_began: Timestamp::ZERO,
             running: None,
             queue: VecDeque::new(),
@@ -128,24 +153,41 @@ impl Executive {
         &self.plan
     }
 
-    /// How many elements of the plan come before the inserts.
-    pub(crate) fn inserts_after(&self) -> usize {
-        self.index + 1
+    /// Whether the mission is an empty one, which has no dive file (SPI 7.20).
+    pub(crate) const fn is_empty_mission(&self) -> bool {
+        self.empty
     }
 
-    /// The inserts of the plan in the order in which they are flown, the running one first.
+    pub(crate) const fn cruise(&self) -> (Vertical, f64) {
+        self.cruise
+    }
+
+    /// How many behaviors of the plan come before the inserts: they have their place "at the end of the current planned
+    /// survey leg or trackcircle or before the beginning of the next one" (SPI 7.5).
+    pub(crate) fn inserts_after(&self) -> usize {
+        let after = self.index + 1;
+        let inserted = self.running.as_ref().is_some_and(|running| running.insert.is_some());
+        let on_leg = self.plan.get(self.index).is_some_and(|item| item.shape.is_leg());
+        if inserted || on_leg || !self.interpretation.inserts_at_legs {
+            return after;
+        }
+        let others = self.plan.iter().skip(after).position(|item| item.shape.is_leg());
+        after + others.unwrap_or(0)
+    }
+
+    /// The inserts of the plan in the order in which they are flown: the running one, the waiting ones, the one that an
+    /// insert has interrupted.
     pub(crate) fn inserts(&self) -> impl Iterator<Item = &Insert> {
-        self.running
-            .iter()
-            .filter_map(|running| running.insert.as_ref())
-            .chain(&self.queue)
+        let begun = self.running.iter().filter_map(|running| running.insert.as_ref());
+        let paused = self.paused.iter().filter_map(|(running, _)| running.insert.as_ref());
+        begun.chain(&self.queue).chain(paused)
     }
 
     pub(crate) fn activity(&self) -> Activity {
         match self.status {
             Status::Ready => Activity::Waiting,
-            Status::WrappingUp => Activity::WrappingUp,
-            Status::Completed | Status::Aborted => Activity::Stopped,
+            Status::WrappingUp | Status::Aborting => Activity::WrappingUp,
+            Status::Completed | Status::Aborted | Status::Stopped => Activity::Stopped,
             Status::Running => match (
                 self.running.as_ref().map(|running| running.behavior.source),
                 self.modify,
@@ -153,6 +195,8 @@ impl Executive {
                 (None, _) => Activity::Stopped,
                 (Some(Source::Plan(number)), None) => Activity::Plan { number },
                 (Some(Source::Insert(id)), None) => Activity::Insert { id },
+                (Some(Source::Empty), None) => Activity::Plan { number: 0 },
+                (Some(Source::Empty), Some(_)) => Activity::Modified { number: None, id: None },
                 (Some(Source::Plan(number)), Some(_)) => Activity::Modified {
                     number: Some(number),
                     id: None,
@@ -173,13 +217,8 @@ impl Executive {
             self.begin_planned(0, now, estimate.at);
         }
         self.lapse(now);
-        if self
-            .limits
-            .time_limit
-            .is_some_and(|limit| now >= self.starts_at + limit)
-            && self.is_running()
-        {
-            self.finish(Status::Aborted, "time limit", EndReason::MissionOver);
+        if self.is_running() && self.ends_at.is_some_and(|at| now >= at) {
+            self.end_mission(true, "time limit");
         }
         let mut steer = self.steer(now, estimate);
         if let Some(flown) = steer
@@ -197,66 +236,34 @@ impl Executive {
         if self.update_control(now, estimate.at) {
             steer = self.steer(now, estimate);
         }
-        match (self.status, &self.running, steer) {
-            (Status::Ready, _, _) => Drive::Held,
-            (Status::WrappingUp, _, _) => {
-                if estimate.depth_m < SURFACED_M {
-                    self.set_status(Status::Completed, "");
-                }
-                let speed_mps = self.hull.speed_min_mps.max(0.3) * 2.0;
-                Drive::Under(Demand {
-                    heading_deg: estimate.heading_deg,
-                    vertical: Vertical::Depth(0.0),
-                    speed_mps,
-                })
-            }
-            (Status::Running, Some(running), Some(steer)) => {
-                Drive::Under(self.demand(running, &steer, estimate, convergence_deg))
-            }
-            (Status::Running | Status::Completed | Status::Aborted, _, _) => Drive::Adrift,
+        match self.status {
+            Status::Ready => Drive::Held,
+            Status::WrappingUp | Status::Aborting => self.climb(estimate),
+            Status::Running => self.drive(steer, estimate, convergence_deg),
+            Status::Completed | Status::Aborted | Status::Stopped => Drive::Adrift,
         }
+    }
+
+    /// The wrap-up: a powered ascent (SPI 7.16).
+    fn climb(&mut self, estimate: &Estimate) -> Drive {
+        if estimate.depth_m < SURFACED_M {
+            let over = if self.status == Status::Aborting {
+                Status::Aborted
+            } else {
+                Status::Completed
+            };
+            let details = self.details.clone();
+            self.set_status(over, details.as_str());
+        }
+        Drive::Under(Demand {
+            turn: Turn::Heading(estimate.heading_deg),
+            vertical: Vertical::Depth(0.0),
+            speed_mps: self.hull.speed_min_mps.max(0.3) * 2.0,
+        })
     }
 
     fn is_running(&self) -> bool {
         self.status == Status::Running
-    }
-
-    /// Goes through behaviors that are at their end, and steers the first that is not.
-    fn steer(&mut self, now: Timestamp, estimate: &Estimate) -> Option<Steer> {
-        while self.is_running() {
-            let running = self.running.as_mut()?;
-            let steer = running.course.steer(estimate.at, running.speed_mps, &self.hull, now);
-            let reason = if steer.done {
-                EndReason::Done
-            } else if running.timeout.is_some_and(|timeout| now >= running.began + timeout) {
-                EndReason::TimedOut
-            } else {
-                return Some(steer);
-            };
-            self.next(now, estimate.at, reason);
-        }
-        None
-    }
-
-    fn demand(&self, running: &Running, steer: &Steer, estimate: &Estimate, convergence_deg: f64) -> Demand {
-        let asked = self.modify.map(|modify| modify.values);
-        let speed_mps = asked.and_then(|values| values.speed_mps).unwrap_or(running.speed_mps);
-        let heading_deg = match asked.and_then(|values| values.heading_deg) {
-            Some(true_deg) => true_deg - convergence_deg,
-            None if steer.is_heading => steer.bearing_deg - convergence_deg,
-            None => crabbed_deg(steer.bearing_deg, estimate.surge_mps, estimate.current),
-        };
-        let vertical = match asked.and_then(|values| values.vertical) {
-            None => running.vertical,
-            Some(ModifyVertical::Depth(depth)) => Vertical::Depth(depth),
-            Some(ModifyVertical::Altitude(altitude)) => Vertical::Altitude(altitude),
-            Some(ModifyVertical::Pitch(pitch)) => Vertical::Pitch(pitch),
-        };
-        Demand {
-            heading_deg,
-            vertical,
-            speed_mps,
-        }
     }
 
     /// Gives or takes back control where `allowDynamicRequests` has changed (SPI 6.24). Whether the running behavior
@@ -265,21 +272,14 @@ impl Executive {
         let mut changed = false;
         // Dropped inserts pass on to the next element, which may allow requests again: at most a fall and a rise.
         for _ in 0..3 {
-            let allowed = self.is_running()
-                && self
-                    .plan
-                    .get(self.index)
-                    .and_then(|item| item.dynamic)
-                    .is_some_and(|(from, until)| {
-                        let since = now.since(self.element_began);
-                        since >= from && since < until
-                    });
+            let allowed = self.allows_dynamic_requests(now);
             if allowed == self.control {
                 break;
             }
             self.set_control(allowed);
             if !allowed && !self.interpretation.inserts_fly_on {
                 self.drop_queue(CancelCause::ControlLost, |_| true);
+                self.paused.take_if(|(paused, _)| paused.insert.is_some());
                 if self.running.as_ref().is_some_and(|running| running.insert.is_some()) {
                     self.next(now, at, EndReason::ControlLost);
                     changed = true;
@@ -287,6 +287,21 @@ impl Executive {
             }
         }
         changed
+    }
+
+    /// "allowDynamicRequests" (SPI 6.24, 7.5).
+    fn allows_dynamic_requests(&self, now: Timestamp) -> bool {
+        let whole = self.empty || self.limits.control == ControlWindow::Mission;
+        self.is_running()
+            && (whole
+                || self
+                    .plan
+                    .get(self.index)
+                    .and_then(|item| item.dynamic)
+                    .is_some_and(|(from, until)| {
+                        let since = now.since(self.element_began);
+                        since >= from && since < until
+                    }))
     }
 
     fn set_control(&mut self, allowed: bool) {

@@ -14,9 +14,10 @@ use serde::Deserialize;
 
 pub use expect::{ContourExpectation, Expectations, MaximumExpectation};
 pub use interpretation::{
-    AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertsAfterControl, InterpretationConfig,
+    AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertPlace, InsertsAfterControl, InterpretationConfig,
+    ModifyBeyond, ModifyFins,
 };
-pub use mission::{MissionConfig, ModifyLimit, WrapUp};
+pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
 pub use plan::{PlaceConfig, PlanEntry, PlanKind};
 pub use sensors::SensorConfig;
 pub use spi::{AcknowledgeConfig, Profile, SpiConfig};
@@ -83,7 +84,13 @@ use crate::error::{MvcError, check};
 /// speed_mps = 1.5
 ///
 /// [[plan]]
+/// kind = "command"
+/// text = "start line 1"
+///
+/// [[plan]]
 /// kind = "trackline"
+/// lead_in_m = 20
+/// payload_message = "line 1"
 /// start = { latitude_deg = 42.301, longitude_deg = -70.9 }
 /// end = { latitude_deg = 42.305, longitude_deg = -70.9 }
 /// altitude_m = 10
@@ -107,7 +114,7 @@ use crate::error::{MvcError, check};
 /// depth_m = 5
 /// speed_mps = 1.5
 /// "#)?;
-/// assert_eq!(file.plan.len(), 4);
+/// assert_eq!(file.plan.len(), 5);
 /// # Ok::<(), backseat_mvc::MvcError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]

@@ -1,5 +1,7 @@
 use serde::Deserialize;
 
+use crate::vehicle::FIN_MAX_DEG;
+
 /// The vehicle classes that the interface covers (SPI 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum HullClass {
@@ -138,5 +140,15 @@ impl Hull {
             HullClass::TwentyOneInch => &TWENTY_ONE_INCH,
             HullClass::Hovering => &HOVERING,
         }
+    }
+
+    /// Turn at full way that a rudder makes: in proportion to its angle, the fastest at the greatest.
+    pub(crate) fn rudder_dps(&self, rudder_deg: f64) -> f64 {
+        (rudder_deg / FIN_MAX_DEG).clamp(-1.0, 1.0) * self.yaw_rate_max_dps
+    }
+
+    /// Pitch that an elevator makes: in proportion to its angle, the steepest at the greatest.
+    pub(crate) fn elevator_pitch_deg(&self, elevator_deg: f64) -> f64 {
+        (elevator_deg / FIN_MAX_DEG).clamp(-1.0, 1.0) * self.pitch_max_deg
     }
 }

@@ -1,11 +1,11 @@
-use backseat_spi::{BehaviorId, Interrupt, SpeedMode, Trackcircle, Trackline, VerticalMode};
+use backseat_spi::{BehaviorId, GpsHit, Interrupt, SpeedMode, SurfaceMode, Trackcircle, Trackline, VerticalMode};
 use backseat_units::{EastNorth, LocalFrame};
 
 use crate::event::{ClientId, Refusal};
 use crate::hull::Hull;
-use crate::plan::{RADIUS_M, Shape, Vertical};
+use crate::plan::{GpsTimes, RADIUS_M, Shape, Vertical};
 
-/// A behavior that a payload asks to insert into the plan (SPI 7.5, 7.6).
+/// A behavior that a payload asks to insert into the plan (SPI 7.5 to 7.7).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Insert {
     pub(crate) client: ClientId,
@@ -15,6 +15,8 @@ pub(crate) struct Insert {
     pub(crate) vertical: Vertical,
     pub(crate) speed_mps: f64,
     pub(crate) interrupt: bool,
+    /// A GPS hit with a spiral to the surface, which is "future implementation" (SPI 7.7).
+    pub(crate) spiral: bool,
 }
 
 impl Insert {
@@ -36,6 +38,7 @@ impl Insert {
             vertical: vertical(request.vertical_mode, request.vertical_m)?,
             speed_mps: speed_mps(request.speed_mode, request.speed, hull)?,
             interrupt: interrupt(request.interrupt)?,
+            spiral: false,
         })
     }
 
@@ -59,18 +62,58 @@ impl Insert {
             vertical: vertical(request.vertical_mode, request.vertical_m)?,
             speed_mps: speed_mps(request.speed_mode, request.speed, hull)?,
             interrupt: interrupt(request.interrupt)?,
+            spiral: false,
         })
+    }
+
+    /// From BPRGP, which says neither depth nor speed of the way to the place: those of the plan are kept.
+    pub(crate) fn gps_hit(
+        client: ClientId,
+        request: &GpsHit,
+        frame: &LocalFrame,
+        times: GpsTimes,
+        cruise: (Vertical, f64),
+    ) -> Result<Self, String> {
+        let (climbs, spiral) = match request.mode {
+            SurfaceMode::StraightLine => (true, false),
+            SurfaceMode::Spiral => (true, true),
+            SurfaceMode::Manual => (false, false),
+            SurfaceMode::Other(code) => return Err(format!("mode {code}: expected 0 to 2")),
+        };
+        Ok(Self {
+            client,
+            id: request.identifier,
+            shape: Shape::GpsHit {
+                at: frame.to_local(request.position),
+                climbs,
+                times,
+            },
+            vertical: cruise.0,
+            speed_mps: cruise.1,
+            interrupt: false,
+            spiral,
+        })
+    }
+
+    pub(crate) const fn is_gps_hit(&self) -> bool {
+        matches!(self.shape, Shape::GpsHit { .. })
     }
 
     /// Whether this vehicle can fly it at all.
     pub(crate) fn within(&self, hull: &Hull, altitude_min_m: f64) -> Result<(), Refusal> {
+        if self.spiral {
+            return Err(Refusal::Spiral);
+        }
         let vertical_ok = match self.vertical {
             Vertical::Depth(depth_m) => (0.0..=hull.depth_max_m).contains(&depth_m),
             Vertical::Altitude(altitude_m) => (altitude_min_m..=1000.0).contains(&altitude_m),
-            Vertical::Pitch(_) => false,
+            Vertical::Pitch(_) | Vertical::Elevator(_) => false,
         };
         if !vertical_ok {
-            let (Vertical::Depth(value) | Vertical::Altitude(value) | Vertical::Pitch(value)) = self.vertical;
+            let (Vertical::Depth(value)
+            | Vertical::Altitude(value)
+            | Vertical::Pitch(value)
+            | Vertical::Elevator(value)) = self.vertical;
             return Err(Refusal::Vertical(value));
         }
         // Standing still is no way to fly a line, even for a hull that can.
@@ -91,27 +134,13 @@ impl Insert {
                     && (0.01..=1000.0).contains(&orbits.abs())
                     && entry_deg.is_none_or(|angle| angle.abs() <= 360.0),
             ),
-            Shape::Waypoint { to } => (near(to), true),
-            Shape::Setpoint { .. } => (true, true),
+            Shape::Waypoint { to } | Shape::GpsHit { at: to, .. } => (near(to), true),
+            Shape::Setpoint { .. } | Shape::Command | Shape::Idle => (true, true),
         };
         match (near, flyable) {
             (false, _) => Err(Refusal::FarAway),
             (true, false) => Err(Refusal::Geometry),
             (true, true) => Ok(()),
-        }
-    }
-
-    /// What is flown: a trackline gets its lead-in and lead-out.
-    pub(crate) fn flown(&self, lead_in_m: f64) -> Shape {
-        match self.shape {
-            Shape::Trackline { start, end } => {
-                let lead = (end - start) * (lead_in_m / start.distance_m(end).max(1.0));
-                Shape::Trackline {
-                    start: start - lead,
-                    end: end + lead,
-                }
-            }
-            other @ (Shape::Waypoint { .. } | Shape::Setpoint { .. } | Shape::Trackcircle { .. }) => other,
         }
     }
 }

@@ -1,6 +1,9 @@
 use backseat_world::Stream;
 
-use crate::file::{AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertsAfterControl, InterpretationConfig};
+use crate::file::{
+    AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertPlace, InsertsAfterControl, InterpretationConfig,
+    ModifyBeyond, ModifyFins,
+};
 
 /// How this run reads what the specification leaves open: the `[interpretation]` section with the seed's draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +20,27 @@ pub struct Interpretation {
     pub cancel_all: bool,
     /// BPRMB's heading counts from the north of the UTM grid; else from true north.
     pub heading_is_grid: bool,
+    /// Inserts wait for the next leg or circle of the plan; else they follow the current behavior, whatever it is.
+    pub inserts_at_legs: bool,
+    /// BFBDL and BFSDL frame inserted tracklines too.
+    pub insert_logging: bool,
+    /// BPRCN cancels the insert of any client; else only one of the client that asks.
+    pub cancel_any: bool,
+    /// BPRCA takes GPS hits too.
+    pub cancel_all_gps: bool,
+    /// A modify goes on with the next behavior; else it ends with the one that it modifies.
+    pub modify_survives: bool,
+    /// A modify beyond the safe operating parameters is refused; else what is safe of it is flown.
+    pub modify_beyond_refused: bool,
+    /// BPRMB's rudder and elevator are added to the behavior's own; else they are held as they are.
+    pub fins_change: bool,
+}
+
+fn chosen(choice: Choice<bool>, drawn: bool) -> bool {
+    match choice {
+        Choice::Fixed(fixed) => fixed,
+        Choice::Seed => drawn,
+    }
 }
 
 impl Interpretation {
@@ -26,6 +50,9 @@ impl Interpretation {
         let mut coin = || stream.uniform() < 0.5;
         let drawn = [coin(), coin(), coin(), coin(), coin()];
         let lead_in_m = stream.uniform_in(0.0, 50.0);
+        // New draws come last, so that those before stay as they are.
+        let mut coin = || stream.uniform() < 0.5;
+        let later = [coin(), coin(), coin(), coin(), coin(), coin(), coin()];
         Self {
             inserts_fly_on: match config.inserts_after_control {
                 InsertsAfterControl::Fly => true,
@@ -41,10 +68,7 @@ impl Interpretation {
                 Choice::Fixed(metres) => metres,
                 Choice::Seed => lead_in_m,
             },
-            control_replay: match config.control_replay {
-                Choice::Fixed(replay) => replay,
-                Choice::Seed => drawn[2],
-            },
+            control_replay: chosen(config.control_replay, drawn[2]),
             cancel_all: match config.cancel_all_scope {
                 CancelAllScope::All => true,
                 CancelAllScope::Own => false,
@@ -54,6 +78,29 @@ impl Interpretation {
                 HeadingFrame::True => false,
                 HeadingFrame::Grid => true,
                 HeadingFrame::Seed => drawn[4],
+            },
+            inserts_at_legs: match config.insert_place {
+                InsertPlace::Leg => true,
+                InsertPlace::Current => false,
+                InsertPlace::Seed => later[0],
+            },
+            insert_logging: chosen(config.insert_logging, later[1]),
+            cancel_any: match config.cancel_scope {
+                CancelAllScope::All => true,
+                CancelAllScope::Own => false,
+                CancelAllScope::Seed => later[2],
+            },
+            cancel_all_gps: chosen(config.cancel_all_gps, later[3]),
+            modify_survives: chosen(config.modify_survives, later[4]),
+            modify_beyond_refused: match config.modify_beyond {
+                ModifyBeyond::Clip => false,
+                ModifyBeyond::Refuse => true,
+                ModifyBeyond::Seed => later[5],
+            },
+            fins_change: match config.modify_fins {
+                ModifyFins::Absolute => false,
+                ModifyFins::Change => true,
+                ModifyFins::Seed => later[6],
             },
         }
     }
@@ -72,10 +119,20 @@ mod tests {
             control_replay: Choice::Seed,
             cancel_all_scope: CancelAllScope::Seed,
             modify_heading: HeadingFrame::Seed,
+            insert_place: InsertPlace::Seed,
+            insert_logging: Choice::Seed,
+            cancel_scope: CancelAllScope::Seed,
+            cancel_all_gps: Choice::Seed,
+            modify_survives: Choice::Seed,
+            modify_beyond: ModifyBeyond::Seed,
+            modify_fins: ModifyFins::Seed,
         };
         let drawn: Vec<Interpretation> = (0..64).map(|seed| Interpretation::new(&config, seed)).collect();
         let both = |of: fn(&Interpretation) -> bool| drawn.iter().any(of) && !drawn.iter().all(of);
         assert!(both(|i| i.inserts_fly_on) && both(|i| i.resume) && both(|i| i.control_replay));
         assert!(both(|i| i.cancel_all) && both(|i| i.heading_is_grid) && both(|i| i.lead_in_m > 25.0));
+        assert!(both(|i| i.inserts_at_legs) && both(|i| i.insert_logging) && both(|i| i.cancel_any));
+        assert!(both(|i| i.cancel_all_gps) && both(|i| i.modify_survives) && both(|i| i.fins_change));
+        assert!(both(|i| i.modify_beyond_refused));
     }
 }

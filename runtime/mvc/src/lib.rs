@@ -14,8 +14,8 @@
 //! judges. What it knows and a payload cannot is in [`Mvc::truth`] and [`Mvc::world`]. The same [`WorldFile`], seed
 //! and inputs give the same bytes.
 //!
-//! Deliberately absent so far: GPS hits, trim and buoyancy, silent mode, the hovering hull's suspension, DVL
-//! triggering, acoustic communications, and the payload's abort and kill. Those commands are known and refused.
+//! Deliberately absent so far: trim and buoyancy, silent mode, the hovering hull's suspension, DVL triggering, acoustic
+//! communications. Those commands are known and refused.
 
 mod acoustic;
 mod adjustment;
@@ -35,6 +35,7 @@ mod hovering;
 mod hull;
 mod insert;
 mod interpretation;
+mod mission_event;
 mod modify;
 mod mvc;
 mod plan;
@@ -51,15 +52,17 @@ mod vehicle;
 
 pub use error::MvcError;
 pub use event::{
-    Behavior, CancelCause, ClientId, DropReason, EndReason, ModifyEnd, ModifyValues, ModifyVertical, MvcEvent,
-    MvcEventKind, Refusal, Source, Status,
+    Behavior, CancelCause, ClientId, DropReason, EndReason, ModifyEnd, ModifyHorizontal, ModifyValues, ModifyVertical,
+    MvcEvent, MvcEventKind, Refusal, Source, Status,
 };
 pub use file::{
-    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, Expectations, HeadingFrame,
-    InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig, ModifyLimit, PlaceConfig, PlanEntry,
-    PlanKind, Profile, SensorConfig, SpiConfig, StartConfig, VehicleConfig, WorldFile, WrapUp,
+    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, ControlWindow, Expectations,
+    HeadingFrame, InsertPlace, InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig,
+    ModifyBeyond, ModifyFins, ModifyLimit, PlaceConfig, PlanEntry, PlanKind, Profile, SensorConfig, SpiConfig,
+    StartConfig, VehicleConfig, WorldFile, WrapUp,
 };
 pub use hull::{Hull, HullClass};
 pub use interpretation::Interpretation;
+pub use mission_event::{MissionEvent, Told};
 pub use mvc::Mvc;
 pub use truth::{Activity, Truth};

@@ -2,8 +2,9 @@ use backseat_spi::{HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVertic
 use backseat_units::Timestamp;
 use backseat_units::math::wrap_360;
 
-use crate::event::{ClientId, ModifyValues, ModifyVertical};
+use crate::event::{ClientId, ModifyHorizontal, ModifyValues, ModifyVertical};
 use crate::hull::Hull;
+use crate::vehicle::FIN_MAX_DEG;
 
 /// The modify that is in force (SPI 7.12).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,41 +15,23 @@ pub(crate) struct Modify {
     pub(crate) until: Timestamp,
 }
 
-/// Why a BPRMB is not taken.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum ModifyFault {
-    /// A field has no meaning: status 0.
-    Invalid(String),
-    /// This mock does not fly it: status 1.
-    Unsupported(&'static str),
-}
-
 /// Reads BPRMB. `grid_convergence_deg` is what to add to its heading to count from true north.
 ///
 /// An empty horizontal mode is a heading, and an empty vertical mode a depth, as the numbers that the fields had
-/// before the modes were added; an empty speed mode is refused, since 0 means rpm here and metres a second in BPRTK.
-pub(crate) fn read(
-    request: &ModifyBehavior,
-    hull: &Hull,
-    grid_convergence_deg: f64,
-) -> Result<ModifyValues, ModifyFault> {
-    let heading_deg = match (request.horizontal, request.horizontal_mode) {
+/// before the modes were added; an empty speed mode is refused, since 0 means rpm here and metres a second in BPRTK. An error
+/// is the text that says which field has a value without a meaning.
+pub(crate) fn read(request: &ModifyBehavior, hull: &Hull, grid_convergence_deg: f64) -> Result<ModifyValues, String> {
+    let horizontal = match (request.horizontal, request.horizontal_mode) {
         (None, _) => None,
         (Some(deg), None | Some(HorizontalMode::Heading)) if deg.abs() <= 720.0 => {
-            Some(wrap_360(deg + grid_convergence_deg))
+            Some(ModifyHorizontal::Heading(wrap_360(deg + grid_convergence_deg)))
         }
         (Some(deg), None | Some(HorizontalMode::Heading)) => {
-            return Err(ModifyFault::Invalid(format!(
-                "horizontal {deg}: expected a heading in degrees"
-            )));
+            return Err(format!("horizontal {deg}: expected a heading in degrees"));
         }
-        (Some(_), Some(HorizontalMode::Rudder)) => {
-            return Err(ModifyFault::Unsupported(
-                "rudder adjustment is not supported by this mock",
-            ));
-        }
+        (Some(deg), Some(HorizontalMode::Rudder)) => Some(ModifyHorizontal::Rudder(deg)),
         (Some(_), Some(HorizontalMode::Other(code))) => {
-            return Err(ModifyFault::Invalid(format!("horizontal_mode {code}: expected 0 or 1")));
+            return Err(format!("horizontal_mode {code}: expected 0 or 1"));
         }
     };
     let vertical = match (request.vertical_m, request.vertical_mode) {
@@ -56,27 +39,47 @@ pub(crate) fn read(
         (Some(depth), None | Some(ModifyVerticalMode::Depth)) => Some(ModifyVertical::Depth(depth)),
         (Some(altitude), Some(ModifyVerticalMode::Altitude)) => Some(ModifyVertical::Altitude(altitude)),
         (Some(pitch), Some(ModifyVerticalMode::Pitch)) => Some(ModifyVertical::Pitch(pitch)),
-        (Some(_), Some(ModifyVerticalMode::Elevator)) => {
-            return Err(ModifyFault::Unsupported(
-                "elevator adjustment is not supported by this mock",
-            ));
-        }
+        (Some(deg), Some(ModifyVerticalMode::Elevator)) => Some(ModifyVertical::Elevator(deg)),
         (Some(_), Some(ModifyVerticalMode::Other(code))) => {
-            return Err(ModifyFault::Invalid(format!("vertical_mode {code}: expected 0 to 3")));
+            return Err(format!("vertical_mode {code}: expected 0 to 3"));
         }
     };
     let speed_mps = match (request.speed, request.speed_mode) {
         (None, _) => None,
         (Some(rpm), Some(ModifySpeedMode::Rpm)) => Some(rpm / hull.rpm_per_mps),
         (Some(mps), Some(ModifySpeedMode::MetresPerSecond)) => Some(mps),
-        (Some(_), None) => return Err(ModifyFault::Invalid("speed_mode: empty beside a speed".to_owned())),
+        (Some(_), None) => return Err("speed_mode: empty beside a speed".to_owned()),
         (Some(_), Some(ModifySpeedMode::Other(code))) => {
-            return Err(ModifyFault::Invalid(format!("speed_mode {code}: expected 0 or 1")));
+            return Err(format!("speed_mode {code}: expected 0 or 1"));
         }
     };
     Ok(ModifyValues {
-        heading_deg,
+        horizontal,
         vertical,
         speed_mps,
     })
+}
+
+/// Which of the values is beyond the vehicle's safe operating parameters (SPI 7.12), as a text.
+pub(crate) fn beyond(values: &ModifyValues, hull: &Hull, altitude_min_m: f64) -> Option<&'static str> {
+    match values.horizontal {
+        Some(ModifyHorizontal::Rudder(deg)) if deg.abs() > FIN_MAX_DEG => {
+            return Some("the rudder is beyond the safe limits of the vehicle");
+        }
+        Some(ModifyHorizontal::Rudder(_) | ModifyHorizontal::Heading(_)) | None => {}
+    }
+    let safe = match values.vertical {
+        None => true,
+        Some(ModifyVertical::Depth(metres)) => (0.0..=hull.depth_max_m).contains(&metres),
+        Some(ModifyVertical::Altitude(metres)) => (altitude_min_m..=1000.0).contains(&metres),
+        Some(ModifyVertical::Pitch(deg)) => deg.abs() <= hull.pitch_max_deg,
+        Some(ModifyVertical::Elevator(deg)) => deg.abs() <= FIN_MAX_DEG,
+    };
+    if !safe {
+        return Some("depth or altitude or pitch or elevator is beyond the safe limits of the vehicle");
+    }
+    values
+        .speed_mps
+        .is_some_and(|mps| !(hull.speed_min_mps..=hull.speed_max_mps).contains(&mps))
+        .then_some("the speed is beyond the safe limits of the vehicle")
 }

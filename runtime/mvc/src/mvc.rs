@@ -2,7 +2,8 @@ use core::time::Duration;
 use std::collections::VecDeque;
 
 use backseat_spi::{
-    BackseatControl, BehaviorBegin, BehaviorEnd, FromVehicle, MissionStatus, Shutdown, Text, VehicleVersion,
+    BackseatControl, BehaviorBegin, BehaviorEnd, FromVehicle, LoggingBegin, LoggingEnd, MissionCommand, MissionStatus,
+    Shutdown, Text, VehicleVersion,
 };
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 use backseat_world::{Span, Stream, World};
@@ -17,6 +18,7 @@ use crate::faults::Faults;
 use crate::file::{AcknowledgeConfig, Profile, WorldFile};
 use crate::hovering::Hovering;
 use crate::interpretation::Interpretation;
+use crate::mission_event::{MissionEvent, Told};
 use crate::power::Power;
 use crate::requests::Pending;
 use crate::sensors::{Sensors, true_heading};
@@ -59,6 +61,7 @@ pub struct Mvc {
     pub(crate) acoustic: Acoustic,
     pub(crate) hovering: Hovering,
     pub(crate) faults: Faults,
+    pub(crate) empty_allowed: bool,
     utc_at_start: Utc,
     version: Text,
     dive_file: Text,
@@ -118,6 +121,7 @@ impl Mvc {
             acoustic: Acoustic::new(file, seed),
             hovering: Hovering::new(file, seed),
             faults: Faults::new(file, seed),
+            empty_allowed: file.mission.empty_allowed,
             utc_at_start: file.start.utc,
             version: Text::cleaned(&file.spi.version),
             dive_file: Text::cleaned(&file.mission.dive_file),
@@ -296,10 +300,13 @@ impl Mvc {
         }
     }
 
-    /// Whether the mission has completed or was aborted.
+    /// Whether the mission has completed, was aborted or was killed.
     #[must_use]
     pub fn mission_over(&self) -> bool {
-        matches!(self.executive.status(), Status::Completed | Status::Aborted)
+        matches!(
+            self.executive.status(),
+            Status::Completed | Status::Aborted | Status::Stopped
+        )
     }
 
     /// The mission's status.
@@ -341,7 +348,6 @@ impl Mvc {
         self.settle(now);
         self.report_navigation(now);
         self.watch_power(now);
-        self.tick_surfacing(now);
         self.tick_silence(now);
         self.tick_adjustment(now);
         self.tick_power(now);
@@ -421,7 +427,7 @@ impl Mvc {
                 );
             }
             MvcEventKind::Mission { status, details } => {
-                let message = self.mission_message(now, *status, details);
+                let message = self.mission_message(now, *status, details.as_str());
                 self.publish(now, Some(Topic::Mission), &message);
             }
             MvcEventKind::BehaviorBegan(behavior) => {
@@ -446,8 +452,22 @@ impl Mvc {
                 };
                 self.publish(now, Some(Topic::BehaviorEnd), &message.into());
             }
+            MvcEventKind::Executive(MissionEvent::Told { role, what, text }) => {
+                let text = text.clone();
+                let message = match what {
+                    Told::Command => MissionCommand { created, text }.into(),
+                    Told::LoggingBegins => LoggingBegin { created, text }.into(),
+                    Told::LoggingEnds => LoggingEnd { created, text }.into(),
+                };
+                self.command_client(now, role.as_deref(), &message);
+            }
             _ => {}
         }
+    }
+
+    /// A command message (SPI 5) to the client with a role, or to every client.
+    pub(crate) fn command_client(&mut self, now: Timestamp, _role: Option<&str>, message: &FromVehicle) {
+        self.publish(now, None, message);
     }
 
     /// A behavior as BFMBS and BFMBE give it (SPI 6.9): an insert has an identifier, an element file and number.
@@ -456,15 +476,27 @@ impl Mvc {
         match behavior.source {
             Source::Plan(number) => (self.dive_file.clone(), Some(number), None, kind),
             Source::Insert(id) => (Text::default(), None, Some(id), kind),
+            Source::Empty => (Text::default(), None, None, kind),
         }
     }
 
     pub(crate) fn mission_message(&self, now: Timestamp, status: Status, details: &str) -> FromVehicle {
         let text = match status {
             Status::Running => self.running_text.clone(),
-            Status::Ready | Status::WrappingUp | Status::Completed | Status::Aborted => Text::cleaned(status.name()),
+            Status::Ready
+            | Status::WrappingUp
+            | Status::Aborting
+            | Status::Completed
+            | Status::Aborted
+            | Status::Stopped => Text::cleaned(status.name()),
         };
-        let (dive_file, details) = (self.dive_file.clone(), Text::cleaned(details));
+        // An empty mission has no dive file.
+        let dive_file = if self.executive.is_empty_mission() {
+            Text::default()
+        } else {
+            self.dive_file.clone()
+        };
+        let details = Text::cleaned(details);
         MissionStatus {
             created: self.stamp(now),
             dive_file,

@@ -1,5 +1,6 @@
 use core::time::Duration;
 
+use backseat_spi::Text;
 use backseat_units::{EastNorth, LocalFrame, Position};
 
 use crate::error::MvcError;
@@ -26,6 +27,26 @@ pub(crate) enum Shape {
         orbits: f64,
         entry_deg: Option<f64>,
     },
+    /// To a place, up, and on with the fix (SPI 7.7).
+    GpsHit {
+        at: EastNorth,
+        /// The vehicle surfaces by itself.
+        climbs: bool,
+        times: GpsTimes,
+    },
+    /// A text to the payload: over as it begins.
+    Command,
+    /// What an empty mission does where the payload asks for nothing: drift, without an end.
+    Idle,
+}
+
+/// How long a GPS hit may and must take: the vehicle's defaults (SPI 7.7 ignores what BPRGP says).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct GpsTimes {
+    /// The antenna is out of the water for so long before there is a fix.
+    pub(crate) fix: Duration,
+    /// It gives up where it has no fix so long after it came to the place.
+    pub(crate) within: Duration,
 }
 
 impl Shape {
@@ -36,6 +57,36 @@ impl Shape {
             Self::Trackline { .. } => "trackline",
             Self::Setpoint { .. } => "setpoint",
             Self::Trackcircle { .. } => "trackcircle",
+            Self::GpsHit { .. } => "gps",
+            Self::Command => "command",
+            Self::Idle => "setpoint",
+        }
+    }
+
+    /// A survey leg or trackcircle: where the inserts have their place (SPI 7.5).
+    pub(crate) const fn is_leg(&self) -> bool {
+        match self {
+            Self::Trackline { .. } | Self::Trackcircle { .. } => true,
+            Self::Waypoint { .. } | Self::Setpoint { .. } | Self::GpsHit { .. } | Self::Command | Self::Idle => false,
+        }
+    }
+
+    /// A trackline with its lead-in and lead-out; any other shape as it is.
+    pub(crate) fn with_leads(self, lead_m: f64) -> Self {
+        match self {
+            Self::Trackline { start, end } => {
+                let lead = (end - start) * (lead_m / start.distance_m(end).max(1.0));
+                Self::Trackline {
+                    start: start - lead,
+                    end: end + lead,
+                }
+            }
+            Self::Waypoint { .. }
+            | Self::Setpoint { .. }
+            | Self::Trackcircle { .. }
+            | Self::GpsHit { .. }
+            | Self::Command
+            | Self::Idle => self,
         }
     }
 }
@@ -47,18 +98,34 @@ pub(crate) enum Vertical {
     Altitude(f64),
     /// Degrees, positive up.
     Pitch(f64),
+    /// Degrees of elevator, held; positive lifts the nose (SPI 6.12).
+    Elevator(f64),
 }
 
-/// One element of the front seat's plan.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// One behavior of the front seat's plan.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlanItem {
+    /// Behavior number in the dive file, from 1 (SPI 6.9).
     pub(crate) number: u32,
+    /// The planner-level element that it belongs to, from 1 (SPI 7.11).
+    pub(crate) element: u32,
+    /// As planned, without lead-in and lead-out.
     pub(crate) shape: Shape,
+    pub(crate) lead_m: f64,
     pub(crate) vertical: Vertical,
     pub(crate) speed_mps: f64,
-    /// When, after its begin, dynamic requests are allowed.
+    /// When, after the element's begin, dynamic requests are allowed.
     pub(crate) dynamic: Option<(Duration, Duration)>,
     pub(crate) timeout: Option<Duration>,
+    /// What the payload is told: a command, or a trackline's message.
+    pub(crate) message: Option<PayloadText>,
+}
+
+/// A text for the payload, and which client is meant.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PayloadText {
+    pub(crate) role: Option<Box<str>>,
+    pub(crate) text: Text,
 }
 
 /// Where the east-north frame stops being true.
@@ -79,14 +146,44 @@ pub(crate) fn resolve(
         });
     }
     let mut items = Vec::with_capacity(entries.len());
-    for (number, entry) in (1..).zip(entries) {
-        items.push(item(entry, number, frame, vehicle).map_err(|fault| MvcError::Plan { number, fault })?);
+    for (element, entry) in (1..).zip(entries) {
+        let mut item =
+            item(entry, element, frame, vehicle).map_err(|fault| MvcError::Plan { number: element, fault })?;
+        if entry.separate_transit {
+            let transit = transit(&item);
+            items.push(PlanItem {
+                number: items.len() as u32 + 1,
+                ..transit
+            });
+        }
+        item.number = items.len() as u32 + 1;
+        items.push(item);
     }
     Ok(items)
 }
 
-fn item(entry: &PlanEntry, number: u32, frame: &LocalFrame, vehicle: &VehicleConfig) -> Result<PlanItem, String> {
-    let hull = vehicle.hull();
+/// The way to the begin of a line or circle as a behavior of its own.
+fn transit(item: &PlanItem) -> PlanItem {
+    let to = match item.shape.with_leads(item.lead_m) {
+        Shape::Trackline { start, .. } => start,
+        Shape::Trackcircle {
+            centre,
+            radius_m,
+            entry_deg,
+            ..
+        } => centre.offset(entry_deg.unwrap_or(0.0), radius_m),
+        Shape::Waypoint { to } | Shape::GpsHit { at: to, .. } => to,
+        Shape::Setpoint { .. } | Shape::Command | Shape::Idle => EastNorth::default(),
+    };
+    PlanItem {
+        shape: Shape::Waypoint { to },
+        lead_m: 0.0,
+        message: None,
+        ..item.clone()
+    }
+}
+
+fn item(entry: &PlanEntry, element: u32, frame: &LocalFrame, vehicle: &VehicleConfig) -> Result<PlanItem, String> {
     refuse_foreign_keys(entry)?;
     let place = |key: &str, place: Option<PlaceConfig>| resolve_place(entry.kind, key, place, frame);
     let shape = match entry.kind {
@@ -108,6 +205,7 @@ fn item(entry: &PlanEntry, number: u32, frame: &LocalFrame, vehicle: &VehicleCon
                 duration: Duration::from_secs_f64(duration_s),
             }
         }
+        PlanKind::Command => Shape::Command,
         PlanKind::Trackcircle => {
             let orbits = number_in(entry, "orbits", entry.orbits, -1000.0, 1000.0)?;
             if orbits.abs() < 0.01 {
@@ -124,29 +222,13 @@ fn item(entry: &PlanEntry, number: u32, frame: &LocalFrame, vehicle: &VehicleCon
             }
         }
     };
-    let vertical = match (entry.depth_m, entry.altitude_m) {
-        (Some(depth), None) if (0.0..=hull.depth_max_m).contains(&depth) => Vertical::Depth(depth),
-        (Some(depth), None) => return Err(format!("depth_m is {depth}, expected 0 to {}", hull.depth_max_m)),
-        (None, Some(altitude)) if (vehicle.altitude_min_m..=1000.0).contains(&altitude) => Vertical::Altitude(altitude),
-        (None, Some(altitude)) => {
-            return Err(format!(
-                "altitude_m is {altitude}, expected {} to 1000",
-                vehicle.altitude_min_m
-            ));
+    let lead_m = number_in(entry, "lead_in_m", entry.lead_in_m.or(Some(0.0)), 0.0, 500.0)?;
+    let (vertical, speed_mps) = match entry.kind {
+        PlanKind::Command => no_motion(entry)?,
+        PlanKind::Waypoint | PlanKind::Trackline | PlanKind::Setpoint | PlanKind::Trackcircle => {
+            (vertical(entry, vehicle)?, speed_mps(entry, vehicle)?)
         }
-        (Some(_), Some(_)) | (None, None) => return Err("expected one of `depth_m` and `altitude_m`".to_owned()),
     };
-    let speed_mps = entry.speed_mps;
-    // Without way on a line never ends; a setpoint does, and a hovering hull may stand still for it.
-    let least = if entry.kind == PlanKind::Setpoint {
-        hull.speed_min_mps
-    } else {
-        hull.speed_min_mps.max(0.05)
-    };
-    let most = hull.speed_max_mps;
-    if !(least..=most).contains(&speed_mps) {
-        return Err(format!("speed_mps is {speed_mps}, expected {least} to {most}"));
-    }
     let timeout = match entry.timeout_s {
         None => None,
         seconds => Some(Duration::from_secs_f64(number_in(
@@ -158,13 +240,85 @@ fn item(entry: &PlanEntry, number: u32, frame: &LocalFrame, vehicle: &VehicleCon
         )?)),
     };
     Ok(PlanItem {
-        number,
+        number: 0,
+        element,
         shape,
+        lead_m,
         vertical,
         speed_mps,
         dynamic: window(entry)?,
         timeout,
+        message: message(entry)?,
     })
+}
+
+fn vertical(entry: &PlanEntry, vehicle: &VehicleConfig) -> Result<Vertical, String> {
+    let depth_max_m = vehicle.hull().depth_max_m;
+    match (entry.depth_m, entry.altitude_m) {
+        (Some(depth), None) if (0.0..=depth_max_m).contains(&depth) => Ok(Vertical::Depth(depth)),
+        (Some(depth), None) => Err(format!("depth_m is {depth}, expected 0 to {depth_max_m}")),
+        (None, Some(altitude)) if (vehicle.altitude_min_m..=1000.0).contains(&altitude) => {
+            Ok(Vertical::Altitude(altitude))
+        }
+        (None, Some(altitude)) => Err(format!(
+            "altitude_m is {altitude}, expected {} to 1000",
+            vehicle.altitude_min_m
+        )),
+        (Some(_), Some(_)) | (None, None) => Err("expected one of `depth_m` and `altitude_m`".to_owned()),
+    }
+}
+
+fn speed_mps(entry: &PlanEntry, vehicle: &VehicleConfig) -> Result<f64, String> {
+    let hull = vehicle.hull();
+    // Without way on a line never ends; a setpoint does, and a hovering hull may stand still for it.
+    let least = if entry.kind == PlanKind::Setpoint {
+        hull.speed_min_mps
+    } else {
+        hull.speed_min_mps.max(0.05)
+    };
+    number_in(entry, "speed_mps", entry.speed_mps, least, hull.speed_max_mps)
+}
+
+/// A command moves nothing: it has neither depth nor speed.
+fn no_motion(entry: &PlanEntry) -> Result<(Vertical, f64), String> {
+    for (key, present) in [
+        ("depth_m", entry.depth_m.is_some()),
+        ("altitude_m", entry.altitude_m.is_some()),
+        ("speed_mps", entry.speed_mps.is_some()),
+        ("timeout_s", entry.timeout_s.is_some()),
+    ] {
+        if present {
+            return Err(format!("a command has no `{key}`"));
+        }
+    }
+    Ok((Vertical::Depth(0.0), 0.0))
+}
+
+fn message(entry: &PlanEntry) -> Result<Option<PayloadText>, String> {
+    let Some(text) = entry.text.as_ref().or(entry.payload_message.as_ref()) else {
+        return match entry.role {
+            None => Ok(None),
+            Some(_) => Err("`role` needs a `text` or a `payload_message`".to_owned()),
+        };
+    };
+    let checked = |key: &str, text: &str| match Text::new(text) {
+        Ok(text) if text.as_str().len() <= 200 => Ok(text),
+        Ok(_) | Err(_) => Err(format!(
+            "{key} is {text:?}, expected at most 200 printable ascii characters without comma, asterisk and dollar"
+        )),
+    };
+    if let Some(role) = &entry.role {
+        checked("role", role)?;
+    }
+    let key = if entry.text.is_some() {
+        "text"
+    } else {
+        "payload_message"
+    };
+    Ok(Some(PayloadText {
+        role: entry.role.as_deref().map(Box::from),
+        text: checked(key, text)?,
+    }))
 }
 
 fn window(entry: &PlanEntry) -> Result<Option<(Duration, Duration)>, String> {
@@ -208,10 +362,14 @@ fn refuse_foreign_keys(entry: &PlanEntry) -> Result<(), String> {
         ),
         ("heading_deg", entry.heading_deg.is_some(), PlanKind::Setpoint),
         ("duration_s", entry.duration_s.is_some(), PlanKind::Setpoint),
+        ("lead_in_m", entry.lead_in_m.is_some(), PlanKind::Trackline),
+        ("payload_message", entry.payload_message.is_some(), PlanKind::Trackline),
+        ("text", entry.text.is_some(), PlanKind::Command),
     ];
+    let optional = ["entry_angle_deg", "lead_in_m", "payload_message"];
     // What is missing is said first: it is the commoner cause of a key too many.
     for (key, present, of) in keys {
-        if !present && of == kind && key != "entry_angle_deg" {
+        if !present && of == kind && !optional.contains(&key) {
             return Err(format!("a {} needs `{key}`", kind_name(kind)));
         }
     }
@@ -219,6 +377,9 @@ fn refuse_foreign_keys(entry: &PlanEntry) -> Result<(), String> {
         if present && of != kind {
             return Err(format!("a {} has no `{key}`", kind_name(kind)));
         }
+    }
+    if entry.separate_transit && !matches!(kind, PlanKind::Trackline | PlanKind::Trackcircle) {
+        return Err(format!("a {} has no `separate_transit`", kind_name(kind)));
     }
     Ok(())
 }
@@ -229,6 +390,7 @@ const fn kind_name(kind: PlanKind) -> &'static str {
         PlanKind::Trackline => "trackline",
         PlanKind::Setpoint => "setpoint",
         PlanKind::Trackcircle => "trackcircle",
+        PlanKind::Command => "command",
     }
 }
 

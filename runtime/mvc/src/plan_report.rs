@@ -47,18 +47,20 @@ impl Mvc {
     }
 
     fn points(&self) -> Vec<Point> {
-        let inserts_after = self.executive.inserts_after();
+        let (plan, inserts_after) = (self.executive.plan(), self.executive.inserts_after());
         let mut teller = Teller {
             at: self.vehicle.at,
             points: Vec::new(),
         };
-        for (index, item) in (1..).zip(self.executive.plan()) {
+        let (before, after) = plan.split_at(inserts_after.min(plan.len()));
+        for item in before {
             teller.tell(Some(item.number), None, &item.shape, item.speed_mps);
-            if index == inserts_after {
-                for insert in self.executive.inserts() {
-                    teller.tell(None, Some(insert.id), &insert.shape, insert.speed_mps);
-                }
-            }
+        }
+        for insert in self.executive.inserts() {
+            teller.tell(None, Some(insert.id), &insert.shape, insert.speed_mps);
+        }
+        for item in after {
+            teller.tell(Some(item.number), None, &item.shape, item.speed_mps);
         }
         teller.points
     }
@@ -93,7 +95,9 @@ impl Teller {
             at
         };
         self.at = match *shape {
-            Shape::Waypoint { to } => point(PlanElementKind::Waypoint, to),
+            Shape::Waypoint { to } | Shape::GpsHit { at: to, .. } => point(PlanElementKind::Waypoint, to),
+            // It leads nowhere.
+            Shape::Command | Shape::Idle => self.at,
             Shape::Trackline { start, end } => {
                 point(PlanElementKind::TracklineStart, start);
                 point(PlanElementKind::TracklineEnd, end)

@@ -4,7 +4,8 @@ use backseat_spi::{AckStatus, BehaviorId};
 use backseat_units::Timestamp;
 
 use crate::answers::Regarding;
-use crate::event::{ClientId, MvcEventKind, Refusal};
+use crate::event::{ClientId, MvcEventKind, Refusal, Status};
+use crate::executive::takes_back;
 use crate::file::AcknowledgeConfig;
 use crate::insert::Insert;
 use crate::mvc::Mvc;
@@ -41,7 +42,7 @@ impl Mvc {
     pub(crate) fn resolve_pending(&mut self, now: Timestamp) {
         while self.pending.front().is_some_and(|pending| pending.due <= now) {
             if let Some(pending) = self.pending.pop_front() {
-                self.finish(now, pending.re, pending.work);
+                self.decide(now, pending.re, pending.work);
                 self.settle(now);
             }
         }
@@ -58,7 +59,7 @@ impl Mvc {
     /// Starts a request that may be pending.
     pub(crate) fn begin(&mut self, now: Timestamp, re: Regarding, work: Work) {
         match self.acknowledge {
-            AcknowledgeConfig::Immediate => self.finish(now, re, work),
+            AcknowledgeConfig::Immediate => self.decide(now, re, work),
             AcknowledgeConfig::Pending => self.begin_pending(now, re, work),
         }
     }
@@ -75,7 +76,8 @@ impl Mvc {
         self.pending.push_back(Pending { due, re, work });
     }
 
-    fn finish(&mut self, now: Timestamp, re: Regarding, work: Work) {
+    /// Does it, and tells the outcome.
+    pub(crate) fn decide(&mut self, now: Timestamp, re: Regarding, work: Work) {
         match work {
             Work::Insert(insert) => match self
                 .executive
@@ -90,10 +92,16 @@ impl Mvc {
                 Err(why) => self.acknowledge(now, re, AckStatus::Failed, why),
             },
             Work::Plan if re.muted => {}
-            Work::Plan => {
-                let count = self.send_plan(now, re.client);
-                self.acknowledge(now, re, AckStatus::Succeeded, &format!("{count} elements"));
-            }
+            // What is executing has a plan, and what is loaded (SPI 7.19: "the currently-executing mission plan").
+            Work::Plan => match self.executive.status() {
+                Status::Ready | Status::Running => {
+                    let count = self.send_plan(now, re.client);
+                    self.acknowledge(now, re, AckStatus::Succeeded, &format!("{count} elements"));
+                }
+                Status::WrappingUp | Status::Aborting | Status::Completed | Status::Aborted | Status::Stopped => {
+                    self.acknowledge(now, re, AckStatus::Failed, "no mission is running");
+                }
+            },
         }
     }
 
@@ -104,11 +112,11 @@ impl Mvc {
 
     /// BPRCA also reaches the inserts that are still pending.
     pub(crate) fn take_back(&mut self, client: ClientId) -> usize {
-        let all = self.interpretation.cancel_all;
+        let reading = self.interpretation;
         let mut count = 0;
         for pending in &mut self.pending {
             if let Work::Insert(insert) = &pending.work
-                && (all || insert.client == client)
+                && takes_back(&reading, client, insert)
             {
                 pending.work = Work::TakenBack(insert.id);
                 count += 1;

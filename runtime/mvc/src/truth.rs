@@ -37,7 +37,7 @@ pub enum Activity {
     Waiting,
     /// It flies an element of its plan, unmodified.
     Plan {
-        /// The element's number, from 1.
+        /// The behavior's number in the plan, from 1; 0 where an empty mission waits for the payload.
         number: u32,
     },
     /// It flies an insert, unmodified.

@@ -5,11 +5,22 @@ use backseat_world::World;
 use crate::hull::Hull;
 use crate::plan::Vertical;
 
+/// The greatest angle of rudder and elevator either way, degrees: typical of fins of this size.
+pub(crate) const FIN_MAX_DEG: f64 = 20.0;
+
+/// What the vehicle turns to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Turn {
+    /// Degrees from the frame's north.
+    Heading(f64),
+    /// Degrees of rudder, positive to starboard (SPI 6.12), held.
+    Rudder(f64),
+}
+
 /// What the vehicle is asked to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Demand {
-    /// Degrees from the frame's north.
-    pub(crate) heading_deg: f64,
+    pub(crate) turn: Turn,
     pub(crate) vertical: Vertical,
     pub(crate) speed_mps: f64,
 }
@@ -136,25 +147,34 @@ impl Vehicle {
             (self.surge_mps / hull.speed_min_mps.max(0.1)).clamp(0.05, 1.0)
         };
         let rate_max_dps = hull.yaw_rate_max_dps * authority;
-        let error_deg = wrap_180(demand.heading_deg - self.heading_deg);
-        let rate_dps = (hull.yaw_gain_per_s * error_deg).clamp(-rate_max_dps, rate_max_dps);
+        let rate_dps = match demand.turn {
+            Turn::Heading(heading_deg) => {
+                let error_deg = wrap_180(heading_deg - self.heading_deg);
+                (hull.yaw_gain_per_s * error_deg).clamp(-rate_max_dps, rate_max_dps)
+            }
+            Turn::Rudder(rudder_deg) => hull.rudder_dps(rudder_deg) * authority,
+        };
         self.yaw_rate_dps += (rate_dps - self.yaw_rate_dps) * share(dt_s, hull.yaw_tau_s);
         let rate_max_mps = self.depth_rate_max_mps();
         let wanted_mps = match demand.vertical {
             Vertical::Depth(depth_m) => self.towards_mps(depth_m),
             Vertical::Altitude(altitude_m) => self.towards_mps(self.water_depth_m - altitude_m),
-            Vertical::Pitch(pitch_deg) => {
-                let pitch_deg = pitch_deg.clamp(-hull.pitch_max_deg, hull.pitch_max_deg);
-                let by_pitch_mps = -self.surge_mps * sin(pitch_deg.to_radians());
-                by_pitch_mps.min(self.towards_mps(f64::INFINITY))
-            }
+            Vertical::Pitch(pitch_deg) => self.by_pitch_mps(pitch_deg),
+            Vertical::Elevator(elevator_deg) => self.by_pitch_mps(hull.elevator_pitch_deg(elevator_deg)),
         };
         // Over a slope the depth to hold moves with the vehicle.
         let follow_mps = match demand.vertical {
             Vertical::Altitude(_) => self.ground.0 * self.gradient.east_m + self.ground.1 * self.gradient.north_m,
-            Vertical::Depth(_) | Vertical::Pitch(_) => 0.0,
+            Vertical::Depth(_) | Vertical::Pitch(_) | Vertical::Elevator(_) => 0.0,
         };
         self.heave((wanted_mps + follow_mps).clamp(-rate_max_mps, rate_max_mps), dt_s);
+    }
+
+    /// Depth rate that a pitch makes, within the same safe limits.
+    fn by_pitch_mps(&self, pitch_deg: f64) -> f64 {
+        let pitch_deg = pitch_deg.clamp(-self.hull.pitch_max_deg, self.hull.pitch_max_deg);
+        let by_pitch_mps = -self.surge_mps * sin(pitch_deg.to_radians());
+        by_pitch_mps.min(self.towards_mps(f64::INFINITY))
     }
 
     /// Depth rate towards a depth, clipped to the vehicle's own safe limits: not above the surface, not below its
@@ -249,7 +269,7 @@ mod tests {
     fn every_hull_reaches_heading_depth_and_speed() {
         for class in CLASSES {
             let demand = Demand {
-                heading_deg: 180.0,
+                turn: Turn::Heading(180.0),
                 vertical: Vertical::Depth(20.0),
                 speed_mps: 0.7,
             };
@@ -264,7 +284,7 @@ mod tests {
     fn altitude_follows_the_bottom() {
         // Up the slope.
         let demand = Demand {
-            heading_deg: 270.0,
+            turn: Turn::Heading(270.0),
             vertical: Vertical::Altitude(10.0),
             speed_mps: 1.5,
         };
@@ -278,7 +298,7 @@ mod tests {
         for class in CLASSES {
             for vertical in [Vertical::Depth(5000.0), Vertical::Altitude(0.0), Vertical::Pitch(-20.0)] {
                 let demand = Demand {
-                    heading_deg: 270.0,
+                    turn: Turn::Heading(270.0),
                     vertical,
                     speed_mps: 99.0,
                 };
@@ -300,9 +320,32 @@ mod tests {
     }
 
     #[test]
+    fn the_rudder_turns_to_starboard_and_the_elevator_lifts_the_nose() {
+        let demand = Demand {
+            turn: Turn::Rudder(10.0),
+            vertical: Vertical::Elevator(-4.0),
+            speed_mps: 1.5,
+        };
+        let vehicle = fly(HullClass::TwelveInch, demand, 20);
+        // Half of the greatest rudder is half of the fastest turn.
+        assert!((vehicle.yaw_rate_dps - 5.0).abs() < 0.1, "{}", vehicle.yaw_rate_dps);
+        assert!(
+            vehicle.pitch_deg < -3.0 && vehicle.depth_m > 0.5,
+            "{}",
+            vehicle.pitch_deg
+        );
+        let demand = Demand {
+            turn: Turn::Rudder(-90.0),
+            ..demand
+        };
+        let vehicle = fly(HullClass::TwelveInch, demand, 20);
+        assert!((vehicle.yaw_rate_dps + 10.0).abs() < 0.1, "{}", vehicle.yaw_rate_dps);
+    }
+
+    #[test]
     fn adrift_it_floats_up_and_stops() {
         let demand = Demand {
-            heading_deg: 0.0,
+            turn: Turn::Heading(0.0),
             vertical: Vertical::Depth(5.0),
             speed_mps: 1.5,
         };

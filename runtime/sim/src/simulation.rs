@@ -284,8 +284,8 @@ impl Simulation {
         }
         let outcome = match self.mvc.mission_status() {
             Status::Completed => "completed",
-            Status::Aborted => "aborted",
-            Status::Ready | Status::Running | Status::WrappingUp => "overran",
+            Status::Aborted | Status::Stopped => "aborted",
+            Status::Ready | Status::Running | Status::WrappingUp | Status::Aborting => "overran",
         };
         let requests = self.core.request_counts();
         let seen = self.oracle.statistics();

@@ -1,19 +1,22 @@
 use core::time::Duration;
 
+use backseat_spi::Text;
 use backseat_units::{EastNorth, Timestamp};
 
 use super::{Executive, Running};
 use crate::course::Course;
-use crate::event::{Behavior, CancelCause, EndReason, MvcEventKind, Source, Status};
-use crate::file::WrapUp;
+use crate::event::{Behavior, CancelCause, EndReason, ModifyEnd, MvcEventKind, Source, Status};
 use crate::insert::Insert;
+use crate::mission_event::{MissionEvent, Told};
+use crate::plan::{PayloadText, Shape, Vertical};
 
 /// What comes after what.
 impl Executive {
-    /// Ends the running behavior and begins what comes after it: an insert, what was interrupted, the next element.
+    /// Ends the running behavior and begins what comes after it: an insert, what was interrupted, the next of the plan.
     pub(super) fn next(&mut self, now: Timestamp, at: EastNorth, reason: EndReason) {
-        self.end_running(reason);
-        if let Some(insert) = self.queue.pop_front() {
+        let in_set = self.end_running(reason).is_some_and(|ended| ended.insert.is_some());
+        let due = in_set || self.inserts_after() == self.index + 1;
+        if due && let Some(insert) = self.queue.pop_front() {
             self.begin_insert(insert, now, at);
             return;
         }
@@ -23,42 +26,68 @@ impl Executive {
             running.course.resume(pause);
             running.began = running.began + pause;
             self.begin(running);
+        } else if self.empty {
+            self.begin_wait(now, at);
         } else if self.index + 1 < self.plan.len() {
             self.begin_planned(self.index + 1, now, at);
         } else {
-            match self.limits.wrap_up {
-                WrapUp::None => self.finish(Status::Completed, "", EndReason::Done),
-                WrapUp::Surface => self.finish(Status::WrappingUp, "", EndReason::Done),
-            }
+            self.end_mission(false, "");
         }
     }
 
     pub(super) fn end_running(&mut self, reason: EndReason) -> Option<Running> {
-        let running = self.running.take()?;
+        let mut running = self.running.take()?;
         (self.modified, self.modify_barred) = (Duration::ZERO, false);
+        // Every BFBDL has its BFSDL, also where the line is not flown to its end.
+        if core::mem::take(&mut running.logging)
+            && let Some(message) = &running.message
+        {
+            let told = MissionEvent::told(message, Told::LoggingEnds);
+            self.log.push(MvcEventKind::Executive(told));
+        }
         self.log.push(MvcEventKind::BehaviorEnded(running.behavior, reason));
+        if !self.interpretation.modify_survives {
+            self.end_modify(ModifyEnd::BehaviorEnded);
+        }
         Some(running)
     }
 
     pub(super) fn begin_planned(&mut self, index: usize, now: Timestamp, at: EastNorth) {
-        let item = self.plan[index];
-        (self.index, self.element_began) = (index, now);
-        self.begin(Running {
+        let Some(item) = self.plan.get(index) else { return };
+        self.index = index;
+        if self.element != item.element {
+            (self.element, self.element_began) = (item.element, now);
+        }
+        let command = item.shape == Shape::Command;
+        if !command {
+            let least_mps = self.hull.speed_min_mps.max(0.05);
+            self.cruise = (item.vertical, item.speed_mps.max(least_mps));
+        }
+        let running = Running {
             behavior: Behavior {
                 source: Source::Plan(item.number),
                 kind: item.shape.kind(),
             },
-            course: Course::begin(item.shape, at, now),
+            course: Course::begin(item.shape.with_leads(item.lead_m), at, now),
             vertical: item.vertical,
             speed_mps: item.speed_mps,
             began: now,
             timeout: item.timeout,
             insert: None,
-        });
+            message: item.message.clone(),
+            logging: false,
+        };
+        let text = running.message.clone().filter(|_| command);
+        self.begin(running);
+        if let Some(text) = text {
+            let told = MissionEvent::told(&text, Told::Command);
+            self.log.push(MvcEventKind::Executive(told));
+        }
     }
 
     pub(super) fn begin_insert(&mut self, insert: Insert, now: Timestamp, at: EastNorth) {
-        let shape = insert.flown(self.interpretation.lead_in_m);
+        let shape = insert.shape.with_leads(self.interpretation.lead_in_m);
+        let logs = self.interpretation.insert_logging;
         self.begin(Running {
             behavior: Behavior {
                 source: Source::Insert(insert.id),
@@ -70,6 +99,29 @@ impl Executive {
             began: now,
             timeout: None,
             insert: Some(insert),
+            message: logs.then(|| PayloadText {
+                role: None,
+                text: Text::default(),
+            }),
+            logging: false,
+        });
+    }
+
+    /// An empty mission waits for what the payload asks for.
+    pub(super) fn begin_wait(&mut self, now: Timestamp, at: EastNorth) {
+        self.begin(Running {
+            behavior: Behavior {
+                source: Source::Empty,
+                kind: Shape::Idle.kind(),
+            },
+            course: Course::begin(Shape::Idle, at, now),
+            vertical: Vertical::Depth(0.0),
+            speed_mps: 0.0,
+            began: now,
+            timeout: None,
+            insert: None,
+            message: None,
+            logging: false,
         });
     }
 
@@ -79,17 +131,20 @@ impl Executive {
     }
 
     /// The mission leaves `Running`.
-    pub(super) fn finish(&mut self, status: Status, details: &'static str, reason: EndReason) {
-        self.end_running(reason);
+    pub(super) fn finish(&mut self, status: Status, details: &str) {
+        self.end_running(EndReason::MissionOver);
         self.paused = None;
+        self.interrupting = false;
         self.drop_queue(CancelCause::MissionOver, |_| true);
         self.status = status;
         self.set_control(false);
-        self.log.push(MvcEventKind::Mission { status, details });
+        self.details = Text::cleaned(details);
+        self.set_status(status, details);
     }
 
-    pub(super) fn set_status(&mut self, status: Status, details: &'static str) {
+    pub(super) fn set_status(&mut self, status: Status, details: &str) {
         self.status = status;
+        let details = Text::cleaned(details);
         self.log.push(MvcEventKind::Mission { status, details });
     }
 }

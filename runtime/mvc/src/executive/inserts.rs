@@ -1,10 +1,11 @@
 use backseat_spi::BehaviorId;
 use backseat_units::{EastNorth, Timestamp};
 
-use super::{Executive, IDENTIFIERS_MAX};
+use super::{Executive, IDENTIFIERS_MAX, Running};
 use crate::estimate::Estimate;
-use crate::event::{CancelCause, ClientId, EndReason, MvcEventKind, Refusal};
+use crate::event::{CancelCause, ClientId, EndReason, MvcEventKind, Refusal, Source};
 use crate::insert::Insert;
+use crate::interpretation::Interpretation;
 
 impl Executive {
     /// Adds an insert to the plan, or says why not.
@@ -28,6 +29,10 @@ impl Executive {
             self.interrupt(now, insert, estimate.at);
         } else {
             self.queue.push_back(insert);
+            let waits = |running: &Running| running.behavior.source == Source::Empty;
+            if self.running.as_ref().is_some_and(waits) {
+                self.next(now, estimate.at, EndReason::Relieved);
+            }
         }
         Ok(())
     }
@@ -35,6 +40,13 @@ impl Executive {
     /// BPRCN: takes a waiting insert out of the plan, or says why not.
     pub(crate) fn cancel(&mut self, client: ClientId, id: BehaviorId) -> Result<(), &'static str> {
         if let Some(at) = self.queue.iter().position(|insert| insert.id == id) {
+            let insert = &self.queue[at];
+            if insert.is_gps_hit() {
+                return Err("a gps hit cannot be cancelled");
+            }
+            if !self.interpretation.cancel_any && insert.client != client {
+                return Err("the behavior is of another client");
+            }
             self.queue.remove(at);
             self.log
                 .push(MvcEventKind::InsertCancelled(id, CancelCause::Asked(client)));
@@ -48,18 +60,17 @@ impl Executive {
 
     /// BPRCA: takes the waiting inserts out of the plan, and says how many.
     pub(crate) fn cancel_all(&mut self, client: ClientId) -> usize {
-        let all = self.interpretation.cancel_all;
-        self.drop_queue(CancelCause::Asked(client), |insert| all || insert.client == client)
+        let reading = self.interpretation;
+        self.drop_queue(CancelCause::Asked(client), |insert| {
+            takes_back(&reading, client, insert)
+        })
     }
 
     pub(super) fn interrupt(&mut self, now: Timestamp, insert: Insert, at: EastNorth) {
         if let Some(running) = self.end_running(EndReason::Interrupted)
             && self.interpretation.resume
         {
-            match running.insert {
-                None => self.paused = Some((running, now)),
-                Some(interrupted) => self.queue.push_back(interrupted),
-            }
+            self.paused = Some((running, now));
         }
         self.interrupting = true;
         self.begin_insert(insert, now, at);
@@ -77,4 +88,9 @@ impl Executive {
         });
         before - self.queue.len()
     }
+}
+
+/// Whether BPRCA of a client takes an insert (SPI 7.9).
+pub(crate) fn takes_back(reading: &Interpretation, client: ClientId, insert: &Insert) -> bool {
+    (reading.cancel_all || insert.client == client) && (reading.cancel_all_gps || !insert.is_gps_hit())
 }

@@ -2,7 +2,7 @@ use backseat_units::Timestamp;
 
 use super::Executive;
 use crate::event::{ClientId, MODIFY_LASTS, ModifyEnd, ModifyValues, MvcEventKind};
-use crate::modify::Modify;
+use crate::modify::{Modify, beyond};
 
 impl Executive {
     /// Takes a modify (SPI 7.12), or says why not.
@@ -17,6 +17,11 @@ impl Executive {
         }
         if self.modify_barred {
             return Err("this behavior has been modified for too long or too far");
+        }
+        if self.interpretation.modify_beyond_refused
+            && let Some(why) = beyond(&values, &self.hull, self.altitude_min_m)
+        {
+            return Err(why);
         }
         if self
             .modify

@@ -8,7 +8,7 @@ use crate::error::{MvcError, check};
 
 /// The `[interpretation]` section: what the specification leaves open. Each is one reading, or `"seed"` for whichever
 /// the seed draws, so that nothing comes to depend on one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct InterpretationConfig {
     /// What becomes of inserts when BFCTL falls to 0 (SPI 6.24 and 7.5 do not say).
@@ -24,6 +24,59 @@ pub struct InterpretationConfig {
     pub cancel_all_scope: CancelAllScope,
     /// What BPRMB's heading counts from (SPI 7.12 does not say).
     pub modify_heading: HeadingFrame,
+    /// Where an insert has its place while the current behavior is neither leg nor circle.
+    pub insert_place: InsertPlace,
+    /// Whether BFBDL and BFSDL frame inserted tracklines too (SPI 7.5: "with the payloads activated").
+    pub insert_logging: Choice<bool>,
+    /// Whose inserts BPRCN cancels (SPI 7.8 does not say).
+    pub cancel_scope: CancelAllScope,
+    /// Whether BPRCA takes GPS hits too (SPI 7.9: "all"; 7.8 names tracklines and trackcircles alone).
+    pub cancel_all_gps: Choice<bool>,
+    /// Whether a modify goes on with the next behavior where the one that it modifies ends (SPI 7.12 does not say).
+    pub modify_survives: Choice<bool>,
+    /// What becomes of a modify beyond the safe operating parameters (SPI 7.12: it "can not be used" for that).
+    pub modify_beyond: ModifyBeyond,
+    /// What the rudder and elevator of BPRMB are (SPI 7.12 calls them adjustments).
+    pub modify_fins: ModifyFins,
+}
+
+/// Where an insert has its place while the current behavior is neither survey leg nor trackcircle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum InsertPlace {
+    /// Before the next leg or circle of the plan, by the letter of SPI 7.5; after the current behavior where none comes.
+    #[default]
+    Leg,
+    /// After the current behavior, whatever it is.
+    Current,
+    /// The seed draws.
+    Seed,
+}
+
+/// What becomes of a modify beyond the vehicle's safe operating parameters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ModifyBeyond {
+    /// It is taken, and the vehicle flies what is safe of it.
+    #[default]
+    Clip,
+    /// It fails, and a modify that is in force stays as it was.
+    Refuse,
+    /// The seed draws.
+    Seed,
+}
+
+/// What the rudder and elevator of BPRMB are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ModifyFins {
+    /// The angles that are held.
+    #[default]
+    Absolute,
+    /// Added to what the behavior's own steering asks for.
+    Change,
+    /// The seed draws.
+    Seed,
 }
 
 /// What becomes of inserts when BFCTL falls to 0.
@@ -90,6 +143,26 @@ pub enum Choice<T> {
 impl<T: Default> Default for Choice<T> {
     fn default() -> Self {
         Self::Fixed(T::default())
+    }
+}
+
+impl Default for InterpretationConfig {
+    fn default() -> Self {
+        Self {
+            inserts_after_control: InsertsAfterControl::default(),
+            after_interrupt: AfterInterrupt::default(),
+            lead_in_m: Choice::default(),
+            control_replay: Choice::default(),
+            cancel_all_scope: CancelAllScope::default(),
+            modify_heading: HeadingFrame::default(),
+            insert_place: InsertPlace::default(),
+            insert_logging: Choice::default(),
+            cancel_scope: CancelAllScope::default(),
+            cancel_all_gps: Choice::default(),
+            modify_survives: Choice::Fixed(true),
+            modify_beyond: ModifyBeyond::default(),
+            modify_fins: ModifyFins::default(),
+        }
     }
 }
 

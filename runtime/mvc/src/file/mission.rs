@@ -1,3 +1,4 @@
+use backseat_world::Span;
 use serde::Deserialize;
 
 use crate::error::{MvcError, check};
@@ -25,6 +26,15 @@ pub struct MissionConfig {
     pub modify_deviation_m: Option<f64>,
     /// What a modify beyond those limits ends.
     pub modify_limit: ModifyLimit,
+    /// When BFCTL gives control to the payload (SPI 6.24).
+    pub control: ControlWindow,
+    /// The antenna is out of the water for so long before there is a GPS fix, seconds, drawn for the run, 0 to 600.
+    pub gps_fix_s: Span,
+    /// A GPS hit gives up where it has no fix so long after it came to its place, seconds, 1 to 1e5 (SPI 7.7:
+    /// "currently uses vehicle default").
+    pub gps_within_s: f64,
+    /// Whether a payload may start an empty mission (SPI 7.20: "must be specially configured").
+    pub empty_allowed: bool,
     /// The payload's power goes off this long after the start of the run, seconds, 60 or more: BFSHT comes 60 s
     /// before (SPI 5.2), and at the end every client is cut off. None leaves it on.
     pub shutdown_after_s: Option<f64>,
@@ -39,6 +49,17 @@ pub enum WrapUp {
     None,
     /// BFMIS says `WrappingUp` while the vehicle climbs to the surface, then `Completed`.
     Surface,
+}
+
+/// When BFCTL gives control to the payload (SPI 6.24 has both).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ControlWindow {
+    /// While the plan's current element allows dynamic requests.
+    #[default]
+    Plan,
+    /// From the mission's start to its end.
+    Mission,
 }
 
 /// What a modify beyond the mission's limits ends (SPI 7.12 lets it terminate the behavior).
@@ -64,6 +85,10 @@ impl Default for MissionConfig {
             modify_total_s: None,
             modify_deviation_m: None,
             modify_limit: ModifyLimit::Behavior,
+            control: ControlWindow::Plan,
+            gps_fix_s: Span::fixed(30.0),
+            gps_within_s: 600.0,
+            empty_allowed: false,
             shutdown_after_s: None,
         }
     }
@@ -84,6 +109,16 @@ impl MissionConfig {
             "mission.inserts_max",
             f64::from(inserts),
             "1 to 1000",
+        )?;
+        let (least, most) = (self.gps_fix_s.least(), self.gps_fix_s.most());
+        let ok = least >= 0.0 && least <= most && most <= 600.0;
+        check(ok, "mission.gps_fix_s", most, "0 to 600 s")?;
+        let within = self.gps_within_s;
+        check(
+            (1.0..=1e5).contains(&within),
+            "mission.gps_within_s",
+            within,
+            "1 to 1e5 s",
         )?;
         for (key, least, value) in [
             ("mission.time_limit_s", 1.0, self.time_limit_s),

@@ -2,7 +2,7 @@ use serde::Deserialize;
 
 /// One `[[plan]]`: an element of the front seat's plan as it is written. Which keys it needs depends on its kind;
 /// the others must be absent.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanEntry {
     /// What is flown.
@@ -26,12 +26,26 @@ pub struct PlanEntry {
     pub heading_deg: Option<f64>,
     /// `setpoint`: seconds, 1 to 1e6.
     pub duration_s: Option<f64>,
-    /// Depth, metres. Every element has this or `altitude_m`.
+    /// `trackline`: length of the lead-in before and of the lead-out after the line, metres, 0 to 500; 0 where absent.
+    pub lead_in_m: Option<f64>,
+    /// `trackline`: the payload logs here. BFBDL with this text where the lead-in begins (SPI 5.3), BFSDL after the
+    /// lead-out (SPI 5.4).
+    pub payload_message: Option<String>,
+    /// `trackline`, `trackcircle`: the way to its begin is a behavior of its own, a waypoint, and has a number of its
+    /// own in the dive file. BPRCB ends one behavior, BPRCE the element with both (SPI 7.10, 7.11).
+    #[serde(default)]
+    pub separate_transit: bool,
+    /// `command`: what BFMSC says (SPI 5.1).
+    pub text: Option<String>,
+    /// `command`, or a `trackline` with a `payload_message`: the role of the client that is told (SPI 4.1); every
+    /// client where it is absent.
+    pub role: Option<String>,
+    /// Depth, metres. Every element but a command has this or `altitude_m`.
     pub depth_m: Option<f64>,
     /// Height above the seabed, metres.
     pub altitude_m: Option<f64>,
-    /// Speed through the water, metres a second.
-    pub speed_mps: f64,
+    /// Speed through the water, metres a second. Every element but a command has it.
+    pub speed_mps: Option<f64>,
     /// Whether dynamic requests are allowed while this is the current planned element (`allowDynamicRequests`).
     #[serde(default)]
     pub dynamic: bool,
@@ -39,7 +53,7 @@ pub struct PlanEntry {
     pub dynamic_from_s: Option<f64>,
     /// Where dynamic: they are allowed only for so many seconds.
     pub dynamic_for_s: Option<f64>,
-    /// The element ends where it takes longer, seconds, 1 to 1e6.
+    /// Each behavior of the element ends where it takes longer, seconds, 1 to 1e6.
     pub timeout_s: Option<f64>,
 }
 
@@ -55,6 +69,8 @@ pub enum PlanKind {
     Setpoint,
     /// To a circle, then around it.
     Trackcircle,
+    /// A user-defined behavior: a text to the payload (SPI 5.1), and at once the next element.
+    Command,
 }
 
 /// A place: `{ east_m, north_m }` in the world's frame, or `{ latitude_deg, longitude_deg }`.

@@ -35,7 +35,7 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     (
         "$BPRMB,070000.123,5,,,,,1",
-        &["$BFACK,080005.000,RMB,070000.123,0,1,0,rudder adjustment is not supported by this mock"],
+        &["$BFACK,080005.000,RMB,070000.123,0,2,0,"],
     ),
     ("$BPEMB,070000.000", &["$BFACK,080005.000,EMB,070000.000,0,2,0,"]),
     (
@@ -92,8 +92,8 @@ const TABLE: &[(&str, &[&str])] = &[
         &["$BFACK,080005.000,RCA,070000.000,0,2,0,0 cancelled"],
     ),
     (
-        "$BPABT,070000.000,stop,1",
-        &["$BFACK,080005.000,ABT,070000.000,0,0,0,not supported by this mock yet"],
+        "$BPABT,070000.000,stop,7",
+        &["$BFACK,080005.000,ABT,070000.000,0,0,0,reason 7: expected 0 or 1"],
     ),
     (
         "$BPXYZ,070000.000",

@@ -1,0 +1,110 @@
+use core::time::Duration;
+
+use backseat_units::{EastNorth, Timestamp};
+
+use super::Executive;
+use crate::event::{CancelCause, EndReason, Refusal, Source, Status};
+use crate::file::WrapUp;
+use crate::plan::Vertical;
+
+const NO_MISSION: &str = "no mission is running";
+
+/// What ends behaviors, elements and missions before their time, and starts an empty mission.
+impl Executive {
+    /// BPRCB (SPI 7.10): ends the current behavior, whosever it is; the next one begins.
+    pub(crate) fn cancel_current(&mut self, now: Timestamp, at: EastNorth) -> Result<(), String> {
+        self.may_cancel()?;
+        if self
+            .running
+            .as_ref()
+            .is_none_or(|running| running.behavior.source == Source::Empty)
+        {
+            return Err("no behavior is running".to_owned());
+        }
+        self.next(now, at, EndReason::Cancelled);
+        self.update_control(now, at);
+        Ok(())
+    }
+
+    /// BPRCE (SPI 7.11): ends the current element of the plan with all of its behaviors and with the inserts that have
+    /// their place at its end, since "control passes immediately to the next element".
+    pub(crate) fn cancel_element(&mut self, now: Timestamp, at: EastNorth) -> Result<(), String> {
+        self.may_cancel()?;
+        if self.empty {
+            return Err("an empty mission has no elements".to_owned());
+        }
+        if self.inserts_after() == self.index + 1 {
+            self.drop_queue(CancelCause::ElementCancelled, |_| true);
+        }
+        self.end_running(EndReason::ElementCancelled);
+        self.paused = None;
+        self.interrupting = false;
+        match self.plan.iter().position(|item| item.element > self.element) {
+            Some(index) => self.begin_planned(index, now, at),
+            None => self.end_mission(false, ""),
+        }
+        self.update_control(now, at);
+        Ok(())
+    }
+
+    fn may_cancel(&self) -> Result<(), String> {
+        if !self.is_running() {
+            return Err(NO_MISSION.to_owned());
+        }
+        if !self.control {
+            return Err(Refusal::NotAllowed.to_string());
+        }
+        Ok(())
+    }
+
+    /// BPABT (SPI 7.16), or a fault of the vehicle: the mission ends and its wrap-up follows, with control or without.
+    pub(crate) fn abort(&mut self, errors: bool, details: &str) -> Result<(), &'static str> {
+        match self.status {
+            Status::Running => {
+                self.end_mission(errors, details);
+                Ok(())
+            }
+            Status::WrappingUp | Status::Aborting => Err("the mission is ending already"),
+            Status::Ready | Status::Completed | Status::Aborted | Status::Stopped => Err(NO_MISSION),
+        }
+    }
+
+    /// BPKIL (SPI 7.17): the mission and all movement end, also those of a wrap-up.
+    pub(crate) fn kill(&mut self, details: &str) -> Result<(), &'static str> {
+        match self.status {
+            Status::Running | Status::WrappingUp | Status::Aborting => {
+                self.finish(Status::Stopped, details);
+                Ok(())
+            }
+            Status::Ready | Status::Completed | Status::Aborted | Status::Stopped => Err(NO_MISSION),
+        }
+    }
+
+    /// BPSEM (SPI 7.20). A mission that is loaded and has not started is set aside.
+    pub(crate) fn start_empty(&mut self, now: Timestamp, at: EastNorth, most: Duration) -> Result<(), &'static str> {
+        match self.status {
+            Status::Running | Status::WrappingUp | Status::Aborting => return Err("a mission is running"),
+            Status::Ready | Status::Completed | Status::Aborted | Status::Stopped => {}
+        }
+        self.plan.clear();
+        self.used.clear();
+        self.empty = true;
+        self.ends_at = Some(now + most);
+        self.cruise = (Vertical::Depth(0.0), self.hull.speed_max_mps / 2.0);
+        self.set_status(Status::Running, "");
+        self.begin_wait(now, at);
+        self.update_control(now, at);
+        Ok(())
+    }
+
+    /// The mission is over and its wrap-up begins, where it has one.
+    pub(super) fn end_mission(&mut self, errors: bool, details: &str) {
+        let status = match (self.limits.wrap_up, errors) {
+            (WrapUp::None, false) => Status::Completed,
+            (WrapUp::None, true) => Status::Aborted,
+            (WrapUp::Surface, false) => Status::WrappingUp,
+            (WrapUp::Surface, true) => Status::Aborting,
+        };
+        self.finish(status, details);
+    }
+}

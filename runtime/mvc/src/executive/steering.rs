@@ -1,0 +1,98 @@
+use backseat_units::Timestamp;
+use backseat_units::math::sin;
+
+use super::{Executive, Running};
+use crate::course::{Steer, Way, crabbed_deg};
+use crate::estimate::Estimate;
+use crate::event::{EndReason, ModifyHorizontal, ModifyValues, ModifyVertical, MvcEventKind};
+use crate::mission_event::{MissionEvent, Told};
+use crate::plan::Vertical;
+use crate::vehicle::{Demand, Drive, Turn};
+
+/// What the running behavior, and whoever modifies it, ask of the vehicle.
+impl Executive {
+    /// Goes through behaviors that are at their end, and steers the first that is not.
+    pub(super) fn steer(&mut self, now: Timestamp, estimate: &Estimate) -> Option<Steer> {
+        while self.is_running() {
+            let running = self.running.as_mut()?;
+            let steer = running.course.steer(estimate, running.speed_mps, &self.hull, now);
+            if running.course.is_on_line()
+                && !running.logging
+                && let Some(message) = &running.message
+            {
+                running.logging = true;
+                let told = MissionEvent::told(message, Told::LoggingBegins);
+                self.log.push(MvcEventKind::Executive(told));
+            }
+            let late = running.timeout.is_some_and(|timeout| now >= running.began + timeout);
+            let Some(reason) = steer.end.or(late.then_some(EndReason::TimedOut)) else {
+                return Some(steer);
+            };
+            if reason == EndReason::Done
+                && let Some(insert) = running.insert.as_ref().filter(|insert| insert.is_gps_hit())
+            {
+                self.log.push(MvcEventKind::Executive(MissionEvent::GpsFix(insert.id)));
+            }
+            self.next(now, estimate.at, reason);
+        }
+        None
+    }
+
+    pub(super) fn drive(&self, steer: Option<Steer>, estimate: &Estimate, convergence_deg: f64) -> Drive {
+        let (Some(running), Some(steer)) = (&self.running, steer) else {
+            return Drive::Adrift;
+        };
+        let asked = self.modify.map_or(ModifyValues::NONE, |modify| modify.values);
+        if steer.way == Way::Drift && asked == ModifyValues::NONE {
+            return Drive::Adrift;
+        }
+        Drive::Under(Demand {
+            turn: self.turn(&asked, &steer, estimate, convergence_deg),
+            vertical: self.vertical(&asked, running, &steer, estimate),
+            speed_mps: asked.speed_mps.unwrap_or(running.speed_mps),
+        })
+    }
+
+    fn turn(&self, asked: &ModifyValues, steer: &Steer, estimate: &Estimate, convergence_deg: f64) -> Turn {
+        let own_deg = match steer.way {
+            Way::Course(bearing_deg) => crabbed_deg(bearing_deg, estimate.surge_mps, estimate.current),
+            Way::Heading(true_deg) => true_deg - convergence_deg,
+            Way::Climb(heading_deg) => heading_deg,
+            Way::Drift => estimate.heading_deg,
+        };
+        match asked.horizontal {
+            None => Turn::Heading(own_deg),
+            Some(ModifyHorizontal::Heading(true_deg)) => Turn::Heading(true_deg - convergence_deg),
+            // A turn added to what the heading's error asks for is a heading that is off by so much.
+            Some(ModifyHorizontal::Rudder(deg)) if self.interpretation.fins_change => {
+                Turn::Heading(own_deg + self.hull.rudder_dps(deg) / self.hull.yaw_gain_per_s)
+            }
+            Some(ModifyHorizontal::Rudder(deg)) => Turn::Rudder(deg),
+        }
+    }
+
+    fn vertical(&self, asked: &ModifyValues, running: &Running, steer: &Steer, estimate: &Estimate) -> Vertical {
+        let own = match steer.way {
+            Way::Course(_) | Way::Heading(_) => running.vertical,
+            Way::Climb(_) | Way::Drift => Vertical::Depth(0.0),
+        };
+        match asked.vertical {
+            None => own,
+            Some(ModifyVertical::Depth(depth)) => Vertical::Depth(depth),
+            Some(ModifyVertical::Altitude(altitude)) => Vertical::Altitude(altitude),
+            Some(ModifyVertical::Pitch(pitch)) => Vertical::Pitch(pitch),
+            // As with the rudder: a climb added to what the depth's error asks for is a depth that is off by so much.
+            Some(ModifyVertical::Elevator(deg)) if self.interpretation.fins_change => {
+                let pitch_deg = self.hull.elevator_pitch_deg(deg);
+                let rise_m = estimate.surge_mps * sin(pitch_deg.to_radians()) / self.hull.depth_gain_per_s;
+                match own {
+                    Vertical::Depth(depth) => Vertical::Depth(depth - rise_m),
+                    Vertical::Altitude(altitude) => Vertical::Altitude(altitude + rise_m),
+                    Vertical::Pitch(pitch) => Vertical::Pitch(pitch + pitch_deg),
+                    Vertical::Elevator(own_deg) => Vertical::Elevator(own_deg + deg),
+                }
+            }
+            Some(ModifyVertical::Elevator(deg)) => Vertical::Elevator(deg),
+        }
+    }
+}

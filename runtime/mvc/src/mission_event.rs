@@ -1,0 +1,97 @@
+use core::fmt;
+use core::time::Duration;
+
+use backseat_spi::{BehaviorId, Text};
+
+use crate::event::ClientId;
+use crate::plan::PayloadText;
+
+/// What the executive did at the plan's or a payload's wish.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MissionEvent {
+    /// A text of the plan went to the payload.
+    Told {
+        /// The role of the client that is meant (SPI 4.1); none is every client.
+        role: Option<Box<str>>,
+        /// Which message.
+        what: Told,
+        /// The text.
+        text: Text,
+    },
+    /// A GPS hit has its fix.
+    GpsFix(BehaviorId),
+    /// BPABT: a payload ends the mission.
+    Abort {
+        /// Which client.
+        client: ClientId,
+        /// With errors, not as a successful mission.
+        errors: bool,
+        /// Why.
+        text: Text,
+    },
+    /// BPKIL: a payload ends the mission and all movement.
+    Kill(ClientId, Text),
+    /// BPRCB: a payload ends the current behavior.
+    CancelCurrent(ClientId),
+    /// BPRCE: a payload ends the current element.
+    CancelElement(ClientId),
+    /// BPSEM: a payload starts an empty mission that lasts at most so long.
+    EmptyMission(ClientId, Duration),
+}
+
+/// A message of the plan to the payload.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Told {
+    /// BFMSC (SPI 5.1).
+    Command,
+    /// BFBDL (SPI 5.3).
+    LoggingBegins,
+    /// BFSDL (SPI 5.4).
+    LoggingEnds,
+}
+
+impl MissionEvent {
+    pub(crate) fn told(message: &PayloadText, what: Told) -> Self {
+        Self::Told {
+            role: message.role.clone(),
+            what,
+            text: message.text.clone(),
+        }
+    }
+}
+
+impl fmt::Display for MissionEvent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Told { role, what, text } => {
+                let role = role.as_deref().unwrap_or("payload");
+                match what {
+                    Told::Command => write!(f, "{role} is told: {text}"),
+                    Told::LoggingBegins => write!(f, "{role} is to log: {text}"),
+                    Told::LoggingEnds => write!(f, "{role} is to log no more: {text}"),
+                }
+            }
+            Self::GpsFix(id) => write!(f, "gps fix of insert {id}"),
+            Self::Abort {
+                client,
+                errors: true,
+                text,
+            } => write!(f, "{client} aborts the mission: {text}"),
+            Self::Abort {
+                client,
+                errors: false,
+                text,
+            } => write!(f, "{client} ends the mission as successful: {text}"),
+            Self::Kill(client, text) => write!(f, "{client} kills the mission: {text}"),
+            Self::CancelCurrent(client) => write!(f, "{client} ends the current behavior"),
+            Self::CancelElement(client) => write!(f, "{client} ends the current element"),
+            Self::EmptyMission(client, most) => {
+                write!(
+                    f,
+                    "{client} starts an empty mission of at most {} s",
+                    most.as_secs_f64()
+                )
+            }
+        }
+    }
+}

@@ -114,6 +114,10 @@ impl Course {
         Self { shape, part }
     }
 
+    pub(crate) const fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
     /// Goes on after a pause, which a setpoint's time does not count.
     pub(crate) fn resume(&mut self, paused: Duration) {
         if let Part::Hold { until } = &mut self.part {

@@ -1,6 +1,7 @@
 mod flow;
 mod inserts;
 mod modify;
+mod suspend;
 
 use core::time::Duration;
 use std::collections::{BTreeSet, VecDeque};
@@ -48,6 +49,7 @@ pub(crate) struct Executive {
     interrupting: bool,
     /// What an insert has interrupted, where it is to be resumed, and when.
     paused: Option<(Running, Timestamp)>,
+    suspension: Option<suspend::Suspension>,
     modify: Option<Modify>,
     /// How long the running behavior has been modified.
     modified: Duration,
@@ -109,6 +111,7 @@ impl Executive {
             used: BTreeSet::new(),
             interrupting: false,
             paused: None,
+            suspension: None,
             modify: None,
             modified: Duration::ZERO,
             modify_barred: false,
@@ -146,6 +149,7 @@ impl Executive {
             Status::Ready => Activity::Waiting,
             Status::WrappingUp => Activity::WrappingUp,
             Status::Completed | Status::Aborted => Activity::Stopped,
+            Status::Running if self.is_suspended() => Activity::Suspended,
             Status::Running => match (
                 self.running.as_ref().map(|running| running.behavior.source),
                 self.modify,
@@ -180,6 +184,9 @@ impl Executive {
             && self.is_running()
         {
             self.finish(Status::Aborted, "time limit", EndReason::MissionOver);
+        }
+        if let Some(drive) = self.fly_suspended(now, estimate) {
+            return drive;
         }
         let mut steer = self.steer(now, estimate);
         if let Some(flown) = steer

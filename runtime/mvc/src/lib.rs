@@ -14,8 +14,7 @@
 //! judges. What it knows and a payload cannot is in [`Mvc::truth`] and [`Mvc::world`]. The same [`WorldFile`], seed
 //! and inputs give the same bytes.
 //!
-//! Deliberately absent so far: GPS hits, trim and buoyancy, silent mode, the hovering hull's suspension, DVL
-//! triggering, acoustic communications, and the payload's abort and kill. Those commands are known and refused.
+//! Deliberately absent so far: GPS hits, trim and buoyancy, silent mode, DVL triggering, acoustic communications, and the payload's abort and kill. Those commands are known and refused.
 
 mod acoustic;
 mod adjustment;
@@ -55,11 +54,13 @@ pub use event::{
     MvcEventKind, Refusal, Source, Status,
 };
 pub use file::{
-    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, Expectations, HeadingFrame,
-    InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig, ModifyLimit, PlaceConfig, PlanEntry,
-    PlanKind, Profile, SensorConfig, SpiConfig, StartConfig, VehicleConfig, WorldFile, WrapUp,
+    AcknowledgeConfig, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, ContourExpectation, Expectations,
+    HeadingFrame, HoveringConfig, HullVertical, InsertsAfterControl, InterpretationConfig, MaximumExpectation,
+    MissionConfig, ModifyLimit, PlaceConfig, PlanEntry, PlanKind, Profile, SensorConfig, ShipConfig, ShipSide,
+    SpiConfig, StartConfig, VehicleConfig, WorldFile, WrapUp,
 };
+pub use hovering::{HoveringEvent, SuspensionEnd};
 pub use hull::{Hull, HullClass};
-pub use interpretation::Interpretation;
+pub use interpretation::{Interpretation, ResumeFrom};
 pub use mvc::Mvc;
-pub use truth::{Activity, Truth};
+pub use truth::{Activity, HoveringTruth, Truth};

@@ -12,6 +12,7 @@ use crate::insert::Insert;
 impl Executive {
     /// Ends the running behavior and begins what comes after it: an insert, what was interrupted, the next element.
     pub(super) fn next(&mut self, now: Timestamp, at: EastNorth, reason: EndReason) {
+        self.stop_mission_clock(now);
         self.end_running(reason);
         if let Some(insert) = self.queue.pop_front() {
             self.begin_insert(insert, now, at);
@@ -80,6 +81,7 @@ impl Executive {
 
     /// The mission leaves `Running`.
     pub(super) fn finish(&mut self, status: Status, details: &'static str, reason: EndReason) {
+        self.end_suspension();
         self.end_running(reason);
         self.paused = None;
         self.drop_queue(CancelCause::MissionOver, |_| true);

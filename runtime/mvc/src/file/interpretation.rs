@@ -24,6 +24,12 @@ pub struct InterpretationConfig {
     pub cancel_all_scope: CancelAllScope,
     /// What BPRMB's heading counts from (SPI 7.12 does not say).
     pub modify_heading: HeadingFrame,
+    /// Whether BPSUS needs dynamic requests to be allowed (SPI 8.1 does not say), and ends with them.
+    pub suspend_needs_control: Choice<bool>,
+    /// From where the mission goes on after a suspension (SPI 8.3 says both).
+    pub after_suspension: AfterSuspension,
+    /// Which way the vertical position of BFRNV and BPGHP counts from the waterline (SPI 6.17 and 8.6 do not say).
+    pub hull_vertical: HullVertical,
 }
 
 /// What becomes of inserts when BFCTL falls to 0.
@@ -74,6 +80,34 @@ pub enum HeadingFrame {
     True,
     /// North of the UTM grid, as BFNVG's.
     Grid,
+    /// The seed draws.
+    Seed,
+}
+
+/// From where the mission goes on after a suspension.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AfterSuspension {
+    /// A trackline and a trackcircle from where they were suspended, a waypoint and a setpoint from where it is.
+    #[default]
+    Behavior,
+    /// From where it was suspended: the vehicle returns there first.
+    Return,
+    /// From where the vehicle is.
+    Here,
+    /// The seed draws.
+    Seed,
+}
+
+/// Which way the vertical position on a hull counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HullVertical {
+    /// Down, as depth does.
+    #[default]
+    Down,
+    /// Up: places on the hull are negative.
+    Up,
     /// The seed draws.
     Seed,
 }

@@ -150,13 +150,18 @@ impl Inspector {
         self.arrived = true;
     }
 
-    fn go(&mut self, goal: Goal) {
-        self.arrived = self.arrived && self.goal == goal;
+    /// Sends the vehicle to a place; false where it is on its way there already.
+    fn go(&mut self, goal: Goal) -> bool {
+        if self.goal == goal {
+            return false;
+        }
+        self.arrived = false;
         self.goal = goal;
         self.dvl.turn_to(match goal {
             Goal::Hull { .. } => DVL_TO_HULL_DEG,
             Goal::Hold { .. } | Goal::Bottom { .. } => DVL_TO_BOTTOM_DEG,
         });
+        true
     }
 
     /// BPRNS moves coordinates, not the place that a vehicle without a goal holds.

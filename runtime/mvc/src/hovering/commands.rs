@@ -69,7 +69,8 @@ impl Mvc {
                 return Answer::Invalid(format!("speed_mps {speed_mps}: expected more than 0"));
             }
             state.speed_limit_mps = speed_mps;
-            mvc.note_hovering(now, HoveringEvent::SpeedLimit(speed_mps))
+            mvc.note_hovering(now, HoveringEvent::SpeedLimit(speed_mps));
+            Answer::Done
         });
     }
 
@@ -82,7 +83,8 @@ impl Mvc {
                 return Answer::Failed(format!("the sonar turns from {least} to {most} degrees"));
             }
             state.sonar.turn_to(angle_deg);
-            mvc.note_hovering(now, HoveringEvent::SonarAngle(angle_deg))
+            mvc.note_hovering(now, HoveringEvent::SonarAngle(angle_deg));
+            Answer::Done
         });
     }
 
@@ -112,19 +114,23 @@ impl Mvc {
             if horizontal_m.abs() > REACH_M {
                 return out_of_reach();
             }
-            state.go(Goal::Hull {
+            let goal = Goal::Hull {
                 horizontal_m,
                 depth_m,
                 distance_m,
-            });
-            mvc.note_hovering(
-                now,
-                HoveringEvent::HullMove {
-                    horizontal_m,
-                    vertical_m,
-                    distance_m,
-                },
-            )
+            };
+            // A payload says again and again where it wants to be: that is one line of the log.
+            if state.go(goal) {
+                mvc.note_hovering(
+                    now,
+                    HoveringEvent::HullMove {
+                        horizontal_m,
+                        vertical_m,
+                        distance_m,
+                    },
+                );
+            }
+            Answer::Done
         });
     }
 
@@ -151,19 +157,21 @@ impl Mvc {
             if x_m.abs().max(y_m.abs()) > REACH_M {
                 return out_of_reach();
             }
-            let bearing_deg = state.relative.bearing_deg(&mvc.vehicle);
-            // A payload that repeats itself does not turn the vehicle along with its drift.
+            // What is repeated does not turn the vehicle along with the drift of its bearing.
             let bearing_deg = match state.goal {
                 Goal::Bottom { bearing_deg, .. } => bearing_deg,
-                Goal::Hold { .. } | Goal::Hull { .. } => bearing_deg,
+                Goal::Hold { .. } | Goal::Hull { .. } => state.relative.bearing_deg(&mvc.vehicle),
             };
-            state.go(Goal::Bottom {
+            let goal = Goal::Bottom {
                 x_m,
                 y_m,
                 vertical,
                 bearing_deg,
-            });
-            mvc.note_hovering(now, HoveringEvent::BottomMove { x_m, y_m })
+            };
+            if state.go(goal) {
+                mvc.note_hovering(now, HoveringEvent::BottomMove { x_m, y_m });
+            }
+            Answer::Done
         });
     }
 
@@ -178,7 +186,8 @@ impl Mvc {
                 return out_of_reach();
             }
             let moved_m = state.reset(x_m, y_m, bearing_deg, &mvc.vehicle);
-            mvc.note_hovering(now, HoveringEvent::RelativeReset(moved_m))
+            mvc.note_hovering(now, HoveringEvent::RelativeReset(moved_m));
+            Answer::Done
         });
     }
 
@@ -190,7 +199,8 @@ impl Mvc {
                 return Answer::Invalid(format!("offset_deg {offset_deg}: expected -360 to 360"));
             }
             state.relative.offset_bearing(offset_deg);
-            mvc.note_hovering(now, HoveringEvent::BearingOffset(offset_deg))
+            mvc.note_hovering(now, HoveringEvent::BearingOffset(offset_deg));
+            Answer::Done
         });
     }
 
@@ -201,7 +211,8 @@ impl Mvc {
             if !state.has_camera {
                 return failed("no camera is installed");
             }
-            mvc.note_hovering(now, HoveringEvent::Camera { pan, tilt, zoom })
+            mvc.note_hovering(now, HoveringEvent::Camera { pan, tilt, zoom });
+            Answer::Done
         });
     }
 
@@ -213,7 +224,8 @@ impl Mvc {
                 return failed("no light is installed");
             }
             state.light_on = on;
-            mvc.note_hovering(now, HoveringEvent::Light(on))
+            mvc.note_hovering(now, HoveringEvent::Light(on));
+            Answer::Done
         });
     }
 
@@ -239,9 +251,8 @@ impl Mvc {
         }
     }
 
-    fn note_hovering(&mut self, now: Timestamp, event: HoveringEvent) -> Answer {
+    fn note_hovering(&mut self, now: Timestamp, event: HoveringEvent) {
         self.note(now, MvcEventKind::Hovering(event));
-        Answer::Done
     }
 }
 

@@ -458,7 +458,6 @@ fn the_mission_goes_on_from_where_it_was_suspended_or_from_where_the_vehicle_is(
         let mut payload = Payload::connected(&text, 1, &[]);
         payload.until(12.0);
         let left = payload.mvc.truth().local;
-        keep(&mut payload, 50.0, "$BPGBP,070000.000,-20,-3,D,4");
         payload.say("$BPSUS,070000.000");
         keep(&mut payload, 80.0, "$BPGBP,070000.000,-20,-3,D,4");
         let away = payload.mvc.truth().local.distance_m(left);
@@ -466,7 +465,7 @@ fn the_mission_goes_on_from_where_it_was_suspended_or_from_where_the_vehicle_is(
         payload.say("$BPRES,070000.000");
         assert!(!suspended(&payload));
         let mut nearest = f64::INFINITY;
-        for tenths in 801..1200 {
+        for tenths in 801..1600 {
             payload.until(f64::from(tenths) / 10.0);
             nearest = nearest.min(payload.mvc.truth().local.distance_m(left));
         }

@@ -153,7 +153,6 @@ fn suspended_without_a_place_it_stays_in_a_current() {
     let at = payload.mvc.truth().local;
     keep(&mut payload, 60.0, "$BPCON,070000.000");
     let truth = payload.mvc.truth();
-    // A proportional hold against a set: the lag is the set's own, which the vehicle feeds forward.
     assert!(truth.local.distance_m(at) < 0.3, "{at:?} {truth:?}");
     assert!(near(truth.depth_m, 3.0, 0.2), "{truth:?}");
 }
@@ -172,7 +171,7 @@ fn the_speed_limit_is_kept_and_outlives_the_hold() {
                 let truth = payload.mvc.truth();
                 // The first two seconds slow down from the mission's own speed.
                 if second > from_s + 2 {
-                    fastest = fastest.max(truth.east_mps.hypot(truth.north_mps));
+                    fastest = fastest.max(backseat_units::math::hypot(truth.east_mps, truth.north_mps));
                 }
             }
         }
@@ -184,9 +183,7 @@ fn the_speed_limit_is_kept_and_outlives_the_hold() {
     assert!(best > 0.7 && best <= 0.7501, "{best}");
     payload.say("$BPSPD,070000.000,0.3");
     // It slows down first.
-    payload.until(37.5);
-    payload.say("$BPCON,070000.000");
-    payload.until(39.0);
+    keep(&mut payload, 39.0, "$BPCON,070000.000");
     let limited = fastest(&mut payload, 39, "$BPGBP,070000.000,-10,-20,D,3");
     assert!(limited > 0.25 && limited <= 0.3001, "{limited}");
     payload.say("$BPRES,070000.000");

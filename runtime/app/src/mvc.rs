@@ -262,6 +262,7 @@ impl Server {
             Activity::Plan { number } => format!("on element {number} of its plan"),
             Activity::Insert { id } => format!("on insert {}", id.get()),
             Activity::Modified { .. } => "modified by a payload".to_owned(),
+            Activity::Suspended => "suspended by a payload".to_owned(),
             Activity::WrappingUp => "wrapping up".to_owned(),
             Activity::Stopped => "stopped".to_owned(),
         };

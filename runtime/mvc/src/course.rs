@@ -157,6 +157,10 @@ impl Course {
         Self { shape, part }
     }
 
+    pub(crate) const fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
     /// Goes on after a pause, which the times of a setpoint and of a GPS hit do not count.
     pub(crate) fn resume(&mut self, paused: Duration) {
         match &mut self.part {

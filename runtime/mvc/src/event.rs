@@ -4,6 +4,7 @@ use core::time::Duration;
 use backseat_spi::{BehaviorId, CommandName, Text};
 use backseat_units::Timestamp;
 
+use crate::hovering::HoveringEvent;
 use crate::mission_event::MissionEvent;
 
 /// A client of the server, as the driver numbers its connections.
@@ -89,6 +90,8 @@ pub enum MvcEventKind {
     PowerOff,
     /// The vehicle touched the seabed.
     Grounded,
+    /// Of a hovering vehicle.
+    Hovering(HoveringEvent),
     /// A sentence could not be written: its name.
     NotEncoded(Box<str>),
     /// Events were not fetched in time, and so many are lost.
@@ -324,6 +327,7 @@ impl fmt::Display for MvcEventKind {
             Self::ShutdownSoon => f.write_str("payload power goes off in 60 s"),
             Self::PowerOff => f.write_str("payload power is off"),
             Self::Grounded => f.write_str("the vehicle touched the seabed"),
+            Self::Hovering(event) => event.fmt(f),
             Self::NotEncoded(name) => write!(f, "a {name} could not be encoded"),
             Self::EventsLost(count) => write!(f, "{count} events were not fetched and are lost"),
         }

@@ -3,6 +3,7 @@ mod flow;
 mod inserts;
 mod modify;
 mod steering;
+mod suspend;
 
 pub(crate) use inserts::takes_back;
 
@@ -60,6 +61,7 @@ pub(crate) struct Executive {
     interrupting: bool,
     /// What an insert has interrupted, where it is to be resumed, and when.
     paused: Option<(Running, Timestamp)>,
+    suspension: Option<suspend::Suspension>,
     modify: Option<Modify>,
     /// How long the running behavior has been modified.
     modified: Duration,
@@ -134,6 +136,7 @@ impl Executive {
             used: BTreeSet::new(),
             interrupting: false,
             paused: None,
+            suspension: None,
             modify: None,
             modified: Duration::ZERO,
             modify_barred: false,
@@ -188,6 +191,7 @@ impl Executive {
             Status::Ready => Activity::Waiting,
             Status::WrappingUp | Status::Aborting => Activity::WrappingUp,
             Status::Completed | Status::Aborted | Status::Stopped => Activity::Stopped,
+            Status::Running if self.is_suspended() => Activity::Suspended,
             Status::Running => match (
                 self.running.as_ref().map(|running| running.behavior.source),
                 self.modify,
@@ -219,6 +223,9 @@ impl Executive {
         self.lapse(now);
         if self.is_running() && self.ends_at.is_some_and(|at| now >= at) {
             self.end_mission(true, "time limit");
+        }
+        if let Some(drive) = self.fly_suspended(now, estimate) {
+            return drive;
         }
         let mut steer = self.steer(now, estimate);
         if let Some(flown) = steer

@@ -1,6 +1,7 @@
 //! `world.toml` as it is written: every section, parsed and range-checked, before anything is drawn.
 
 mod expect;
+mod hovering;
 mod interpretation;
 mod mission;
 mod plan;
@@ -13,9 +14,10 @@ use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, Wor
 use serde::Deserialize;
 
 pub use expect::{ContourExpectation, Expectations, MaximumExpectation};
+pub use hovering::{HoveringConfig, ShipConfig, ShipSide};
 pub use interpretation::{
-    AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertPlace, InsertsAfterControl, InterpretationConfig,
-    ModifyBeyond, ModifyFins,
+    AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame, HullVertical, InsertPlace,
+    InsertsAfterControl, InterpretationConfig, ModifyBeyond, ModifyFins,
 };
 pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
 pub use plan::{PlaceConfig, PlanEntry, PlanKind};
@@ -136,6 +138,9 @@ pub struct WorldFile {
     /// The vehicle's hull and its own limits.
     #[serde(default)]
     pub vehicle: VehicleConfig,
+    /// What only a hovering vehicle has, and the ship that it inspects.
+    #[serde(default)]
+    pub hovering: HoveringConfig,
     /// Noise of the sensors.
     #[serde(default)]
     pub sensors: SensorConfig,
@@ -193,6 +198,7 @@ impl WorldFile {
         check(most_s <= 2.0 - tick_s + 1e-9, "spi.pending_s", most_s, expected)?;
         // The world and the plan have their own rules; the seed does not matter to them.
         let world = backseat_world::World::new(&self.world_config(), 0)?;
+        self.hovering.validate(&self.vehicle, &self.start, world.frame())?;
         crate::plan::resolve(&self.plan, world.frame(), &self.vehicle)?;
         Ok(())
     }

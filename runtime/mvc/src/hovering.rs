@@ -1,68 +1,347 @@
-use backseat_spi::{
-    BearingOffset, BottomPosition, Camera, Continue, HullPosition, HullSpeedLimit, Light, RelativeReset, Resume,
-    SonarAngle, Suspend,
-};
-use backseat_units::Timestamp;
+mod commands;
+mod event;
+mod relative;
+mod servo;
+mod ship;
 
-use crate::answers::Regarding;
+use core::time::Duration;
+
+use backseat_spi::{CartesianNavigation, RelativeNavigation, ServoPositions};
+use backseat_units::Timestamp;
+use backseat_units::math::hypot;
+use backseat_world::{Stream, World};
+
+pub use event::{HoveringEvent, SuspensionEnd};
+use relative::Relative;
+use servo::Servo;
+pub(crate) use ship::Ship;
+
+use crate::event::MvcEventKind;
 use crate::file::WorldFile;
 use crate::mvc::Mvc;
+use crate::plan::Vertical;
+use crate::server::Topic;
+use crate::truth::HoveringTruth;
+use crate::vehicle::{HoverDemand, Obstacle, Vehicle};
 
-/// Hovering vehicles (SPI 8).
+/// Speed asked for a metre of distance, per second.
+const POSITION_GAIN_PER_S: f64 = 0.25;
+/// So close to where it was sent the vehicle has arrived, metres.
+const ARRIVED_M: f64 = 0.15;
+/// The DVL looks at the hull, or at the bottom: degrees above the horizontal.
+const DVL_TO_HULL_DEG: f64 = 0.0;
+const DVL_TO_BOTTOM_DEG: f64 = -90.0;
+
+/// What only hovering vehicles have (SPI 6.17 to 6.19, 8); nothing in other vehicles.
 #[derive(Debug)]
-pub(crate) struct Hovering {}
+pub(crate) struct Hovering {
+    pub(crate) state: Option<Box<Inspector>>,
+}
+
+/// A hovering vehicle: its relative navigation, its devices, and where a payload has sent it.
+#[derive(Debug)]
+pub(crate) struct Inspector {
+    relative: Relative,
+    noise: Stream,
+    position_noise_m: f64,
+    range_noise_m: f64,
+    has_hull: bool,
+    safety_m: f64,
+    goal: Goal,
+    arrived: bool,
+    speed_limit_mps: f64,
+    sonar: Servo,
+    sonar_min_deg: f64,
+    sonar_max_deg: f64,
+    dvl: Servo,
+    servo_step_deg: f64,
+    has_camera: bool,
+    has_light: bool,
+    light_on: bool,
+    relative_period: Duration,
+    next_relative: Timestamp,
+    servo_period: Duration,
+    next_servo: Timestamp,
+}
+
+/// Where a suspended vehicle is to be, in coordinates of its relative navigation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Goal {
+    /// Where it was suspended, with the bearing that it had.
+    Hold {
+        x_m: f64,
+        y_m: f64,
+        depth_m: f64,
+        bearing_deg: f64,
+    },
+    /// Off the hull, and facing it.
+    Hull {
+        horizontal_m: f64,
+        depth_m: f64,
+        distance_m: f64,
+    },
+    /// Near the bottom, with the bearing that it had.
+    Bottom {
+        x_m: f64,
+        y_m: f64,
+        vertical: Vertical,
+        bearing_deg: f64,
+    },
+}
 
 impl Hovering {
-    pub(crate) const fn new(_file: &WorldFile, _seed: u64) -> Self {
-        Self {}
+    pub(crate) fn new(file: &WorldFile, world: &World, vehicle: &mut Vehicle, seed: u64) -> Self {
+        if !vehicle.hull().hovers {
+            return Self { state: None };
+        }
+        let config = &file.hovering;
+        let ship = config.hull.map(|hull| Ship::new(&hull, world.frame()));
+        vehicle.obstacle = ship.map(|ship| Obstacle {
+            ship,
+            safety_m: config.safety_m,
+        });
+        let relative = Relative::new(config, ship, vehicle, file.vehicle.tick_hz, seed);
+        let relative_period = Duration::from_secs_f64(1.0 / config.relative_hz);
+        let servo_period = Duration::from_secs_f64(1.0 / config.servo_hz);
+        let (x_m, y_m) = relative.believed();
+        let goal = Goal::Hold {
+            x_m,
+            y_m,
+            depth_m: vehicle.depth_m,
+            bearing_deg: relative.bearing_deg(vehicle),
+        };
+        Self {
+            state: Some(Box::new(Inspector {
+                relative,
+                noise: Stream::new(seed, "relative navigation noise"),
+                position_noise_m: config.position_noise_m,
+                range_noise_m: config.range_noise_m,
+                has_hull: ship.is_some(),
+                safety_m: config.safety_m,
+                goal,
+                arrived: true,
+                speed_limit_mps: config.speed_limit_mps,
+                sonar: Servo::new(0.0_f64.clamp(config.sonar_min_deg, config.sonar_max_deg)),
+                sonar_min_deg: config.sonar_min_deg,
+                sonar_max_deg: config.sonar_max_deg,
+                dvl: Servo::new(DVL_TO_BOTTOM_DEG),
+                servo_step_deg: config.servo_rate_dps / f64::from(file.vehicle.tick_hz),
+                has_camera: config.camera,
+                has_light: config.light,
+                light_on: false,
+                relative_period,
+                next_relative: Timestamp::ZERO + relative_period,
+                servo_period,
+                next_servo: Timestamp::ZERO + servo_period,
+            })),
+        }
+    }
+}
+
+impl Inspector {
+    fn hold(&mut self, vehicle: &Vehicle) {
+        let (x_m, y_m) = self.relative.believed();
+        self.goal = Goal::Hold {
+            x_m,
+            y_m,
+            depth_m: vehicle.depth_m,
+            bearing_deg: self.relative.bearing_deg(vehicle),
+        };
+        self.arrived = true;
+    }
+
+    /// Sends the vehicle to a place; false where it is on its way there already.
+    fn go(&mut self, goal: Goal) -> bool {
+        if self.goal == goal {
+            return false;
+        }
+        self.arrived = false;
+        self.goal = goal;
+        self.dvl.turn_to(match goal {
+            Goal::Hull { .. } => DVL_TO_HULL_DEG,
+            Goal::Hold { .. } | Goal::Bottom { .. } => DVL_TO_BOTTOM_DEG,
+        });
+        true
+    }
+
+    /// BPRNS moves coordinates, not the place that a vehicle without a goal holds.
+    fn reset(&mut self, x_m: f64, y_m: f64, bearing_deg: f64, vehicle: &Vehicle) -> f64 {
+        let turned_deg = bearing_deg - self.relative.bearing_deg(vehicle);
+        let moved = self.relative.reset(x_m, y_m, bearing_deg, vehicle);
+        if let Goal::Hold {
+            x_m, y_m, bearing_deg, ..
+        } = &mut self.goal
+        {
+            *x_m += moved.0;
+            *y_m += moved.1;
+            *bearing_deg += turned_deg;
+        }
+        hypot(moved.0, moved.1)
+    }
+
+    fn demand(&self, vehicle: &Vehicle) -> HoverDemand {
+        let (x_m, y_m) = self.relative.believed();
+        let (left_x_m, left_y_m, vertical, bearing_deg) = match self.goal {
+            Goal::Hold {
+                x_m: to_x_m,
+                y_m: to_y_m,
+                depth_m,
+                bearing_deg,
+            } => (to_x_m - x_m, to_y_m - y_m, Vertical::Depth(depth_m), bearing_deg),
+            Goal::Hull {
+                horizontal_m,
+                depth_m,
+                distance_m,
+            } => (
+                self.relative.distance_m(vehicle) - distance_m,
+                horizontal_m - y_m,
+                Vertical::Depth(depth_m),
+                0.0,
+            ),
+            Goal::Bottom {
+                x_m: to_x_m,
+                y_m: to_y_m,
+                vertical,
+                bearing_deg,
+            } => (to_x_m - x_m, to_y_m - y_m, vertical, bearing_deg),
+        };
+        HoverDemand {
+            ground: self
+                .relative
+                .over_ground(left_x_m * POSITION_GAIN_PER_S, left_y_m * POSITION_GAIN_PER_S),
+            vertical,
+            heading_deg: self.relative.heading_deg(bearing_deg),
+            speed_max_mps: self.speed_limit_mps,
+        }
+    }
+
+    /// Whether the vehicle has come to where it was sent with this step.
+    fn arrives(&mut self, vehicle: &Vehicle) -> bool {
+        if self.arrived {
+            return false;
+        }
+        let left = self.demand(vehicle).ground;
+        let left_m = hypot(left.0, left.1) / POSITION_GAIN_PER_S;
+        let vertical_m = match self.goal {
+            Goal::Hold { depth_m, .. } | Goal::Hull { depth_m, .. } => depth_m - vehicle.depth_m,
+            Goal::Bottom {
+                vertical: Vertical::Altitude(altitude_m),
+                ..
+            } => vehicle.water_depth_m - altitude_m - vehicle.depth_m,
+            Goal::Bottom {
+                vertical: Vertical::Depth(metres) | Vertical::Pitch(metres) | Vertical::Elevator(metres),
+                ..
+            } => metres - vehicle.depth_m,
+        };
+        self.arrived = left_m < ARRIVED_M && vertical_m.abs() < ARRIVED_M;
+        self.arrived
     }
 }
 
 impl Mvc {
-    pub(crate) fn suspend(&mut self, now: Timestamp, re: Regarding, _request: &Suspend) {
-        self.unsupported(now, re);
+    /// A hovering vehicle's truth beside [`Mvc::truth`]; none of other vehicles.
+    #[must_use]
+    pub fn hovering_truth(&self) -> Option<HoveringTruth> {
+        let state = self.hovering.state.as_ref()?;
+        let (x_m, y_m) = state.relative.truth();
+        Some(HoveringTruth {
+            clearance_m: self.vehicle.obstacle.map(|obstacle| {
+                let (clearance_m, _) = obstacle.ship.clearance(self.vehicle.at, self.vehicle.depth_m);
+                clearance_m
+            }),
+            x_m,
+            y_m,
+            bearing_deg: state.relative.true_bearing_deg(&self.vehicle),
+            sway_mps: self.vehicle.sway_mps,
+            suspended_until: self.executive.suspended_until(),
+            speed_limit_mps: state.speed_limit_mps,
+            light_on: state.light_on,
+        })
     }
 
-    pub(crate) fn keep_suspended(&mut self, now: Timestamp, re: Regarding, _request: &Continue) {
-        self.unsupported(now, re);
+    /// Before a step of the vehicle: where the payload that has suspended the mission wants it to go.
+    pub(crate) fn steer_hovering(&mut self) {
+        if let Some(state) = &self.hovering.state
+            && self.executive.is_suspended()
+        {
+            self.executive.set_hover(state.demand(&self.vehicle));
+        }
     }
 
-    pub(crate) fn resume(&mut self, now: Timestamp, re: Regarding, _request: &Resume) {
-        self.unsupported(now, re);
+    /// After a step of the vehicle.
+    pub(crate) fn tick_hovering(&mut self, now: Timestamp) {
+        let Some(mut state) = self.hovering.state.take() else {
+            return;
+        };
+        state.relative.reckon(&self.vehicle);
+        state.sonar.step(state.servo_step_deg);
+        state.dvl.step(state.servo_step_deg);
+        if self.executive.is_suspended() && state.arrives(&self.vehicle) {
+            self.note(now, MvcEventKind::Hovering(HoveringEvent::Arrived));
+        }
+        self.report_hovering(now, &mut state);
+        self.hovering.state = Some(state);
     }
 
-    pub(crate) fn hull_speed_limit(&mut self, now: Timestamp, re: Regarding, _request: &HullSpeedLimit) {
-        self.unsupported(now, re);
+    /// BFRNV where there is a hull to be relative to, BFCNV, BFPIT.
+    fn report_hovering(&mut self, now: Timestamp, state: &mut Inspector) {
+        let created = self.stamp(now);
+        let (relative, cartesian) = (Topic::RelativeNavigation, Topic::CartesianNavigation);
+        if now >= state.next_relative {
+            state.next_relative = next_due(state.next_relative, now, state.relative_period);
+            if self.server.wanted(relative.bit() | cartesian.bit()) {
+                let (x_m, y_m) = state.relative.believed();
+                let x_m = x_m + state.position_noise_m * state.noise.gaussian();
+                let y_m = y_m + state.position_noise_m * state.noise.gaussian();
+                let range_noise_m = state.range_noise_m * state.noise.gaussian();
+                let heading_deg = state.relative.bearing_deg(&self.vehicle);
+                let depth_m = self.vehicle.depth_m;
+                if state.has_hull {
+                    let vertical = if self.interpretation.hull_vertical_up {
+                        -1.0
+                    } else {
+                        1.0
+                    };
+                    let message = RelativeNavigation {
+                        created,
+                        horizontal_m: y_m,
+                        vertical_m: vertical * depth_m,
+                        distance_m: (state.relative.distance_m(&self.vehicle) + range_noise_m).max(0.0),
+                        heading_deg,
+                        depth_m,
+                        absolute_heading_deg: state.relative.inertial_deg(&self.vehicle),
+                        roll_deg: self.vehicle.roll_deg,
+                        pitch_deg: self.vehicle.pitch_deg,
+                        solution: created,
+                    };
+                    self.publish(now, Some(relative), &message.into());
+                }
+                let message = CartesianNavigation {
+                    created,
+                    x_m,
+                    y_m,
+                    z_m: depth_m,
+                    heading_deg,
+                };
+                self.publish(now, Some(cartesian), &message.into());
+            }
+        }
+        if now >= state.next_servo {
+            state.next_servo = next_due(state.next_servo, now, state.servo_period);
+            if self.server.wanted(Topic::PitchServo.bit()) {
+                let message = ServoPositions {
+                    created,
+                    dvl_deg: state.dvl.at_deg(),
+                    sonar_deg: state.sonar.at_deg(),
+                };
+                self.publish(now, Some(Topic::PitchServo), &message.into());
+            }
+        }
     }
+}
 
-    pub(crate) fn sonar_angle(&mut self, now: Timestamp, re: Regarding, _request: &SonarAngle) {
-        self.unsupported(now, re);
-    }
-
-    pub(crate) fn hull_position(&mut self, now: Timestamp, re: Regarding, _request: &HullPosition) {
-        self.unsupported(now, re);
-    }
-
-    pub(crate) fn bottom_position(&mut self, now: Timestamp, re: Regarding, _request: &BottomPosition) {
-        self.unsupported(now, re);
-    }
-
-    pub(crate) fn relative_reset(&mut self, now: Timestamp, re: Regarding, _request: &RelativeReset) {
-        self.unsupported(now, re);
-    }
-
-    pub(crate) fn bearing_offset(&mut self, now: Timestamp, re: Regarding, _request: &BearingOffset) {
-        self.unsupported(now, re);
-    }
-
-    pub(crate) fn camera(&mut self, now: Timestamp, re: Regarding, _request: &Camera) {
-        self.unsupported(now, re);
-    }
-
-    pub(crate) fn light(&mut self, now: Timestamp, re: Regarding, _request: &Light) {
-        self.unsupported(now, re);
-    }
-
-    /// One step of the vehicle.
-    pub(crate) fn tick_hovering(&mut self, _now: Timestamp) {}
+/// The next due time of a periodic message: on its own beat, or from now where steps are rarer than it.
+fn next_due(due: Timestamp, now: Timestamp, period: Duration) -> Timestamp {
+    let next = due + period;
+    if next > now { next } else { now + period }
 }

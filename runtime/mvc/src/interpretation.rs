@@ -1,8 +1,8 @@
 use backseat_world::Stream;
 
 use crate::file::{
-    AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertPlace, InsertsAfterControl, InterpretationConfig,
-    ModifyBeyond, ModifyFins,
+    AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame, HullVertical, InsertPlace,
+    InsertsAfterControl, InterpretationConfig, ModifyBeyond, ModifyFins,
 };
 
 /// How this run reads what the specification leaves open: the `[interpretation]` section with the seed's draws.
@@ -34,6 +34,12 @@ pub struct Interpretation {
     pub modify_beyond_refused: bool,
     /// BPRMB's rudder and elevator are added to the behavior's own; else they are held as they are.
     pub fins_change: bool,
+    /// BPSUS needs dynamic requests to be allowed, and a suspension ends with them.
+    pub suspend_needs_control: bool,
+    /// From where the mission goes on after a suspension.
+    pub resume_from: ResumeFrom,
+    /// Vertical positions on a hull count upwards.
+    pub hull_vertical_up: bool,
 }
 
 fn chosen(choice: Choice<bool>, drawn: bool) -> bool {
@@ -41,6 +47,17 @@ fn chosen(choice: Choice<bool>, drawn: bool) -> bool {
         Choice::Fixed(fixed) => fixed,
         Choice::Seed => drawn,
     }
+}
+
+/// From where the mission goes on after a suspension (SPI 8.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResumeFrom {
+    /// As the behavior has it: lines and circles from where they were suspended, others from where the vehicle is.
+    Behavior,
+    /// From where it was suspended.
+    SuspensionPoint,
+    /// From where the vehicle is.
+    Here,
 }
 
 impl Interpretation {
@@ -53,6 +70,14 @@ impl Interpretation {
         // New draws come last, so that those before stay as they are.
         let mut coin = || stream.uniform() < 0.5;
         let later = [coin(), coin(), coin(), coin(), coin(), coin(), coin()];
+        let mut hovering = Stream::new(seed, "interpretation of hovering");
+        let needs_control = hovering.uniform() < 0.5;
+        let resume_from = match hovering.uniform() {
+            share if share < 1.0 / 3.0 => ResumeFrom::Behavior,
+            share if share < 2.0 / 3.0 => ResumeFrom::SuspensionPoint,
+            _ => ResumeFrom::Here,
+        };
+        let upwards = hovering.uniform() < 0.5;
         Self {
             inserts_fly_on: match config.inserts_after_control {
                 InsertsAfterControl::Fly => true,
@@ -102,6 +127,21 @@ impl Interpretation {
                 ModifyFins::Change => true,
                 ModifyFins::Seed => later[6],
             },
+            suspend_needs_control: match config.suspend_needs_control {
+                Choice::Fixed(needs) => needs,
+                Choice::Seed => needs_control,
+            },
+            resume_from: match config.after_suspension {
+                AfterSuspension::Behavior => ResumeFrom::Behavior,
+                AfterSuspension::Return => ResumeFrom::SuspensionPoint,
+                AfterSuspension::Here => ResumeFrom::Here,
+                AfterSuspension::Seed => resume_from,
+            },
+            hull_vertical_up: match config.hull_vertical {
+                HullVertical::Down => false,
+                HullVertical::Up => true,
+                HullVertical::Seed => upwards,
+            },
         }
     }
 }
@@ -126,10 +166,17 @@ mod tests {
             modify_survives: Choice::Seed,
             modify_beyond: ModifyBeyond::Seed,
             modify_fins: ModifyFins::Seed,
+            suspend_needs_control: Choice::Seed,
+            after_suspension: AfterSuspension::Seed,
+            hull_vertical: HullVertical::Seed,
         };
         let drawn: Vec<Interpretation> = (0..64).map(|seed| Interpretation::new(&config, seed)).collect();
         let both = |of: fn(&Interpretation) -> bool| drawn.iter().any(of) && !drawn.iter().all(of);
         assert!(both(|i| i.inserts_fly_on) && both(|i| i.resume) && both(|i| i.control_replay));
+        assert!(both(|i| i.suspend_needs_control) && both(|i| i.hull_vertical_up));
+        for from in [ResumeFrom::Behavior, ResumeFrom::SuspensionPoint, ResumeFrom::Here] {
+            assert!(drawn.iter().any(|i| i.resume_from == from), "{from:?}");
+        }
         assert!(both(|i| i.cancel_all) && both(|i| i.heading_is_grid) && both(|i| i.lead_in_m > 25.0));
         assert!(both(|i| i.inserts_at_legs) && both(|i| i.insert_logging) && both(|i| i.cancel_any));
         assert!(both(|i| i.cancel_all_gps) && both(|i| i.modify_survives) && both(|i| i.fins_change));

@@ -14,8 +14,8 @@
 //! judges. What it knows and a payload cannot is in [`Mvc::truth`] and [`Mvc::world`]. The same [`WorldFile`], seed
 //! and inputs give the same bytes.
 //!
-//! Deliberately absent so far: trim and buoyancy, silent mode, the hovering hull's suspension, DVL triggering, acoustic
-//! communications. Those commands are known and refused.
+//! Deliberately absent so far: trim and buoyancy, silent mode, DVL triggering, acoustic communications. Those commands
+//! are known and refused.
 
 mod acoustic;
 mod adjustment;
@@ -56,13 +56,14 @@ pub use event::{
     MvcEvent, MvcEventKind, Refusal, Source, Status,
 };
 pub use file::{
-    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, ControlWindow, Expectations,
-    HeadingFrame, InsertPlace, InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig,
-    ModifyBeyond, ModifyFins, ModifyLimit, PlaceConfig, PlanEntry, PlanKind, Profile, SensorConfig, SpiConfig,
-    StartConfig, VehicleConfig, WorldFile, WrapUp,
+    AcknowledgeConfig, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, ContourExpectation, ControlWindow,
+    Expectations, HeadingFrame, HoveringConfig, HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig,
+    MaximumExpectation, MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, PlaceConfig, PlanEntry, PlanKind,
+    Profile, SensorConfig, ShipConfig, ShipSide, SpiConfig, StartConfig, VehicleConfig, WorldFile, WrapUp,
 };
+pub use hovering::{HoveringEvent, SuspensionEnd};
 pub use hull::{Hull, HullClass};
-pub use interpretation::Interpretation;
+pub use interpretation::{Interpretation, ResumeFrom};
 pub use mission_event::{MissionEvent, Told};
 pub use mvc::Mvc;
-pub use truth::{Activity, Truth};
+pub use truth::{Activity, HoveringTruth, Truth};

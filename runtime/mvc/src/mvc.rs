@@ -99,6 +99,7 @@ impl Mvc {
         let hull = file.vehicle.hull();
         let mut vehicle = Vehicle::new(hull, file.vehicle.altitude_min_m, at, file.start.depth_m, heading_deg);
         vehicle.sense(&world, Timestamp::ZERO);
+        let hovering = Hovering::new(file, &world, &mut vehicle, seed);
         let running = format!("{} {}", Status::Running.name(), file.mission.log_dir);
         Ok(Self {
             vehicle,
@@ -119,7 +120,7 @@ impl Mvc {
             dvl_trigger: DvlTrigger::new(file, seed),
             topside: Topside::new(file, seed),
             acoustic: Acoustic::new(file, seed),
-            hovering: Hovering::new(file, seed),
+            hovering,
             faults: Faults::new(file, seed),
             empty_allowed: file.mission.empty_allowed,
             utc_at_start: file.start.utc,
@@ -224,7 +225,7 @@ impl Mvc {
     /// When [`Mvc::handle_timeout`] is due.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Timestamp> {
-        let lapses = self.executive.modify_until().unwrap_or(self.next_tick);
+        let lapses = self.executive.lapses_at().unwrap_or(self.next_tick);
         Some(self.next_tick.min(lapses))
     }
 
@@ -232,12 +233,9 @@ impl Mvc {
     /// an hour late costs an hour's steps. The inputs do the same before anything else.
     pub fn handle_timeout(&mut self, now: Timestamp) {
         loop {
-            // A modify lapses on time and not at the next step: its 5 s are a promise (SPI 7.12).
-            if let Some(at) = self
-                .executive
-                .modify_until()
-                .filter(|at| *at <= now.min(self.next_tick))
-            {
+            // A modify and a suspension lapse on time and not at the next step: their 5 s and 2 s are promises (SPI
+            // 7.12, 8.1).
+            while let Some(at) = self.executive.lapses_at().filter(|at| *at <= now.min(self.next_tick)) {
                 self.executive.lapse(at);
                 self.settle(at);
             }
@@ -328,6 +326,7 @@ impl Mvc {
     fn tick(&mut self, now: Timestamp) {
         self.tick_faults(now);
         self.resolve_pending(now);
+        self.steer_hovering();
         let drive = self
             .executive
             .tick(now, &self.sensors.estimate(&self.vehicle), self.frame_convergence_deg);

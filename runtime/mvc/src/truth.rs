@@ -30,6 +30,27 @@ pub struct Truth {
     pub control: bool,
 }
 
+/// What is true of a hovering vehicle beside its [`Truth`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HoveringTruth {
+    /// Distance from the nearest plate of the ship, metres, negative inside; none without a ship.
+    pub clearance_m: Option<f64>,
+    /// Where it is in the frame of relative navigation, metres towards the target.
+    pub x_m: f64,
+    /// Where it is in the frame of relative navigation, metres to the right of the target.
+    pub y_m: f64,
+    /// Where it points in the frame of relative navigation, degrees clockwise from the target, in [-180, 180).
+    pub bearing_deg: f64,
+    /// Speed through the water to starboard, metres a second.
+    pub sway_mps: f64,
+    /// When the suspension of its mission lapses unless it is refreshed; none where nothing is suspended.
+    pub suspended_until: Option<Timestamp>,
+    /// What BPSPD has set, metres a second.
+    pub speed_limit_mps: f64,
+    /// Whether its light is on.
+    pub light_on: bool,
+}
+
 /// What the vehicle is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Activity {
@@ -52,6 +73,8 @@ pub enum Activity {
         /// The insert's identifier where an insert is modified.
         id: Option<BehaviorId>,
     },
+    /// A payload has suspended its mission and has the vehicle (SPI 8).
+    Suspended,
     /// It climbs to the surface after its mission.
     WrappingUp,
     /// Its mission is over; it drifts.

@@ -1,9 +1,13 @@
+mod hover;
+
 use backseat_units::math::{asin, sin, sin_cos, wrap_180, wrap_360};
 use backseat_units::{EastNorth, Timestamp};
 use backseat_world::World;
 
 use crate::hull::Hull;
 use crate::plan::Vertical;
+
+pub(crate) use hover::{HoverDemand, Obstacle};
 
 /// The greatest angle of rudder and elevator either way, degrees: typical of fins of this size.
 pub(crate) const FIN_MAX_DEG: f64 = 20.0;
@@ -31,6 +35,8 @@ pub(crate) enum Drive {
     /// Held where it is: before its mission.
     Held,
     Under(Demand),
+    /// Any way, as only a hovering vehicle can.
+    Hover(HoverDemand),
     /// Nothing: it drifts and floats up.
     Adrift,
 }
@@ -40,11 +46,15 @@ pub(crate) enum Drive {
 pub(crate) struct Vehicle {
     hull: Hull,
     altitude_min_m: f64,
+    /// What a hovering vehicle keeps clear of.
+    pub(crate) obstacle: Option<Obstacle>,
     pub(crate) at: EastNorth,
     pub(crate) depth_m: f64,
     /// Degrees from the frame's north, in [0, 360).
     pub(crate) heading_deg: f64,
     pub(crate) surge_mps: f64,
+    /// To starboard; torpedoes have none.
+    pub(crate) sway_mps: f64,
     /// Positive down.
     pub(crate) heave_mps: f64,
     pub(crate) yaw_rate_dps: f64,
@@ -66,10 +76,12 @@ impl Vehicle {
         Self {
             hull,
             altitude_min_m,
+            obstacle: None,
             at,
             depth_m,
             heading_deg: wrap_360(heading_deg),
             surge_mps: 0.0,
+            sway_mps: 0.0,
             heave_mps: 0.0,
             yaw_rate_dps: 0.0,
             pitch_deg: 0.0,
@@ -107,13 +119,16 @@ impl Vehicle {
     pub(crate) fn step(&mut self, drive: Drive, dt_s: f64) {
         match drive {
             Drive::Held => {
-                (self.surge_mps, self.heave_mps, self.yaw_rate_dps) = (0.0, 0.0, 0.0);
+                (self.surge_mps, self.sway_mps) = (0.0, 0.0);
+                (self.heave_mps, self.yaw_rate_dps) = (0.0, 0.0);
                 self.ground = (0.0, 0.0);
                 return;
             }
             Drive::Under(demand) => self.rates(&demand, dt_s),
+            Drive::Hover(demand) => self.hover(&demand, dt_s),
             Drive::Adrift => {
                 self.surge(0.0, dt_s);
+                self.settle_sway(dt_s);
                 self.yaw_rate_dps -= self.yaw_rate_dps * share(dt_s, self.hull.yaw_tau_s);
                 self.heave(-self.hull.buoyant_rise_mps, dt_s);
             }
@@ -121,9 +136,11 @@ impl Vehicle {
         self.heading_deg = wrap_360(self.heading_deg + self.yaw_rate_dps * dt_s);
         let (sin, cos) = sin_cos(self.heading_deg.to_radians());
         self.ground = (
-            self.surge_mps * sin + self.current.0,
-            self.surge_mps * cos + self.current.1,
+            self.surge_mps * sin + self.sway_mps * cos + self.current.0,
+            self.surge_mps * cos - self.sway_mps * sin + self.current.1,
         );
+        // Adrift, nothing keeps it off but the hull itself.
+        self.stay_clear(if drive == Drive::Adrift { 0.0 } else { self.safety_m() });
         self.at = EastNorth::new(
             self.at.east_m + self.ground.0 * dt_s,
             self.at.north_m + self.ground.1 * dt_s,
@@ -140,14 +157,21 @@ impl Vehicle {
         let hull = self.hull;
         let speed_mps = demand.speed_mps.clamp(hull.speed_min_mps, hull.speed_max_mps);
         self.surge(speed_mps, dt_s);
+        self.settle_sway(dt_s);
         // A rudder needs way on: below the least speed the turn fades with it.
         let authority = if hull.hovers {
             1.0
         } else {
             (self.surge_mps / hull.speed_min_mps.max(0.1)).clamp(0.05, 1.0)
         };
+        self.yaw(demand.turn, authority, dt_s);
+        self.heave(self.wanted_heave_mps(demand.vertical), dt_s);
+    }
+
+    fn yaw(&mut self, turn: Turn, authority: f64, dt_s: f64) {
+        let hull = self.hull;
         let rate_max_dps = hull.yaw_rate_max_dps * authority;
-        let rate_dps = match demand.turn {
+        let rate_dps = match turn {
             Turn::Heading(heading_deg) => {
                 let error_deg = wrap_180(heading_deg - self.heading_deg);
                 (hull.yaw_gain_per_s * error_deg).clamp(-rate_max_dps, rate_max_dps)
@@ -155,19 +179,23 @@ impl Vehicle {
             Turn::Rudder(rudder_deg) => hull.rudder_dps(rudder_deg) * authority,
         };
         self.yaw_rate_dps += (rate_dps - self.yaw_rate_dps) * share(dt_s, hull.yaw_tau_s);
+    }
+
+    fn wanted_heave_mps(&self, vertical: Vertical) -> f64 {
+        let hull = self.hull;
         let rate_max_mps = self.depth_rate_max_mps();
-        let wanted_mps = match demand.vertical {
+        let wanted_mps = match vertical {
             Vertical::Depth(depth_m) => self.towards_mps(depth_m),
             Vertical::Altitude(altitude_m) => self.towards_mps(self.water_depth_m - altitude_m),
             Vertical::Pitch(pitch_deg) => self.by_pitch_mps(pitch_deg),
             Vertical::Elevator(elevator_deg) => self.by_pitch_mps(hull.elevator_pitch_deg(elevator_deg)),
         };
         // Over a slope the depth to hold moves with the vehicle.
-        let follow_mps = match demand.vertical {
+        let follow_mps = match vertical {
             Vertical::Altitude(_) => self.ground.0 * self.gradient.east_m + self.ground.1 * self.gradient.north_m,
             Vertical::Depth(_) | Vertical::Pitch(_) | Vertical::Elevator(_) => 0.0,
         };
-        self.heave((wanted_mps + follow_mps).clamp(-rate_max_mps, rate_max_mps), dt_s);
+        (wanted_mps + follow_mps).clamp(-rate_max_mps, rate_max_mps)
     }
 
     /// Depth rate that a pitch makes, within the same safe limits.
@@ -198,6 +226,10 @@ impl Vehicle {
         let change = (speed_mps - self.surge_mps) * share(dt_s, self.hull.surge_tau_s);
         let most = self.hull.surge_accel_mps2 * dt_s;
         self.surge_mps += change.clamp(-most, most);
+    }
+
+    fn settle_sway(&mut self, dt_s: f64) {
+        self.sway_mps -= self.sway_mps * share(dt_s, self.hull.surge_tau_s);
     }
 
     fn heave(&mut self, rate_mps: f64, dt_s: f64) {

@@ -513,7 +513,9 @@ impl Simulation {
             Activity::Plan { .. } => backseat_oracle::Activity::Plan,
             Activity::Insert { id } => backseat_oracle::Activity::Insert(id.get()),
             Activity::Modified { .. } => backseat_oracle::Activity::Modified,
-            Activity::Waiting | Activity::WrappingUp | Activity::Stopped => backseat_oracle::Activity::Other,
+            Activity::Waiting | Activity::Suspended | Activity::WrappingUp | Activity::Stopped => {
+                backseat_oracle::Activity::Other
+            }
         };
         self.oracle.truth(&backseat_oracle::Truth {
             at: truth.time,

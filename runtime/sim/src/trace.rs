@@ -79,7 +79,7 @@ impl Trace {
             Activity::Plan { .. } => Steering::Plan,
             Activity::Insert { .. } => Steering::Insert,
             Activity::Modified { .. } => Steering::Modify,
-            Activity::Waiting | Activity::WrappingUp | Activity::Stopped => Steering::Nobody,
+            Activity::Waiting | Activity::Suspended | Activity::WrappingUp | Activity::Stopped => Steering::Nobody,
         };
         self.samples.push(Sample {
             at: truth.time,

@@ -14,6 +14,7 @@ use crate::plan::{PayloadText, Shape, Vertical};
 impl Executive {
     /// Ends the running behavior and begins what comes after it: an insert, what was interrupted, the next of the plan.
     pub(super) fn next(&mut self, now: Timestamp, at: EastNorth, reason: EndReason) {
+        self.stop_mission_clock(now);
         let in_set = self.end_running(reason).is_some_and(|ended| ended.insert.is_some());
         let due = in_set || self.inserts_after() == self.index + 1;
         if due && let Some(insert) = self.queue.pop_front() {
@@ -132,6 +133,7 @@ impl Executive {
 
     /// The mission leaves `Running`.
     pub(super) fn finish(&mut self, status: Status, details: &str) {
+        self.end_suspension();
         self.end_running(EndReason::MissionOver);
         self.paused = None;
         self.interrupting = false;

@@ -67,6 +67,7 @@ impl Executive {
     }
 
     pub(super) fn interrupt(&mut self, now: Timestamp, insert: Insert, at: EastNorth) {
+        self.stop_mission_clock(now);
         if let Some(running) = self.end_running(EndReason::Interrupted)
             && self.interpretation.resume
         {

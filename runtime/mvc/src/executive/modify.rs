@@ -15,6 +15,9 @@ impl Executive {
         if !self.control {
             return Err("dynamic requests are not allowed now");
         }
+        if self.is_suspended() {
+            return Err("the mission is suspended");
+        }
         if self.modify_barred {
             return Err("this behavior has been modified for too long or too far");
         }
@@ -54,12 +57,18 @@ impl Executive {
     }
 
     /// When the modify lapses unless it is refreshed.
-    pub(crate) fn modify_until(&self) -> Option<Timestamp> {
+    fn modify_until(&self) -> Option<Timestamp> {
         self.modify.map(|modify| modify.until)
     }
 
-    /// Ends a modify whose time is over.
+    /// When the modify or the suspension lapses, whichever is first, unless it is refreshed.
+    pub(crate) fn lapses_at(&self) -> Option<Timestamp> {
+        self.modify_until().into_iter().chain(self.suspended_until()).min()
+    }
+
+    /// Ends a modify and a suspension whose time is over.
     pub(crate) fn lapse(&mut self, now: Timestamp) {
+        self.lapse_suspension(now);
         if self.modify_until().is_some_and(|until| now >= until) {
             self.end_modify(ModifyEnd::Lapsed);
         }

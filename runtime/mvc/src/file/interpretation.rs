@@ -38,6 +38,12 @@ pub struct InterpretationConfig {
     pub modify_beyond: ModifyBeyond,
     /// What the rudder and elevator of BPRMB are (SPI 7.12 calls them adjustments).
     pub modify_fins: ModifyFins,
+    /// Whether BPSUS needs dynamic requests to be allowed (SPI 8.1 does not say), and ends with them.
+    pub suspend_needs_control: Choice<bool>,
+    /// From where the mission goes on after a suspension (SPI 8.3 says both).
+    pub after_suspension: AfterSuspension,
+    /// Which way the vertical position of BFRNV and BPGHP counts from the waterline (SPI 6.17 and 8.6 do not say).
+    pub hull_vertical: HullVertical,
 }
 
 /// Where an insert has its place while the current behavior is neither survey leg nor trackcircle.
@@ -131,6 +137,34 @@ pub enum HeadingFrame {
     Seed,
 }
 
+/// From where the mission goes on after a suspension.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AfterSuspension {
+    /// A trackline and a trackcircle from where they were suspended, a waypoint and a setpoint from where it is.
+    #[default]
+    Behavior,
+    /// From where it was suspended: the vehicle returns there first.
+    Return,
+    /// From where the vehicle is.
+    Here,
+    /// The seed draws.
+    Seed,
+}
+
+/// Which way the vertical position on a hull counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HullVertical {
+    /// Down, as depth does.
+    #[default]
+    Down,
+    /// Up: places on the hull are negative.
+    Up,
+    /// The seed draws.
+    Seed,
+}
+
 /// A value, or `"seed"`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice<T> {
@@ -162,6 +196,9 @@ impl Default for InterpretationConfig {
             modify_survives: Choice::Fixed(true),
             modify_beyond: ModifyBeyond::default(),
             modify_fins: ModifyFins::default(),
+            suspend_needs_control: Choice::default(),
+            after_suspension: AfterSuspension::default(),
+            hull_vertical: HullVertical::default(),
         }
     }
 }

@@ -3,6 +3,9 @@
 mod conversation;
 mod determinism;
 mod files;
+mod hovering;
+mod hovering_moves;
+mod hovering_random;
 mod inserts;
 mod mission;
 mod modify;

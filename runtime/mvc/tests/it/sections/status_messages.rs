@@ -74,7 +74,8 @@ pub(crate) const SECTIONS: &[Section] = &[
         on: &["CTD"],
         talk: &[
             Until(4.05),
-            Hear("$BFCTD,080000."), Hear("$BFCTD,080002."),
+            Hear("$BFCTD,080000."),
+            Hear("$BFCTD,080002."),
             Never("$BFCTD"),
         ],
     },

@@ -1,0 +1,265 @@
+use backseat_spi::{
+    AckStatus, BearingOffset, BottomPosition, Camera, Continue, HullPosition, HullSpeedLimit, Light, RelativeReset,
+    Resume, SonarAngle, Suspend, VerticalReference,
+};
+use backseat_units::Timestamp;
+
+use super::{Goal, HoveringEvent, Inspector};
+use crate::answers::Regarding;
+use crate::event::MvcEventKind;
+use crate::mvc::Mvc;
+use crate::plan::Vertical;
+
+/// How far relative navigation reaches, metres each way: beyond, no coordinate is taken.
+const REACH_M: f64 = 1000.0;
+const NOT_SUSPENDED: &str = "no mission is suspended";
+const IGNORED: &str = "ignored: no mission is suspended";
+
+/// How a command of a hovering vehicle turns out.
+enum Answer {
+    /// Status 2.
+    Done,
+    /// Status 1, with the reason.
+    Failed(String),
+    /// Status 0: which value, and what was expected.
+    Invalid(String),
+}
+
+impl Mvc {
+    /// BPSUS (SPI 8.1).
+    pub(crate) fn suspend(&mut self, now: Timestamp, re: Regarding, _request: &Suspend) {
+        let estimate = self.sensors.estimate(&self.vehicle);
+        self.hovering_command(now, re, |mvc, state| {
+            match mvc.executive.suspend(now, re.client, &estimate) {
+                Ok(true) => state.hold(&mvc.vehicle),
+                Ok(false) => {}
+                Err(why) => return failed(why),
+            }
+            Answer::Done
+        });
+    }
+
+    /// BPCON (SPI 8.2). It fails where there is no suspension to prolong: the payload has lost the vehicle.
+    pub(crate) fn keep_suspended(&mut self, now: Timestamp, re: Regarding, _request: &Continue) {
+        self.hovering_command(now, re, |mvc, _| {
+            if mvc.executive.keep_suspended(now) {
+                Answer::Done
+            } else {
+                failed(NOT_SUSPENDED)
+            }
+        });
+    }
+
+    /// BPRES (SPI 8.3).
+    pub(crate) fn resume(&mut self, now: Timestamp, re: Regarding, _request: &Resume) {
+        self.hovering_command(now, re, |mvc, _| {
+            if mvc.executive.resume_asked(now) {
+                Answer::Done
+            } else {
+                failed(NOT_SUSPENDED)
+            }
+        });
+    }
+
+    /// BPSPD (SPI 8.4): any speed is taken, and the vehicle's best caps it.
+    pub(crate) fn hull_speed_limit(&mut self, now: Timestamp, re: Regarding, request: &HullSpeedLimit) {
+        let speed_mps = request.speed_mps;
+        self.hovering_command(now, re, |mvc, state| {
+            if speed_mps <= 0.0 {
+                return Answer::Invalid(format!("speed_mps {speed_mps}: expected more than 0"));
+            }
+            state.speed_limit_mps = speed_mps;
+            mvc.note_hovering(now, HoveringEvent::SpeedLimit(speed_mps));
+            Answer::Done
+        });
+    }
+
+    /// BPSAN (SPI 8.5).
+    pub(crate) fn sonar_angle(&mut self, now: Timestamp, re: Regarding, request: &SonarAngle) {
+        let angle_deg = request.angle_deg;
+        self.hovering_command(now, re, |mvc, state| {
+            let (least, most) = (state.sonar_min_deg, state.sonar_max_deg);
+            if !(least..=most).contains(&angle_deg) {
+                return Answer::Failed(format!("the sonar turns from {least} to {most} degrees"));
+            }
+            state.sonar.turn_to(angle_deg);
+            mvc.note_hovering(now, HoveringEvent::SonarAngle(angle_deg));
+            Answer::Done
+        });
+    }
+
+    /// BPGHP (SPI 8.6). What is ignored is acknowledged as failed: the vehicle does not go there.
+    pub(crate) fn hull_position(&mut self, now: Timestamp, re: Regarding, request: &HullPosition) {
+        let (horizontal_m, vertical_m, distance_m) = (request.horizontal_m, request.vertical_m, request.distance_m);
+        self.hovering_command(now, re, |mvc, state| {
+            // The time starts anew whatever the place is: the payload is there.
+            if !mvc.executive.keep_suspended(now) {
+                return failed(IGNORED);
+            }
+            let depth_m = if mvc.interpretation.hull_vertical_up {
+                -vertical_m
+            } else {
+                vertical_m
+            };
+            let (safety_m, depth_max_m) = (state.safety_m, mvc.vehicle.hull().depth_max_m);
+            if !state.has_hull {
+                return failed("there is no hull");
+            }
+            if !(safety_m..=REACH_M).contains(&distance_m) {
+                return Answer::Failed(format!("the distance is to be from {safety_m} to {REACH_M} m"));
+            }
+            if !(0.0..=depth_max_m).contains(&depth_m) {
+                return Answer::Failed(format!("the depth is to be from 0 to {depth_max_m} m"));
+            }
+            if horizontal_m.abs() > REACH_M {
+                return out_of_reach();
+            }
+            let goal = Goal::Hull {
+                horizontal_m,
+                depth_m,
+                distance_m,
+            };
+            // A payload says again and again where it wants to be: that is one line of the log.
+            if state.go(goal) {
+                mvc.note_hovering(
+                    now,
+                    HoveringEvent::HullMove {
+                        horizontal_m,
+                        vertical_m,
+                        distance_m,
+                    },
+                );
+            }
+            Answer::Done
+        });
+    }
+
+    /// BPGBP (SPI 8.7).
+    pub(crate) fn bottom_position(&mut self, now: Timestamp, re: Regarding, request: &BottomPosition) {
+        let (x_m, y_m, metres, reference) = (request.x_m, request.y_m, request.vertical_m, request.reference);
+        self.hovering_command(now, re, |mvc, state| {
+            if !mvc.executive.keep_suspended(now) {
+                return failed(IGNORED);
+            }
+            let (altitude_min_m, depth_max_m) = (mvc.vehicle.altitude_min_m(), mvc.vehicle.hull().depth_max_m);
+            let vertical = match reference {
+                VerticalReference::Depth if (0.0..=depth_max_m).contains(&metres) => Vertical::Depth(metres),
+                VerticalReference::Depth => {
+                    return Answer::Failed(format!("the depth is to be from 0 to {depth_max_m} m"));
+                }
+                VerticalReference::Altitude if (altitude_min_m..=REACH_M).contains(&metres) => {
+                    Vertical::Altitude(metres)
+                }
+                VerticalReference::Altitude => {
+                    return Answer::Failed(format!("the altitude is to be from {altitude_min_m} to {REACH_M} m"));
+                }
+            };
+            if x_m.abs().max(y_m.abs()) > REACH_M {
+                return out_of_reach();
+            }
+            // What is repeated does not turn the vehicle along with the drift of its bearing.
+            let bearing_deg = match state.goal {
+                Goal::Bottom { bearing_deg, .. } => bearing_deg,
+                Goal::Hold { .. } | Goal::Hull { .. } => state.relative.bearing_deg(&mvc.vehicle),
+            };
+            let goal = Goal::Bottom {
+                x_m,
+                y_m,
+                vertical,
+                bearing_deg,
+            };
+            if state.go(goal) {
+                mvc.note_hovering(now, HoveringEvent::BottomMove { x_m, y_m });
+            }
+            Answer::Done
+        });
+    }
+
+    /// BPRNS (SPI 8.8).
+    pub(crate) fn relative_reset(&mut self, now: Timestamp, re: Regarding, request: &RelativeReset) {
+        let (x_m, y_m, bearing_deg) = (request.x_m, request.y_m, request.bearing_deg);
+        self.hovering_command(now, re, |mvc, state| {
+            if bearing_deg.abs() > 360.0 {
+                return Answer::Invalid(format!("bearing_deg {bearing_deg}: expected -360 to 360"));
+            }
+            if x_m.abs().max(y_m.abs()) > REACH_M {
+                return out_of_reach();
+            }
+            let moved_m = state.reset(x_m, y_m, bearing_deg, &mvc.vehicle);
+            mvc.note_hovering(now, HoveringEvent::RelativeReset(moved_m));
+            Answer::Done
+        });
+    }
+
+    /// BPRBO (SPI 8.9).
+    pub(crate) fn bearing_offset(&mut self, now: Timestamp, re: Regarding, request: &BearingOffset) {
+        let offset_deg = request.offset_deg;
+        self.hovering_command(now, re, |mvc, state| {
+            if offset_deg.abs() > 360.0 {
+                return Answer::Invalid(format!("offset_deg {offset_deg}: expected -360 to 360"));
+            }
+            state.relative.offset_bearing(offset_deg);
+            mvc.note_hovering(now, HoveringEvent::BearingOffset(offset_deg));
+            Answer::Done
+        });
+    }
+
+    /// BPPTZ (SPI 8.10). A figure beyond -9 to 9 does not parse.
+    pub(crate) fn camera(&mut self, now: Timestamp, re: Regarding, request: &Camera) {
+        let (pan, tilt, zoom) = (request.pan, request.tilt, request.zoom);
+        self.hovering_command(now, re, |mvc, state| {
+            if !state.has_camera {
+                return failed("no camera is installed");
+            }
+            mvc.note_hovering(now, HoveringEvent::Camera { pan, tilt, zoom });
+            Answer::Done
+        });
+    }
+
+    /// BPLIT (SPI 8.11). Which light is ignored, as it says.
+    pub(crate) fn light(&mut self, now: Timestamp, re: Regarding, request: &Light) {
+        let on = request.on;
+        self.hovering_command(now, re, |mvc, state| {
+            if !state.has_light {
+                return failed("no light is installed");
+            }
+            state.light_on = on;
+            mvc.note_hovering(now, HoveringEvent::Light(on));
+            Answer::Done
+        });
+    }
+
+    /// Does a command that only hovering vehicles have, and answers it.
+    fn hovering_command(
+        &mut self,
+        now: Timestamp,
+        re: Regarding,
+        command: impl FnOnce(&mut Self, &mut Inspector) -> Answer,
+    ) {
+        let answer = match self.hovering.state.take() {
+            Some(mut state) => {
+                let answer = command(self, &mut state);
+                self.hovering.state = Some(state);
+                answer
+            }
+            None => failed("this vehicle does not hover"),
+        };
+        match answer {
+            Answer::Done => self.acknowledge(now, re, AckStatus::Succeeded, ""),
+            Answer::Failed(why) => self.acknowledge(now, re, AckStatus::Failed, &why),
+            Answer::Invalid(text) => self.invalid(now, re, &text),
+        }
+    }
+
+    fn note_hovering(&mut self, now: Timestamp, event: HoveringEvent) {
+        self.note(now, MvcEventKind::Hovering(event));
+    }
+}
+
+fn failed(why: &str) -> Answer {
+    Answer::Failed(why.to_owned())
+}
+
+fn out_of_reach() -> Answer {
+    Answer::Failed(format!("the place is over {REACH_M} m from the relative origin"))
+}

@@ -1,0 +1,147 @@
+use backseat_units::math::sin_cos;
+use backseat_units::{EastNorth, LocalFrame};
+
+use crate::file::{ShipConfig, ShipSide};
+
+/// A ship at rest in the world's frame: a box without a top.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ship {
+    centre: EastNorth,
+    /// Degrees from the frame's north.
+    heading_deg: f64,
+    sin: f64,
+    cos: f64,
+    half_length_m: f64,
+    half_beam_m: f64,
+    draft_m: f64,
+    side: ShipSide,
+}
+
+impl Ship {
+    pub(crate) fn new(config: &ShipConfig, frame: &LocalFrame) -> Self {
+        let centre = EastNorth::new(config.east_m, config.north_m);
+        let heading_deg = config.heading_deg - frame.convergence_deg(frame.to_position(centre));
+        let (sin, cos) = sin_cos(heading_deg.to_radians());
+        Self {
+            centre,
+            heading_deg,
+            sin,
+            cos,
+            half_length_m: config.length_m / 2.0,
+            half_beam_m: config.beam_m / 2.0,
+            draft_m: config.draft_m,
+            side: config.side,
+        }
+    }
+
+    /// Midships of the inspected side, at the waterline.
+    pub(crate) fn reference(&self) -> EastNorth {
+        self.centre.offset(self.inward_deg(), -self.half_beam_m)
+    }
+
+    /// The direction straight into the inspected side, degrees from the frame's north.
+    pub(crate) fn inward_deg(&self) -> f64 {
+        match self.side {
+            ShipSide::Starboard => self.heading_deg - 90.0,
+            ShipSide::Port => self.heading_deg + 90.0,
+        }
+    }
+
+    /// Whether the inspected side has plating so far from midships, at this depth.
+    pub(crate) fn has_plating(&self, along_m: f64, depth_m: f64) -> bool {
+        along_m.abs() <= self.half_length_m && depth_m <= self.draft_m
+    }
+
+    /// Distance from the hull, metres, negative inside; and the unit vector straight away from it: east, north, down.
+    ///
+    /// The signed distance of a box (Ericson, *Real-Time Collision Detection*, 2004, section 5.1). It is convex, so
+    /// that a step which does not approach along that vector comes no closer.
+    pub(crate) fn clearance(&self, at: EastNorth, depth_m: f64) -> (f64, (f64, f64, f64)) {
+        let from = at - self.centre;
+        let ahead_m = from.east_m * self.sin + from.north_m * self.cos;
+        let starboard_m = from.east_m * self.cos - from.north_m * self.sin;
+        let beyond = [
+            ahead_m.abs() - self.half_length_m,
+            starboard_m.abs() - self.half_beam_m,
+            depth_m - self.draft_m,
+        ];
+        let outside = beyond.map(|metres| metres.max(0.0));
+        let squared = outside.iter().map(|metres| metres * metres).sum::<f64>();
+        let (clearance_m, away) = if squared > 0.0 {
+            let clearance_m = squared.sqrt();
+            (clearance_m, outside.map(|metres| metres / clearance_m))
+        } else {
+            // Inside, the nearest face is the way out.
+            let greatest = beyond[0].max(beyond[1]).max(beyond[2]);
+            (greatest, beyond.map(|metres| f64::from(u8::from(metres >= greatest))))
+        };
+        let ahead = away[0] * sign(ahead_m);
+        let starboard = away[1] * sign(starboard_m);
+        (
+            clearance_m,
+            (
+                ahead * self.sin + starboard * self.cos,
+                ahead * self.cos - starboard * self.sin,
+                away[2],
+            ),
+        )
+    }
+}
+
+const fn sign(value: f64) -> f64 {
+    if value < 0.0 { -1.0 } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use backseat_units::Position;
+
+    use super::*;
+
+    fn ship(side: ShipSide) -> Ship {
+        let frame = LocalFrame::new(Position::from_deg(42.3, -70.9).unwrap());
+        let config = ShipConfig {
+            east_m: 0.0,
+            north_m: 0.0,
+            heading_deg: 90.0,
+            length_m: 40.0,
+            beam_m: 10.0,
+            draft_m: 5.0,
+            side,
+        };
+        Ship::new(&config, &frame)
+    }
+
+    #[test]
+    fn the_distance_is_to_the_nearest_plate() {
+        let ship = ship(ShipSide::Starboard);
+        for (east, north, depth, clearance) in [
+            (0.0, -8.0, 2.0, 3.0),
+            (0.0, 7.0, 0.0, 2.0),
+            (23.0, -9.0, 0.0, 5.0),
+            (0.0, 0.0, 9.0, 4.0),
+            (0.0, -8.0, 9.0, 5.0),
+            (0.0, -4.0, 1.0, -1.0),
+            (0.0, 0.0, 4.5, -0.5),
+        ] {
+            let (found, away) = ship.clearance(EastNorth::new(east, north), depth);
+            assert!((found - clearance).abs() < 1e-9, "{east} {north} {depth}: {found}");
+            let length = away.0 * away.0 + away.1 * away.1 + away.2 * away.2;
+            assert!((length - 1.0).abs() < 1e-9, "{away:?}");
+            let next = EastNorth::new(east + 0.01 * away.0, north + 0.01 * away.1);
+            let (farther, _) = ship.clearance(next, depth + 0.01 * away.2);
+            assert!((farther - found - 0.01).abs() < 1e-9, "{east} {north} {depth}");
+        }
+    }
+
+    #[test]
+    fn positions_count_from_the_side_that_is_inspected() {
+        // The bow points east: starboard is south.
+        let starboard = ship(ShipSide::Starboard);
+        assert!(starboard.reference().distance_m(EastNorth::new(0.0, -5.0)) < 1e-9);
+        assert!((starboard.inward_deg() - 0.0).abs() < 1e-9);
+        let port = ship(ShipSide::Port);
+        assert!(port.reference().distance_m(EastNorth::new(0.0, 5.0)) < 1e-9);
+        assert!((port.inward_deg() - 180.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,108 @@
+use backseat_units::math::{hypot, sin_cos, wrap_360};
+
+use super::{Turn, Vehicle, share};
+use crate::hovering::Ship;
+use crate::plan::Vertical;
+
+/// What a hovering vehicle is asked to do where it does not steer like a torpedo: any velocity under any heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct HoverDemand {
+    /// Velocity over ground, metres a second east and north, before the limits.
+    pub(crate) ground: (f64, f64),
+    pub(crate) vertical: Vertical,
+    /// Degrees from the frame's north.
+    pub(crate) heading_deg: f64,
+    /// The most over ground, in all directions together, metres a second.
+    pub(crate) speed_max_mps: f64,
+}
+
+/// A ship, and how close the vehicle goes to it, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Obstacle {
+    pub(crate) ship: Ship,
+    pub(crate) safety_m: f64,
+}
+
+/// The speed towards a hull for each metre beyond the safety distance, per second: from 0.75 m/s it slows at 0.15
+/// m/s2, which the thrusters can do.
+const CLEARANCE_GAIN_PER_S: f64 = 0.2;
+
+impl Vehicle {
+    /// Rates of a hovering vehicle: a first-order lag of the velocity through the water in every direction alike. The
+    /// thrusters abreast are taken to be as strong as those ahead.
+    pub(super) fn hover(&mut self, demand: &HoverDemand, dt_s: f64) {
+        let hull = self.hull;
+        let limit_mps = demand.speed_max_mps;
+        // The vertical has the first share of the limit: it keeps the vehicle off the bottom.
+        let down_mps = self.wanted_heave_mps(demand.vertical).clamp(-limit_mps, limit_mps);
+        let left_mps = (limit_mps * limit_mps - down_mps * down_mps).max(0.0).sqrt();
+        let (east_mps, north_mps) = capped(demand.ground, left_mps.min(hull.speed_max_mps));
+        let (east_mps, north_mps, down_mps) = self.kept_clear((east_mps, north_mps, down_mps), self.safety_m());
+        let wanted = capped(
+            (east_mps - self.current.0, north_mps - self.current.1),
+            hull.speed_max_mps,
+        );
+        let (sin, cos) = sin_cos(self.heading_deg.to_radians());
+        let water = (
+            self.surge_mps * sin + self.sway_mps * cos,
+            self.surge_mps * cos - self.sway_mps * sin,
+        );
+        let part = share(dt_s, hull.surge_tau_s);
+        let change = capped(
+            ((wanted.0 - water.0) * part, (wanted.1 - water.1) * part),
+            hull.surge_accel_mps2 * dt_s,
+        );
+        let water = (water.0 + change.0, water.1 + change.1);
+        self.heave(down_mps, dt_s);
+        self.yaw(Turn::Heading(demand.heading_deg), 1.0, dt_s);
+        // The velocity stays as it is while the vehicle turns under it.
+        let heading_deg = wrap_360(self.heading_deg + self.yaw_rate_dps * dt_s);
+        let (sin, cos) = sin_cos(heading_deg.to_radians());
+        self.surge_mps = water.0 * sin + water.1 * cos;
+        self.sway_mps = water.0 * cos - water.1 * sin;
+    }
+
+    pub(super) fn safety_m(&self) -> f64 {
+        self.obstacle.map_or(0.0, |obstacle| obstacle.safety_m)
+    }
+
+    /// Takes what leads into the ship out of the velocity of this step. Water that flows against a hull flows along
+    /// it, and so does what drifts in it.
+    pub(super) fn stay_clear(&mut self, safety_m: f64) {
+        if self.obstacle.is_none() {
+            return;
+        }
+        let (east_mps, north_mps, down_mps) = self.kept_clear((self.ground.0, self.ground.1, self.heave_mps), safety_m);
+        let (sin, cos) = sin_cos(self.heading_deg.to_radians());
+        let water = (east_mps - self.current.0, north_mps - self.current.1);
+        self.ground = (east_mps, north_mps);
+        self.heave_mps = down_mps;
+        self.surge_mps = water.0 * sin + water.1 * cos;
+        self.sway_mps = water.0 * cos - water.1 * sin;
+    }
+
+    /// A velocity (east, north, down) that comes no closer to the ship than the safety distance, and leaves it where
+    /// it is closer.
+    fn kept_clear(&self, velocity: (f64, f64, f64), safety_m: f64) -> (f64, f64, f64) {
+        let Some(obstacle) = &self.obstacle else {
+            return velocity;
+        };
+        let (clearance_m, away) = obstacle.ship.clearance(self.at, self.depth_m);
+        let least_mps = CLEARANCE_GAIN_PER_S * (safety_m - clearance_m);
+        let away_mps = velocity.0 * away.0 + velocity.1 * away.1 + velocity.2 * away.2;
+        let more_mps = (least_mps - away_mps).max(0.0);
+        (
+            velocity.0 + more_mps * away.0,
+            velocity.1 + more_mps * away.1,
+            velocity.2 + more_mps * away.2,
+        )
+    }
+}
+
+fn capped(vector: (f64, f64), most: f64) -> (f64, f64) {
+    let length = hypot(vector.0, vector.1);
+    if length <= most {
+        return vector;
+    }
+    (vector.0 * most / length, vector.1 * most / length)
+}

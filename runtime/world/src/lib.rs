@@ -11,6 +11,7 @@
 mod current;
 mod error;
 mod field;
+mod grid;
 mod seabed;
 mod span;
 mod stream;
@@ -19,6 +20,7 @@ mod world;
 pub use current::{Current, CurrentConfig};
 pub use error::WorldError;
 pub use field::{Field, FieldConfig, PlumeConfig};
+pub use grid::{Grid, GridFrame, GridPositive};
 pub use seabed::{Seabed, SeabedConfig};
 pub use span::Span;
 pub use stream::Stream;

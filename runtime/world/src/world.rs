@@ -4,6 +4,7 @@ use serde::Deserialize;
 use crate::current::{Current, CurrentConfig};
 use crate::error::{WorldError, check};
 use crate::field::{Field, FieldConfig};
+use crate::grid::Grid;
 use crate::seabed::{Seabed, SeabedConfig};
 
 /// The `[origin]` section: where the world's frame has its zero.
@@ -33,6 +34,28 @@ pub struct WorldConfig {
     pub field: FieldConfig,
 }
 
+impl WorldConfig {
+    /// The frame about the origin.
+    ///
+    /// # Errors
+    /// [`WorldError`] where the origin is not on the globe or within 5 degrees of a pole.
+    pub fn frame(&self) -> Result<LocalFrame, WorldError> {
+        let OriginConfig {
+            latitude_deg,
+            longitude_deg,
+        } = self.origin;
+        let origin = Position::from_deg(latitude_deg, longitude_deg)?;
+        let expected = "within 85 degrees of the equator";
+        check(
+            latitude_deg.abs() <= 85.0,
+            "origin.latitude_deg",
+            latitude_deg,
+            expected,
+        )?;
+        Ok(LocalFrame::new(origin))
+    }
+}
+
 /// The sea of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct World {
@@ -46,22 +69,25 @@ impl World {
     /// Draws a world: the same configuration and seed give the same one on every platform.
     ///
     /// # Errors
-    /// [`WorldError`] where the configuration leaves its ranges.
+    /// [`WorldError`] where the configuration leaves its ranges, or names a grid: that takes [`World::with_grid`].
     pub fn new(config: &WorldConfig, seed: u64) -> Result<Self, WorldError> {
-        let OriginConfig {
-            latitude_deg,
-            longitude_deg,
-        } = config.origin;
-        let origin = Position::from_deg(latitude_deg, longitude_deg)?;
-        check(
-            latitude_deg.abs() <= 85.0,
-            "origin.latitude_deg",
-            latitude_deg,
-            "within 85 degrees of the equator",
-        )?;
+        Self::with_grid(config, seed, None)
+    }
+
+    /// Draws a world over the grid that the configuration's `seabed.grid` names. The crate opens no file: the caller
+    /// reads it and makes the grid by [`Grid::from_bytes`].
+    ///
+    /// # Errors
+    /// [`WorldError`] where the configuration leaves its ranges, names a grid and none is given or the other way
+    /// round, or where the grid does not fit it: see [`Seabed::with_grid`].
+    pub fn with_grid(config: &WorldConfig, seed: u64, grid: Option<Grid>) -> Result<Self, WorldError> {
+        let frame = config.frame()?;
         Ok(Self {
-            frame: LocalFrame::new(origin),
-            seabed: Seabed::new(&config.seabed, seed)?,
+            frame,
+            seabed: match grid {
+                Some(grid) => Seabed::with_grid(&config.seabed, &frame, grid)?,
+                None => Seabed::new(&config.seabed, seed)?,
+            },
             current: Current::new(&config.current, seed)?,
             field: Field::new(&config.field, seed)?,
         })

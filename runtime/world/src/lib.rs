@@ -17,7 +17,7 @@ mod span;
 mod stream;
 mod world;
 
-pub use current::{Current, CurrentConfig};
+pub use current::{Current, CurrentConfig, LayerConfig, TideConfig};
 pub use error::WorldError;
 pub use field::{Field, FieldConfig, PlumeConfig};
 pub use grid::{Grid, GridFrame, GridPositive};

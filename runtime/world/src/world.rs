@@ -120,7 +120,12 @@ impl World {
     /// Velocity of the water, metres a second east and north.
     #[must_use]
     pub fn current_at(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> (f64, f64) {
-        self.current.at(at, depth_m, time)
+        let (east, north) = self.current.at(at, depth_m, time);
+        if !self.current.feels_the_bed() {
+            return (east, north);
+        }
+        let left = self.current.near_bed(self.seabed.water_depth_m(at) - depth_m);
+        (east * left, north * left)
     }
 
     /// Temperature, degrees Celsius. The fields of today stand still; the time is there for those that will not.

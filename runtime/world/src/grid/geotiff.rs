@@ -1,7 +1,6 @@
 use std::io::Cursor;
 use std::sync::Arc;
 
-use tiff::decoder::ifd::Value;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::{CompressionMethod, Tag};
 use tiff::{ColorType, TiffError};
@@ -165,11 +164,7 @@ fn no_data(decoder: &mut Source<'_>) -> Result<Option<f64>, WorldError> {
     let Some(value) = decoder.find_tag(Tag::GdalNodata).map_err(unreadable)? else {
         return Ok(None);
     };
-    let text = match value {
-        Value::Ascii(text) => text,
-        // A text of up to three characters can be taken for a list of bytes.
-        other => String::from_utf8_lossy(&other.into_u8_vec().map_err(unreadable)?).into_owned(),
-    };
+    let text = value.into_string().map_err(unreadable)?;
     let text = text.trim_matches(|c: char| c == '\0' || c.is_whitespace());
     text.parse()
         .map(Some)

@@ -123,6 +123,7 @@ fn by_hand(tags: &[(u16, u16, Vec<f64>)], pixels: &[u8]) -> Vec<u8> {
         let mut content = Vec::new();
         for value in values {
             match kind {
+                2 => content.push(*value as u8),
                 3 => content.extend((*value as u16).to_be_bytes()),
                 4 => content.extend((*value as u32).to_be_bytes()),
                 _ => content.extend(value.to_be_bytes()),
@@ -227,6 +228,14 @@ fn what_is_missing_is_named() {
     tags[1].2.truncate(3);
     assert!(message(&tiled(&tags)).starts_with("grid, GeoTIFF: ModelTiepoint (33922) is 3 numbers, expected"));
     let whole = tiled(&georeference());
+    let mut tags = georeference();
+    tags.push((42113, 2, vec![f64::from(b'9'), 0.0]));
+    assert_eq!(Grid::from_geotiff(&tiled(&tags)).unwrap().value(0, 2), None);
+    tags[3].2[0] = f64::from(b'x');
+    assert_eq!(
+        message(&tiled(&tags)),
+        "grid, GeoTIFF: GDAL_NODATA (42113) is `x`, expected a number"
+    );
     for length in [0, 1, 7, 60, whole.len() - 480] {
         assert!(Grid::from_geotiff(&whole[..length]).is_err(), "{length}");
     }

@@ -1,12 +1,46 @@
-use backseat_units::math::{TAU, exp, sin_cos};
+//! The current: a mean flow, tidal streams, and what depth and the bed make of them.
+
+mod profile;
+mod tide;
+
+use backseat_units::math::{TAU, sin_cos};
 use backseat_units::{EastNorth, Timestamp};
 use serde::Deserialize;
+
+pub use profile::LayerConfig;
+use profile::Profile;
+use tide::Ellipse;
+pub use tide::TideConfig;
 
 use crate::error::{WorldError, check};
 use crate::span::Span;
 use crate::stream::Stream;
 
-/// The `[current]` section: the same everywhere, turning slowly, weaker with depth where that is asked for.
+/// The `[current]` section: a flow that is the same everywhere and turns slowly, and tidal streams upon it; both
+/// weaker, or turned, with depth where that is asked for, and falling to nothing at the bed.
+///
+/// ```
+/// let config: backseat_world::CurrentConfig = toml::from_str(r#"
+/// speed_mps = [0.0, 0.1]
+/// bottom_boundary_m = 5
+///
+/// [[tides]]                # M2, an ellipse along north-east
+/// speed_mps = 0.3
+/// towards_deg = 45
+/// period_h = 12.4206
+/// phase_deg = [0, 360]
+/// ellipticity = 0.2
+///
+/// [[layers]]               # as it is down to 10 m, half of it and turned right from 30 m down
+/// depth_m = 10
+/// [[layers]]
+/// depth_m = 30
+/// factor = 0.5
+/// turn_deg = 40
+/// "#)?;
+/// assert_eq!((config.tides.len(), config.layers.len()), (1, 2));
+/// # Ok::<(), toml::de::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CurrentConfig {
@@ -16,8 +50,16 @@ pub struct CurrentConfig {
     pub towards_deg: Span,
     /// Time of one full clockwise turn, hours, 0.1 or more; none does not turn. A semidiurnal tide has 12.42.
     pub rotation_h: Option<Span>,
-    /// Depth over which it falls to 1/e, metres, 1 or more; none does not fall.
+    /// Depth over which all of the current falls to 1/e, metres, 1 or more; none does not fall.
     pub decay_depth_m: Option<f64>,
+    /// Tidal streams, at most 8.
+    pub tides: Vec<TideConfig>,
+    /// What becomes of all of the current with depth, at most 16 layers from the shallowest down; not beside
+    /// `decay_depth_m`.
+    pub layers: Vec<LayerConfig>,
+    /// Height of the layer over the bed in which the current falls to nothing, metres, 0.1 to 100; none has no such
+    /// layer. The depth of the water is then looked up at each call.
+    pub bottom_boundary_m: Option<f64>,
 }
 
 impl Default for CurrentConfig {
@@ -27,20 +69,24 @@ impl Default for CurrentConfig {
             towards_deg: Span::between(0.0, 360.0),
             rotation_h: None,
             decay_depth_m: None,
+            tides: Vec::new(),
+            layers: Vec::new(),
+            bottom_boundary_m: None,
         }
     }
 }
 
 /// The current that a seed has drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Current {
     speed_mps: f64,
     towards_rad: f64,
     rotation_rad_per_s: f64,
-    /// One over the decay depth; zero does not decay.
-    decay_per_m: f64,
     /// East and north at the start: what it stays where it does not turn.
     at_start: (f64, f64),
+    tides: Vec<Ellipse>,
+    profile: Profile,
+    bottom_boundary_m: Option<f64>,
 }
 
 impl Current {
@@ -56,14 +102,12 @@ impl Current {
         if let Some(rotation) = config.rotation_h {
             rotation.within(0.1, 1e6, "current.rotation_h", "0.1 h or more")?;
         }
-        if let Some(decay) = config.decay_depth_m {
-            check(
-                (1.0..=1e6).contains(&decay),
-                "current.decay_depth_m",
-                decay,
-                "1 m or more",
-            )?;
+        if let Some(height) = config.bottom_boundary_m {
+            let ok = (0.1..=100.0).contains(&height);
+            check(ok, "current.bottom_boundary_m", height, "0.1 to 100 m")?;
         }
+        let tides = tide::draw(&config.tides, seed)?;
+        let profile = Profile::new(config.decay_depth_m, &config.layers)?;
         let mut stream = Stream::new(seed, "current");
         let speed_mps = config.speed_mps.draw(&mut stream);
         let towards_rad = config.towards_deg.draw(&mut stream).to_radians();
@@ -75,12 +119,14 @@ impl Current {
             speed_mps,
             towards_rad,
             rotation_rad_per_s,
-            decay_per_m: config.decay_depth_m.map_or(0.0, |depth| 1.0 / depth),
             at_start: (speed_mps * sin, speed_mps * cos),
+            tides,
+            profile,
+            bottom_boundary_m: config.bottom_boundary_m,
         })
     }
 
-    /// Velocity of the water, metres a second east and north.
+    /// Velocity of the water far from the bed, metres a second east and north.
     #[must_use]
     pub fn at(&self, _place: EastNorth, depth_m: f64, time: Timestamp) -> (f64, f64) {
         let (mut east, mut north) = self.at_start;
@@ -88,11 +134,27 @@ impl Current {
             let (sin, cos) = sin_cos(self.towards_rad + self.rotation_rad_per_s * time.as_secs_f64());
             (east, north) = (self.speed_mps * sin, self.speed_mps * cos);
         }
-        if self.decay_per_m > 0.0 {
-            let factor = exp(-depth_m.max(0.0) * self.decay_per_m);
-            (east, north) = (east * factor, north * factor);
+        for tide in &self.tides {
+            let (tide_east, tide_north) = tide.at(time);
+            (east, north) = (east + tide_east, north + tide_north);
         }
-        (east, north)
+        self.profile.apply((east, north), depth_m)
+    }
+
+    /// Whether the bed slows this current down: [`Current::near_bed`] is 1 everywhere otherwise.
+    #[must_use]
+    pub const fn feels_the_bed(&self) -> bool {
+        self.bottom_boundary_m.is_some()
+    }
+
+    /// The part of the current that is left at a height over the bed, 0 to 1: the one-seventh power law within
+    /// `bottom_boundary_m`.
+    ///
+    /// Source: Soulsby, *Dynamics of Marine Sands* (1997), section 3.3.
+    #[must_use]
+    pub fn near_bed(&self, height_m: f64) -> f64 {
+        self.bottom_boundary_m
+            .map_or(1.0, |layer_m| profile::power_law(height_m / layer_m))
     }
 }
 
@@ -107,6 +169,7 @@ mod tests {
             towards_deg: Span::fixed(90.0),
             rotation_h: Some(Span::fixed(4.0)),
             decay_depth_m: Some(50.0),
+            ..CurrentConfig::default()
         };
         let current = Current::new(&config, 1).unwrap();
         let at = |depth_m, hours: u64| current.at(EastNorth::default(), depth_m, Timestamp::from_secs(hours * 3600));
@@ -128,6 +191,34 @@ mod tests {
                 .at(EastNorth::default(), 0.0, Timestamp::ZERO);
             let speed = (east * east + north * north).sqrt();
             assert!((0.1 - 1e-9..=0.3 + 1e-9).contains(&speed));
+        }
+    }
+
+    #[test]
+    fn mean_and_tides_add_up_and_the_layers_take_both() {
+        let text = "
+            speed_mps = 0.2
+            towards_deg = 0
+            [[tides]]
+            speed_mps = 0.5
+            towards_deg = 90
+            period_h = 12
+            [[layers]]
+            depth_m = 10
+            factor = 0.5
+        ";
+        let current = Current::new(&toml::from_str(text).unwrap(), 1).unwrap();
+        let (east, north) = current.at(EastNorth::default(), 40.0, Timestamp::ZERO);
+        assert!((east - 0.25).abs() < 1e-12 && (north - 0.1).abs() < 1e-12);
+        assert_eq!(current.near_bed(0.0), 1.0);
+    }
+
+    #[test]
+    fn the_bed_slows_it_down_by_the_seventh_root() {
+        let config: CurrentConfig = toml::from_str("speed_mps = 0.3\nbottom_boundary_m = 4").unwrap();
+        let current = Current::new(&config, 1).unwrap();
+        for (height_m, part) in [(-1.0, 0.0), (0.0, 0.0), (4.0 / 128.0, 0.5), (4.0, 1.0), (9.0, 1.0)] {
+            assert!((current.near_bed(height_m) - part).abs() < 1e-12, "{height_m}");
         }
     }
 }

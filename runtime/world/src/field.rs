@@ -1,12 +1,65 @@
-use backseat_units::EastNorth;
-use backseat_units::math::exp;
+//! Scalar fields: what the water holds, with depth, and what plumes, filaments and fronts add to it.
+
+mod filament;
+mod front;
+mod plume;
+mod thermocline;
+
+use backseat_units::math::tanh;
+use backseat_units::{EastNorth, Timestamp};
 use serde::Deserialize;
+
+use filament::Filament;
+pub use filament::FilamentConfig;
+use front::Front;
+pub use front::FrontConfig;
+use plume::Plume;
+pub use plume::PlumeConfig;
+use thermocline::Thermocline;
+pub use thermocline::ThermoclineConfig;
 
 use crate::error::{WorldError, check};
 use crate::span::Span;
-use crate::stream::Stream;
 
-/// The `[field]` section: what the water holds before plumes, and the plumes in it.
+/// The `[field]` section: what the water holds, and what is in it.
+///
+/// ```
+/// let config: backseat_world::FieldConfig = toml::from_str(r#"
+/// temperature_c = 14
+///
+/// [thermocline]              # 6 degrees colder below 20 m, at the same salinity
+/// depth_m = [18, 22]
+/// thickness_m = 6
+/// drop_c = 6
+///
+/// [[plumes]]                 # a warm outfall
+/// east_m = [-300, 300]
+/// north_m = 0
+/// sigma_m = 100
+/// temperature_c = 2
+/// tracer = 1
+///
+/// [[filaments]]              # a seep whose water drifts north-east in puffs
+/// east_m = [-100, 100]
+/// north_m = [-100, 100]
+/// towards_deg = 45
+/// speed_mps = 0.1
+/// sigma_m = 2
+/// meander_m = 15
+/// tracer = 100
+///
+/// [[fronts]]                 # colder, saltier water moving in from the east
+/// east_m = 800
+/// north_m = 0
+/// towards_deg = 270
+/// speed_mps = 0.05
+/// width_m = 40
+/// temperature_c = -1.5
+/// conductivity_us_per_cm = 900
+/// "#)?;
+/// assert_eq!((config.plumes.len(), config.filaments.len(), config.fronts.len()), (1, 1, 1));
+/// # Ok::<(), toml::de::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FieldConfig {
@@ -16,8 +69,14 @@ pub struct FieldConfig {
     pub cooling_c_per_m: f64,
     /// Conductivity, microsiemens a centimetre, 0 to 100000 (sea water: about 40000).
     pub conductivity_us_per_cm: f64,
+    /// Where the temperature drops with depth.
+    pub thermocline: Option<ThermoclineConfig>,
     /// The plumes, at most 16.
     pub plumes: Vec<PlumeConfig>,
+    /// The filaments, at most 8.
+    pub filaments: Vec<FilamentConfig>,
+    /// The fronts, at most 8.
+    pub fronts: Vec<FrontConfig>,
 }
 
 impl Default for FieldConfig {
@@ -26,59 +85,24 @@ impl Default for FieldConfig {
             temperature_c: 12.0,
             cooling_c_per_m: 0.0,
             conductivity_us_per_cm: 40_000.0,
+            thermocline: None,
             plumes: Vec::new(),
+            filaments: Vec::new(),
+            fronts: Vec::new(),
         }
     }
-}
-
-/// One `[[field.plumes]]`: a Gaussian, the same at all depths unless it is given a depth.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PlumeConfig {
-    /// Where its centre lies, metres east of the origin.
-    pub east_m: Span,
-    /// Where its centre lies, metres north of the origin.
-    pub north_m: Span,
-    /// Its radius (one standard deviation), metres, 1 to 20000.
-    pub sigma_m: Span,
-    /// What it adds to the temperature at its centre, degrees Celsius, within ±400.
-    #[serde(default = "zero")]
-    pub temperature_c: Span,
-    /// What it adds to the conductivity at its centre, microsiemens a centimetre, within ±100000.
-    #[serde(default = "zero")]
-    pub conductivity_us_per_cm: Span,
-    /// The depth of its centre, metres; none is the same at all depths.
-    #[serde(default)]
-    pub depth_m: Option<Span>,
-    /// Its vertical standard deviation, metres, 0.5 or more, where it has a depth; 10 m unless given.
-    #[serde(default)]
-    pub sigma_depth_m: Option<f64>,
 }
 
 const fn zero() -> Span {
     Span::fixed(0.0)
 }
 
+/// What a feature adds where its share is 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Plume {
-    centre: EastNorth,
-    /// One over the radius squared.
-    tightness: f64,
+struct Adds {
     temperature_c: f64,
     conductivity_us_per_cm: f64,
-    /// Depth of the centre, and one over the vertical radius squared; zero is the same at all depths.
-    depth_m: f64,
-    vertical_tightness: f64,
-}
-
-impl Plume {
-    fn share(&self, at: EastNorth, depth_m: f64) -> f64 {
-        let from = at - self.centre;
-        let below = depth_m - self.depth_m;
-        let square = (from.east_m * from.east_m + from.north_m * from.north_m) * self.tightness
-            + below * below * self.vertical_tightness;
-        if square > 100.0 { 0.0 } else { exp(-0.5 * square) }
-    }
+    tracer: f64,
 }
 
 /// The scalar fields that a seed has drawn.
@@ -87,7 +111,10 @@ pub struct Field {
     temperature_c: f64,
     cooling_c_per_m: f64,
     conductivity_us_per_cm: f64,
+    thermocline: Option<Thermocline>,
     plumes: Vec<Plume>,
+    filaments: Vec<Filament>,
+    fronts: Vec<Front>,
     maximum: Option<EastNorth>,
 }
 
@@ -98,104 +125,93 @@ impl Field {
     /// [`WorldError`] where the configuration leaves its ranges.
     pub fn new(config: &FieldConfig, seed: u64) -> Result<Self, WorldError> {
         validate(config)?;
-        let mut stream = Stream::new(seed, "field");
-        let plumes: Vec<Plume> = config
-            .plumes
-            .iter()
-            .map(|plume| {
-                let centre = EastNorth::new(plume.east_m.draw(&mut stream), plume.north_m.draw(&mut stream));
-                let sigma_m = plume.sigma_m.draw(&mut stream);
-                let temperature_c = plume.temperature_c.draw(&mut stream);
-                let conductivity_us_per_cm = plume.conductivity_us_per_cm.draw(&mut stream);
-                let (depth_m, vertical_tightness) = plume.depth_m.map_or((0.0, 0.0), |depth| {
-                    let sigma_m = plume.sigma_depth_m.unwrap_or(10.0);
-                    (depth.draw(&mut stream), 1.0 / (sigma_m * sigma_m))
-                });
-                let tightness = 1.0 / (sigma_m * sigma_m);
-                Plume {
-                    centre,
-                    tightness,
-                    temperature_c,
-                    conductivity_us_per_cm,
-                    depth_m,
-                    vertical_tightness,
-                }
-            })
-            .collect();
-        let maximum = maximum(&plumes);
+        let thermocline = match &config.thermocline {
+            Some(thermocline) => Some(thermocline.draw(config, seed)?),
+            None => None,
+        };
+        let plumes = plume::draw(&config.plumes, seed)?;
+        let maximum = plume::maximum(&plumes);
         Ok(Self {
             temperature_c: config.temperature_c,
             cooling_c_per_m: config.cooling_c_per_m,
             conductivity_us_per_cm: config.conductivity_us_per_cm,
+            thermocline,
             plumes,
+            filaments: filament::draw(&config.filaments, seed)?,
+            fronts: front::draw(&config.fronts, seed)?,
             maximum,
         })
     }
 
     /// Temperature, degrees Celsius.
     #[must_use]
-    pub fn temperature_c(&self, at: EastNorth, depth_m: f64) -> f64 {
-        let background = self.temperature_c - self.cooling_c_per_m * depth_m;
-        self.plumes.iter().fold(background, |sum, plume| {
-            sum + plume.temperature_c * plume.share(at, depth_m)
-        })
+    pub fn temperature_c(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
+        let mut background = self.temperature_c - self.cooling_c_per_m * depth_m;
+        if let Some(thermocline) = &self.thermocline {
+            background -= thermocline.drop_c * thermocline.share(depth_m);
+        }
+        self.add_to(background, |adds| adds.temperature_c, at, depth_m, time)
     }
 
-    /// Conductivity, microsiemens a centimetre, never below 0.
+    /// Conductivity in situ, microsiemens a centimetre, never below 0.
     #[must_use]
-    pub fn conductivity_us_per_cm(&self, at: EastNorth, depth_m: f64) -> f64 {
-        let sum = self.plumes.iter().fold(self.conductivity_us_per_cm, |sum, plume| {
-            sum + plume.conductivity_us_per_cm * plume.share(at, depth_m)
-        });
-        sum.max(0.0)
+    pub fn conductivity_us_per_cm(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
+        let mut background = self.conductivity_us_per_cm;
+        if let Some(thermocline) = &self.thermocline {
+            background -= thermocline.conductivity_drop_us_per_cm * thermocline.share(depth_m);
+        }
+        self.add_to(background, |adds| adds.conductivity_us_per_cm, at, depth_m, time)
+            .max(0.0)
+    }
+
+    /// What plumes and filaments carry of their tracer, in the unit that the configuration takes it in; none elsewhere.
+    #[must_use]
+    pub fn concentration(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
+        self.add_to(0.0, |adds| adds.tracer, at, depth_m, time)
+    }
+
+    fn add_to(&self, background: f64, of: impl Fn(&Adds) -> f64, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
+        let mut sum = background;
+        for plume in &self.plumes {
+            sum += of(&plume.adds) * plume.share(at, depth_m);
+        }
+        for filament in &self.filaments {
+            let full = of(&filament.adds);
+            // Its share is the dearest, and many carry but one thing.
+            if full != 0.0 {
+                sum += full * filament.share(at, depth_m, time);
+            }
+        }
+        for front in &self.fronts {
+            sum += of(&front.adds) * front.share(at, time);
+        }
+        sum
     }
 
     /// Where the plumes add most: to the temperature where any plume warms, else to the conductivity. Each plume is
-    /// taken at its own depth, so that this is the maximum of the field seen from above. None without such a plume.
+    /// taken at its own depth, so that this is the maximum of the field seen from above. Filaments and fronts move and
+    /// have no part in it. None without such a plume.
     #[must_use]
     pub fn maximum(&self) -> Option<EastNorth> {
         self.maximum
     }
+
+    /// Where the filaments spring from, in the order of the configuration.
+    pub fn sources(&self) -> impl Iterator<Item = EastNorth> {
+        self.filaments.iter().map(Filament::source)
+    }
 }
 
-/// The highest point of a sum of Gaussians, by mean shift from every centre: at a maximum, the point is the mean of
-/// the centres weighted by what each adds to the curvature there (Fukunaga and Hostetler, 1975).
-fn maximum(plumes: &[Plume]) -> Option<EastNorth> {
-    let warm = plumes.iter().any(|plume| plume.temperature_c > 0.0);
-    let amplitude = |plume: &Plume| {
-        if warm {
-            plume.temperature_c
-        } else {
-            plume.conductivity_us_per_cm
-        }
-    };
-    let value = |at| {
-        plumes.iter().fold(0.0, |sum, plume| {
-            sum + amplitude(plume) * plume.share(at, plume.depth_m)
-        })
-    };
-    let mut best: Option<(f64, EastNorth)> = None;
-    for start in plumes.iter().filter(|plume| amplitude(plume) > 0.0) {
-        let mut at = start.centre;
-        for _ in 0..200 {
-            let mut sum = EastNorth::default();
-            let mut weights = 0.0;
-            for plume in plumes {
-                let weight = amplitude(plume) * plume.tightness * plume.share(at, plume.depth_m);
-                sum = sum + plume.centre * weight;
-                weights += weight;
-            }
-            if weights <= 0.0 {
-                break;
-            }
-            at = sum * (1.0 / weights);
-        }
-        let height = value(at);
-        if best.is_none_or(|(highest, _)| height > highest) {
-            best = Some((height, at));
-        }
+/// From 0 far below zero to 1 far above it, by a hyperbolic tangent.
+fn smooth_step(x: f64) -> f64 {
+    // A tangent of 20 is 1 to the last place.
+    if x > 20.0 {
+        1.0
+    } else if x < -20.0 {
+        0.0
+    } else {
+        0.5 * (1.0 + tanh(x))
     }
-    best.map(|(_, at)| at)
 }
 
 fn validate(config: &FieldConfig) -> Result<(), WorldError> {
@@ -220,43 +236,6 @@ fn validate(config: &FieldConfig) -> Result<(), WorldError> {
         conductivity,
         "0 to 100000 uS/cm",
     )?;
-    let count = config.plumes.len();
-    check(count <= 16, "field.plumes", count as f64, "at most 16 plumes")?;
-    for plume in &config.plumes {
-        plume
-            .east_m
-            .within(-50_000.0, 50_000.0, "field.plumes.east_m", "within 50 km of the origin")?;
-        plume.north_m.within(
-            -50_000.0,
-            50_000.0,
-            "field.plumes.north_m",
-            "within 50 km of the origin",
-        )?;
-        plume
-            .sigma_m
-            .within(1.0, 20_000.0, "field.plumes.sigma_m", "1 to 20000 m")?;
-        plume.temperature_c.within(
-            -400.0,
-            400.0,
-            "field.plumes.temperature_c",
-            "within 400 degrees Celsius",
-        )?;
-        let key = "field.plumes.conductivity_us_per_cm";
-        plume
-            .conductivity_us_per_cm
-            .within(-100_000.0, 100_000.0, key, "within 100000 uS/cm")?;
-        if let Some(depth) = plume.depth_m {
-            depth.within(0.0, 12_000.0, "field.plumes.depth_m", "0 to 12000 m")?;
-        }
-        if let Some(sigma) = plume.sigma_depth_m {
-            check(
-                (0.5..=12_000.0).contains(&sigma),
-                "field.plumes.sigma_depth_m",
-                sigma,
-                "0.5 to 12000 m",
-            )?;
-        }
-    }
     Ok(())
 }
 
@@ -271,6 +250,7 @@ mod tests {
             sigma_m: Span::fixed(sigma_m),
             temperature_c: Span::fixed(temperature_c),
             conductivity_us_per_cm: zero(),
+            tracer: 0.0,
             depth_m: None,
             sigma_depth_m: None,
         }
@@ -296,14 +276,14 @@ mod tests {
         for east in -200..=300 {
             for north in -200..=200 {
                 let at = EastNorth::new(f64::from(east), f64::from(north));
-                let value = field.temperature_c(at, 10.0);
+                let value = field.temperature_c(at, 10.0, Timestamp::ZERO);
                 if value > best.0 {
                     best = (value, at);
                 }
             }
         }
         assert!(found.distance_m(best.1) < 1.5, "{found:?} {best:?}");
-        assert!(field.temperature_c(found, 10.0) >= best.0);
+        assert!(field.temperature_c(found, 10.0, Timestamp::ZERO) >= best.0);
     }
 
     #[test]
@@ -320,8 +300,8 @@ mod tests {
         };
         let field = Field::new(&config, 1).unwrap();
         let origin = EastNorth::default();
-        assert!((field.temperature_c(origin, 30.0) - (12.0 - 3.0 + 4.0)).abs() < 1e-9);
-        assert!((field.temperature_c(origin, 0.0) - 12.0).abs() < 1e-3);
+        assert!((field.temperature_c(origin, 30.0, Timestamp::ZERO) - (12.0 - 3.0 + 4.0)).abs() < 1e-9);
+        assert!((field.temperature_c(origin, 0.0, Timestamp::ZERO) - 12.0).abs() < 1e-3);
         assert_eq!(field.maximum(), Some(origin));
     }
 

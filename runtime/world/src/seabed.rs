@@ -1,15 +1,36 @@
-use backseat_units::EastNorth;
-use backseat_units::math::{TAU, exp, sin_cos};
+mod chart;
+mod shelf;
+
+use std::path::PathBuf;
+
+use backseat_units::{EastNorth, LocalFrame};
 use serde::Deserialize;
 
-use crate::error::{WorldError, check};
-use crate::span::Span;
-use crate::stream::Stream;
+use chart::Chart;
+use shelf::Shelf;
 
-/// The `[seabed]` section: a shelf that slopes one way, with meanders and banks drawn by the seed.
+use crate::error::{WorldError, agree, check};
+use crate::grid::{Grid, GridFrame, GridPositive};
+use crate::span::Span;
+
+/// The `[seabed]` section: a shelf that slopes one way, with meanders and banks drawn by the seed; or a grid.
 ///
 /// The meanders' slopes add up to at most `meander_slope`; kept below `slope` they bend the depth contours without
 /// ever closing one, so that a contour can be followed for ever.
+///
+/// With a `grid`, the depth is the file's own: the keys of the shelf are then refused, and `depth_min_m` and
+/// `depth_max_m` still bound it. Outside of the grid it is as deep as the nearest cell of its edge.
+///
+/// ```
+/// let config: backseat_world::SeabedConfig = toml::from_str(r#"
+/// grid = "harbour.asc"
+/// grid_frame = "geographic"
+/// grid_positive = "up"
+/// grid_nodata_depth_m = 3.0
+/// "#)?;
+/// assert!(config.grid.is_some());
+/// # Ok::<(), toml::de::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SeabedConfig {
@@ -39,6 +60,15 @@ pub struct SeabedConfig {
     pub depth_min_m: f64,
     /// The water is nowhere deeper, metres.
     pub depth_max_m: f64,
+    /// The file of a grid, ESRI ASCII or GeoTIFF; a relative path is from the folder of the configuration. Whoever
+    /// reads the configuration reads the file, see [`World::with_grid`](crate::World::with_grid).
+    pub grid: Option<PathBuf>,
+    /// How the grid's coordinates are meant: metres of the world's frame unless given.
+    pub grid_frame: Option<GridFrame>,
+    /// How the grid's values are meant: depths unless given.
+    pub grid_positive: Option<GridPositive>,
+    /// The depth where the grid has no data, metres, 0 to 12000; without it such a grid is refused.
+    pub grid_nodata_depth_m: Option<f64>,
 }
 
 impl Default for SeabedConfig {
@@ -57,83 +87,65 @@ impl Default for SeabedConfig {
             bank_north_m: Span::between(-1000.0, 1000.0),
             depth_min_m: 2.0,
             depth_max_m: 6000.0,
+            grid: None,
+            grid_frame: None,
+            grid_positive: None,
+            grid_nodata_depth_m: None,
         }
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Meander {
-    amplitude_m: f64,
-    /// Radians a metre, east and north.
-    wave: EastNorth,
-    phase_rad: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Bank {
-    centre: EastNorth,
-    height_m: f64,
-    /// One over the radius squared.
-    tightness: f64,
-}
-
-/// The seabed that a seed has drawn.
+/// The seabed that a seed has drawn, or that a grid gives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seabed {
-    depth_m: f64,
-    /// Metres down a metre, east and north.
-    slope: EastNorth,
-    meanders: Vec<Meander>,
-    banks: Vec<Bank>,
+    shape: Shape,
     depth_min_m: f64,
     depth_max_m: f64,
 }
 
+#[derive(Clone, Debug, PartialEq)]
+enum Shape {
+    Shelf(Shelf),
+    Chart(Chart),
+}
+
 impl Seabed {
-    /// Draws a seabed.
+    /// Draws a seabed without a grid.
     ///
     /// # Errors
-    /// [`WorldError`] where the configuration leaves its ranges.
+    /// [`WorldError`] where the configuration leaves its ranges, or names a grid.
     pub fn new(config: &SeabedConfig, seed: u64) -> Result<Self, WorldError> {
         validate(config)?;
-        let mut stream = Stream::new(seed, "seabed");
-        let depth_m = config.depth_m.draw(&mut stream);
-        let slope_of = config.slope.draw(&mut stream);
-        let (sin, cos) = sin_cos(config.downslope_deg.draw(&mut stream).to_radians());
-        let each_slope = config.meander_slope / f64::from(config.meanders.max(1));
-        let meanders = (0..config.meanders)
-            .map(|_| {
-                let number = TAU / config.meander_wavelength_m.draw(&mut stream);
-                let (east, north) = sin_cos(stream.uniform_in(0.0, TAU));
-                let steepness = each_slope * stream.uniform_in(0.4, 1.0);
-                Meander {
-                    amplitude_m: steepness / number,
-                    wave: EastNorth::new(east, north) * number,
-                    phase_rad: stream.uniform_in(0.0, TAU),
-                }
-            })
-            .collect();
-        let banks = (0..config.banks)
-            .map(|_| {
-                let radius_m = config.bank_radius_m.draw(&mut stream);
-                Bank {
-                    centre: EastNorth::new(
-                        config.bank_east_m.draw(&mut stream),
-                        config.bank_north_m.draw(&mut stream),
-                    ),
-                    height_m: config.bank_height_m.draw(&mut stream),
-                    tightness: 1.0 / (radius_m * radius_m),
-                }
-            })
-            .collect();
-        Ok(Self {
-            depth_m,
-            slope: EastNorth::new(sin, cos) * slope_of,
-            meanders,
-            banks,
+        if let Some(path) = &config.grid {
+            return Err(WorldError::GridNotGiven {
+                path: path.display().to_string(),
+            });
+        }
+        Ok(Self::of(Shape::Shelf(Shelf::new(config, seed)), config))
+    }
+
+    /// Lays a grid into the frame of a world. The seed has no part in it.
+    ///
+    /// # Errors
+    /// [`WorldError`] where the configuration leaves its ranges or names no grid, where a cell has no data and
+    /// `grid_nodata_depth_m` is not given, where the grid's own coordinates are not as `grid_frame` says, or where all
+    /// of it lies over 50 km from the origin.
+    pub fn with_grid(config: &SeabedConfig, frame: &LocalFrame, grid: Grid) -> Result<Self, WorldError> {
+        validate(config)?;
+        agree(
+            config.grid.is_some(),
+            "seabed.grid",
+            "the name of the grid that is given",
+        )?;
+        Ok(Self::of(Shape::Chart(Chart::new(config, frame, grid)?), config))
+    }
+
+    fn of(shape: Shape, config: &SeabedConfig) -> Self {
+        Self {
+            shape,
             depth_min_m: config.depth_min_m,
             depth_max_m: config.depth_max_m,
-        })
+        }
     }
 
     /// Water depth, metres.
@@ -151,23 +163,10 @@ impl Seabed {
     /// Water depth in metres and its gradient in one pass.
     #[must_use]
     pub fn depth_and_gradient(&self, at: EastNorth) -> (f64, EastNorth) {
-        let mut depth_m = self.depth_m + self.slope.east_m * at.east_m + self.slope.north_m * at.north_m;
-        let mut gradient = self.slope;
-        for meander in &self.meanders {
-            let phase = meander.wave.east_m * at.east_m + meander.wave.north_m * at.north_m + meander.phase_rad;
-            let (sin, cos) = sin_cos(phase);
-            depth_m += meander.amplitude_m * sin;
-            gradient = gradient + meander.wave * (meander.amplitude_m * cos);
-        }
-        for bank in &self.banks {
-            let from = at - bank.centre;
-            let square = (from.east_m * from.east_m + from.north_m * from.north_m) * bank.tightness;
-            if square < 50.0 {
-                let height_m = bank.height_m * exp(-0.5 * square);
-                depth_m -= height_m;
-                gradient = gradient + from * (height_m * bank.tightness);
-            }
-        }
+        let (depth_m, gradient) = match &self.shape {
+            Shape::Shelf(shelf) => shelf.depth_and_gradient(at),
+            Shape::Chart(chart) => chart.depth_and_gradient(at),
+        };
         if depth_m < self.depth_min_m {
             (self.depth_min_m, EastNorth::default())
         } else if depth_m > self.depth_max_m {
@@ -178,7 +177,9 @@ impl Seabed {
     }
 }
 
-fn validate(config: &SeabedConfig) -> Result<(), WorldError> {
+/// Checks all but what the grid itself holds.
+pub(crate) fn validate(config: &SeabedConfig) -> Result<(), WorldError> {
+    validate_grid(config)?;
     config.depth_m.within(0.1, 6000.0, "seabed.depth_m", "0.1 to 6000 m")?;
     config.slope.within(0.0, 0.5, "seabed.slope", "0 to 0.5")?;
     config
@@ -233,6 +234,43 @@ fn validate(config: &SeabedConfig) -> Result<(), WorldError> {
     )
 }
 
+fn validate_grid(config: &SeabedConfig) -> Result<(), WorldError> {
+    if config.grid.is_none() {
+        let alone = "`seabed.grid` beside it";
+        agree(config.grid_frame.is_none(), "seabed.grid_frame", alone)?;
+        agree(config.grid_positive.is_none(), "seabed.grid_positive", alone)?;
+        return agree(
+            config.grid_nodata_depth_m.is_none(),
+            "seabed.grid_nodata_depth_m",
+            alone,
+        );
+    }
+    if let Some(depth) = config.grid_nodata_depth_m {
+        let key = "seabed.grid_nodata_depth_m";
+        check((0.0..=12_000.0).contains(&depth), key, depth, "0 to 12000 m")?;
+    }
+    let shelf = SeabedConfig::default();
+    for (is_default, key) in [
+        (config.depth_m == shelf.depth_m, "seabed.depth_m"),
+        (config.slope == shelf.slope, "seabed.slope"),
+        (config.downslope_deg == shelf.downslope_deg, "seabed.downslope_deg"),
+        (config.meanders == shelf.meanders, "seabed.meanders"),
+        (config.meander_slope == shelf.meander_slope, "seabed.meander_slope"),
+        (
+            config.meander_wavelength_m == shelf.meander_wavelength_m,
+            "seabed.meander_wavelength_m",
+        ),
+        (config.banks == shelf.banks, "seabed.banks"),
+        (config.bank_height_m == shelf.bank_height_m, "seabed.bank_height_m"),
+        (config.bank_radius_m == shelf.bank_radius_m, "seabed.bank_radius_m"),
+        (config.bank_east_m == shelf.bank_east_m, "seabed.bank_east_m"),
+        (config.bank_north_m == shelf.bank_north_m, "seabed.bank_north_m"),
+    ] {
+        agree(is_default, key, "it or `seabed.grid`, not both")?;
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use backseat_units::math::hypot;
@@ -281,6 +319,25 @@ mod tests {
                 assert!((10.0..=90.0).contains(&one.water_depth_m(EastNorth::new(east, north))));
             }
         }
+    }
+
+    #[test]
+    fn a_grid_and_a_shelf_do_not_mix() {
+        let parse = |text: &str| toml::from_str::<SeabedConfig>(text).unwrap();
+        let message = |text: &str| validate(&parse(text)).unwrap_err().to_string();
+        assert_eq!(
+            message("grid = \"a.asc\"\nbanks = 2"),
+            "seabed.banks: expected it or `seabed.grid`, not both"
+        );
+        assert_eq!(
+            message("grid_positive = \"up\""),
+            "seabed.grid_positive: expected `seabed.grid` beside it"
+        );
+        let error = Seabed::new(&parse("grid = \"a.asc\""), 1).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "seabed.grid is `a.asc`, expected the grid of that file: only its name was given"
+        );
     }
 
     #[test]

@@ -4,7 +4,11 @@ use serde::Deserialize;
 use crate::current::{Current, CurrentConfig};
 use crate::error::{WorldError, check};
 use crate::field::{Field, FieldConfig};
-use crate::seabed::{Seabed, SeabedConfig};
+use crate::grid::Grid;
+use crate::seabed::{self, Seabed, SeabedConfig};
+use crate::seawater;
+use crate::targets::{Target, TargetConfig, Targets};
+use crate::tide::{TideLevel, TideLevelConfig};
 
 /// The `[origin]` section: where the world's frame has its zero.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -16,7 +20,8 @@ pub struct OriginConfig {
     pub longitude_deg: f64,
 }
 
-/// All that a world is made from: the sections `[origin]`, `[seabed]`, `[current]` and `[field]` of `world.toml`.
+/// All that a world is made from: the sections `[origin]`, `[seabed]`, `[tide]`, `[current]`, `[field]` and
+/// `[[targets]]` of `world.toml`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldConfig {
@@ -25,12 +30,56 @@ pub struct WorldConfig {
     /// The seabed.
     #[serde(default)]
     pub seabed: SeabedConfig,
+    /// How the water rises and falls.
+    #[serde(default)]
+    pub tide: TideLevelConfig,
     /// The current.
     #[serde(default)]
     pub current: CurrentConfig,
-    /// Temperature and conductivity.
+    /// Temperature, conductivity and tracer.
     #[serde(default)]
     pub field: FieldConfig,
+    /// What lies on the seabed.
+    #[serde(default)]
+    pub targets: Vec<TargetConfig>,
+}
+
+impl WorldConfig {
+    /// The frame about the origin.
+    ///
+    /// # Errors
+    /// [`WorldError`] where the origin is not on the globe or within 5 degrees of a pole.
+    pub fn frame(&self) -> Result<LocalFrame, WorldError> {
+        let OriginConfig {
+            latitude_deg,
+            longitude_deg,
+        } = self.origin;
+        let origin = Position::from_deg(latitude_deg, longitude_deg)?;
+        let expected = "within 85 degrees of the equator";
+        check(
+            latitude_deg.abs() <= 85.0,
+            "origin.latitude_deg",
+            latitude_deg,
+            expected,
+        )?;
+        Ok(LocalFrame::new(origin))
+    }
+
+    /// Whether a world can be drawn, as far as that can be told without the grid: the ranges of all keys, whatever the
+    /// seed.
+    ///
+    /// # Errors
+    /// [`WorldError`] as [`World::with_grid`].
+    pub fn validate(&self) -> Result<(), WorldError> {
+        self.frame()?;
+        seabed::validate(&self.seabed)?;
+        let seed = 0;
+        TideLevel::new(&self.tide, seed)?;
+        Current::new(&self.current, seed)?;
+        Field::new(&self.field, seed)?;
+        Targets::new(&self.targets, seed)?;
+        Ok(())
+    }
 }
 
 /// The sea of one run.
@@ -38,32 +87,39 @@ pub struct WorldConfig {
 pub struct World {
     frame: LocalFrame,
     seabed: Seabed,
+    tide: TideLevel,
     current: Current,
     field: Field,
+    targets: Targets,
 }
 
 impl World {
     /// Draws a world: the same configuration and seed give the same one on every platform.
     ///
     /// # Errors
-    /// [`WorldError`] where the configuration leaves its ranges.
+    /// [`WorldError`] where the configuration leaves its ranges, or names a grid: that takes [`World::with_grid`].
     pub fn new(config: &WorldConfig, seed: u64) -> Result<Self, WorldError> {
-        let OriginConfig {
-            latitude_deg,
-            longitude_deg,
-        } = config.origin;
-        let origin = Position::from_deg(latitude_deg, longitude_deg)?;
-        check(
-            latitude_deg.abs() <= 85.0,
-            "origin.latitude_deg",
-            latitude_deg,
-            "within 85 degrees of the equator",
-        )?;
+        Self::with_grid(config, seed, None)
+    }
+
+    /// Draws a world over the grid that the configuration's `seabed.grid` names. The crate opens no file: the caller
+    /// reads it and makes the grid by [`Grid::from_bytes`].
+    ///
+    /// # Errors
+    /// [`WorldError`] where the configuration leaves its ranges, names a grid and none is given or the other way
+    /// round, or where the grid does not fit it: see [`Seabed::with_grid`].
+    pub fn with_grid(config: &WorldConfig, seed: u64, grid: Option<Grid>) -> Result<Self, WorldError> {
+        let frame = config.frame()?;
         Ok(Self {
-            frame: LocalFrame::new(origin),
-            seabed: Seabed::new(&config.seabed, seed)?,
+            frame,
+            seabed: match grid {
+                Some(grid) => Seabed::with_grid(&config.seabed, &frame, grid)?,
+                None => Seabed::new(&config.seabed, seed)?,
+            },
+            tide: TideLevel::new(&config.tide, seed)?,
             current: Current::new(&config.current, seed)?,
             field: Field::new(&config.field, seed)?,
+            targets: Targets::new(&config.targets, seed)?,
         })
     }
 
@@ -79,7 +135,7 @@ impl World {
         &self.seabed
     }
 
-    /// Water depth, metres.
+    /// Water depth at the mean level, metres, as a chart has it.
     #[must_use]
     pub fn water_depth_m(&self, at: EastNorth) -> f64 {
         self.seabed.water_depth_m(at)
@@ -94,25 +150,89 @@ impl World {
     /// Velocity of the water, metres a second east and north.
     #[must_use]
     pub fn current_at(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> (f64, f64) {
-        self.current.at(at, depth_m, time)
+        let (east, north) = self.current.at(at, depth_m, time);
+        if !self.current.feels_the_bed() {
+            return (east, north);
+        }
+        let left = self.current.near_bed(self.seabed.water_depth_m(at) - depth_m);
+        (east * left, north * left)
     }
 
-    /// Temperature, degrees Celsius. The fields of today stand still; the time is there for those that will not.
+    /// How far the water stands over its mean level, metres: high water is positive.
     #[must_use]
-    pub fn temperature_c(&self, at: EastNorth, depth_m: f64, _time: Timestamp) -> f64 {
-        self.field.temperature_c(at, depth_m)
+    pub fn tide_m(&self, time: Timestamp) -> f64 {
+        self.tide.at_m(time)
     }
 
-    /// Conductivity, microsiemens a centimetre.
+    /// Water depth at a time, metres: that of the chart and the tide, never below 0.
     #[must_use]
-    pub fn conductivity_us_per_cm(&self, at: EastNorth, depth_m: f64, _time: Timestamp) -> f64 {
-        self.field.conductivity_us_per_cm(at, depth_m)
+    pub fn water_depth_at_m(&self, at: EastNorth, time: Timestamp) -> f64 {
+        (self.water_depth_m(at) + self.tide_m(time)).max(0.0)
+    }
+
+    /// Temperature, degrees Celsius.
+    #[must_use]
+    pub fn temperature_c(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
+        self.field.temperature_c(at, depth_m, time)
+    }
+
+    /// Conductivity in situ, microsiemens a centimetre.
+    #[must_use]
+    pub fn conductivity_us_per_cm(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
+        self.field.conductivity_us_per_cm(at, depth_m, time)
+    }
+
+    /// Pressure of the sea at a depth, decibars, without that of the air: see [`seawater::pressure_dbar`].
+    #[must_use]
+    pub fn pressure_dbar(&self, depth_m: f64) -> f64 {
+        seawater::pressure_dbar(depth_m, self.frame.origin().latitude.as_deg())
+    }
+
+    /// Practical salinity, from conductivity, temperature and pressure: see [`seawater::salinity`].
+    #[must_use]
+    pub fn salinity(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
+        let conductivity = self.conductivity_us_per_cm(at, depth_m, time);
+        let temperature_c = self.temperature_c(at, depth_m, time);
+        seawater::salinity(conductivity, temperature_c, self.pressure_dbar(depth_m))
+    }
+
+    /// Speed of sound, metres a second: see [`seawater::sound_speed_mps`].
+    #[must_use]
+    pub fn sound_speed_mps(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
+        let conductivity = self.conductivity_us_per_cm(at, depth_m, time);
+        let temperature_c = self.temperature_c(at, depth_m, time);
+        let pressure_dbar = self.pressure_dbar(depth_m);
+        let salinity = seawater::salinity(conductivity, temperature_c, pressure_dbar);
+        seawater::sound_speed_mps(salinity, temperature_c, pressure_dbar)
+    }
+
+    /// How much of their tracer plumes and filaments carry, in the unit that the configuration takes it in.
+    #[must_use]
+    pub fn concentration(&self, at: EastNorth, depth_m: f64, time: Timestamp) -> f64 {
+        self.field.concentration(at, depth_m, time)
     }
 
     /// Where the plumes add most: see [`Field::maximum`]. None without a plume.
     #[must_use]
     pub fn field_maximum(&self) -> Option<EastNorth> {
         self.field.maximum()
+    }
+
+    /// Where the filaments spring from, in the order of the configuration.
+    pub fn filament_sources(&self) -> impl Iterator<Item = EastNorth> {
+        self.field.sources()
+    }
+
+    /// What lies on the seabed, from the westernmost on: what a mock sidescan or sub-bottom profiler draws. Nothing
+    /// else meets them: neither the depth nor the vehicle.
+    #[must_use]
+    pub fn targets(&self) -> &[Target] {
+        self.targets.all()
+    }
+
+    /// The targets whose middle lies within a distance of a place, metres, from the westernmost on.
+    pub fn targets_near(&self, at: EastNorth, radius_m: f64) -> impl Iterator<Item = &Target> {
+        self.targets.near(at, radius_m)
     }
 }
 
@@ -144,6 +264,54 @@ mod tests {
         assert_eq!(one, World::new(&config, 5).unwrap());
         assert_ne!(one, World::new(&config, 6).unwrap());
         assert!(one.field_maximum().is_some());
+    }
+
+    #[test]
+    fn the_sea_goes_by_its_own_equations() {
+        let text = "
+            [origin]
+            latitude_deg = 42.3
+            longitude_deg = -70.9
+            [seabed]
+            depth_m = 50
+            slope = 0
+            meanders = 0
+            [tide]
+            amplitude_m = 2
+            [current]
+            speed_mps = 0.4
+            towards_deg = 90
+            bottom_boundary_m = 4
+            [field]
+            temperature_c = 15
+            conductivity_us_per_cm = 42914
+            [[field.plumes]]
+            east_m = 0
+            north_m = 0
+            sigma_m = 100
+            tracer = 8
+            [[targets]]
+            east_m = 0
+            north_m = 20
+        ";
+        let config: WorldConfig = toml::from_str(text).unwrap();
+        config.validate().unwrap();
+        let world = World::new(&config, 1).unwrap();
+        let (here, now) = (EastNorth::default(), Timestamp::ZERO);
+        assert!((world.salinity(here, 0.0, now) - 35.0).abs() < 0.01);
+        assert!((world.sound_speed_mps(here, 0.0, now) - 1506.7).abs() < 0.1);
+        assert!(world.sound_speed_mps(here, 1000.0, now) > 1522.0);
+        assert_eq!(world.concentration(here, 0.0, now), 8.0);
+        assert_eq!(
+            (world.water_depth_m(here), world.water_depth_at_m(here, now)),
+            (50.0, 52.0)
+        );
+        assert_eq!((world.targets().len(), world.targets_near(here, 10.0).count()), (1, 0));
+        // Half of the current is left at 1/128 of the boundary layer, nothing at the bed.
+        let (east, _) = world.current_at(here, 50.0 - 4.0 / 128.0, now);
+        assert!((east - 0.2).abs() < 1e-9);
+        assert_eq!(world.current_at(here, 50.0, now), (0.0, 0.0));
+        assert!((world.current_at(here, 46.0, now).0 - 0.4).abs() < 1e-9);
     }
 
     #[test]

@@ -1,0 +1,140 @@
+//! Files that are none: no bytes make a reader panic, or take memory that their length does not pay for.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use backseat_world::Grid;
+use proptest::prelude::*;
+
+use crate::geotiff::{float_grid, georeference, tiled};
+
+/// Counts what this thread holds, and the most that it held.
+struct Counting;
+
+thread_local! {
+    static HELD: Cell<isize> = const { Cell::new(0) };
+    static MOST: Cell<isize> = const { Cell::new(0) };
+}
+
+fn count(bytes: isize) {
+    let held = HELD.get() + bytes;
+    HELD.set(held);
+    MOST.set(MOST.get().max(held));
+}
+
+#[expect(
+    unsafe_code,
+    reason = "an allocator can't be written without; it only counts and passes on"
+)]
+// SAFETY: every call goes to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count(layout.size() as isize);
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        count(-(layout.size() as isize));
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Reads, and gives the most that was held meanwhile, in bytes.
+fn reading_holds(bytes: &[u8]) -> usize {
+    let before = HELD.get();
+    MOST.set(before);
+    drop(Grid::from_bytes(bytes));
+    usize::try_from(MOST.get() - before).unwrap_or(0)
+}
+
+/// Text: four bytes a value of at least two bytes of text. TIFF: the decoder keeps a tag's numbers in 32 bytes each.
+const FACTOR: usize = 64;
+/// A packed image: deflate and LZW reach a thousand to one, and what is unpacked is there twice for a moment.
+const FACTOR_PACKED: usize = 2800;
+/// Messages, the decoder's own tables (a deflate window and its trees).
+const FIXED: usize = 200_000;
+
+fn assert_bounded(bytes: &[u8], factor: usize) {
+    let held = reading_holds(bytes);
+    assert!(
+        held <= factor * bytes.len() + FIXED,
+        "{held} bytes for a file of {}",
+        bytes.len()
+    );
+}
+
+#[test]
+fn a_header_alone_claims_nothing() {
+    for text in [
+        "ncols 4000000000 nrows 4000000000 xllcorner 0 yllcorner 0 cellsize 1 5",
+        "ncols 5000 nrows 5000 xllcorner 0 yllcorner 0 cellsize 1 5",
+        "ncols 1e308 nrows 1e308 xllcorner 0 yllcorner 0 cellsize 1",
+        "ncols 25000000 nrows 2 xllcorner 0 yllcorner 0 cellsize 1",
+    ] {
+        assert!(Grid::from_bytes(text.as_bytes()).is_err());
+        assert!(reading_holds(text.as_bytes()) < 10_000);
+    }
+    // The same by a TIFF's tags: width and height, then a tile's size, then the number of tiles.
+    let whole = tiled(&georeference());
+    let patched = |tag: u16, kind: u16, count: u32, value: u32| {
+        let mut bytes = whole.clone();
+        let at = (10..)
+            .step_by(12)
+            .find(|at| bytes[*at..at + 2] == tag.to_be_bytes())
+            .unwrap();
+        bytes[at + 2..at + 4].copy_from_slice(&kind.to_be_bytes());
+        bytes[at + 4..at + 8].copy_from_slice(&count.to_be_bytes());
+        bytes[at + 8..at + 12].copy_from_slice(&value.to_be_bytes());
+        bytes
+    };
+    for bytes in [
+        patched(256, 4, 1, 4_000_000_000),
+        patched(256, 4, 1, 5_000_000),
+        patched(322, 4, 1, 4_000_000_000),
+        patched(324, 4, 4_000_000_000, 8),
+        patched(325, 4, 1, 4_000_000_000),
+        patched(277, 4, 1, 65_535),
+        patched(33550, 12, 400_000_000, 8),
+    ] {
+        let error = Grid::from_bytes(&bytes).unwrap_err().to_string();
+        assert!(error.starts_with("grid, GeoTIFF: ") && !error.contains('\n'), "{error}");
+        assert_bounded(&bytes, FACTOR);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn any_bytes_are_read_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+        assert_bounded(&bytes, FACTOR_PACKED);
+    }
+
+    #[test]
+    fn any_text_of_a_grid_is_read_or_refused(
+        words in proptest::collection::vec("(ncols|NROWS|xllcorner|yllcenter|cellsize|nodata_value|nan|-?[0-9]{1,10}|1e308|x|\n)", 0..40),
+    ) {
+        assert_bounded(words.join(" ").as_bytes(), FACTOR);
+    }
+
+    #[test]
+    fn a_damaged_tiff_is_read_or_refused(
+        which in any::<bool>(), cut in 0.0..1.3f64, faults in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),
+    ) {
+        let mut bytes = if which { float_grid() } else { tiled(&georeference()) };
+        // Half of the faults in the directory, where they do most.
+        for (number, (at, byte)) in faults.iter().enumerate() {
+            let length = if number % 2 == 0 { bytes.len() } else { bytes.len().min(200) };
+            let at = at.index(length);
+            bytes[at] = *byte;
+        }
+        let length = (cut * bytes.len() as f64) as usize;
+        bytes.truncate(length);
+        assert_bounded(&bytes, FACTOR_PACKED);
+    }
+}

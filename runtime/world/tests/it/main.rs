@@ -1,0 +1,7 @@
+//! The world from outside: what is drawn, files of grids, and files that are none.
+
+#![expect(clippy::unwrap_used, reason = "a test may stop where it fails")]
+
+mod geotiff;
+mod golden;
+mod hostile;

@@ -32,6 +32,7 @@ mod plan;
 mod plan_report;
 mod sensors;
 mod server;
+pub mod sixdof;
 mod truth;
 mod vehicle;
 

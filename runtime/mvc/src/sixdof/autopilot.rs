@@ -199,10 +199,10 @@ impl Autopilot {
                 return (-elevator_deg).max(nose_up_deg).min(nose_down_deg);
             }
         };
-        let depth_m = depth_m.min(bounds.depth_max_m).max(0.0);
         let most_mps = bounds.depth_rate_max_mps;
-        let rate_mps =
-            (bounds.depth_gain_per_s * (depth_m - vehicle.depth_m()) + moving_mps).clamp(-most_mps, most_mps);
+        let rate_mps = (bounds.depth_gain_per_s * (depth_m.max(0.0) - vehicle.depth_m()) + moving_mps)
+            .min(floor_mps)
+            .clamp(-most_mps, most_mps);
         let missed_mps = rate_mps - vehicle.ground_velocity().2;
         let pitch = pitch_for(rate_mps, speed_mps) - self.depth_rate_integral;
         let more = DEPTH_RATE_INTEGRAL / speed_mps * missed_mps * dt_s;

@@ -14,6 +14,12 @@ pub struct Actuators {
 }
 
 impl Actuators {
+    /// The elevator as the vehicle interface counts it, degrees, positive pitches the nose up (SPI 6.12).
+    #[must_use]
+    pub fn elevator_deg(&self) -> f64 {
+        -self.stern_plane_deg
+    }
+
     /// Within what the tail can do; what is no number is amidships.
     #[must_use]
     pub fn limited(self) -> Self {

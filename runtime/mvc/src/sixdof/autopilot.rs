@@ -118,10 +118,12 @@ const PITCH_INTEGRAL_MAX: f64 = 0.17;
 const RPM_INTEGRAL_MAX: f64 = 200.0;
 
 impl Autopilot {
-    /// Where fins and propeller go now, `dt_s` seconds after the last call.
+    /// Where fins and propeller go now, `dt_s` seconds after the last call. A heading, depth or pitch that is no number
+    /// is the present one.
     #[must_use]
     pub fn command(&mut self, vehicle: &SixDof, setpoints: &Setpoints, bounds: &Bounds, dt_s: f64) -> Actuators {
         let speed_mps = vehicle.velocity()[0].max(AUTHORITY_LEAST_MPS);
+        let setpoints = &setpoints.with_numbers(vehicle);
         Actuators {
             rudder_deg: self.rudder_deg(vehicle, setpoints.steering, bounds, speed_mps, dt_s),
             stern_plane_deg: self.stern_plane_deg(vehicle, setpoints.vertical, bounds, speed_mps, dt_s),
@@ -254,6 +256,34 @@ impl Autopilot {
             .clamp(-RPM_INTEGRAL_MAX, RPM_INTEGRAL_MAX);
         }
         rpm.clamp(0.0, PROPELLER_MAX_RPM)
+    }
+}
+
+impl Setpoints {
+    fn with_numbers(mut self, vehicle: &SixDof) -> Self {
+        let or = |value: &mut f64, now: f64| {
+            if !value.is_finite() {
+                *value = now;
+            }
+        };
+        match &mut self.steering {
+            Steering::Heading(heading_deg) => or(heading_deg, vehicle.heading_deg()),
+            Steering::Rudder(rudder_deg) => or(rudder_deg, 0.0),
+        }
+        match &mut self.vertical {
+            Vertical::Depth(depth_m) => or(depth_m, vehicle.depth_m()),
+            Vertical::MovingDepth(depth_m, rate_mps) => {
+                or(depth_m, vehicle.depth_m());
+                or(rate_mps, 0.0);
+            }
+            Vertical::Pitch(pitch_deg) => or(pitch_deg, vehicle.pitch_deg()),
+            Vertical::Elevator(elevator_deg) => or(elevator_deg, 0.0),
+        }
+        match &mut self.throttle {
+            Throttle::Speed(speed_mps) => or(speed_mps, 0.0),
+            Throttle::Rpm(rpm) => or(rpm, 0.0),
+        }
+        self
     }
 }
 

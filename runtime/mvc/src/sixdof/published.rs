@@ -394,3 +394,25 @@ fn the_speed_that_the_propeller_is_set_for_is_the_one_that_it_makes() {
         near("speed", vehicle.velocity()[0], mps, 0.002);
     }
 }
+
+#[test]
+fn the_bits_are_the_same_everywhere() {
+    // Debug or release, one processor or another: elementary arithmetic and libm only.
+    let mut vehicle = SixDof::rising_at(EastNorth::default(), 20.0, 33.0, 0.1);
+    run(&mut vehicle, tail(7.0, 4.0, 1400.0), (0.3, -0.2, 0.05), 30.0);
+    let seen = [
+        vehicle.at().east_m,
+        vehicle.at().north_m,
+        vehicle.depth_m(),
+        vehicle.heading_deg(),
+    ];
+    assert_eq!(
+        seen,
+        [
+            60.88372122739766,
+            -5.306029262429202,
+            33.77251853408242,
+            156.23145456264038
+        ]
+    );
+}

@@ -45,6 +45,7 @@ mod requests;
 mod sensors;
 mod server;
 mod silence;
+pub mod sixdof;
 mod surfacing;
 mod topside;
 mod truth;

@@ -1,0 +1,101 @@
+use backseat_units::math::exp;
+
+use super::coefficients::{FIN_LAG_S, FIN_MAX_DEG, FIN_RATE_MAX_DPS, PROPELLER_LAG_S, PROPELLER_MAX_RPM};
+
+/// What the tail is ordered to, or where it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Actuators {
+    /// Degrees, positive turns to starboard; ±15.
+    pub rudder_deg: f64,
+    /// Degrees, positive pitches the nose down; ±15. The vehicle interface's elevator is its opposite.
+    pub stern_plane_deg: f64,
+    /// Turns a minute, ±1525; negative brakes.
+    pub propeller_rpm: f64,
+}
+
+impl Actuators {
+    /// The elevator as the vehicle interface counts it, degrees, positive pitches the nose up (SPI 6.12).
+    #[must_use]
+    pub fn elevator_deg(&self) -> f64 {
+        -self.stern_plane_deg
+    }
+
+    /// Within what the tail can do; what is no number is amidships.
+    #[must_use]
+    pub fn limited(self) -> Self {
+        Self {
+            rudder_deg: limited(self.rudder_deg, FIN_MAX_DEG),
+            stern_plane_deg: limited(self.stern_plane_deg, FIN_MAX_DEG),
+            propeller_rpm: limited(self.propeller_rpm, PROPELLER_MAX_RPM),
+        }
+    }
+}
+
+fn limited(value: f64, most: f64) -> f64 {
+    if value.is_nan() { 0.0 } else { value.clamp(-most, most) }
+}
+
+/// Fins and propeller, each a first-order lag behind its order; a fin also turns no faster than its servo.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tail {
+    pub(super) now: Actuators,
+    /// Shares of the way to the order in a step of `step_s`, kept because every step is as long.
+    step_s: f64,
+    fin_share: f64,
+    propeller_share: f64,
+}
+
+impl Tail {
+    pub(super) const fn now(&self) -> Actuators {
+        self.now
+    }
+
+    /// Moves by a step; its mean over the step.
+    pub(super) fn step(&mut self, order: Actuators, dt_s: f64) -> Actuators {
+        if dt_s.to_bits() != self.step_s.to_bits() {
+            self.step_s = dt_s;
+            self.fin_share = 1.0 - exp(-dt_s / FIN_LAG_S);
+            self.propeller_share = 1.0 - exp(-dt_s / PROPELLER_LAG_S);
+        }
+        let order = order.limited();
+        let before = self.now;
+        let fin = |now: f64, order: f64| {
+            let most = FIN_RATE_MAX_DPS * dt_s;
+            now + ((order - now) * self.fin_share).clamp(-most, most)
+        };
+        self.now = Actuators {
+            rudder_deg: fin(before.rudder_deg, order.rudder_deg),
+            stern_plane_deg: fin(before.stern_plane_deg, order.stern_plane_deg),
+            propeller_rpm: before.propeller_rpm + (order.propeller_rpm - before.propeller_rpm) * self.propeller_share,
+        };
+        Actuators {
+            rudder_deg: 0.5 * (before.rudder_deg + self.now.rudder_deg),
+            stern_plane_deg: 0.5 * (before.stern_plane_deg + self.now.stern_plane_deg),
+            propeller_rpm: 0.5 * (before.propeller_rpm + self.now.propeller_rpm),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_beyond_the_tail_are_limited_and_lag() {
+        let mut tail = Tail::default();
+        let order = Actuators {
+            rudder_deg: 90.0,
+            stern_plane_deg: f64::NAN,
+            propeller_rpm: f64::INFINITY,
+        };
+        tail.step(order, 0.02);
+        assert!(tail.now().rudder_deg <= FIN_RATE_MAX_DPS * 0.02 + 1e-12);
+        for _ in 0..49 {
+            tail.step(order, 0.02);
+        }
+        // One time constant of the propeller, ten of the fins.
+        assert!((tail.now().propeller_rpm - 1525.0 * (1.0 - exp(-1.0))).abs() < 1e-6);
+        assert!((tail.now().rudder_deg - 15.0).abs() < 0.01);
+        assert_eq!(tail.now().stern_plane_deg, 0.0);
+    }
+}

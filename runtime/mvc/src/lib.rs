@@ -35,6 +35,7 @@ mod hovering;
 mod hull;
 mod insert;
 mod interpretation;
+mod link;
 mod modify;
 mod mvc;
 mod plan;
@@ -54,12 +55,18 @@ pub use event::{
     Behavior, CancelCause, ClientId, DropReason, EndReason, ModifyEnd, ModifyValues, ModifyVertical, MvcEvent,
     MvcEventKind, Refusal, Source, Status,
 };
+pub use faults::{
+    AckFilter, AckStage, Directions, Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, LinkFault, LinkFaultKind,
+    NegativeStatus, SensorKind, Whom,
+};
 pub use file::{
-    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, Expectations, HeadingFrame,
-    InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig, ModifyLimit, PlaceConfig, PlanEntry,
-    PlanKind, Profile, SensorConfig, SpiConfig, StartConfig, VehicleConfig, WorldFile, WrapUp,
+    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, DirectionName, Expectations,
+    FaultEntry, FaultFile, FaultName, HeadingFrame, InsertsAfterControl, InterpretationConfig, MaximumExpectation,
+    MissionConfig, ModifyLimit, PlaceConfig, PlanEntry, PlanKind, Profile, SensorConfig, SensorName, SpiConfig,
+    StageName, StartConfig, VehicleConfig, WorldFile, WrapUp,
 };
 pub use hull::{Hull, HullClass};
 pub use interpretation::Interpretation;
+pub use link::{Chunk, Direction, FaultyLink, LinkFaults};
 pub use mvc::Mvc;
 pub use truth::{Activity, Truth};

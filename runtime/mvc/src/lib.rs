@@ -14,6 +14,9 @@
 //! judges. What it knows and a payload cannot is in [`Mvc::truth`] and [`Mvc::world`]. The same [`WorldFile`], seed
 //! and inputs give the same bytes.
 //!
+//! What goes wrong is a [`FaultPlan`]: the vehicle's own faults act in here, those of the link are played by a driver
+//! with [`LinkFaults`], and each begin and end is an event.
+//!
 //! Deliberately absent so far: GPS hits, trim and buoyancy, silent mode, the hovering hull's suspension, DVL
 //! triggering, acoustic communications, and the payload's abort and kill. Those commands are known and refused.
 

@@ -117,7 +117,7 @@ impl Mvc {
             topside: Topside::new(file, seed),
             acoustic: Acoustic::new(file, seed),
             hovering: Hovering::new(file, seed),
-            faults: Faults::new(file, seed),
+            faults: Faults::new(&file.faults)?,
             utc_at_start: file.start.utc,
             version: Text::cleaned(&file.spi.version),
             dive_file: Text::cleaned(&file.mission.dive_file),

@@ -5,8 +5,9 @@ use backseat_spi::{AckStatus, Acknowledgement, BehaviorId, CommandName, ToVehicl
 use backseat_units::{EastNorth, Timestamp};
 
 use super::{AckFilter, AckStage, Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, NegativeStatus, SensorKind};
+use crate::error::MvcError;
 use crate::event::{ClientId, MvcEventKind};
-use crate::file::WorldFile;
+use crate::file::FaultFile;
 use crate::mvc::{Mvc, SHUTDOWN_NOTICE};
 
 /// How many acknowledgements may be late at once; beyond it they are lost.
@@ -56,9 +57,8 @@ pub(crate) enum Verdict {
 }
 
 impl Faults {
-    /// The section of the file, whose values have been checked.
-    pub(crate) fn new(file: &WorldFile, _seed: u64) -> Self {
-        Self::of(file.faults.plan().unwrap_or_default(), Timestamp::ZERO)
+    pub(crate) fn new(file: &FaultFile) -> Result<Self, MvcError> {
+        Ok(Self::of(file.plan()?, Timestamp::ZERO))
     }
 
     fn of(plan: FaultPlan, now: Timestamp) -> Self {

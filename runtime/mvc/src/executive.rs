@@ -133,7 +133,7 @@ impl Executive {
     }
 
     /// The vehicle ends the mission that runs, or is to run.
-    pub(crate) fn abort(&mut self, details: &'static str) {
+    pub(crate) fn fail_mission(&mut self, details: &'static str) {
         match self.status {
             Status::Ready | Status::Running | Status::WrappingUp => {
                 self.finish(Status::Aborted, details, EndReason::MissionOver);

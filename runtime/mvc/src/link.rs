@@ -125,7 +125,6 @@ impl LinkFaults {
             quiet_until: acts.first().map_or(Timestamp::MAX, |(window, _)| window.from),
             acts,
             cut_at,
-            overflowed: false,
             // A connection that never meets a fault pays for no key.
             stream: None,
             seed: self.seed,
@@ -171,7 +170,6 @@ pub struct FaultyLink {
     /// No fault acts before.
     quiet_until: Timestamp,
     cut_at: Timestamp,
-    overflowed: bool,
     stream: Option<Stream>,
     seed: u64,
     name: String,
@@ -189,6 +187,7 @@ pub struct FaultyLink {
 
 #[derive(Clone, Copy, Debug)]
 struct Piece {
+    written: Timestamp,
     at: Timestamp,
     len: usize,
     /// More may be added to it: it was held back.
@@ -259,10 +258,17 @@ impl FaultyLink {
         [arrives, sentence, cut].into_iter().flatten().min()
     }
 
+    /// Since when a write has been under way: a driver that gives up a write which is not acknowledged in time, as a
+    /// real one does, counts from here.
+    #[must_use]
+    pub fn waits_since(&self) -> Option<Timestamp> {
+        self.pieces.front().map(|piece| piece.written)
+    }
+
     /// Whether the connection is gone: the driver resets it, and tells the vehicle. It stays gone.
     #[must_use]
     pub fn is_cut(&self, now: Timestamp) -> bool {
-        self.overflowed || now >= self.cut_at
+        now >= self.cut_at
     }
 
     /// Gives a chunk's buffer back.
@@ -395,7 +401,7 @@ impl FaultyLink {
             at = at + hold;
         }
         let Some((most, gap)) = split else {
-            self.put(at, bytes, !hold.is_zero());
+            self.put(now, at, bytes, !hold.is_zero());
             return;
         };
         let mut rest = bytes;
@@ -405,17 +411,18 @@ impl FaultyLink {
             if !self.pieces.is_empty() {
                 at = at.max(self.last + gap);
             }
-            self.put(at, piece, false);
+            self.put(now, at, piece, false);
             rest = after;
         }
     }
 
-    fn put(&mut self, at: Timestamp, bytes: &[u8], gathers: bool) {
+    fn put(&mut self, now: Timestamp, at: Timestamp, bytes: &[u8], gathers: bool) {
         if bytes.is_empty() {
             return;
         }
         if self.bytes.len() + bytes.len() > QUEUE_MAX || self.pieces.len() >= PIECES_MAX {
-            self.overflowed = true;
+            // Long past: the driver finds it at once.
+            self.cut_at = Timestamp::ZERO;
             self.bytes = VecDeque::new();
             self.pieces = VecDeque::new();
             return;
@@ -439,6 +446,7 @@ impl FaultyLink {
                 last.len += bytes.len()
             }
             _ => self.pieces.push_back(Piece {
+                written: now,
                 at,
                 len: bytes.len(),
                 gathers,

@@ -190,7 +190,7 @@ impl Sensors {
         }
         let altitude_m = vehicle.water_depth_m - vehicle.depth_m;
         let in_range = altitude_m >= config.altitude_blanking_m && altitude_m <= config.altitude_range_m;
-        if !in_range || now < self.no_lock_until || self.is_out(SensorKind::Dvl) {
+        if !in_range || now < self.no_lock_until || self.is_out(SensorKind::Dvl) || self.is_out(SensorKind::Altimeter) {
             return None;
         }
         // A reading of zero would say that there is no lock.

@@ -294,7 +294,7 @@ impl Mvc {
             FaultKind::NavigationJump(by) if !fault.lasts.is_zero() => self.sensors.jump(EastNorth::default() - by),
             FaultKind::ClockStep(nanos) if begins => self.step_clock(nanos),
             FaultKind::ClockStep(nanos) if !fault.lasts.is_zero() => self.step_clock(-nanos),
-            FaultKind::MissionAbort if begins => self.executive.abort("aborted by the vehicle"),
+            FaultKind::MissionAbort if begins => self.executive.fail_mission("aborted by the vehicle"),
             FaultKind::Shutdown if begins => self.shut_down(at, at + SHUTDOWN_NOTICE),
             FaultKind::Shutdown => self.watch_power(at),
             FaultKind::NavigationJump(_) | FaultKind::ClockStep(_) | FaultKind::MissionAbort => {}

@@ -216,8 +216,8 @@ pub enum NegativeStatus {
 pub enum SensorKind {
     /// Doppler log: no bottom lock, so no altitude and no velocity over the ground.
     Dvl,
-    /// Conductivity, temperature and pressure: no BFCTD.
-    Ctd,
+    /// Altimeter.
+    Altimeter,
     /// GPS: no fix at the surface.
     Gps,
     /// Compass.
@@ -226,11 +226,30 @@ pub enum SensorKind {
     Depth,
     /// Inertial measurement unit.
     Imu,
+    /// Conductivity, temperature and pressure: no BFCTD.
+    Ctd,
+    /// Sound velocity.
+    SoundVelocity,
+    /// Tailcone: elevator, rudder and propeller.
+    Tailcone,
+    /// Telemetry of the hull.
+    Telemetry,
 }
 
 impl SensorKind {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Dvl, Self::Ctd, Self::Gps, Self::Compass, Self::Depth, Self::Imu];
+    pub const ALL: [Self; 10] = [
+        Self::Dvl,
+        Self::Altimeter,
+        Self::Gps,
+        Self::Compass,
+        Self::Depth,
+        Self::Imu,
+        Self::Ctd,
+        Self::SoundVelocity,
+        Self::Tailcone,
+        Self::Telemetry,
+    ];
 }
 
 impl Fault {

@@ -113,11 +113,15 @@ impl fmt::Display for SensorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Dvl => "DVL",
-            Self::Ctd => "CTD",
+            Self::Altimeter => "altimeter",
             Self::Gps => "GPS",
             Self::Compass => "compass",
             Self::Depth => "depth sensor",
             Self::Imu => "IMU",
+            Self::Ctd => "CTD",
+            Self::SoundVelocity => "sound velocity sensor",
+            Self::Tailcone => "tailcone",
+            Self::Telemetry => "telemetry",
         })
     }
 }

@@ -162,11 +162,15 @@ pub enum StageName {
 #[expect(missing_docs, reason = "as SensorKind says")]
 pub enum SensorName {
     Dvl,
-    Ctd,
+    Altimeter,
     Gps,
     Compass,
     Depth,
     Imu,
+    Ctd,
+    SoundVelocity,
+    Tailcone,
+    Telemetry,
 }
 
 /// Names on one side, kinds on the other.
@@ -187,7 +191,7 @@ macro_rules! names {
 
 names!(DirectionName = Directions: Both, ToVehicle, FromVehicle);
 names!(StageName = AckStage: All, Pending, Outcome);
-names!(SensorName = SensorKind: Dvl, Ctd, Gps, Compass, Depth, Imu);
+names!(SensorName = SensorKind: Dvl, Altimeter, Gps, Compass, Depth, Imu, Ctd, SoundVelocity, Tailcone, Telemetry);
 
 impl FaultFile {
     pub(crate) fn from_toml(text: &str) -> Result<Self, MvcError> {

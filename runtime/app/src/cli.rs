@@ -55,6 +55,9 @@ pub(crate) struct Sim {
     /// Draws the world, the noise and what the specification leaves open
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
+    /// Let go wrong what this file says and when, instead of the [faults] of world.toml
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) faults: Option<PathBuf>,
     /// Write the log here
     #[arg(long, value_name = "FILE.mcap")]
     pub(crate) log: Option<PathBuf>,

@@ -4,6 +4,7 @@ use core::time::Duration;
 use backseat_spi::{BehaviorId, CommandName, Text};
 use backseat_units::Timestamp;
 
+use crate::faults::FaultEvent;
 use crate::hovering::HoveringEvent;
 use crate::mission_event::MissionEvent;
 
@@ -92,6 +93,8 @@ pub enum MvcEventKind {
     Grounded,
     /// Of a hovering vehicle.
     Hovering(HoveringEvent),
+    /// A fault of the run's plan began or ended.
+    Fault(FaultEvent),
     /// A sentence could not be written: its name.
     NotEncoded(Box<str>),
     /// Events were not fetched in time, and so many are lost.
@@ -328,6 +331,7 @@ impl fmt::Display for MvcEventKind {
             Self::PowerOff => f.write_str("payload power is off"),
             Self::Grounded => f.write_str("the vehicle touched the seabed"),
             Self::Hovering(event) => event.fmt(f),
+            Self::Fault(fault) => fault.fmt(f),
             Self::NotEncoded(name) => write!(f, "a {name} could not be encoded"),
             Self::EventsLost(count) => write!(f, "{count} events were not fetched and are lost"),
         }

@@ -67,6 +67,8 @@ pub(crate) struct Executive {
     modified: Duration,
     modify_barred: bool,
     control: bool,
+    /// Control is not given, whatever the plan allows.
+    control_denied: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -141,6 +143,7 @@ impl Executive {
             modified: Duration::ZERO,
             modify_barred: false,
             control: false,
+            control_denied: false,
         }
     }
 
@@ -150,6 +153,20 @@ impl Executive {
 
     pub(crate) const fn control(&self) -> bool {
         self.control
+    }
+
+    /// Whether control is withheld though the plan allows it; the next step acts on it.
+    pub(crate) const fn deny_control(&mut self, denied: bool) {
+        self.control_denied = denied;
+    }
+
+    /// The vehicle ends the mission that runs, or is to run.
+    pub(crate) fn fail_mission(&mut self, details: &'static str) {
+        match self.status {
+            Status::Running => self.end_mission(true, details),
+            Status::Ready | Status::WrappingUp => self.finish(Status::Aborted, details),
+            Status::Aborting | Status::Completed | Status::Aborted | Status::Stopped => {}
+        }
     }
 
     pub(crate) fn plan(&self) -> &[PlanItem] {
@@ -279,7 +296,7 @@ impl Executive {
         let mut changed = false;
         // Dropped inserts pass on to the next element, which may allow requests again: at most a fall and a rise.
         for _ in 0..3 {
-            let allowed = self.allows_dynamic_requests(now);
+            let allowed = !self.control_denied && self.allows_dynamic_requests(now);
             if allowed == self.control {
                 break;
             }

@@ -14,6 +14,9 @@
 //! judges. What it knows and a payload cannot is in [`Mvc::truth`] and [`Mvc::world`]. The same [`WorldFile`], seed
 //! and inputs give the same bytes.
 //!
+//! What goes wrong is a [`FaultPlan`]: the vehicle's own faults act in here, those of the link are played by a driver
+//! with [`LinkFaults`], and each begin and end is an event.
+//!
 //! Deliberately absent so far: trim and buoyancy, silent mode, DVL triggering, acoustic communications. Those commands
 //! are known and refused.
 
@@ -35,6 +38,7 @@ mod hovering;
 mod hull;
 mod insert;
 mod interpretation;
+mod link;
 mod mission_event;
 mod modify;
 mod mvc;
@@ -56,15 +60,21 @@ pub use event::{
     Behavior, CancelCause, ClientId, DropReason, EndReason, ModifyEnd, ModifyHorizontal, ModifyValues, ModifyVertical,
     MvcEvent, MvcEventKind, Refusal, Source, Status,
 };
+pub use faults::{
+    AckFilter, AckStage, Directions, Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, LinkFault, LinkFaultKind,
+    NegativeStatus, SensorKind, Whom,
+};
 pub use file::{
     AcknowledgeConfig, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, ContourExpectation, ControlWindow,
-    Expectations, HeadingFrame, HoveringConfig, HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig,
-    MaximumExpectation, MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, PlaceConfig, PlanEntry, PlanKind,
-    Profile, SensorConfig, ShipConfig, ShipSide, SpiConfig, StartConfig, VehicleConfig, WorldFile, WrapUp,
+    DirectionName, Expectations, FaultEntry, FaultFile, FaultName, HeadingFrame, HoveringConfig, HullVertical,
+    InsertPlace, InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig, ModifyBeyond,
+    ModifyFins, ModifyLimit, PlaceConfig, PlanEntry, PlanKind, Profile, SensorConfig, SensorName, ShipConfig, ShipSide,
+    SpiConfig, StageName, StartConfig, VehicleConfig, WorldFile, WrapUp,
 };
 pub use hovering::{HoveringEvent, SuspensionEnd};
 pub use hull::{Hull, HullClass};
 pub use interpretation::{Interpretation, ResumeFrom};
+pub use link::{Chunk, Direction, FaultyLink, LinkFaults};
 pub use mission_event::{MissionEvent, Told};
 pub use mvc::Mvc;
 pub use truth::{Activity, HoveringTruth, Truth};

@@ -14,7 +14,7 @@ use crate::dvl_trigger::DvlTrigger;
 use crate::error::MvcError;
 use crate::event::{Behavior, ClientId, DropReason, MvcEvent, MvcEventKind, Source, Status};
 use crate::executive::Executive;
-use crate::faults::Faults;
+use crate::faults::{Faults, SensorKind};
 use crate::file::{AcknowledgeConfig, Profile, WorldFile};
 use crate::hovering::Hovering;
 use crate::interpretation::Interpretation;
@@ -34,7 +34,7 @@ const EVENTS_MAX: usize = 10_000;
 /// A framer is given no more at once, so that a flood is worked off as it comes, bytes.
 const CHUNK: usize = 4096;
 /// BFSHT comes this long before the payload's power goes off (SPI 5.2: at least 1 minute).
-const SHUTDOWN_NOTICE: Duration = Duration::from_secs(60);
+pub(crate) const SHUTDOWN_NOTICE: Duration = Duration::from_secs(60);
 
 /// The mock main vehicle computer. See the crate's documentation for the order of calls.
 #[derive(Debug)]
@@ -121,7 +121,7 @@ impl Mvc {
             topside: Topside::new(file, seed),
             acoustic: Acoustic::new(file, seed),
             hovering,
-            faults: Faults::new(file, seed),
+            faults: Faults::new(&file.faults)?,
             empty_allowed: file.mission.empty_allowed,
             utc_at_start: file.start.utc,
             version: Text::cleaned(&file.spi.version),
@@ -226,18 +226,25 @@ impl Mvc {
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Timestamp> {
         let lapses = self.executive.lapses_at().unwrap_or(self.next_tick);
-        Some(self.next_tick.min(lapses))
+        Some(self.next_tick.min(lapses).min(self.faults.next()))
     }
 
     /// Takes every step of the vehicle that is due. A late call takes them all, each at its own time, so that a call
     /// an hour late costs an hour's steps. The inputs do the same before anything else.
     pub fn handle_timeout(&mut self, now: Timestamp) {
         loop {
+            let fault = self.faults.next();
+            let first = fault.min(self.executive.lapses_at().unwrap_or(Timestamp::MAX));
+            if fault <= now && fault == first && fault <= self.next_tick {
+                self.step_faults(fault);
+                continue;
+            }
             // A modify and a suspension lapse on time and not at the next step: their 5 s and 2 s are promises (SPI
             // 7.12, 8.1).
-            while let Some(at) = self.executive.lapses_at().filter(|at| *at <= now.min(self.next_tick)) {
+            if let Some(at) = self.executive.lapses_at().filter(|at| *at <= now.min(self.next_tick)) {
                 self.executive.lapse(at);
                 self.settle(at);
+                continue;
             }
             if self.next_tick > now {
                 return;
@@ -323,8 +330,24 @@ impl Mvc {
         self.utc(now).time_of_day()
     }
 
+    /// When the vehicle's last step was.
+    pub(crate) const fn last_tick(&self) -> Timestamp {
+        self.last_tick
+    }
+
+    /// Sets the vehicle's clock forward or back.
+    pub(crate) fn step_clock(&mut self, nanos: i64) {
+        let utc = self.utc_at_start.as_unix_nanos().saturating_add_signed(nanos);
+        self.utc_at_start = Utc::from_unix_nanos(utc);
+    }
+
+    /// Says now that the payload's power goes off, and when it does where that is not sooner anyway.
+    pub(crate) fn shut_down(&mut self, now: Timestamp, at: Timestamp) {
+        self.shutdown_at = Some(self.shutdown_at.map_or(at, |planned| planned.min(at)));
+        self.watch_power(now);
+    }
+
     fn tick(&mut self, now: Timestamp) {
-        self.tick_faults(now);
         self.resolve_pending(now);
         self.steer_hovering();
         let drive = self
@@ -359,7 +382,7 @@ impl Mvc {
 
     fn report_navigation(&mut self, now: Timestamp) {
         let stamp = self.stamp(now);
-        if self.server.wanted(Topic::Navigation.bit() | Topic::Velocity.bit()) {
+        if !self.sensors.navigation_silent() && self.server.wanted(Topic::Navigation.bit() | Topic::Velocity.bit()) {
             let navigation = self.sensors.navigation(&self.vehicle, self.world.frame(), now, stamp);
             self.publish(now, Some(Topic::Navigation), &FromVehicle::Navigation(navigation));
             let velocity = self.sensors.velocity(&self.vehicle, stamp);
@@ -367,14 +390,14 @@ impl Mvc {
         }
         if now >= self.next_ctd {
             self.next_ctd = now + self.ctd_period;
-            if self.server.wanted(Topic::Ctd.bit()) {
+            if !self.sensors.is_out(SensorKind::Ctd) && self.server.wanted(Topic::Ctd.bit()) {
                 let ctd = self.sensors.ctd(&self.vehicle, &self.world, now, stamp);
                 self.publish(now, Some(Topic::Ctd), &FromVehicle::Ctd(ctd));
             }
         }
     }
 
-    fn watch_power(&mut self, now: Timestamp) {
+    pub(crate) fn watch_power(&mut self, now: Timestamp) {
         let Some(at) = self.shutdown_at else { return };
         if !self.shutdown_said && now + SHUTDOWN_NOTICE >= at {
             self.shutdown_said = true;

@@ -11,7 +11,9 @@ mod spi;
 mod start;
 mod vehicle;
 
-use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, WorldConfig};
+use backseat_world::{
+    CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, TargetConfig, TideLevelConfig, WorldConfig,
+};
 use serde::Deserialize;
 
 pub use expect::{ContourExpectation, Expectations, MaximumExpectation};
@@ -131,12 +133,18 @@ pub struct WorldFile {
     /// The seabed.
     #[serde(default)]
     pub seabed: SeabedConfig,
+    /// How the water rises and falls.
+    #[serde(default)]
+    pub tide: TideLevelConfig,
     /// The current.
     #[serde(default)]
     pub current: CurrentConfig,
     /// Temperature and conductivity.
     #[serde(default)]
     pub field: FieldConfig,
+    /// What lies on the seabed.
+    #[serde(default)]
+    pub targets: Vec<TargetConfig>,
     /// The vehicle's hull and its own limits.
     #[serde(default)]
     pub vehicle: VehicleConfig,
@@ -183,8 +191,10 @@ impl WorldFile {
         WorldConfig {
             origin: self.origin,
             seabed: self.seabed.clone(),
+            tide: self.tide,
             current: self.current.clone(),
             field: self.field.clone(),
+            targets: self.targets.clone(),
         }
     }
 

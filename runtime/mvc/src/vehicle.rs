@@ -258,7 +258,7 @@ fn share(dt_s: f64, tau_s: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, Span, WorldConfig};
+    use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, Span, TideLevelConfig, WorldConfig};
 
     use super::*;
     use crate::hull::HullClass;
@@ -273,8 +273,10 @@ mod tests {
                 downslope_deg: Span::fixed(90.0),
                 ..SeabedConfig::default()
             },
+            tide: TideLevelConfig::default(),
             current: CurrentConfig::default(),
             field: FieldConfig::default(),
+            targets: Vec::new(),
         };
         World::new(&config, 4).unwrap()
     }

@@ -4,6 +4,12 @@ use core::time::Duration;
 use backseat_spi::{BehaviorId, CommandName, Text};
 use backseat_units::Timestamp;
 
+use crate::acoustic::AcousticEvent;
+use crate::adjustment::AdjustmentEvent;
+use crate::dvl_trigger::DvlTriggerEvent;
+use crate::silence::SilenceEvent;
+use crate::topside::TopsideEvent;
+
 /// A client of the server, as the driver numbers its connections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ClientId(pub u32);
@@ -85,6 +91,16 @@ pub enum MvcEventKind {
     PowerOff,
     /// The vehicle touched the seabed.
     Grounded,
+    /// Silent mode.
+    Silence(SilenceEvent),
+    /// Trim or buoyancy.
+    Adjustment(AdjustmentEvent),
+    /// External triggering of the DVL.
+    DvlTrigger(DvlTriggerEvent),
+    /// Text to or from the topside.
+    Topside(TopsideEvent),
+    /// The acoustic modem.
+    Acoustic(AcousticEvent),
     /// A sentence could not be written: its name.
     NotEncoded(Box<str>),
     /// Events were not fetched in time, and so many are lost.
@@ -279,6 +295,11 @@ impl fmt::Display for MvcEventKind {
             Self::ShutdownSoon => f.write_str("payload power goes off in 60 s"),
             Self::PowerOff => f.write_str("payload power is off"),
             Self::Grounded => f.write_str("the vehicle touched the seabed"),
+            Self::Silence(event) => event.fmt(f),
+            Self::Adjustment(event) => event.fmt(f),
+            Self::DvlTrigger(event) => event.fmt(f),
+            Self::Topside(event) => event.fmt(f),
+            Self::Acoustic(event) => event.fmt(f),
             Self::NotEncoded(name) => write!(f, "a {name} could not be encoded"),
             Self::EventsLost(count) => write!(f, "{count} events were not fetched and are lost"),
         }

@@ -1,26 +1,39 @@
 //! `world.toml` as it is written: every section, parsed and range-checked, before anything is drawn.
 
+mod acoustic;
+mod adjustment;
+mod dvl;
 mod expect;
 mod interpretation;
 mod mission;
 mod plan;
+mod power;
 mod sensors;
+mod silence;
 mod spi;
 mod start;
+mod topside;
 mod vehicle;
 
 use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, WorldConfig};
 use serde::Deserialize;
 
+pub use acoustic::{AcousticConfig, AcousticDevice, PeerConfig, PeerPacket};
+pub use adjustment::AdjustmentConfig;
+pub use dvl::{DvlConfig, LineFault};
 pub use expect::{ContourExpectation, Expectations, MaximumExpectation};
 pub use interpretation::{
-    AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertsAfterControl, InterpretationConfig,
+    AdjustmentWhenSilenced, AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertsAfterControl,
+    InterpretationConfig, UnackedFrames,
 };
 pub use mission::{MissionConfig, ModifyLimit, WrapUp};
 pub use plan::{PlaceConfig, PlanEntry, PlanKind};
+pub use power::PowerConfig;
 pub use sensors::SensorConfig;
+pub use silence::SilenceConfig;
 pub use spi::{AcknowledgeConfig, Profile, SpiConfig};
 pub use start::StartConfig;
+pub use topside::{TopsideConfig, TopsideEntry};
 pub use vehicle::VehicleConfig;
 
 use crate::error::{MvcError, check};
@@ -143,6 +156,24 @@ pub struct WorldFile {
     /// What the specification leaves open.
     #[serde(default)]
     pub interpretation: InterpretationConfig,
+    /// Silent mode.
+    #[serde(default)]
+    pub silence: SilenceConfig,
+    /// Trim and buoyancy.
+    #[serde(default)]
+    pub adjustment: AdjustmentConfig,
+    /// The batteries.
+    #[serde(default)]
+    pub power: PowerConfig,
+    /// External triggering of the DVL.
+    #[serde(default)]
+    pub dvl: DvlConfig,
+    /// Text to and from the topside.
+    #[serde(default)]
+    pub topside: TopsideConfig,
+    /// The acoustic modem.
+    #[serde(default)]
+    pub acoustic: AcousticConfig,
     /// What the run must fulfil. The mock carries it and does not judge.
     #[serde(default)]
     pub expect: Expectations,
@@ -181,6 +212,12 @@ impl WorldFile {
         self.mission.validate()?;
         self.spi.validate()?;
         self.interpretation.validate()?;
+        self.silence.validate(1.0 / f64::from(self.vehicle.tick_hz))?;
+        self.adjustment.validate()?;
+        self.power.validate()?;
+        self.dvl.validate()?;
+        self.topside.validate()?;
+        self.acoustic.validate()?;
         let (most_s, tick_s) = (self.spi.pending_s.most(), 1.0 / f64::from(self.vehicle.tick_hz));
         let expected = "2 s less one step of the vehicle: requests are decided at a step, within 2 s";
         check(most_s <= 2.0 - tick_s + 1e-9, "spi.pending_s", most_s, expected)?;
@@ -189,6 +226,21 @@ impl WorldFile {
         crate::plan::resolve(&self.plan, world.frame(), &self.vehicle)?;
         Ok(())
     }
+}
+
+/// Checks a list of times, seconds after the start.
+pub(crate) fn ordered_times(key: &'static str, times: &[f64]) -> Result<(), MvcError> {
+    let mut before = 0.0;
+    for time in times {
+        check(
+            (before..=1e9).contains(time),
+            key,
+            *time,
+            "0 to 1e9 s, none before the one that it follows",
+        )?;
+        before = *time;
+    }
+    Ok(())
 }
 
 /// The TOML crate's error on one line. Its own display spreads over five.

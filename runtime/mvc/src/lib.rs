@@ -14,8 +14,8 @@
 //! judges. What it knows and a payload cannot is in [`Mvc::truth`] and [`Mvc::world`]. The same [`WorldFile`], seed
 //! and inputs give the same bytes.
 //!
-//! Deliberately absent so far: GPS hits, trim and buoyancy, silent mode, the hovering hull's suspension, DVL
-//! triggering, acoustic communications, and the payload's abort and kill. Those commands are known and refused.
+//! Deliberately absent so far: GPS hits, the hovering hull's suspension, and the payload's abort and kill. Those
+//! commands are known and refused.
 
 mod acoustic;
 mod adjustment;
@@ -49,17 +49,24 @@ mod topside;
 mod truth;
 mod vehicle;
 
+pub use acoustic::AcousticEvent;
+pub use adjustment::{AdjustmentEvent, AdjustmentKind};
+pub use dvl_trigger::DvlTriggerEvent;
 pub use error::MvcError;
 pub use event::{
     Behavior, CancelCause, ClientId, DropReason, EndReason, ModifyEnd, ModifyValues, ModifyVertical, MvcEvent,
     MvcEventKind, Refusal, Source, Status,
 };
 pub use file::{
-    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, Expectations, HeadingFrame,
-    InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig, ModifyLimit, PlaceConfig, PlanEntry,
-    PlanKind, Profile, SensorConfig, SpiConfig, StartConfig, VehicleConfig, WorldFile, WrapUp,
+    AcknowledgeConfig, AcousticConfig, AcousticDevice, AdjustmentConfig, AdjustmentWhenSilenced, AfterInterrupt,
+    CancelAllScope, Choice, ContourExpectation, DvlConfig, Expectations, HeadingFrame, InsertsAfterControl,
+    InterpretationConfig, LineFault, MaximumExpectation, MissionConfig, ModifyLimit, PeerConfig, PeerPacket,
+    PlaceConfig, PlanEntry, PlanKind, PowerConfig, Profile, SensorConfig, SilenceConfig, SpiConfig, StartConfig,
+    TopsideConfig, TopsideEntry, UnackedFrames, VehicleConfig, WorldFile, WrapUp,
 };
 pub use hull::{Hull, HullClass};
 pub use interpretation::Interpretation;
 pub use mvc::Mvc;
+pub use silence::SilenceEvent;
+pub use topside::TopsideEvent;
 pub use truth::{Activity, Truth};

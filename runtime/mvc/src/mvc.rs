@@ -1,9 +1,7 @@
 use core::time::Duration;
 use std::collections::VecDeque;
 
-use backseat_spi::{
-    BackseatControl, BehaviorBegin, BehaviorEnd, FromVehicle, MissionStatus, Shutdown, Text, VehicleVersion,
-};
+use backseat_spi::{BackseatControl, BehaviorBegin, BehaviorEnd, FromVehicle, MissionStatus, Text, VehicleVersion};
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 use backseat_world::{Span, Stream, World};
 
@@ -31,8 +29,6 @@ use crate::vehicle::{Drive, Vehicle};
 const EVENTS_MAX: usize = 10_000;
 /// A framer is given no more at once, so that a flood is worked off as it comes, bytes.
 const CHUNK: usize = 4096;
-/// BFSHT comes this long before the payload's power goes off (SPI 5.2: at least 1 minute).
-const SHUTDOWN_NOTICE: Duration = Duration::from_secs(60);
 
 /// The mock main vehicle computer. See the crate's documentation for the order of calls.
 #[derive(Debug)]
@@ -70,9 +66,6 @@ pub struct Mvc {
     last_tick: Timestamp,
     ctd_period: Duration,
     next_ctd: Timestamp,
-    shutdown_at: Option<Timestamp>,
-    shutdown_said: bool,
-    powered: bool,
     grounded: bool,
     events: VecDeque<MvcEvent>,
     events_lost: u64,
@@ -95,6 +88,8 @@ impl Mvc {
         let heading_deg = file.start.heading_deg - frame_convergence_deg;
         let hull = file.vehicle.hull();
         let mut vehicle = Vehicle::new(hull, file.vehicle.altitude_min_m, at, file.start.depth_m, heading_deg);
+        let adjustment = Adjustment::new(file, seed);
+        vehicle.rise_share = adjustment.rise_share();
         vehicle.sense(&world, Timestamp::ZERO);
         let running = format!("{} {}", Status::Running.name(), file.mission.log_dir);
         Ok(Self {
@@ -111,7 +106,7 @@ impl Mvc {
             sensors: Sensors::new(file.sensors, file.vehicle.tick_hz, seed),
             surfacing: Surfacing::new(file, seed),
             silence: Silence::new(file, seed),
-            adjustment: Adjustment::new(file, seed),
+            adjustment,
             power: Power::new(file, seed),
             dvl_trigger: DvlTrigger::new(file, seed),
             topside: Topside::new(file, seed),
@@ -129,12 +124,6 @@ impl Mvc {
             last_tick: Timestamp::ZERO,
             ctd_period: Duration::from_secs_f64(file.sensors.ctd_period_s),
             next_ctd: Timestamp::ZERO,
-            shutdown_at: file
-                .mission
-                .shutdown_after_s
-                .map(|s| Timestamp::ZERO + Duration::from_secs_f64(s)),
-            shutdown_said: false,
-            powered: true,
             grounded: false,
             events: VecDeque::new(),
             events_lost: 0,
@@ -167,7 +156,7 @@ impl Mvc {
     pub fn connect(&mut self, now: Timestamp, client: ClientId) {
         self.handle_timeout(now);
         self.mute(client);
-        if !self.powered {
+        if !self.power.is_on() {
             self.server.cut_off(client, DropReason::PowerOff);
             self.settle(now);
             return;
@@ -318,12 +307,18 @@ impl Mvc {
         self.utc(now).time_of_day()
     }
 
+    /// Time between two steps of the vehicle.
+    pub(crate) const fn period(&self) -> Duration {
+        self.period
+    }
+
     fn tick(&mut self, now: Timestamp) {
         self.tick_faults(now);
         self.resolve_pending(now);
         let drive = self
             .executive
             .tick(now, &self.sensors.estimate(&self.vehicle), self.frame_convergence_deg);
+        let drive = self.quieted(now, drive);
         self.vehicle.step(drive, self.period.as_secs_f64());
         self.vehicle.sense(&self.world, now);
         if self.vehicle.grounded != self.grounded {
@@ -340,7 +335,6 @@ impl Mvc {
         }
         self.settle(now);
         self.report_navigation(now);
-        self.watch_power(now);
         self.tick_surfacing(now);
         self.tick_silence(now);
         self.tick_adjustment(now);
@@ -366,22 +360,6 @@ impl Mvc {
                 let ctd = self.sensors.ctd(&self.vehicle, &self.world, now, stamp);
                 self.publish(now, Some(Topic::Ctd), &FromVehicle::Ctd(ctd));
             }
-        }
-    }
-
-    fn watch_power(&mut self, now: Timestamp) {
-        let Some(at) = self.shutdown_at else { return };
-        if !self.shutdown_said && now + SHUTDOWN_NOTICE >= at {
-            self.shutdown_said = true;
-            let created = self.stamp(now);
-            self.note(now, MvcEventKind::ShutdownSoon);
-            self.publish(now, None, &Shutdown { created }.into());
-        }
-        if self.powered && now >= at {
-            self.powered = false;
-            self.note(now, MvcEventKind::PowerOff);
-            self.server.cut_off_all(DropReason::PowerOff);
-            self.settle(now);
         }
     }
 
@@ -484,6 +462,12 @@ impl Mvc {
         if let Err(name) = self.server.publish(topic, message) {
             self.note(now, MvcEventKind::NotEncoded(name));
         }
+    }
+
+    /// Sends a command message (SPI 5) to the payload with a role (SPI 4.1), or to all. Roles are not told apart yet:
+    /// it goes to all.
+    pub(crate) fn command_client(&mut self, now: Timestamp, _role: Option<&str>, message: &FromVehicle) {
+        self.publish(now, None, message);
     }
 
     pub(crate) fn note(&mut self, at: Timestamp, kind: MvcEventKind) {

@@ -1,6 +1,6 @@
 use core::time::Duration;
 
-use backseat_spi::{AckStatus, BehaviorId};
+use backseat_spi::{AckStatus, BehaviorId, Text};
 use backseat_units::Timestamp;
 
 use crate::answers::Regarding;
@@ -25,6 +25,8 @@ pub(crate) enum Work {
     Insert(Insert),
     Cancel(BehaviorId),
     Plan,
+    /// A message to the topside.
+    Topside(Text),
     /// An insert that BPRCA has taken back meanwhile.
     TakenBack(BehaviorId),
 }
@@ -35,6 +37,8 @@ impl Mvc {
         for pending in self.pending.iter_mut().filter(|pending| pending.re.client == client) {
             pending.re.muted = true;
         }
+        self.silence.mute(client);
+        self.dvl_trigger.gone(client);
     }
 
     /// Tells the outcome of every pending request that is due.
@@ -89,6 +93,7 @@ impl Mvc {
                 Ok(()) => self.acknowledge(now, re, AckStatus::Succeeded, ""),
                 Err(why) => self.acknowledge(now, re, AckStatus::Failed, why),
             },
+            Work::Topside(text) => self.queue_topside(now, re, text),
             Work::Plan if re.muted => {}
             Work::Plan => {
                 let count = self.send_plan(now, re.client);

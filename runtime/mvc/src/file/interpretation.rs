@@ -24,6 +24,17 @@ pub struct InterpretationConfig {
     pub cancel_all_scope: CancelAllScope,
     /// What BPRMB's heading counts from (SPI 7.12 does not say).
     pub modify_heading: HeadingFrame,
+    /// What a request for silence does to a trim or buoyancy adjustment that a payload has asked for (SPI 7.22 to 7.24
+    /// speak of implicit ones alone).
+    pub adjustment_when_silenced: AdjustmentWhenSilenced,
+    /// Whether BPTRM and BPBOY fail where their client has not switched on BFTRM or BFBOY (SPI 7.23, 7.24: "must be
+    /// registered").
+    pub adjustment_needs_status: Choice<bool>,
+    /// Whether BFDVT says so when the DVL goes back to internal triggering because the payload has not triggered it
+    /// (SPI 7.4 says so and marks it as not implemented).
+    pub dvl_timeout_announced: Choice<bool>,
+    /// What BFCPS says of frames whose acknowledgement did not come (SPI 9.2 does not say).
+    pub unacked_frames: UnackedFrames,
 }
 
 /// What becomes of inserts when BFCTL falls to 0.
@@ -74,6 +85,32 @@ pub enum HeadingFrame {
     True,
     /// North of the UTM grid, as BFNVG's.
     Grid,
+    /// The seed draws.
+    Seed,
+}
+
+/// What a request for silence does to an adjustment that a payload has asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AdjustmentWhenSilenced {
+    /// It is cancelled.
+    #[default]
+    Cancel,
+    /// It goes on, and the request for silence fails.
+    Refuse,
+    /// The seed draws.
+    Seed,
+}
+
+/// What BFCPS says of frames whose acknowledgement did not come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum UnackedFrames {
+    /// Unacknowledged (1): they were sent.
+    #[default]
+    Unacknowledged,
+    /// Failed to send (3).
+    Failed,
     /// The seed draws.
     Seed,
 }

@@ -13,6 +13,7 @@ mod modify;
 mod navigation;
 mod payload;
 mod power;
+mod services;
 mod session;
 mod silence;
 mod topside;

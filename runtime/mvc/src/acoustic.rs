@@ -203,7 +203,7 @@ impl Mvc {
             let acoustic = &mut self.acoustic;
             let period = acoustic.config.own_period_s.map(Duration::from_secs_f64);
             acoustic.next_own = period.map_or(Timestamp::MAX, |period| now + period);
-            if !self.silence.is_silent() && !acoustic.modem.holds(acoustic.own_request) {
+            if !self.silence.is_silent() && !acoustic.modem.has_own() {
                 acoustic.modem.push(Request {
                     request: acoustic.own_request,
                     destination: 0,

@@ -151,6 +151,11 @@ impl Mvc {
         );
     }
 
+    /// The mission is wrapped up: the thruster is needed.
+    pub(crate) fn abandon_adjustment(&mut self, now: Timestamp) {
+        self.end_adjustment(now, failed(AdjustmentError::Canceled, "canceled: the mission wraps up"));
+    }
+
     /// One step of the vehicle.
     pub(crate) fn tick_adjustment(&mut self, now: Timestamp) {
         if self.adjustment.implicit.front().is_some_and(|at| *at <= now) {

@@ -67,8 +67,8 @@ impl Power {
         (1.0 - self.used_j / (self.config.capacity_wh * 3600.0)).clamp(0.0, 1.0)
     }
 
-    /// The payload's power goes off then, or a minute from now where that is later; an earlier time stands.
-    fn shut_down(&mut self, now: Timestamp) {
+    /// The payload's power goes off a minute from now, or when it was to go off already where that is earlier.
+    pub(crate) fn shut_down(&mut self, now: Timestamp) {
         let at = now + SHUTDOWN_NOTICE;
         self.shutdown_at = Some(self.shutdown_at.map_or(at, |before| before.min(at)));
     }

@@ -163,9 +163,10 @@ impl Mvc {
     /// What moves the vehicle in truth: the thruster is off while the vehicle is silent, while it adjusts its trim or
     /// buoyancy, and where no speed is asked for.
     pub(crate) fn quieted(&mut self, now: Timestamp, drive: Drive) -> Drive {
-        if self.silence.is_silent() && self.executive.status() == Status::WrappingUp {
-            // Bringing the vehicle home comes first; the specification does not speak of it.
+        if matches!(drive, Drive::Under(_)) && self.executive.status() != Status::Running {
+            // A powered ascent. Bringing the vehicle home comes first; the specification does not speak of it.
             self.end_silence(now, SilenceEvent::WrapUp);
+            self.abandon_adjustment(now);
         }
         let drive = match drive {
             Drive::Under(_) if self.silence.is_silent() || self.adjustment.is_asked_for() => Drive::Adrift,

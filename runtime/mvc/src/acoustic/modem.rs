@@ -110,6 +110,11 @@ impl Modem {
         under_way || self.queue.iter().any(|waiting| waiting.request == request)
     }
 
+    /// Whether a packet of the vehicle's own waits: it makes no other then.
+    pub(super) fn has_own(&self) -> bool {
+        self.queue.iter().any(|request| request.own)
+    }
+
     /// Takes out the payload's first packet that waits.
     pub(super) fn take_payloads(&mut self) -> Option<Request> {
         let at = self.queue.iter().position(|request| !request.own)?;

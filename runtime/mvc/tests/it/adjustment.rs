@@ -231,6 +231,28 @@ fn the_end_of_the_mission_ends_an_adjustment() {
     );
 }
 
+#[test]
+fn a_powered_ascent_does_not_wait_for_an_adjustment() {
+    let text = waiting("buoyancy_rate_n_per_s = 0.001")
+        .replace("starts_after_s = 5000", "starts_after_s = 40\nwrap_up = \"surface\"");
+    let plan = "[[plan]]\nkind = \"setpoint\"\nheading_deg = 0\nduration_s = 30\ndepth_m = 10\nspeed_mps = 2\n";
+    let text = text.split("[[plan]]").next().unwrap().to_owned() + plan;
+    let mut payload = Payload::connected(&text, 1, TOPICS);
+    payload.until(30.0);
+    payload.say("$BPBOY,070000.000");
+    payload.until(69.0);
+    // The mission's clock runs, and the thruster is off.
+    assert!(payload.mvc.truth().speed_mps < 0.05);
+    payload.heard();
+    payload.until(80.0);
+    let heard = payload.heard();
+    let ended = heard
+        .iter()
+        .any(|line| line.contains(",3,2,canceled: the mission wraps up,"));
+    assert!(ended, "{heard:?}");
+    assert!(payload.mvc.truth().speed_mps > 0.5);
+}
+
 // 7.24: "It is possible that the vehicle may perform implicit buoyancy adjustments".
 #[test]
 fn the_vehicle_adjusts_by_itself_and_gives_way() {

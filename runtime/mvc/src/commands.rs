@@ -105,6 +105,8 @@ impl Mvc {
             ToVehicle::RequestPlan(_) => self.begin_pending(now, re, Work::Plan),
             ToVehicle::Unknown(unknown) => self.no_command(now, re, unknown.name()),
             ToVehicle::GpsHit(request) => self.gps_hit(now, re, &request),
+            // An adjustment is the current behavior while it runs (SPI 7.23, 7.24).
+            ToVehicle::CancelCurrent(_) if self.adjustment.is_asked_for() => self.cancel_adjustment(now, re),
             ToVehicle::CancelCurrent(request) => self.cancel_current(now, re, &request),
             ToVehicle::CancelElement(request) => self.cancel_element(now, re, &request),
             ToVehicle::Abort(request) => self.abort(now, re, &request),

@@ -1,25 +1,267 @@
-use backseat_spi::DvlTriggerRequest;
+use core::fmt;
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use backseat_spi::{AckStatus, DvlTriggerRequest, DvlTriggering};
 use backseat_units::Timestamp;
 
 use crate::answers::Regarding;
-use crate::file::WorldFile;
+use crate::event::{ClientId, MvcEventKind};
+use crate::file::{DvlConfig, WorldFile};
 use crate::mvc::Mvc;
 
+/// What happened to the DVL's triggering.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DvlTriggerEvent {
+    /// A client asks for external triggering.
+    Asked(ClientId),
+    /// The payload may trigger: BFDVT 1.
+    Began,
+    /// The payload must cease, since it has asked to end: BFDVT 0.
+    StopAsked,
+    /// The payload must cease, by the vehicle's own decision: BFDVT 0.
+    StopOrdered,
+    /// The DVL is triggered internally again.
+    Internal,
+    /// The payload has not triggered the DVL in time: it is triggered internally again.
+    TimedOut,
+    /// A client says that it triggers although it may not.
+    WithoutLeave(ClientId),
+}
+
 /// External triggering of the DVL (SPI 5.6, 7.4).
+///
+/// The mock sees no pulses. [`DvlConfig`] says what it takes the line to do.
 #[derive(Debug)]
-pub(crate) struct DvlTrigger {}
+pub(crate) struct DvlTrigger {
+    config: DvlConfig,
+    stops: VecDeque<Timestamp>,
+    state: State,
+    /// Not before then is it safe to begin.
+    safe_from: Timestamp,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Internal,
+    /// Asked for, not yet safe.
+    Asked {
+        by: ClientId,
+        safe_at: Timestamp,
+    },
+    External(Line),
+    /// BFDVT 0 has been sent; the payload has not yet said that it has stopped.
+    Stopping(Line),
+}
+
+/// The trigger line, while the DVL waits for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Line {
+    by: ClientId,
+    /// The payload has not said that it does not trigger.
+    used: bool,
+    /// Its connection is there.
+    connected: bool,
+    last_pulse: Timestamp,
+}
 
 impl DvlTrigger {
-    pub(crate) const fn new(_file: &WorldFile, _seed: u64) -> Self {
-        Self {}
+    pub(crate) fn new(file: &WorldFile, _seed: u64) -> Self {
+        Self {
+            config: file.dvl.clone(),
+            stops: crate::power::times(&file.dvl.stop_at_s),
+            state: State::Internal,
+            safe_from: Timestamp::ZERO,
+        }
+    }
+
+    /// A connection is gone, and with it whoever triggered.
+    pub(crate) fn gone(&mut self, client: ClientId) {
+        match &mut self.state {
+            State::External(line) | State::Stopping(line) if line.by == client => line.connected = false,
+            State::Asked { by, .. } if *by == client => self.state = State::Internal,
+            State::Internal | State::Asked { .. } | State::External(_) | State::Stopping(_) => {}
+        }
+    }
+
+    fn ask(&self, now: Timestamp, by: ClientId) -> State {
+        let safe_at = (now + Duration::from_secs_f64(self.config.safe_after_s)).max(self.safe_from);
+        State::Asked { by, safe_at }
+    }
+
+    fn pulses(&self, line: Line, now: Timestamp) -> bool {
+        let now_s = now.as_secs_f64();
+        let dead = |fault: &crate::file::LineFault| now_s >= fault.at_s && now_s < fault.at_s + fault.for_s;
+        self.config.payload_triggers && line.used && line.connected && !self.config.line_faults.iter().any(dead)
     }
 }
 
+/// What a BPDVR comes to: the state after it, what the log says, whether BFDVT 0 is due, how it is acknowledged.
+struct Answer {
+    state: State,
+    event: Option<DvlTriggerEvent>,
+    cease: bool,
+    refused: Option<&'static str>,
+}
+
 impl Mvc {
-    pub(crate) fn dvl_trigger_request(&mut self, now: Timestamp, re: Regarding, _request: &DvlTriggerRequest) {
-        self.unsupported(now, re);
+    /// BPDVR (SPI 7.4).
+    pub(crate) fn dvl_trigger_request(&mut self, now: Timestamp, re: Regarding, request: &DvlTriggerRequest) {
+        if !self.dvl_trigger.config.triggering_equipped {
+            self.acknowledge(now, re, AckStatus::Failed, "no DVL triggering lines are fitted");
+            return;
+        }
+        let answer = self
+            .dvl_trigger
+            .answer(now, re.client, request.external, request.triggering);
+        self.dvl_trigger.state = answer.state;
+        if let Some(event) = answer.event {
+            self.note(now, MvcEventKind::DvlTrigger(event));
+        }
+        match answer.refused {
+            Some(why) => self.acknowledge(now, re, AckStatus::Failed, why),
+            None => self.acknowledge(now, re, AckStatus::Succeeded, ""),
+        }
+        if answer.cease {
+            self.send_dvl_triggering(now, false);
+        }
     }
 
     /// One step of the vehicle.
-    pub(crate) fn tick_dvl_trigger(&mut self, _now: Timestamp) {}
+    pub(crate) fn tick_dvl_trigger(&mut self, now: Timestamp) {
+        if self.dvl_trigger.stops.front().is_some_and(|at| *at <= now) {
+            self.dvl_trigger.stops.pop_front();
+            self.stop_dvl_triggering(now);
+        }
+        match self.dvl_trigger.state {
+            State::Internal => {}
+            State::Asked { by, safe_at } => {
+                if now >= safe_at {
+                    self.dvl_trigger.state = State::External(Line {
+                        by,
+                        used: true,
+                        connected: true,
+                        last_pulse: now,
+                    });
+                    self.note(now, MvcEventKind::DvlTrigger(DvlTriggerEvent::Began));
+                    self.send_dvl_triggering(now, true);
+                }
+            }
+            State::External(line) => self.watch_trigger_line(now, line, State::External),
+            State::Stopping(line) => self.watch_trigger_line(now, line, State::Stopping),
+        }
+    }
+
+    /// "At any time when in external triggering mode the Bluefin vehicle may initiate a stop triggering command."
+    fn stop_dvl_triggering(&mut self, now: Timestamp) {
+        let trigger = &mut self.dvl_trigger;
+        trigger.safe_from = now + Duration::from_secs_f64(trigger.config.stop_for_s);
+        match trigger.state {
+            State::External(line) => {
+                trigger.state = State::Stopping(line);
+                self.note(now, MvcEventKind::DvlTrigger(DvlTriggerEvent::StopOrdered));
+                self.send_dvl_triggering(now, false);
+            }
+            State::Asked { by, safe_at } => {
+                let safe_at = safe_at.max(trigger.safe_from);
+                trigger.state = State::Asked { by, safe_at };
+            }
+            State::Internal | State::Stopping(_) => {}
+        }
+    }
+
+    fn watch_trigger_line(&mut self, now: Timestamp, mut line: Line, state: fn(Line) -> State) {
+        if self.dvl_trigger.pulses(line, now) {
+            line.last_pulse = now;
+            self.dvl_trigger.state = state(line);
+            return;
+        }
+        if now.since(line.last_pulse).as_secs_f64() < self.dvl_trigger.config.timeout_s {
+            return;
+        }
+        let told_to_stop = matches!(self.dvl_trigger.state, State::Stopping(_));
+        self.dvl_trigger.state = State::Internal;
+        self.note(now, MvcEventKind::DvlTrigger(DvlTriggerEvent::TimedOut));
+        if self.interpretation.dvl_timeout_announced && !told_to_stop {
+            self.send_dvl_triggering(now, false);
+        }
+    }
+
+    fn send_dvl_triggering(&mut self, now: Timestamp, begin: bool) {
+        let created = self.stamp(now);
+        self.publish(now, None, &DvlTriggering { created, begin }.into());
+    }
+}
+
+impl DvlTrigger {
+    /// The whole table of SPI 7.4: each state by what the payload wants (`external`) and does (`triggering`).
+    fn answer(&self, now: Timestamp, by: ClientId, external: bool, triggering: bool) -> Answer {
+        let becomes = |state, event| Answer {
+            state,
+            event,
+            cease: false,
+            refused: None,
+        };
+        match (self.state, external, triggering) {
+            (State::Internal, true, false) => becomes(self.ask(now, by), Some(DvlTriggerEvent::Asked(by))),
+            (State::Internal, false, false) | (State::Asked { .. }, true, false) => becomes(self.state, None),
+            // It was never told to begin: it is told to cease, and has to ask anew.
+            (State::Internal | State::Asked { .. }, true, true) => Answer {
+                event: Some(DvlTriggerEvent::WithoutLeave(by)),
+                refused: Some("triggering without leave"),
+                ..becomes_ceasing(State::Internal)
+            },
+            (State::Internal, false, true) => Answer {
+                event: Some(DvlTriggerEvent::StopAsked),
+                ..becomes_ceasing(self.state)
+            },
+            (State::Asked { .. }, false, _) => Answer {
+                cease: triggering,
+                ..becomes(State::Internal, Some(DvlTriggerEvent::Internal))
+            },
+            (State::External(line), true, _) => {
+                let line = Line {
+                    by,
+                    used: triggering,
+                    connected: true,
+                    ..line
+                };
+                becomes(State::External(line), None)
+            }
+            (State::External(line), false, true) => Answer {
+                event: Some(DvlTriggerEvent::StopAsked),
+                ..becomes_ceasing(State::Stopping(line))
+            },
+            (State::External(_) | State::Stopping(_), false, false) => {
+                becomes(State::Internal, Some(DvlTriggerEvent::Internal))
+            }
+            // It has stopped and still wishes: "the vehicle will re-enter external triggering mode as soon as possible".
+            (State::Stopping(_), true, false) => becomes(self.ask(now, by), Some(DvlTriggerEvent::Asked(by))),
+            // It has been told to stop, and goes on.
+            (State::Stopping(_), _, true) => becomes(self.state, None),
+        }
+    }
+}
+
+const fn becomes_ceasing(state: State) -> Answer {
+    Answer {
+        state,
+        event: None,
+        cease: true,
+        refused: None,
+    }
+}
+
+impl fmt::Display for DvlTriggerEvent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Asked(client) => write!(f, "{client} asks to trigger the DVL"),
+            Self::Began => f.write_str("external DVL triggering began"),
+            Self::StopAsked => f.write_str("DVL triggering: the payload is told to cease, as it asked"),
+            Self::StopOrdered => f.write_str("DVL triggering: the vehicle tells the payload to cease"),
+            Self::Internal => f.write_str("the DVL is triggered internally"),
+            Self::TimedOut => f.write_str("the DVL is triggered internally: the payload did not trigger it"),
+            Self::WithoutLeave(client) => write!(f, "{client} says that it triggers the DVL without leave"),
+        }
+    }
 }

@@ -4,9 +4,14 @@ use core::time::Duration;
 use backseat_spi::{BehaviorId, CommandName, Text};
 use backseat_units::Timestamp;
 
+use crate::acoustic::AcousticEvent;
+use crate::adjustment::AdjustmentEvent;
+use crate::dvl_trigger::DvlTriggerEvent;
 use crate::faults::FaultEvent;
 use crate::hovering::HoveringEvent;
 use crate::mission_event::MissionEvent;
+use crate::silence::SilenceEvent;
+use crate::topside::TopsideEvent;
 
 /// A client of the server, as the driver numbers its connections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -95,6 +100,16 @@ pub enum MvcEventKind {
     Hovering(HoveringEvent),
     /// A fault of the run's plan began or ended.
     Fault(FaultEvent),
+    /// Silent mode.
+    Silence(SilenceEvent),
+    /// Trim or buoyancy.
+    Adjustment(AdjustmentEvent),
+    /// External triggering of the DVL.
+    DvlTrigger(DvlTriggerEvent),
+    /// Text to or from the topside.
+    Topside(TopsideEvent),
+    /// The acoustic modem.
+    Acoustic(AcousticEvent),
     /// A sentence could not be written: its name.
     NotEncoded(Box<str>),
     /// Events were not fetched in time, and so many are lost.
@@ -332,6 +347,11 @@ impl fmt::Display for MvcEventKind {
             Self::Grounded => f.write_str("the vehicle touched the seabed"),
             Self::Hovering(event) => event.fmt(f),
             Self::Fault(fault) => fault.fmt(f),
+            Self::Silence(event) => event.fmt(f),
+            Self::Adjustment(event) => event.fmt(f),
+            Self::DvlTrigger(event) => event.fmt(f),
+            Self::Topside(event) => event.fmt(f),
+            Self::Acoustic(event) => event.fmt(f),
             Self::NotEncoded(name) => write!(f, "a {name} could not be encoded"),
             Self::EventsLost(count) => write!(f, "{count} events were not fetched and are lost"),
         }

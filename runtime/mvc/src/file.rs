@@ -1,14 +1,20 @@
 //! `world.toml` as it is written: every section, parsed and range-checked, before anything is drawn.
 
+mod acoustic;
+mod adjustment;
+mod dvl;
 mod expect;
 mod faults;
 mod hovering;
 mod interpretation;
 mod mission;
 mod plan;
+mod power;
 mod sensors;
+mod silence;
 mod spi;
 mod start;
+mod topside;
 mod vehicle;
 
 use backseat_world::{
@@ -16,18 +22,24 @@ use backseat_world::{
 };
 use serde::Deserialize;
 
+pub use acoustic::{AcousticConfig, AcousticDevice, PeerConfig, PeerPacket};
+pub use adjustment::AdjustmentConfig;
+pub use dvl::{DvlConfig, LineFault};
 pub use expect::{ContourExpectation, Expectations, MaximumExpectation};
 pub use faults::{DirectionName, FaultEntry, FaultFile, FaultName, SensorName, StageName};
 pub use hovering::{HoveringConfig, ShipConfig, ShipSide};
 pub use interpretation::{
-    AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame, HullVertical, InsertPlace,
-    InsertsAfterControl, InterpretationConfig, ModifyBeyond, ModifyFins,
+    AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame, HullVertical,
+    InsertPlace, InsertsAfterControl, InterpretationConfig, ModifyBeyond, ModifyFins, UnackedFrames,
 };
 pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
 pub use plan::{PlaceConfig, PlanEntry, PlanKind};
+pub use power::PowerConfig;
 pub use sensors::SensorConfig;
+pub use silence::SilenceConfig;
 pub use spi::{AcknowledgeConfig, Profile, SpiConfig};
 pub use start::StartConfig;
+pub use topside::{TopsideConfig, TopsideEntry};
 pub use vehicle::VehicleConfig;
 
 use crate::error::{MvcError, check};
@@ -78,6 +90,45 @@ use crate::error::{MvcError, check};
 /// [interpretation]
 /// after_interrupt = "seed"
 /// lead_in_m = "seed"
+///
+/// [silence]
+/// timeout_s = 300
+///
+/// [adjustment]
+/// buoyancy_n = [10, 30]
+/// implicit_at_s = [600, 1200]
+///
+/// [power]
+/// capacity_wh = 4500
+/// shutdown_below_percent = 10
+///
+/// [dvl]
+/// stop_at_s = [900]
+/// line_faults = [{ at_s = 1000, for_s = 8 }]
+///
+/// [[topside.messages]]
+/// at_s = 120
+/// transport = "acoustic-modem"
+/// text = "survey the wreck"
+/// role = "sonar"
+///
+/// [acoustic]
+/// device = "WHOIPSK"
+/// address = 1
+/// first_s = 30
+/// period_s = 60
+/// length_s = 20
+///
+/// [[acoustic.peers]]
+/// address = 3
+/// east_m = 1500
+/// north_m = 200
+/// east_mps = -0.5
+/// [[acoustic.peers.packets]]
+/// first_s = 55
+/// period_s = 60
+/// mode = 1
+/// frames = ["48656C6C6F"]
 ///
 /// [expect]
 /// max_violations = 0
@@ -165,6 +216,24 @@ pub struct WorldFile {
     /// What the specification leaves open.
     #[serde(default)]
     pub interpretation: InterpretationConfig,
+    /// Silent mode.
+    #[serde(default)]
+    pub silence: SilenceConfig,
+    /// Trim and buoyancy.
+    #[serde(default)]
+    pub adjustment: AdjustmentConfig,
+    /// The batteries.
+    #[serde(default)]
+    pub power: PowerConfig,
+    /// External triggering of the DVL.
+    #[serde(default)]
+    pub dvl: DvlConfig,
+    /// Text to and from the topside.
+    #[serde(default)]
+    pub topside: TopsideConfig,
+    /// The acoustic modem.
+    #[serde(default)]
+    pub acoustic: AcousticConfig,
     /// What the run must fulfil. The mock carries it and does not judge.
     #[serde(default)]
     pub expect: Expectations,
@@ -206,6 +275,12 @@ impl WorldFile {
         self.spi.validate()?;
         self.interpretation.validate()?;
         self.faults.plan()?;
+        self.silence.validate(1.0 / f64::from(self.vehicle.tick_hz))?;
+        self.adjustment.validate()?;
+        self.power.validate()?;
+        self.dvl.validate()?;
+        self.topside.validate()?;
+        self.acoustic.validate()?;
         let (most_s, tick_s) = (self.spi.pending_s.most(), 1.0 / f64::from(self.vehicle.tick_hz));
         let expected = "2 s less one step of the vehicle: requests are decided at a step, within 2 s";
         check(most_s <= 2.0 - tick_s + 1e-9, "spi.pending_s", most_s, expected)?;
@@ -215,6 +290,21 @@ impl WorldFile {
         crate::plan::resolve(&self.plan, world.frame(), &self.vehicle)?;
         Ok(())
     }
+}
+
+/// Checks a list of times, seconds after the start.
+pub(crate) fn ordered_times(key: &'static str, times: &[f64]) -> Result<(), MvcError> {
+    let mut before = 0.0;
+    for time in times {
+        check(
+            (before..=1e9).contains(time),
+            key,
+            *time,
+            "0 to 1e9 s, none before the one that it follows",
+        )?;
+        before = *time;
+    }
+    Ok(())
 }
 
 /// The TOML crate's error on one line. Its own display spreads over five.
@@ -287,6 +377,78 @@ dynamic = true
             fault("[origin]", "[origin"),
         ] {
             assert!(!message.contains('\n') && message.starts_with("line "), "{message}");
+        }
+    }
+
+    #[test]
+    fn the_services_sections_are_checked_too() {
+        for (section, message) in [
+            (
+                "[silence]\nsettle_s = 1.95",
+                "silence.settle_s is 1.95, expected 2 s less one step of the vehicle",
+            ),
+            (
+                "[silence]\ntimeout_s = 0",
+                "silence.timeout_s is 0, expected 1 to 86400 s",
+            ),
+            (
+                "[adjustment]\nbuoyancy_n = [0, 2000]",
+                "adjustment.buoyancy_n is 2000, expected within 1000 N",
+            ),
+            (
+                "[adjustment]\ntrim_rate_dps = 0",
+                "adjustment.trim_rate_dps is 0, expected 0.001 to 10",
+            ),
+            (
+                "[adjustment]\nimplicit_at_s = [5, 3]",
+                "adjustment.implicit_at_s is 3, expected 0 to 1e9 s, none before",
+            ),
+            ("[power]\nbatteries = 0", "power.batteries is 0, expected 1 to 32"),
+            (
+                "[power]\nshutdown_below_percent = 101",
+                "power.shutdown_below_percent is 101, expected 0 to 100 %",
+            ),
+            ("[dvl]\ntimeout_s = 0", "dvl.timeout_s is 0, expected 0.1 to 3600 s"),
+            (
+                "[dvl]\nline_faults = [{ at_s = -1, for_s = 2 }]",
+                "dvl.line_faults.at_s is -1, expected 0 to 1e9 s",
+            ),
+            ("[dvl]\nstop_at_s = [nan]", "dvl.stop_at_s is NaN, expected 0 to 1e9 s"),
+            (
+                "[topside]\nsurfaced = { other = 9 }",
+                "topside.surfaced is 9, expected a transport",
+            ),
+            (
+                "[[topside.messages]]\nat_s = 1\ntransport = \"rf-modem\"\ntext = \"a,b\"",
+                "topside.messages.text is \"a,b\", expected 1 to 200 printable",
+            ),
+            (
+                "[acoustic]\nperiod_s = 20\nlength_s = 20",
+                "acoustic.length_s is 20, expected 0.1 s to 0.1 s less",
+            ),
+            (
+                "[acoustic]\nloss_chance = 1.5",
+                "acoustic.loss_chance is 1.5, expected 0 to 1",
+            ),
+            (
+                "[acoustic]\ndevice = \"Pinger\"",
+                "line 5, column 10: unknown variant `Pinger`",
+            ),
+            (
+                "[acoustic]\n[[acoustic.peers]]\naddress = 1\neast_m = 0\nnorth_m = 0",
+                "acoustic.peers.address is 1, expected an address of its own",
+            ),
+            (
+                "[[acoustic.peers]]\naddress = 3\neast_m = 0\nnorth_m = 0\n[[acoustic.peers.packets]]\nfirst_s = 1\nframes = [\"0\"]",
+                "acoustic.peers.packets.frames is [\"0\"], expected 1 to 8 frames",
+            ),
+            (
+                "[power]\ncapacity_kwh = 3",
+                "line 5, column 1: unknown field `capacity_kwh`",
+            ),
+        ] {
+            let found = fault("[origin]", &format!("{section}\n[origin]"));
+            assert!(found.starts_with(message), "{found}");
         }
     }
 

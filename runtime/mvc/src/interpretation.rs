@@ -1,8 +1,8 @@
 use backseat_world::Stream;
 
 use crate::file::{
-    AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame, HullVertical, InsertPlace,
-    InsertsAfterControl, InterpretationConfig, ModifyBeyond, ModifyFins,
+    AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame, HullVertical,
+    InsertPlace, InsertsAfterControl, InterpretationConfig, ModifyBeyond, ModifyFins, UnackedFrames,
 };
 
 /// How this run reads what the specification leaves open: the `[interpretation]` section with the seed's draws.
@@ -40,6 +40,14 @@ pub struct Interpretation {
     pub resume_from: ResumeFrom,
     /// Vertical positions on a hull count upwards.
     pub hull_vertical_up: bool,
+    /// An adjustment that a payload has asked for is cancelled by a request for silence; else it makes that fail.
+    pub silence_cancels_adjustment: bool,
+    /// BPTRM and BPBOY fail without BFTRM or BFBOY switched on.
+    pub adjustment_needs_status: bool,
+    /// BFDVT announces that the DVL has gone back to internal triggering by itself.
+    pub dvl_timeout_announced: bool,
+    /// BFCPS calls frames failed whose acknowledgement did not come; else unacknowledged.
+    pub unacked_is_failed: bool,
 }
 
 fn chosen(choice: Choice<bool>, drawn: bool) -> bool {
@@ -78,6 +86,10 @@ impl Interpretation {
             _ => ResumeFrom::Here,
         };
         let upwards = hovering.uniform() < 0.5;
+        // A stream of their own, so that neither family's growth moves the other's draws.
+        let mut services = Stream::new(seed, "interpretation of services");
+        let mut coin = || services.uniform() < 0.5;
+        let of_services = [coin(), coin(), coin(), coin()];
         Self {
             inserts_fly_on: match config.inserts_after_control {
                 InsertsAfterControl::Fly => true,
@@ -142,6 +154,24 @@ impl Interpretation {
                 HullVertical::Up => true,
                 HullVertical::Seed => upwards,
             },
+            silence_cancels_adjustment: match config.adjustment_when_silenced {
+                AdjustmentWhenSilenced::Cancel => true,
+                AdjustmentWhenSilenced::Refuse => false,
+                AdjustmentWhenSilenced::Seed => of_services[0],
+            },
+            adjustment_needs_status: match config.adjustment_needs_status {
+                Choice::Fixed(needs) => needs,
+                Choice::Seed => of_services[1],
+            },
+            dvl_timeout_announced: match config.dvl_timeout_announced {
+                Choice::Fixed(announced) => announced,
+                Choice::Seed => of_services[2],
+            },
+            unacked_is_failed: match config.unacked_frames {
+                UnackedFrames::Unacknowledged => false,
+                UnackedFrames::Failed => true,
+                UnackedFrames::Seed => of_services[3],
+            },
         }
     }
 }
@@ -169,6 +199,10 @@ mod tests {
             suspend_needs_control: Choice::Seed,
             after_suspension: AfterSuspension::Seed,
             hull_vertical: HullVertical::Seed,
+            adjustment_when_silenced: AdjustmentWhenSilenced::Seed,
+            adjustment_needs_status: Choice::Seed,
+            dvl_timeout_announced: Choice::Seed,
+            unacked_frames: UnackedFrames::Seed,
         };
         let drawn: Vec<Interpretation> = (0..64).map(|seed| Interpretation::new(&config, seed)).collect();
         let both = |of: fn(&Interpretation) -> bool| drawn.iter().any(of) && !drawn.iter().all(of);
@@ -181,5 +215,7 @@ mod tests {
         assert!(both(|i| i.inserts_at_legs) && both(|i| i.insert_logging) && both(|i| i.cancel_any));
         assert!(both(|i| i.cancel_all_gps) && both(|i| i.modify_survives) && both(|i| i.fins_change));
         assert!(both(|i| i.modify_beyond_refused));
+        assert!(both(|i| i.silence_cancels_adjustment) && both(|i| i.adjustment_needs_status));
+        assert!(both(|i| i.dvl_timeout_announced) && both(|i| i.unacked_is_failed));
     }
 }

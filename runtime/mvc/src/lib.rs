@@ -16,9 +16,6 @@
 //!
 //! What goes wrong is a [`FaultPlan`]: the vehicle's own faults act in here, those of the link are played by a driver
 //! with [`LinkFaults`], and each begin and end is an event.
-//!
-//! Deliberately absent so far: trim and buoyancy, silent mode, DVL triggering, acoustic communications. Those commands
-//! are known and refused.
 
 mod acoustic;
 mod adjustment;
@@ -55,6 +52,9 @@ mod topside;
 mod truth;
 mod vehicle;
 
+pub use acoustic::AcousticEvent;
+pub use adjustment::{AdjustmentEvent, AdjustmentKind};
+pub use dvl_trigger::DvlTriggerEvent;
 pub use error::MvcError;
 pub use event::{
     Behavior, CancelCause, ClientId, DropReason, EndReason, ModifyEnd, ModifyHorizontal, ModifyValues, ModifyVertical,
@@ -65,11 +65,13 @@ pub use faults::{
     NegativeStatus, SensorKind, Whom,
 };
 pub use file::{
-    AcknowledgeConfig, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, ContourExpectation, ControlWindow,
-    DirectionName, Expectations, FaultEntry, FaultFile, FaultName, HeadingFrame, HoveringConfig, HullVertical,
-    InsertPlace, InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig, ModifyBeyond,
-    ModifyFins, ModifyLimit, PlaceConfig, PlanEntry, PlanKind, Profile, SensorConfig, SensorName, ShipConfig, ShipSide,
-    SpiConfig, StageName, StartConfig, VehicleConfig, WorldFile, WrapUp,
+    AcknowledgeConfig, AcousticConfig, AcousticDevice, AdjustmentConfig, AdjustmentWhenSilenced, AfterInterrupt,
+    AfterSuspension, CancelAllScope, Choice, ContourExpectation, ControlWindow, DirectionName, DvlConfig, Expectations,
+    FaultEntry, FaultFile, FaultName, HeadingFrame, HoveringConfig, HullVertical, InsertPlace, InsertsAfterControl,
+    InterpretationConfig, LineFault, MaximumExpectation, MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit,
+    PeerConfig, PeerPacket, PlaceConfig, PlanEntry, PlanKind, PowerConfig, Profile, SensorConfig, SensorName,
+    ShipConfig, ShipSide, SilenceConfig, SpiConfig, StageName, StartConfig, TopsideConfig, TopsideEntry, UnackedFrames,
+    VehicleConfig, WorldFile, WrapUp,
 };
 pub use hovering::{HoveringEvent, SuspensionEnd};
 pub use hull::{Hull, HullClass};
@@ -77,4 +79,6 @@ pub use interpretation::{Interpretation, ResumeFrom};
 pub use link::{Chunk, Direction, FaultyLink, LinkFaults};
 pub use mission_event::{MissionEvent, Told};
 pub use mvc::Mvc;
+pub use silence::SilenceEvent;
+pub use topside::TopsideEvent;
 pub use truth::{Activity, HoveringTruth, Truth};

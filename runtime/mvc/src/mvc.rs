@@ -3,7 +3,7 @@ use std::collections::VecDeque;
 
 use backseat_spi::{
     BackseatControl, BehaviorBegin, BehaviorEnd, FromVehicle, LoggingBegin, LoggingEnd, MissionCommand, MissionStatus,
-    Shutdown, Text, VehicleVersion,
+    Text, VehicleVersion,
 };
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 use backseat_world::{Span, Stream, World};
@@ -33,8 +33,6 @@ use crate::vehicle::{Drive, Vehicle};
 const EVENTS_MAX: usize = 10_000;
 /// A framer is given no more at once, so that a flood is worked off as it comes, bytes.
 const CHUNK: usize = 4096;
-/// BFSHT comes this long before the payload's power goes off (SPI 5.2: at least 1 minute).
-pub(crate) const SHUTDOWN_NOTICE: Duration = Duration::from_secs(60);
 
 /// The mock main vehicle computer. See the crate's documentation for the order of calls.
 #[derive(Debug)]
@@ -73,9 +71,6 @@ pub struct Mvc {
     last_tick: Timestamp,
     ctd_period: Duration,
     next_ctd: Timestamp,
-    shutdown_at: Option<Timestamp>,
-    shutdown_said: bool,
-    powered: bool,
     grounded: bool,
     events: VecDeque<MvcEvent>,
     events_lost: u64,
@@ -98,6 +93,8 @@ impl Mvc {
         let heading_deg = file.start.heading_deg - frame_convergence_deg;
         let hull = file.vehicle.hull();
         let mut vehicle = Vehicle::new(hull, file.vehicle.altitude_min_m, at, file.start.depth_m, heading_deg);
+        let adjustment = Adjustment::new(file, seed);
+        vehicle.rise_share = adjustment.rise_share();
         vehicle.sense(&world, Timestamp::ZERO);
         let hovering = Hovering::new(file, &world, &mut vehicle, seed);
         let running = format!("{} {}", Status::Running.name(), file.mission.log_dir);
@@ -115,7 +112,7 @@ impl Mvc {
             sensors: Sensors::new(file.sensors, file.vehicle.tick_hz, seed),
             surfacing: Surfacing::new(file, seed),
             silence: Silence::new(file, seed),
-            adjustment: Adjustment::new(file, seed),
+            adjustment,
             power: Power::new(file, seed),
             dvl_trigger: DvlTrigger::new(file, seed),
             topside: Topside::new(file, seed),
@@ -134,12 +131,6 @@ impl Mvc {
             last_tick: Timestamp::ZERO,
             ctd_period: Duration::from_secs_f64(file.sensors.ctd_period_s),
             next_ctd: Timestamp::ZERO,
-            shutdown_at: file
-                .mission
-                .shutdown_after_s
-                .map(|s| Timestamp::ZERO + Duration::from_secs_f64(s)),
-            shutdown_said: false,
-            powered: true,
             grounded: false,
             events: VecDeque::new(),
             events_lost: 0,
@@ -172,7 +163,7 @@ impl Mvc {
     pub fn connect(&mut self, now: Timestamp, client: ClientId) {
         self.handle_timeout(now);
         self.mute(client);
-        if !self.powered {
+        if !self.power.is_on() {
             self.server.cut_off(client, DropReason::PowerOff);
             self.settle(now);
             return;
@@ -343,8 +334,13 @@ impl Mvc {
 
     /// Says now that the payload's power goes off, and when it does where that is not sooner anyway.
     pub(crate) fn shut_down(&mut self, now: Timestamp, at: Timestamp) {
-        self.shutdown_at = Some(self.shutdown_at.map_or(at, |planned| planned.min(at)));
+        self.power.shut_down_at(at);
         self.watch_power(now);
+    }
+
+    /// Time between two steps of the vehicle.
+    pub(crate) const fn period(&self) -> Duration {
+        self.period
     }
 
     fn tick(&mut self, now: Timestamp) {
@@ -353,6 +349,7 @@ impl Mvc {
         let drive = self
             .executive
             .tick(now, &self.sensors.estimate(&self.vehicle), self.frame_convergence_deg);
+        let drive = self.quieted(now, drive);
         self.vehicle.step(drive, self.period.as_secs_f64());
         self.vehicle.sense(&self.world, now);
         if self.vehicle.grounded != self.grounded {
@@ -369,7 +366,6 @@ impl Mvc {
         }
         self.settle(now);
         self.report_navigation(now);
-        self.watch_power(now);
         self.tick_silence(now);
         self.tick_adjustment(now);
         self.tick_power(now);
@@ -394,22 +390,6 @@ impl Mvc {
                 let ctd = self.sensors.ctd(&self.vehicle, &self.world, now, stamp);
                 self.publish(now, Some(Topic::Ctd), &FromVehicle::Ctd(ctd));
             }
-        }
-    }
-
-    pub(crate) fn watch_power(&mut self, now: Timestamp) {
-        let Some(at) = self.shutdown_at else { return };
-        if !self.shutdown_said && now + SHUTDOWN_NOTICE >= at {
-            self.shutdown_said = true;
-            let created = self.stamp(now);
-            self.note(now, MvcEventKind::ShutdownSoon);
-            self.publish(now, None, &Shutdown { created }.into());
-        }
-        if self.powered && now >= at {
-            self.powered = false;
-            self.note(now, MvcEventKind::PowerOff);
-            self.server.cut_off_all(DropReason::PowerOff);
-            self.settle(now);
         }
     }
 
@@ -487,11 +467,6 @@ impl Mvc {
         }
     }
 
-    /// A command message (SPI 5) to the client with a role, or to every client.
-    pub(crate) fn command_client(&mut self, now: Timestamp, _role: Option<&str>, message: &FromVehicle) {
-        self.publish(now, None, message);
-    }
-
     /// A behavior as BFMBS and BFMBE give it (SPI 6.9): an insert has an identifier, an element file and number.
     fn behavior_fields(&self, behavior: Behavior) -> (Text, Option<u32>, Option<backseat_spi::BehaviorId>, Text) {
         let kind = Text::cleaned(behavior.kind);
@@ -538,6 +513,12 @@ impl Mvc {
         if let Err(name) = self.server.publish(topic, message) {
             self.note(now, MvcEventKind::NotEncoded(name));
         }
+    }
+
+    /// Sends a command message (SPI 5) to the payload with a role (SPI 4.1), or to all. Roles are not told apart yet:
+    /// it goes to all.
+    pub(crate) fn command_client(&mut self, now: Timestamp, _role: Option<&str>, message: &FromVehicle) {
+        self.publish(now, None, message);
     }
 
     pub(crate) fn note(&mut self, at: Timestamp, kind: MvcEventKind) {

@@ -1,6 +1,6 @@
 use core::time::Duration;
 
-use backseat_spi::{AckStatus, BehaviorId};
+use backseat_spi::{AckStatus, BehaviorId, Text};
 use backseat_units::Timestamp;
 
 use crate::answers::Regarding;
@@ -26,6 +26,8 @@ pub(crate) enum Work {
     Insert(Insert),
     Cancel(BehaviorId),
     Plan,
+    /// A message to the topside.
+    Topside(Text),
     /// An insert that BPRCA has taken back meanwhile.
     TakenBack(BehaviorId),
 }
@@ -37,6 +39,8 @@ impl Mvc {
         for pending in self.pending.iter_mut().filter(|pending| pending.re.client == client) {
             pending.re.muted = true;
         }
+        self.silence.mute(client);
+        self.dvl_trigger.gone(client);
     }
 
     /// Tells the outcome of every pending request that is due.
@@ -92,6 +96,7 @@ impl Mvc {
                 Ok(()) => self.acknowledge(now, re, AckStatus::Succeeded, ""),
                 Err(why) => self.acknowledge(now, re, AckStatus::Failed, why),
             },
+            Work::Topside(text) => self.queue_topside(now, re, text),
             Work::Plan if re.muted => {}
             // What is executing has a plan, and what is loaded (SPI 7.19: "the currently-executing mission plan").
             Work::Plan => match self.executive.status() {

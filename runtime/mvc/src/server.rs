@@ -1,6 +1,6 @@
 use std::collections::VecDeque;
 
-use backseat_spi::{CommandName, Framer, FromVehicle, Policy, Text, ToVehicle};
+use backseat_spi::{CommandName, Framer, FromVehicle, Policy, Sentence, Text, ToVehicle};
 
 use crate::event::{ClientId, DropReason};
 
@@ -74,6 +74,21 @@ pub(crate) fn named(message: &str) -> Named {
         None if ALWAYS_ON.contains(&message) => Named::AlwaysOn,
         None => Named::Unknown,
     }
+}
+
+/// Whether the reserved field of a command that has one is "empty or 0" as it must be (SPI 7.3, 7.10, 7.11). A comma in
+/// the text of a BPTOP would spill into it.
+fn is_reserved_empty(command: &ToVehicle, sentence: &Sentence<'_>) -> bool {
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the other commands have no reserved field"
+    )]
+    let index = match command {
+        ToVehicle::TopsideText(_) => 3,
+        ToVehicle::CancelCurrent(_) | ToVehicle::CancelElement(_) => 1,
+        _ => return true,
+    };
+    matches!(sentence.fields().nth(index).map(str::trim), None | Some("" | "0"))
 }
 
 /// What came from a client.
@@ -173,6 +188,10 @@ impl Server {
         let client = self.client(id)?;
         let sentence = client.framer.next_sentence()?;
         Some(match ToVehicle::decode(&sentence) {
+            Ok(command) if !is_reserved_empty(&command, &sentence) => {
+                let name = CommandName::new(sentence.name()).unwrap_or(CommandName::NAK);
+                Received::Malformed(name, Text::cleaned("reserved field: expected 0 or nothing"))
+            }
             Ok(command) => Received::Command(command),
             Err(error) => {
                 let name = CommandName::new(sentence.name()).unwrap_or(CommandName::NAK);

@@ -69,6 +69,8 @@ pub(crate) struct Vehicle {
     pub(crate) water_depth_m: f64,
     pub(crate) gradient: EastNorth,
     pub(crate) grounded: bool,
+    /// How fast it floats up adrift, as a share of the hull's buoyant rise: its buoyancy may be adjusted (SPI 7.24).
+    pub(crate) rise_share: f64,
 }
 
 impl Vehicle {
@@ -93,6 +95,7 @@ impl Vehicle {
             water_depth_m: f64::INFINITY,
             gradient: EastNorth::default(),
             grounded: false,
+            rise_share: 1.0,
         }
     }
 
@@ -130,7 +133,7 @@ impl Vehicle {
                 self.surge(0.0, dt_s);
                 self.settle_sway(dt_s);
                 self.yaw_rate_dps -= self.yaw_rate_dps * share(dt_s, self.hull.yaw_tau_s);
-                self.heave(-self.hull.buoyant_rise_mps, dt_s);
+                self.heave(-self.hull.buoyant_rise_mps * self.rise_share, dt_s);
             }
         }
         self.heading_deg = wrap_360(self.heading_deg + self.yaw_rate_dps * dt_s);

@@ -8,7 +8,8 @@ use super::{AckFilter, AckStage, Fault, FaultEdge, FaultEvent, FaultKind, FaultP
 use crate::error::MvcError;
 use crate::event::{ClientId, MvcEventKind};
 use crate::file::FaultFile;
-use crate::mvc::{Mvc, SHUTDOWN_NOTICE};
+use crate::mvc::Mvc;
+use crate::power::SHUTDOWN_NOTICE;
 
 /// How many acknowledgements may be late at once; beyond it they are lost.
 const LATE_MAX: usize = 4096;

@@ -51,7 +51,7 @@ impl FaultPlan {
             } else {
                 Fault {
                     at,
-                    lasts: crate::mvc::SHUTDOWN_NOTICE,
+                    lasts: crate::power::SHUTDOWN_NOTICE,
                     kind: FaultKind::Shutdown,
                 }
             });

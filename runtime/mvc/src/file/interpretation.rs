@@ -44,6 +44,17 @@ pub struct InterpretationConfig {
     pub after_suspension: AfterSuspension,
     /// Which way the vertical position of BFRNV and BPGHP counts from the waterline (SPI 6.17 and 8.6 do not say).
     pub hull_vertical: HullVertical,
+    /// What a request for silence does to a trim or buoyancy adjustment that a payload has asked for (SPI 7.22 to 7.24
+    /// speak of implicit ones alone).
+    pub adjustment_when_silenced: AdjustmentWhenSilenced,
+    /// Whether BPTRM and BPBOY fail where their client has not switched on BFTRM or BFBOY (SPI 7.23, 7.24: "must be
+    /// registered").
+    pub adjustment_needs_status: Choice<bool>,
+    /// Whether BFDVT says so when the DVL goes back to internal triggering because the payload has not triggered it
+    /// (SPI 7.4 says so and marks it as not implemented).
+    pub dvl_timeout_announced: Choice<bool>,
+    /// What BFCPS says of frames whose acknowledgement did not come (SPI 9.2 does not say).
+    pub unacked_frames: UnackedFrames,
 }
 
 /// Where an insert has its place while the current behavior is neither survey leg nor trackcircle.
@@ -152,6 +163,19 @@ pub enum AfterSuspension {
     Seed,
 }
 
+/// What a request for silence does to an adjustment that a payload has asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AdjustmentWhenSilenced {
+    /// It is cancelled.
+    #[default]
+    Cancel,
+    /// It goes on, and the request for silence fails.
+    Refuse,
+    /// The seed draws.
+    Seed,
+}
+
 /// Which way the vertical position on a hull counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -161,6 +185,19 @@ pub enum HullVertical {
     Down,
     /// Up: places on the hull are negative.
     Up,
+    /// The seed draws.
+    Seed,
+}
+
+/// What BFCPS says of frames whose acknowledgement did not come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum UnackedFrames {
+    /// Unacknowledged (1): they were sent.
+    #[default]
+    Unacknowledged,
+    /// Failed to send (3).
+    Failed,
     /// The seed draws.
     Seed,
 }
@@ -196,6 +233,10 @@ impl Default for InterpretationConfig {
             modify_survives: Choice::Fixed(true),
             modify_beyond: ModifyBeyond::default(),
             modify_fins: ModifyFins::default(),
+            adjustment_when_silenced: AdjustmentWhenSilenced::default(),
+            adjustment_needs_status: Choice::default(),
+            dvl_timeout_announced: Choice::default(),
+            unacked_frames: UnackedFrames::default(),
             suspend_needs_control: Choice::default(),
             after_suspension: AfterSuspension::default(),
             hull_vertical: HullVertical::default(),

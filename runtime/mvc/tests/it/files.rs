@@ -72,6 +72,10 @@ lead_in_m = "seed"
 control_replay = "seed"
 cancel_all_scope = "seed"
 modify_heading = "seed"
+adjustment_when_silenced = "seed"
+adjustment_needs_status = "seed"
+dvl_timeout_announced = "seed"
+unacked_frames = "seed"
 [[plan]]
 kind = "waypoint"
 at = { east_m = 0, north_m = 60 }

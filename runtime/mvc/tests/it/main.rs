@@ -1,10 +1,14 @@
 //! The mock as a payload meets it: sentences in, sentences out, and the truth beside them.
 
+mod acoustic;
+mod adjustment;
 mod conversation;
 mod determinism;
+mod dvl_trigger;
 mod faults;
 mod faults_link;
 mod faults_plan;
+mod fields;
 mod files;
 mod hovering;
 mod hovering_moves;
@@ -14,5 +18,9 @@ mod mission;
 mod modify;
 mod navigation;
 mod payload;
+mod power;
 mod sections;
+mod services;
 mod session;
+mod silence;
+mod topside;

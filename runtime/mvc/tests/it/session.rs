@@ -62,7 +62,7 @@ fn subscriptions_are_each_clients_own_and_end_with_its_connection() {
     assert_eq!(names(payload.heard()), ["CTD", "NVG"]);
     assert_eq!(
         names(payload.heard_by(other)),
-        ["CTD", "CTL", "MBS", "MIS", "NVG", "NVR"]
+        ["BOY", "CTD", "CTL", "MBS", "MIS", "NVG", "NVR", "RBS"]
     );
     payload.mvc.disconnect(payload.now, ME);
     payload.connect(ME);

@@ -1,0 +1,72 @@
+use serde::Deserialize;
+
+use crate::error::{MvcError, check};
+
+/// The `[dvl]` section: external triggering of the DVL by the payload (SPI 5.6, 7.4).
+///
+/// A mock has no trigger line. It takes the line to pulse whenever the payload may trigger, has not said that it does
+/// not (BPDVR with 0 last), and neither `payload_triggers` nor `line_faults` say otherwise.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DvlConfig {
+    /// Whether the payload interface has the optional triggering lines.
+    pub triggering_equipped: bool,
+    /// How long it takes from a request until external triggering is safe, seconds, 0 to 3600.
+    pub safe_after_s: f64,
+    /// When the vehicle stops external triggering by itself, seconds after the start, in order.
+    pub stop_at_s: Vec<f64>,
+    /// How long it is not safe after such a stop, seconds, 0 to 86400.
+    pub stop_for_s: f64,
+    /// The DVL goes back to internal triggering where the payload has not triggered it for so long, seconds, 0.1 to
+    /// 3600.
+    pub timeout_s: f64,
+    /// Whether the line pulses while the payload may trigger.
+    pub payload_triggers: bool,
+    /// When the line is dead although the payload triggers.
+    pub line_faults: Vec<LineFault>,
+}
+
+/// A time in which the trigger line is dead.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LineFault {
+    /// When it begins, seconds after the start.
+    pub at_s: f64,
+    /// How long it lasts, seconds.
+    pub for_s: f64,
+}
+
+impl Default for DvlConfig {
+    fn default() -> Self {
+        Self {
+            triggering_equipped: true,
+            safe_after_s: 1.0,
+            stop_at_s: Vec::new(),
+            stop_for_s: 10.0,
+            timeout_s: 5.0,
+            payload_triggers: true,
+            line_faults: Vec::new(),
+        }
+    }
+}
+
+impl DvlConfig {
+    pub(crate) fn validate(&self) -> Result<(), MvcError> {
+        for (key, value, least, most, expected) in [
+            ("dvl.safe_after_s", self.safe_after_s, 0.0, 3600.0, "0 to 3600 s"),
+            ("dvl.stop_for_s", self.stop_for_s, 0.0, 86_400.0, "0 to 86400 s"),
+            ("dvl.timeout_s", self.timeout_s, 0.1, 3600.0, "0.1 to 3600 s"),
+        ] {
+            check((least..=most).contains(&value), key, value, expected)?;
+        }
+        for fault in &self.line_faults {
+            for (key, value) in [
+                ("dvl.line_faults.at_s", fault.at_s),
+                ("dvl.line_faults.for_s", fault.for_s),
+            ] {
+                check((0.0..=1e9).contains(&value), key, value, "0 to 1e9 s")?;
+            }
+        }
+        super::ordered_times("dvl.stop_at_s", &self.stop_at_s)
+    }
+}

@@ -235,7 +235,8 @@ impl DvlTrigger {
             (State::External(_) | State::Stopping(_), false, false) => {
                 becomes(State::Internal, Some(DvlTriggerEvent::Internal))
             }
-            // It has stopped and still wishes: "the vehicle will re-enter external triggering mode as soon as possible".
+            // It has stopped and still wishes: "the vehicle will re-enter external triggering mode as soon as
+            // possible".
             (State::Stopping(_), true, false) => becomes(self.ask(now, by), Some(DvlTriggerEvent::Asked(by))),
             // It has been told to stop, and goes on.
             (State::Stopping(_), _, true) => becomes(self.state, None),

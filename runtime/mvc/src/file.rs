@@ -439,7 +439,8 @@ dynamic = true
                 "acoustic.peers.address is 1, expected an address of its own",
             ),
             (
-                "[[acoustic.peers]]\naddress = 3\neast_m = 0\nnorth_m = 0\n[[acoustic.peers.packets]]\nfirst_s = 1\nframes = [\"0\"]",
+                "[[acoustic.peers]]\naddress = 3\neast_m = 0\nnorth_m = 0\n\
+                 [[acoustic.peers.packets]]\nfirst_s = 1\nframes = [\"0\"]",
                 "acoustic.peers.packets.frames is [\"0\"], expected 1 to 8 frames",
             ),
             (

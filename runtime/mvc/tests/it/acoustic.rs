@@ -24,8 +24,8 @@ fn in_window(acoustic: &str, peers: &str) -> Payload {
     payload
 }
 
-// SPI 9.1: "notifies the payload of a timing window ... The message contains a timestamp signifying the end of the timing
-// window." "By default, these status messages are *not* sent."
+// SPI 9.1: "notifies the payload of a timing window ... The message contains a timestamp signifying the end of the
+// timing window." "By default, these status messages are *not* sent."
 #[test]
 fn windows_are_announced_when_they_begin() {
     let mut payload = Payload::connected(&with(""), 1, &["CMA"]);
@@ -153,8 +153,8 @@ fn what_does_not_fit_into_the_window_is_reported_as_not_sent() {
     );
 }
 
-// "Anywhere from one to eight frames can be provided to the vehicle if the currently used device supports multiple frames
-// as specified through the telemetry mode."
+// "Anywhere from one to eight frames can be provided to the vehicle if the currently used device supports multiple
+// frames as specified through the telemetry mode."
 #[test]
 fn the_device_and_its_mode_limit_a_packet() {
     let long = "00".repeat(65);

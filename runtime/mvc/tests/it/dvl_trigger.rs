@@ -37,8 +37,8 @@ fn the_vehicle_gives_leave_once_it_is_safe() {
     assert_eq!(payload.heard(), ["$BFACK,080004.000,DVR,070001.000,0,2,0,"]);
 }
 
-// "The former [0,1] will elicit a stop triggering command from the Bluefin vehicle after which the payload should respond
-// with a request=0, triggering=0 message." The latter, 0,0, does not.
+// "The former [0,1] will elicit a stop triggering command from the Bluefin vehicle after which the payload should
+// respond with a request=0, triggering=0 message." The latter, 0,0, does not.
 #[test]
 fn the_payload_ends_it_in_two_ways() {
     let mut payload = triggering("");
@@ -66,8 +66,8 @@ fn the_payload_ends_it_in_two_ways() {
 }
 
 // "At any time when in external triggering mode the Bluefin vehicle may initiate a stop triggering command ... The
-// payload may indicate that it still wishes to be in external trigger mode with this response. In this case, the vehicle
-// will re-enter external triggering mode as soon as is possible".
+// payload may indicate that it still wishes to be in external trigger mode with this response. In this case, the
+// vehicle will re-enter external triggering mode as soon as is possible".
 #[test]
 fn the_vehicle_stops_it_and_begins_again_where_it_is_still_wished() {
     let mut payload = triggering("stop_at_s = [10]\nstop_for_s = 7");
@@ -108,7 +108,8 @@ fn a_stop_while_nothing_is_triggered_only_delays() {
 }
 
 // "If the payload does not trigger the DVL for a set amount of time while in external trigger mode (5 seconds by
-// default), the DVL will revert to internal trigger mode. [(Not Implemented) The vehicle will send a BFDVT message ...]"
+// default), the DVL will revert to internal trigger mode. [(Not Implemented) The vehicle will send a BFDVT message
+// ...]"
 #[test]
 fn without_pulses_for_five_seconds_the_dvl_is_triggered_internally() {
     let reverted = |payload: &mut Payload| {

@@ -264,7 +264,8 @@ fn silence_and_an_adjustment_that_was_asked_for_exclude_each_other() {
 fn the_wrap_up_ends_silence() {
     let text = settling(CALM, "spin_down_s = 0").replace("[mission]", "[mission]\nwrap_up = \"surface\"");
     let text = text.split("[[plan]]").next().unwrap().to_owned()
-        + "[[plan]]\nkind = \"setpoint\"\nheading_deg = 0\nduration_s = 30\ndepth_m = 10\nspeed_mps = 2\ndynamic = true\n";
+        + "[[plan]]\nkind = \"setpoint\"\nheading_deg = 0\nduration_s = 30\ndepth_m = 10\nspeed_mps = 2\n"
+        + "dynamic = true\n";
     let mut payload = Payload::connected(&text, 1, &["ACK"]);
     payload.until(25.0);
     payload.say("$BPRMB,070000.000,,,,0,0,");

@@ -6,8 +6,8 @@ fn with(topside: &str) -> String {
     CALM.replace("[spi]", &format!("[topside]\n{topside}\n[spi]"))
 }
 
-// SPI 7.3: "a 'success' acknowledgement indicates that the requested message was successfully queued for transmission by
-// an available communications link. It does *not* indicate that the message was actually received on the topside."
+// SPI 7.3: "a 'success' acknowledgement indicates that the requested message was successfully queued for transmission
+// by an available communications link. It does *not* indicate that the message was actually received on the topside."
 #[test]
 fn a_message_is_acknowledged_when_it_is_queued_and_delivered_later() {
     let mut payload = Payload::connected(&with("delivery_s = 4"), 1, &["ACK"]);

@@ -42,9 +42,11 @@ proptest! {
         seed in 0u64..1000,
         current_mps in 0.0..0.5f64,
         current_deg in 0.0..360.0f64,
+        water_m in 6.0..15.0f64,
+        downslope_deg in 0.0..360.0f64,
     ) {
         let text = HARBOUR.replace("drift_m_per_sqrt_h = 0", "drift_m_per_sqrt_h = 20")
-            .replace("slope = 0", "slope = 0.1");
+            .replace("depth_m = 15\nslope = 0", &format!("depth_m = {water_m}\nslope = 0.1\ndownslope_deg = {downslope_deg}"));
         let text = format!(
             "{text}\n[current]\nspeed_mps = {current_mps}\ntowards_deg = {current_deg}\n[interpretation]\nafter_suspension \
              = \"seed\"\nhull_vertical = \"seed\"\nsuspend_needs_control = \"seed\""

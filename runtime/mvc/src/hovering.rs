@@ -164,19 +164,29 @@ impl Inspector {
         true
     }
 
-    /// BPRNS moves coordinates, not the place that a vehicle without a goal holds.
+    /// BPRNS moves coordinates, and not a vehicle that holds its place.
     fn reset(&mut self, x_m: f64, y_m: f64, bearing_deg: f64, vehicle: &Vehicle) -> f64 {
         let turned_deg = bearing_deg - self.relative.bearing_deg(vehicle);
         let moved = self.relative.reset(x_m, y_m, bearing_deg, vehicle);
-        if let Goal::Hold {
-            x_m, y_m, bearing_deg, ..
-        } = &mut self.goal
-        {
+        if let Goal::Hold { x_m, y_m, .. } = &mut self.goal {
             *x_m += moved.0;
             *y_m += moved.1;
-            *bearing_deg += turned_deg;
         }
+        self.turn_held_bearing(turned_deg);
         hypot(moved.0, moved.1)
+    }
+
+    fn offset_bearing(&mut self, offset_deg: f64) {
+        self.relative.offset_bearing(offset_deg);
+        self.turn_held_bearing(offset_deg);
+    }
+
+    /// A bearing that nobody has asked for is held in truth; facing the hull is asked for.
+    fn turn_held_bearing(&mut self, turned_deg: f64) {
+        match &mut self.goal {
+            Goal::Hold { bearing_deg, .. } | Goal::Bottom { bearing_deg, .. } => *bearing_deg += turned_deg,
+            Goal::Hull { .. } => {}
+        }
     }
 
     fn demand(&self, vehicle: &Vehicle) -> HoverDemand {

@@ -198,7 +198,7 @@ impl Mvc {
             if offset_deg.abs() > 360.0 {
                 return Answer::Invalid(format!("offset_deg {offset_deg}: expected -360 to 360"));
             }
-            state.relative.offset_bearing(offset_deg);
+            state.offset_bearing(offset_deg);
             mvc.note_hovering(now, HoveringEvent::BearingOffset(offset_deg));
             Answer::Done
         });

@@ -27,6 +27,9 @@ pub(crate) struct Obstacle {
 /// m/s2, which the thrusters can do.
 const CLEARANCE_GAIN_PER_S: f64 = 0.2;
 
+/// To a hundredth of the speed.
+const BISECTIONS: u32 = 7;
+
 impl Vehicle {
     /// Rates of a hovering vehicle: a first-order lag of the velocity through the water in every direction alike. The
     /// thrusters abreast are taken to be as strong as those ahead.
@@ -37,7 +40,7 @@ impl Vehicle {
         let down_mps = self.wanted_heave_mps(demand.vertical).clamp(-limit_mps, limit_mps);
         let left_mps = (limit_mps * limit_mps - down_mps * down_mps).max(0.0).sqrt();
         let (east_mps, north_mps) = capped(demand.ground, left_mps.min(hull.speed_max_mps));
-        let (east_mps, north_mps, down_mps) = self.kept_clear((east_mps, north_mps, down_mps), self.safety_m());
+        let (east_mps, north_mps, down_mps) = self.led((east_mps, north_mps, down_mps));
         let wanted = capped(
             (east_mps - self.current.0, north_mps - self.current.1),
             hull.speed_max_mps,
@@ -79,6 +82,33 @@ impl Vehicle {
         self.heave_mps = down_mps;
         self.surge_mps = water.0 * sin + water.1 * cos;
         self.sway_mps = water.0 * cos - water.1 * sin;
+    }
+
+    /// A velocity (east, north, down) that is kept clear of the ship, and does not take the vehicle into the bottom on the
+    /// way around it: under a keel it may not climb. It goes slower then, down to standing still.
+    fn led(&self, wanted: (f64, f64, f64)) -> (f64, f64, f64) {
+        let safety_m = self.safety_m();
+        let at_share = |share: f64| self.kept_clear((wanted.0 * share, wanted.1 * share, wanted.2), safety_m);
+        let rises_mps = |velocity: (f64, f64, f64)| {
+            velocity.0 * self.gradient.east_m + velocity.1 * self.gradient.north_m - velocity.2
+        };
+        let altitude_m = self.water_depth_m - self.depth_m;
+        // Where standing still sinks faster, the way is not at fault.
+        let least_mps = (CLEARANCE_GAIN_PER_S * (self.altitude_min_m - altitude_m)).min(rises_mps(at_share(0.0)));
+        let whole = at_share(1.0);
+        if rises_mps(whole) >= least_mps {
+            return whole;
+        }
+        let (mut slow, mut fast) = (0.0, 1.0);
+        for _ in 0..BISECTIONS {
+            let middle = (slow + fast) / 2.0;
+            if rises_mps(at_share(middle)) >= least_mps {
+                slow = middle;
+            } else {
+                fast = middle;
+            }
+        }
+        at_share(slow)
     }
 
     /// A velocity (east, north, down) that comes no closer to the ship than the safety distance, and leaves it where

@@ -218,6 +218,28 @@ fn the_vehicle_does_not_go_through_the_ship() {
 }
 
 #[test]
+fn the_vehicle_does_not_squeeze_itself_between_the_keel_and_the_bottom() {
+    // The bottom rises towards the north, and leaves less than 2 m under the keel's southern edge, and nothing under its
+    // northern one.
+    let text = HARBOUR.replace(
+        "depth_m = 15\nslope = 0",
+        "depth_m = 6\nslope = 0.2\ndownslope_deg = 180",
+    );
+    let mut payload = Payload::connected(&text, 1, &[]);
+    payload.until(6.0);
+    payload.say("$BPSUS,070000.000");
+    for second in 6..150 {
+        payload.until(f64::from(second));
+        payload.say("$BPGBP,070000.000,20,0,D,6");
+        let (truth, hover) = (payload.mvc.truth(), hovering(&payload));
+        assert!(truth.altitude_m > 0.8, "{truth:?}");
+        assert!(hover.clearance_m.is_some_and(|metres| metres > 0.49), "{hover:?}");
+    }
+    // It did go under.
+    assert!(payload.mvc.truth().local.north_m > -5.5, "{:?}", payload.mvc.truth());
+}
+
+#[test]
 fn a_reset_moves_relative_navigation_at_once_and_the_vehicle_after_it() {
     // SPI 8.8. The vehicle holds its place: the coordinates move, it does not.
     let mut payload = Payload::connected(HARBOUR, 1, &["RNV", "CNV"]);
@@ -248,6 +270,7 @@ fn a_reset_does_not_move_a_vehicle_that_holds_its_place() {
     keep(&mut payload, 20.0, "$BPSUS,070000.000");
     let before = payload.mvc.truth();
     payload.say("$BPRNS,070000.000,-30,12,45");
+    payload.say("$BPRBO,070000.000,20");
     keep(&mut payload, 40.0, "$BPSUS,070000.000");
     let after = payload.mvc.truth();
     assert!(before.local.distance_m(after.local) < 0.1, "{before:?} {after:?}");
@@ -278,6 +301,35 @@ fn a_bearing_offset_adds_to_the_bearings_and_turns_the_vehicle_that_faces_the_hu
         hovering(&payload)
     );
     assert!(near(newest(&mut payload, "$BFRNV")[3], 0.0, 0.5));
+}
+
+#[test]
+fn an_error_of_the_bearing_turns_the_way_that_is_reckoned() {
+    // SPI 8.9: what it believes to be straight to the right leads away from the hull.
+    let mut payload = Payload::connected(HARBOUR, 1, &["CNV"]);
+    payload.until(6.0);
+    payload.say("$BPSUS,070000.000");
+    keep(&mut payload, 40.0, "$BPGBP,070000.000,-8,0,D,3");
+    payload.say("$BPRBO,070000.000,-30");
+    keep(&mut payload, 90.0, "$BPGBP,070000.000,-8,10,D,3");
+    let (cnv, hover) = (newest(&mut payload, "$BFCNV"), hovering(&payload));
+    assert!(near(cnv[0], -8.0, 0.2) && near(cnv[1], 10.0, 0.2), "{cnv:?}");
+    // 10 m at 30 degrees: 5 m across and 8.66 m along.
+    assert!(near(hover.x_m, -13.0, 0.3) && near(hover.y_m, 8.66, 0.3), "{hover:?}");
+}
+
+#[test]
+fn nobody_else_is_told_of_a_suspension() {
+    // SPI 8.1 to 8.3 name no message: the mission is still `Running`, and control as it was.
+    let mut payload = Payload::connected(HARBOUR, 1, &["MIS", "CTL", "MBS", "MBE"]);
+    payload.until(6.0);
+    payload.heard();
+    payload.say("$BPSUS,070000.000");
+    keep(&mut payload, 12.0, "$BPCON,070000.000");
+    payload.say("$BPRES,070000.000");
+    payload.until(20.0);
+    assert_eq!(payload.heard(), Vec::<String>::new());
+    assert!(payload.mvc.truth().control);
 }
 
 #[test]

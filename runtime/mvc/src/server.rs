@@ -1,6 +1,6 @@
 use std::collections::VecDeque;
 
-use backseat_spi::{CommandName, Framer, FromVehicle, Policy, Text, ToVehicle};
+use backseat_spi::{CommandName, Framer, FromVehicle, Policy, Sentence, Text, ToVehicle};
 
 use crate::event::{ClientId, DropReason};
 
@@ -173,7 +173,13 @@ impl Server {
         let client = self.client(id)?;
         let sentence = client.framer.next_sentence()?;
         Some(match ToVehicle::decode(&sentence) {
-            Ok(command) => Received::Command(command),
+            Ok(command) => match reserved_fault(&command, &sentence) {
+                None => Received::Command(command),
+                Some(fault) => {
+                    let name = CommandName::new(sentence.name()).unwrap_or(CommandName::NAK);
+                    Received::Malformed(name, Text::cleaned(&fault))
+                }
+            },
             Err(error) => {
                 let name = CommandName::new(sentence.name()).unwrap_or(CommandName::NAK);
                 Received::Malformed(name, Text::cleaned(&error.to_string()))
@@ -246,4 +252,14 @@ impl Server {
     fn client(&mut self, id: ClientId) -> Option<&mut Client> {
         self.clients.iter_mut().find(|client| client.id == id)
     }
+}
+
+/// What is wrong with a reserved field, which "must be empty or 0" (SPI 7.10, 7.11). Decoding skips it.
+fn reserved_fault(command: &ToVehicle, sentence: &Sentence<'_>) -> Option<String> {
+    if !matches!(command, ToVehicle::CancelCurrent(_) | ToVehicle::CancelElement(_)) {
+        return None;
+    }
+    let field = sentence.fields().nth(1)?.trim();
+    let zero = field.is_empty() || field.parse::<f64>().is_ok_and(|number| number == 0.0);
+    (!zero).then(|| format!("reserved field {field}: expected empty or 0"))
 }

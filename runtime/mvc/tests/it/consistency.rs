@@ -89,6 +89,7 @@ proptest! {
         let mut fates: BTreeMap<u32, Fate> = BTreeMap::new();
         let mut running = None;
         for event in &payload.events {
+            #[expect(clippy::wildcard_enum_match_arm, reason = "the rest is not about behaviors")]
             match &event.kind {
                 MvcEventKind::InsertAccepted(_, id) => fates.entry(id.get()).or_default().accepted += 1,
                 MvcEventKind::InsertCancelled(id, _) => fates.entry(id.get()).or_default().cancelled += 1,

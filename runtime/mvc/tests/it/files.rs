@@ -72,6 +72,13 @@ lead_in_m = "seed"
 control_replay = "seed"
 cancel_all_scope = "seed"
 modify_heading = "seed"
+insert_place = "seed"
+insert_logging = "seed"
+cancel_scope = "seed"
+cancel_all_gps = "seed"
+modify_survives = "seed"
+modify_beyond = "seed"
+modify_fins = "seed"
 [[plan]]
 kind = "waypoint"
 at = { east_m = 0, north_m = 60 }

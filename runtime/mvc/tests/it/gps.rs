@@ -1,4 +1,4 @@
-use backseat_mvc::{Activity, EndReason, MvcEventKind};
+use backseat_mvc::{Activity, EndReason, MvcEvent, MvcEventKind};
 use backseat_spi::BehaviorId;
 
 use crate::files::CALM;
@@ -76,11 +76,8 @@ fn a_gps_hit_without_a_fix_gives_up() {
         least_m = least_m.min(payload.mvc.truth().depth_m);
     }
     assert!(least_m > 9.0, "{least_m}");
-    let reason = payload.events.iter().find_map(|event| match &event.kind {
-        MvcEventKind::BehaviorEnded(behavior, reason) if behavior.kind == "gps" => Some(*reason),
-        _ => None,
-    });
-    assert_eq!(reason, Some(EndReason::TimedOut));
+    let timed_out = |event: &MvcEvent| matches!(event.kind, MvcEventKind::BehaviorEnded(behavior, EndReason::TimedOut) if behavior.kind == "gps");
+    assert!(payload.events.iter().any(timed_out));
 }
 
 /// SPI 7.7, surface mode 2, "manual": the payload brings the vehicle up with BPRMB, and the fix ends the behavior.

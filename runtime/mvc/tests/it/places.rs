@@ -55,7 +55,9 @@ fn flown(interpretation: &str, said: &[(f64, String)]) -> String {
 /// SPI 7.5, sentence by sentence: when each insert is asked for, whether it interrupts, and what is flown.
 #[test]
 fn inserts_have_their_place_by_the_letter_of_the_section() {
-    let cases: &[(&str, &str, &[(f64, u32, u32)], &str)] = &[
+    // What the section says, the settings, each insert's second, identifier and interrupt code, and what is flown.
+    type Case = (&'static str, &'static str, &'static [(f64, u32, u32)], &'static str);
+    let cases: &[Case] = &[
         (
             "\"at the end of the current planned (not dynamic) survey leg or trackcircle\"",
             "",

@@ -153,3 +153,21 @@ fn a_plan_that_cannot_be_told_is_refused_with_its_key() {
         assert!(error.contains(fault) && !error.contains('\n'), "{to}: {error}");
     }
 }
+
+/// SPI 5.1: a mission file may hold user-defined behaviors alone.
+#[test]
+fn a_plan_of_commands_alone_is_over_as_it_begins() {
+    let (head, _) = CALM.split_once("[[plan]]").expect("the file has a plan");
+    let command = "[[plan]]\nkind = \"command\"\ntext = \"on\"\nrole = \"sonar\"\ndynamic = true\n";
+    let mut payload = Payload::connected(&format!("{head}{}", command.repeat(500)), 1, &["CTL", "MIS"]);
+    payload.until(1.0);
+    assert!(payload.mvc.mission_over());
+    let heard = payload.heard();
+    assert_eq!(heard.iter().filter(|line| line.ends_with(",on")).count(), 500);
+    assert!(
+        heard.last().is_some_and(|line| line.ends_with(",Completed,")),
+        "no control in between"
+    );
+    assert_eq!(heard.len(), 502);
+    assert!(payload.log().iter().any(|line| line.ends_with("sonar is told: on")));
+}

@@ -76,21 +76,6 @@ pub(crate) fn named(message: &str) -> Named {
     }
 }
 
-/// Whether the reserved field of a command that has one is "empty or 0" as it must be (SPI 7.3, 7.10, 7.11). A comma in
-/// the text of a BPTOP would spill into it.
-fn is_reserved_empty(command: &ToVehicle, sentence: &Sentence<'_>) -> bool {
-    #[expect(
-        clippy::wildcard_enum_match_arm,
-        reason = "the other commands have no reserved field"
-    )]
-    let index = match command {
-        ToVehicle::TopsideText(_) => 3,
-        ToVehicle::CancelCurrent(_) | ToVehicle::CancelElement(_) => 1,
-        _ => return true,
-    };
-    matches!(sentence.fields().nth(index).map(str::trim), None | Some("" | "0"))
-}
-
 /// What came from a client.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Received {
@@ -188,11 +173,13 @@ impl Server {
         let client = self.client(id)?;
         let sentence = client.framer.next_sentence()?;
         Some(match ToVehicle::decode(&sentence) {
-            Ok(command) if !is_reserved_empty(&command, &sentence) => {
-                let name = CommandName::new(sentence.name()).unwrap_or(CommandName::NAK);
-                Received::Malformed(name, Text::cleaned("reserved field: expected 0 or nothing"))
-            }
-            Ok(command) => Received::Command(command),
+            Ok(command) => match reserved_fault(&command, &sentence) {
+                None => Received::Command(command),
+                Some(fault) => {
+                    let name = CommandName::new(sentence.name()).unwrap_or(CommandName::NAK);
+                    Received::Malformed(name, Text::cleaned(&fault))
+                }
+            },
             Err(error) => {
                 let name = CommandName::new(sentence.name()).unwrap_or(CommandName::NAK);
                 Received::Malformed(name, Text::cleaned(&error.to_string()))
@@ -265,4 +252,21 @@ impl Server {
     fn client(&mut self, id: ClientId) -> Option<&mut Client> {
         self.clients.iter_mut().find(|client| client.id == id)
     }
+}
+
+/// What is wrong with a reserved field, which "must be empty or 0" (SPI 7.3, 7.10, 7.11); a comma in
+/// the text of a BPTOP spills into it. Decoding skips it.
+fn reserved_fault(command: &ToVehicle, sentence: &Sentence<'_>) -> Option<String> {
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "the other commands have no reserved field"
+    )]
+    let index = match command {
+        ToVehicle::TopsideText(_) => 3,
+        ToVehicle::CancelCurrent(_) | ToVehicle::CancelElement(_) => 1,
+        _ => return None,
+    };
+    let field = sentence.fields().nth(index)?.trim();
+    let zero = field.is_empty() || field.parse::<f64>().is_ok_and(|number| number == 0.0);
+    (!zero).then(|| format!("reserved field {field}: expected empty or 0"))
 }

@@ -76,6 +76,13 @@ adjustment_when_silenced = "seed"
 adjustment_needs_status = "seed"
 dvl_timeout_announced = "seed"
 unacked_frames = "seed"
+insert_place = "seed"
+insert_logging = "seed"
+cancel_scope = "seed"
+cancel_all_gps = "seed"
+modify_survives = "seed"
+modify_beyond = "seed"
+modify_fins = "seed"
 [[plan]]
 kind = "waypoint"
 at = { east_m = 0, north_m = 60 }

@@ -2,41 +2,7 @@ use backseat_mvc::Activity;
 use backseat_spi::BehaviorId;
 
 use crate::files::CALM;
-use crate::payload::{ME, Payload};
-
-/// A trackline of 100 m eastward, `north_m` north of the origin's latitude in hundredths of a minute.
-fn line(id: u32, hundredths: u32, interrupt: u32) -> String {
-    format!(
-        "$BPRTK,0700{:02}.000,{id},4218.{hundredths:02},N,07054.00,W,4218.{hundredths:02},N,07053.93,W,0,10,2,0,{interrupt}",
-        id % 60
-    )
-}
-
-/// BFMBS and BFMBE of a run as `+3` and `-7`: number of the plan, or `i` and the identifier.
-fn course(payload: &mut Payload) -> Vec<String> {
-    payload
-        .heard()
-        .iter()
-        .filter_map(|line| {
-            let fields: Vec<&str> = line.split(',').collect();
-            let sign = match fields[0] {
-                "$BFMBS" => "+",
-                "$BFMBE" => "-",
-                _ => return None,
-            };
-            Some(if fields[4].is_empty() {
-                format!("{sign}{}", fields[3])
-            } else {
-                format!("{sign}i{}", fields[4])
-            })
-        })
-        .collect()
-}
-
-fn done(payload: &mut Payload) {
-    payload.until_that(2000.0, |truth| truth.activity == Activity::Stopped);
-    assert!(payload.mvc.mission_over());
-}
+use crate::payload::{ME, Payload, course, done, line};
 
 #[test]
 fn inserts_are_flown_in_order_after_the_current_leg_and_then_the_plan_goes_on() {
@@ -47,7 +13,7 @@ fn inserts_are_flown_in_order_after_the_current_leg_and_then_the_plan_goes_on() 
     }
     done(&mut payload);
     assert_eq!(
-        course(&mut payload),
+        course(&payload.heard()),
         ["+1", "-1", "+i7", "-i7", "+i5", "-i5", "+i6", "-i6", "+2", "-2"]
     );
 }
@@ -71,7 +37,10 @@ fn an_interrupt_starts_at_once_and_the_next_element_follows() {
     );
     payload.say(&line(6, 22, 0));
     done(&mut payload);
-    assert_eq!(course(&mut payload), ["-i4", "+i3", "-i3", "+i6", "-i6", "+2", "-2"]);
+    assert_eq!(
+        course(&payload.heard()),
+        ["-i4", "+i3", "-i3", "+i6", "-i6", "+2", "-2"]
+    );
 }
 
 #[test]
@@ -81,7 +50,10 @@ fn an_interrupted_element_may_be_resumed_where_it_was_left() {
     payload.until(60.0);
     payload.say(&line(4, 8, 4));
     done(&mut payload);
-    assert_eq!(course(&mut payload), ["+1", "-1", "+i4", "-i4", "+1", "-1", "+2", "-2"]);
+    assert_eq!(
+        course(&payload.heard()),
+        ["+1", "-1", "+i4", "-i4", "+1", "-1", "+2", "-2"]
+    );
 }
 
 #[test]
@@ -123,7 +95,7 @@ fn cancel_works_before_the_begin_and_fails_after_it() {
     payload.say("$BPRCN,070000.000,4");
     assert!(payload.heard()[0].ends_with(",RCN,070000.000,4,1,0,the behavior has begun"));
     done(&mut payload);
-    assert_eq!(course(&mut payload), ["+2"]);
+    assert_eq!(course(&payload.heard()), ["+2"]);
 }
 
 #[test]
@@ -222,7 +194,7 @@ fn inserts_outlive_control_or_are_dropped() {
         payload.until(61.0);
         assert!(!payload.mvc.truth().control);
         done(&mut payload);
-        assert_eq!(course(&mut payload), flown, "{reading}");
+        assert_eq!(course(&payload.heard()), flown, "{reading}");
     }
 }
 

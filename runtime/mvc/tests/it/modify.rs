@@ -204,3 +204,145 @@ fn the_heading_frame_is_a_setting() {
         );
     }
 }
+
+/// Modifies from the 10th second to another, and gives the vehicle then.
+fn flown(text: &str, fields: &str, until: u32) -> backseat_mvc::Truth {
+    let mut payload = Payload::connected(text, 1, &[]);
+    for second in 10..until {
+        payload.until(f64::from(second));
+        payload.say(&format!("$BPRMB,070000.000,{fields}"));
+    }
+    payload.until(f64::from(until));
+    payload.mvc.truth()
+}
+
+/// SPI 7.12: "1 signifies a rudder adjustment", "2 signifies the previous field is a pitch; 3 ... an elevator adjustment",
+/// "0 signifies the previous field is a thruster RPM".
+#[test]
+fn rudder_pitch_elevator_and_rpm_are_flown() {
+    let heading = |seconds| flown(CALM, "10,,,,,1", seconds).heading_deg;
+    // Half of the greatest rudder at full way is half of the fastest turn, 5 degrees a second, to starboard.
+    let turned = backseat_units::math::wrap_180(heading(30) - heading(20));
+    assert!((turned - 50.0).abs() < 2.0, "{turned}");
+    let port = backseat_units::math::wrap_180(
+        flown(CALM, "-10,,,,,1", 30).heading_deg - flown(CALM, "-10,,,,,1", 20).heading_deg,
+    );
+    assert!((port + 50.0).abs() < 2.0, "{port}");
+    // 10 degrees down at 1.5 m/s for 40 s: 0.26 m/s.
+    let dive = |fields| flown(CALM, fields, 70).depth_m - flown(CALM, fields, 30).depth_m;
+    let pitched = dive(",-10,2,1.5,1,");
+    assert!((pitched - 10.4).abs() < 0.5, "{pitched}");
+    // 8 of 20 degrees of elevator make 10 of 25 degrees of pitch.
+    let lifted = dive(",-8,3,1.5,1,");
+    assert!((lifted - pitched).abs() < 0.1, "{lifted}");
+    let speed_mps = flown(CALM, ",,,450,0,", 60).speed_mps;
+    assert!((speed_mps - 1.5).abs() < 0.01, "{speed_mps}");
+}
+
+/// SPI 7.12 calls rudder and elevator adjustments, and does not say of what.
+#[test]
+fn fins_may_be_a_change_of_what_the_behavior_steers() {
+    let text = format!("{CALM}\n[interpretation]\nmodify_fins = \"change\"");
+    // On its line northward, with the rudder a little to starboard: it settles off to the east and goes on north.
+    let truth = flown(&text, "2,-1,3,,,1", 150);
+    assert!(truth.local.east_m > 0.5 && truth.local.east_m < 40.0, "{truth:?}");
+    assert!(
+        backseat_units::math::wrap_180(truth.heading_deg).abs() < 10.0,
+        "{truth:?}"
+    );
+    assert!(truth.depth_m > 10.1 && truth.depth_m < 14.0, "{truth:?}");
+}
+
+/// SPI 7.12: "this message can not be used to command the vehicle beyond its safe operating parameters".
+#[test]
+fn beyond_the_safe_limits_a_modify_is_clipped_or_refused() {
+    let cases = [
+        ",201,0,,,",
+        ",-1,0,,,",
+        ",1.9,1,,,",
+        ",26,2,,,",
+        ",21,3,,,",
+        ",,,2.6,1,",
+        ",,,0.4,1,",
+        ",,,900,0,",
+        "21,,,,,1",
+    ];
+    for (reading, status) in [("clip", "2"), ("refuse", "1")] {
+        let text = format!("{CALM}\n[interpretation]\nmodify_beyond = \"{reading}\"");
+        for fields in cases {
+            let mut payload = Payload::connected(&text, 1, &["ACK"]);
+            payload.until(10.0);
+            payload.say("$BPRMB,070000.000,,200,0,2.5,1,");
+            payload.say(&format!("$BPRMB,070000.001,{fields}"));
+            let heard = payload.heard();
+            assert!(heard[0].ends_with(",2,0,"), "the limits themselves are safe: {heard:?}");
+            assert!(
+                heard[1].contains(&format!(",RMB,070000.001,0,{status},0,")),
+                "{reading} {fields}: {heard:?}"
+            );
+            // What is in force stays, and its 5 s.
+            payload.until(14.9);
+            assert!(modified(&payload));
+            payload.until(15.0);
+            assert!(!modified(&payload));
+        }
+    }
+}
+
+/// SPI 7.12 modifies "the current behavior", and does not say what becomes of it where that ends.
+#[test]
+fn a_modify_goes_on_with_the_next_behavior_or_ends_with_its_own() {
+    let text = CALM.replace("kind = \"waypoint\"", "kind = \"waypoint\"\ndynamic = true");
+    for (survives, log) in [("true", None), ("false", Some("modify ended: its behavior ended"))] {
+        let text = format!("{text}\n[interpretation]\nmodify_survives = {survives}");
+        let mut payload = Payload::connected(&text, 1, &[]);
+        payload.until(20.0);
+        payload.say("$BPRMB,070000.000,90,,,,,");
+        payload.say("$BPRCB,070000.000,0");
+        let activity = payload.mvc.truth().activity;
+        let ended = payload.log().iter().find(|line| line.contains("modify ended")).cloned();
+        if survives == "true" {
+            assert_eq!(
+                activity,
+                Activity::Modified {
+                    number: Some(2),
+                    id: None
+                }
+            );
+        } else {
+            assert_eq!(activity, Activity::Plan { number: 2 });
+        }
+        assert_eq!(
+            ended
+                .as_deref()
+                .map(|line| line.split_once(": ").map_or("", |(_, text)| text)),
+            log
+        );
+        // Either way the next one may be modified.
+        payload.say("$BPRMB,070000.000,90,,,,,");
+        assert_eq!(
+            payload.mvc.truth().activity,
+            Activity::Modified {
+                number: Some(2),
+                id: None
+            }
+        );
+    }
+}
+
+/// SPI 7.12: "must be sent at least every 5 seconds", to the nanosecond, from the last one received.
+#[test]
+fn the_five_seconds_are_exact() {
+    let mut payload = Payload::connected(CALM, 1, &[]);
+    payload.until(10.0);
+    payload.now = backseat_units::Timestamp::from_nanos(10_012_345_678);
+    payload.say("$BPRMB,070000.000,90,15,0,1.5,1,0");
+    payload
+        .mvc
+        .handle_timeout(backseat_units::Timestamp::from_nanos(15_012_345_677));
+    assert!(modified(&payload), "just before");
+    payload
+        .mvc
+        .handle_timeout(backseat_units::Timestamp::from_nanos(15_012_345_678));
+    assert!(!modified(&payload), "just after");
+}

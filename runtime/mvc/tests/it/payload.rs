@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use backseat_mvc::{ClientId, Mvc, MvcEvent, Truth, WorldFile};
+use backseat_mvc::{Activity, ClientId, Mvc, MvcEvent, Truth, WorldFile};
 use backseat_units::Timestamp;
 
 /// A vehicle with clients, on a clock that jumps from one wake-up to the next.
@@ -122,4 +122,36 @@ fn checked(line: &str) -> String {
     let xor = body.trim_start_matches('$').bytes().fold(0, |xor, byte| xor ^ byte);
     assert_eq!(sum, format!("*{xor:02X}"), "{line}");
     body.to_owned()
+}
+
+/// A trackline of 100 m eastward, so many hundredths of a minute north of 42 degrees 18 minutes.
+pub(crate) fn line(id: u32, hundredths: u32, interrupt: u32) -> String {
+    format!(
+        "$BPRTK,0700{:02}.000,{id},4218.{hundredths:02},N,07054.00,W,4218.{hundredths:02},N,07053.93,W,0,10,2,0,{interrupt}",
+        id % 60
+    )
+}
+
+/// BFMBS and BFMBE among some lines as `+3` and `-7`: number of the plan, or `i` and the identifier.
+pub(crate) fn course(lines: &[String]) -> Vec<String> {
+    let behavior = |line: &String| {
+        let fields: Vec<&str> = line.split(',').collect();
+        let sign = match fields[0] {
+            "$BFMBS" => "+",
+            "$BFMBE" => "-",
+            _ => return None,
+        };
+        Some(if fields[4].is_empty() {
+            format!("{sign}{}", fields[3])
+        } else {
+            format!("{sign}i{}", fields[4])
+        })
+    };
+    lines.iter().filter_map(behavior).collect()
+}
+
+/// Lets the time pass until the mission is over.
+pub(crate) fn done(payload: &mut Payload) {
+    payload.until_that(5000.0, |truth| truth.activity == Activity::Stopped);
+    assert!(payload.mvc.mission_over());
 }

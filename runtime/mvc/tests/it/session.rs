@@ -136,7 +136,15 @@ fn command() -> impl Strategy<Value = Vec<u8>> {
     let circle = (field(), field(), field(), field(), field()).prop_map(|(radius, orbits, metres, speed, angle)| {
         format!("$BPRTC,070000.000,9,4218.0,N,07054.0,W,{radius},{orbits},0,{metres},{speed},0,{angle},4\n")
     });
+    let hit = (field(), field(), field(), 0..4u32)
+        .prop_map(|(id, time, hits, mode)| format!("$BPRGP,070000.000,{id},4218.0,N,07054.0,W,{time},{hits},{mode}\n"));
+    let ending = (0..4usize, field(), field()).prop_map(|(name, one, other)| {
+        let name = ["RCB", "RCE", "SEM", "ABT"][name];
+        format!("$BP{name},070000.000,{one},{other}\n")
+    });
     prop_oneof![
+        hit.prop_map(String::into_bytes),
+        ending.prop_map(String::into_bytes),
         modify.prop_map(String::into_bytes),
         line.prop_map(String::into_bytes),
         circle.prop_map(String::into_bytes),

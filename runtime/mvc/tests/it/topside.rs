@@ -71,7 +71,7 @@ fn what_has_no_meaning_is_invalid() {
         // "Reserved for future specification. Must be empty or 0": a comma in the text, perhaps.
         (
             "$BPTOP,070000.000,3,hello,world",
-            "TOP,000000.000,0,0,0,reserved field: expected 0 or nothing",
+            "TOP,000000.000,0,0,0,reserved field world: expected empty or 0",
         ),
         (
             "$BPTMR,070000.000,9,abort",

@@ -15,7 +15,7 @@ use serde::Deserialize;
 pub use expect::{ContourExpectation, Expectations, MaximumExpectation};
 pub use interpretation::{
     AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertPlace, InsertsAfterControl, InterpretationConfig,
-    ModifyBeyond, ModifyFins,
+    Interruption, ModifyBeyond, ModifyFins,
 };
 pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
 pub use plan::{PlaceConfig, PlanEntry, PlanKind};

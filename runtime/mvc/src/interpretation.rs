@@ -2,7 +2,7 @@ use backseat_world::Stream;
 
 use crate::file::{
     AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertPlace, InsertsAfterControl, InterpretationConfig,
-    ModifyBeyond, ModifyFins,
+    Interruption, ModifyBeyond, ModifyFins,
 };
 
 /// How this run reads what the specification leaves open: the `[interpretation]` section with the seed's draws.
@@ -34,6 +34,8 @@ pub struct Interpretation {
     pub modify_beyond_refused: bool,
     /// BPRMB's rudder and elevator are added to the behavior's own; else they are held as they are.
     pub fins_change: bool,
+    /// No insert of a set whose first has interrupted may be interrupted; else only that first one may not.
+    pub set_interrupts: bool,
 }
 
 fn chosen(choice: Choice<bool>, drawn: bool) -> bool {
@@ -52,7 +54,7 @@ impl Interpretation {
         let lead_in_m = stream.uniform_in(0.0, 50.0);
         // New draws come last, so that those before stay as they are.
         let mut coin = || stream.uniform() < 0.5;
-        let later = [coin(), coin(), coin(), coin(), coin(), coin(), coin()];
+        let later = [coin(), coin(), coin(), coin(), coin(), coin(), coin(), coin()];
         Self {
             inserts_fly_on: match config.inserts_after_control {
                 InsertsAfterControl::Fly => true,
@@ -102,6 +104,11 @@ impl Interpretation {
                 ModifyFins::Change => true,
                 ModifyFins::Seed => later[6],
             },
+            set_interrupts: match config.interruption {
+                Interruption::Set => true,
+                Interruption::Behavior => false,
+                Interruption::Seed => later[7],
+            },
         }
     }
 }
@@ -126,6 +133,7 @@ mod tests {
             modify_survives: Choice::Seed,
             modify_beyond: ModifyBeyond::Seed,
             modify_fins: ModifyFins::Seed,
+            interruption: Interruption::Seed,
         };
         let drawn: Vec<Interpretation> = (0..64).map(|seed| Interpretation::new(&config, seed)).collect();
         let both = |of: fn(&Interpretation) -> bool| drawn.iter().any(of) && !drawn.iter().all(of);
@@ -133,6 +141,6 @@ mod tests {
         assert!(both(|i| i.cancel_all) && both(|i| i.heading_is_grid) && both(|i| i.lead_in_m > 25.0));
         assert!(both(|i| i.inserts_at_legs) && both(|i| i.insert_logging) && both(|i| i.cancel_any));
         assert!(both(|i| i.cancel_all_gps) && both(|i| i.modify_survives) && both(|i| i.fins_change));
-        assert!(both(|i| i.modify_beyond_refused));
+        assert!(both(|i| i.modify_beyond_refused) && both(|i| i.set_interrupts));
     }
 }

@@ -57,9 +57,9 @@ pub use event::{
 };
 pub use file::{
     AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, ControlWindow, Expectations,
-    HeadingFrame, InsertPlace, InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig,
-    ModifyBeyond, ModifyFins, ModifyLimit, PlaceConfig, PlanEntry, PlanKind, Profile, SensorConfig, SpiConfig,
-    StartConfig, VehicleConfig, WorldFile, WrapUp,
+    HeadingFrame, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, MaximumExpectation,
+    MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, PlaceConfig, PlanEntry, PlanKind, Profile, SensorConfig,
+    SpiConfig, StartConfig, VehicleConfig, WorldFile, WrapUp,
 };
 pub use hull::{Hull, HullClass};
 pub use interpretation::Interpretation;

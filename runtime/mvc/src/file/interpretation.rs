@@ -38,6 +38,21 @@ pub struct InterpretationConfig {
     pub modify_beyond: ModifyBeyond,
     /// What the rudder and elevator of BPRMB are (SPI 7.12 calls them adjustments).
     pub modify_fins: ModifyFins,
+    /// What may not be interrupted (SPI 7.5: "it is not possible to interrupt an interruption").
+    pub interruption: Interruption,
+}
+
+/// What may not be interrupted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Interruption {
+    /// Any insert of a set whose first has interrupted the plan.
+    #[default]
+    Set,
+    /// The insert alone that has interrupted, while it runs.
+    Behavior,
+    /// The seed draws.
+    Seed,
 }
 
 /// Where an insert has its place while the current behavior is neither survey leg nor trackcircle.
@@ -162,6 +177,7 @@ impl Default for InterpretationConfig {
             modify_survives: Choice::Fixed(true),
             modify_beyond: ModifyBeyond::default(),
             modify_fins: ModifyFins::default(),
+            interruption: Interruption::default(),
         }
     }
 }

@@ -51,7 +51,7 @@ fn said() -> impl Strategy<Value = Said> {
 const READINGS: [&str; 3] = [
     "",
     "after_interrupt = \"resume\"\ninsert_place = \"current\"\nmodify_survives = false\ninsert_logging = true",
-    "inserts_after_control = \"drop\"\ncancel_all_gps = true\nafter_interrupt = \"resume\"",
+    "inserts_after_control = \"drop\"\ncancel_all_gps = true\nafter_interrupt = \"resume\"\ninterruption = \"behavior\"",
 ];
 
 proptest! {

@@ -55,7 +55,7 @@ const READINGS: [&str; 3] = [
 ];
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Every accepted insert begins and ends, or is cancelled, and never both; control implies a running mission; every
     /// BFBDL has its BFSDL; every acknowledged identifier is used once.

@@ -59,8 +59,8 @@ pub(crate) struct Executive {
     used: BTreeSet<BehaviorId>,
     /// The inserts that are flown have interrupted the plan.
     interrupting: bool,
-    /// What an insert has interrupted, where it is to be resumed, and when.
-    paused: Option<(Running, Timestamp)>,
+    /// What inserts have interrupted, where it is to be resumed, and when; the last is resumed first.
+    paused: Vec<(Running, Timestamp)>,
     suspension: Option<suspend::Suspension>,
     modify: Option<Modify>,
     /// How long the running behavior has been modified.
@@ -137,7 +137,7 @@ impl Executive {
             queue: VecDeque::new(),
             used: BTreeSet::new(),
             interrupting: false,
-            paused: None,
+            paused: Vec::new(),
             suspension: None,
             modify: None,
             modified: Duration::ZERO,
@@ -199,7 +199,11 @@ impl Executive {
     /// insert has interrupted.
     pub(crate) fn inserts(&self) -> impl Iterator<Item = &Insert> {
         let begun = self.running.iter().filter_map(|running| running.insert.as_ref());
-        let paused = self.paused.iter().filter_map(|(running, _)| running.insert.as_ref());
+        let paused = self
+            .paused
+            .iter()
+            .rev()
+            .filter_map(|(running, _)| running.insert.as_ref());
         begun.chain(&self.queue).chain(paused)
     }
 
@@ -303,7 +307,7 @@ impl Executive {
             self.set_control(allowed);
             if !allowed && !self.interpretation.inserts_fly_on {
                 self.drop_queue(CancelCause::ControlLost, |_| true);
-                self.paused.take_if(|(paused, _)| paused.insert.is_some());
+                self.paused.retain(|(paused, _)| paused.insert.is_none());
                 if self.running.as_ref().is_some_and(|running| running.insert.is_some()) {
                     self.next(now, at, EndReason::ControlLost);
                     changed = true;

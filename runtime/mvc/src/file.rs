@@ -30,7 +30,7 @@ pub use faults::{DirectionName, FaultEntry, FaultFile, FaultName, SensorName, St
 pub use hovering::{HoveringConfig, ShipConfig, ShipSide};
 pub use interpretation::{
     AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame, HullVertical,
-    InsertPlace, InsertsAfterControl, InterpretationConfig, ModifyBeyond, ModifyFins, UnackedFrames,
+    InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyFins, UnackedFrames,
 };
 pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
 pub use plan::{PlaceConfig, PlanEntry, PlanKind};

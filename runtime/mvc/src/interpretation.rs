@@ -2,7 +2,7 @@ use backseat_world::Stream;
 
 use crate::file::{
     AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame, HullVertical,
-    InsertPlace, InsertsAfterControl, InterpretationConfig, ModifyBeyond, ModifyFins, UnackedFrames,
+    InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyFins, UnackedFrames,
 };
 
 /// How this run reads what the specification leaves open: the `[interpretation]` section with the seed's draws.
@@ -48,6 +48,8 @@ pub struct Interpretation {
     pub dvl_timeout_announced: bool,
     /// BFCPS calls frames failed whose acknowledgement did not come; else unacknowledged.
     pub unacked_is_failed: bool,
+    /// No insert of a set whose first has interrupted may be interrupted; else only that first one may not.
+    pub set_interrupts: bool,
 }
 
 fn chosen(choice: Choice<bool>, drawn: bool) -> bool {
@@ -77,7 +79,7 @@ impl Interpretation {
         let lead_in_m = stream.uniform_in(0.0, 50.0);
         // New draws come last, so that those before stay as they are.
         let mut coin = || stream.uniform() < 0.5;
-        let later = [coin(), coin(), coin(), coin(), coin(), coin(), coin()];
+        let later = [coin(), coin(), coin(), coin(), coin(), coin(), coin(), coin()];
         let mut hovering = Stream::new(seed, "interpretation of hovering");
         let needs_control = hovering.uniform() < 0.5;
         let resume_from = match hovering.uniform() {
@@ -172,6 +174,11 @@ impl Interpretation {
                 UnackedFrames::Failed => true,
                 UnackedFrames::Seed => of_services[3],
             },
+            set_interrupts: match config.interruption {
+                Interruption::Set => true,
+                Interruption::Behavior => false,
+                Interruption::Seed => later[7],
+            },
         }
     }
 }
@@ -203,6 +210,7 @@ mod tests {
             adjustment_needs_status: Choice::Seed,
             dvl_timeout_announced: Choice::Seed,
             unacked_frames: UnackedFrames::Seed,
+            interruption: Interruption::Seed,
         };
         let drawn: Vec<Interpretation> = (0..64).map(|seed| Interpretation::new(&config, seed)).collect();
         let both = |of: fn(&Interpretation) -> bool| drawn.iter().any(of) && !drawn.iter().all(of);
@@ -214,7 +222,7 @@ mod tests {
         assert!(both(|i| i.cancel_all) && both(|i| i.heading_is_grid) && both(|i| i.lead_in_m > 25.0));
         assert!(both(|i| i.inserts_at_legs) && both(|i| i.insert_logging) && both(|i| i.cancel_any));
         assert!(both(|i| i.cancel_all_gps) && both(|i| i.modify_survives) && both(|i| i.fins_change));
-        assert!(both(|i| i.modify_beyond_refused));
+        assert!(both(|i| i.modify_beyond_refused) && both(|i| i.set_interrupts));
         assert!(both(|i| i.silence_cancels_adjustment) && both(|i| i.adjustment_needs_status));
         assert!(both(|i| i.dvl_timeout_announced) && both(|i| i.unacked_is_failed));
     }

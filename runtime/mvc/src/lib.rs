@@ -68,10 +68,10 @@ pub use file::{
     AcknowledgeConfig, AcousticConfig, AcousticDevice, AdjustmentConfig, AdjustmentWhenSilenced, AfterInterrupt,
     AfterSuspension, CancelAllScope, Choice, ContourExpectation, ControlWindow, DirectionName, DvlConfig, Expectations,
     FaultEntry, FaultFile, FaultName, HeadingFrame, HoveringConfig, HullVertical, InsertPlace, InsertsAfterControl,
-    InterpretationConfig, LineFault, MaximumExpectation, MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit,
-    PeerConfig, PeerPacket, PlaceConfig, PlanEntry, PlanKind, PowerConfig, Profile, SensorConfig, SensorName,
-    ShipConfig, ShipSide, SilenceConfig, SpiConfig, StageName, StartConfig, TopsideConfig, TopsideEntry, UnackedFrames,
-    VehicleConfig, WorldFile, WrapUp,
+    InterpretationConfig, Interruption, LineFault, MaximumExpectation, MissionConfig, ModifyBeyond, ModifyFins,
+    ModifyLimit, PeerConfig, PeerPacket, PlaceConfig, PlanEntry, PlanKind, PowerConfig, Profile, SensorConfig,
+    SensorName, ShipConfig, ShipSide, SilenceConfig, SpiConfig, StageName, StartConfig, TopsideConfig, TopsideEntry,
+    UnackedFrames, VehicleConfig, WorldFile, WrapUp,
 };
 pub use hovering::{HoveringEvent, SuspensionEnd};
 pub use hull::{Hull, HullClass};

@@ -37,7 +37,7 @@ impl Executive {
             self.drop_queue(CancelCause::ElementCancelled, |_| true);
         }
         self.end_running(EndReason::ElementCancelled);
-        self.paused = None;
+        self.paused.clear();
         self.interrupting = false;
         match self.plan.iter().position(|item| item.element > self.element) {
             Some(index) => self.begin_planned(index, now, at),

@@ -22,7 +22,7 @@ impl Executive {
             return;
         }
         self.interrupting = false;
-        if let Some((mut running, since)) = self.paused.take() {
+        if let Some((mut running, since)) = self.paused.pop() {
             let pause = now.since(since);
             running.course.resume(pause);
             running.began = running.began + pause;
@@ -135,7 +135,7 @@ impl Executive {
     pub(super) fn finish(&mut self, status: Status, details: &str) {
         self.end_suspension();
         self.end_running(EndReason::MissionOver);
-        self.paused = None;
+        self.paused.clear();
         self.interrupting = false;
         self.drop_queue(CancelCause::MissionOver, |_| true);
         self.status = status;

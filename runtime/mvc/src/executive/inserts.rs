@@ -17,7 +17,7 @@ impl Executive {
             return Err(Refusal::Duplicate);
         }
         insert.within(&self.hull, self.altitude_min_m)?;
-        if insert.interrupt && self.interrupting {
+        if insert.interrupt && self.in_interruption() {
             return Err(Refusal::InterruptsInterrupt);
         }
         if self.queue.len() >= self.limits.inserts_max as usize || self.used.len() >= IDENTIFIERS_MAX {
@@ -35,6 +35,16 @@ impl Executive {
             }
         }
         Ok(())
+    }
+
+    /// "It is not possible to interrupt an interruption" (SPI 7.5): of the whole set that has interrupted, or of the one
+    /// insert that has.
+    fn in_interruption(&self) -> bool {
+        if self.interpretation.set_interrupts {
+            return self.interrupting;
+        }
+        let inserted = self.running.as_ref().and_then(|running| running.insert.as_ref());
+        inserted.is_some_and(|insert| insert.interrupt)
     }
 
     /// BPRCN: takes a waiting insert out of the plan, or says why not.
@@ -71,7 +81,7 @@ impl Executive {
         if let Some(running) = self.end_running(EndReason::Interrupted)
             && self.interpretation.resume
         {
-            self.paused = Some((running, now));
+            self.paused.push((running, now));
         }
         self.interrupting = true;
         self.begin_insert(insert, now, at);

@@ -55,6 +55,21 @@ pub struct InterpretationConfig {
     pub dvl_timeout_announced: Choice<bool>,
     /// What BFCPS says of frames whose acknowledgement did not come (SPI 9.2 does not say).
     pub unacked_frames: UnackedFrames,
+    /// What may not be interrupted (SPI 7.5: "it is not possible to interrupt an interruption").
+    pub interruption: Interruption,
+}
+
+/// What may not be interrupted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Interruption {
+    /// Any insert of a set whose first has interrupted the plan.
+    #[default]
+    Set,
+    /// The insert alone that has interrupted, while it runs.
+    Behavior,
+    /// The seed draws.
+    Seed,
 }
 
 /// Where an insert has its place while the current behavior is neither survey leg nor trackcircle.
@@ -240,6 +255,7 @@ impl Default for InterpretationConfig {
             suspend_needs_control: Choice::default(),
             after_suspension: AfterSuspension::default(),
             hull_vertical: HullVertical::default(),
+            interruption: Interruption::default(),
         }
     }
 }

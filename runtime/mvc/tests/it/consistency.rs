@@ -51,11 +51,11 @@ fn said() -> impl Strategy<Value = Said> {
 const READINGS: [&str; 3] = [
     "",
     "after_interrupt = \"resume\"\ninsert_place = \"current\"\nmodify_survives = false\ninsert_logging = true",
-    "inserts_after_control = \"drop\"\ncancel_all_gps = true\nafter_interrupt = \"resume\"",
+    "inserts_after_control = \"drop\"\ncancel_all_gps = true\nafter_interrupt = \"resume\"\ninterruption = \"behavior\"",
 ];
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Every accepted insert begins and ends, or is cancelled, and never both; control implies a running mission; every
     /// BFBDL has its BFSDL; every acknowledged identifier is used once.

@@ -83,6 +83,7 @@ cancel_all_gps = "seed"
 modify_survives = "seed"
 modify_beyond = "seed"
 modify_fins = "seed"
+interruption = "seed"
 [[plan]]
 kind = "waypoint"
 at = { east_m = 0, north_m = 60 }

@@ -109,8 +109,20 @@ fn inserts_have_their_place_by_the_letter_of_the_section() {
         (
             "the whole set is the interruption",
             "",
-            &[(10.0, 5, 4), (11.0, 6, 0), (145.0, 7, 4)],
+            &[(10.0, 5, 4), (11.0, 6, 0), (215.0, 7, 4)],
             "+1 -1 +i5 -i5 +i6 -i6 +2 -2 +3 -3 +4 -4 +5 -5",
+        ),
+        (
+            "the interrupting insert alone is the interruption",
+            "interruption = \"behavior\"",
+            &[(10.0, 5, 4), (11.0, 6, 0), (215.0, 7, 4), (216.0, 8, 4)],
+            "+1 -1 +i5 -i5 +i6 -i6 +i7 -i7 +2 -2 +3 -3 +4 -4 +5 -5",
+        ),
+        (
+            "and all that was interrupted is resumed, the last first",
+            "interruption = \"behavior\"\nafter_interrupt = \"resume\"",
+            &[(10.0, 5, 4), (11.0, 6, 0), (215.0, 7, 4)],
+            "+1 -1 +i5 -i5 +i6 -i6 +i7 -i7 +i6 -i6 +1 -1 +2 -2 +3 -3 +4 -4 +5 -5",
         ),
         (
             "\"before finally returning to the interrupted behavior\"",

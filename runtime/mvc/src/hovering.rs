@@ -295,11 +295,11 @@ impl Mvc {
 
     /// BFRNV where there is a hull to be relative to, BFCNV, BFPIT.
     fn report_hovering(&mut self, now: Timestamp, state: &mut Inspector) {
-        let created = self.stamp(now);
         let (relative, cartesian) = (Topic::RelativeNavigation, Topic::CartesianNavigation);
         if now >= state.next_relative {
             state.next_relative = next_due(state.next_relative, now, state.relative_period);
             if self.server.wanted(relative.bit() | cartesian.bit()) {
+                let created = self.stamp(now);
                 let (x_m, y_m) = state.relative.believed();
                 let x_m = x_m + state.position_noise_m * state.noise.gaussian();
                 let y_m = y_m + state.position_noise_m * state.noise.gaussian();
@@ -340,7 +340,7 @@ impl Mvc {
             state.next_servo = next_due(state.next_servo, now, state.servo_period);
             if self.server.wanted(Topic::PitchServo.bit()) {
                 let message = ServoPositions {
-                    created,
+                    created: self.stamp(now),
                     dvl_deg: state.dvl.at_deg(),
                     sonar_deg: state.sonar.at_deg(),
                 };

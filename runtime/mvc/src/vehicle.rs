@@ -20,6 +20,9 @@ pub(crate) enum Turn {
     /// Degrees of rudder, positive to starboard (SPI 6.12), held.
     Rudder(f64),
 }
+/// What a lag has brought down to this moves nothing any more, in any unit. Left to itself it becomes a subnormal number,
+/// and every sum with those takes a processor a hundred times as long.
+const AT_REST: f64 = 1e-30;
 
 /// What the vehicle is asked to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,6 +139,16 @@ impl Vehicle {
                 self.heave(-self.hull.buoyant_rise_mps * self.rise_share, dt_s);
             }
         }
+        for rate in [
+            &mut self.surge_mps,
+            &mut self.sway_mps,
+            &mut self.heave_mps,
+            &mut self.yaw_rate_dps,
+        ] {
+            if rate.abs() < AT_REST {
+                *rate = 0.0;
+            }
+        }
         self.heading_deg = wrap_360(self.heading_deg + self.yaw_rate_dps * dt_s);
         let (sin, cos) = sin_cos(self.heading_deg.to_radians());
         self.ground = (
@@ -143,7 +156,8 @@ impl Vehicle {
             self.surge_mps * cos - self.sway_mps * sin + self.current.1,
         );
         // Adrift, nothing keeps it off but the hull itself.
-        self.stay_clear(if drive == Drive::Adrift { 0.0 } else { self.safety_m() });
+        let safety_m = if drive == Drive::Adrift { 0.0 } else { self.safety_m() };
+        self.stay_clear(safety_m, sin, cos);
         self.at = EastNorth::new(
             self.at.east_m + self.ground.0 * dt_s,
             self.at.north_m + self.ground.1 * dt_s,

@@ -27,6 +27,12 @@ pub(crate) struct Relative {
     stream: Stream,
     drift_step_m: f64,
     bearing_step_deg: f64,
+    /// Steps of the vehicle a second, and until the next step of the drift.
+    tick_hz: u32,
+    until_drift: u32,
+    /// Of the error of the relative bearing.
+    error_sin: f64,
+    error_cos: f64,
     true_x_m: f64,
     true_y_m: f64,
     x_m: f64,
@@ -43,7 +49,7 @@ impl Relative {
             (ship.reference(), ship.inward_deg())
         });
         let (sin, cos) = sin_cos(x_axis_deg.to_radians());
-        let steps = (SECONDS_PER_H * f64::from(tick_hz)).sqrt();
+        let steps = SECONDS_PER_H.sqrt();
         let mut relative = Self {
             ship,
             range_max_m: config.range_max_m,
@@ -55,6 +61,10 @@ impl Relative {
             stream: Stream::new(seed, "relative navigation"),
             drift_step_m: config.drift_m_per_sqrt_h / steps,
             bearing_step_deg: config.bearing_drift_deg_per_sqrt_h / steps,
+            tick_hz: tick_hz.max(1),
+            until_drift: tick_hz.max(1),
+            error_sin: 0.0,
+            error_cos: 1.0,
             true_x_m: 0.0,
             true_y_m: 0.0,
             x_m: 0.0,
@@ -72,10 +82,17 @@ impl Relative {
         let (x_m, y_m) = self.project(vehicle.at);
         let (way_x_m, way_y_m) = (x_m - self.true_x_m, y_m - self.true_y_m);
         (self.true_x_m, self.true_y_m) = (x_m, y_m);
-        let (sin, cos) = sin_cos(self.bearing_error_deg().to_radians());
-        self.x_m += way_x_m * cos - way_y_m * sin + self.drift_step_m * self.stream.gaussian();
-        self.y_m += way_x_m * sin + way_y_m * cos + self.drift_step_m * self.stream.gaussian();
-        self.inertial_error_deg += self.bearing_step_deg * self.stream.gaussian();
+        self.x_m += way_x_m * self.error_cos - way_y_m * self.error_sin;
+        self.y_m += way_x_m * self.error_sin + way_y_m * self.error_cos;
+        self.until_drift -= 1;
+        if self.until_drift == 0 {
+            // A step a second is finer than anyone can tell, and spares random numbers.
+            self.until_drift = self.tick_hz;
+            self.x_m += self.drift_step_m * self.stream.gaussian();
+            self.y_m += self.drift_step_m * self.stream.gaussian();
+            self.inertial_error_deg += self.bearing_step_deg * self.stream.gaussian();
+            self.turn();
+        }
     }
 
     /// Where the vehicle believes that it is, metres along x and y.
@@ -119,17 +136,19 @@ impl Relative {
         let moved = (x_m - self.x_m, y_m - self.y_m);
         (self.x_m, self.y_m) = (x_m, y_m);
         self.alignment_deg = wrap_180(bearing_deg - self.true_bearing_deg(vehicle) - self.inertial_error_deg);
+        self.turn();
         moved
     }
 
     /// BPRBO (SPI 8.9): adds to the inertial bearing, and so to the relative one.
     pub(crate) fn offset_bearing(&mut self, offset_deg: f64) {
         self.inertial_error_deg = wrap_180(self.inertial_error_deg + offset_deg);
+        self.turn();
     }
 
     /// The velocity over ground, east and north, of what the vehicle takes for a velocity along x and y.
     pub(crate) fn over_ground(&self, x_mps: f64, y_mps: f64) -> (f64, f64) {
-        let (sin, cos) = sin_cos(self.bearing_error_deg().to_radians());
+        let (sin, cos) = (self.error_sin, self.error_cos);
         let (x_mps, y_mps) = (x_mps * cos + y_mps * sin, y_mps * cos - x_mps * sin);
         (x_mps * self.sin + y_mps * self.cos, x_mps * self.cos - y_mps * self.sin)
     }
@@ -137,6 +156,10 @@ impl Relative {
     /// The heading, degrees from the frame's north, of what the vehicle takes for this relative bearing.
     pub(crate) fn heading_deg(&self, bearing_deg: f64) -> f64 {
         self.x_axis_deg + bearing_deg - self.bearing_error_deg()
+    }
+
+    fn turn(&mut self) {
+        (self.error_sin, self.error_cos) = sin_cos(self.bearing_error_deg().to_radians());
     }
 
     fn bearing_error_deg(&self) -> f64 {

@@ -71,12 +71,14 @@ impl Vehicle {
 
     /// Takes what leads into the ship out of the velocity of this step. Water that flows against a hull flows along
     /// it, and so does what drifts in it.
-    pub(super) fn stay_clear(&mut self, safety_m: f64) {
-        if self.obstacle.is_none() {
+    /// `sin` and `cos` are of the heading.
+    pub(super) fn stay_clear(&mut self, safety_m: f64, sin: f64, cos: f64) {
+        let velocity = (self.ground.0, self.ground.1, self.heave_mps);
+        let kept = self.kept_clear(velocity, safety_m);
+        if kept == velocity {
             return;
         }
-        let (east_mps, north_mps, down_mps) = self.kept_clear((self.ground.0, self.ground.1, self.heave_mps), safety_m);
-        let (sin, cos) = sin_cos(self.heading_deg.to_radians());
+        let (east_mps, north_mps, down_mps) = kept;
         let water = (east_mps - self.current.0, north_mps - self.current.1);
         self.ground = (east_mps, north_mps);
         self.heave_mps = down_mps;
@@ -120,7 +122,10 @@ impl Vehicle {
         let (clearance_m, away) = obstacle.ship.clearance(self.at, self.depth_m);
         let least_mps = CLEARANCE_GAIN_PER_S * (safety_m - clearance_m);
         let away_mps = velocity.0 * away.0 + velocity.1 * away.1 + velocity.2 * away.2;
-        let more_mps = (least_mps - away_mps).max(0.0);
+        let more_mps = least_mps - away_mps;
+        if more_mps <= 0.0 {
+            return velocity;
+        }
         (
             velocity.0 + more_mps * away.0,
             velocity.1 + more_mps * away.1,

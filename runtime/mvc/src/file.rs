@@ -18,7 +18,11 @@ pub use interpretation::{
 };
 pub use mission::{MissionConfig, ModifyLimit, WrapUp};
 pub use plan::{PlaceConfig, PlanEntry, PlanKind};
-pub use sensors::SensorConfig;
+pub(crate) use sensors::COMPASSES_MAX;
+pub use sensors::{
+    CompassConfig, DepthSensorConfig, DvlConfig, FixConfig, GpsConfig, ImuConfig, InsConfig, SensorConfig, SoundConfig,
+    TailconeConfig, TelemetryConfig, WithoutLock,
+};
 pub use spi::{AcknowledgeConfig, Profile, SpiConfig};
 pub use start::StartConfig;
 pub use vehicle::VehicleConfig;

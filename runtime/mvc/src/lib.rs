@@ -55,11 +55,14 @@ pub use event::{
     MvcEventKind, Refusal, Source, Status,
 };
 pub use file::{
-    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, Expectations, HeadingFrame,
-    InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig, ModifyLimit, PlaceConfig, PlanEntry,
-    PlanKind, Profile, SensorConfig, SpiConfig, StartConfig, VehicleConfig, WorldFile, WrapUp,
+    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, CompassConfig, ContourExpectation, DepthSensorConfig,
+    DvlConfig, Expectations, FixConfig, GpsConfig, HeadingFrame, ImuConfig, InsConfig, InsertsAfterControl,
+    InterpretationConfig, MaximumExpectation, MissionConfig, ModifyLimit, PlaceConfig, PlanEntry, PlanKind, Profile,
+    SensorConfig, SoundConfig, SpiConfig, StartConfig, TailconeConfig, TelemetryConfig, VehicleConfig, WithoutLock,
+    WorldFile, WrapUp,
 };
 pub use hull::{Hull, HullClass};
 pub use interpretation::Interpretation;
 pub use mvc::Mvc;
+pub use sensors::{Sensor, SensorFailure};
 pub use truth::{Activity, Truth};

@@ -68,8 +68,6 @@ pub struct Mvc {
     ticks: u64,
     next_tick: Timestamp,
     last_tick: Timestamp,
-    ctd_period: Duration,
-    next_ctd: Timestamp,
     shutdown_at: Option<Timestamp>,
     shutdown_said: bool,
     powered: bool,
@@ -96,6 +94,7 @@ impl Mvc {
         let hull = file.vehicle.hull();
         let mut vehicle = Vehicle::new(hull, file.vehicle.altitude_min_m, at, file.start.depth_m, heading_deg);
         vehicle.sense(&world, Timestamp::ZERO);
+        let sensors = Sensors::new(file, &vehicle, seed);
         let running = format!("{} {}", Status::Running.name(), file.mission.log_dir);
         Ok(Self {
             vehicle,
@@ -108,7 +107,7 @@ impl Mvc {
             delays: Stream::new(seed, "acknowledgement delays"),
             frame_convergence_deg,
             grid_convergence_deg: utm_convergence_deg(position),
-            sensors: Sensors::new(file.sensors, file.vehicle.tick_hz, seed),
+            sensors,
             surfacing: Surfacing::new(file, seed),
             silence: Silence::new(file, seed),
             adjustment: Adjustment::new(file, seed),
@@ -127,8 +126,6 @@ impl Mvc {
             ticks: 0,
             next_tick: Timestamp::ZERO + period,
             last_tick: Timestamp::ZERO,
-            ctd_period: Duration::from_secs_f64(file.sensors.ctd_period_s),
-            next_ctd: Timestamp::ZERO,
             shutdown_at: file
                 .mission
                 .shutdown_after_s
@@ -324,7 +321,8 @@ impl Mvc {
         let drive = self
             .executive
             .tick(now, &self.sensors.estimate(&self.vehicle), self.frame_convergence_deg);
-        self.vehicle.step(drive, self.period.as_secs_f64());
+        self.vehicle
+            .step(self.sensors.as_flown(drive), self.period.as_secs_f64());
         self.vehicle.sense(&self.world, now);
         if self.vehicle.grounded != self.grounded {
             self.grounded = self.vehicle.grounded;
@@ -339,7 +337,7 @@ impl Mvc {
             self.grid_convergence_deg = utm_convergence_deg(position);
         }
         self.settle(now);
-        self.report_navigation(now);
+        self.tick_sensors(now);
         self.watch_power(now);
         self.tick_surfacing(now);
         self.tick_silence(now);
@@ -350,23 +348,6 @@ impl Mvc {
         self.tick_acoustic(now);
         self.tick_hovering(now);
         self.settle(now);
-    }
-
-    fn report_navigation(&mut self, now: Timestamp) {
-        let stamp = self.stamp(now);
-        if self.server.wanted(Topic::Navigation.bit() | Topic::Velocity.bit()) {
-            let navigation = self.sensors.navigation(&self.vehicle, self.world.frame(), now, stamp);
-            self.publish(now, Some(Topic::Navigation), &FromVehicle::Navigation(navigation));
-            let velocity = self.sensors.velocity(&self.vehicle, stamp);
-            self.publish(now, Some(Topic::Velocity), &FromVehicle::VelocityAndRates(velocity));
-        }
-        if now >= self.next_ctd {
-            self.next_ctd = now + self.ctd_period;
-            if self.server.wanted(Topic::Ctd.bit()) {
-                let ctd = self.sensors.ctd(&self.vehicle, &self.world, now, stamp);
-                self.publish(now, Some(Topic::Ctd), &FromVehicle::Ctd(ctd));
-            }
-        }
     }
 
     fn watch_power(&mut self, now: Timestamp) {

@@ -49,7 +49,7 @@ impl Mvc {
     fn points(&self) -> Vec<Point> {
         let inserts_after = self.executive.inserts_after();
         let mut teller = Teller {
-            at: self.vehicle.at,
+            at: self.sensors.estimate(&self.vehicle).at,
             points: Vec::new(),
         };
         for (index, item) in (1..).zip(self.executive.plan()) {

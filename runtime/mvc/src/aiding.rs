@@ -84,7 +84,7 @@ impl Mvc {
 /// age.
 fn age_s(created: TimeOfDay, measured: TimeOfDay) -> f64 {
     const DAY_S: f64 = 86_400.0;
-    let age_s = created.nanos_since(measured) as f64 * 1e-9;
+    let age_s = created.nanos_since(measured) as f64 / 1e9;
     if age_s < -DAY_S / 2.0 {
         age_s + DAY_S
     } else {

@@ -69,9 +69,8 @@ impl Dvl {
 
     /// One step of the vehicle: whether there is bottom lock.
     pub(super) fn step(&mut self, vehicle: &Vehicle, now: Timestamp, draws: &mut Draws) {
-        let (chance, length) = (draws.uniform(), draws.uniform());
-        if chance < self.dropout_chance {
-            let seconds = self.config.altitude_dropout_s * (0.5 + length);
+        if draws.uniform() < self.dropout_chance {
+            let seconds = self.config.altitude_dropout_s * (0.5 + draws.uniform());
             self.no_lock_until = now + Duration::from_secs_f64(seconds);
         }
         self.lock = !self.dead && now >= self.no_lock_until && self.reaches(vehicle);

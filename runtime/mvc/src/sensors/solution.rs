@@ -140,7 +140,7 @@ impl Solution {
     pub(super) fn step(&mut self, vehicle: &Vehicle, dvl: &Dvl, sound_ratio: f64, now: Timestamp, draws: &mut Draws) {
         let ground = vehicle.ground;
         let water = (ground.0 - vehicle.current.0, ground.1 - vehicle.current.1);
-        let walk = (draws.gaussian(), draws.gaussian());
+        let position_walk = EastNorth::new(draws.gaussian(), draws.gaussian()) * self.position_step_m;
         if dvl.lock || self.gps.used {
             self.velocity = if dvl.lock {
                 self.turned(dvl.measured(ground, sound_ratio))
@@ -155,8 +155,8 @@ impl Solution {
             };
             self.error.velocity_m2 = 0.0;
         } else {
-            self.velocity_error.0 += walk.0 * self.velocity_step_mps;
-            self.velocity_error.1 += walk.1 * self.velocity_step_mps;
+            self.velocity_error.0 += draws.normal(self.velocity_step_mps);
+            self.velocity_error.1 += draws.normal(self.velocity_step_mps);
             let known = match self.config.ins.without_lock {
                 WithoutLock::Inertial => ground,
                 WithoutLock::Water => {
@@ -170,9 +170,7 @@ impl Solution {
             self.velocity = (known.0 + self.velocity_error.0, known.1 + self.velocity_error.1);
             self.error.velocity_m2 += self.error.velocity_step_m2;
         }
-        self.at = self.at
-            + EastNorth::new(self.velocity.0, self.velocity.1) * self.dt_s
-            + EastNorth::new(draws.gaussian(), draws.gaussian()) * self.position_step_m;
+        self.at = self.at + EastNorth::new(self.velocity.0, self.velocity.1) * self.dt_s + position_walk;
         self.error.random_m2 += self.error.step_m2;
         let per_s = self.error.velocity_m2.sqrt() + self.error.share * hypot(self.velocity.0, self.velocity.1);
         self.error.systematic_m += per_s * self.dt_s;

@@ -1,5 +1,6 @@
 //! The mock as a payload meets it: sentences in, sentences out, and the truth beside them.
 
+mod aiding;
 mod conversation;
 mod determinism;
 mod files;
@@ -8,4 +9,5 @@ mod mission;
 mod modify;
 mod navigation;
 mod payload;
+mod sensors;
 mod session;

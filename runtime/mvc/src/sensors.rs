@@ -36,8 +36,8 @@ type EastNorthRate = (f64, f64);
 
 /// What the vehicle's own sensors make of the truth: the navigation solution, and every sensor's readings.
 ///
-/// It does not matter to any of it which messages are subscribed: the solution evolves every step, and a reading's noise
-/// depends on the reading's number alone.
+/// It does not matter to any of it which messages are subscribed: the solution evolves every step, and a reading's
+/// noise depends on the reading's number alone.
 #[derive(Clone, Debug)]
 pub(crate) struct Sensors {
     config: SensorConfig,

@@ -31,8 +31,8 @@ impl Imu {
         }
     }
 
-    /// BFIMU (SPI 6.15), the reading of this number. An accelerometer feels no gravity, only what bears it up: level and
-    /// at rest it reads -9.81 down.
+    /// BFIMU (SPI 6.15), the reading of this number. An accelerometer feels no gravity, only what bears it up: level
+    /// and at rest it reads -9.81 down.
     pub(super) fn message(
         &self,
         vehicle: &Vehicle,

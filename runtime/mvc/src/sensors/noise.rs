@@ -75,7 +75,8 @@ impl Draws {
         deviation * self.gaussian()
     }
 
-    /// Beyond the lowest layer's edge (Marsaglia, "Generating a Variable from the Tail of the Normal Distribution", 1964).
+    /// Beyond the lowest layer's edge (Marsaglia, "Generating a Variable from the Tail of the Normal Distribution",
+    /// 1964).
     fn tail(&mut self, left: bool) -> f64 {
         loop {
             let x = -ln(1.0 - self.uniform()) / EDGE;

@@ -6,8 +6,8 @@ pub(super) const WATER_KPA_PER_M: f64 = 10.052;
 /// Smith, 1980).
 const STANDARD_US_PER_CM: f64 = 42_914.0;
 
-/// Practical salinity, from conductivity in microsiemens a centimetre, temperature in degrees Celsius, and pressure above the air's in decibars: the Practical
-/// Salinity Scale of 1978 (Fofonoff and Millard, *Algorithms for computation of fundamental properties of seawater*,
+/// Practical salinity, from conductivity in microsiemens a centimetre, temperature in degrees Celsius, and pressure
+/// above the air's in decibars: the Practical Salinity Scale of 1978 (Fofonoff and Millard, *Algorithms for computation of fundamental properties of seawater*,
 /// UNESCO Technical Papers in Marine Science 44, 1983). Kept within 0 to 42, the scale's own range.
 pub(super) fn salinity(conductivity_us_per_cm: f64, temperature_c: f64, pressure_dbar: f64) -> f64 {
     let (t, p) = (temperature_c, pressure_dbar);

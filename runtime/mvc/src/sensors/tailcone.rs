@@ -41,8 +41,9 @@ impl Tailcone {
 
     /// BFERC (SPI 6.12), the reading of this number.
     ///
-    /// The kinematic model has no fins: an angle is the share of the hull's fastest turn, or climb, that the vehicle makes,
-    /// and its target the share that it has been asked for. That is found from how far the rate has come in a step.
+    /// The kinematic model has no fins: an angle is the share of the hull's fastest turn, or climb, that the vehicle
+    /// makes, and its target the share that it has been asked for. That is found from how far the rate has come in a
+    /// step.
     pub(super) fn angles(
         &self,
         vehicle: &Vehicle,

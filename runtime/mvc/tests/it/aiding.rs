@@ -3,7 +3,7 @@ use backseat_units::EastNorth;
 
 use crate::files::CALM;
 use crate::payload::Payload;
-use crate::sensors::{field, off, with};
+use crate::sentences::{field, off, with};
 
 /// A vehicle under way whose navigation is so far off, metres east, and believes itself good to about 5 m each way.
 fn astray(east_m: f64) -> Payload {

@@ -3,6 +3,7 @@
 mod aiding;
 mod conversation;
 mod determinism;
+mod dvl;
 mod files;
 mod inserts;
 mod mission;
@@ -10,4 +11,5 @@ mod modify;
 mod navigation;
 mod payload;
 mod sensors;
+mod sentences;
 mod session;

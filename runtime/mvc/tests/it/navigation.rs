@@ -3,7 +3,7 @@ use backseat_units::{EastNorth, Heading, utm_convergence_deg};
 
 use crate::files::{CALM, LIVELY};
 use crate::payload::Payload;
-use crate::sensors::{field, off, place, seconds, with};
+use crate::sentences::{field, off, place, seconds, with};
 
 #[test]
 fn navigation_comes_at_ten_hertz_in_pairs_with_one_stamp() {

@@ -24,7 +24,8 @@ pub struct CompassConfig {
     pub deviation_deg: f64,
     /// Standard deviation of D and of E, the vehicle's soft iron, degrees, 0 to 90.
     pub soft_iron_deg: f64,
-    /// Noise of heading, pitch and roll, degrees, 0 to 90. The default is an electronic compass's (PNI TCM, data sheet).
+    /// Noise of heading, pitch and roll, degrees, 0 to 90. The default is an electronic compass's (PNI TCM, data
+    /// sheet).
     pub noise_deg: f64,
     /// Seconds between BFRCM, 0.01 to 3600.
     pub period_s: f64,
@@ -75,7 +76,8 @@ pub struct ImuConfig {
     /// Noise of a rate, degrees a second, 0 to 100. The default is the angle random walk of a tactical-grade unit,
     /// 0.1 degrees by the square root of an hour, in readings of 10 a second (Honeywell HG1700, data sheet).
     pub rate_noise_dps: f64,
-    /// Standard deviation of the constant error of each rate, which the seed draws, degrees an hour, 0 to 100000 (same: 1).
+    /// Standard deviation of the constant error of each rate, which the seed draws, degrees an hour, 0 to 100000 (same:
+    /// 1).
     pub rate_bias_dph: f64,
     /// Noise of an acceleration, metres a second squared, 0 to 100.
     pub acceleration_noise_mps2: f64,

@@ -279,7 +279,7 @@ impl Mvc {
             return;
         };
         let kind = running.kind;
-        self.report(now, kind, outcome);
+        self.report_adjustment(now, kind, outcome);
         self.note(
             now,
             MvcEventKind::Adjustment(match outcome.status {
@@ -324,7 +324,7 @@ impl Mvc {
             error: AdjustmentError::None,
             text,
         };
-        self.report(now, running.kind, outcome);
+        self.report_adjustment(now, running.kind, outcome);
     }
 
     /// BFBOY comes while no adjustment is in progress as well (SPI 6.23).
@@ -338,10 +338,10 @@ impl Mvc {
             error: AdjustmentError::None,
             text: "idle",
         };
-        self.report(now, AdjustmentKind::Buoyancy, outcome);
+        self.report_adjustment(now, AdjustmentKind::Buoyancy, outcome);
     }
 
-    fn report(&mut self, now: Timestamp, kind: AdjustmentKind, outcome: Outcome) {
+    fn report_adjustment(&mut self, now: Timestamp, kind: AdjustmentKind, outcome: Outcome) {
         let created = self.stamp(now);
         let Outcome { status, error, text } = outcome;
         let text = Text::cleaned(text);

@@ -1,16 +1,93 @@
-use backseat_spi::{PayloadCtd, PositionFix};
-use backseat_units::Timestamp;
+use backseat_spi::{AckStatus, PayloadCtd, PositionFix};
+use backseat_units::{LocalFrame, TimeOfDay, Timestamp};
 
 use crate::answers::Regarding;
+use crate::event::MvcEventKind;
 use crate::mvc::Mvc;
+use crate::sensors::FixOutcome;
+
+/// The error of a fix is at most this, metres: a larger one says nothing.
+const FIX_ERROR_MAX_M: f64 = 100_000.0;
+/// What a CTD in the sea can measure: microsiemens a centimetre, degrees Celsius, kilopascals.
+const CONDUCTIVITY_US_PER_CM: core::ops::RangeInclusive<f64> = 0.0..=100_000.0;
+const TEMPERATURE_C: core::ops::RangeInclusive<f64> = -5.0..=50.0;
+const PRESSURE_KPA: core::ops::RangeInclusive<f64> = 0.0..=150_000.0;
 
 /// What a payload measures for the vehicle: fixes and CTD data (SPI 7.15, 7.21).
 impl Mvc {
-    pub(crate) fn position_fix(&mut self, now: Timestamp, re: Regarding, _request: &PositionFix) {
-        self.unsupported(now, re);
+    /// BPNPU: moves the navigation towards the fix, as far as its accuracy and its age let it.
+    ///
+    /// Its depth is not used: the vehicle's own is better.
+    pub(crate) fn position_fix(&mut self, now: Timestamp, re: Regarding, request: &PositionFix) {
+        let error_m = request.error_m;
+        if !(0.0..=FIX_ERROR_MAX_M).contains(&error_m) {
+            let text = format!("circular error probability {error_m}: expected 0 to 100000 m");
+            return self.invalid(now, re, &text);
+        }
+        let place = self.frame().to_local(request.position);
+        if place.east_m.abs().max(place.north_m.abs()) > LocalFrame::RADIUS_M {
+            let text = "the fix is over 50 km from the origin";
+            return self.refuse_fix(now, re, text);
+        }
+        // By the payload's own clock, which need not agree with the vehicle's.
+        let age_s = age_s(request.created, request.measured);
+        match self.sensors.fix(now, place, error_m, age_s, request.force) {
+            FixOutcome::Moved(moved_m) => {
+                self.note(now, MvcEventKind::PositionFix(re.client, moved_m));
+                let text = format!("the navigation moved by {moved_m:.2} m");
+                self.acknowledge(now, re, AckStatus::Succeeded, &text);
+            }
+            FixOutcome::TooOld(age_s) => self.refuse_fix(now, re, &format!("the fix is {age_s:.1} s old")),
+            FixOutcome::Outlier { off_m, limit_m } => {
+                let text = format!("the fix is an outlier: {off_m:.1} m off where at most {limit_m:.1} m are likely");
+                self.refuse_fix(now, re, &text);
+            }
+        }
     }
 
-    pub(crate) fn payload_ctd(&mut self, now: Timestamp, re: Regarding, _request: &PayloadCtd) {
-        self.unsupported(now, re);
+    fn refuse_fix(&mut self, now: Timestamp, re: Regarding, text: &str) {
+        self.note(now, MvcEventKind::PositionFixRefused(re.client, text.into()));
+        self.acknowledge(now, re, AckStatus::Failed, text);
+    }
+
+    /// BPCTD: logged, and used for the speed of sound.
+    pub(crate) fn payload_ctd(&mut self, now: Timestamp, re: Regarding, request: &PayloadCtd) {
+        for (what, value, range, expected) in [
+            (
+                "conductivity",
+                request.conductivity_us_per_cm,
+                CONDUCTIVITY_US_PER_CM,
+                "0 to 100000 uS/cm",
+            ),
+            ("temperature", request.temperature_c, TEMPERATURE_C, "-5 to 50 degC"),
+            ("pressure", request.pressure_kpa, PRESSURE_KPA, "0 to 150000 kPa"),
+        ] {
+            if !range.contains(&value) {
+                return self.invalid(now, re, &format!("{what} {value}: expected {expected}"));
+            }
+        }
+        self.sensors.heed_payload_ctd(now, request);
+        self.note(
+            now,
+            MvcEventKind::PayloadCtd {
+                client: re.client,
+                conductivity_us_per_cm: request.conductivity_us_per_cm,
+                temperature_c: request.temperature_c,
+                pressure_kpa: request.pressure_kpa,
+            },
+        );
+        self.acknowledge(now, re, AckStatus::Succeeded, "");
+    }
+}
+
+/// From a measurement to the message that carries it, seconds; over midnight too. A measurement after its message has no
+/// age.
+fn age_s(created: TimeOfDay, measured: TimeOfDay) -> f64 {
+    const DAY_S: f64 = 86_400.0;
+    let age_s = created.nanos_since(measured) as f64 / 1e9;
+    if age_s < -DAY_S / 2.0 {
+        age_s + DAY_S
+    } else {
+        age_s.max(0.0)
     }
 }

@@ -7,7 +7,7 @@ use backseat_units::Timestamp;
 
 use crate::answers::Regarding;
 use crate::event::{ClientId, MvcEventKind};
-use crate::file::{DvlConfig, WorldFile};
+use crate::file::{DvlTriggerConfig, WorldFile};
 use crate::mvc::Mvc;
 
 /// What happened to the DVL's triggering.
@@ -31,10 +31,10 @@ pub enum DvlTriggerEvent {
 
 /// External triggering of the DVL (SPI 5.6, 7.4).
 ///
-/// The mock sees no pulses. [`DvlConfig`] says what it takes the line to do.
+/// The mock sees no pulses. [`DvlTriggerConfig`] says what it takes the line to do.
 #[derive(Debug)]
 pub(crate) struct DvlTrigger {
-    config: DvlConfig,
+    config: DvlTriggerConfig,
     stops: VecDeque<Timestamp>,
     state: State,
     /// Not before then is it safe to begin.

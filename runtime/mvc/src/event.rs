@@ -94,6 +94,25 @@ pub enum MvcEventKind {
     ShutdownSoon,
     /// The payload's power went off, and every client with it.
     PowerOff,
+    /// GPS came into the navigation solution, or went out of it.
+    Gps(bool),
+    /// The Doppler log gained or lost bottom lock.
+    BottomLock(bool),
+    /// A payload's fix moved the navigation so far, metres.
+    PositionFix(ClientId, f64),
+    /// A payload's fix was not used, and why.
+    PositionFixRefused(ClientId, Box<str>),
+    /// BPCTD.
+    PayloadCtd {
+        /// Which client.
+        client: ClientId,
+        /// Conductivity, microsiemens a centimetre.
+        conductivity_us_per_cm: f64,
+        /// Temperature, degrees Celsius.
+        temperature_c: f64,
+        /// Pressure, kilopascals.
+        pressure_kpa: f64,
+    },
     /// The vehicle touched the seabed.
     Grounded,
     /// Of a hovering vehicle.
@@ -344,6 +363,21 @@ impl fmt::Display for MvcEventKind {
             Self::PayloadVersion(client, text) => write!(f, "{client} speaks version {text}"),
             Self::ShutdownSoon => f.write_str("payload power goes off in 60 s"),
             Self::PowerOff => f.write_str("payload power is off"),
+            Self::Gps(true) => f.write_str("GPS is in the navigation"),
+            Self::Gps(false) => f.write_str("navigation without GPS"),
+            Self::BottomLock(true) => f.write_str("bottom lock"),
+            Self::BottomLock(false) => f.write_str("bottom lock lost"),
+            Self::PositionFix(client, metres) => write!(f, "a fix of {client} moved the navigation by {metres:.2} m"),
+            Self::PositionFixRefused(client, why) => write!(f, "a fix of {client} was not used: {why}"),
+            Self::PayloadCtd {
+                client,
+                conductivity_us_per_cm,
+                temperature_c,
+                pressure_kpa,
+            } => write!(
+                f,
+                "{client} measures {conductivity_us_per_cm:.1} uS/cm, {temperature_c:.3} degC, {pressure_kpa:.1} kPa"
+            ),
             Self::Grounded => f.write_str("the vehicle touched the seabed"),
             Self::Hovering(event) => event.fmt(f),
             Self::Fault(fault) => fault.fmt(f),

@@ -7,8 +7,7 @@ mod text;
 
 pub(crate) use active::{Faults, Verdict, ack_identifier};
 pub use plan::{
-    AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, SensorKind,
-    Whom,
+    AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, Whom,
 };
 
 /// A fault of the run's plan begins or ends: a line of the vehicle's log.

@@ -24,7 +24,7 @@ use serde::Deserialize;
 
 pub use acoustic::{AcousticConfig, AcousticDevice, PeerConfig, PeerPacket};
 pub use adjustment::AdjustmentConfig;
-pub use dvl::{DvlConfig, LineFault};
+pub use dvl::{DvlTriggerConfig, LineFault};
 pub use expect::{ContourExpectation, Expectations, MaximumExpectation};
 pub use faults::{DirectionName, FaultEntry, FaultFile, FaultName, SensorName, StageName};
 pub use hovering::{HoveringConfig, ShipConfig, ShipSide};
@@ -35,7 +35,11 @@ pub use interpretation::{
 pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
 pub use plan::{PlaceConfig, PlanEntry, PlanKind};
 pub use power::PowerConfig;
-pub use sensors::SensorConfig;
+pub(crate) use sensors::COMPASSES_MAX;
+pub use sensors::{
+    CompassConfig, DepthSensorConfig, DvlConfig, FixConfig, GpsConfig, ImuConfig, InsConfig, SensorConfig, SoundConfig,
+    TailconeConfig, TelemetryConfig, WithoutLock,
+};
 pub use silence::SilenceConfig;
 pub use spi::{AcknowledgeConfig, Profile, SpiConfig};
 pub use start::StartConfig;
@@ -227,7 +231,7 @@ pub struct WorldFile {
     pub power: PowerConfig,
     /// External triggering of the DVL.
     #[serde(default)]
-    pub dvl: DvlConfig,
+    pub dvl: DvlTriggerConfig,
     /// Text to and from the topside.
     #[serde(default)]
     pub topside: TopsideConfig,

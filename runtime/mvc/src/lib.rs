@@ -62,16 +62,17 @@ pub use event::{
 };
 pub use faults::{
     AckFilter, AckStage, Directions, Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, LinkFault, LinkFaultKind,
-    NegativeStatus, SensorKind, Whom,
+    NegativeStatus, Whom,
 };
 pub use file::{
     AcknowledgeConfig, AcousticConfig, AcousticDevice, AdjustmentConfig, AdjustmentWhenSilenced, AfterInterrupt,
-    AfterSuspension, CancelAllScope, Choice, ContourExpectation, ControlWindow, DirectionName, DvlConfig, Expectations,
-    FaultEntry, FaultFile, FaultName, HeadingFrame, HoveringConfig, HullVertical, InsertPlace, InsertsAfterControl,
+    AfterSuspension, CancelAllScope, Choice, CompassConfig, ContourExpectation, ControlWindow, DepthSensorConfig,
+    DirectionName, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry, FaultFile, FaultName, FixConfig, GpsConfig,
+    HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig, InsertPlace, InsertsAfterControl,
     InterpretationConfig, Interruption, LineFault, MaximumExpectation, MissionConfig, ModifyBeyond, ModifyFins,
     ModifyLimit, PeerConfig, PeerPacket, PlaceConfig, PlanEntry, PlanKind, PowerConfig, Profile, SensorConfig,
-    SensorName, ShipConfig, ShipSide, SilenceConfig, SpiConfig, StageName, StartConfig, TopsideConfig, TopsideEntry,
-    UnackedFrames, VehicleConfig, WorldFile, WrapUp,
+    SensorName, ShipConfig, ShipSide, SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig,
+    TelemetryConfig, TopsideConfig, TopsideEntry, UnackedFrames, VehicleConfig, WithoutLock, WorldFile, WrapUp,
 };
 pub use hovering::{HoveringEvent, SuspensionEnd};
 pub use hull::{Hull, HullClass};
@@ -79,6 +80,7 @@ pub use interpretation::{Interpretation, ResumeFrom};
 pub use link::{Chunk, Direction, FaultyLink, LinkFaults};
 pub use mission_event::{MissionEvent, Told};
 pub use mvc::Mvc;
+pub use sensors::{Sensor, SensorFailure};
 pub use silence::SilenceEvent;
 pub use topside::TopsideEvent;
 pub use truth::{Activity, HoveringTruth, Truth};

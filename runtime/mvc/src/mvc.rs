@@ -14,7 +14,7 @@ use crate::dvl_trigger::DvlTrigger;
 use crate::error::MvcError;
 use crate::event::{Behavior, ClientId, DropReason, MvcEvent, MvcEventKind, Source, Status};
 use crate::executive::Executive;
-use crate::faults::{Faults, SensorKind};
+use crate::faults::Faults;
 use crate::file::{AcknowledgeConfig, Profile, WorldFile};
 use crate::hovering::Hovering;
 use crate::interpretation::Interpretation;
@@ -69,8 +69,6 @@ pub struct Mvc {
     ticks: u64,
     next_tick: Timestamp,
     last_tick: Timestamp,
-    ctd_period: Duration,
-    next_ctd: Timestamp,
     grounded: bool,
     events: VecDeque<MvcEvent>,
     events_lost: u64,
@@ -97,6 +95,7 @@ impl Mvc {
         vehicle.rise_share = adjustment.rise_share();
         vehicle.sense(&world, Timestamp::ZERO);
         let hovering = Hovering::new(file, &world, &mut vehicle, seed);
+        let sensors = Sensors::new(file, &vehicle, seed);
         let running = format!("{} {}", Status::Running.name(), file.mission.log_dir);
         Ok(Self {
             vehicle,
@@ -109,7 +108,7 @@ impl Mvc {
             delays: Stream::new(seed, "acknowledgement delays"),
             frame_convergence_deg,
             grid_convergence_deg: utm_convergence_deg(position),
-            sensors: Sensors::new(file.sensors, file.vehicle.tick_hz, seed),
+            sensors,
             surfacing: Surfacing::new(file, seed),
             silence: Silence::new(file, seed),
             adjustment,
@@ -129,8 +128,6 @@ impl Mvc {
             ticks: 0,
             next_tick: Timestamp::ZERO + period,
             last_tick: Timestamp::ZERO,
-            ctd_period: Duration::from_secs_f64(file.sensors.ctd_period_s),
-            next_ctd: Timestamp::ZERO,
             grounded: false,
             events: VecDeque::new(),
             events_lost: 0,
@@ -350,7 +347,8 @@ impl Mvc {
             .executive
             .tick(now, &self.sensors.estimate(&self.vehicle), self.frame_convergence_deg);
         let drive = self.quieted(now, drive);
-        self.vehicle.step(drive, self.period.as_secs_f64());
+        self.vehicle
+            .step(self.sensors.as_flown(drive), self.period.as_secs_f64());
         self.vehicle.sense(&self.world, now);
         if self.vehicle.grounded != self.grounded {
             self.grounded = self.vehicle.grounded;
@@ -365,7 +363,7 @@ impl Mvc {
             self.grid_convergence_deg = utm_convergence_deg(position);
         }
         self.settle(now);
-        self.report_navigation(now);
+        self.tick_sensors(now);
         self.tick_silence(now);
         self.tick_adjustment(now);
         self.tick_power(now);
@@ -374,23 +372,6 @@ impl Mvc {
         self.tick_acoustic(now);
         self.tick_hovering(now);
         self.settle(now);
-    }
-
-    fn report_navigation(&mut self, now: Timestamp) {
-        let stamp = self.stamp(now);
-        if !self.sensors.navigation_silent() && self.server.wanted(Topic::Navigation.bit() | Topic::Velocity.bit()) {
-            let navigation = self.sensors.navigation(&self.vehicle, self.world.frame(), now, stamp);
-            self.publish(now, Some(Topic::Navigation), &FromVehicle::Navigation(navigation));
-            let velocity = self.sensors.velocity(&self.vehicle, stamp);
-            self.publish(now, Some(Topic::Velocity), &FromVehicle::VelocityAndRates(velocity));
-        }
-        if now >= self.next_ctd {
-            self.next_ctd = now + self.ctd_period;
-            if !self.sensors.is_out(SensorKind::Ctd) && self.server.wanted(Topic::Ctd.bit()) {
-                let ctd = self.sensors.ctd(&self.vehicle, &self.world, now, stamp);
-                self.publish(now, Some(Topic::Ctd), &FromVehicle::Ctd(ctd));
-            }
-        }
     }
 
     /// Tells the clients and the log what the executive and the server have done.

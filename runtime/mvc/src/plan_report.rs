@@ -49,7 +49,7 @@ impl Mvc {
     fn points(&self) -> Vec<Point> {
         let (plan, inserts_after) = (self.executive.plan(), self.executive.inserts_after());
         let mut teller = Teller {
-            at: self.vehicle.at,
+            at: self.sensors.estimate(&self.vehicle).at,
             points: Vec::new(),
         };
         let (before, after) = plan.split_at(inserts_after.min(plan.len()));

@@ -1,200 +1,284 @@
-use backseat_spi::{Ctd, Navigation, PositionQuality, VelocityAndRates};
-use backseat_units::utm_convergence_deg;
-use backseat_units::{Altitude, Depth, EastNorth, Heading, LocalFrame, Position, TimeOfDay, Timestamp};
-use backseat_world::{Stream, World};
+mod attitude;
+mod compass;
+mod dvl;
+mod failure;
+mod imu;
+mod noise;
+mod readings;
+mod schedule;
+mod seawater;
+mod solution;
+mod tailcone;
+mod water;
 
+use backseat_spi::{Navigation, PayloadCtd, PositionQuality, VelocityAndRates};
+use backseat_units::{Altitude, Depth, EastNorth, GridHeading, Heading, LocalFrame, Position, TimeOfDay, Timestamp};
+use backseat_world::World;
+
+use self::compass::Compasses;
+use self::dvl::Dvl;
+use self::imu::Imu;
+use self::noise::Noise;
+use self::readings::Schedules;
+use self::solution::Solution;
+use self::tailcone::Tailcone;
+use self::water::{Water, true_sound_mps};
 use crate::estimate::Estimate;
-use crate::faults::SensorKind;
-use crate::file::SensorConfig;
-use crate::vehicle::Vehicle;
+use crate::file::{SensorConfig, WorldFile};
+use crate::plan::Vertical;
+use crate::vehicle::{Demand, Drive, Turn, Vehicle};
 
-/// Pressure of the air, kilopascals, and of a metre of sea water at 1025 kg/m3.
-const AIR_KPA: f64 = 101.325;
-const WATER_KPA_PER_M: f64 = 10.052;
-/// Above this depth the antenna is out of the water, metres.
-const SURFACED_M: f64 = 0.3;
+pub use self::failure::{Sensor, SensorFailure};
+pub(crate) use self::solution::FixOutcome;
 
-/// What the vehicle's own sensors make of the truth: seeded noise, drift, losses of bottom lock.
+/// Velocity towards the frame's east and north, metres a second.
+type EastNorthRate = (f64, f64);
+
+/// What the vehicle's own sensors make of the truth: the navigation solution, and every sensor's readings.
+///
+/// It does not matter to any of it which messages are subscribed: the solution evolves every step, and a reading's
+/// noise depends on the reading's number alone.
 #[derive(Clone, Debug)]
 pub(crate) struct Sensors {
     config: SensorConfig,
-    stream: Stream,
-    lock: Stream,
-    ctd: Stream,
-    /// How much of the walk one reading makes, metres, and how likely one is to lose bottom lock.
-    drift_step_m: f64,
-    dropout_chance: f64,
-    drift: EastNorth,
-    no_lock_until: Timestamp,
-    /// The last solution that was told, repeated while navigation is frozen.
-    told: Option<Navigation>,
-    told_velocity: Option<VelocityAndRates>,
+    dt_s: f64,
+    steps: u64,
+    motion: Noise,
+    report: Noise,
+    solution: Solution,
+    dvl: Dvl,
+    compasses: Compasses,
+    imu: Imu,
+    tailcone: Tailcone,
+    water: Water,
+    depth_error_m: f64,
+    /// The depth as it was read last, without noise, metres.
+    depth_m: f64,
+    /// The vehicle's speed of sound over the true one: what a log without a phased array is wrong by.
+    sound_ratio: f64,
+    schedules: Schedules,
+    /// How the vehicle moved a step before.
+    before: Motion,
+    now: Motion,
+    last: Option<(Navigation, VelocityAndRates)>,
+    failed: Failed,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Motion {
+    ground: EastNorthRate,
+    heave_mps: f64,
+    yaw_rate_dps: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Failed {
     frozen: bool,
     silent: bool,
-    /// By how much faults have moved the solution.
-    offset: EastNorth,
-    out: [bool; SensorKind::ALL.len()],
+    altimeter: bool,
+    compass: bool,
+    depth: bool,
+    imu: bool,
+    tailcone: bool,
+    telemetry: bool,
 }
 
 impl Sensors {
-    pub(crate) fn new(config: SensorConfig, tick_hz: u32, seed: u64) -> Self {
-        let readings_per_h = 3600.0 * f64::from(tick_hz);
+    pub(crate) fn new(file: &WorldFile, vehicle: &Vehicle, seed: u64) -> Self {
+        let config = file.sensors;
+        let dt_s = 1.0 / f64::from(file.vehicle.tick_hz);
+        let water = Water::new(&config, seed);
+        let depth_error_m = water.depth_error_m();
         Self {
             config,
-            stream: Stream::new(seed, "navigation"),
-            lock: Stream::new(seed, "bottom lock"),
-            ctd: Stream::new(seed, "ctd"),
-            drift_step_m: config.position_drift_m_per_sqrt_h / readings_per_h.sqrt(),
-            dropout_chance: config.altitude_dropouts_per_h / readings_per_h,
-            drift: EastNorth::default(),
-            no_lock_until: Timestamp::ZERO,
-            told: None,
-            told_velocity: None,
-            frozen: false,
-            silent: false,
-            offset: EastNorth::default(),
-            out: [false; SensorKind::ALL.len()],
+            dt_s,
+            steps: 0,
+            motion: Noise::new(seed, "dead reckoning"),
+            report: Noise::new(seed, "navigation"),
+            solution: Solution::new(&config, dt_s, vehicle, seed),
+            dvl: Dvl::new(&config, 3600.0 / dt_s, seed),
+            compasses: Compasses::new(&config.compass, seed),
+            imu: Imu::new(&config.imu, seed),
+            tailcone: Tailcone::new(&config.tailcone, seed),
+            water,
+            depth_error_m,
+            depth_m: vehicle.depth_m + depth_error_m,
+            sound_ratio: 1.0,
+            schedules: Schedules::new(&config),
+            before: Motion::default(),
+            now: Motion::default(),
+            last: None,
+            failed: Failed::default(),
         }
     }
 
     /// What the executive steers by.
     pub(crate) fn estimate(&self, vehicle: &Vehicle) -> Estimate {
+        let velocity = self.solution.velocity;
+        // The current is what is left of the velocity over ground without that through the water.
+        let water = (
+            vehicle.ground.0 - vehicle.current.0,
+            vehicle.ground.1 - vehicle.current.1,
+        );
         Estimate {
-            at: vehicle.at + self.offset,
-            depth_m: vehicle.depth_m,
-            heading_deg: vehicle.heading_deg,
+            at: self.solution.at,
+            depth_m: self.depth_m,
+            heading_deg: vehicle.heading_deg + self.solution.heading_bias_deg,
             surge_mps: vehicle.surge_mps,
-            current: vehicle.current,
+            current: (velocity.0 - water.0, velocity.1 - water.1),
         }
     }
 
-    /// Navigation repeats its last solution, and its time.
+    /// What a demand makes the vehicle do: it holds heading and depth as its sensors read them.
+    pub(crate) fn as_flown(&self, drive: Drive) -> Drive {
+        match drive {
+            Drive::Under(demand) => Drive::Under(Demand {
+                turn: match demand.turn {
+                    Turn::Heading(heading_deg) => Turn::Heading(heading_deg - self.solution.heading_bias_deg),
+                    Turn::Rudder(_) => demand.turn,
+                },
+                vertical: match demand.vertical {
+                    Vertical::Depth(depth_m) => Vertical::Depth((depth_m - self.depth_error_m).max(0.0)),
+                    Vertical::Altitude(_) | Vertical::Pitch(_) | Vertical::Elevator(_) => demand.vertical,
+                },
+                ..demand
+            }),
+            Drive::Held | Drive::Hover(_) | Drive::Adrift => drive,
+        }
+    }
+
+    /// Whether GPS is in the solution.
+    pub(crate) const fn has_gps(&self) -> bool {
+        self.solution.has_gps()
+    }
+
+    /// Whether the Doppler log has bottom lock.
+    pub(crate) const fn has_bottom_lock(&self) -> bool {
+        self.dvl.lock
+    }
+
+    /// Navigation stands still, in its values and in the time of its solution, or goes on.
     pub(crate) const fn freeze(&mut self, frozen: bool) {
-        self.frozen = frozen;
+        self.failed.frozen = frozen;
     }
 
-    /// Moves the solution.
-    pub(crate) fn jump(&mut self, by: EastNorth) {
-        self.offset = self.offset + by;
+    /// The solution jumps.
+    pub(crate) fn jump(&mut self, way: EastNorth) {
+        self.solution.move_by(way);
     }
 
-    /// Navigation is not told.
+    /// Navigation is not sent, or again.
     pub(crate) const fn silence_navigation(&mut self, silent: bool) {
-        self.silent = silent;
+        self.failed.silent = silent;
     }
 
-    pub(crate) const fn navigation_silent(&self) -> bool {
-        self.silent
+    /// A sensor gives nothing, or works again.
+    pub(crate) const fn sensor_dropout(&mut self, sensor: Sensor, dead: bool) {
+        match sensor {
+            Sensor::Dvl => self.dvl.dead = dead,
+            Sensor::Altimeter => self.failed.altimeter = dead,
+            Sensor::Gps => self.solution.kill_gps(dead),
+            Sensor::Compass => self.failed.compass = dead,
+            Sensor::Depth => self.failed.depth = dead,
+            Sensor::Imu => self.failed.imu = dead,
+            Sensor::Ctd => self.water.ctd_dead = dead,
+            Sensor::SoundVelocity => self.water.sound_dead = dead,
+            Sensor::Tailcone => self.failed.tailcone = dead,
+            Sensor::Telemetry => self.failed.telemetry = dead,
+        }
     }
 
-    /// A sensor gives nothing.
-    pub(crate) const fn sensor_dropout(&mut self, sensor: SensorKind, out: bool) {
-        self.out[sensor as usize] = out;
+    /// A payload's fix: see [`Solution::fix`].
+    pub(crate) fn fix(
+        &mut self,
+        now: Timestamp,
+        place: EastNorth,
+        error_m: f64,
+        age_s: f64,
+        force: bool,
+    ) -> FixOutcome {
+        self.solution.fix(now, place, error_m, age_s, force)
     }
 
-    pub(crate) const fn is_out(&self, sensor: SensorKind) -> bool {
-        self.out[sensor as usize]
+    /// A payload's CTD data.
+    pub(crate) fn heed_payload_ctd(&mut self, now: Timestamp, data: &PayloadCtd) {
+        self.water.heed(now, data);
     }
 
-    /// BFNVG: `stamp` is both when it was made and when it was solved.
-    pub(crate) fn navigation(
+    /// One step of the vehicle, which has been made.
+    fn step(&mut self, vehicle: &Vehicle, world: &World, now: Timestamp) {
+        self.steps += 1;
+        self.before = self.now;
+        self.now = Motion {
+            ground: vehicle.ground,
+            heave_mps: vehicle.heave_mps,
+            yaw_rate_dps: vehicle.yaw_rate_dps,
+        };
+        if !self.failed.depth {
+            self.depth_m = vehicle.depth_m + self.depth_error_m;
+        }
+        if !self.config.dvl.phased_array && self.schedules.sound_ratio.due(now).is_some() {
+            let used_mps = self.water.sound_mps(vehicle, world, now);
+            self.sound_ratio = used_mps / true_sound_mps(vehicle, world, now);
+        }
+        let mut draws = self.motion.reading(self.steps);
+        self.dvl.step(vehicle, now, &mut draws);
+        self.solution
+            .step(vehicle, &self.dvl, self.sound_ratio, now, &mut draws);
+    }
+
+    /// BFNVG and BFNVR of this step, with one stamp: when they were made, and when the solution was.
+    fn navigation(
         &mut self,
         vehicle: &Vehicle,
         frame: &LocalFrame,
-        now: Timestamp,
+        convergence_deg: f64,
         stamp: TimeOfDay,
-    ) -> Navigation {
-        if self.frozen
-            && let Some(told) = &self.told
+    ) -> (Navigation, VelocityAndRates) {
+        if self.failed.frozen
+            && let Some((navigation, velocity)) = &mut self.last
         {
-            return Navigation {
-                created: stamp,
-                ..told.clone()
-            };
+            (navigation.created, velocity.created) = (stamp, stamp);
+            return (navigation.clone(), velocity.clone());
         }
-        let config = self.config;
-        let surfaced = vehicle.depth_m < SURFACED_M && !self.is_out(SensorKind::Gps);
-        if surfaced {
-            self.drift = EastNorth::default();
-        } else {
-            let (east, north) = (self.stream.gaussian(), self.stream.gaussian());
-            self.drift = self.drift + EastNorth::new(east, north) * self.drift_step_m;
-        }
-        let noise = EastNorth::new(self.stream.gaussian(), self.stream.gaussian()) * config.position_noise_m;
-        let position = frame.to_position(vehicle.at + self.drift + self.offset + noise);
-        let heading_deg = vehicle.heading_deg + config.heading_noise_deg * self.stream.gaussian();
+        let config = &self.config;
+        let mut draws = self.report.reading(self.steps);
+        let noise = EastNorth::new(draws.gaussian(), draws.gaussian()) * config.position_noise_m;
+        let heading_deg = vehicle.heading_deg + self.solution.heading_bias_deg + draws.normal(config.heading_noise_deg);
+        let depth_m = self.depth_m + draws.normal(config.depth_noise_m);
+        let altitude_noise_m = draws.normal(config.altitude_noise_m);
         let navigation = Navigation {
             created: stamp,
-            position,
-            quality: if surfaced {
+            position: frame.to_position(self.solution.at + noise),
+            quality: if self.has_gps() {
                 PositionQuality::Gps
             } else {
                 PositionQuality::NoGps
             },
-            altitude: self.altitude(vehicle, now),
-            depth: depth(vehicle.depth_m + config.depth_noise_m * self.stream.gaussian()),
-            heading: true_heading(heading_deg, frame, position).to_grid(utm_convergence_deg(position)),
-            roll_deg: vehicle.roll_deg + config.attitude_noise_deg * self.stream.gaussian(),
-            pitch_deg: vehicle.pitch_deg + config.attitude_noise_deg * self.stream.gaussian(),
+            altitude: if self.dvl.lock && !self.failed.altimeter {
+                // A reading of zero would say that there is no lock.
+                Altitude::from_m((vehicle.water_depth_m - vehicle.depth_m + altitude_noise_m).max(0.01)).ok()
+            } else {
+                None
+            },
+            depth: Depth::from_m(depth_m.clamp(-100.0, 12_000.0)).expect("clamped to the range of a depth"),
+            heading: GridHeading::from_deg(heading_deg + convergence_deg)
+                .expect("a wrapped angle, a convergence and noise are finite"),
+            roll_deg: vehicle.roll_deg + draws.normal(config.attitude_noise_deg),
+            pitch_deg: vehicle.pitch_deg + draws.normal(config.attitude_noise_deg),
             solution: stamp,
         };
-        self.told = Some(navigation.clone());
-        navigation
-    }
-
-    /// BFNVR, with the same stamp as its BFNVG.
-    pub(crate) fn velocity(&mut self, vehicle: &Vehicle, stamp: TimeOfDay) -> VelocityAndRates {
-        if self.frozen
-            && let Some(told) = &self.told_velocity
-        {
-            return VelocityAndRates {
-                created: stamp,
-                ..told.clone()
-            };
-        }
-        let noise_mps = self.config.velocity_noise_mps;
         let velocity = VelocityAndRates {
             created: stamp,
-            east_mps: vehicle.ground.0 + noise_mps * self.stream.gaussian(),
-            north_mps: vehicle.ground.1 + noise_mps * self.stream.gaussian(),
+            east_mps: self.solution.velocity.0 + draws.normal(config.velocity_noise_mps),
+            north_mps: self.solution.velocity.1 + draws.normal(config.velocity_noise_mps),
             down_mps: vehicle.heave_mps,
             pitch_rate_dps: vehicle.pitch_rate_dps,
             roll_rate_dps: vehicle.roll_rate_dps,
             yaw_rate_dps: vehicle.yaw_rate_dps,
         };
-        self.told_velocity = Some(velocity.clone());
-        velocity
-    }
-
-    /// BFCTD.
-    pub(crate) fn ctd(&mut self, vehicle: &Vehicle, world: &World, now: Timestamp, stamp: TimeOfDay) -> Ctd {
-        let config = self.config;
-        let conductivity = world.conductivity_us_per_cm(vehicle.at, vehicle.depth_m, now);
-        let temperature_c = world.temperature_c(vehicle.at, vehicle.depth_m, now);
-        let pressure_kpa = AIR_KPA + WATER_KPA_PER_M * vehicle.depth_m;
-        Ctd {
-            created: stamp,
-            conductivity_us_per_cm: (conductivity + config.conductivity_noise_us_per_cm * self.ctd.gaussian()).max(0.0),
-            temperature_c: temperature_c + config.temperature_noise_c * self.ctd.gaussian(),
-            pressure_kpa: pressure_kpa + config.pressure_noise_kpa * self.ctd.gaussian(),
-            measured: stamp,
-        }
-    }
-
-    /// None without bottom lock.
-    fn altitude(&mut self, vehicle: &Vehicle, now: Timestamp) -> Option<Altitude> {
-        let config = self.config;
-        if self.lock.uniform() < self.dropout_chance {
-            let seconds = config.altitude_dropout_s * self.lock.uniform_in(0.5, 1.5);
-            self.no_lock_until = now + core::time::Duration::from_secs_f64(seconds);
-        }
-        let altitude_m = vehicle.water_depth_m - vehicle.depth_m;
-        let in_range = altitude_m >= config.altitude_blanking_m && altitude_m <= config.altitude_range_m;
-        if !in_range || now < self.no_lock_until || self.is_out(SensorKind::Dvl) || self.is_out(SensorKind::Altimeter) {
-            return None;
-        }
-        // A reading of zero would say that there is no lock.
-        Altitude::from_m((altitude_m + config.altitude_noise_m * self.stream.gaussian()).max(0.01)).ok()
+        self.last = Some((navigation.clone(), velocity.clone()));
+        (navigation, velocity)
     }
 }
 
@@ -202,8 +286,4 @@ impl Sensors {
 pub(crate) fn true_heading(frame_deg: f64, frame: &LocalFrame, position: Position) -> Heading {
     Heading::from_deg(frame_deg + frame.convergence_deg(position))
         .expect("a wrapped angle and a convergence are finite")
-}
-
-fn depth(metres: f64) -> Depth {
-    Depth::from_m(metres.clamp(-100.0, 12_000.0)).expect("clamped to the range of a depth")
 }

@@ -4,12 +4,13 @@ use std::collections::{BTreeSet, VecDeque};
 use backseat_spi::{AckStatus, Acknowledgement, BehaviorId, CommandName, ToVehicle};
 use backseat_units::{EastNorth, Timestamp};
 
-use super::{AckFilter, AckStage, Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, NegativeStatus, SensorKind};
+use super::{AckFilter, AckStage, Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, NegativeStatus};
 use crate::error::MvcError;
 use crate::event::{ClientId, MvcEventKind};
 use crate::file::FaultFile;
 use crate::mvc::Mvc;
 use crate::power::SHUTDOWN_NOTICE;
+use crate::sensors::Sensor;
 
 /// How many acknowledgements may be late at once; beyond it they are lost.
 const LATE_MAX: usize = 4096;
@@ -32,7 +33,7 @@ pub(crate) struct Faults {
     control_taken: u32,
     frozen: u32,
     missing: u32,
-    dropouts: [u32; SensorKind::ALL.len()],
+    dropouts: [u32; Sensor::ALL.len()],
 }
 
 #[derive(Clone, Copy, Debug)]

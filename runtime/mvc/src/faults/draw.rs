@@ -5,9 +5,9 @@ use backseat_units::{EastNorth, Timestamp};
 use backseat_world::Stream;
 
 use super::{
-    AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, SensorKind,
-    Whom,
+    AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, Whom,
 };
+use crate::sensors::Sensor;
 
 /// At full intensity a fault begins this often, on the average.
 const EVERY_S: f64 = 15.0;
@@ -169,7 +169,7 @@ impl Dice {
                 FaultKind::NavigationJump(EastNorth::new(metres(), metres()))
             }
             6 => FaultKind::NavigationMissing,
-            7 => FaultKind::SensorDropout(self.one(&SensorKind::ALL)),
+            7 => FaultKind::SensorDropout(self.one(&Sensor::ALL)),
             _ => FaultKind::ClockStep(1_000_000 * self.between(-90_000.0, 90_000.0) as i64),
         }
     }

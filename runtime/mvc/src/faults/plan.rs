@@ -7,6 +7,7 @@ use serde::{Serialize, Serializer};
 use crate::error::MvcError;
 use crate::event::ClientId;
 use crate::file::FaultFile;
+use crate::sensors::Sensor;
 
 /// What goes wrong in a run, and when: data, so that it can be printed in full, kept and shrunk.
 ///
@@ -80,7 +81,7 @@ pub enum FaultKind {
     /// The vehicle ends its mission.
     MissionAbort,
     /// A sensor gives nothing.
-    SensorDropout(SensorKind),
+    SensorDropout(Sensor),
     /// BFSHT; the payload's power goes off at the fault's end, a minute later (SPI 5.2).
     Shutdown,
     /// The vehicle's UTC is set by so many nanoseconds, and back at the end where the fault lasts.
@@ -209,47 +210,6 @@ pub enum NegativeStatus {
     Invalid,
     /// 1: processed without success.
     Failed,
-}
-
-/// A sensor of the vehicle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SensorKind {
-    /// Doppler log: no bottom lock, so no altitude and no velocity over the ground.
-    Dvl,
-    /// Altimeter.
-    Altimeter,
-    /// GPS: no fix at the surface.
-    Gps,
-    /// Compass.
-    Compass,
-    /// Depth sensor.
-    Depth,
-    /// Inertial measurement unit.
-    Imu,
-    /// Conductivity, temperature and pressure: no BFCTD.
-    Ctd,
-    /// Sound velocity.
-    SoundVelocity,
-    /// Tailcone: elevator, rudder and propeller.
-    Tailcone,
-    /// Telemetry of the hull.
-    Telemetry,
-}
-
-impl SensorKind {
-    /// All of them.
-    pub const ALL: [Self; 10] = [
-        Self::Dvl,
-        Self::Altimeter,
-        Self::Gps,
-        Self::Compass,
-        Self::Depth,
-        Self::Imu,
-        Self::Ctd,
-        Self::SoundVelocity,
-        Self::Tailcone,
-        Self::Telemetry,
-    ];
 }
 
 impl Fault {

@@ -3,9 +3,9 @@ use core::fmt;
 use backseat_spi::CommandName;
 
 use super::{
-    AckFilter, AckStage, Directions, FaultEdge, FaultEvent, FaultKind, LinkFault, LinkFaultKind, NegativeStatus,
-    SensorKind, Whom,
+    AckFilter, AckStage, Directions, FaultEdge, FaultEvent, FaultKind, LinkFault, LinkFaultKind, NegativeStatus, Whom,
 };
+use crate::sensors::Sensor;
 
 impl fmt::Display for FaultEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -109,7 +109,7 @@ impl fmt::Display for Commands {
     }
 }
 
-impl fmt::Display for SensorKind {
+impl fmt::Display for Sensor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Dvl => "DVL",

@@ -8,7 +8,7 @@ use crate::error::{MvcError, check};
 /// not (BPDVR with 0 last), and neither `payload_triggers` nor `line_faults` say otherwise.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct DvlConfig {
+pub struct DvlTriggerConfig {
     /// Whether the payload interface has the optional triggering lines.
     pub triggering_equipped: bool,
     /// How long it takes from a request until external triggering is safe, seconds, 0 to 3600.
@@ -36,7 +36,7 @@ pub struct LineFault {
     pub for_s: f64,
 }
 
-impl Default for DvlConfig {
+impl Default for DvlTriggerConfig {
     fn default() -> Self {
         Self {
             triggering_equipped: true,
@@ -50,7 +50,7 @@ impl Default for DvlConfig {
     }
 }
 
-impl DvlConfig {
+impl DvlTriggerConfig {
     pub(crate) fn validate(&self) -> Result<(), MvcError> {
         for (key, value, least, most, expected) in [
             ("dvl.safe_after_s", self.safe_after_s, 0.0, 3600.0, "0 to 3600 s"),

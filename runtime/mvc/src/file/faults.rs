@@ -6,7 +6,8 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::error::MvcError;
-use crate::faults::{AckStage, Directions, FaultPlan, SensorKind};
+use crate::faults::{AckStage, Directions, FaultPlan};
+use crate::sensors::Sensor;
 
 /// No plan has more faults.
 const FAULTS_MAX: usize = 100_000;
@@ -156,10 +157,10 @@ pub enum StageName {
     Outcome,
 }
 
-/// The name of a [`SensorKind`].
+/// The name of a [`Sensor`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[expect(missing_docs, reason = "as SensorKind says")]
+#[expect(missing_docs, reason = "as Sensor says")]
 pub enum SensorName {
     Dvl,
     Altimeter,
@@ -191,7 +192,7 @@ macro_rules! names {
 
 names!(DirectionName = Directions: Both, ToVehicle, FromVehicle);
 names!(StageName = AckStage: All, Pending, Outcome);
-names!(SensorName = SensorKind: Dvl, Altimeter, Gps, Compass, Depth, Imu, Ctd, SoundVelocity, Tailcone, Telemetry);
+names!(SensorName = Sensor: Dvl, Altimeter, Gps, Compass, Depth, Imu, Ctd, SoundVelocity, Tailcone, Telemetry);
 
 impl FaultFile {
     pub(crate) fn from_toml(text: &str) -> Result<Self, MvcError> {

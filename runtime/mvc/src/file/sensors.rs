@@ -1,15 +1,32 @@
+mod attitude;
+mod dvl;
+mod navigation;
+mod tailcone;
+mod water;
+
+use core::ops::RangeInclusive;
+
 use serde::Deserialize;
+
+pub(crate) use attitude::COMPASSES_MAX;
+pub use attitude::{CompassConfig, ImuConfig};
+pub use dvl::DvlConfig;
+pub use navigation::{FixConfig, GpsConfig, InsConfig, WithoutLock};
+pub use tailcone::{TailconeConfig, TelemetryConfig};
+pub use water::{DepthSensorConfig, SoundConfig};
 
 use crate::error::{MvcError, check};
 
 /// The `[sensors]` section: noise is the standard deviation of one reading. 0 is a perfect sensor.
+///
+/// The keys of the section itself are what BFNVG, BFNVR and BFCTD are made with; each other sensor has a section below.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorConfig {
     /// Position, metres a reading, each way.
     pub position_noise_m: f64,
-    /// Drift of the position under water: a random walk whose standard deviation each way after an hour is this,
-    /// metres. It ends on the surface.
+    /// Drift of the position with bottom lock: a random walk whose standard deviation each way after an hour is this,
+    /// metres. Scale, alignment and heading errors come on top, a share of the distance. GPS ends it.
     pub position_drift_m_per_sqrt_h: f64,
     /// Depth, metres.
     pub depth_noise_m: f64,
@@ -21,7 +38,7 @@ pub struct SensorConfig {
     pub velocity_noise_mps: f64,
     /// Altitude, metres.
     pub altitude_noise_m: f64,
-    /// The greatest altitude with bottom lock, metres.
+    /// The greatest altitude with bottom lock, metres. A beam reaches as far as it is long at this altitude.
     pub altitude_range_m: f64,
     /// The least altitude with bottom lock, metres.
     pub altitude_blanking_m: f64,
@@ -35,15 +52,44 @@ pub struct SensorConfig {
     pub conductivity_noise_us_per_cm: f64,
     /// Pressure, kilopascals.
     pub pressure_noise_kpa: f64,
+    /// Standard deviation of the temperature's constant error, which the seed draws, degrees Celsius (Sea-Bird SBE 49, data
+    /// sheet: initial accuracy; the next two also).
+    pub temperature_bias_c: f64,
+    /// The same of the conductivity, microsiemens a centimetre.
+    pub conductivity_bias_us_per_cm: f64,
+    /// The same of the pressure, kilopascals.
+    pub pressure_bias_kpa: f64,
     /// Seconds between CTD readings, 0.1 to 3600.
     pub ctd_period_s: f64,
+    /// The vehicle has a CTD; else BFCTD never comes (SPI 6.16).
+    pub ctd_fitted: bool,
+    /// Inertial system.
+    pub ins: InsConfig,
+    /// Doppler log.
+    pub dvl: DvlConfig,
+    /// GPS.
+    pub gps: GpsConfig,
+    /// Fixes of the payload.
+    pub fixes: FixConfig,
+    /// Compasses.
+    pub compass: CompassConfig,
+    /// Gyroscopes and accelerometers.
+    pub imu: ImuConfig,
+    /// Pressure sensor.
+    pub depth: DepthSensorConfig,
+    /// Speed of sound.
+    pub sound: SoundConfig,
+    /// Thruster, rudder and elevator.
+    pub tailcone: TailconeConfig,
+    /// State of the links to the topside.
+    pub telemetry: TelemetryConfig,
 }
 
 impl Default for SensorConfig {
     fn default() -> Self {
         Self {
             position_noise_m: 0.03,
-            position_drift_m_per_sqrt_h: 4.0,
+            position_drift_m_per_sqrt_h: 3.5,
             depth_noise_m: 0.01,
             heading_noise_deg: 0.05,
             attitude_noise_deg: 0.05,
@@ -56,7 +102,21 @@ impl Default for SensorConfig {
             temperature_noise_c: 0.002,
             conductivity_noise_us_per_cm: 3.0,
             pressure_noise_kpa: 0.1,
+            temperature_bias_c: 0.002,
+            conductivity_bias_us_per_cm: 3.0,
+            pressure_bias_kpa: 0.2,
             ctd_period_s: 1.0,
+            ctd_fitted: true,
+            ins: InsConfig::default(),
+            dvl: DvlConfig::default(),
+            gps: GpsConfig::default(),
+            fixes: FixConfig::default(),
+            compass: CompassConfig::default(),
+            imu: ImuConfig::default(),
+            depth: DepthSensorConfig::default(),
+            sound: SoundConfig::default(),
+            tailcone: TailconeConfig::default(),
+            telemetry: TelemetryConfig::default(),
         }
     }
 }
@@ -80,6 +140,9 @@ impl SensorConfig {
                 self.conductivity_noise_us_per_cm,
             ),
             ("sensors.pressure_noise_kpa", self.pressure_noise_kpa),
+            ("sensors.temperature_bias_c", self.temperature_bias_c),
+            ("sensors.conductivity_bias_us_per_cm", self.conductivity_bias_us_per_cm),
+            ("sensors.pressure_bias_kpa", self.pressure_bias_kpa),
         ] {
             check((0.0..=1000.0).contains(&value), key, value, "0 to 1000")?;
         }
@@ -91,11 +154,20 @@ impl SensorConfig {
             "0.1 to 3600 s",
         )?;
         let period = self.ctd_period_s;
-        check(
-            (0.1..=3600.0).contains(&period),
-            "sensors.ctd_period_s",
-            period,
-            "0.1 to 3600 s",
-        )
+        within("sensors.ctd_period_s", period, 0.1..=3600.0, "0.1 to 3600 s")?;
+        self.ins.validate()?;
+        self.dvl.validate()?;
+        self.gps.validate()?;
+        self.fixes.validate()?;
+        self.compass.validate()?;
+        self.imu.validate()?;
+        self.depth.validate()?;
+        self.sound.validate()?;
+        self.tailcone.validate()?;
+        self.telemetry.validate()
     }
+}
+
+fn within(key: &'static str, value: f64, range: RangeInclusive<f64>, expected: &'static str) -> Result<(), MvcError> {
+    check(range.contains(&value), key, value, expected)
 }

@@ -21,6 +21,40 @@ altitude_dropouts_per_h = 0
 temperature_noise_c = 0
 conductivity_noise_us_per_cm = 0
 pressure_noise_kpa = 0
+temperature_bias_c = 0
+conductivity_bias_us_per_cm = 0
+pressure_bias_kpa = 0
+[sensors.ins]
+heading_bias_deg = 0
+[sensors.dvl]
+scale_error = 0
+misalignment_deg = 0
+velocity_noise_mps = 0
+range_noise_m = 0
+beam_loss = 0
+temperature_noise_c = 0
+[sensors.gps]
+error_m = 0
+[sensors.compass]
+bias_deg = 0
+deviation_deg = 0
+soft_iron_deg = 0
+noise_deg = 0
+[sensors.imu]
+rate_noise_dps = 0
+rate_bias_dph = 0
+acceleration_noise_mps2 = 0
+acceleration_bias_mps2 = 0
+[sensors.depth]
+bias_kpa = 0
+noise_kpa = 0
+[sensors.sound]
+noise_mps = 0
+bias_mps = 0
+[sensors.tailcone]
+rpm_noise = 0
+speed_error = 0
+angle_noise_deg = 0
 [mission]
 starts_after_s = 1
 [spi]

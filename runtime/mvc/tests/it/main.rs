@@ -2,9 +2,11 @@
 
 mod acoustic;
 mod adjustment;
+mod aiding;
 mod consistency;
 mod conversation;
 mod determinism;
+mod dvl;
 mod dvl_trigger;
 mod ending;
 mod faults;
@@ -24,6 +26,8 @@ mod payload;
 mod places;
 mod power;
 mod sections;
+mod sensors;
+mod sentences;
 mod services;
 mod session;
 mod silence;

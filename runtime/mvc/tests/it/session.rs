@@ -62,7 +62,10 @@ fn subscriptions_are_each_clients_own_and_end_with_its_connection() {
     assert_eq!(names(payload.heard()), ["CTD", "NVG"]);
     assert_eq!(
         names(payload.heard_by(other)),
-        ["BOY", "CTD", "CTL", "MBS", "MIS", "NVG", "NVR", "RBS"]
+        [
+            "BOY", "CTD", "CTL", "DV2", "DVL", "ERC", "IMU", "MBS", "MIS", "NVG", "NVR", "RBS", "RCM", "RDP", "RVL",
+            "SVS"
+        ]
     );
     payload.mvc.disconnect(payload.now, ME);
     payload.connect(ME);

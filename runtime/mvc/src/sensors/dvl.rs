@@ -1,0 +1,195 @@
+use core::time::Duration;
+
+use backseat_spi::{Dvl as DvlMessage, DvlBeams};
+use backseat_units::math::{cos, sin, sin_cos};
+use backseat_units::{TimeOfDay, Timestamp};
+
+use super::EastNorthRate;
+use super::attitude::{Attitude, dot};
+use super::noise::{Draws, Noise};
+use crate::file::SensorConfig;
+use crate::vehicle::Vehicle;
+
+/// Bottom lock needs this many of the four beams: three are three components of a velocity.
+const BEAMS_FOR_LOCK: usize = 3;
+/// Where the beams point: forward to starboard, and on clockwise, degrees from ahead.
+const AZIMUTHS_DEG: [f64; 4] = [45.0, 135.0, 225.0, 315.0];
+
+/// The Doppler log: four beams, bottom lock, and the constant errors of its velocity.
+#[derive(Clone, Debug)]
+pub(super) struct Dvl {
+    config: SensorConfig,
+    noise: Noise,
+    /// Unit vectors along the beams, in the vehicle's own axes.
+    beams: [[f64; 3]; 4],
+    range_max_m: f64,
+    dropout_chance: f64,
+    no_lock_until: Timestamp,
+    scale: f64,
+    misalignment: (f64, f64),
+    /// It is broken.
+    pub(super) dead: bool,
+    pub(super) lock: bool,
+}
+
+/// One reading, of which BFDVL and BFDV2 give each a part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DvlReading {
+    velocity_mps: Option<[f64; 3]>,
+    along_beams_mps: [Option<f64>; 4],
+    error_mps: f64,
+    ranges_m: [Option<f64>; 4],
+    temperature_c: f64,
+}
+
+impl Dvl {
+    pub(super) fn new(config: &SensorConfig, readings_per_h: f64, seed: u64) -> Self {
+        let noise = Noise::new(seed, "dvl");
+        let mut constant = Noise::new(seed, "dvl alignment").reading(0);
+        let scale = 1.0 + constant.normal(config.dvl.scale_error);
+        let misalignment_rad = constant.normal(config.dvl.misalignment_deg).to_radians();
+        let beam_rad = config.dvl.beam_angle_deg.to_radians();
+        let (out, down) = sin_cos(beam_rad);
+        Self {
+            config: *config,
+            noise,
+            beams: AZIMUTHS_DEG.map(|azimuth| {
+                let (sin, cos) = sin_cos(azimuth.to_radians());
+                [out * cos, out * sin, down]
+            }),
+            range_max_m: config.altitude_range_m / cos(beam_rad),
+            dropout_chance: config.altitude_dropouts_per_h / readings_per_h,
+            no_lock_until: Timestamp::ZERO,
+            scale,
+            misalignment: (sin(misalignment_rad), cos(misalignment_rad)),
+            dead: false,
+            lock: false,
+        }
+    }
+
+    /// One step of the vehicle: whether there is bottom lock.
+    pub(super) fn step(&mut self, vehicle: &Vehicle, now: Timestamp, draws: &mut Draws) {
+        if draws.uniform() < self.dropout_chance {
+            let seconds = self.config.altitude_dropout_s * (0.5 + draws.uniform());
+            self.no_lock_until = now + Duration::from_secs_f64(seconds);
+        }
+        self.lock = !self.dead && now >= self.no_lock_until && self.reaches(vehicle);
+    }
+
+    fn reaches(&self, vehicle: &Vehicle) -> bool {
+        let altitude_m = vehicle.water_depth_m - vehicle.depth_m;
+        let tilt_deg = vehicle.pitch_deg.abs().max(vehicle.roll_deg.abs());
+        if altitude_m < self.config.altitude_blanking_m
+            || altitude_m > self.config.altitude_range_m
+            || tilt_deg > self.config.dvl.tilt_max_deg
+        {
+            return false;
+        }
+        // Well within its reach every beam comes back, on any slope that is one.
+        if 3.0 * altitude_m < self.config.altitude_range_m {
+            return true;
+        }
+        let attitude = Attitude::of(vehicle);
+        self.beams
+            .iter()
+            .filter(|beam| self.range_m(vehicle, attitude, **beam).is_some())
+            .count()
+            >= BEAMS_FOR_LOCK
+    }
+
+    /// How far a beam's echo comes from, on the plane of the seabed below the vehicle; none where it does not come.
+    fn range_m(&self, vehicle: &Vehicle, attitude: Attitude, beam: [f64; 3]) -> Option<f64> {
+        let [north, east, down] = attitude.to_frame(beam);
+        let closing = down - vehicle.gradient.north_m * north - vehicle.gradient.east_m * east;
+        let range_m = (vehicle.water_depth_m - vehicle.depth_m) / closing;
+        (closing > 0.0 && range_m >= self.config.altitude_blanking_m && range_m <= self.range_max_m).then_some(range_m)
+    }
+
+    /// A velocity over ground, or through the water, as the log measures it: scaled and turned. East and north.
+    pub(super) fn measured(&self, (east, north): EastNorthRate, sound_ratio: f64) -> EastNorthRate {
+        let scale = self.scale * sound_ratio;
+        let (sin, cos) = self.misalignment;
+        (scale * (east * cos + north * sin), scale * (north * cos - east * sin))
+    }
+
+    /// The reading of this number; none from a broken log.
+    pub(super) fn reading(
+        &self,
+        vehicle: &Vehicle,
+        temperature_c: f64,
+        sound_ratio: f64,
+        number: u64,
+    ) -> Option<DvlReading> {
+        if self.dead {
+            return None;
+        }
+        let config = self.config.dvl;
+        let mut draws = self.noise.reading(number);
+        let noise_mps = [(); 3].map(|()| draws.normal(config.velocity_noise_mps));
+        let error_mps = draws.normal(config.velocity_noise_mps);
+        let attitude = Attitude::of(vehicle);
+        let ranges_m = self.beams.map(|beam| {
+            let (lost, noise_m) = (draws.uniform() < config.beam_loss, draws.normal(config.range_noise_m));
+            self.range_m(vehicle, attitude, beam)
+                .filter(|_| self.lock && !lost)
+                .map(|range_m| (range_m + noise_m).max(0.01))
+        });
+        let (east, north) = vehicle.ground;
+        let over_ground = ranges_m.iter().flatten().count() >= BEAMS_FOR_LOCK;
+        let velocity = if over_ground {
+            Some((east, north))
+        } else if config.water_velocity {
+            Some((east - vehicle.current.0, north - vehicle.current.1))
+        } else {
+            None
+        };
+        let velocity_mps = velocity.map(|velocity| {
+            let (east, north) = self.measured(velocity, sound_ratio);
+            let [x, y, z] = attitude.to_body([north, east, vehicle.heave_mps]);
+            [x + noise_mps[0], y + noise_mps[1], z + noise_mps[2]]
+        });
+        let mut along_beams_mps = [None; 4];
+        for ((along, beam), range) in along_beams_mps.iter_mut().zip(self.beams).zip(ranges_m) {
+            *along = velocity_mps
+                .filter(|_| range.is_some() || !over_ground)
+                .map(|velocity| dot(beam, velocity));
+        }
+        Some(DvlReading {
+            velocity_mps,
+            along_beams_mps,
+            error_mps,
+            ranges_m,
+            temperature_c: temperature_c + draws.normal(config.temperature_noise_c),
+        })
+    }
+}
+
+impl DvlReading {
+    /// BFDVL (SPI 6.13).
+    pub(super) fn message(&self, stamp: TimeOfDay) -> DvlMessage {
+        DvlMessage {
+            created: stamp,
+            velocity_mps: self.velocity_mps.map_or([None; 3], |velocity| velocity.map(Some)),
+            ranges_m: self.ranges_m,
+            temperature_c: Some(self.temperature_c),
+            measured: stamp,
+        }
+    }
+
+    /// BFDV2 (SPI 6.14): along the beams on a hovering hull, else along the axes with the error velocity.
+    pub(super) fn extended(&self, hovers: bool, stamp: TimeOfDay) -> DvlBeams {
+        let velocity_mps = if hovers {
+            self.along_beams_mps
+        } else {
+            self.velocity_mps
+                .map_or([None; 4], |[x, y, z]| [Some(x), Some(y), Some(z), Some(self.error_mps)])
+        };
+        DvlBeams {
+            created: stamp,
+            velocity_mps,
+            ranges_m: self.ranges_m,
+            temperature_c: Some(self.temperature_c),
+            measured: stamp,
+        }
+    }
+}

@@ -1,0 +1,57 @@
+use core::time::Duration;
+
+use backseat_units::Timestamp;
+
+/// When a sensor gives its next reading, and which number that has.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Schedule {
+    next: Timestamp,
+    period: Duration,
+    count: u64,
+}
+
+impl Schedule {
+    /// A sensor that reads first at the vehicle's first step.
+    pub(super) fn every(period_s: f64) -> Self {
+        Self {
+            next: Timestamp::ZERO,
+            period: Duration::from_secs_f64(period_s),
+            count: 0,
+        }
+    }
+
+    /// The number of the reading that is due at this step, if one is. A sensor faster than the vehicle's steps reads
+    /// once a step.
+    pub(super) fn due(&mut self, now: Timestamp) -> Option<u64> {
+        if now < self.next {
+            return None;
+        }
+        self.next = self.next + self.period;
+        if self.next <= now {
+            self.next = now + self.period;
+        }
+        self.count += 1;
+        Some(self.count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn readings_keep_their_rate_between_steps() {
+        let count = |period_s, tick_ms: u64| {
+            let mut schedule = Schedule::every(period_s);
+            (1..=10_000 / tick_ms)
+                .filter(|tick| schedule.due(Timestamp::from_millis(tick * tick_ms)).is_some())
+                .count()
+        };
+        // The first at the first step, then at every whole second.
+        assert_eq!(count(1.0, 100), 11);
+        // Two of five steps on the average, although no step is at a quarter of a second.
+        assert!((39..=41).contains(&count(0.25, 100)));
+        assert_eq!(count(0.01, 100), 100);
+        assert_eq!(count(0.1, 100), 100);
+    }
+}

@@ -1,0 +1,71 @@
+use backseat_spi::{ControlSurfaces, VehicleSpeed};
+use backseat_units::TimeOfDay;
+
+use super::Motion;
+use super::noise::Noise;
+use crate::file::TailconeConfig;
+use crate::vehicle::Vehicle;
+
+/// Thruster, rudder and elevator.
+#[derive(Clone, Debug)]
+pub(super) struct Tailcone {
+    config: TailconeConfig,
+    rotation: Noise,
+    angles: Noise,
+    /// What the table of speeds is wrong by, a factor.
+    table: f64,
+}
+
+impl Tailcone {
+    pub(super) fn new(config: &TailconeConfig, seed: u64) -> Self {
+        let mut constant = Noise::new(seed, "speed table").reading(0);
+        Self {
+            config: *config,
+            rotation: Noise::new(seed, "thruster"),
+            angles: Noise::new(seed, "tailcone angles"),
+            table: 1.0 + constant.normal(config.speed_error),
+        }
+    }
+
+    /// BFRVL (SPI 6.7), the reading of this number.
+    pub(super) fn speed(&self, vehicle: &Vehicle, number: u64, stamp: TimeOfDay) -> VehicleSpeed {
+        let rpm_per_mps = vehicle.hull().rpm_per_mps;
+        let thruster_rpm =
+            vehicle.surge_mps * rpm_per_mps + self.rotation.reading(number).normal(self.config.rpm_noise);
+        VehicleSpeed {
+            created: stamp,
+            thruster_rpm,
+            water_speed_mps: self.config.speed_table.then(|| thruster_rpm / rpm_per_mps * self.table),
+        }
+    }
+
+    /// BFERC (SPI 6.12), the reading of this number.
+    ///
+    /// The kinematic model has no fins: an angle is the share of the hull's fastest turn, or climb, that the vehicle
+    /// makes, and its target the share that it has been asked for. That is found from how far the rate has come in a
+    /// step.
+    pub(super) fn angles(
+        &self,
+        vehicle: &Vehicle,
+        before: &Motion,
+        dt_s: f64,
+        number: u64,
+        stamp: TimeOfDay,
+    ) -> ControlSurfaces {
+        let hull = vehicle.hull();
+        let most_deg = self.config.angle_max_deg;
+        let angle = |rate: f64, fastest: f64| (most_deg * rate / fastest).clamp(-most_deg, most_deg);
+        let asked = |before: f64, now: f64, tau_s: f64| before + (now - before) * (tau_s + dt_s) / dt_s;
+        let yaw_dps = asked(before.yaw_rate_dps, vehicle.yaw_rate_dps, hull.yaw_tau_s);
+        let heave_mps = asked(before.heave_mps, vehicle.heave_mps, hull.heave_tau_s);
+        let mut draws = self.angles.reading(number);
+        ControlSurfaces {
+            created: stamp,
+            elevator_deg: angle(-vehicle.heave_mps, hull.depth_rate_max_mps)
+                + draws.normal(self.config.angle_noise_deg),
+            rudder_deg: angle(vehicle.yaw_rate_dps, hull.yaw_rate_max_dps) + draws.normal(self.config.angle_noise_deg),
+            elevator_target_deg: angle(-heave_mps, hull.depth_rate_max_mps),
+            rudder_target_deg: angle(yaw_dps, hull.yaw_rate_max_dps),
+        }
+    }
+}

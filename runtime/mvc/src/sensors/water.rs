@@ -1,0 +1,141 @@
+use core::time::Duration;
+
+use backseat_spi::{Ctd, DepthSensor, PayloadCtd, SoundVelocity};
+use backseat_units::{TimeOfDay, Timestamp};
+use backseat_world::World;
+
+use super::noise::Noise;
+use super::seawater::{AIR_KPA, WATER_KPA_PER_M, sound_speed_by_ctd_mps};
+use crate::file::SensorConfig;
+use crate::vehicle::Vehicle;
+
+/// What is measured of the water: pressure, temperature, conductivity, speed of sound.
+#[derive(Clone, Debug)]
+pub(super) struct Water {
+    config: SensorConfig,
+    ctd: Noise,
+    pressure: Noise,
+    sound: Noise,
+    temperature_bias_c: f64,
+    conductivity_bias_us_per_cm: f64,
+    ctd_pressure_bias_kpa: f64,
+    depth_bias_kpa: f64,
+    sound_bias_mps: f64,
+    /// By the payload's newest CTD data, and until when they are used.
+    by_payload: Option<(f64, Timestamp)>,
+    pub(super) ctd_dead: bool,
+    pub(super) sound_dead: bool,
+}
+
+impl Water {
+    pub(super) fn new(config: &SensorConfig, seed: u64) -> Self {
+        let mut ctd = Noise::new(seed, "ctd bias").reading(0);
+        Self {
+            config: *config,
+            ctd: Noise::new(seed, "ctd"),
+            pressure: Noise::new(seed, "depth sensor"),
+            sound: Noise::new(seed, "sound velocity"),
+            temperature_bias_c: ctd.normal(config.temperature_bias_c),
+            conductivity_bias_us_per_cm: ctd.normal(config.conductivity_bias_us_per_cm),
+            ctd_pressure_bias_kpa: ctd.normal(config.pressure_bias_kpa),
+            depth_bias_kpa: Noise::new(seed, "depth sensor bias")
+                .reading(0)
+                .normal(config.depth.bias_kpa),
+            sound_bias_mps: Noise::new(seed, "sound velocity bias")
+                .reading(0)
+                .normal(config.sound.bias_mps),
+            by_payload: None,
+            ctd_dead: false,
+            sound_dead: false,
+        }
+    }
+
+    /// What the depth is wrong by, metres.
+    pub(super) fn depth_error_m(&self) -> f64 {
+        self.depth_bias_kpa / WATER_KPA_PER_M
+    }
+
+    /// BFRDP (SPI 6.6), the reading of this number: absolute, with the air's pressure, as BFCTD's.
+    pub(super) fn depth_sensor(&self, vehicle: &Vehicle, number: u64, stamp: TimeOfDay) -> DepthSensor {
+        let noise_kpa = self.pressure.reading(number).normal(self.config.depth.noise_kpa);
+        DepthSensor {
+            created: stamp,
+            pressure_kpa: AIR_KPA + WATER_KPA_PER_M * vehicle.depth_m + self.depth_bias_kpa + noise_kpa,
+        }
+    }
+
+    /// BFCTD (SPI 6.16), the reading of this number.
+    pub(super) fn ctd(&self, vehicle: &Vehicle, world: &World, now: Timestamp, number: u64, stamp: TimeOfDay) -> Ctd {
+        let config = &self.config;
+        let mut draws = self.ctd.reading(number);
+        let (conductivity, temperature_c, pressure_kpa) = self.ctd_without_noise(vehicle, world, now);
+        let conductivity = conductivity + draws.normal(config.conductivity_noise_us_per_cm);
+        Ctd {
+            created: stamp,
+            conductivity_us_per_cm: conductivity.max(0.0),
+            temperature_c: temperature_c + draws.normal(config.temperature_noise_c),
+            pressure_kpa: pressure_kpa + draws.normal(config.pressure_noise_kpa),
+            measured: stamp,
+        }
+    }
+
+    fn ctd_without_noise(&self, vehicle: &Vehicle, world: &World, now: Timestamp) -> (f64, f64, f64) {
+        let (at, depth_m) = (vehicle.at, vehicle.depth_m);
+        (
+            world.conductivity_us_per_cm(at, depth_m, now) + self.conductivity_bias_us_per_cm,
+            world.temperature_c(at, depth_m, now) + self.temperature_bias_c,
+            AIR_KPA + WATER_KPA_PER_M * depth_m + self.ctd_pressure_bias_kpa,
+        )
+    }
+
+    /// A payload has measured the water (SPI 7.15).
+    pub(super) fn heed(&mut self, now: Timestamp, data: &PayloadCtd) {
+        let speed_mps = sound_speed_by_ctd_mps(data.conductivity_us_per_cm, data.temperature_c, data.pressure_kpa);
+        let until = now + Duration::from_secs_f64(self.config.sound.payload_data_for_s);
+        self.by_payload = Some((speed_mps, until));
+    }
+
+    /// The vehicle's value for the speed of sound, metres a second, but for a sensor's noise.
+    pub(super) fn sound_mps(&self, vehicle: &Vehicle, world: &World, now: Timestamp) -> f64 {
+        if self.config.sound.fitted && !self.sound_dead {
+            return true_sound_mps(vehicle, world, now) + self.sound_bias_mps;
+        }
+        if let Some((speed_mps, until)) = self.by_payload
+            && now < until
+        {
+            return speed_mps;
+        }
+        if self.config.ctd_fitted && !self.ctd_dead {
+            let (conductivity, temperature_c, pressure_kpa) = self.ctd_without_noise(vehicle, world, now);
+            return sound_speed_by_ctd_mps(conductivity, temperature_c, pressure_kpa);
+        }
+        self.config.sound.nominal_mps
+    }
+
+    /// BFSVS (SPI 6.4), the reading of this number: of the sensor, else the estimate.
+    pub(super) fn sound(
+        &self,
+        vehicle: &Vehicle,
+        world: &World,
+        now: Timestamp,
+        number: u64,
+        stamp: TimeOfDay,
+    ) -> SoundVelocity {
+        let sensed = self.config.sound.fitted && !self.sound_dead;
+        let noise_mps = self.sound.reading(number).normal(self.config.sound.noise_mps);
+        SoundVelocity {
+            created: stamp,
+            sound_velocity_mps: self.sound_mps(vehicle, world, now) + if sensed { noise_mps } else { 0.0 },
+        }
+    }
+}
+
+/// What the water makes of it, metres a second.
+pub(super) fn true_sound_mps(vehicle: &Vehicle, world: &World, now: Timestamp) -> f64 {
+    let (at, depth_m) = (vehicle.at, vehicle.depth_m);
+    sound_speed_by_ctd_mps(
+        world.conductivity_us_per_cm(at, depth_m, now),
+        world.temperature_c(at, depth_m, now),
+        AIR_KPA + WATER_KPA_PER_M * depth_m,
+    )
+}

@@ -13,7 +13,8 @@ use backseat_mvc::Truth;
 use backseat_spi::catalogue;
 
 use crate::files::CALM;
-use crate::payload::Payload;
+use crate::hovering::HARBOUR;
+use crate::payload::{ME, Payload};
 
 /// A section and what it promises.
 pub(crate) struct Section {
@@ -23,7 +24,7 @@ pub(crate) struct Section {
     says: &'static str,
     /// What is put before the calm world's file, and what its lines are replaced by.
     world: World,
-    /// What is switched on before the conversation.
+    /// What is switched on at the connection; what that was answered is not part of the conversation.
     on: &'static [&'static str],
     talk: &'static [Step],
 }
@@ -31,6 +32,8 @@ pub(crate) struct Section {
 /// How a conversation's world differs from [`CALM`].
 pub(crate) enum World {
     Calm,
+    /// A hovering vehicle beside a ship.
+    Harbour,
     /// These lines come in, each after the header of its section: `[mission]`, `wrap_up = "surface"`.
     With(&'static [(&'static str, &'static str)]),
 }
@@ -64,7 +67,10 @@ fn sections() -> impl Iterator<Item = &'static Section> {
 }
 
 fn world(of: &World) -> String {
-    let mut text = CALM.to_owned();
+    let mut text = match of {
+        World::Calm | World::With(_) => CALM.to_owned(),
+        World::Harbour => HARBOUR.to_owned(),
+    };
     if let World::With(lines) = of {
         for (header, line) in *lines {
             let head = format!("{header}\n");
@@ -91,8 +97,13 @@ fn world(of: &World) -> String {
 
 /// Has the conversation. An error says where it went otherwise.
 fn talk(section: &Section) -> Result<(), String> {
-    let mut payload = Payload::connected(&world(&section.world), 1, section.on);
-    let mut heard: Vec<String> = Vec::new();
+    let mut payload = Payload::new(&world(&section.world), 1);
+    payload.connect(ME);
+    let mut heard = payload.heard();
+    for message in section.on {
+        payload.say(&format!("$BPLOG,{message},ON"));
+    }
+    payload.heard();
     for (number, step) in (1..).zip(section.talk) {
         heard.extend(payload.heard());
         let holds = match step {

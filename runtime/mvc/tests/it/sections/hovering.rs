@@ -1,3 +1,163 @@
-use super::Section;
+use backseat_mvc::Activity;
 
-pub(crate) const SECTIONS: &[Section] = &[];
+use super::Step::{Hear, Is, Say, Until};
+use super::{Section, World};
+
+/// Section 8: hovering vehicles.
+pub(crate) const SECTIONS: &[Section] = &[
+    Section {
+        number: "8.1",
+        says: "or a two second timeout expires",
+        world: World::Harbour,
+        on: &["ACK"],
+        talk: &[
+            Until(5.0),
+            Say("$BPSUS,070000.000"),
+            Hear("$BFACK,080005.000,SUS,070000.000,0,2,0,"),
+            Until(6.9),
+            Is("it is suspended", |truth| truth.activity == Activity::Suspended),
+            Until(7.1),
+            Is("its mission goes on", |truth| truth.activity != Activity::Suspended),
+        ],
+    },
+    Section {
+        number: "8.2",
+        says: "does nothing except reset the two second mission suspension timeout",
+        world: World::Harbour,
+        on: &["ACK"],
+        talk: &[
+            Until(5.0),
+            Say("$BPSUS,070000.000"),
+            Until(6.9),
+            Say("$BPCON,070000.001"),
+            Hear("$BFACK,080005.000,SUS"),
+            Hear("$BFACK,080006.900,CON,070000.001,0,2,0,"),
+            Until(8.8),
+            Is("it is suspended", |truth| truth.activity == Activity::Suspended),
+            Until(9.0),
+            Is("its mission goes on", |truth| truth.activity != Activity::Suspended),
+        ],
+    },
+    Section {
+        number: "8.3",
+        says: "resume the mission that was running when a Suspend Mission command was received",
+        world: World::Harbour,
+        on: &["ACK"],
+        talk: &[
+            Until(5.0),
+            Say("$BPSUS,070000.000"),
+            Until(6.0),
+            Say("$BPRES,070000.001"),
+            Hear("$BFACK,080005.000,SUS"),
+            Hear("$BFACK,080006.000,RES,070000.001,0,2,0,"),
+            Is("its mission goes on", |truth| truth.activity != Activity::Suspended),
+        ],
+    },
+    Section {
+        number: "8.4",
+        says: "a maximum desired speed for payload commanded hull relative movement",
+        world: World::Harbour,
+        on: &["ACK"],
+        talk: &[
+            Until(5.0),
+            Say("$BPSPD,070000.000,0.2"),
+            Hear("$BFACK,080005.000,SPD,070000.000,0,2,0,"),
+            Say("$BPSPD,070000.001,-1"),
+            Hear("$BFACK,080005.000,SPD,"),
+        ],
+    },
+    Section {
+        number: "8.5",
+        says: "adjusts the angle the sonar is pointed to",
+        world: World::Harbour,
+        on: &["ACK", "PIT"],
+        talk: &[
+            Until(5.0),
+            Say("$BPSAN,070000.000,10"),
+            Hear("$BFACK,080005.000,SAN,070000.000,0,2,0,"),
+            Until(15.0),
+            Hear("$BFPIT,0800"),
+        ],
+    },
+    Section {
+        number: "8.6",
+        says: "if given while a mission is suspended",
+        world: World::Harbour,
+        on: &["ACK"],
+        talk: &[
+            Until(5.0),
+            Say("$BPGHP,070000.000,5,2,4"),
+            Hear("$BFACK,080005.000,GHP,070000.000,0,"),
+            Is("it is ignored", |truth| truth.activity != Activity::Suspended),
+            Say("$BPSUS,070000.001"),
+            Say("$BPGHP,070000.002,5,2,4"),
+            Hear("$BFACK,080005.000,SUS"),
+            Hear("$BFACK,080005.000,GHP,070000.002,0,2,0,"),
+            Until(6.9),
+            Is("it is suspended", |truth| truth.activity == Activity::Suspended),
+        ],
+    },
+    Section {
+        number: "8.7",
+        says: "Interpretation of the next field. 'D' means depth, 'A' means altitude",
+        world: World::Harbour,
+        on: &["ACK"],
+        talk: &[
+            Until(5.0),
+            Say("$BPSUS,070000.001"),
+            Say("$BPGBP,070000.002,-20,-3,D,4"),
+            Hear("$BFACK,080005.000,SUS"),
+            Hear("$BFACK,080005.000,GBP,070000.002,0,2,0,"),
+            Say("$BPGBP,070000.003,-20,-3,X,4"),
+            Hear("$BFACK,080005.000,GBP,"),
+        ],
+    },
+    Section {
+        number: "8.8",
+        says: "this command will update the vehicle position",
+        world: World::Harbour,
+        on: &["ACK", "CNV"],
+        talk: &[
+            Until(5.0),
+            Say("$BPRNS,070000.000,100,50,0"),
+            Hear("$BFACK,080005.000,RNS,070000.000,0,2,0,"),
+            Until(5.5),
+            Hear("$BFCNV,080005.200,100"),
+        ],
+    },
+    Section {
+        number: "8.9",
+        says: "will add an additional offset to the inertial bearing of the vehicle",
+        world: World::Harbour,
+        on: &["ACK"],
+        talk: &[
+            Until(5.0),
+            Say("$BPRBO,070000.000,10"),
+            Hear("$BFACK,080005.000,RBO,070000.000,0,2,0,"),
+        ],
+    },
+    Section {
+        number: "8.10",
+        says: "Each of these values ranges from -9 to 9",
+        world: World::Harbour,
+        on: &["ACK"],
+        talk: &[
+            Until(5.0),
+            Say("$BPPTZ,070000.000,9,-9,0"),
+            Hear("$BFACK,080005.000,PTZ,070000.000,0,2,0,"),
+            Say("$BPPTZ,070000.001,10,0,0"),
+            Hear("$BFACK,080005.000,PTZ,"),
+        ],
+    },
+    Section {
+        number: "8.11",
+        says: "0 corresponds to Off, 1 to On",
+        world: World::Harbour,
+        on: &["ACK"],
+        talk: &[
+            Until(5.0),
+            Say("$BPLIT,070000.000,0,1"),
+            Hear("$BFACK,080005.000,LIT,070000.000,0,2,0,"),
+        ],
+    },
+];

@@ -140,8 +140,12 @@ impl Executive {
 
     /// The drive while the mission's clock stands still.
     pub(super) fn fly_suspended(&mut self, now: Timestamp, estimate: &Estimate) -> Option<Drive> {
-        // A command may have led to another element, whose window is another.
         let mission_now = self.suspension?.since;
+        if !self.is_running() {
+            self.end_suspension();
+            return None;
+        }
+        // A command may have led to another element, whose window is another.
         self.update_control(mission_now, estimate.at);
         if self.interpretation.suspend_needs_control && !self.control && self.is_suspended() {
             self.resume(now, SuspensionEnd::ControlLost);

@@ -5,6 +5,9 @@ use crate::event::{ClientId, MvcEventKind};
 use crate::mvc::Mvc;
 use crate::server::Topic;
 
+/// The longest text of an answer, characters: what a client sends is quoted, not sent back whole.
+const TEXT_MAX: usize = 160;
+
 /// What an acknowledgement is about.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Regarding {
@@ -34,7 +37,7 @@ impl Mvc {
     pub(crate) fn invalid(&mut self, now: Timestamp, re: Regarding, text: &str) {
         self.note(
             now,
-            MvcEventKind::CommandInvalid(re.client, re.command, Text::cleaned(text)),
+            MvcEventKind::CommandInvalid(re.client, re.command, Text::cleaned(clipped(text))),
         );
         self.acknowledge(now, re, AckStatus::Invalid, text);
     }
@@ -55,8 +58,13 @@ impl Mvc {
             // 0 is none on the wire.
             behavior: re.behavior.filter(|id| id.get() != 0),
             status,
-            text: Text::cleaned(text),
+            text: Text::cleaned(clipped(text)),
         };
         self.send(now, re.client, message.into());
     }
+}
+
+fn clipped(text: &str) -> &str {
+    let end = text.char_indices().nth(TEXT_MAX).map_or(text.len(), |(at, _)| at);
+    text.get(..end).unwrap_or(text)
 }

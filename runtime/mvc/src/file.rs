@@ -3,7 +3,9 @@
 mod expect;
 mod interpretation;
 mod mission;
+mod mission_command;
 mod plan;
+mod roles;
 mod sensors;
 mod spi;
 mod start;
@@ -17,7 +19,9 @@ pub use interpretation::{
     AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertsAfterControl, InterpretationConfig,
 };
 pub use mission::{MissionConfig, ModifyLimit, WrapUp};
+pub use mission_command::MissionCommandConfig;
 pub use plan::{PlaceConfig, PlanEntry, PlanKind};
+pub use roles::{RoleConfig, RoleError, WithoutRole};
 pub use sensors::SensorConfig;
 pub use spi::{AcknowledgeConfig, Profile, SpiConfig};
 pub use start::StartConfig;

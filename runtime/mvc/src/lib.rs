@@ -2,7 +2,7 @@
 //!
 //! Sans-IO: [`Mvc`] reads no clock and no socket. A driver calls, in this order:
 //!
-//! 1. an input: [`Mvc::connect`], [`Mvc::disconnect`], [`Mvc::receive`] or [`Mvc::handle_timeout`], each with the time
+//! 1. an input: [`Mvc::connect_from`], [`Mvc::disconnect`], [`Mvc::receive`] or [`Mvc::handle_timeout`], each with the time
 //!    of now, which never goes back;
 //! 2. then [`Mvc::poll_transmit`], [`Mvc::poll_disconnect`] and [`Mvc::poll_event`], each until it has no more;
 //! 3. then [`Mvc::poll_timeout`], which says when to call `handle_timeout`.
@@ -35,6 +35,7 @@ mod hovering;
 mod hull;
 mod insert;
 mod interpretation;
+mod mission_commands;
 mod modify;
 mod mvc;
 mod plan;
@@ -56,8 +57,9 @@ pub use event::{
 };
 pub use file::{
     AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, Expectations, HeadingFrame,
-    InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionConfig, ModifyLimit, PlaceConfig, PlanEntry,
-    PlanKind, Profile, SensorConfig, SpiConfig, StartConfig, VehicleConfig, WorldFile, WrapUp,
+    InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionCommandConfig, MissionConfig, ModifyLimit,
+    PlaceConfig, PlanEntry, PlanKind, Profile, RoleConfig, RoleError, SensorConfig, SpiConfig, StartConfig,
+    VehicleConfig, WithoutRole, WorldFile, WrapUp,
 };
 pub use hull::{Hull, HullClass};
 pub use interpretation::Interpretation;

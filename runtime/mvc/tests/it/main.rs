@@ -3,9 +3,12 @@
 mod conversation;
 mod determinism;
 mod files;
+mod hostile;
 mod inserts;
+mod logging;
 mod mission;
 mod modify;
 mod navigation;
 mod payload;
+mod roles;
 mod session;

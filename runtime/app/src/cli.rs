@@ -61,6 +61,9 @@ pub(crate) struct Sim {
     /// Draws the world, the noise and what the specification leaves open
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
+    /// Let go wrong what this file says and when, instead of the [faults] of world.toml
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) faults: Option<PathBuf>,
     /// Write the log here
     #[arg(long, value_name = "FILE.mcap")]
     pub(crate) log: Option<PathBuf>,
@@ -114,6 +117,9 @@ pub(crate) struct Mvc {
     /// gets none is turned away. Repeat it or write a list with commas [default: the world's roles]
     #[arg(long, value_name = "ADDRESS:PORT:ROLE", value_delimiter = ',')]
     pub(crate) iprole: Vec<RoleConfig>,
+    /// Play these faults of vehicle and links, instead of the world's
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) faults: Option<PathBuf>,
     /// Draws the world, the noise and what the specification leaves open
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,

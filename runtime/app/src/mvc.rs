@@ -7,6 +7,7 @@ mod status;
 
 use anyhow::{Context, Result};
 use backseat_mission::Mission;
+use backseat_mvc::{FaultPlan, LinkFaults};
 
 use crate::cli::{Mvc, Profile};
 use crate::mvc::log::Log;
@@ -24,12 +25,22 @@ pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
         world.spi.roles.clone_from(&arguments.iprole);
     }
     let file = arguments.mission.mission.join("world.toml");
-    let vehicle = backseat_mvc::Mvc::new(&world, arguments.seed).with_context(|| format!("{}", file.display()))?;
+    let mut vehicle = backseat_mvc::Mvc::new(&world, arguments.seed).with_context(|| format!("{}", file.display()))?;
+    let faults = match &arguments.faults {
+        Some(path) => {
+            let text = std::fs::read_to_string(path).with_context(|| format!("{}", path.display()))?;
+            let plan = FaultPlan::from_toml(&text).with_context(|| format!("{}", path.display()))?;
+            vehicle.set_faults(plan.clone());
+            plan
+        }
+        None => world.faults.plan()?,
+    };
+    let faults = LinkFaults::new(&faults, arguments.seed);
     let log = match &arguments.log {
         Some(path) => Some(Log::create(path)?),
         None => None,
     };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    runtime.block_on(serve(arguments, vehicle, log))?;
+    runtime.block_on(serve(arguments, vehicle, faults, log))?;
     Ok(true)
 }

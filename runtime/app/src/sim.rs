@@ -1,7 +1,9 @@
+use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
 use backseat_mission::Mission;
+use backseat_mvc::FaultPlan;
 use backseat_plugin_host::Host;
 use backseat_recorder::{Header, Rate, Recorder};
 use backseat_sim::{Report, Simulation, load_plugins, survey_map};
@@ -16,6 +18,7 @@ use crate::output::say;
 pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
     let world = mission.world()?;
+    let faults = arguments.faults.as_deref().map(read_faults).transpose()?;
     let loading = Clock::start();
     let host = Host::new()?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
@@ -52,6 +55,9 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     }
     let flying = Clock::start();
     let mut simulation = Simulation::new(&mission, arguments.seed, loaded, recorder)?;
+    if let Some(plan) = faults {
+        simulation.set_faults(plan);
+    }
     let progress = progress_bar(arguments.json);
     match arguments.speed {
         Speed::Max => simulation.run(|simulation| show(&progress, simulation, &flying))?,
@@ -72,6 +78,11 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         print_report(&report, arguments)?;
     }
     Ok(report.passed())
+}
+
+fn read_faults(path: &Path) -> Result<FaultPlan> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("{}", path.display()))?;
+    FaultPlan::from_toml(&text).with_context(|| format!("{}", path.display()))
 }
 
 /// Goes no faster than a multiple of life.
@@ -141,6 +152,9 @@ fn print_report(report: &Report, arguments: &Sim) -> Result<()> {
         requests.accepted,
         requests.failed
     );
+    if report.faults > 0 {
+        say!("  {} faults", report.faults);
+    }
     for reason in &report.rejections {
         say!("    rejected {reason}");
     }

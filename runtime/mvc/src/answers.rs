@@ -2,6 +2,7 @@ use backseat_spi::{AckStatus, Acknowledgement, BehaviorId, CommandName, Text};
 use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::event::{ClientId, MvcEventKind};
+use crate::faults::Verdict;
 use crate::mvc::Mvc;
 use crate::server::Topic;
 
@@ -51,6 +52,12 @@ impl Mvc {
         if re.muted || !self.server.has(re.client, Topic::Acknowledgement) {
             return;
         }
+        let verdict = self.faults.verdict(re.command, status);
+        let (status, delay) = match verdict {
+            Verdict::Says(status) => (status, None),
+            Verdict::Late(status, delay) => (status, Some(delay)),
+            Verdict::Lost => return,
+        };
         let message = Acknowledgement {
             created: self.stamp(now),
             command: re.command,
@@ -60,7 +67,10 @@ impl Mvc {
             status,
             text: Text::cleaned(clipped(text)),
         };
-        self.send(now, re.client, message.into());
+        match delay {
+            None => self.send(now, re.client, message.into()),
+            Some(delay) => self.faults.delay(now + delay, re.client, message),
+        }
     }
 }
 

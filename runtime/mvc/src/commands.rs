@@ -3,6 +3,7 @@ use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::answers::Regarding;
 use crate::event::{ClientId, MvcEventKind};
+use crate::faults::ack_identifier;
 use crate::insert::Insert;
 use crate::modify::{self, ModifyFault};
 use crate::mvc::Mvc;
@@ -21,6 +22,18 @@ impl Mvc {
             behavior: None,
             muted: false,
         };
+        if !matches!(command, ToVehicle::Unknown(_))
+            && let Some(status) = self.faults.refusal(name)
+        {
+            let behavior = ack_identifier(&command);
+            self.acknowledge(
+                now,
+                Regarding { behavior, ..re },
+                status,
+                "the vehicle cannot do it now",
+            );
+            return;
+        }
         match command {
             ToVehicle::LoggingControl(request) => self.logging(now, re, request.message, request.on),
             ToVehicle::PayloadVersion(message) => {

@@ -33,6 +33,14 @@ pub enum MvcError {
         /// What is wrong and what was expected.
         fault: String,
     },
+    /// A fault of a plan that cannot be.
+    #[error("fault {number}: {fault}")]
+    Fault {
+        /// Its number in the plan, from 1.
+        number: u32,
+        /// The key, what is wrong and what was expected.
+        fault: String,
+    },
     /// The world cannot be made.
     #[error(transparent)]
     World(#[from] WorldError),

@@ -4,6 +4,8 @@ use core::time::Duration;
 use backseat_spi::{BehaviorId, CommandName, Text};
 use backseat_units::Timestamp;
 
+use crate::faults::FaultEvent;
+
 /// A client of the server, as the driver numbers its connections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ClientId(pub u32);
@@ -96,6 +98,8 @@ pub enum MvcEventKind {
     PowerOff,
     /// The vehicle touched the seabed.
     Grounded,
+    /// A fault of the run's plan began or ended.
+    Fault(FaultEvent),
     /// A sentence could not be written: its name.
     NotEncoded(Box<str>),
     /// Events were not fetched in time, and so many are lost.
@@ -297,6 +301,7 @@ impl fmt::Display for MvcEventKind {
             Self::ShutdownSoon => f.write_str("payload power goes off in 60 s"),
             Self::PowerOff => f.write_str("payload power is off"),
             Self::Grounded => f.write_str("the vehicle touched the seabed"),
+            Self::Fault(fault) => fault.fmt(f),
             Self::NotEncoded(name) => write!(f, "a {name} could not be encoded"),
             Self::EventsLost(count) => write!(f, "{count} events were not fetched and are lost"),
         }

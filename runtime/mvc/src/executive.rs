@@ -53,6 +53,8 @@ pub(crate) struct Executive {
     modified: Duration,
     modify_barred: bool,
     control: bool,
+    /// Control is not given, whatever the plan allows.
+    control_denied: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -113,6 +115,7 @@ impl Executive {
             modified: Duration::ZERO,
             modify_barred: false,
             control: false,
+            control_denied: false,
         }
     }
 
@@ -122,6 +125,21 @@ impl Executive {
 
     pub(crate) const fn control(&self) -> bool {
         self.control
+    }
+
+    /// Whether control is withheld though the plan allows it; the next step acts on it.
+    pub(crate) const fn deny_control(&mut self, denied: bool) {
+        self.control_denied = denied;
+    }
+
+    /// The vehicle ends the mission that runs, or is to run.
+    pub(crate) fn fail_mission(&mut self, details: &'static str) {
+        match self.status {
+            Status::Ready | Status::Running | Status::WrappingUp => {
+                self.finish(Status::Aborted, details, EndReason::MissionOver);
+            }
+            Status::Completed | Status::Aborted => {}
+        }
     }
 
     pub(crate) fn plan(&self) -> &[PlanItem] {
@@ -266,6 +284,7 @@ impl Executive {
         // Dropped inserts pass on to the next element, which may allow requests again: at most a fall and a rise.
         for _ in 0..3 {
             let allowed = self.is_running()
+                && !self.control_denied
                 && self
                     .plan
                     .get(self.index)

@@ -1,19 +1,32 @@
-use backseat_units::Timestamp;
+//! What goes wrong in the vehicle, and when. Faults of the link are told here and played by [`crate::FaultyLink`].
 
-use crate::file::WorldFile;
-use crate::mvc::Mvc;
+mod active;
+mod draw;
+mod plan;
+mod text;
 
-/// What goes wrong, and when.
-#[derive(Debug)]
-pub(crate) struct Faults {}
+pub(crate) use active::{Faults, Verdict, ack_identifier};
+pub use plan::{
+    AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, SensorKind,
+    Whom,
+};
 
-impl Faults {
-    pub(crate) const fn new(_file: &WorldFile, _seed: u64) -> Self {
-        Self {}
-    }
+/// A fault of the run's plan begins or ends: a line of the vehicle's log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaultEvent {
+    /// Its number in the plan, from 1.
+    pub number: u32,
+    /// Which of the two.
+    pub edge: FaultEdge,
+    /// What.
+    pub kind: FaultKind,
 }
 
-impl Mvc {
-    /// One step of the vehicle.
-    pub(crate) fn tick_faults(&mut self, _now: Timestamp) {}
+/// Which end of a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultEdge {
+    /// It begins.
+    Begin,
+    /// It ends.
+    End,
 }

@@ -1,6 +1,7 @@
 //! `world.toml` as it is written: every section, parsed and range-checked, before anything is drawn.
 
 mod expect;
+mod faults;
 mod interpretation;
 mod mission;
 mod mission_command;
@@ -15,6 +16,7 @@ use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, Wor
 use serde::Deserialize;
 
 pub use expect::{ContourExpectation, Expectations, MaximumExpectation};
+pub use faults::{DirectionName, FaultEntry, FaultFile, FaultName, SensorName, StageName};
 pub use interpretation::{
     AfterInterrupt, CancelAllScope, Choice, HeadingFrame, InsertsAfterControl, InterpretationConfig,
 };
@@ -150,9 +152,9 @@ pub struct WorldFile {
     /// What the run must fulfil. The mock carries it and does not judge.
     #[serde(default)]
     pub expect: Expectations,
-    /// Faults of the link, for whoever simulates it. The mock carries the section as it stands.
+    /// What goes wrong: `[[faults.fault]]` tables, as [`crate::FaultPlan`] reads them from a file of their own.
     #[serde(default)]
-    pub faults: Option<toml::Table>,
+    pub faults: FaultFile,
 }
 
 impl WorldFile {
@@ -185,6 +187,7 @@ impl WorldFile {
         self.mission.validate()?;
         self.spi.validate()?;
         self.interpretation.validate()?;
+        self.faults.plan()?;
         let (most_s, tick_s) = (self.spi.pending_s.most(), 1.0 / f64::from(self.vehicle.tick_hz));
         let expected = "2 s less one step of the vehicle: requests are decided at a step, within 2 s";
         check(most_s <= 2.0 - tick_s + 1e-9, "spi.pending_s", most_s, expected)?;

@@ -14,6 +14,9 @@
 //! judges. What it knows and a payload cannot is in [`Mvc::truth`] and [`Mvc::world`]. The same [`WorldFile`], seed
 //! and inputs give the same bytes.
 //!
+//! What goes wrong is a [`FaultPlan`]: the vehicle's own faults act in here, those of the link are played by a driver
+//! with [`LinkFaults`], and each begin and end is an event.
+//!
 //! Deliberately absent so far: GPS hits, trim and buoyancy, silent mode, the hovering hull's suspension, DVL
 //! triggering, acoustic communications, and the payload's abort and kill. Those commands are known and refused.
 
@@ -35,6 +38,7 @@ mod hovering;
 mod hull;
 mod insert;
 mod interpretation;
+mod link;
 mod mission_commands;
 mod modify;
 mod mvc;
@@ -55,13 +59,18 @@ pub use event::{
     Behavior, CancelCause, ClientId, DropReason, EndReason, ModifyEnd, ModifyValues, ModifyVertical, MvcEvent,
     MvcEventKind, Refusal, Source, Status,
 };
+pub use faults::{
+    AckFilter, AckStage, Directions, Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, LinkFault, LinkFaultKind,
+    NegativeStatus, SensorKind, Whom,
+};
 pub use file::{
-    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, Expectations, HeadingFrame,
-    InsertsAfterControl, InterpretationConfig, MaximumExpectation, MissionCommandConfig, MissionConfig, ModifyLimit,
-    PlaceConfig, PlanEntry, PlanKind, Profile, RoleConfig, RoleError, SensorConfig, SpiConfig, StartConfig,
-    VehicleConfig, WithoutRole, WorldFile, WrapUp,
+    AcknowledgeConfig, AfterInterrupt, CancelAllScope, Choice, ContourExpectation, DirectionName, Expectations,
+    FaultEntry, FaultFile, FaultName, HeadingFrame, InsertsAfterControl, InterpretationConfig, MaximumExpectation,
+    MissionCommandConfig, MissionConfig, ModifyLimit, PlaceConfig, PlanEntry, PlanKind, Profile, RoleConfig, RoleError,
+    SensorConfig, SensorName, SpiConfig, StageName, StartConfig, VehicleConfig, WithoutRole, WorldFile, WrapUp,
 };
 pub use hull::{Hull, HullClass};
 pub use interpretation::Interpretation;
+pub use link::{Chunk, Direction, FaultyLink, LinkFaults};
 pub use mvc::Mvc;
 pub use truth::{Activity, Truth};

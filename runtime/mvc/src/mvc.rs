@@ -14,7 +14,7 @@ use crate::dvl_trigger::DvlTrigger;
 use crate::error::MvcError;
 use crate::event::{Behavior, ClientId, DropReason, MvcEvent, MvcEventKind, Source, Status};
 use crate::executive::Executive;
-use crate::faults::Faults;
+use crate::faults::{Faults, SensorKind};
 use crate::file::{AcknowledgeConfig, Profile, WorldFile};
 use crate::hovering::Hovering;
 use crate::interpretation::Interpretation;
@@ -34,7 +34,7 @@ const EVENTS_MAX: usize = 10_000;
 /// A framer is given no more at once, so that a flood is worked off as it comes, bytes.
 const CHUNK: usize = 4096;
 /// BFSHT comes this long before the payload's power goes off (SPI 5.2: at least 1 minute).
-const SHUTDOWN_NOTICE: Duration = Duration::from_secs(60);
+pub(crate) const SHUTDOWN_NOTICE: Duration = Duration::from_secs(60);
 
 /// The mock main vehicle computer. See the crate's documentation for the order of calls.
 #[derive(Debug)]
@@ -120,7 +120,7 @@ impl Mvc {
             topside: Topside::new(file, seed),
             acoustic: Acoustic::new(file, seed),
             hovering: Hovering::new(file, seed),
-            faults: Faults::new(file, seed),
+            faults: Faults::new(&file.faults)?,
             mission_commands: MissionCommands::new(&file.mission.commands),
             utc_at_start: file.start.utc,
             version: Text::cleaned(&file.spi.version),
@@ -248,13 +248,19 @@ impl Mvc {
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Timestamp> {
         let lapses = self.executive.modify_until().unwrap_or(self.next_tick);
-        Some(self.next_tick.min(lapses))
+        Some(self.next_tick.min(lapses).min(self.faults.next()))
     }
 
     /// Takes every step of the vehicle that is due. A late call takes them all, each at its own time, so that a call
     /// an hour late costs an hour's steps. The inputs do the same before anything else.
     pub fn handle_timeout(&mut self, now: Timestamp) {
         loop {
+            let fault = self.faults.next();
+            let first = fault.min(self.executive.modify_until().unwrap_or(Timestamp::MAX));
+            if fault <= now && fault == first && fault <= self.next_tick {
+                self.step_faults(fault);
+                continue;
+            }
             // A modify lapses on time and not at the next step: its 5 s are a promise (SPI 7.12).
             if let Some(at) = self
                 .executive
@@ -345,8 +351,24 @@ impl Mvc {
         self.utc(now).time_of_day()
     }
 
+    /// When the vehicle's last step was.
+    pub(crate) const fn last_tick(&self) -> Timestamp {
+        self.last_tick
+    }
+
+    /// Sets the vehicle's clock forward or back.
+    pub(crate) fn step_clock(&mut self, nanos: i64) {
+        let utc = self.utc_at_start.as_unix_nanos().saturating_add_signed(nanos);
+        self.utc_at_start = Utc::from_unix_nanos(utc);
+    }
+
+    /// Says now that the payload's power goes off, and when it does where that is not sooner anyway.
+    pub(crate) fn shut_down(&mut self, now: Timestamp, at: Timestamp) {
+        self.shutdown_at = Some(self.shutdown_at.map_or(at, |planned| planned.min(at)));
+        self.watch_power(now);
+    }
+
     fn tick(&mut self, now: Timestamp) {
-        self.tick_faults(now);
         self.resolve_pending(now);
         let drive = self
             .executive
@@ -382,7 +404,7 @@ impl Mvc {
 
     fn report_navigation(&mut self, now: Timestamp) {
         let stamp = self.stamp(now);
-        if self.server.wanted(Topic::Navigation.bit() | Topic::Velocity.bit()) {
+        if !self.sensors.navigation_silent() && self.server.wanted(Topic::Navigation.bit() | Topic::Velocity.bit()) {
             let navigation = self.sensors.navigation(&self.vehicle, self.world.frame(), now, stamp);
             self.publish(now, Some(Topic::Navigation), &FromVehicle::Navigation(navigation));
             let velocity = self.sensors.velocity(&self.vehicle, stamp);
@@ -390,14 +412,14 @@ impl Mvc {
         }
         if now >= self.next_ctd {
             self.next_ctd = now + self.ctd_period;
-            if self.server.wanted(Topic::Ctd.bit()) {
+            if !self.sensors.is_out(SensorKind::Ctd) && self.server.wanted(Topic::Ctd.bit()) {
                 let ctd = self.sensors.ctd(&self.vehicle, &self.world, now, stamp);
                 self.publish(now, Some(Topic::Ctd), &FromVehicle::Ctd(ctd));
             }
         }
     }
 
-    fn watch_power(&mut self, now: Timestamp) {
+    pub(crate) fn watch_power(&mut self, now: Timestamp) {
         let Some(at) = self.shutdown_at else { return };
         if !self.shutdown_said && now + SHUTDOWN_NOTICE >= at {
             self.shutdown_said = true;

@@ -33,6 +33,7 @@ pub(crate) enum Work {
 impl Mvc {
     /// A connection is gone: what it has asked for is decided all the same, and no longer answered.
     pub(crate) fn mute(&mut self, client: ClientId) {
+        self.faults.forget(client);
         for pending in self.pending.iter_mut().filter(|pending| pending.re.client == client) {
             pending.re.muted = true;
         }

@@ -4,6 +4,7 @@ use backseat_units::{Altitude, Depth, EastNorth, Heading, LocalFrame, Position, 
 use backseat_world::{Stream, World};
 
 use crate::estimate::Estimate;
+use crate::faults::SensorKind;
 use crate::file::SensorConfig;
 use crate::vehicle::Vehicle;
 
@@ -25,6 +26,14 @@ pub(crate) struct Sensors {
     dropout_chance: f64,
     drift: EastNorth,
     no_lock_until: Timestamp,
+    /// The last solution that was told, repeated while navigation is frozen.
+    told: Option<Navigation>,
+    told_velocity: Option<VelocityAndRates>,
+    frozen: bool,
+    silent: bool,
+    /// By how much faults have moved the solution.
+    offset: EastNorth,
+    out: [bool; SensorKind::ALL.len()],
 }
 
 impl Sensors {
@@ -39,18 +48,52 @@ impl Sensors {
             dropout_chance: config.altitude_dropouts_per_h / readings_per_h,
             drift: EastNorth::default(),
             no_lock_until: Timestamp::ZERO,
+            told: None,
+            told_velocity: None,
+            frozen: false,
+            silent: false,
+            offset: EastNorth::default(),
+            out: [false; SensorKind::ALL.len()],
         }
     }
 
     /// What the executive steers by.
-    pub(crate) const fn estimate(&self, vehicle: &Vehicle) -> Estimate {
+    pub(crate) fn estimate(&self, vehicle: &Vehicle) -> Estimate {
         Estimate {
-            at: vehicle.at,
+            at: vehicle.at + self.offset,
             depth_m: vehicle.depth_m,
             heading_deg: vehicle.heading_deg,
             surge_mps: vehicle.surge_mps,
             current: vehicle.current,
         }
+    }
+
+    /// Navigation repeats its last solution, and its time.
+    pub(crate) const fn freeze(&mut self, frozen: bool) {
+        self.frozen = frozen;
+    }
+
+    /// Moves the solution.
+    pub(crate) fn jump(&mut self, by: EastNorth) {
+        self.offset = self.offset + by;
+    }
+
+    /// Navigation is not told.
+    pub(crate) const fn silence_navigation(&mut self, silent: bool) {
+        self.silent = silent;
+    }
+
+    pub(crate) const fn navigation_silent(&self) -> bool {
+        self.silent
+    }
+
+    /// A sensor gives nothing.
+    pub(crate) const fn sensor_dropout(&mut self, sensor: SensorKind, out: bool) {
+        self.out[sensor as usize] = out;
+    }
+
+    pub(crate) const fn is_out(&self, sensor: SensorKind) -> bool {
+        self.out[sensor as usize]
     }
 
     /// BFNVG: `stamp` is both when it was made and when it was solved.
@@ -61,8 +104,16 @@ impl Sensors {
         now: Timestamp,
         stamp: TimeOfDay,
     ) -> Navigation {
+        if self.frozen
+            && let Some(told) = &self.told
+        {
+            return Navigation {
+                created: stamp,
+                ..told.clone()
+            };
+        }
         let config = self.config;
-        let surfaced = vehicle.depth_m < SURFACED_M;
+        let surfaced = vehicle.depth_m < SURFACED_M && !self.is_out(SensorKind::Gps);
         if surfaced {
             self.drift = EastNorth::default();
         } else {
@@ -70,9 +121,9 @@ impl Sensors {
             self.drift = self.drift + EastNorth::new(east, north) * self.drift_step_m;
         }
         let noise = EastNorth::new(self.stream.gaussian(), self.stream.gaussian()) * config.position_noise_m;
-        let position = frame.to_position(vehicle.at + self.drift + noise);
+        let position = frame.to_position(vehicle.at + self.drift + self.offset + noise);
         let heading_deg = vehicle.heading_deg + config.heading_noise_deg * self.stream.gaussian();
-        Navigation {
+        let navigation = Navigation {
             created: stamp,
             position,
             quality: if surfaced {
@@ -86,13 +137,23 @@ impl Sensors {
             roll_deg: vehicle.roll_deg + config.attitude_noise_deg * self.stream.gaussian(),
             pitch_deg: vehicle.pitch_deg + config.attitude_noise_deg * self.stream.gaussian(),
             solution: stamp,
-        }
+        };
+        self.told = Some(navigation.clone());
+        navigation
     }
 
     /// BFNVR, with the same stamp as its BFNVG.
     pub(crate) fn velocity(&mut self, vehicle: &Vehicle, stamp: TimeOfDay) -> VelocityAndRates {
+        if self.frozen
+            && let Some(told) = &self.told_velocity
+        {
+            return VelocityAndRates {
+                created: stamp,
+                ..told.clone()
+            };
+        }
         let noise_mps = self.config.velocity_noise_mps;
-        VelocityAndRates {
+        let velocity = VelocityAndRates {
             created: stamp,
             east_mps: vehicle.ground.0 + noise_mps * self.stream.gaussian(),
             north_mps: vehicle.ground.1 + noise_mps * self.stream.gaussian(),
@@ -100,7 +161,9 @@ impl Sensors {
             pitch_rate_dps: vehicle.pitch_rate_dps,
             roll_rate_dps: vehicle.roll_rate_dps,
             yaw_rate_dps: vehicle.yaw_rate_dps,
-        }
+        };
+        self.told_velocity = Some(velocity.clone());
+        velocity
     }
 
     /// BFCTD.
@@ -127,7 +190,7 @@ impl Sensors {
         }
         let altitude_m = vehicle.water_depth_m - vehicle.depth_m;
         let in_range = altitude_m >= config.altitude_blanking_m && altitude_m <= config.altitude_range_m;
-        if !in_range || now < self.no_lock_until {
+        if !in_range || now < self.no_lock_until || self.is_out(SensorKind::Dvl) || self.is_out(SensorKind::Altimeter) {
             return None;
         }
         // A reading of zero would say that there is no lock.

@@ -1,6 +1,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use backseat_mvc::FaultyLink;
 use backseat_units::Timestamp;
 use backseat_world::Stream;
 
@@ -8,13 +9,15 @@ use backseat_world::Stream;
 const DELAY_MIN: Duration = Duration::from_micros(200);
 pub(crate) const DELAY_MAX: Duration = Duration::from_millis(15);
 
-/// One direction of the vehicle link: what is written comes out whole, in order, a little later.
+/// One direction of the vehicle link: what is written comes out whole, in order, a little later. Where the run has
+/// faults of the link, they come first.
 #[derive(Debug)]
 pub(crate) struct Lane {
     delay: Stream,
     under_way: VecDeque<(Timestamp, Vec<u8>)>,
     spare: Vec<Vec<u8>>,
     last: Timestamp,
+    faults: Option<FaultyLink>,
 }
 
 impl Lane {
@@ -24,10 +27,47 @@ impl Lane {
             under_way: VecDeque::new(),
             spare: Vec::new(),
             last: Timestamp::ZERO,
+            faults: None,
         }
     }
 
-    pub(crate) fn write(&mut self, now: Timestamp, bytes: &[u8]) {
+    /// A new connection, and what goes wrong with it.
+    pub(crate) fn open(&mut self, faults: Option<FaultyLink>) {
+        self.faults = faults;
+    }
+
+    /// Writes. `seen` is shown what goes on its way now, which is not always what is written.
+    pub(crate) fn write(&mut self, now: Timestamp, bytes: &[u8], mut seen: impl FnMut(&[u8])) {
+        match &mut self.faults {
+            None => {
+                seen(bytes);
+                self.carry(now, bytes);
+            }
+            Some(link) => {
+                if let Some(bytes) = link.pass(now, bytes) {
+                    seen(bytes);
+                    self.carry(now, bytes);
+                } else {
+                    self.release(now, seen);
+                }
+            }
+        }
+    }
+
+    /// Lets on their way what faults have held back until now.
+    pub(crate) fn release(&mut self, now: Timestamp, mut seen: impl FnMut(&[u8])) {
+        while let Some(link) = &mut self.faults
+            && let Some(chunk) = link.poll(now)
+        {
+            seen(&chunk);
+            self.carry(now, &chunk);
+            if let Some(link) = &mut self.faults {
+                link.recycle(chunk);
+            }
+        }
+    }
+
+    fn carry(&mut self, now: Timestamp, bytes: &[u8]) {
         let span = DELAY_MAX - DELAY_MIN;
         // Mostly short: the square of a uniform number.
         let share = self.delay.uniform();
@@ -39,8 +79,24 @@ impl Lane {
         self.under_way.push_back((self.last, buffer));
     }
 
+    /// When something arrives.
     pub(crate) fn next(&self) -> Option<Timestamp> {
         self.under_way.front().map(|(at, _)| *at)
+    }
+
+    /// When a fault lets something on its way, or ends the connection.
+    pub(crate) fn next_fault(&self) -> Option<Timestamp> {
+        self.faults.as_ref().and_then(FaultyLink::poll_timeout)
+    }
+
+    /// Whether a fault has ended the connection.
+    pub(crate) fn is_cut(&self, now: Timestamp) -> bool {
+        self.faults.as_ref().is_some_and(|link| link.is_cut(now))
+    }
+
+    /// Since when a write has waited for a fault's end.
+    pub(crate) fn waits_since(&self) -> Option<Timestamp> {
+        self.faults.as_ref().and_then(FaultyLink::waits_since)
     }
 
     pub(crate) fn take(&mut self) -> Option<Vec<u8>> {
@@ -55,5 +111,6 @@ impl Lane {
     /// The connection is gone, and what was under way with it.
     pub(crate) fn cut(&mut self) {
         self.under_way.clear();
+        self.faults = None;
     }
 }

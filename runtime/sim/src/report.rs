@@ -17,6 +17,8 @@ pub struct Report {
     pub wall_seconds: f64,
     /// Real time for compiling and starting plugins; the caller's clock.
     pub load_seconds: f64,
+    /// How many faults of the run's plan began.
+    pub faults: u64,
     /// How many requests came how far.
     pub requests: RequestCounts,
     /// Requests without an end when the run ended; 0 in a good run.

@@ -8,7 +8,10 @@ use backseat_core::{
     ControlHook, Core, FailAction, Identifiers, Input, Note, Operator, Output, RequestCounts, Restarted, Start,
 };
 use backseat_mission::{Mission, MissionError};
-use backseat_mvc::{Activity, ClientId, Mvc, MvcError, Status, Truth, WorldFile};
+use backseat_mvc::{
+    Activity, ClientId, Direction as Way, FaultEdge, FaultPlan, LinkFaults, Mvc, MvcError, MvcEventKind, Status, Truth,
+    WorldFile,
+};
 use backseat_oracle::{Oracle, OracleError};
 use backseat_plugin_host::Plugin;
 use backseat_recorder::{Recorder, RecorderError};
@@ -27,6 +30,8 @@ const FUEL_PER_SECOND: u64 = 1_000_000_000;
 const AFTERMATH: Duration = Duration::from_secs(10);
 /// A mission that takes longer than this in virtual time is given up.
 const LONGEST: Timestamp = Timestamp::from_secs(24 * 3600);
+/// A write that the vehicle has not acknowledged for so long ends the connection, as it does at sea.
+const UNACKNOWLEDGED_MAX: Duration = Duration::from_secs(2);
 const REASONS_MAX: usize = 20;
 
 /// A run that cannot be made, or that cannot go on.
@@ -64,6 +69,8 @@ pub struct Simulation {
     now: Timestamp,
     to_payload: Lane,
     to_vehicle: Lane,
+    faults: LinkFaults,
+    faults_begun: u64,
     connect_at: Option<Timestamp>,
     reset: bool,
     client: ClientId,
@@ -146,6 +153,8 @@ impl Simulation {
             now: Timestamp::ZERO,
             to_payload: Lane::new(seed, "link from the vehicle"),
             to_vehicle: Lane::new(seed, "link to the vehicle"),
+            faults: LinkFaults::new(&world.faults.plan()?, seed),
+            faults_begun: 0,
             connect_at: None,
             reset: false,
             client: ClientId(0),
@@ -165,6 +174,13 @@ impl Simulation {
         };
         simulation.drain_core()?;
         Ok(simulation)
+    }
+
+    /// Replaces what goes wrong in this run; the world's own section is what it begins with. To be called before
+    /// the first [`Simulation::advance`].
+    pub fn set_faults(&mut self, plan: FaultPlan) {
+        self.faults = LinkFaults::new(&plan, self.seed);
+        self.mvc.set_faults(plan);
     }
 
     /// Virtual time.
@@ -217,8 +233,10 @@ impl Simulation {
             .enumerate()
             .min_by_key(|(_, (at, _, _))| *at)
             .map(|(index, (at, _, _))| (*at, index));
-        // At the same instant: what arrives, what returns, who connects, the vehicle, then our own timers.
+        // At the same instant: the link's faults, what arrives, what returns, who connects, the vehicle, then our own
+        // timers.
         let due = [
+            self.link_fault_due(),
             self.to_vehicle.next(),
             self.to_payload.next(),
             answer.map(|(at, _)| at),
@@ -240,16 +258,17 @@ impl Simulation {
         };
         self.now = self.now.max(at);
         match what {
-            0 => self.arrive_at_vehicle()?,
-            1 => self.arrive_at_payload()?,
-            2 => {
+            0 => self.link_fault()?,
+            1 => self.arrive_at_vehicle()?,
+            2 => self.arrive_at_payload()?,
+            3 => {
                 if let Some((_, index)) = answer {
                     let (_, plugin, answer) = self.answers.remove(index);
                     self.answer(plugin, answer)?;
                 }
             }
-            3 => self.connect()?,
-            4 => {
+            4 => self.connect()?,
+            5 => {
                 self.mvc.handle_timeout(self.now);
                 self.look()?;
                 self.drain_mvc()?;
@@ -297,6 +316,7 @@ impl Simulation {
             sim_seconds: self.now.as_secs_f64(),
             wall_seconds: 0.0,
             load_seconds: 0.0,
+            faults: self.faults_begun,
             requests,
             requests_open: self.core.open_requests(),
             rejections: self
@@ -372,7 +392,7 @@ impl Simulation {
                 self.oracle.to_vehicle(self.now, &bytes);
                 self.trace.sent(&bytes);
                 if self.connected {
-                    self.to_vehicle.write(self.now, &bytes);
+                    self.to_vehicle.write(self.now, &bytes, |_| {});
                 }
             }
             Output::Connect { after } => self.connect_at = Some(self.now + after),
@@ -439,6 +459,14 @@ impl Simulation {
     fn connect(&mut self) -> Result<(), SimError> {
         self.connect_at = None;
         self.client = ClientId(self.client.0 + 1);
+        if self.faults.refuses(self.now, self.client, None) {
+            return self.feed(Input::LinkDown);
+        }
+        if !self.faults.is_empty() {
+            let link = |way| Some(self.faults.link(self.now, self.client, None, way));
+            self.to_vehicle.open(link(Way::ToVehicle));
+            self.to_payload.open(link(Way::FromVehicle));
+        }
         self.connected = true;
         self.oracle.link(self.now, true);
         self.mvc.connect(self.now, self.client);
@@ -454,6 +482,35 @@ impl Simulation {
             self.to_payload.cut();
             self.to_vehicle.cut();
         }
+    }
+
+    fn link_fault_due(&self) -> Option<Timestamp> {
+        let unacknowledged = self.to_vehicle.waits_since().map(|since| since + UNACKNOWLEDGED_MAX);
+        [
+            self.to_vehicle.next_fault(),
+            self.to_payload.next_fault(),
+            unacknowledged,
+        ]
+        .into_iter()
+        .flatten()
+        .min()
+    }
+
+    /// What faults have held back goes on its way, or the connection is gone.
+    fn link_fault(&mut self) -> Result<(), SimError> {
+        let now = self.now;
+        let unacknowledged = self
+            .to_vehicle
+            .waits_since()
+            .is_some_and(|since| now >= since + UNACKNOWLEDGED_MAX);
+        if unacknowledged || self.to_vehicle.is_cut(now) || self.to_payload.is_cut(now) {
+            self.disconnect();
+            return self.feed(Input::LinkDown);
+        }
+        self.to_vehicle.release(now, |_| {});
+        let oracle = &mut self.oracle;
+        self.to_payload.release(now, |bytes| oracle.from_vehicle(now, bytes));
+        Ok(())
     }
 
     fn arrive_at_vehicle(&mut self) -> Result<(), SimError> {
@@ -478,11 +535,18 @@ impl Simulation {
         let mut buffer = std::mem::take(&mut self.scratch);
         while self.mvc.poll_transmit(&mut buffer).is_some() {
             self.digest.write(Direction::FromVehicle, self.now, &buffer);
-            self.oracle.from_vehicle(self.now, &buffer);
-            self.to_payload.write(self.now, &buffer);
+            // The judge sees what is on its way to us: what a fault has swallowed we could not know.
+            let (oracle, now) = (&mut self.oracle, self.now);
+            self.to_payload
+                .write(now, &buffer, |bytes| oracle.from_vehicle(now, bytes));
         }
         self.scratch = buffer;
         while let Some(event) = self.mvc.poll_event() {
+            if let MvcEventKind::Fault(fault) = &event.kind
+                && fault.edge == FaultEdge::Begin
+            {
+                self.faults_begun += 1;
+            }
             if let Some(recorder) = &mut self.recorder {
                 recorder.vehicle_event(self.now, &event.to_string())?;
             }

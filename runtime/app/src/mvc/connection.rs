@@ -2,7 +2,8 @@ use std::io;
 use std::sync::Arc;
 use std::time::Duration;
 
-use backseat_mvc::ClientId;
+use backseat_mvc::{ClientId, FaultyLink};
+use backseat_units::Timestamp;
 use socket2::{SockRef, TcpKeepalive};
 use tokio::net::TcpStream;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
@@ -40,9 +41,12 @@ pub(crate) struct Connection {
     /// So much of `out` is written.
     written: usize,
     awaits_writable: bool,
+    resets: bool,
     /// When writing has stopped, since the program's start.
     pub(crate) stalled: Option<Duration>,
     pub(crate) cutter: LineCutter,
+    /// The link's faults, where it has any: to the vehicle and from it.
+    pub(crate) faults: Option<Box<(FaultyLink, FaultyLink)>>,
     heard: mpsc::UnboundedSender<Heard>,
     reader: AbortHandle,
 }
@@ -64,15 +68,59 @@ impl Connection {
             out: Vec::new(),
             written: 0,
             awaits_writable: false,
+            resets: false,
             stalled: None,
             cutter: LineCutter::default(),
+            faults: None,
             heard,
             reader: reader.abort_handle(),
         })
     }
 
-    pub(crate) fn push(&mut self, bytes: &[u8]) {
-        self.out.extend_from_slice(bytes);
+    /// The vehicle sends this.
+    pub(crate) fn send(&mut self, now: Timestamp, bytes: &[u8]) {
+        let passed = match &mut self.faults {
+            Some(faults) => faults.1.pass(now, bytes),
+            None => Some(bytes),
+        };
+        self.out.extend_from_slice(passed.unwrap_or_default());
+    }
+
+    /// What has arrived over a link with faults: towards the client it is written, towards the vehicle it is given back.
+    /// None where the link is cut.
+    pub(crate) fn arrived(&mut self, now: Timestamp) -> Option<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let Some(faults) = &mut self.faults else {
+            return Some(bytes);
+        };
+        if faults.0.is_cut(now) || faults.1.is_cut(now) {
+            return None;
+        }
+        while let Some(chunk) = faults.1.poll(now) {
+            self.out.extend_from_slice(&chunk);
+            faults.1.recycle(chunk);
+        }
+        while let Some(chunk) = faults.0.poll(now) {
+            bytes.extend_from_slice(&chunk);
+            faults.0.recycle(chunk);
+        }
+        Some(bytes)
+    }
+
+    /// When more arrives over a link with faults.
+    pub(crate) fn arrives(&self) -> Option<Timestamp> {
+        let faults = self.faults.as_ref()?;
+        [faults.0.poll_timeout(), faults.1.poll_timeout()]
+            .into_iter()
+            .flatten()
+            .min()
+    }
+
+    /// From now on the peer finds its connection reset, not closed.
+    pub(crate) fn reset(&mut self) {
+        // Where it fails the connection is gone already.
+        let _gone = SockRef::from(&*self.stream).set_linger(Some(Duration::ZERO));
+        self.resets = true;
     }
 
     /// What waits, bytes.
@@ -121,6 +169,9 @@ impl Connection {
 impl Drop for Connection {
     fn drop(&mut self) {
         self.reader.abort();
+        if self.resets {
+            return;
+        }
         // The task that waits for room holds the socket too. Where this fails the peer has gone already.
         let _gone = SockRef::from(&*self.stream).shutdown(std::net::Shutdown::Both);
     }

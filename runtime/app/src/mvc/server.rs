@@ -3,7 +3,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use backseat_mvc::ClientId;
+use backseat_mvc::{ClientId, Direction, LinkFaults};
 use backseat_units::Timestamp;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::mpsc;
@@ -31,6 +31,7 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 struct Server {
     vehicle: backseat_mvc::Mvc,
+    faults: LinkFaults,
     clock: Clock,
     speed: Speed,
     /// The vehicle's time, which never goes back.
@@ -48,7 +49,12 @@ struct Server {
 }
 
 /// Serves until a signal or the end of the wanted duration.
-pub(crate) async fn serve(arguments: &Mvc, vehicle: backseat_mvc::Mvc, log: Option<Log>) -> Result<()> {
+pub(crate) async fn serve(
+    arguments: &Mvc,
+    vehicle: backseat_mvc::Mvc,
+    faults: LinkFaults,
+    log: Option<Log>,
+) -> Result<()> {
     let listener = match TcpListener::bind(&arguments.listen).await {
         Ok(listener) => listener,
         Err(error) if error.kind() == std::io::ErrorKind::AddrInUse => {
@@ -62,6 +68,7 @@ pub(crate) async fn serve(arguments: &Mvc, vehicle: backseat_mvc::Mvc, log: Opti
     let (heard_by, mut heard) = mpsc::unbounded_channel();
     let mut server = Server {
         vehicle,
+        faults,
         clock: Clock::start(),
         speed: arguments.speed,
         at: Timestamp::ZERO,
@@ -90,6 +97,7 @@ pub(crate) async fn serve(arguments: &Mvc, vehicle: backseat_mvc::Mvc, log: Opti
             server.hear(what);
             server.step();
         }
+        server.play_faults();
         server.look_after();
         tokio::select! {
             biased;
@@ -130,6 +138,7 @@ impl Server {
         match (self.vehicle.poll_timeout(), self.speed) {
             (Some(_), Speed::Max) if !self.held() => tokio::task::yield_now().await,
             (Some(due), Speed::Times(times)) => {
+                let due = self.arrives().map_or(due, |arrives| due.min(arrives));
                 let real = Timestamp::ZERO + Duration::from_nanos(due.as_nanos()).div_f64(times);
                 tokio::time::sleep_until(self.clock.instant(real.min(soon))).await;
             }
@@ -161,6 +170,7 @@ impl Server {
             }
             self.vehicle.handle_timeout(due);
             self.collect(due);
+            self.play_faults();
             self.flush();
             if self.clock.elapsed() >= until {
                 return;
@@ -174,9 +184,24 @@ impl Server {
         let now = self.now();
         self.tell(now, &format!("{client} is {address}"));
         match Connection::open(client, stream, self.heard.clone(), self.clock) {
-            Ok(connection) => {
-                self.connections.insert(client, connection);
+            Ok(mut connection) => {
+                if self.faults.refuses(now, client, None) {
+                    connection.reset();
+                    self.tell(now, &format!("{client} is refused by a fault"));
+                    return;
+                }
                 self.vehicle.connect_from(now, client, Some(address));
+                let role = self.vehicle.role(client);
+                if !self.faults.is_empty() {
+                    let to = self.faults.link(now, client, role, Direction::ToVehicle);
+                    let from = self.faults.link(now, client, role, Direction::FromVehicle);
+                    connection.faults = Some(Box::new((to, from)));
+                }
+                let refused = role.is_some() && self.faults.refuses(now, client, role);
+                self.connections.insert(client, connection);
+                if refused {
+                    self.cut(now, client);
+                }
                 self.collect(now);
                 self.flush();
             }
@@ -194,7 +219,14 @@ impl Server {
         let now = self.now();
         match what {
             // The permit falls at the end: the client's next read may come.
-            Heard::Bytes(client, bytes, _permit) => self.receive(now, client, &bytes),
+            Heard::Bytes(client, bytes, _permit) => {
+                let connection = self.connections.get_mut(&client);
+                let passed = match connection.and_then(|connection| connection.faults.as_mut()) {
+                    Some(faults) => faults.0.pass(now, &bytes),
+                    None => Some(&*bytes),
+                };
+                self.receive(now, client, passed.unwrap_or_default());
+            }
             Heard::Writable(client) => {
                 if let Some(connection) = self.connections.get_mut(&client) {
                     connection.writable();
@@ -229,6 +261,40 @@ impl Server {
         }
     }
 
+    /// Lets arrive what links with faults have held back, and resets those that are cut.
+    fn play_faults(&mut self) {
+        if self.faults.is_empty() {
+            return;
+        }
+        let now = self.now();
+        let clients: Vec<ClientId> = self.connections.keys().copied().collect();
+        for client in clients {
+            match self
+                .connections
+                .get_mut(&client)
+                .map(|connection| connection.arrived(now))
+            {
+                Some(Some(bytes)) if !bytes.is_empty() => self.receive(now, client, &bytes),
+                Some(None) => self.cut(now, client),
+                Some(Some(_)) | None => {}
+            }
+        }
+        self.flush();
+    }
+
+    /// When the next link with a fault has something.
+    fn arrives(&self) -> Option<Timestamp> {
+        self.connections.values().filter_map(Connection::arrives).min()
+    }
+
+    fn cut(&mut self, now: Timestamp, client: ClientId) {
+        if let Some(connection) = self.connections.get_mut(&client) {
+            connection.reset();
+        }
+        self.tell(now, &format!("{client} is cut off by a fault"));
+        self.close(now, client);
+    }
+
     fn close(&mut self, now: Timestamp, client: ClientId) {
         let Some(connection) = self.connections.remove(&client) else {
             return;
@@ -256,7 +322,7 @@ impl Server {
             }
             self.sentences.1 += 1;
             if let Some(connection) = self.connections.get_mut(&client) {
-                connection.push(&buffer);
+                connection.send(now, &buffer);
             }
         }
         self.scratch = buffer;

@@ -2,6 +2,9 @@
 
 mod conversation;
 mod determinism;
+mod faults;
+mod faults_link;
+mod faults_plan;
 mod files;
 mod hostile;
 mod inserts;

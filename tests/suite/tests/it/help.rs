@@ -32,6 +32,7 @@ fn every_command_explains_its_flags() {
                 "--speed",
                 "--profile",
                 "--iprole",
+                "--faults",
                 "--seed",
                 "--log",
                 "--duration",

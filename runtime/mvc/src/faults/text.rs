@@ -1,0 +1,127 @@
+use core::fmt;
+
+use backseat_spi::CommandName;
+
+use super::{
+    AckFilter, AckStage, Directions, FaultEdge, FaultEvent, FaultKind, LinkFault, LinkFaultKind, NegativeStatus,
+    SensorKind, Whom,
+};
+
+impl fmt::Display for FaultEvent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let edge = match self.edge {
+            FaultEdge::Begin => "begins",
+            FaultEdge::End => "ends",
+        };
+        write!(f, "fault {} {edge}: {}", self.number, self.kind)
+    }
+}
+
+impl fmt::Display for FaultKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Link(fault) => fault.fmt(f),
+            Self::AcksLost(acks) => write!(f, "{acks} lost"),
+            Self::AcksLate { acks, delay } => write!(f, "{acks} {} s late", delay.as_secs_f64()),
+            Self::AcksNegative { command, status, done } => {
+                let status = match status {
+                    NegativeStatus::Invalid => "invalid",
+                    NegativeStatus::Failed => "failed",
+                };
+                let done = if *done { ", and done all the same" } else { "" };
+                write!(f, "{} refused as {status}{done}", Commands(*command))
+            }
+            Self::ControlTaken => f.write_str("control taken back"),
+            Self::NavigationFrozen => f.write_str("navigation frozen"),
+            Self::NavigationJump(by) => {
+                write!(f, "navigation moved by {} m east, {} m north", by.east_m, by.north_m)
+            }
+            Self::NavigationMissing => f.write_str("navigation missing"),
+            Self::MissionAbort => f.write_str("mission aborted"),
+            Self::SensorDropout(sensor) => write!(f, "{sensor} dropped out"),
+            Self::Shutdown => f.write_str("shutdown"),
+            Self::ClockStep(nanos) => write!(f, "vehicle clock set by {} s", *nanos as f64 / 1e9),
+        }
+    }
+}
+
+impl fmt::Display for LinkFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.kind {
+            LinkFaultKind::Cut => return write!(f, "link of {} cut", self.whom),
+            LinkFaultKind::Refuse => return write!(f, "connections of {} refused", self.whom),
+            LinkFaultKind::Stall => f.write_str("stall"),
+            LinkFaultKind::HalfOpen => f.write_str("silent loss"),
+            LinkFaultKind::Delay { delay, jitter } => {
+                write!(
+                    f,
+                    "delay of {} s and up to {} s",
+                    delay.as_secs_f64(),
+                    jitter.as_secs_f64()
+                )
+            }
+            LinkFaultKind::Split { bytes, gap } => write!(f, "pieces of {bytes} bytes each {} s", gap.as_secs_f64()),
+            LinkFaultKind::Join { hold } => write!(f, "writes joined for {} s", hold.as_secs_f64()),
+            LinkFaultKind::Duplicate { chance } => write!(f, "sentences twice, chance {chance},"),
+            LinkFaultKind::Corrupt { chance } => write!(f, "bytes corrupt, chance {chance},"),
+            LinkFaultKind::Drop { chance } => write!(f, "sentences lost, chance {chance},"),
+        }?;
+        write!(f, " on the link {} {}", self.direction, self.whom)
+    }
+}
+
+impl fmt::Display for Directions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Both => "both ways of",
+            Self::ToVehicle => "to the vehicle of",
+            Self::FromVehicle => "from the vehicle of",
+        })
+    }
+}
+
+impl fmt::Display for Whom {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::All => f.write_str("all"),
+            Self::Client(client) => client.fmt(f),
+            Self::Role(role) => write!(f, "role {role}"),
+        }
+    }
+}
+
+impl fmt::Display for AckFilter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let stage = match self.stage {
+            AckStage::All => "acknowledgements",
+            AckStage::Pending => "pending acknowledgements",
+            AckStage::Outcome => "outcomes",
+        };
+        write!(f, "{stage} of {}", Commands(self.command))
+    }
+}
+
+struct Commands(Option<CommandName>);
+
+impl fmt::Display for Commands {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.as_ref().map_or("every command", CommandName::as_str))
+    }
+}
+
+impl fmt::Display for SensorKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Dvl => "DVL",
+            Self::Altimeter => "altimeter",
+            Self::Gps => "GPS",
+            Self::Compass => "compass",
+            Self::Depth => "depth sensor",
+            Self::Imu => "IMU",
+            Self::Ctd => "CTD",
+            Self::SoundVelocity => "sound velocity sensor",
+            Self::Tailcone => "tailcone",
+            Self::Telemetry => "telemetry",
+        })
+    }
+}

@@ -1,0 +1,456 @@
+use core::ops::Deref;
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use backseat_units::Timestamp;
+use backseat_world::Stream;
+
+use crate::event::ClientId;
+use crate::faults::{Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind};
+
+/// What may be under way in one direction, bytes and pieces. Beyond it the connection counts as cut: a real one's
+/// sender gives up when nothing is fetched.
+const QUEUE_MAX: usize = 1 << 20;
+const PIECES_MAX: usize = 1 << 16;
+/// No piece that was gathered is longer, bytes.
+const PIECE_MAX: usize = 1 << 16;
+/// A sentence is not waited for beyond so many bytes.
+const SENTENCE_MAX: usize = 4096;
+const SPARES_MAX: usize = 8;
+
+/// Which way bytes go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From a payload to the vehicle.
+    ToVehicle,
+    /// From the vehicle to a payload.
+    FromVehicle,
+}
+
+/// The faults of a plan that a link's driver plays.
+///
+/// The driver asks [`LinkFaults::refuses`] before it accepts a connection, makes a [`FaultyLink`] for each of its
+/// directions, and puts every byte through them. The vehicle's own log says when each fault begins and ends.
+#[derive(Clone, Debug, Default)]
+pub struct LinkFaults {
+    faults: Vec<(Window, LinkFault)>,
+    seed: u64,
+}
+
+/// A fault's time: it acts from the first instant up to, and not at, the last.
+#[derive(Clone, Copy, Debug)]
+struct Window {
+    from: Timestamp,
+    until: Timestamp,
+}
+
+impl Window {
+    fn holds(self, at: Timestamp) -> bool {
+        self.from <= at && at < self.until
+    }
+}
+
+impl LinkFaults {
+    /// The plan's faults of links. The seed draws what they leave open: which bytes, which sentences, how much jitter.
+    #[must_use]
+    pub fn new(plan: &FaultPlan, seed: u64) -> Self {
+        let of_link = |fault: &Fault| {
+            let window = Window {
+                from: fault.at,
+                until: fault.until(),
+            };
+            if let FaultKind::Link(link) = &fault.kind {
+                Some((window, link.clone()))
+            } else {
+                None
+            }
+        };
+        let mut faults: Vec<_> = plan.faults.iter().filter_map(of_link).collect();
+        faults.sort_by_key(|(window, _)| window.from);
+        Self { faults, seed }
+    }
+
+    /// Whether no link has any fault at any time.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.faults.is_empty()
+    }
+
+    /// Whether a client that connects now is refused: its connection is reset at once.
+    #[must_use]
+    pub fn refuses(&self, now: Timestamp, client: ClientId, role: Option<&str>) -> bool {
+        self.faults.iter().any(|(window, fault)| {
+            matches!(fault.kind, LinkFaultKind::Cut | LinkFaultKind::Refuse)
+                && window.holds(now)
+                && fault.whom.includes(client, role)
+        })
+    }
+
+    /// One direction of a connection that was made at `since`.
+    #[must_use]
+    pub fn link(&self, since: Timestamp, client: ClientId, role: Option<&str>, direction: Direction) -> FaultyLink {
+        let mut acts = Vec::new();
+        let mut cut_at = Timestamp::MAX;
+        for (window, fault) in &self.faults {
+            if !fault.whom.includes(client, role) {
+                continue;
+            }
+            let this_way = match fault.direction {
+                Directions::Both => true,
+                Directions::ToVehicle => direction == Direction::ToVehicle,
+                Directions::FromVehicle => direction == Direction::FromVehicle,
+            };
+            match fault.kind {
+                LinkFaultKind::Cut if window.from > since => cut_at = cut_at.min(window.from),
+                LinkFaultKind::Cut | LinkFaultKind::Refuse => {}
+                LinkFaultKind::Stall
+                | LinkFaultKind::HalfOpen
+                | LinkFaultKind::Delay { .. }
+                | LinkFaultKind::Split { .. }
+                | LinkFaultKind::Join { .. }
+                | LinkFaultKind::Duplicate { .. }
+                | LinkFaultKind::Corrupt { .. }
+                | LinkFaultKind::Drop { .. } => {
+                    if this_way && window.until > since.max(window.from) {
+                        acts.push((*window, fault.kind));
+                    }
+                }
+            }
+        }
+        let way = match direction {
+            Direction::ToVehicle => "to",
+            Direction::FromVehicle => "from",
+        };
+        FaultyLink {
+            quiet_until: acts.first().map_or(Timestamp::MAX, |(window, _)| window.from),
+            acts,
+            cut_at,
+            // A connection that never meets a fault pays for no key.
+            stream: None,
+            seed: self.seed,
+            name: format!("link fault {way} the vehicle, {client}"),
+            bytes: VecDeque::new(),
+            pieces: VecDeque::new(),
+            last: Timestamp::ZERO,
+            sentence: Vec::new(),
+            sentence_until: Timestamp::MAX,
+            scratch: Vec::new(),
+            spare: Vec::new(),
+        }
+    }
+}
+
+/// Bytes that arrive together. Given back by [`FaultyLink::recycle`], their buffer is used again.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Chunk {
+    /// One byte at least.
+    pub bytes: Vec<u8>,
+}
+
+impl Deref for Chunk {
+    type Target = [u8];
+    fn deref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+/// One direction of one client's link, with the faults of the plan: bytes in when they are written, bytes out when
+/// they arrive.
+///
+/// After each [`FaultyLink::push`] and at each [`FaultyLink::poll_timeout`] the driver asks [`FaultyLink::is_cut`],
+/// and where it is not, takes from [`FaultyLink::poll`] until there is no more. Time never goes back. Where no fault
+/// acts, [`FaultyLink::pass`] hands bytes on as they are.
+///
+/// In this order a write meets: silent loss, sentences lost or twice, corrupt bytes, delay, joining, splitting,
+/// stall. Bytes never overtake others.
+#[derive(Clone, Debug)]
+pub struct FaultyLink {
+    /// What acts or will, by its begin.
+    acts: Vec<(Window, LinkFaultKind)>,
+    /// No fault acts before.
+    quiet_until: Timestamp,
+    cut_at: Timestamp,
+    stream: Option<Stream>,
+    seed: u64,
+    name: String,
+    /// What is under way, and in which pieces it arrives.
+    bytes: VecDeque<u8>,
+    pieces: VecDeque<Piece>,
+    /// When the last of it arrives.
+    last: Timestamp,
+    /// The begin of a sentence whose end has not been written, while sentences are lost or come twice.
+    sentence: Vec<u8>,
+    sentence_until: Timestamp,
+    scratch: Vec<u8>,
+    spare: Vec<Vec<u8>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    written: Timestamp,
+    at: Timestamp,
+    len: usize,
+    /// More may be added to it: it was held back.
+    gathers: bool,
+}
+
+impl FaultyLink {
+    /// Bytes are written now. Where no fault acts and nothing is under way, they are given back to be handed on at
+    /// once; else they are taken, as by [`FaultyLink::push`].
+    #[must_use]
+    pub fn pass<'a>(&mut self, now: Timestamp, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        if now < self.quiet_until && now < self.cut_at && self.pieces.is_empty() && self.sentence.is_empty() {
+            return Some(bytes);
+        }
+        self.push(now, bytes);
+        None
+    }
+
+    /// Bytes are written now. On a link that is cut they are lost.
+    pub fn push(&mut self, now: Timestamp, bytes: &[u8]) {
+        if self.is_cut(now) {
+            return;
+        }
+        self.forget(now);
+        self.end_sentence(now);
+        let (mut lost, mut by_sentence) = (false, None);
+        for (window, kind) in self.acting(now) {
+            if matches!(kind, LinkFaultKind::HalfOpen) {
+                lost = true;
+            }
+            if matches!(kind, LinkFaultKind::Duplicate { .. } | LinkFaultKind::Drop { .. }) {
+                by_sentence = by_sentence.max(Some(window.until));
+            }
+        }
+        if lost {
+            return;
+        }
+        match by_sentence {
+            Some(until) => {
+                self.sentence_until = until;
+                self.push_sentences(now, bytes);
+            }
+            None => self.emit(now, bytes),
+        }
+    }
+
+    /// The next bytes that have arrived by now.
+    #[must_use]
+    pub fn poll(&mut self, now: Timestamp) -> Option<Chunk> {
+        if self.is_cut(now) {
+            return None;
+        }
+        self.end_sentence(now);
+        let piece = self.pieces.front().filter(|piece| piece.at <= now)?;
+        let mut bytes = self.spare.pop().unwrap_or_default();
+        bytes.clear();
+        bytes.extend(self.bytes.drain(..piece.len));
+        self.pieces.pop_front();
+        Some(Chunk { bytes })
+    }
+
+    /// When [`FaultyLink::poll`] has more, or the link is cut; none where nothing is under way and no cut to come.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Timestamp> {
+        let arrives = self.pieces.front().map(|piece| piece.at);
+        let sentence = (!self.sentence.is_empty()).then_some(self.sentence_until);
+        let cut = (self.cut_at < Timestamp::MAX).then_some(self.cut_at);
+        [arrives, sentence, cut].into_iter().flatten().min()
+    }
+
+    /// Since when a write has been under way: a driver that gives up a write which is not acknowledged in time, as a
+    /// real one does, counts from here.
+    #[must_use]
+    pub fn waits_since(&self) -> Option<Timestamp> {
+        self.pieces.front().map(|piece| piece.written)
+    }
+
+    /// Whether the connection is gone: the driver resets it, and tells the vehicle. It stays gone.
+    #[must_use]
+    pub fn is_cut(&self, now: Timestamp) -> bool {
+        now >= self.cut_at
+    }
+
+    /// Gives a chunk's buffer back.
+    pub fn recycle(&mut self, chunk: Chunk) {
+        if self.spare.len() < SPARES_MAX {
+            self.spare.push(chunk.bytes);
+        }
+    }
+
+    fn acting(&self, at: Timestamp) -> impl Iterator<Item = (Window, LinkFaultKind)> {
+        let begun = self.acts.iter().take_while(move |(window, _)| window.from <= at);
+        begun.filter(move |(window, _)| window.holds(at)).copied()
+    }
+
+    /// Forgets the faults that are over. What is written now is not touched by them, wherever it goes.
+    fn forget(&mut self, now: Timestamp) {
+        if now < self.quiet_until {
+            return;
+        }
+        self.acts.retain(|(window, _)| window.until > now);
+        self.quiet_until = self.acts.first().map_or(Timestamp::MAX, |(window, _)| window.from);
+    }
+
+    fn uniform(&mut self) -> f64 {
+        let (seed, name) = (self.seed, &self.name);
+        self.stream.get_or_insert_with(|| Stream::new(seed, name)).uniform()
+    }
+
+    /// Half a sentence goes on as it is when nothing waits for its end any more.
+    fn end_sentence(&mut self, now: Timestamp) {
+        if !self.sentence.is_empty() && now >= self.sentence_until {
+            let sentence = core::mem::take(&mut self.sentence);
+            self.emit(now, &sentence);
+            self.sentence = sentence;
+            self.sentence.clear();
+        }
+    }
+
+    fn push_sentences(&mut self, now: Timestamp, bytes: &[u8]) {
+        for part in bytes.split_inclusive(|byte| *byte == b'\n') {
+            self.sentence.extend_from_slice(part);
+            if !part.ends_with(b"\n") && self.sentence.len() < SENTENCE_MAX {
+                break;
+            }
+            let mut times = 1u32;
+            let acting: Vec<_> = self.acting(now).collect();
+            for (_, kind) in acting {
+                if let LinkFaultKind::Drop { chance } = kind
+                    && self.uniform() < chance
+                {
+                    times = 0;
+                }
+                if let LinkFaultKind::Duplicate { chance } = kind
+                    && self.uniform() < chance
+                {
+                    times *= 2;
+                }
+            }
+            let sentence = core::mem::take(&mut self.sentence);
+            for _ in 0..times {
+                self.emit(now, &sentence);
+            }
+            self.sentence = sentence;
+            self.sentence.clear();
+        }
+    }
+
+    fn emit(&mut self, now: Timestamp, bytes: &[u8]) {
+        let corrupts = |kind| {
+            if let LinkFaultKind::Corrupt { chance } = kind {
+                Some(chance)
+            } else {
+                None
+            }
+        };
+        let intact = self
+            .acting(now)
+            .fold(1.0, |intact, (_, kind)| intact * (1.0 - corrupts(kind).unwrap_or(0.0)));
+        if intact >= 1.0 {
+            self.send(now, bytes);
+            return;
+        }
+        let mut scratch = core::mem::take(&mut self.scratch);
+        scratch.clear();
+        for byte in bytes {
+            let flips = self.uniform() >= intact;
+            // Eight bits, each as likely.
+            let bit = if flips {
+                1 << ((self.uniform() * 8.0) as u32).min(7)
+            } else {
+                0
+            };
+            scratch.push(byte ^ bit);
+        }
+        self.send(now, &scratch);
+        self.scratch = scratch;
+    }
+
+    /// Puts bytes under way.
+    fn send(&mut self, now: Timestamp, bytes: &[u8]) {
+        let (mut at, mut jitters, mut hold, mut split) = (now, Duration::ZERO, Duration::ZERO, None);
+        for (_, kind) in self.acting(now) {
+            if let LinkFaultKind::Delay { delay, jitter } = kind {
+                at = at + delay;
+                jitters += jitter;
+            }
+            if let LinkFaultKind::Join { hold: this } = kind {
+                hold = hold.max(this);
+            }
+            if let LinkFaultKind::Split { bytes, gap } = kind
+                && split.is_none_or(|(least, _)| bytes < least)
+            {
+                split = Some((bytes, gap));
+            }
+        }
+        if !jitters.is_zero() {
+            at = at + jitters.mul_f64(self.uniform());
+        }
+        if !hold.is_zero() {
+            if let Some(last) = self.pieces.back_mut()
+                && last.gathers
+                && last.at >= at
+                && last.len + bytes.len() <= PIECE_MAX
+                && self.bytes.len() + bytes.len() <= QUEUE_MAX
+            {
+                last.len += bytes.len();
+                self.bytes.extend(bytes);
+                return;
+            }
+            at = at + hold;
+        }
+        let Some((most, gap)) = split else {
+            self.put(now, at, bytes, !hold.is_zero());
+            return;
+        };
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            let len = (1 + (self.uniform() * f64::from(most)) as usize).min(rest.len());
+            let (piece, after) = rest.split_at(len);
+            if !self.pieces.is_empty() {
+                at = at.max(self.last + gap);
+            }
+            self.put(now, at, piece, false);
+            rest = after;
+        }
+    }
+
+    fn put(&mut self, now: Timestamp, at: Timestamp, bytes: &[u8], gathers: bool) {
+        if bytes.is_empty() {
+            return;
+        }
+        if self.bytes.len() + bytes.len() > QUEUE_MAX || self.pieces.len() >= PIECES_MAX {
+            // Long past: the driver finds it at once.
+            self.cut_at = Timestamp::ZERO;
+            self.bytes = VecDeque::new();
+            self.pieces = VecDeque::new();
+            return;
+        }
+        let wanted = at.max(self.last);
+        let mut at = wanted;
+        while let Some(until) = self
+            .acting(at)
+            .filter(|(_, kind)| matches!(kind, LinkFaultKind::Stall))
+            .map(|(window, _)| window.until)
+            .max()
+        {
+            at = until;
+        }
+        self.last = at;
+        // What a stall has held back comes as one.
+        let gathers = gathers || at > wanted;
+        self.bytes.extend(bytes);
+        match self.pieces.back_mut() {
+            Some(last) if last.gathers && last.at == at && last.len + bytes.len() <= PIECE_MAX => {
+                last.len += bytes.len()
+            }
+            _ => self.pieces.push_back(Piece {
+                written: now,
+                at,
+                len: bytes.len(),
+                gathers,
+            }),
+        }
+    }
+}

@@ -1,0 +1,280 @@
+use std::time::Duration;
+
+use proptest::prelude::*;
+
+use backseat_mvc::{ClientId, Direction, FaultPlan, FaultyLink, LinkFaults};
+use backseat_units::Timestamp;
+
+const ME: ClientId = ClientId(1);
+
+fn at(seconds: f64) -> Timestamp {
+    Timestamp::ZERO + Duration::from_secs_f64(seconds)
+}
+
+fn faults(text: &str) -> LinkFaults {
+    let plan = text.replace("fault ", "[[fault]]\nkind = ").replace("; ", "\n");
+    LinkFaults::new(&FaultPlan::from_toml(&plan).expect("the test's plan is right"), 3)
+}
+
+fn from_vehicle(text: &str) -> FaultyLink {
+    faults(text).link(Timestamp::ZERO, ME, None, Direction::FromVehicle)
+}
+
+/// A line each 0.1 s from 0.1 s on, each with its number; what arrives, and when.
+fn lines(link: &mut FaultyLink, seconds: u32) -> Vec<(Timestamp, String)> {
+    let mut writes: Vec<(Timestamp, String)> = (1..=10 * seconds)
+        .map(|n| (Timestamp::from_millis(100 * u64::from(n)), format!("$LINE,{n}\r\n")))
+        .collect();
+    writes.reverse();
+    let mut arrived = Vec::new();
+    loop {
+        let write = writes.last().map(|(at, _)| *at);
+        let Some(now) = link.poll_timeout().into_iter().chain(write).min() else {
+            break;
+        };
+        if write == Some(now)
+            && let Some((_, line)) = writes.pop()
+            && let Some(bytes) = link.pass(now, line.as_bytes())
+        {
+            arrived.push((now, String::from_utf8_lossy(bytes).into_owned()));
+        }
+        if link.is_cut(now) {
+            break;
+        }
+        while let Some(chunk) = link.poll(now) {
+            arrived.push((now, String::from_utf8_lossy(&chunk).into_owned()));
+            link.recycle(chunk);
+        }
+    }
+    arrived
+}
+
+fn texts(arrived: &[(Timestamp, String)]) -> String {
+    arrived.iter().map(|(_, text)| text.as_str()).collect()
+}
+
+fn written(numbers: impl Iterator<Item = u32>) -> String {
+    numbers.map(|n| format!("$LINE,{n}\r\n")).collect()
+}
+
+#[test]
+fn without_a_fault_bytes_are_given_back_at_once() {
+    let bytes = b"$BFNVG\r\n";
+    let mut link = from_vehicle("");
+    assert_eq!(link.pass(at(1.0), bytes), Some(bytes.as_slice()));
+    assert_eq!(link.poll_timeout(), None);
+    // Before and after a fault as well.
+    let mut link = from_vehicle("fault \"stall\"; at_s = 5; for_s = 1");
+    assert!(link.pass(at(4.999), bytes).is_some());
+    assert!(link.pass(at(5.0), bytes).is_none());
+    assert_eq!(link.poll(at(5.999)), None);
+    assert_eq!(link.poll_timeout(), Some(at(6.0)));
+    assert_eq!(link.poll(at(6.0)).unwrap().bytes, bytes);
+    // What is taken in after the fault is over comes through, and from the next write on nothing is taken.
+    let _ = link.pass(at(6.0), bytes);
+    while link.poll(at(6.0)).is_some() {}
+    assert!(link.pass(at(6.1), bytes).is_some());
+}
+
+#[test]
+fn a_cut_is_at_its_instant_and_for_both_ways() {
+    let faults = faults("fault \"link_cut\"; at_s = 5; for_s = 2");
+    for direction in [Direction::ToVehicle, Direction::FromVehicle] {
+        let mut link = faults.link(Timestamp::ZERO, ME, None, direction);
+        assert_eq!(link.poll_timeout(), Some(at(5.0)));
+        link.push(at(4.999), b"under way");
+        assert!(!link.is_cut(at(4.999)) && link.is_cut(at(5.0)));
+        assert_eq!(link.poll(at(5.0)), None);
+        // A connection that is made afterwards is another one.
+        let mut link = faults.link(at(7.0), ME, None, direction);
+        assert!(!link.is_cut(at(100.0)) && link.pass(at(8.0), b"x").is_some());
+    }
+    let refuses: Vec<bool> = [4.999, 5.0, 6.999, 7.0]
+        .map(|seconds| faults.refuses(at(seconds), ME, None))
+        .to_vec();
+    assert_eq!(refuses, [false, true, true, false]);
+}
+
+#[test]
+fn a_refusal_is_of_new_connections_alone() {
+    let faults = faults("fault \"refuse\"; at_s = 5; for_s = 2; role = \"sonar\"");
+    assert!(faults.refuses(at(6.0), ME, Some("sonar")));
+    assert!(!faults.refuses(at(6.0), ME, Some("camera")) && !faults.refuses(at(6.0), ME, None));
+    let link = faults.link(Timestamp::ZERO, ME, Some("sonar"), Direction::ToVehicle);
+    assert!(!link.is_cut(at(6.0)));
+}
+
+#[test]
+fn a_fault_is_of_those_that_it_names() {
+    let faults = faults("fault \"half_open\"; at_s = 1; for_s = 9; client = 2; direction = \"to_vehicle\"");
+    let lost = |client, direction| {
+        let mut link = faults.link(Timestamp::ZERO, ClientId(client), None, direction);
+        link.pass(at(5.0), b"x").is_none() && link.poll(at(20.0)).is_none()
+    };
+    assert!(lost(2, Direction::ToVehicle));
+    assert!(!lost(2, Direction::FromVehicle) && !lost(1, Direction::ToVehicle));
+}
+
+#[test]
+fn a_stall_holds_all_back_and_then_it_comes_as_one() {
+    let mut link = from_vehicle("fault \"stall\"; at_s = 2; for_s = 1.55");
+    let arrived = lines(&mut link, 5);
+    assert_eq!(texts(&arrived), written(1..=50));
+    let held: Vec<_> = arrived.iter().filter(|(_, text)| text.contains("$LINE,2")).collect();
+    let burst = arrived.iter().find(|(when, _)| *when == at(3.55)).unwrap();
+    assert_eq!(burst.1, written(20..=35));
+    assert!(
+        held.iter().all(|(when, _)| *when == at(0.2) || *when == at(3.55)),
+        "{held:?}"
+    );
+}
+
+#[test]
+fn half_open_loses_what_is_written_meanwhile_and_nothing_after_it() {
+    let mut link = from_vehicle("fault \"half_open\"; at_s = 2; for_s = 1");
+    let arrived = lines(&mut link, 5);
+    assert_eq!(texts(&arrived), written((1..=19).chain(30..=50)));
+}
+
+#[test]
+fn a_delay_keeps_order_and_stays_within_its_jitter() {
+    let mut link = from_vehicle("fault \"delay\"; at_s = 2; for_s = 2; delay_s = 0.5; jitter_s = 0.7");
+    let arrived = lines(&mut link, 6);
+    assert_eq!(texts(&arrived), written(1..=60));
+    let mut jitters = Vec::new();
+    for (when, text) in &arrived {
+        let number: f64 = text["$LINE,".len()..].lines().next().unwrap().parse().unwrap();
+        let late = when.as_secs_f64() - number / 10.0;
+        if (20.0..40.0).contains(&number) {
+            assert!((0.5..1.2).contains(&late), "{number} {late}");
+            jitters.push(late);
+        } else {
+            // After the end nothing is late, but for those that must not overtake.
+            assert!(late < 1.2, "{number} {late}");
+        }
+    }
+    let spread = jitters.iter().copied().fold(0.0, f64::max) - jitters.iter().copied().fold(9.0, f64::min);
+    assert!(spread > 0.2, "{jitters:?}");
+    assert_eq!(arrived.last().unwrap().0, at(6.0));
+}
+
+#[test]
+fn split_bytes_come_in_pieces_with_a_gap() {
+    let mut link = from_vehicle("fault \"split\"; at_s = 2; for_s = 1; bytes = 4; gap_s = 0.01");
+    let arrived = lines(&mut link, 5);
+    assert_eq!(texts(&arrived), written(1..=50));
+    let pieces: Vec<_> = arrived
+        .iter()
+        .filter(|(when, _)| *when >= at(2.0) && *when < at(3.0))
+        .collect();
+    assert!(pieces.len() >= 10 * 3 && pieces.iter().all(|(_, text)| text.len() <= 4));
+    let ones = pieces
+        .windows(2)
+        .filter(|two| two[1].0.since(two[0].0) == Duration::from_millis(10));
+    assert!(ones.count() > 15);
+}
+
+#[test]
+fn joined_writes_come_as_one() {
+    let mut link = from_vehicle("fault \"join\"; at_s = 2; for_s = 1; hold_s = 0.25");
+    let arrived = lines(&mut link, 5);
+    assert_eq!(texts(&arrived), written(1..=50));
+    let first = arrived.iter().find(|(when, _)| *when >= at(2.0)).unwrap();
+    assert_eq!(*first, (at(2.25), written(20..=22)));
+}
+
+#[test]
+fn sentences_come_twice_or_not_at_all_and_always_whole() {
+    let mut link = from_vehicle("fault \"duplicate\"; at_s = 2; for_s = 1; chance = 1");
+    let twice = (20..30).flat_map(|n| [n, n]);
+    assert_eq!(
+        texts(&lines(&mut link, 5)),
+        written((1..20).chain(twice).chain(30..=50))
+    );
+    let mut link = from_vehicle("fault \"drop\"; at_s = 2; for_s = 1; chance = 1");
+    assert_eq!(texts(&lines(&mut link, 5)), written((1..20).chain(30..=50)));
+    let mut link = from_vehicle("fault \"drop\"; at_s = 0; for_s = 100; chance = 0.3");
+    let arrived = lines(&mut link, 100);
+    let lost = 1000 - arrived.len();
+    assert!((240..360).contains(&lost), "{lost}");
+    assert!(
+        arrived
+            .iter()
+            .all(|(_, line)| line.starts_with('$') && line.ends_with("\r\n"))
+    );
+}
+
+#[test]
+fn half_a_sentence_is_kept_no_longer_than_its_fault_lasts() {
+    let mut link = from_vehicle("fault \"drop\"; at_s = 1; for_s = 1; chance = 1");
+    link.push(at(1.5), b"$ONE\r\n$TW");
+    assert_eq!(link.poll(at(1.5)), None);
+    assert_eq!(link.poll_timeout(), Some(at(2.0)));
+    assert_eq!(link.poll(at(1.999)), None);
+    assert_eq!(link.poll(at(2.0)).unwrap().bytes, b"$TW");
+    // And its rest follows it, where nobody asked in between.
+    link = from_vehicle("fault \"drop\"; at_s = 1; for_s = 1; chance = 1");
+    link.push(at(1.5), b"$TW");
+    link.push(at(2.5), b"O\r\n");
+    assert_eq!(link.poll(at(2.5)).unwrap().bytes, b"$TW");
+    assert_eq!(link.poll(at(2.5)).unwrap().bytes, b"O\r\n");
+}
+
+#[test]
+fn corruption_flips_single_bits_as_often_as_it_says() {
+    let mut link = from_vehicle("fault \"corrupt\"; at_s = 0; for_s = 10; chance = 0.02");
+    let clean = vec![0_u8; 50_000];
+    link.push(at(1.0), &clean);
+    let dirty = link.poll(at(1.0)).unwrap();
+    assert_eq!(dirty.len(), clean.len());
+    let flipped: Vec<u8> = dirty.iter().copied().filter(|byte| *byte != 0).collect();
+    assert!((850..1150).contains(&flipped.len()), "{}", flipped.len());
+    assert!(flipped.iter().all(|byte| byte.count_ones() == 1));
+    assert!((0..8).all(|bit| flipped.contains(&(1 << bit))));
+}
+
+#[test]
+fn a_link_that_holds_too_much_is_cut() {
+    let mut link = from_vehicle("fault \"stall\"; at_s = 0; for_s = 1000");
+    let write = vec![b'x'; 4096];
+    for _ in 0..256 {
+        link.push(at(1.0), &write);
+        assert!(!link.is_cut(at(1.0)));
+    }
+    link.push(at(1.0), b"x");
+    assert!(link.is_cut(at(1.0)));
+    let mut link = from_vehicle("fault \"split\"; at_s = 0; for_s = 1000; bytes = 1; gap_s = 1");
+    for _ in 0..17 {
+        link.push(at(1.0), &write);
+    }
+    assert!(link.is_cut(at(1.0)));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Whatever the plan: nothing comes of the future, order stays, the same seed gives the same bytes, and what is
+    /// written after the last fault arrives whole and at once.
+    #[test]
+    fn every_drawn_link_is_orderly(seed in 0_u64..10_000, intensity in 0.0..1.0_f64) {
+        let plan = FaultPlan::draw(seed, Duration::from_secs(60), intensity);
+        let faults = LinkFaults::new(&plan, seed);
+        for direction in [Direction::ToVehicle, Direction::FromVehicle] {
+            let run = || {
+                // Cuts are for another test: the connection is made again.
+                let (mut since, mut all) = (Timestamp::ZERO, Vec::new());
+                for _ in 0..100 {
+                    let mut link = faults.link(since, ME, None, direction);
+                    all.extend(lines(&mut link, 80));
+                    let Some(cut) = link.poll_timeout() else { break };
+                    since = cut;
+                }
+                all
+            };
+            let arrived = run();
+            prop_assert_eq!(&arrived, &run());
+            let last = written(701..=800);
+            prop_assert!(texts(&arrived).ends_with(&last));
+        }
+    }
+}

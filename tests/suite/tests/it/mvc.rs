@@ -369,3 +369,48 @@ fn it_ends_by_itself_and_tells_a_person_what_goes_on() {
         assert!(done.stderr.contains(text), "{text}: {done}");
     }
 }
+
+#[test]
+fn faults_of_a_file_are_played_on_the_link_too() {
+    let mission = Mission::steady();
+    let file = mission.beside("faults.toml");
+    std::fs::write(
+        &file,
+        "[[fault]]\nat_s = 3\nkind = \"stall\"\nfor_s = 2\n[[fault]]\nat_s = 8\nkind = \"link_cut\"\nfor_s = 1\n",
+    )
+    .unwrap();
+    let vehicle = vehicle_with(&mission, &["--faults", file.to_str().unwrap()]);
+    let mut client = Client::connect(&vehicle.address);
+    client.say("$BPLOG,NVG,ON");
+    let (watch, mut last, mut longest) = (Stopwatch::start(), Duration::ZERO, Duration::ZERO);
+    loop {
+        let before = client.heard.len();
+        let open = client.read();
+        if client.heard.len() > before {
+            longest = longest.max(watch.elapsed() - last);
+            last = watch.elapsed();
+        }
+        if !open {
+            break;
+        }
+        assert!(watch.elapsed() < SOON, "the link was not cut");
+    }
+    assert!(
+        longest > Duration::from_millis(1500) && longest < Duration::from_secs(3),
+        "{longest:?}"
+    );
+    vehicle.sees("the cut", SOON, |line| line.text == "client 1 is cut off by a fault");
+    // While it is cut nobody gets in, and after it everybody.
+    Client::connect(&vehicle.address).is_cut_off();
+    settle(Duration::from_millis(1200));
+    Client::connect(&vehicle.address).hears("$BFVER");
+
+    std::fs::write(&file, "[[fault]]\nat_s = -1\nkind = \"link_cut\"\nfor_s = 1\n").unwrap();
+    let refused = Backseat::new()
+        .args(["mvc", "--faults"])
+        .arg(&file)
+        .mission(&mission)
+        .run()
+        .refusal();
+    assert!(refused.contains("faults.toml") && refused.contains("at_s"), "{refused}");
+}

@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use backseat_mission::Layers;
+use backseat_mvc::RoleConfig;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Fly adaptive-survey plugins on a Bluefin vehicle: in simulation, and at sea.
@@ -18,6 +19,11 @@ pub(crate) enum Command {
     /// Fly a mission on a vehicle, over TCP; without --arm it sends nothing that steers
     Run(Run),
     /// Run the mock vehicle alone, for any SPI client
+    ///
+    /// It flies the front seat's plan of the mission's world.toml and serves the Standard Payload Interface over TCP to
+    /// several clients at once. Nothing that a client sends harms another: at most it loses its own connection.
+    ///
+    /// On a terminal a status line shows the vehicle at a glance; elsewhere a line a minute. Ctrl-C or SIGTERM ends it.
     Mvc(Mvc),
     /// Check a mission before a dive: its files, fence, plugins and plan
     Check(Check),
@@ -101,18 +107,35 @@ pub(crate) struct Mvc {
     /// Where to listen
     #[arg(long, default_value = "127.0.0.1:29500", value_name = "ADDR:PORT")]
     pub(crate) listen: String,
-    /// How many times faster than life
-    #[arg(long, default_value = "1", value_name = "X")]
+    /// How many times faster than life, or `max`: as fast as its clients read
+    #[arg(long, default_value = "1", value_name = "X|max")]
     pub(crate) speed: Speed,
     /// Whose habits: the specification's, or real vehicles' [default: the world's]
     #[arg(long)]
     pub(crate) profile: Option<Profile>,
-    /// Draws the world and the noise
+    /// Give a role to the client that connects from this address, as in 192.168.10.10::sonar; where there are roles, who
+    /// gets none is turned away. Repeat it or write a list with commas [default: the world's roles]
+    #[arg(long, value_name = "ADDRESS:PORT:ROLE", value_delimiter = ',')]
+    pub(crate) iprole: Vec<RoleConfig>,
+    /// Play these faults of vehicle and links, instead of the world's
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) faults: Option<PathBuf>,
+    /// Draws the world, the noise and what the specification leaves open
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Write every sentence and event here, with the vehicle's clock
+    /// Write every sentence both ways and every event here, with the vehicle's clock
     #[arg(long, value_name = "FILE")]
     pub(crate) log: Option<PathBuf>,
+    /// End after so many seconds of the vehicle's time
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub(crate) duration: Option<f64>,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (1e-3..=1e9).contains(&seconds) => Ok(seconds),
+        _ => Err("expected seconds, from 0.001 to 1e9".to_owned()),
+    }
 }
 
 #[derive(Debug, Args)]

@@ -6,6 +6,9 @@ use crate::faults::Verdict;
 use crate::mvc::Mvc;
 use crate::server::Topic;
 
+/// The longest text of an answer, characters: what a client sends is quoted, not sent back whole.
+const TEXT_MAX: usize = 160;
+
 /// What an acknowledgement is about.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Regarding {
@@ -35,13 +38,9 @@ impl Mvc {
     pub(crate) fn invalid(&mut self, now: Timestamp, re: Regarding, text: &str) {
         self.note(
             now,
-            MvcEventKind::CommandInvalid(re.client, re.command, Text::cleaned(text)),
+            MvcEventKind::CommandInvalid(re.client, re.command, Text::cleaned(clipped(text))),
         );
         self.acknowledge(now, re, AckStatus::Invalid, text);
-    }
-
-    pub(crate) fn unsupported(&mut self, now: Timestamp, re: Regarding) {
-        self.invalid(now, re, "not supported by this mock yet");
     }
 
     /// BFACK (SPI 6.21), where the client has asked for acknowledgements.
@@ -62,11 +61,16 @@ impl Mvc {
             // 0 is none on the wire.
             behavior: re.behavior.filter(|id| id.get() != 0),
             status,
-            text: Text::cleaned(text),
+            text: Text::cleaned(clipped(text)),
         };
         match delay {
             None => self.send(now, re.client, message.into()),
             Some(delay) => self.faults.delay(now + delay, re.client, message),
         }
     }
+}
+
+fn clipped(text: &str) -> &str {
+    let end = text.char_indices().nth(TEXT_MAX).map_or(text.len(), |(at, _)| at);
+    text.get(..end).unwrap_or(text)
 }

@@ -39,6 +39,17 @@ pub enum MvcEventKind {
     Connected(ClientId),
     /// A client is gone.
     Disconnected(ClientId),
+    /// A client was given a role (SPI 4.1).
+    RoleGiven(ClientId, Box<str>),
+    /// A role is free again.
+    RoleReleased(ClientId, Box<str>),
+    /// A command message was for a role that nobody holds.
+    NobodyHolds {
+        /// The role.
+        role: Box<str>,
+        /// The message's name.
+        message: Box<str>,
+    },
     /// The server cut a client off.
     Dropped(ClientId, DropReason),
     /// A client switched a status message on or off.
@@ -142,6 +153,10 @@ pub enum DropReason {
     Backlog,
     /// Too many clients are connected.
     TooMany,
+    /// Each role that it could have is held by another client.
+    RoleHeld,
+    /// No role is meant for its address.
+    NoRole,
     /// The payload has no power.
     PowerOff,
 }
@@ -335,6 +350,9 @@ impl fmt::Display for MvcEventKind {
         match self {
             Self::Connected(client) => write!(f, "{client} connected"),
             Self::Disconnected(client) => write!(f, "{client} disconnected"),
+            Self::RoleGiven(client, role) => write!(f, "{client} has the role {role}"),
+            Self::RoleReleased(client, role) => write!(f, "the role {role} of {client} is free"),
+            Self::NobodyHolds { role, message } => write!(f, "{message} is for {role} and nobody holds that role"),
             Self::Dropped(client, reason) => write!(f, "{client} cut off: {reason}"),
             Self::Subscribed { client, message, on } => {
                 write!(f, "{client} switched {message} {}", if *on { "on" } else { "off" })
@@ -397,6 +415,8 @@ impl fmt::Display for DropReason {
         f.write_str(match self {
             Self::Backlog => "it does not fetch what is due to it",
             Self::TooMany => "too many clients",
+            Self::RoleHeld => "another client holds its role",
+            Self::NoRole => "no role is meant for its address",
             Self::PowerOff => "the payload has no power",
         })
     }

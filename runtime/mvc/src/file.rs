@@ -8,8 +8,10 @@ mod faults;
 mod hovering;
 mod interpretation;
 mod mission;
+mod mission_command;
 mod plan;
 mod power;
+mod roles;
 mod sensors;
 mod silence;
 mod spi;
@@ -33,8 +35,10 @@ pub use interpretation::{
     InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyFins, UnackedFrames,
 };
 pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
+pub use mission_command::MissionCommandConfig;
 pub use plan::{PlaceConfig, PlanEntry, PlanKind};
 pub use power::PowerConfig;
+pub use roles::{RoleConfig, RoleError, WithoutRole};
 pub(crate) use sensors::COMPASSES_MAX;
 pub use sensors::{
     CompassConfig, DepthSensorConfig, DvlConfig, FixConfig, GpsConfig, ImuConfig, InsConfig, SensorConfig, SoundConfig,

@@ -2,7 +2,7 @@
 //!
 //! Sans-IO: [`Mvc`] reads no clock and no socket. A driver calls, in this order:
 //!
-//! 1. an input: [`Mvc::connect`], [`Mvc::disconnect`], [`Mvc::receive`] or [`Mvc::handle_timeout`], each with the time
+//! 1. an input: [`Mvc::connect_from`], [`Mvc::disconnect`], [`Mvc::receive`] or [`Mvc::handle_timeout`], each with the time
 //!    of now, which never goes back;
 //! 2. then [`Mvc::poll_transmit`], [`Mvc::poll_disconnect`] and [`Mvc::poll_event`], each until it has no more;
 //! 3. then [`Mvc::poll_timeout`], which says when to call `handle_timeout`.
@@ -36,6 +36,7 @@ mod hull;
 mod insert;
 mod interpretation;
 mod link;
+mod mission_commands;
 mod mission_event;
 mod modify;
 mod mvc;
@@ -69,10 +70,11 @@ pub use file::{
     AfterSuspension, CancelAllScope, Choice, CompassConfig, ContourExpectation, ControlWindow, DepthSensorConfig,
     DirectionName, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry, FaultFile, FaultName, FixConfig, GpsConfig,
     HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig, InsertPlace, InsertsAfterControl,
-    InterpretationConfig, Interruption, LineFault, MaximumExpectation, MissionConfig, ModifyBeyond, ModifyFins,
-    ModifyLimit, PeerConfig, PeerPacket, PlaceConfig, PlanEntry, PlanKind, PowerConfig, Profile, SensorConfig,
-    SensorName, ShipConfig, ShipSide, SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig,
-    TelemetryConfig, TopsideConfig, TopsideEntry, UnackedFrames, VehicleConfig, WithoutLock, WorldFile, WrapUp,
+    InterpretationConfig, Interruption, LineFault, MaximumExpectation, MissionCommandConfig, MissionConfig,
+    ModifyBeyond, ModifyFins, ModifyLimit, PeerConfig, PeerPacket, PlaceConfig, PlanEntry, PlanKind, PowerConfig,
+    Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SilenceConfig, SoundConfig,
+    SpiConfig, StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig, TopsideEntry, UnackedFrames,
+    VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
 };
 pub use hovering::{HoveringEvent, SuspensionEnd};
 pub use hull::{Hull, HullClass};

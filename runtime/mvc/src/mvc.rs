@@ -1,5 +1,6 @@
 use core::time::Duration;
 use std::collections::VecDeque;
+use std::net::SocketAddr;
 
 use backseat_spi::{
     BackseatControl, BehaviorBegin, BehaviorEnd, FromVehicle, LoggingBegin, LoggingEnd, MissionCommand, MissionStatus,
@@ -18,6 +19,7 @@ use crate::faults::Faults;
 use crate::file::{AcknowledgeConfig, Profile, WorldFile};
 use crate::hovering::Hovering;
 use crate::interpretation::Interpretation;
+use crate::mission_commands::MissionCommands;
 use crate::mission_event::{MissionEvent, Told};
 use crate::power::Power;
 use crate::requests::Pending;
@@ -60,6 +62,7 @@ pub struct Mvc {
     pub(crate) hovering: Hovering,
     pub(crate) faults: Faults,
     pub(crate) empty_allowed: bool,
+    pub(crate) mission_commands: MissionCommands,
     utc_at_start: Utc,
     version: Text,
     dive_file: Text,
@@ -100,7 +103,7 @@ impl Mvc {
         Ok(Self {
             vehicle,
             executive: Executive::new(plan, &file.mission, &file.vehicle, interpretation, period),
-            server: Server::new(file.spi.clients_max),
+            server: Server::new(&file.spi),
             interpretation,
             pending: VecDeque::new(),
             pending_s: file.spi.pending_s,
@@ -119,6 +122,7 @@ impl Mvc {
             hovering,
             faults: Faults::new(&file.faults)?,
             empty_allowed: file.mission.empty_allowed,
+            mission_commands: MissionCommands::new(&file.mission.commands),
             utc_at_start: file.start.utc,
             version: Text::cleaned(&file.spi.version),
             dive_file: Text::cleaned(&file.mission.dive_file),
@@ -153,13 +157,20 @@ impl Mvc {
         &self.interpretation
     }
 
-    /// A client has connected: it is told the interface version (SPI 5.7).
-    ///
-    /// Where the identifier is known already, the old connection is forgotten. Where there is no room or no power,
-    /// [`Mvc::poll_disconnect`] says so.
+    /// A client has connected from an address that is not known, as one in the same process: it holds no role.
+    /// Otherwise as [`Mvc::connect_from`].
     pub fn connect(&mut self, now: Timestamp, client: ClientId) {
+        self.connect_from(now, client, None);
+    }
+
+    /// A client has connected: it is given the role that is meant for its address (SPI 4.1), and told the interface
+    /// version (SPI 5.7).
+    ///
+    /// Where the identifier is known already, the old connection is forgotten. Where there is no room, no role or no
+    /// power, [`Mvc::poll_disconnect`] says so.
+    pub fn connect_from(&mut self, now: Timestamp, client: ClientId, address: Option<SocketAddr>) {
         self.handle_timeout(now);
-        self.mute(client);
+        self.forget(now, client);
         if !self.power.is_on() {
             self.server.cut_off(client, DropReason::PowerOff);
             self.settle(now);
@@ -169,8 +180,11 @@ impl Mvc {
             Profile::Spec => 0,
             Profile::Field => Topic::Control.bit() | Topic::Mission.bit(),
         };
-        if self.server.connect(client, topics) {
+        if self.server.connect(client, address, topics) {
             self.note(now, MvcEventKind::Connected(client));
+            if let Some(role) = self.server.role_of(client).map(Box::from) {
+                self.note(now, MvcEventKind::RoleGiven(client, role));
+            }
             let created = self.stamp(now);
             self.send(
                 now,
@@ -189,10 +203,23 @@ impl Mvc {
     /// of the vehicle stands: inserts are flown, a modify lapses by the vehicle's clock.
     pub fn disconnect(&mut self, now: Timestamp, client: ClientId) {
         self.handle_timeout(now);
+        self.forget(now, client);
+    }
+
+    fn forget(&mut self, now: Timestamp, client: ClientId) {
         self.mute(client);
-        if self.server.disconnect(client) {
+        if let Some(role) = self.server.disconnect(client) {
             self.note(now, MvcEventKind::Disconnected(client));
+            if let Some(role) = role {
+                self.note(now, MvcEventKind::RoleReleased(client, role));
+            }
         }
+    }
+
+    /// The role that a client holds (SPI 4.1).
+    #[must_use]
+    pub fn role(&self, client: ClientId) -> Option<&str> {
+        self.server.role_of(client)
     }
 
     /// Bytes from a client, as they came: any number of sentences, the last perhaps cut.
@@ -371,6 +398,7 @@ impl Mvc {
         self.tick_topside(now);
         self.tick_acoustic(now);
         self.tick_hovering(now);
+        self.tick_mission_commands(now);
         self.settle(now);
     }
 
@@ -385,9 +413,12 @@ impl Mvc {
             // Nothing above asks the executive for more: its log is still empty, and keeps its room this way.
             self.executive.log = log;
         }
-        while let Some((client, reason)) = self.server.dropped.pop_front() {
+        while let Some((client, reason, role)) = self.server.dropped.pop_front() {
             self.mute(client);
             self.note(now, MvcEventKind::Dropped(client, reason));
+            if let Some(role) = role {
+                self.note(now, MvcEventKind::RoleReleased(client, role));
+            }
         }
     }
 
@@ -494,12 +525,6 @@ impl Mvc {
         if let Err(name) = self.server.publish(topic, message) {
             self.note(now, MvcEventKind::NotEncoded(name));
         }
-    }
-
-    /// Sends a command message (SPI 5) to the payload with a role (SPI 4.1), or to all. Roles are not told apart yet:
-    /// it goes to all.
-    pub(crate) fn command_client(&mut self, now: Timestamp, _role: Option<&str>, message: &FromVehicle) {
-        self.publish(now, None, message);
     }
 
     pub(crate) fn note(&mut self, at: Timestamp, kind: MvcEventKind) {

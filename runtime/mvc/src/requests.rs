@@ -10,8 +10,9 @@ use crate::file::AcknowledgeConfig;
 use crate::insert::Insert;
 use crate::mvc::Mvc;
 
-/// How many requests may be pending at once.
-const PENDING_MAX: usize = 256;
+/// How many requests may be pending at once, of all clients and of one: no client takes the others' room.
+const PENDING_MAX: usize = 1024;
+const PENDING_EACH_MAX: usize = 64;
 
 /// A request whose outcome is still to be told (SPI 4.4).
 #[derive(Clone, Debug)]
@@ -70,7 +71,8 @@ impl Mvc {
     }
 
     pub(crate) fn begin_pending(&mut self, now: Timestamp, re: Regarding, work: Work) {
-        if self.pending.len() >= PENDING_MAX {
+        let own = self.pending.iter().filter(|pending| pending.re.client == re.client);
+        if self.pending.len() >= PENDING_MAX || own.count() >= PENDING_EACH_MAX {
             self.acknowledge(now, re, AckStatus::Failed, "too many requests are pending");
             return;
         }

@@ -1,80 +1,21 @@
+//! The server's table of clients: who is connected, what each has switched on, what is due to it.
+
+mod roles;
+mod topics;
+
 use std::collections::VecDeque;
+use std::net::SocketAddr;
 
 use backseat_spi::{CommandName, Framer, FromVehicle, Policy, Sentence, Text, ToVehicle};
 
+pub(crate) use topics::{Named, Topic, named};
+
 use crate::event::{ClientId, DropReason};
+use crate::file::SpiConfig;
+use crate::server::roles::{Roles, Seat};
 
 /// How much may wait for a client, bytes: a long plan fits twice, a client that never reads is cut off.
 const BACKLOG_MAX: usize = 4 << 20;
-
-/// The names of the status messages in BPLOG, in the order of [`Topic`]. What this vehicle has no sensor for can be
-/// switched on and never comes, as on a vehicle without the sensor.
-const TOPICS: [&str; 27] = [
-    "NVG", "NVR", "MBS", "MBE", "MIS", "CTL", "ACK", "CTD", "PLN", "TEL", "SVS", "RCM", "RDP", "RVL", "RBS", "ERC",
-    "DVL", "DV2", "IMU", "RNV", "PIT", "CNV", "TRM", "BOY", "CMA", "CPS", "CPR",
-];
-
-/// The command messages (SPI 5), which are always on.
-const ALWAYS_ON: [&str; 7] = ["MSC", "SHT", "BDL", "SDL", "TOP", "DVT", "VER"];
-
-/// A status message that a payload can switch on (SPI 6, 9), a bit each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Topic {
-    Navigation,
-    Velocity,
-    BehaviorBegin,
-    BehaviorEnd,
-    Mission,
-    Control,
-    Acknowledgement,
-    Ctd,
-    Plan,
-    Telemetry,
-    SoundVelocity,
-    Compass,
-    DepthSensor,
-    VehicleSpeed,
-    Battery,
-    ElevatorRudder,
-    Dvl,
-    DvlExtended,
-    Imu,
-    RelativeNavigation,
-    PitchServo,
-    CartesianNavigation,
-    Trim,
-    Buoyancy,
-    MediumAccess,
-    PacketSent,
-    PacketReceived,
-}
-
-impl Topic {
-    pub(crate) const fn bit(self) -> u32 {
-        1 << self as u32
-    }
-}
-
-const ALL: u32 = ((1 << TOPICS.len()) - 1) & !Topic::Acknowledgement.bit();
-
-/// What BPLOG's first field names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Named {
-    Topics(u32),
-    AlwaysOn,
-    Unknown,
-}
-
-pub(crate) fn named(message: &str) -> Named {
-    if message == "ALL" {
-        return Named::Topics(ALL);
-    }
-    match TOPICS.iter().position(|name| *name == message) {
-        Some(bit) => Named::Topics(1 << bit),
-        None if ALWAYS_ON.contains(&message) => Named::AlwaysOn,
-        None => Named::Unknown,
-    }
-}
 
 /// What came from a client.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,6 +30,8 @@ struct Client {
     id: ClientId,
     framer: Framer,
     topics: u32,
+    /// Which of the server's roles it holds.
+    role: Option<usize>,
     out: Vec<u8>,
 }
 
@@ -97,60 +40,87 @@ struct Client {
 pub(crate) struct Server {
     clients: Vec<Client>,
     clients_max: usize,
+    roles: Roles,
     /// Clients that the server has cut off and the driver has not yet heard of.
     gone: VecDeque<ClientId>,
-    /// What the server has cut off since last asked, and why.
-    pub(crate) dropped: VecDeque<(ClientId, DropReason)>,
+    /// What the server has cut off since last asked, why, and the role that is free by that.
+    pub(crate) dropped: VecDeque<(ClientId, DropReason, Option<Box<str>>)>,
     /// All that any client has switched on.
     topics: u32,
+    /// Where the next look for something to send begins, so that each client has its turn.
+    turn: usize,
     scratch: Vec<u8>,
 }
 
 impl Server {
-    pub(crate) fn new(clients_max: u32) -> Self {
+    pub(crate) fn new(config: &SpiConfig) -> Self {
         Self {
             clients: Vec::new(),
-            clients_max: clients_max as usize,
+            clients_max: config.clients_max as usize,
+            roles: Roles::new(config),
             gone: VecDeque::new(),
             dropped: VecDeque::new(),
             topics: 0,
+            turn: 0,
             scratch: Vec::with_capacity(512),
         }
     }
 
-    /// Adds a client; false where there is no room, and the client is cut off.
-    pub(crate) fn connect(&mut self, id: ClientId, topics: u32) -> bool {
+    /// Adds a client; false where there is no room or no role for it, and it is cut off.
+    pub(crate) fn connect(&mut self, id: ClientId, address: Option<SocketAddr>, topics: u32) -> bool {
         self.disconnect(id);
         self.gone.retain(|gone| *gone != id);
         if self.clients.len() >= self.clients_max {
             self.cut_off(id, DropReason::TooMany);
             return false;
         }
+        let held = |role: usize| self.clients.iter().any(|client| client.role == Some(role));
+        let role = match self.roles.seat(address, held) {
+            Seat::Role(role) => Some(role),
+            Seat::Stranger => None,
+            Seat::Refused(reason) => {
+                self.cut_off(id, reason);
+                return false;
+            }
+        };
         self.clients.push(Client {
             id,
             framer: Framer::new(Policy::FromPayload),
             topics,
+            role,
             out: Vec::new(),
         });
         self.topics |= topics;
         true
     }
 
-    /// Forgets a client; false where it was not known.
-    pub(crate) fn disconnect(&mut self, id: ClientId) -> bool {
-        let before = self.clients.len();
-        self.clients.retain(|client| client.id != id);
+    /// The role that a client holds.
+    pub(crate) fn role_of(&self, id: ClientId) -> Option<&str> {
+        let client = self.clients.iter().find(|client| client.id == id)?;
+        self.roles.name(client.role?)
+    }
+
+    /// The client that holds a role.
+    pub(crate) fn holder(&self, role: &str) -> Option<ClientId> {
+        let holds = |client: &&Client| client.role.and_then(|held| self.roles.name(held)) == Some(role);
+        self.clients.iter().find(holds).map(|client| client.id)
+    }
+
+    /// Forgets a client, and gives the role that is free by that; none where the client was not known.
+    pub(crate) fn disconnect(&mut self, id: ClientId) -> Option<Option<Box<str>>> {
+        let at = self.clients.iter().position(|client| client.id == id)?;
+        let client = self.clients.remove(at);
         self.topics = self.clients.iter().fold(0, |topics, client| topics | client.topics);
-        self.clients.len() != before
+        Some(client.role.and_then(|role| self.roles.name(role)).map(Box::from))
     }
 
     pub(crate) fn cut_off(&mut self, id: ClientId, reason: DropReason) {
-        self.disconnect(id);
+        let role = self.disconnect(id).flatten();
         // A driver that never asks must not make this grow.
         if self.gone.len() < 1024 {
             self.gone.push_back(id);
         }
-        self.dropped.push_back((id, reason));
+        self.dropped.push_back((id, reason, role));
     }
 
     pub(crate) fn cut_off_all(&mut self, reason: DropReason) {
@@ -225,17 +195,16 @@ impl Server {
         message
             .encode(&mut self.scratch)
             .map_err(|_| Box::from(message.name()))?;
-        let mut full = None;
+        let mut full = Vec::new();
         for client in &mut self.clients {
             if topic.is_none_or(|topic| client.topics & topic.bit() != 0) {
                 client.out.extend_from_slice(&self.scratch);
                 if client.out.len() > BACKLOG_MAX {
-                    full = Some(client.id);
+                    full.push(client.id);
                 }
             }
         }
-        // Another one that is full is found at its next message.
-        if let Some(id) = full {
+        for id in full {
             self.cut_off(id, DropReason::Backlog);
         }
         Ok(())
@@ -243,10 +212,17 @@ impl Server {
 
     /// One write: all that is due to one client. Its buffer is swapped, so that neither is allocated anew.
     pub(crate) fn poll_transmit(&mut self, out: &mut Vec<u8>) -> Option<ClientId> {
-        let client = self.clients.iter_mut().find(|client| !client.out.is_empty())?;
-        out.clear();
-        core::mem::swap(out, &mut client.out);
-        Some(client.id)
+        let count = self.clients.len();
+        for step in 0..count {
+            let at = (self.turn + step) % count;
+            if let Some(client) = self.clients.get_mut(at).filter(|client| !client.out.is_empty()) {
+                self.turn = at + 1;
+                out.clear();
+                core::mem::swap(out, &mut client.out);
+                return Some(client.id);
+            }
+        }
+        None
     }
 
     fn client(&mut self, id: ClientId) -> Option<&mut Client> {

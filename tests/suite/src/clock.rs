@@ -28,3 +28,21 @@ pub fn eventually<T>(within: Duration, mut look: impl FnMut() -> Option<T>, fail
 pub fn settle(duration: Duration) {
     sleep(duration);
 }
+
+/// Real time since it was started.
+#[derive(Clone, Copy, Debug)]
+pub struct Stopwatch(Instant);
+
+impl Stopwatch {
+    /// From now on.
+    #[must_use]
+    pub fn start() -> Self {
+        Self(Instant::now())
+    }
+
+    /// The time since the start.
+    #[must_use]
+    pub fn elapsed(&self) -> Duration {
+        self.0.elapsed()
+    }
+}

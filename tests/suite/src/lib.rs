@@ -21,7 +21,7 @@ mod process;
 mod program;
 mod vehicle;
 
-pub use clock::{eventually, settle};
+pub use clock::{Stopwatch, eventually, settle};
 pub use mission::Mission;
 pub use process::Process;
 pub use program::{Backseat, Finished};

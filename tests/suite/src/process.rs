@@ -88,6 +88,21 @@ impl Process {
         )
     }
 
+    /// The memory that it holds, KiB.
+    ///
+    /// # Panics
+    /// Where it has ended, or where there is no /proc.
+    #[must_use]
+    pub fn memory_kib(&self) -> u64 {
+        let path = format!("/proc/{}/status", self.child.id());
+        let status = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+        let number = line.and_then(|line| line.split_whitespace().next());
+        number
+            .and_then(|number| number.parse().ok())
+            .expect("the kernel tells it")
+    }
+
     /// Sends it a signal.
     ///
     /// # Panics

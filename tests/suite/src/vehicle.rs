@@ -101,11 +101,18 @@ impl Vehicle {
     /// Starts it on this address.
     #[must_use]
     pub fn start_at(mission: &Mission, address: &str) -> Self {
+        Self::start_with(mission, address, &[])
+    }
+
+    /// Starts it on this address, with these flags.
+    #[must_use]
+    pub fn start_with(mission: &Mission, address: &str, flags: &[&str]) -> Self {
         let count = fs::read_dir(mission.beside("")).map_or(0, Iterator::count);
         let log = mission.beside(&format!("vehicle-{count}.log"));
         let process = Backseat::new()
             .args(["mvc", "--listen", address, "--log"])
             .arg(&log)
+            .args(flags.iter().copied())
             .mission(mission)
             .spawn();
         let line = process.says("listening on ", STARTS_WITHIN);

@@ -2,6 +2,7 @@ use backseat_world::Span;
 use serde::Deserialize;
 
 use crate::error::{MvcError, check};
+use crate::file::MissionCommandConfig;
 
 /// The `[mission]` section: how the mission starts, ends, and bounds what a payload may do.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -38,6 +39,8 @@ pub struct MissionConfig {
     /// The payload's power goes off this long after the start of the run, seconds, 60 or more: BFSHT comes 60 s
     /// before (SPI 5.2), and at the end every client is cut off. None leaves it on.
     pub shutdown_after_s: Option<f64>,
+    /// What the mission tells payloads on its way (SPI 5.1), at most 1000.
+    pub commands: Vec<MissionCommandConfig>,
 }
 
 /// What the vehicle does after the last element of its plan.
@@ -90,6 +93,7 @@ impl Default for MissionConfig {
             gps_within_s: 600.0,
             empty_allowed: false,
             shutdown_after_s: None,
+            commands: Vec::new(),
         }
     }
 }
@@ -134,6 +138,16 @@ impl MissionConfig {
                     "1 (shutdown_after_s: 60) to 1e7",
                 )?;
             }
+        }
+        let commands = self.commands.len();
+        check(
+            commands <= 1000,
+            "mission.commands",
+            commands as f64,
+            "at most 1000 entries",
+        )?;
+        for command in &self.commands {
+            command.validate()?;
         }
         for (key, value) in [
             ("mission.dive_file", &self.dive_file),

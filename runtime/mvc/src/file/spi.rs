@@ -2,6 +2,7 @@ use backseat_world::Span;
 use serde::Deserialize;
 
 use crate::error::{MvcError, check};
+use crate::file::{RoleConfig, WithoutRole};
 
 /// The `[spi]` section: the server that payloads talk to.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -15,8 +16,12 @@ pub struct SpiConfig {
     pub acknowledge: AcknowledgeConfig,
     /// How long such a request stays pending, seconds, drawn for each, at most 2 (SPI 4.4).
     pub pending_s: Span,
-    /// How many clients may be connected at once, 1 to 64.
+    /// How many clients may be connected at once, 1 to 256.
     pub clients_max: u32,
+    /// The roles that clients hold by the address that they connect from (SPI 4.1), at most 256; none knows no roles.
+    pub roles: Vec<RoleConfig>,
+    /// What becomes of a client that no role fits, where there are roles.
+    pub without_role: WithoutRole,
 }
 
 /// What a new client is sent unasked.
@@ -48,7 +53,9 @@ impl Default for SpiConfig {
             profile: Profile::Spec,
             acknowledge: AcknowledgeConfig::Pending,
             pending_s: Span::between(0.1, 1.5),
-            clients_max: 8,
+            clients_max: 16,
+            roles: Vec::new(),
+            without_role: WithoutRole::Refuse,
         }
     }
 }
@@ -61,11 +68,16 @@ impl SpiConfig {
         check(most <= 1.9, "spi.pending_s", most, "0 to 1.9 s")?;
         let clients = self.clients_max;
         check(
-            (1..=64).contains(&clients),
+            (1..=256).contains(&clients),
             "spi.clients_max",
             f64::from(clients),
-            "1 to 64",
+            "1 to 256",
         )?;
+        let roles = self.roles.len();
+        check(roles <= 256, "spi.roles", roles as f64, "at most 256 entries")?;
+        for role in &self.roles {
+            role.validate()?;
+        }
         if backseat_spi::Text::new(&self.version).is_err() || self.version.len() > 40 {
             let expected = "at most 40 printable ascii characters without comma, asterisk and dollar";
             return Err(MvcError::Value {

@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::net::SocketAddr;
 use std::time::Duration;
 
 use backseat_mvc::{Activity, ClientId, Mvc, MvcEvent, Truth, WorldFile};
@@ -19,8 +20,11 @@ pub(crate) const ME: ClientId = ClientId(1);
 
 impl Payload {
     pub(crate) fn new(text: &str, seed: u64) -> Self {
-        let file = WorldFile::from_toml(text).expect("the test's file is right");
-        let mvc = Mvc::new(&file, seed).expect("the test's world is possible");
+        Self::of(&WorldFile::from_toml(text).expect("the test's file is right"), seed)
+    }
+
+    pub(crate) fn of(file: &WorldFile, seed: u64) -> Self {
+        let mvc = Mvc::new(file, seed).expect("the test's world is possible");
         Self {
             mvc,
             now: Timestamp::ZERO,
@@ -43,7 +47,11 @@ impl Payload {
     }
 
     pub(crate) fn connect(&mut self, client: ClientId) {
-        self.mvc.connect(self.now, client);
+        self.connect_from(client, None);
+    }
+
+    pub(crate) fn connect_from(&mut self, client: ClientId, address: Option<SocketAddr>) {
+        self.mvc.connect_from(self.now, client, address);
         self.drain();
     }
 

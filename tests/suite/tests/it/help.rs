@@ -25,7 +25,19 @@ fn every_command_explains_its_flags() {
             ["--seed", "--log", "--map", "--speed", "--json", "--plugins"].as_slice(),
         ),
         ("run", &["--connect", "--arm", "--log", "--state", "--first-identifier"]),
-        ("mvc", &["--listen", "--speed", "--profile", "--log"]),
+        (
+            "mvc",
+            &[
+                "--listen",
+                "--speed",
+                "--profile",
+                "--iprole",
+                "--faults",
+                "--seed",
+                "--log",
+                "--duration",
+            ],
+        ),
         ("check", &["--resolved", "--set"]),
     ] {
         let help = Backseat::new().args([command, "--help"]).run().exit(0);

@@ -5,6 +5,7 @@ mod faults;
 mod fence;
 mod help;
 mod identifiers;
+mod mvc;
 mod operator;
 mod refusals;
 mod session;

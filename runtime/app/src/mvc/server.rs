@@ -1,0 +1,414 @@
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use backseat_mvc::{ClientId, Direction, LinkFaults};
+use backseat_units::Timestamp;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::mpsc;
+
+use crate::cli::{Mvc, Speed};
+use crate::clock::Clock;
+use crate::mvc::connection::{Connection, Heard};
+use crate::mvc::log::Log;
+use crate::mvc::status::Status;
+
+/// What may wait for one client, bytes, before it is cut off: it is too slow, and nobody else waits for it.
+const WAITING_MAX: usize = 1 << 20;
+/// As fast as it goes is as fast as its clients read: the vehicle waits where so much waits for one of them, bytes, and
+/// cuts off one that reads nothing for so long.
+const WAITING_AT_MAX_SPEED: usize = 1 << 16;
+const STALL_MAX: Duration = Duration::from_secs(2);
+/// Steps that are late are taken for so long at once before clients are heard.
+const STEPS_FOR: Duration = Duration::from_millis(5);
+/// How much of the log a killed process can cost, real time.
+const FLUSH_EVERY: Duration = Duration::from_millis(200);
+/// At the end clients are given this long to take what is due to them.
+const FAREWELL: Duration = Duration::from_secs(1);
+/// After a client could not be accepted, as where there are no more file descriptors.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
+
+struct Server {
+    vehicle: backseat_mvc::Mvc,
+    faults: LinkFaults,
+    clock: Clock,
+    speed: Speed,
+    /// The vehicle's time, which never goes back.
+    at: Timestamp,
+    end: Option<Timestamp>,
+    connections: BTreeMap<ClientId, Connection>,
+    heard: mpsc::UnboundedSender<Heard>,
+    clients: u32,
+    log: Option<Log>,
+    status: Status,
+    scratch: Vec<u8>,
+    flush_at: Duration,
+    accept_at: Duration,
+    sentences: (u64, u64),
+}
+
+/// Serves until a signal or the end of the wanted duration.
+pub(crate) async fn serve(
+    arguments: &Mvc,
+    vehicle: backseat_mvc::Mvc,
+    faults: LinkFaults,
+    log: Option<Log>,
+) -> Result<()> {
+    let listener = match TcpListener::bind(&arguments.listen).await {
+        Ok(listener) => listener,
+        Err(error) if error.kind() == std::io::ErrorKind::AddrInUse => {
+            bail!(
+                "{} is in use: stop what listens there, or choose another with --listen",
+                arguments.listen
+            )
+        }
+        Err(error) => return Err(error).with_context(|| format!("cannot listen on {}", arguments.listen)),
+    };
+    let (heard_by, mut heard) = mpsc::unbounded_channel();
+    let mut server = Server {
+        vehicle,
+        faults,
+        clock: Clock::start(),
+        speed: arguments.speed,
+        at: Timestamp::ZERO,
+        end: arguments
+            .duration
+            .map(|seconds| Timestamp::ZERO + Duration::from_secs_f64(seconds)),
+        connections: BTreeMap::new(),
+        heard: heard_by,
+        clients: 0,
+        log,
+        status: Status::new(),
+        scratch: Vec::new(),
+        flush_at: Duration::ZERO,
+        accept_at: Duration::ZERO,
+        sentences: (0, 0),
+    };
+    server
+        .status
+        .say(Duration::ZERO, &format!("listening on {}", listener.local_addr()?));
+    let mut terminate = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate())?;
+    let mut interrupt = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::interrupt())?;
+    while !server.ended() {
+        // The vehicle first, whatever its clients do; each of them has at most one read waiting here.
+        server.step();
+        while let Ok(what) = heard.try_recv() {
+            server.hear(what);
+            server.step();
+        }
+        server.play_faults();
+        server.look_after();
+        tokio::select! {
+            biased;
+            _ = interrupt.recv() => break,
+            _ = terminate.recv() => break,
+            accepted = listener.accept(), if server.clock.elapsed() >= server.accept_at => match accepted {
+                Ok((stream, address)) => server.welcome(stream, address),
+                Err(error) => server.not_accepted(&error),
+            },
+            Some(what) = heard.recv() => server.hear(what),
+            () = server.wait() => {}
+        }
+    }
+    server.say_farewell(&mut heard).await;
+    server.finish()
+}
+
+impl Server {
+    /// The vehicle's time, which is never past a step that is still to be taken.
+    fn now(&mut self) -> Timestamp {
+        let now = match self.speed {
+            Speed::Times(times) => Timestamp::ZERO + self.clock.elapsed().mul_f64(times),
+            Speed::Max => self.at,
+        };
+        let due = self.vehicle.poll_timeout().unwrap_or(now);
+        let now = self.end.map_or(now, |end| now.min(end));
+        self.at = self.at.max(now.min(due));
+        self.at
+    }
+
+    fn ended(&self) -> bool {
+        self.end.is_some_and(|end| self.at >= end)
+    }
+
+    /// Until there is something to do.
+    async fn wait(&self) {
+        let soon = self.clock.now() + Duration::from_millis(100);
+        match (self.vehicle.poll_timeout(), self.speed) {
+            (Some(_), Speed::Max) if !self.held() => tokio::task::yield_now().await,
+            (Some(due), Speed::Times(times)) => {
+                let due = self.arrives().map_or(due, |arrives| due.min(arrives));
+                let real = Timestamp::ZERO + Duration::from_nanos(due.as_nanos()).div_f64(times);
+                tokio::time::sleep_until(self.clock.instant(real.min(soon))).await;
+            }
+            (_, Speed::Max) | (None, Speed::Times(_)) => {
+                tokio::time::sleep_until(self.clock.instant(soon)).await;
+            }
+        }
+    }
+
+    /// Whether the vehicle waits for a client to read.
+    fn held(&self) -> bool {
+        self.speed == Speed::Max
+            && self
+                .connections
+                .values()
+                .any(|connection| connection.waiting() > WAITING_AT_MAX_SPEED)
+    }
+
+    /// Takes the steps that are due, each at its own time, so that a late wake-up changes nothing.
+    fn step(&mut self) {
+        let until = self.clock.elapsed() + STEPS_FOR;
+        while !self.ended() && !self.held() {
+            let Some(due) = self.vehicle.poll_timeout() else { return };
+            if self.speed == Speed::Max {
+                self.at = self.at.max(self.end.map_or(due, |end| due.min(end)));
+            }
+            if due > self.now() {
+                return;
+            }
+            self.vehicle.handle_timeout(due);
+            self.collect(due);
+            self.play_faults();
+            self.flush();
+            if self.clock.elapsed() >= until {
+                return;
+            }
+        }
+    }
+
+    fn welcome(&mut self, stream: TcpStream, address: SocketAddr) {
+        self.clients = self.clients.wrapping_add(1);
+        let client = ClientId(self.clients);
+        let now = self.now();
+        self.tell(now, &format!("{client} is {address}"));
+        match Connection::open(client, stream, self.heard.clone(), self.clock) {
+            Ok(mut connection) => {
+                if self.faults.refuses(now, client, None) {
+                    connection.reset();
+                    self.tell(now, &format!("{client} is refused by a fault"));
+                    return;
+                }
+                self.vehicle.connect_from(now, client, Some(address));
+                let role = self.vehicle.role(client);
+                if !self.faults.is_empty() {
+                    let to = self.faults.link(now, client, role, Direction::ToVehicle);
+                    let from = self.faults.link(now, client, role, Direction::FromVehicle);
+                    connection.faults = Some(Box::new((to, from)));
+                }
+                let refused = role.is_some() && self.faults.refuses(now, client, role);
+                self.connections.insert(client, connection);
+                if refused {
+                    self.cut(now, client);
+                }
+                self.collect(now);
+                self.flush();
+            }
+            Err(error) => self.tell(now, &format!("{client} is gone: {error}")),
+        }
+    }
+
+    fn not_accepted(&mut self, error: &std::io::Error) {
+        self.accept_at = self.clock.elapsed() + ACCEPT_PAUSE;
+        let now = self.now();
+        self.tell(now, &format!("a client could not be accepted: {error}"));
+    }
+
+    fn hear(&mut self, what: Heard) {
+        let now = self.now();
+        match what {
+            // The permit falls at the end: the client's next read may come.
+            Heard::Bytes(client, bytes, _permit) => {
+                let connection = self.connections.get_mut(&client);
+                let passed = match connection.and_then(|connection| connection.faults.as_mut()) {
+                    Some(faults) => faults.0.pass(now, &bytes),
+                    None => Some(&*bytes),
+                };
+                self.receive(now, client, passed.unwrap_or_default());
+            }
+            Heard::Writable(client) => {
+                if let Some(connection) = self.connections.get_mut(&client) {
+                    connection.writable();
+                }
+            }
+            Heard::Gone(client) => self.close(now, client),
+        }
+        self.collect(now);
+        self.flush();
+    }
+
+    /// Line by line, so that the log has each answer after what it answers.
+    fn receive(&mut self, now: Timestamp, client: ClientId, bytes: &[u8]) {
+        let Some(connection) = self.connections.get_mut(&client) else {
+            return;
+        };
+        let mut cutter = std::mem::take(&mut connection.cutter);
+        cutter.cut(bytes, |line| {
+            if !self.connections.contains_key(&client) {
+                return;
+            }
+            if let Some(log) = &mut self.log {
+                log.received(now, client, line);
+            }
+            self.sentences.0 += 1;
+            self.status.command(client, line);
+            self.vehicle.receive(now, client, line);
+            self.collect(now);
+        });
+        if let Some(connection) = self.connections.get_mut(&client) {
+            connection.cutter = cutter;
+        }
+    }
+
+    /// Lets arrive what links with faults have held back, and resets those that are cut.
+    fn play_faults(&mut self) {
+        if self.faults.is_empty() {
+            return;
+        }
+        let now = self.now();
+        let clients: Vec<ClientId> = self.connections.keys().copied().collect();
+        for client in clients {
+            match self
+                .connections
+                .get_mut(&client)
+                .map(|connection| connection.arrived(now))
+            {
+                Some(Some(bytes)) if !bytes.is_empty() => self.receive(now, client, &bytes),
+                Some(None) => self.cut(now, client),
+                Some(Some(_)) | None => {}
+            }
+        }
+        self.flush();
+    }
+
+    /// When the next link with a fault has something.
+    fn arrives(&self) -> Option<Timestamp> {
+        self.connections.values().filter_map(Connection::arrives).min()
+    }
+
+    fn cut(&mut self, now: Timestamp, client: ClientId) {
+        if let Some(connection) = self.connections.get_mut(&client) {
+            connection.reset();
+        }
+        self.tell(now, &format!("{client} is cut off by a fault"));
+        self.close(now, client);
+    }
+
+    fn close(&mut self, now: Timestamp, client: ClientId) {
+        let Some(connection) = self.connections.remove(&client) else {
+            return;
+        };
+        if let Some(log) = &mut self.log {
+            log.received(now, client, connection.cutter.rest());
+        }
+        self.vehicle.disconnect(now, client);
+        self.collect(now);
+    }
+
+    /// Takes what the vehicle has to say: to its clients, of them, and to its log.
+    fn collect(&mut self, now: Timestamp) {
+        let real = self.clock.elapsed();
+        while let Some(event) = self.vehicle.poll_event() {
+            self.status.event(real, &event);
+            if let Some(log) = &mut self.log {
+                log.event(event.at, &event.kind.to_string());
+            }
+        }
+        let mut buffer = std::mem::take(&mut self.scratch);
+        while let Some(client) = self.vehicle.poll_transmit(&mut buffer) {
+            if let Some(log) = &mut self.log {
+                log.sent(now, client, &buffer);
+            }
+            self.sentences.1 += 1;
+            if let Some(connection) = self.connections.get_mut(&client) {
+                connection.send(now, &buffer);
+            }
+        }
+        self.scratch = buffer;
+        while let Some(client) = self.vehicle.poll_disconnect() {
+            self.connections.remove(&client);
+        }
+    }
+
+    /// Writes to every client what it takes now, and cuts off who takes too little.
+    fn flush(&mut self) {
+        let real = self.clock.elapsed();
+        let max_speed = self.speed == Speed::Max;
+        let mut lost = Vec::new();
+        for (client, connection) in &mut self.connections {
+            if connection.waiting() == 0 {
+                continue;
+            }
+            if let Err(error) = connection.flush(real) {
+                lost.push((*client, format!("{client} is lost: {error}")));
+            } else if connection.waiting() > WAITING_MAX
+                || max_speed && connection.stalled.is_some_and(|since| real > since + STALL_MAX)
+            {
+                lost.push((*client, format!("{client} does not read: cut off")));
+            }
+        }
+        for (client, text) in lost {
+            let now = self.now();
+            self.tell(now, &text);
+            self.close(now, client);
+        }
+    }
+
+    /// What is done now and then.
+    fn look_after(&mut self) {
+        let real = self.clock.elapsed();
+        if real < self.flush_at {
+            return;
+        }
+        self.flush_at = real + FLUSH_EVERY;
+        self.flush();
+        if let Some(log) = &mut self.log {
+            log.flush();
+        }
+        self.status.update(real, &self.vehicle, self.connections.len());
+    }
+
+    fn tell(&mut self, now: Timestamp, text: &str) {
+        self.status.say(self.clock.elapsed(), text);
+        if let Some(log) = &mut self.log {
+            log.event(now, text);
+        }
+    }
+
+    /// Lets the clients take what is due to them.
+    async fn say_farewell(&mut self, heard: &mut mpsc::UnboundedReceiver<Heard>) {
+        let until = self.clock.now() + FAREWELL;
+        while self.connections.values().any(|connection| connection.waiting() > 0) {
+            tokio::select! {
+                Some(what) = heard.recv() => match what {
+                    Heard::Writable(client) => {
+                        if let Some(connection) = self.connections.get_mut(&client) {
+                            connection.writable();
+                        }
+                        self.flush();
+                    }
+                    Heard::Gone(client) => {
+                        self.connections.remove(&client);
+                    }
+                    // Too late for the vehicle.
+                    Heard::Bytes(..) => {}
+                },
+                () = tokio::time::sleep_until(self.clock.instant(until)) => return,
+            }
+        }
+    }
+
+    fn finish(mut self) -> Result<()> {
+        self.status.end();
+        let (lines, writes) = self.sentences;
+        let text = format!(
+            "{:.1} s of the vehicle's time in {:.1} s; {} clients served, {lines} lines received, {writes} writes",
+            self.at.as_secs_f64(),
+            self.clock.elapsed().as_secs_f64(),
+            self.clients,
+        );
+        self.status.say(self.clock.elapsed(), &text);
+        self.log.map_or(Ok(()), Log::finish)
+    }
+}

@@ -1,0 +1,72 @@
+/// The names of the status messages in BPLOG, in the order of [`Topic`]. What this vehicle has no sensor for can be
+/// switched on and never comes, as on a vehicle without the sensor.
+const TOPICS: [&str; 27] = [
+    "NVG", "NVR", "MBS", "MBE", "MIS", "CTL", "ACK", "CTD", "PLN", "TEL", "SVS", "RCM", "RDP", "RVL", "RBS", "ERC",
+    "DVL", "DV2", "IMU", "RNV", "PIT", "CNV", "TRM", "BOY", "CMA", "CPS", "CPR",
+];
+
+/// The command messages (SPI 5), which are always on.
+const ALWAYS_ON: [&str; 7] = ["MSC", "SHT", "BDL", "SDL", "TOP", "DVT", "VER"];
+
+/// A status message that a payload can switch on (SPI 6, 9), a bit each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Topic {
+    Navigation,
+    Velocity,
+    BehaviorBegin,
+    BehaviorEnd,
+    Mission,
+    Control,
+    Acknowledgement,
+    Ctd,
+    #[expect(
+        dead_code,
+        reason = "BFPLN as behaviors begin is not implemented in this release of SPI (6.20)"
+    )]
+    Plan,
+    Telemetry,
+    SoundVelocity,
+    Compass,
+    DepthSensor,
+    VehicleSpeed,
+    Battery,
+    ElevatorRudder,
+    Dvl,
+    DvlExtended,
+    Imu,
+    RelativeNavigation,
+    PitchServo,
+    CartesianNavigation,
+    Trim,
+    Buoyancy,
+    MediumAccess,
+    PacketSent,
+    PacketReceived,
+}
+
+impl Topic {
+    pub(crate) const fn bit(self) -> u32 {
+        1 << self as u32
+    }
+}
+
+const ALL: u32 = ((1 << TOPICS.len()) - 1) & !Topic::Acknowledgement.bit();
+
+/// What BPLOG's first field names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Named {
+    Topics(u32),
+    AlwaysOn,
+    Unknown,
+}
+
+pub(crate) fn named(message: &str) -> Named {
+    if message == "ALL" {
+        return Named::Topics(ALL);
+    }
+    match TOPICS.iter().position(|name| *name == message) {
+        Some(bit) => Named::Topics(1 << bit),
+        None if ALWAYS_ON.contains(&message) => Named::AlwaysOn,
+        None => Named::Unknown,
+    }
+}

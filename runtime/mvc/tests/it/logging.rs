@@ -1,0 +1,193 @@
+//! BPLOG, message by message (SPI 7.1, section 6).
+
+use backseat_mvc::ClientId;
+
+use crate::files::CALM;
+use crate::payload::{ME, Payload};
+
+/// Every status message of sections 6 and 9.
+const STATUS: [&str; 27] = [
+    "NVG", "NVR", "TEL", "SVS", "RCM", "RDP", "RVL", "RBS", "MBS", "MBE", "MIS", "ERC", "DVL", "DV2", "IMU", "CTD",
+    "RNV", "PIT", "CNV", "PLN", "ACK", "TRM", "BOY", "CTL", "CMA", "CPS", "CPR",
+];
+/// Every command message of section 5.
+const COMMANDS: [&str; 7] = ["MSC", "SHT", "BDL", "SDL", "TOP", "DVT", "VER"];
+
+const DONE: &str = "$BFACK,080000.000,LOG,000000.000,0,2,0,";
+
+fn names(lines: &[String]) -> Vec<&str> {
+    let mut names: Vec<&str> = lines.iter().map(|line| &line[3..6]).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+#[test]
+fn each_status_message_can_be_switched_on_and_off() {
+    let mut payload = Payload::connected(CALM, 1, &["ACK"]);
+    for name in STATUS.into_iter().filter(|name| *name != "ACK") {
+        for switch in ["ON", "OFF", "OFF"] {
+            payload.say(&format!("$BPLOG,{name},{switch}"));
+            assert_eq!(payload.heard(), [DONE], "{name} {switch}");
+        }
+    }
+    // Without acknowledgements there is none of the last one either.
+    payload.say("$BPLOG,ACK,OFF");
+    assert_eq!(payload.heard(), Vec::<String>::new());
+}
+
+#[test]
+fn what_is_no_status_message_is_refused() {
+    let mut payload = Payload::connected(CALM, 1, &["ACK"]);
+    for name in COMMANDS {
+        payload.say(&format!("$BPLOG,{name},ON"));
+        assert_eq!(payload.heard(), [DONE], "{name}");
+        payload.say(&format!("$BPLOG,{name},OFF"));
+        let told = "$BFACK,080000.000,LOG,000000.000,0,1,0,command messages are always on";
+        assert_eq!(payload.heard(), [told], "{name}");
+    }
+    // SPI 4.2: case matters. The name of the whole sentence is none either.
+    for name in ["nvg", "BFNVG", "RMB", "all", ""] {
+        payload.say(&format!("$BPLOG,{name},ON"));
+        let heard = payload.heard();
+        assert!(
+            heard.len() == 1 && heard[0].contains(",LOG,000000.000,0,0,0,"),
+            "{name}: {heard:?}"
+        );
+    }
+    for switch in ["on", "1", "", "YES"] {
+        payload.say(&format!("$BPLOG,NVG,{switch}"));
+        let heard = payload.heard();
+        assert!(
+            heard.len() == 1 && heard[0].contains(",LOG,000000.000,0,0,0,"),
+            "{switch}: {heard:?}"
+        );
+    }
+}
+
+#[test]
+fn one_message_comes_alone_and_stops_alone() {
+    let mut payload = Payload::connected(CALM, 1, &["NVR"]);
+    payload.until(1.0);
+    assert_eq!(names(&payload.heard()), ["NVR"]);
+    payload.say("$BPLOG,NVG,ON");
+    payload.say("$BPLOG,NVR,OFF");
+    payload.until(2.0);
+    assert_eq!(names(&payload.heard()), ["NVG"]);
+}
+
+#[test]
+fn all_leaves_acknowledgements_as_they_are() {
+    // SPI 7.1: ALL turns all on or off but for the acknowledgements, which are asked for by name.
+    let mut payload = Payload::connected(CALM, 1, &["ALL"]);
+    payload.say("$BPMSG,070000.000,x");
+    assert_eq!(payload.heard(), Vec::<String>::new());
+    payload.say("$BPLOG,ACK,ON");
+    payload.say("$BPLOG,ALL,OFF");
+    payload.say("$BPMSG,070000.000,x");
+    let told: Vec<bool> = payload.heard().iter().map(|line| line.starts_with("$BFACK")).collect();
+    assert_eq!(told, [true; 3]);
+    payload.until(20.0);
+    assert_eq!(payload.heard(), Vec::<String>::new());
+}
+
+#[test]
+fn one_of_all_may_be_switched_off() {
+    let mut payload = Payload::connected(CALM, 1, &["ALL"]);
+    payload.say("$BPLOG,NVG,OFF");
+    payload.until(20.0);
+    let heard = payload.heard();
+    let names = names(&heard);
+    assert!(
+        names.contains(&"NVR") && names.contains(&"CTL") && !names.contains(&"NVG"),
+        "{names:?}"
+    );
+}
+
+#[test]
+fn command_messages_come_unasked() {
+    let text = CALM.replace(
+        "[mission]",
+        "[mission]\nshutdown_after_s = 70\ncommands = [{ at_s = 3, text = \"ping\" }]",
+    );
+    let mut payload = Payload::connected(&text, 1, &[]);
+    payload.say("$BPLOG,ALL,OFF");
+    payload.until(15.0);
+    assert_eq!(payload.heard(), ["$BFMSC,080004.000,ping", "$BFSHT,080010.000"]);
+}
+
+/// Whoever holds control by BFCTL must know first that the mission runs: so the vehicle tells it, and so it repeats it.
+#[test]
+fn a_replay_tells_the_mission_before_control() {
+    let text = format!("{CALM}\n[interpretation]\ncontrol_replay = true");
+    let mut payload = Payload::connected(&text, 1, &[]);
+    payload.until(10.0);
+    payload.say("$BPLOG,ALL,ON");
+    assert_eq!(
+        payload.heard(),
+        [
+            "$BFMIS,080010.000,survey.dive,Running /logs/survey,",
+            "$BFCTL,080010.000,1"
+        ]
+    );
+    // Only what was switched on, and only to who asked; switching off repeats nothing.
+    let other = ClientId(2);
+    payload.connect(other);
+    payload.say_as(other, "$BPLOG,CTL,ON");
+    payload.say_as(other, "$BPLOG,CTL,OFF");
+    assert_eq!(
+        payload.heard_by(other),
+        ["$BFVER,080010.000,1.12", "$BFCTL,080010.000,1"]
+    );
+    assert_eq!(payload.heard(), Vec::<String>::new());
+}
+
+/// Vehicles in the field: BFCTL and BFMIS are on from the start, and come on the transition only.
+#[test]
+fn a_field_vehicle_hands_over_once() {
+    let field = CALM.replace("[spi]", "[spi]\nprofile = \"field\"");
+    let mut payload = Payload::new(&field, 1);
+    payload.until(10.0);
+    payload.connect(ME);
+    payload.say("$BPLOG,CTL,ON");
+    payload.say("$BPLOG,NVG,ON");
+    payload.until(20.0);
+    // Connected after the hand-over, and told nothing of it.
+    assert_eq!(names(&payload.heard()), ["NVG", "VER"]);
+    // The end of control is a transition again.
+    payload.say("$BPLOG,NVG,OFF");
+    payload.until(600.0);
+    assert_eq!(names(&payload.heard()), ["CTL", "MIS"]);
+}
+
+/// Sentences as real clients write them: LF alone, checksums in lower case, of one digit, or none, blank lines.
+#[test]
+fn a_field_client_is_understood() {
+    let sum = |body: &str| body.bytes().fold(0u8, |sum, byte| sum ^ byte);
+    let mut payload = Payload::connected(&CALM.replace("[spi]", "[spi]\nprofile = \"field\""), 1, &["ACK"]);
+    let bodies: Vec<String> = (0..900)
+        .map(|count| format!("BPMSG,070000.000,{count}{}", &"Pq#~"[..count % 5]))
+        .collect();
+    let lower = bodies
+        .iter()
+        .find(|body| format!("{:02x}", sum(body)).bytes().any(|b| b.is_ascii_lowercase()));
+    let single = bodies.iter().find(|body| sum(body) < 16);
+    let (lower, single) = (lower.unwrap(), single.unwrap());
+    for line in [
+        format!("${lower}\n"),
+        format!("${lower}*{:02x}\n", sum(lower)),
+        format!("${single}*{:x}\n", sum(single)),
+        format!("${single}*{:02X}\r\n\n", sum(single)),
+        format!("\n\r\n\n${lower}\r\n\n"),
+    ] {
+        payload.bytes(ME, line.as_bytes());
+        let heard = payload.heard();
+        assert!(
+            heard.len() == 1 && heard[0].contains(",MSG,0700"),
+            "{line:?}: {heard:?}"
+        );
+    }
+    // A wrong sum is no sentence.
+    payload.bytes(ME, format!("${lower}*{:02x}\n", sum(lower) ^ 1).as_bytes());
+    assert_eq!(payload.heard(), Vec::<String>::new());
+}

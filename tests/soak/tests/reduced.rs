@@ -1,0 +1,32 @@
+//! The long runs, cut short enough for every day.
+
+use backseat_soak::tcp::{self, Tcp};
+use backseat_soak::year::{self, Year};
+
+#[test]
+fn a_day_with_faults() {
+    let report = year::run(&Year {
+        days: 1,
+        seed: 1,
+        intensity: 0.05,
+    })
+    .unwrap();
+    assert_eq!(report.faults(), Vec::<String>::new(), "{report}");
+    assert!(
+        report.faults_played > 50 && report.excused > 0 && report.commands > 20_000,
+        "{report}"
+    );
+    assert!(report.navigation > 600_000, "{report}");
+}
+
+#[test]
+fn ten_seconds_of_tcp() {
+    let report = tcp::run(&Tcp {
+        minutes: 10.0 / 60.0,
+        clients: 10,
+        program: None,
+    })
+    .unwrap();
+    assert_eq!(report.faults(), Vec::<String>::new(), "{report}");
+    assert!(report.by_log.0 > 1500 && report.by_log.1 > 80, "{report}");
+}

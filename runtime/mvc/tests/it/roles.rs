@@ -12,14 +12,14 @@ const TWO: ClientId = ClientId(2);
 const THREE: ClientId = ClientId(3);
 
 fn vehicle(roles: &str, without_role: WithoutRole) -> Payload {
-    let mut file = WorldFile::from_toml(CALM).unwrap();
-    file.spi.roles = RoleConfig::list(roles).unwrap();
+    let mut file = WorldFile::from_toml(CALM).expect("the calm world is right");
+    file.spi.roles = RoleConfig::list(roles).expect("the test's roles are right");
     file.spi.without_role = without_role;
     Payload::of(&file, 1)
 }
 
 fn address(text: &str) -> Option<SocketAddr> {
-    Some(text.parse().unwrap())
+    Some(text.parse().expect("the test's address is one"))
 }
 
 #[test]
@@ -148,7 +148,8 @@ text = "look"
     let mut payload = Payload::new(&text, 1);
     payload.connect_from(ONE, address("127.0.0.1:1"));
     payload.connect_from(TWO, address("127.0.0.1:2"));
-    (payload.heard_by(ONE), payload.heard_by(TWO));
+    payload.heard_by(ONE);
+    payload.heard_by(TWO);
     // The mission starts at 1 s: just before, and just after.
     payload.until(3.45);
     assert_eq!(payload.heard_by(ONE), Vec::<String>::new());

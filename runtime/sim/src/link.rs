@@ -114,3 +114,49 @@ impl Lane {
         self.faults = None;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use backseat_mvc::{ClientId, Direction, FaultPlan, LinkFaults};
+
+    use super::*;
+
+    fn lane(faults: &str) -> Lane {
+        let plan = FaultPlan::from_toml(faults).unwrap();
+        let mut lane = Lane::new(1, "test");
+        let link = LinkFaults::new(&plan, 1).link(Timestamp::ZERO, ClientId(1), None, Direction::ToVehicle);
+        lane.open(Some(link));
+        lane
+    }
+
+    fn arrivals(lane: &mut Lane) -> Vec<(Timestamp, Vec<u8>)> {
+        for second in 1..20 {
+            lane.write(Timestamp::from_secs(second), &[second as u8], |_| {});
+        }
+        core::iter::from_fn(|| lane.next().zip(lane.take())).collect()
+    }
+
+    #[test]
+    fn a_fault_that_does_not_act_changes_no_delay() {
+        let mut without = Lane::new(1, "test");
+        let mut with = lane("[[fault]]\nkind = \"stall\"\nat_s = 100\nfor_s = 5\n");
+        assert_eq!(arrivals(&mut without), arrivals(&mut with));
+    }
+
+    #[test]
+    fn what_a_stall_holds_back_is_seen_and_carried_at_its_end() {
+        let mut lane = lane("[[fault]]\nkind = \"stall\"\nat_s = 1\nfor_s = 2\n");
+        let (mut seen, end) = (Vec::new(), Timestamp::from_secs(3));
+        lane.write(Timestamp::from_secs(2), b"ab", |bytes| seen.extend_from_slice(bytes));
+        assert!(seen.is_empty() && lane.next().is_none());
+        assert_eq!(
+            (lane.next_fault(), lane.waits_since()),
+            (Some(end), Some(Timestamp::from_secs(2)))
+        );
+        lane.release(end, |bytes| seen.extend_from_slice(bytes));
+        assert_eq!(seen, b"ab");
+        assert!(lane.next().is_some_and(|at| at > end && at <= end + DELAY_MAX));
+        lane.cut();
+        assert_eq!((lane.next(), lane.next_fault()), (None, None));
+    }
+}

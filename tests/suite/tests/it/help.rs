@@ -22,7 +22,7 @@ fn every_command_explains_its_flags() {
     for (command, flags) in [
         (
             "sim",
-            ["--seed", "--log", "--map", "--speed", "--json", "--plugins"].as_slice(),
+            ["--seed", "--faults", "--log", "--map", "--speed", "--json", "--plugins"].as_slice(),
         ),
         ("run", &["--connect", "--arm", "--log", "--state", "--first-identifier"]),
         (

@@ -10,5 +10,6 @@ mod operator;
 mod refusals;
 mod session;
 mod silence;
+mod sim_faults;
 mod simulation;
 mod spi;

@@ -2,7 +2,7 @@
 //!
 //! Published as a figure: 31.9 kg, and 2.5 m/s at 1525 turns a minute (`remus100.m`, Marine Systems Simulator). The rest
 //! are the published equations worked out by other means: written once more as full matrices with Euler angles in the
-//! velocity over ground (numpy, Runge-Kutta, 5 ms), the published fins' limit and lags, no code in common. What may
+//! velocity over ground (numpy, Runge-Kutta, 5 and 10 ms), the published fins' limit and lags, no code in common. What may
 //! differ: the lift at large angles of attack, which is ours ([`super::forces`]), and the integrators.
 
 use backseat_units::EastNorth;

@@ -2,7 +2,7 @@
 //!
 //! The equations are Fossen's for a body in an irrotational current, written in the velocity through the water
 //! (*Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed., 2021, sections 3.3, 6.3, 8.1 and 8.4.2). The
-//! numbers are the published ones of the REMUS 100, in [`coefficients`]. They describe that vehicle and nobody has
+//! numbers are the published ones of the REMUS 100, in `coefficients`. They describe that vehicle and nobody has
 //! compared them with a Bluefin: good for how a small torpedo answers its fins, not for any vehicle's trim.
 //!
 //! Three layers, each usable by itself:

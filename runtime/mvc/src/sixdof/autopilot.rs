@@ -98,7 +98,8 @@ const TURN_PER_M: f64 = 0.235;
 pub(super) const TURN_MAX_DEG_PER_M: f64 = 2.4;
 /// Share of the stern planes that holds a steady pitch; the rest corrects.
 const PITCH_SHARE: f64 = 0.8;
-const HEADING_GAIN_PER_S: f64 = 0.3;
+/// Rate of turn for a heading error.
+pub(super) const HEADING_GAIN_PER_S: f64 = 0.3;
 const HEADING_LAG_S: f64 = 1.0;
 /// How far the heading reference runs ahead of the heading, radians.
 const HEADING_LEAD: f64 = 0.25;

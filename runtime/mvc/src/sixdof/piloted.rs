@@ -1,6 +1,8 @@
 use backseat_units::EastNorth;
 
-use super::autopilot::{Autopilot, Bounds, Setpoints, Steering, TURN_MAX_DEG_PER_M, Throttle, Vertical};
+use super::autopilot::{
+    Autopilot, Bounds, HEADING_GAIN_PER_S, Setpoints, Steering, TURN_MAX_DEG_PER_M, Throttle, Vertical,
+};
 use super::{Actuators, STEP_MAX_S, SixDof};
 use crate::hull::Hull;
 
@@ -117,6 +119,7 @@ pub fn flown(hull: &Hull) -> Hull {
         speed_min_mps,
         speed_max_mps,
         yaw_rate_max_dps: hull.yaw_rate_max_dps.min(TURN_MAX_DEG_PER_M * speed_max_mps),
+        yaw_gain_per_s: hull.yaw_gain_per_s.min(HEADING_GAIN_PER_S),
         yaw_tau_s: hull.yaw_tau_s.max(2.0),
         hovers: false,
         ..*hull

@@ -2,7 +2,7 @@
 //!
 //! Published as a figure: 31.9 kg, and 2.5 m/s at 1525 turns a minute (`remus100.m`, Marine Systems Simulator). The rest
 //! are the published equations worked out by other means: written once more as full matrices with Euler angles in the
-//! velocity over ground (numpy, Runge-Kutta, 5 ms), the published fins' limit and lags, no code in common. What may
+//! velocity over ground (numpy, Runge-Kutta, 5 and 10 ms), the published fins' limit and lags, no code in common. What may
 //! differ: the lift at large angles of attack, which is ours ([`super::forces`]), and the integrators.
 
 use backseat_units::EastNorth;
@@ -100,11 +100,10 @@ fn steady_circles_are_the_published_equations() {
             let (east, north, _) = vehicle.ground_velocity();
             let rate_dps = vehicle.attitude_rates_dps().2;
             let ground_mps = hypot(east, north);
-            // The propeller heels the hull to one side: to port the circle is a little wider.
-            let (share, metres) = if side > 0.0 { (0.002, 0.05) } else { (0.03, 1.0) };
             near("speed", (u * u + v * v + w * w).sqrt(), mps, 0.002);
-            near("rate of turn", side * rate_dps, dps, share * dps);
-            near("radius", side * ground_mps / rate_dps.to_radians(), radius_m, metres);
+            near("rate of turn", side * rate_dps, dps, 0.003 * dps);
+            near("radius", side * ground_mps / rate_dps.to_radians(), radius_m, 0.05);
+            // The propeller heels the hull to one side: to port the roll is another.
             if side > 0.0 {
                 near("roll", vehicle.roll_deg(), roll_deg, 0.01);
             }
@@ -152,8 +151,8 @@ fn step_inputs_lead_where_they_lead_in_the_reference() {
         );
         run(&mut vehicle, command, STILL, at_s - now_s);
         now_s = at_s;
-        // 300 m flown: a tenth of a metre and a tenth of a degree.
-        near_track(&format!("after {at_s} s"), &vehicle, state, 0.1, 0.1);
+        // 300 m flown: a centimetre and a hundredth of a degree.
+        near_track(&format!("after {at_s} s"), &vehicle, state, 0.01, 0.01);
     }
 }
 
@@ -190,7 +189,7 @@ fn a_current_carries_as_in_the_reference() {
         run(&mut vehicle, tail(0.0, stern_plane_deg, 1300.0), current, at_s - now_s);
         now_s = at_s;
         if state[0].is_finite() {
-            near_track(&format!("after {at_s} s"), &vehicle, state, 0.05, 0.1);
+            near_track(&format!("after {at_s} s"), &vehicle, state, 0.01, 0.01);
         }
     }
 }
@@ -227,8 +226,8 @@ fn depth_step_under_the_published_autopilot_is_the_reference_s() {
             vehicle.step(tail(0.0, stern_plane.to_degrees(), 1300.0), STILL, STEP_MAX_S);
             steps += 1;
         }
-        near("depth", vehicle.depth_m(), depth_m, 0.02);
-        near("pitch", vehicle.pitch_deg(), f64::to_degrees(pitch), 0.1);
+        near("depth", vehicle.depth_m(), depth_m, 0.01);
+        near("pitch", vehicle.pitch_deg(), f64::to_degrees(pitch), 0.01);
     }
 }
 
@@ -248,8 +247,8 @@ fn righting_moment_rights_as_in_the_reference() {
     ] {
         run(&mut vehicle, tail(0.0, 0.0, 0.0), STILL, at_s - now_s);
         now_s = at_s;
-        near("roll", vehicle.roll_deg(), f64::to_degrees(roll), 0.05);
-        near("pitch", vehicle.pitch_deg(), f64::to_degrees(pitch), 0.05);
+        near("roll", vehicle.roll_deg(), f64::to_degrees(roll), 0.01);
+        near("pitch", vehicle.pitch_deg(), f64::to_degrees(pitch), 0.01);
     }
 }
 

@@ -55,13 +55,14 @@ pub struct FilamentConfig {
     /// How much of it is in puffs at the source, 0 to 1; 0.8 unless given.
     #[serde(default = "intermittency")]
     pub intermittency: f64,
-    /// What it adds to the temperature at the source, degrees Celsius, within 400. A puff has up to four times that.
+    /// What it adds to the temperature at the source in the mean, degrees Celsius, within 400; a puff has up to about
+    /// four times that.
     #[serde(default = "zero")]
     pub temperature_c: Span,
-    /// What it adds to the conductivity at the source, microsiemens a centimetre, within 100000.
+    /// What it adds to the conductivity at the source in the mean, microsiemens a centimetre, within 100000.
     #[serde(default = "zero")]
     pub conductivity_us_per_cm: Span,
-    /// What it adds to the tracer at the source, in whatever unit the mission takes it, 0 to 1e6.
+    /// What it adds to the tracer at the source in the mean, in whatever unit the mission takes it, 0 to 1e6.
     #[serde(default = "zero")]
     pub tracer: Span,
 }

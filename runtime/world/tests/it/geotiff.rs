@@ -84,6 +84,24 @@ fn unsigned_integers_too() {
 }
 
 #[test]
+fn big_tiffs_too() {
+    let mut bytes = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new_big(&mut bytes).unwrap();
+    let mut image = encoder.new_image::<GrayI16>(5, 4).unwrap();
+    let tags = image.encoder();
+    tags.write_tag(Tag::ModelPixelScaleTag, &[10.0, 10.0, 0.0][..]).unwrap();
+    tags.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, -25.0, 20.0, 0.0][..])
+        .unwrap();
+    tags.write_tag(Tag::GdalNodata, "-999").unwrap();
+    image.write_data(&VALUES).unwrap();
+    let bytes = bytes.into_inner();
+    assert_eq!(Grid::from_bytes(&bytes).unwrap(), expected());
+    for length in 0..bytes.len() {
+        assert!(Grid::from_bytes(&bytes[..length]).is_err(), "{length}");
+    }
+}
+
+#[test]
 fn a_world_stands_on_it() {
     let text = "
         [origin]

@@ -31,10 +31,74 @@ const TEXT: &str = "
     depth_m = [5, 30]
 ";
 
+/// A configuration with all that came later.
+const LATER: &str = "
+    [origin]
+    latitude_deg = 42.3
+    longitude_deg = -70.9
+    [tide]
+    amplitude_m = [0.5, 1.5]
+    phase_deg = [0, 360]
+    [current]
+    speed_mps = 0.1
+    bottom_boundary_m = 20
+    [[current.tides]]
+    speed_mps = [0.2, 0.4]
+    towards_deg = [0, 360]
+    period_h = 12.42
+    phase_deg = [0, 360]
+    ellipticity = [-0.5, 0.5]
+    [[current.layers]]
+    depth_m = 10
+    [[current.layers]]
+    depth_m = 30
+    factor = 0.5
+    turn_deg = 40
+    [field.thermocline]
+    depth_m = [10, 20]
+    thickness_m = 5
+    drop_c = 5
+    [[field.filaments]]
+    east_m = -300
+    north_m = [-100, 100]
+    towards_deg = 90
+    speed_mps = [0.1, 0.2]
+    sigma_m = 80
+    meander_m = 30
+    temperature_c = 1
+    conductivity_us_per_cm = 100
+    [[field.fronts]]
+    east_m = [-200, 200]
+    north_m = 0
+    towards_deg = [0, 360]
+    speed_mps = 0.02
+    width_m = 50
+    temperature_c = -1
+    [[targets]]
+    count = 5
+    east_m = [-500, 500]
+    north_m = [-500, 500]
+    length_m = [1, 20]
+";
+
 #[test]
 fn configurations_without_the_newer_sections_draw_what_they_always_drew() {
-    let config: WorldConfig = toml::from_str(TEXT).unwrap();
+    assert_eq!(
+        digest(TEXT),
+        "e5d4e893ab8fabcae54a8d22fee463a1654d5dbd07058d46a4a0fbdac4fbe07c"
+    );
+}
+
+#[test]
+fn the_newer_sections_draw_the_same_everywhere() {
+    assert_eq!(digest(LATER), "53187211ce530a72179f8dc7225ab195e2c559b26b9cccdf795e60faccc20272");
+}
+
+/// Of what twenty seeds draw, along a way through time and space.
+fn digest(text: &str) -> String {
+    let config: WorldConfig = toml::from_str(text).unwrap();
     let mut digest = Sha256::new();
+    let mut add = |value: f64| digest.update(value.to_bits().to_le_bytes());
     for seed in 0..20 {
         let world = World::new(&config, seed).unwrap();
         for step in 0..200u32 {
@@ -43,22 +107,29 @@ fn configurations_without_the_newer_sections_draw_what_they_always_drew() {
             let (depth_m, time) = (0.2 * x, Timestamp::from_secs(u64::from(step) * 300));
             let (east, north) = world.current_at(at, depth_m, time);
             let gradient = world.gradient(at);
-            for value in [
-                world.water_depth_m(at),
-                gradient.east_m,
-                gradient.north_m,
-                east,
-                north,
-                world.temperature_c(at, depth_m, time),
-                world.conductivity_us_per_cm(at, depth_m, time),
-            ] {
-                digest.update(value.to_bits().to_le_bytes());
+            add(world.water_depth_m(at));
+            add(gradient.east_m);
+            add(gradient.north_m);
+            add(east);
+            add(north);
+            add(world.temperature_c(at, depth_m, time));
+            add(world.conductivity_us_per_cm(at, depth_m, time));
+            if text == LATER {
+                add(world.water_depth_at_m(at, time));
+                add(world.sound_speed_mps(at, depth_m, time));
             }
         }
-        let maximum = world.field_maximum().unwrap();
-        digest.update(maximum.east_m.to_bits().to_le_bytes());
-        digest.update(maximum.north_m.to_bits().to_le_bytes());
+        for maximum in world
+            .field_maximum()
+            .into_iter()
+            .chain(world.targets().iter().map(|target| target.at))
+        {
+            add(maximum.east_m);
+            add(maximum.north_m);
+        }
+        for target in world.targets() {
+            add(target.length_m);
+        }
     }
-    let hex: String = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    assert_eq!(hex, "e5d4e893ab8fabcae54a8d22fee463a1654d5dbd07058d46a4a0fbdac4fbe07c");
+    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -6,7 +6,8 @@ use backseat_units::math::wrap_180;
 use backseat_units::{EastNorth, Timestamp};
 
 use super::{Actuators, Helm, Motion, Orders, Piloted, STEP_MAX_S, SixDof, Steering, Surroundings, Throttle, Trim};
-use crate::course::{Course, crabbed_deg};
+use crate::course::{Course, Way, crabbed_deg};
+use crate::estimate::Estimate;
 use crate::hull::{Hull, HullClass};
 use crate::plan::Shape;
 
@@ -489,13 +490,17 @@ fn fly_shape(shape: Shape) -> Vec<f64> {
     let mut off_m = Vec::new();
     for _ in 0..20_000 {
         let motion = vehicle.motion();
-        let steer = course.steer(motion.at, 1.5, vehicle.hull(), Timestamp::ZERO);
-        if steer.done {
+        let estimate = Estimate {
+            at: motion.at,
+            ..Estimate::default()
+        };
+        let steer = course.steer(&estimate, 1.5, vehicle.hull(), Timestamp::ZERO);
+        let (Way::Course(bearing_deg), None) = (steer.way, steer.end) else {
             break;
-        }
+        };
         off_m.push(steer.off_line_m);
         let current = (around.current.0, around.current.1);
-        let heading_deg = crabbed_deg(steer.bearing_deg, motion.surge_mps, current);
+        let heading_deg = crabbed_deg(bearing_deg, motion.surge_mps, current);
         vehicle.drive(&Helm::Under(orders(heading_deg, Trim::Depth(10.0), 1.5)), &around, 0.1);
     }
     off_m

@@ -158,7 +158,7 @@ fn a_plan_that_cannot_be_told_is_refused_with_its_key() {
 #[test]
 fn a_plan_of_commands_alone_is_over_as_it_begins() {
     let (head, _) = CALM.split_once("[[plan]]").expect("the file has a plan");
-    let command = "[[plan]]\nkind = \"command\"\ntext = \"on\"\nrole = \"sonar\"\ndynamic = true\n";
+    let command = "[[plan]]\nkind = \"command\"\ntext = \"on\"\ndynamic = true\n";
     let mut payload = Payload::connected(&format!("{head}{}", command.repeat(500)), 1, &["CTL", "MIS"]);
     payload.until(1.0);
     assert!(payload.mvc.mission_over());
@@ -169,5 +169,5 @@ fn a_plan_of_commands_alone_is_over_as_it_begins() {
         "no control in between"
     );
     assert_eq!(heard.len(), 502);
-    assert!(payload.log().iter().any(|line| line.ends_with("sonar is told: on")));
+    assert!(payload.log().iter().any(|line| line.ends_with("payload is told: on")));
 }

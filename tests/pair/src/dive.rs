@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use backseat_core::plugin::{Event, PluginId, Request, RequestState, Returned, StepInput};
 use backseat_core::{
-    Core, Envelope, Grant, Identifiers, Input, Limits, Note, Operator, Output, PluginSetup, RequestKind, Restarted,
-    Settings, Start,
+    Core, Envelope, Grant, Identifiers, Input, Limits, Note, Operator, Output, Owner, PluginSetup, RequestKind,
+    Restarted, Settings, Start,
 };
 use backseat_mvc::{ClientId, Mvc, MvcEvent, WorldFile};
 use backseat_units::Timestamp;
@@ -173,12 +173,13 @@ impl Dive {
         }
     }
 
-    /// The states that the request under a tag came to, without their texts; cancels apart.
+    /// The states that the plugin's request under a tag came to, without their texts; cancels apart.
     #[must_use]
     pub fn states(&self, tag: u64) -> Vec<&'static str> {
         let state = |(_, note): &(Timestamp, Note)| {
             let Note::Request(transition) = note else { return None };
-            (transition.tag == tag && transition.kind != RequestKind::Cancel).then(|| name(&transition.state))
+            let of_plugin = matches!(transition.owner, Owner::Plugin(_)) && transition.kind != RequestKind::Cancel;
+            (of_plugin && transition.tag == tag).then(|| name(&transition.state))
         };
         self.notes.iter().filter_map(state).collect()
     }

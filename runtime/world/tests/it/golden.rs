@@ -91,7 +91,10 @@ fn configurations_without_the_newer_sections_draw_what_they_always_drew() {
 
 #[test]
 fn the_newer_sections_draw_the_same_everywhere() {
-    assert_eq!(digest(LATER), "53187211ce530a72179f8dc7225ab195e2c559b26b9cccdf795e60faccc20272");
+    assert_eq!(
+        digest(LATER),
+        "53187211ce530a72179f8dc7225ab195e2c559b26b9cccdf795e60faccc20272"
+    );
 }
 
 /// Of what twenty seeds draw, along a way through time and space.

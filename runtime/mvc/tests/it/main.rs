@@ -6,6 +6,7 @@ mod aiding;
 mod consistency;
 mod conversation;
 mod determinism;
+mod document;
 mod dvl;
 mod dvl_trigger;
 mod ending;

@@ -5,7 +5,8 @@
 use backseat_units::EastNorth;
 use backseat_units::math::wrap_180;
 
-use super::{Actuators, Helm, Motion, Orders, Piloted, STEP_MAX_S, SixDof, Steering, Surroundings, Throttle, Trim};
+use super::piloted::Motion;
+use super::{Actuators, Helm, Orders, Piloted, STEP_MAX_S, SixDof, Steering, Surroundings, Throttle, Trim};
 use crate::hull::{Hull, HullClass};
 
 const TORPEDOES: [HullClass; 3] = [HullClass::NineInch, HullClass::TwelveInch, HullClass::TwentyOneInch];

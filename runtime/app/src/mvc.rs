@@ -33,7 +33,7 @@ pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
         Some(Profile::Field) => world.spi.profile = backseat_mvc::Profile::Field,
         None => {}
     }
-    let vehicle = backseat_mvc::Mvc::new(&world, arguments.seed)?;
+    let vehicle = mission.vehicle(&world, arguments.seed)?;
     let log = match &arguments.log {
         Some(path) => Some(Log::create(path)?),
         None => None,

@@ -239,12 +239,6 @@ impl SixDof {
         self.tail.now()
     }
 
-    /// By how much buoyancy exceeds weight when submerged, newtons.
-    #[cfg(test)]
-    pub(crate) fn excess_buoyancy_n(&self) -> f64 {
-        self.excess_n
-    }
-
     /// As floats it up level at `rise_mps` when submerged; negative sinks.
     pub(crate) fn float_at(&mut self, rise_mps: f64) {
         self.excess_n = excess_for_rise(&self.coefficients, rise_mps).copysign(rise_mps);

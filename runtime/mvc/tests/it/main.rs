@@ -31,5 +31,6 @@ mod sentences;
 mod services;
 mod session;
 mod silence;
+mod sixdof;
 mod told;
 mod topside;

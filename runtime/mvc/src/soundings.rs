@@ -48,8 +48,8 @@ pub(crate) fn check(
 fn too_shallow(world: &World, at: EastNorth, needed_m: f64, planned: bool) -> String {
     let position: Position = world.frame().to_position(at);
     format!(
-        "the water is {:.1} m deep at {:.0} m east, {:.0} m north (latitude {:.5}, longitude {:.5}), expected at least \
-         {needed_m:.1} m: {}",
+        "the water is {:.2} m deep at {:.0} m east, {:.0} m north (latitude {:.5}, longitude {:.5}), expected at least \
+         {needed_m:.2} m: {}",
         world.water_depth_m(at),
         at.east_m,
         at.north_m,

@@ -32,5 +32,6 @@ mod services;
 mod session;
 mod silence;
 mod sixdof;
+mod soundings;
 mod told;
 mod topside;

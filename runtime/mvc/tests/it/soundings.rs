@@ -2,6 +2,7 @@
 
 use backseat_mvc::{Activity, Mvc, MvcError, WorldFile};
 use backseat_units::Timestamp;
+use backseat_units::math::cos;
 use backseat_world::Grid;
 
 use crate::files::CALM;
@@ -172,7 +173,7 @@ fn the_tide_raises_the_surface_over_the_bottom() {
         (stamp / 100.0).floor() % 100.0 * 60.0 + stamp % 100.0
     };
     for line in lines.iter().filter(|line| field(line, 7) > 0.0) {
-        let tide_m = 3.0 * (std::f64::consts::TAU * seconds(line) / 360.0).cos();
+        let tide_m = 3.0 * cos(std::f64::consts::TAU * seconds(line) / 360.0);
         assert!((sum(line) - 60.0 - tide_m).abs() < 0.01, "{line} {tide_m}");
     }
     let truth = payload.mvc.truth();

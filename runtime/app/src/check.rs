@@ -87,7 +87,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     match &mission.world {
         None => say!("no world.toml: this mission cannot be simulated"),
         Some(world) => {
-            let vehicle = backseat_mvc::Mvc::new(world, 1)?;
+            let vehicle = mission.vehicle(world, 1)?;
             let frame = mission.envelope.fence().frame();
             let mut outside = 0;
             let legs = vehicle.plan_points();

@@ -25,7 +25,9 @@ pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
         world.spi.roles.clone_from(&arguments.iprole);
     }
     let file = arguments.mission.mission.join("world.toml");
-    let mut vehicle = backseat_mvc::Mvc::new(&world, arguments.seed).with_context(|| format!("{}", file.display()))?;
+    let mut vehicle = mission
+        .vehicle(&world, arguments.seed)
+        .with_context(|| format!("{}", file.display()))?;
     let faults = match &arguments.faults {
         Some(path) => {
             let text = std::fs::read_to_string(path).with_context(|| format!("{}", path.display()))?;

@@ -8,6 +8,7 @@ mod component;
 mod drivers;
 mod error;
 mod file;
+mod grid;
 mod mission;
 
 pub use component::find_component;

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use backseat_core::{Condition, Envelope, Order, Policy};
 use backseat_fence::Fence;
-use backseat_mvc::WorldFile;
+use backseat_mvc::{Mvc, MvcError, WorldFile};
 use backseat_spi::Text;
+use backseat_world::Grid;
 use config::{Config, Environment, File, FileFormat};
 use sha2::{Digest, Sha256};
 
@@ -13,6 +14,7 @@ use crate::component::find_component;
 use crate::drivers::{DriverTable, check_drivers};
 use crate::error::MissionError;
 use crate::file::{MissionFile, PluginTable};
+use crate::grid::read_grid;
 
 /// What lies over `mission.toml`.
 #[derive(Clone, Debug, Default)]
@@ -37,6 +39,8 @@ pub struct Mission {
     pub fence_text: String,
     /// `world.toml`, where there is one.
     pub world: Option<WorldFile>,
+    /// The seabed's grid, where `world.toml` names one; clones share it.
+    pub grid: Option<Grid>,
     /// The whole mission file after layering, as TOML.
     pub resolved: String,
 }
@@ -77,6 +81,10 @@ impl Mission {
         } else {
             None
         };
+        let grid = match world.as_ref().and_then(|world| world.seabed.grid.as_ref()) {
+            Some(path) => Some(read_grid(&folder.join(path))?),
+            None => None,
+        };
         let resolved =
             toml::to_string(&file).map_err(|error| value(&path, format!("cannot be written as TOML: {error}")))?;
         let name = folder
@@ -92,6 +100,7 @@ impl Mission {
             envelope,
             fence_text,
             world,
+            grid,
             resolved,
         })
     }
@@ -107,6 +116,14 @@ impl Mission {
                 "not there: a mission needs its world to be simulated".to_owned(),
             )
         })
+    }
+
+    /// The mock vehicle of a world that is this mission's, or was it before the caller changed it, over its grid.
+    ///
+    /// # Errors
+    /// [`MvcError`] where this seed's world or plan cannot be flown: see [`Mvc::with_grid`].
+    pub fn vehicle(&self, world: &WorldFile, seed: u64) -> Result<Mvc, MvcError> {
+        Mvc::with_grid(world, seed, self.grid.clone())
     }
 
     /// Where each plugin's component is, in priority order.

@@ -202,7 +202,7 @@ impl Mvc {
         } else {
             0.0
         };
-        let outcome = match modify::read(request, self.vehicle.hull(), grid_deg) {
+        let outcome = match modify::read(request, grid_deg) {
             Ok(values) => self.executive.modify(now, re.client, values),
             Err(text) => return self.invalid(now, re, &text),
         };

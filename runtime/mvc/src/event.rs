@@ -246,8 +246,8 @@ pub struct ModifyValues {
     pub horizontal: Option<ModifyHorizontal>,
     /// What is held vertically.
     pub vertical: Option<ModifyVertical>,
-    /// Speed through the water, metres a second.
-    pub speed_mps: Option<f64>,
+    /// How it is driven.
+    pub speed: Option<ModifySpeed>,
 }
 
 impl ModifyValues {
@@ -255,8 +255,17 @@ impl ModifyValues {
     pub(crate) const NONE: Self = Self {
         horizontal: None,
         vertical: None,
-        speed_mps: None,
+        speed: None,
     };
+}
+
+/// How a modify drives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ModifySpeed {
+    /// Speed through the water, metres a second.
+    MetresPerSecond(f64),
+    /// Turns of the thruster a minute.
+    Rpm(f64),
 }
 
 /// What a modify turns to.
@@ -462,8 +471,9 @@ impl fmt::Display for ModifyValues {
             Some(ModifyVertical::Elevator(elevator)) => write!(f, ", elevator {elevator:.1} deg")?,
             None => f.write_str(", depth its own")?,
         }
-        match self.speed_mps {
-            Some(speed) => write!(f, ", speed {speed:.2} m/s"),
+        match self.speed {
+            Some(ModifySpeed::MetresPerSecond(speed)) => write!(f, ", speed {speed:.2} m/s"),
+            Some(ModifySpeed::Rpm(rpm)) => write!(f, ", {rpm:.0} rpm"),
             None => f.write_str(", speed its own"),
         }
     }

@@ -23,7 +23,7 @@ use crate::interpretation::Interpretation;
 use crate::modify::Modify;
 use crate::plan::{PayloadText, PlanItem, Vertical};
 use crate::truth::Activity;
-use crate::vehicle::{Demand, Drive, Turn};
+use crate::vehicle::{Demand, Drive, Throttle, Turn};
 
 /// How many identifiers a mission may use up.
 const IDENTIFIERS_MAX: usize = 100_000;
@@ -286,7 +286,7 @@ impl Executive {
         Drive::Under(Demand {
             turn: Turn::Heading(estimate.heading_deg),
             vertical: Vertical::Depth(0.0),
-            speed_mps: self.hull.speed_min_mps.max(0.3) * 2.0,
+            throttle: Throttle::Speed(self.hull.speed_min_mps.max(0.3) * 2.0),
         })
     }
 

@@ -48,7 +48,7 @@ pub use silence::SilenceConfig;
 pub use spi::{AcknowledgeConfig, Profile, SpiConfig};
 pub use start::StartConfig;
 pub use topside::{TopsideConfig, TopsideEntry};
-pub use vehicle::VehicleConfig;
+pub use vehicle::{MotionModel, VehicleConfig};
 
 use crate::error::{MvcError, check};
 
@@ -292,10 +292,12 @@ impl WorldFile {
         let (most_s, tick_s) = (self.spi.pending_s.most(), 1.0 / f64::from(self.vehicle.tick_hz));
         let expected = "2 s less one step of the vehicle: requests are decided at a step, within 2 s";
         check(most_s <= 2.0 - tick_s + 1e-9, "spi.pending_s", most_s, expected)?;
-        // The world and the plan have their own rules; the seed does not matter to them.
-        let world = backseat_world::World::new(&self.world_config(), 0)?;
-        self.hovering.validate(&self.vehicle, &self.start, world.frame())?;
-        crate::plan::resolve(&self.plan, world.frame(), &self.vehicle)?;
+        // The world and the plan have their own rules; the seed does not matter to these, nor does a grid.
+        let world = self.world_config();
+        world.validate()?;
+        let frame = world.frame()?;
+        self.hovering.validate(&self.vehicle, &self.start, &frame)?;
+        crate::plan::resolve(&self.plan, &frame, &self.vehicle)?;
         Ok(())
     }
 }

@@ -1,7 +1,5 @@
 use serde::Deserialize;
 
-use crate::vehicle::FIN_MAX_DEG;
-
 /// The vehicle classes that the interface covers (SPI 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum HullClass {
@@ -54,6 +52,8 @@ pub struct Hull {
     pub buoyant_rise_mps: f64,
     /// Turns of the thruster a minute for each metre a second: what commands in rpm are read by.
     pub rpm_per_mps: f64,
+    /// The greatest angle of rudder and elevator either way, degrees; of no meaning where it hovers.
+    pub fin_max_deg: f64,
     /// Whether it turns and holds depth without way on.
     pub hovers: bool,
 }
@@ -73,6 +73,7 @@ const NINE_INCH: Hull = Hull {
     depth_gain_per_s: 0.25,
     buoyant_rise_mps: 0.1,
     rpm_per_mps: 600.0,
+    fin_max_deg: FIN_MAX_DEG,
     hovers: false,
 };
 
@@ -91,6 +92,7 @@ const TWELVE_INCH: Hull = Hull {
     depth_gain_per_s: 0.2,
     buoyant_rise_mps: 0.1,
     rpm_per_mps: 300.0,
+    fin_max_deg: FIN_MAX_DEG,
     hovers: false,
 };
 
@@ -109,6 +111,7 @@ const TWENTY_ONE_INCH: Hull = Hull {
     depth_gain_per_s: 0.12,
     buoyant_rise_mps: 0.1,
     rpm_per_mps: 180.0,
+    fin_max_deg: FIN_MAX_DEG,
     hovers: false,
 };
 
@@ -127,8 +130,12 @@ const HOVERING: Hull = Hull {
     depth_gain_per_s: 0.4,
     buoyant_rise_mps: 0.05,
     rpm_per_mps: 1200.0,
+    fin_max_deg: FIN_MAX_DEG,
     hovers: true,
 };
+
+/// Typical of fins of this size.
+const FIN_MAX_DEG: f64 = 20.0;
 
 impl Hull {
     /// The data of a class.
@@ -142,13 +149,18 @@ impl Hull {
         }
     }
 
+    /// Speed that turns of the thruster a minute make, metres a second.
+    pub(crate) fn speed_mps(&self, rpm: f64) -> f64 {
+        rpm / self.rpm_per_mps
+    }
+
     /// Turn at full way that a rudder makes: in proportion to its angle, the fastest at the greatest.
     pub(crate) fn rudder_dps(&self, rudder_deg: f64) -> f64 {
-        (rudder_deg / FIN_MAX_DEG).clamp(-1.0, 1.0) * self.yaw_rate_max_dps
+        (rudder_deg / self.fin_max_deg).clamp(-1.0, 1.0) * self.yaw_rate_max_dps
     }
 
     /// Pitch that an elevator makes: in proportion to its angle, the steepest at the greatest.
     pub(crate) fn elevator_pitch_deg(&self, elevator_deg: f64) -> f64 {
-        (elevator_deg / FIN_MAX_DEG).clamp(-1.0, 1.0) * self.pitch_max_deg
+        (elevator_deg / self.fin_max_deg).clamp(-1.0, 1.0) * self.pitch_max_deg
     }
 }

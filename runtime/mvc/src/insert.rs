@@ -156,7 +156,7 @@ fn vertical(mode: VerticalMode, metres: f64) -> Result<Vertical, String> {
 fn speed_mps(mode: SpeedMode, speed: f64, hull: &Hull) -> Result<f64, String> {
     match mode {
         SpeedMode::MetresPerSecond => Ok(speed),
-        SpeedMode::Rpm => Ok(speed / hull.rpm_per_mps),
+        SpeedMode::Rpm => Ok(hull.speed_mps(speed)),
         SpeedMode::Other(code) => Err(format!("speed_mode {code}: expected 0 or 1")),
     }
 }

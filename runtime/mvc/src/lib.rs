@@ -47,7 +47,8 @@ mod requests;
 mod sensors;
 mod server;
 mod silence;
-pub mod sixdof;
+mod sixdof;
+mod soundings;
 mod surfacing;
 mod topside;
 mod truth;
@@ -58,8 +59,8 @@ pub use adjustment::{AdjustmentEvent, AdjustmentKind};
 pub use dvl_trigger::DvlTriggerEvent;
 pub use error::MvcError;
 pub use event::{
-    Behavior, CancelCause, ClientId, DropReason, EndReason, ModifyEnd, ModifyHorizontal, ModifyValues, ModifyVertical,
-    MvcEvent, MvcEventKind, Refusal, Source, Status,
+    Behavior, CancelCause, ClientId, DropReason, EndReason, ModifyEnd, ModifyHorizontal, ModifySpeed, ModifyValues,
+    ModifyVertical, MvcEvent, MvcEventKind, Refusal, Source, Status,
 };
 pub use faults::{
     AckFilter, AckStage, Directions, Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, LinkFault, LinkFaultKind,
@@ -71,10 +72,10 @@ pub use file::{
     DirectionName, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry, FaultFile, FaultName, FixConfig, GpsConfig,
     HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig, InsertPlace, InsertsAfterControl,
     InterpretationConfig, Interruption, LineFault, MaximumExpectation, MissionCommandConfig, MissionConfig,
-    ModifyBeyond, ModifyFins, ModifyLimit, PeerConfig, PeerPacket, PlaceConfig, PlanEntry, PlanKind, PowerConfig,
-    Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SilenceConfig, SoundConfig,
-    SpiConfig, StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig, TopsideEntry, UnackedFrames,
-    VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
+    ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket, PlaceConfig, PlanEntry, PlanKind,
+    PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SilenceConfig,
+    SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig, TopsideEntry,
+    UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
 };
 pub use hovering::{HoveringEvent, SuspensionEnd};
 pub use hull::{Hull, HullClass};

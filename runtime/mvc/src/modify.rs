@@ -2,9 +2,8 @@ use backseat_spi::{HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVertic
 use backseat_units::Timestamp;
 use backseat_units::math::wrap_360;
 
-use crate::event::{ClientId, ModifyHorizontal, ModifyValues, ModifyVertical};
+use crate::event::{ClientId, ModifyHorizontal, ModifySpeed, ModifyValues, ModifyVertical};
 use crate::hull::Hull;
-use crate::vehicle::FIN_MAX_DEG;
 
 /// The modify that is in force (SPI 7.12).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +19,7 @@ pub(crate) struct Modify {
 /// An empty horizontal mode is a heading, and an empty vertical mode a depth, as the numbers that the fields had
 /// before the modes were added; an empty speed mode is refused, since 0 means rpm here and metres a second in BPRTK. An error
 /// is the text that says which field has a value without a meaning.
-pub(crate) fn read(request: &ModifyBehavior, hull: &Hull, grid_convergence_deg: f64) -> Result<ModifyValues, String> {
+pub(crate) fn read(request: &ModifyBehavior, grid_convergence_deg: f64) -> Result<ModifyValues, String> {
     let horizontal = match (request.horizontal, request.horizontal_mode) {
         (None, _) => None,
         (Some(deg), None | Some(HorizontalMode::Heading)) if deg.abs() <= 720.0 => {
@@ -44,10 +43,10 @@ pub(crate) fn read(request: &ModifyBehavior, hull: &Hull, grid_convergence_deg: 
             return Err(format!("vertical_mode {code}: expected 0 to 3"));
         }
     };
-    let speed_mps = match (request.speed, request.speed_mode) {
+    let speed = match (request.speed, request.speed_mode) {
         (None, _) => None,
-        (Some(rpm), Some(ModifySpeedMode::Rpm)) => Some(rpm / hull.rpm_per_mps),
-        (Some(mps), Some(ModifySpeedMode::MetresPerSecond)) => Some(mps),
+        (Some(rpm), Some(ModifySpeedMode::Rpm)) => Some(ModifySpeed::Rpm(rpm)),
+        (Some(mps), Some(ModifySpeedMode::MetresPerSecond)) => Some(ModifySpeed::MetresPerSecond(mps)),
         (Some(_), None) => return Err("speed_mode: empty beside a speed".to_owned()),
         (Some(_), Some(ModifySpeedMode::Other(code))) => {
             return Err(format!("speed_mode {code}: expected 0 or 1"));
@@ -56,14 +55,14 @@ pub(crate) fn read(request: &ModifyBehavior, hull: &Hull, grid_convergence_deg: 
     Ok(ModifyValues {
         horizontal,
         vertical,
-        speed_mps,
+        speed,
     })
 }
 
 /// Which of the values is beyond the vehicle's safe operating parameters (SPI 7.12), as a text.
 pub(crate) fn beyond(values: &ModifyValues, hull: &Hull, altitude_min_m: f64) -> Option<&'static str> {
     match values.horizontal {
-        Some(ModifyHorizontal::Rudder(deg)) if deg.abs() > FIN_MAX_DEG => {
+        Some(ModifyHorizontal::Rudder(deg)) if deg.abs() > hull.fin_max_deg => {
             return Some("the rudder is beyond the safe limits of the vehicle");
         }
         Some(ModifyHorizontal::Rudder(_) | ModifyHorizontal::Heading(_)) | None => {}
@@ -73,13 +72,16 @@ pub(crate) fn beyond(values: &ModifyValues, hull: &Hull, altitude_min_m: f64) ->
         Some(ModifyVertical::Depth(metres)) => (0.0..=hull.depth_max_m).contains(&metres),
         Some(ModifyVertical::Altitude(metres)) => (altitude_min_m..=1000.0).contains(&metres),
         Some(ModifyVertical::Pitch(deg)) => deg.abs() <= hull.pitch_max_deg,
-        Some(ModifyVertical::Elevator(deg)) => deg.abs() <= FIN_MAX_DEG,
+        Some(ModifyVertical::Elevator(deg)) => deg.abs() <= hull.fin_max_deg,
     };
     if !safe {
         return Some("depth or altitude or pitch or elevator is beyond the safe limits of the vehicle");
     }
-    values
-        .speed_mps
+    let speed_mps = values.speed.map(|speed| match speed {
+        ModifySpeed::MetresPerSecond(mps) => mps,
+        ModifySpeed::Rpm(rpm) => hull.speed_mps(rpm),
+    });
+    speed_mps
         .is_some_and(|mps| !(hull.speed_min_mps..=hull.speed_max_mps).contains(&mps))
         .then_some("the speed is beyond the safe limits of the vehicle")
 }

@@ -7,7 +7,7 @@ use backseat_spi::{
     Text, VehicleVersion,
 };
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
-use backseat_world::{Span, Stream, World};
+use backseat_world::{Grid, Span, Stream, World};
 
 use crate::acoustic::Acoustic;
 use crate::adjustment::Adjustment;
@@ -16,7 +16,7 @@ use crate::error::MvcError;
 use crate::event::{Behavior, ClientId, DropReason, MvcEvent, MvcEventKind, Source, Status};
 use crate::executive::Executive;
 use crate::faults::Faults;
-use crate::file::{AcknowledgeConfig, Profile, WorldFile};
+use crate::file::{AcknowledgeConfig, MotionModel, Profile, WorldFile};
 use crate::hovering::Hovering;
 use crate::interpretation::Interpretation;
 use crate::mission_commands::MissionCommands;
@@ -78,22 +78,45 @@ pub struct Mvc {
 }
 
 impl Mvc {
-    /// A vehicle at its start, its mission loaded.
+    /// A vehicle at its start, its mission loaded, over a seabed without a grid.
     ///
     /// # Errors
-    /// [`MvcError`] where the world or the plan cannot be made from the file. A file that
-    /// [`WorldFile::from_toml`] has passed gives none.
+    /// As [`Mvc::with_grid`]; and where the file names a grid.
     pub fn new(file: &WorldFile, seed: u64) -> Result<Self, MvcError> {
-        let world = World::new(&file.world_config(), seed)?;
+        Self::with_grid(file, seed, None)
+    }
+
+    /// A vehicle at its start, its mission loaded, over the grid that the file's `seabed.grid` names: whoever reads the
+    /// file reads the grid too.
+    ///
+    /// # Errors
+    /// [`MvcError`] where the world or the plan cannot be made from the file (one that [`WorldFile::from_toml`] has passed
+    /// gives none of these but for its grid), and where this seed's water is too shallow for the plan:
+    ///
+    /// - under 0.5 m more than `vehicle.altitude_min_m` anywhere on the planned way, where the vehicle's own limits leave
+    ///   it no room;
+    /// - over a grid, which is known ashore, also less than the depth that the element is planned at.
+    ///
+    /// The way is looked at every 10 m, over a grid every 2 m, by the chart, without the tide. After a setpoint, which ends
+    /// where the current takes it, it is looked at again from the next place that the plan names.
+    pub fn with_grid(file: &WorldFile, seed: u64, grid: Option<Grid>) -> Result<Self, MvcError> {
+        let charted = grid.is_some();
+        let world = World::with_grid(&file.world_config(), seed, grid)?;
         let plan = crate::plan::resolve(&file.plan, world.frame(), &file.vehicle)?;
+        let start = EastNorth::new(file.start.east_m, file.start.north_m);
+        crate::soundings::check(&plan, start, &world, file.vehicle.altitude_min_m, charted)?;
         let interpretation = Interpretation::new(&file.interpretation, seed);
         let period = Duration::from_nanos(1_000_000_000 / u64::from(file.vehicle.tick_hz.clamp(1, 100)));
-        let at = EastNorth::new(file.start.east_m, file.start.north_m);
+        let at = start;
         let position = world.frame().to_position(at);
         let frame_convergence_deg = world.frame().convergence_deg(position);
         let heading_deg = file.start.heading_deg - frame_convergence_deg;
         let hull = file.vehicle.hull();
-        let mut vehicle = Vehicle::new(hull, file.vehicle.altitude_min_m, at, file.start.depth_m, heading_deg);
+        let made = match file.vehicle.model {
+            MotionModel::Kinematic => Vehicle::new,
+            MotionModel::SixDof => Vehicle::with_body,
+        };
+        let mut vehicle = made(hull, file.vehicle.altitude_min_m, at, file.start.depth_m, heading_deg);
         let adjustment = Adjustment::new(file, seed);
         vehicle.rise_share = adjustment.rise_share();
         vehicle.sense(&world, Timestamp::ZERO);

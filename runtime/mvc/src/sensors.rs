@@ -6,7 +6,6 @@ mod imu;
 mod noise;
 mod readings;
 mod schedule;
-mod seawater;
 mod solution;
 mod tailcone;
 mod water;

@@ -172,7 +172,7 @@ impl Mvc {
             Drive::Under(_) | Drive::Hover(_) if self.silence.is_silent() || self.adjustment.is_asked_for() => {
                 Drive::Adrift
             }
-            Drive::Under(demand) if demand.speed_mps <= 0.0 && !self.vehicle.hull().hovers => Drive::Adrift,
+            Drive::Under(demand) if !demand.throttle.is_on() && !self.vehicle.hull().hovers => Drive::Adrift,
             Drive::Held | Drive::Under(_) | Drive::Hover(_) | Drive::Adrift => drive,
         };
         self.silence.watch_tailcone(now, matches!(drive, Drive::Under(_)));

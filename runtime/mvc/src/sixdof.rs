@@ -8,12 +8,16 @@
 //! Three layers, each usable by itself:
 //! - [`SixDof`]: fins and propeller in, motion out;
 //! - [`Autopilot`]: heading, depth, pitch, speed in, fins and propeller out;
-//! - [`Piloted`]: both, in the sea that it is in and within a hull's limits: what the mock flies.
+//! - [`Piloted`]: both, in the sea that it is in and within a hull's limits: what the mock flies where the world says
+//!   `model = "6-dof"`.
 //!
 //! How much to believe: drag and propulsion are calibrated with measurements on REMUS vehicles, mass and added mass follow
 //! from the shape, and the damping is its author's judgement. The turn is the least certain: Prestero's coefficients of
 //! an earlier hull, with weight and buoyancy equal, turn in 6 to 9 m at 1.3 m/s with 4 to 12 degrees of rudder, and the
 //! model flown here in 19 to 44 m at 1.6 m/s with 15 to 5 degrees.
+//!
+//! It is integrated at 50 Hz, whatever the vehicle's own step is: a tick of 100 ms is five steps of the body, of its
+//! autopilot and of its tail.
 //!
 //! Axes: the body's are forward, starboard, down; the world's are north, east, down. No trigonometry of attitude
 //! angles is in the equations: the attitude is a unit quaternion, and a pitch of 90 degrees is like any other.
@@ -32,9 +36,9 @@ mod piloted;
 #[cfg(test)]
 mod published;
 
-pub use actuators::Actuators;
-pub use autopilot::{Autopilot, Bounds, Setpoints, Steering, Throttle, Vertical};
-pub use piloted::{Helm, Motion, Orders, Piloted, Surroundings, Trim, flown};
+pub(crate) use actuators::Actuators;
+pub(crate) use autopilot::{Steering, Throttle};
+pub(crate) use piloted::{Helm, Orders, Piloted, Surroundings, Trim, flown};
 
 use backseat_units::EastNorth;
 use backseat_units::math::{asin, atan2, wrap_360};
@@ -45,11 +49,11 @@ use coefficients::{BUOYANCY_FADES_M, Coefficients};
 use forces::{BodyVelocity, acceleration, excess_for_rise};
 
 /// The longest step of the integrator, seconds: 50 Hz.
-pub const STEP_MAX_S: f64 = 0.02;
+pub(crate) const STEP_MAX_S: f64 = 0.02;
 
 /// The body, its tail, and how it moves.
 #[derive(Clone, Debug)]
-pub struct SixDof {
+pub(crate) struct SixDof {
     coefficients: Coefficients,
     state: State,
     tail: Tail,
@@ -110,7 +114,7 @@ impl Rate {
 impl SixDof {
     /// A vehicle at rest in the water, level, its buoyancy `excess_n` newtons over its weight.
     #[must_use]
-    pub fn new(at: EastNorth, depth_m: f64, heading_deg: f64, excess_n: f64) -> Self {
+    pub(crate) fn new(at: EastNorth, depth_m: f64, heading_deg: f64, excess_n: f64) -> Self {
         Self {
             coefficients: Coefficients::remus_100(),
             state: State {
@@ -126,7 +130,7 @@ impl SixDof {
 
     /// As [`SixDof::new`], with the buoyancy that floats it up level at `rise_mps`.
     #[must_use]
-    pub fn rising_at(at: EastNorth, depth_m: f64, heading_deg: f64, rise_mps: f64) -> Self {
+    pub(crate) fn rising_at(at: EastNorth, depth_m: f64, heading_deg: f64, rise_mps: f64) -> Self {
         let mut vehicle = Self::new(at, depth_m, heading_deg, 0.0);
         vehicle.excess_n = excess_for_rise(&vehicle.coefficients, rise_mps);
         vehicle
@@ -138,7 +142,7 @@ impl SixDof {
     /// The integrator is the classical Runge-Kutta one of fourth order: at 50 Hz its error is far below that of the
     /// coefficients (the fastest motion, roll, turns 6 rad/s), where semi-implicit Euler is off by centimetres a minute
     /// in a turn. The tail's lag is solved exactly and its mean over the step drives the body.
-    pub fn step(&mut self, command: Actuators, current: (f64, f64, f64), dt_s: f64) {
+    pub(crate) fn step(&mut self, command: Actuators, current: (f64, f64, f64), dt_s: f64) {
         if !dt_s.is_finite() || dt_s <= 0.0 {
             return;
         }
@@ -152,7 +156,7 @@ impl SixDof {
     }
 
     /// Stops it where it is, its tail too: it has no way on through the water when it is let go.
-    pub fn hold(&mut self) {
+    pub(crate) fn hold(&mut self) {
         self.state.velocity = [0.0; 6];
         self.state.attitude = Attitude::level(self.state.attitude.heading_rad());
         self.tail = Tail::default();
@@ -160,7 +164,7 @@ impl SixDof {
     }
 
     /// Puts it on a seabed at `water_depth_m` if it is below that. Whether it is there.
-    pub fn ground_at(&mut self, water_depth_m: f64) -> bool {
+    pub(crate) fn ground_at(&mut self, water_depth_m: f64) -> bool {
         let grounded = self.state.at[2] >= water_depth_m;
         if grounded {
             self.state.at[2] = water_depth_m.max(0.0);
@@ -171,44 +175,44 @@ impl SixDof {
 
     /// Where it is in the world's frame.
     #[must_use]
-    pub fn at(&self) -> EastNorth {
+    pub(crate) fn at(&self) -> EastNorth {
         EastNorth::new(self.state.at[1], self.state.at[0])
     }
 
     /// Depth, metres, never negative.
     #[must_use]
-    pub fn depth_m(&self) -> f64 {
+    pub(crate) fn depth_m(&self) -> f64 {
         self.state.at[2]
     }
 
     /// Degrees from the frame's north, in [0, 360).
     #[must_use]
-    pub fn heading_deg(&self) -> f64 {
+    pub(crate) fn heading_deg(&self) -> f64 {
         wrap_360(self.state.attitude.heading_rad().to_degrees())
     }
 
     /// Degrees, positive nose up.
     #[must_use]
-    pub fn pitch_deg(&self) -> f64 {
+    pub(crate) fn pitch_deg(&self) -> f64 {
         asin((-self.state.attitude.down()[0]).clamp(-1.0, 1.0)).to_degrees()
     }
 
     /// Degrees, positive to starboard.
     #[must_use]
-    pub fn roll_deg(&self) -> f64 {
+    pub(crate) fn roll_deg(&self) -> f64 {
         let [_, y, z] = self.state.attitude.down();
         atan2(y, z).to_degrees()
     }
 
     /// Velocity through the water: forward, to starboard, down (metres a second), roll, pitch, yaw (radians a second).
     #[must_use]
-    pub fn velocity(&self) -> [f64; 6] {
+    pub(crate) fn velocity(&self) -> [f64; 6] {
         self.state.velocity
     }
 
     /// Velocity over ground: east, north, down, metres a second.
     #[must_use]
-    pub fn ground_velocity(&self) -> (f64, f64, f64) {
+    pub(crate) fn ground_velocity(&self) -> (f64, f64, f64) {
         let [u, v, w, ..] = self.state.velocity;
         let [north, east, down] = self.state.attitude.to_world([u, v, w]);
         let [water_north, water_east, water_down] = self.water.unwrap_or_default();
@@ -217,7 +221,7 @@ impl SixDof {
 
     /// Rates of roll, pitch and heading, degrees a second.
     #[must_use]
-    pub fn attitude_rates_dps(&self) -> (f64, f64, f64) {
+    pub(crate) fn attitude_rates_dps(&self) -> (f64, f64, f64) {
         let [.., p, q, r] = self.state.velocity;
         let [sin_pitch, y, z] = self.state.attitude.down();
         // Sine and cosine of roll, each times the cosine of pitch.
@@ -231,19 +235,18 @@ impl SixDof {
 
     /// Where the fins and the propeller are now, which lags what was ordered.
     #[must_use]
-    pub fn tail(&self) -> Actuators {
+    pub(crate) fn tail(&self) -> Actuators {
         self.tail.now()
     }
 
-    /// By how much buoyancy exceeds weight when submerged, newtons.
-    #[must_use]
-    pub fn excess_buoyancy_n(&self) -> f64 {
-        self.excess_n
+    /// As floats it up level at `rise_mps` when submerged; negative sinks.
+    pub(crate) fn float_at(&mut self, rise_mps: f64) {
+        self.excess_n = excess_for_rise(&self.coefficients, rise_mps).copysign(rise_mps);
     }
 
     /// Kinetic energy through the water, added mass included, and of righting, joules.
-    #[must_use]
-    pub fn energy_j(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn energy_j(&self) -> f64 {
         self.coefficients.kinetic_j(&self.state.velocity) + self.coefficients.righting_j(self.state.attitude.down()[2])
     }
 
@@ -254,6 +257,12 @@ impl SixDof {
         let d = self.rate(&self.state.after(&c, dt_s), tail);
         self.state = self.state.after(&Rate::mean(&a, &b, &c, &d), dt_s);
         self.state.attitude.normalize();
+        let [_, x, y, z] = &mut self.state.attitude.0;
+        for value in self.state.velocity.iter_mut().chain([x, y, z]) {
+            if value.abs() < AT_REST {
+                *value = 0.0;
+            }
+        }
         if self.state.at[2] < 0.0 {
             self.state.at[2] = 0.0;
             self.stop_vertical(|down_mps| down_mps < 0.0);
@@ -319,6 +328,10 @@ impl SixDof {
 /// The fastest through the water, metres a second: three times what it can swim. Cross-flow drag brakes in 1/50 s there,
 /// and a faster flow than about twice that is more than a step at 50 Hz can follow.
 const THROUGH_MAX_MPS: f64 = 8.0;
+
+/// What a lag has brought down to this moves nothing any more, in any unit. Left to itself it becomes a subnormal number,
+/// and every sum with those takes a processor a hundred times as long.
+const AT_REST: f64 = 1e-30;
 
 /// Square of the cosine of pitch under which the rates of roll and heading are not followed further: 87 degrees.
 const COS2_PITCH_LEAST: f64 = 0.0027;

@@ -1,3 +1,4 @@
+mod body;
 mod hover;
 
 use backseat_units::math::{asin, sin, sin_cos, wrap_180, wrap_360};
@@ -6,11 +7,10 @@ use backseat_world::World;
 
 use crate::hull::Hull;
 use crate::plan::Vertical;
+use crate::sixdof::{Actuators, Piloted};
 
+pub(crate) use crate::sixdof::Throttle;
 pub(crate) use hover::{HoverDemand, Obstacle};
-
-/// The greatest angle of rudder and elevator either way, degrees: typical of fins of this size.
-pub(crate) const FIN_MAX_DEG: f64 = 20.0;
 
 /// What the vehicle turns to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +20,7 @@ pub(crate) enum Turn {
     /// Degrees of rudder, positive to starboard (SPI 6.12), held.
     Rudder(f64),
 }
+
 /// What a lag has brought down to this moves nothing any more, in any unit. Left to itself it becomes a subnormal number,
 /// and every sum with those takes a processor a hundred times as long.
 const AT_REST: f64 = 1e-30;
@@ -29,7 +30,14 @@ const AT_REST: f64 = 1e-30;
 pub(crate) struct Demand {
     pub(crate) turn: Turn,
     pub(crate) vertical: Vertical,
-    pub(crate) speed_mps: f64,
+    pub(crate) throttle: Throttle,
+}
+
+/// Rudder, elevator and thruster, as they are and as they have been told to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Tail {
+    pub(crate) now: Actuators,
+    pub(crate) ordered: Actuators,
 }
 
 /// What moves the vehicle.
@@ -44,7 +52,8 @@ pub(crate) enum Drive {
     Adrift,
 }
 
-/// The vehicle: a first-order model of surge, yaw and depth, which the current carries along.
+/// The vehicle, which the current carries along: a first-order model of surge, yaw and depth, or the body of
+/// [`crate::sixdof`].
 #[derive(Clone, Debug)]
 pub(crate) struct Vehicle {
     hull: Hull,
@@ -74,6 +83,10 @@ pub(crate) struct Vehicle {
     pub(crate) grounded: bool,
     /// How fast it floats up adrift, as a share of the hull's buoyant rise: its buoyancy may be adjusted (SPI 7.24).
     pub(crate) rise_share: f64,
+    /// What the tail does; none where the model has none.
+    pub(crate) tail: Option<Tail>,
+    /// The body that moves it in place of the first-order model.
+    piloted: Option<Box<Piloted>>,
 }
 
 impl Vehicle {
@@ -99,6 +112,17 @@ impl Vehicle {
             gradient: EastNorth::default(),
             grounded: false,
             rise_share: 1.0,
+            tail: None,
+            piloted: None,
+        }
+    }
+
+    /// As [`Vehicle::new`], with six degrees of freedom. `hull` is what [`crate::sixdof::flown`] makes of one.
+    pub(crate) fn with_body(hull: Hull, altitude_min_m: f64, at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
+        let piloted = Piloted::new(&hull, altitude_min_m, at, depth_m, heading_deg);
+        Self {
+            piloted: Some(Box::new(piloted)),
+            ..Self::new(hull, altitude_min_m, at, depth_m, heading_deg)
         }
     }
 
@@ -113,7 +137,11 @@ impl Vehicle {
     /// Reads the sea where the vehicle is.
     pub(crate) fn sense(&mut self, world: &World, now: Timestamp) {
         (self.water_depth_m, self.gradient) = world.seabed().depth_and_gradient(self.at);
+        self.water_depth_m = (self.water_depth_m + world.tide_m(now)).max(0.0);
         self.current = world.current_at(self.at, self.depth_m, now);
+        if self.piloted.is_some() {
+            return self.ground();
+        }
         self.grounded = self.depth_m >= self.water_depth_m;
         if self.grounded {
             self.depth_m = self.water_depth_m;
@@ -121,8 +149,11 @@ impl Vehicle {
         }
     }
 
-    /// One step of `dt_s`, by semi-implicit Euler: rates first, then what they move.
+    /// One step of `dt_s`, of the first-order model by semi-implicit Euler: rates first, then what they move.
     pub(crate) fn step(&mut self, drive: Drive, dt_s: f64) {
+        if self.piloted.is_some() {
+            return self.pilot(drive, dt_s);
+        }
         match drive {
             Drive::Held => {
                 (self.surge_mps, self.sway_mps) = (0.0, 0.0);
@@ -172,7 +203,11 @@ impl Vehicle {
 
     fn rates(&mut self, demand: &Demand, dt_s: f64) {
         let hull = self.hull;
-        let speed_mps = demand.speed_mps.clamp(hull.speed_min_mps, hull.speed_max_mps);
+        let speed_mps = match demand.throttle {
+            Throttle::Speed(mps) => mps,
+            Throttle::Rpm(rpm) => hull.speed_mps(rpm),
+        };
+        let speed_mps = speed_mps.clamp(hull.speed_min_mps, hull.speed_max_mps);
         self.surge(speed_mps, dt_s);
         self.settle_sway(dt_s);
         // A rudder needs way on: below the least speed the turn fades with it.
@@ -322,7 +357,7 @@ mod tests {
             let demand = Demand {
                 turn: Turn::Heading(180.0),
                 vertical: Vertical::Depth(20.0),
-                speed_mps: 0.7,
+                throttle: Throttle::Speed(0.7),
             };
             let vehicle = fly(class, demand, 200);
             assert!(wrap_180(vehicle.heading_deg - 180.0).abs() < 0.5, "{class:?}");
@@ -337,7 +372,7 @@ mod tests {
         let demand = Demand {
             turn: Turn::Heading(270.0),
             vertical: Vertical::Altitude(10.0),
-            speed_mps: 1.5,
+            throttle: Throttle::Speed(1.5),
         };
         let vehicle = fly(HullClass::TwelveInch, demand, 400);
         let altitude = vehicle.water_depth_m - vehicle.depth_m;
@@ -351,7 +386,7 @@ mod tests {
                 let demand = Demand {
                     turn: Turn::Heading(270.0),
                     vertical,
-                    speed_mps: 99.0,
+                    throttle: Throttle::Speed(99.0),
                 };
                 let world = world();
                 let hull = *Hull::of(class);
@@ -375,7 +410,7 @@ mod tests {
         let demand = Demand {
             turn: Turn::Rudder(10.0),
             vertical: Vertical::Elevator(-4.0),
-            speed_mps: 1.5,
+            throttle: Throttle::Speed(1.5),
         };
         let vehicle = fly(HullClass::TwelveInch, demand, 20);
         // Half of the greatest rudder is half of the fastest turn.
@@ -398,7 +433,7 @@ mod tests {
         let demand = Demand {
             turn: Turn::Heading(0.0),
             vertical: Vertical::Depth(5.0),
-            speed_mps: 1.5,
+            throttle: Throttle::Speed(1.5),
         };
         let mut vehicle = fly(HullClass::NineInch, demand, 100);
         for _ in 0..1200 {

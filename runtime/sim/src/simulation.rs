@@ -101,7 +101,7 @@ impl Simulation {
         mut recorder: Option<Recorder<BufWriter<File>>>,
     ) -> Result<Self, SimError> {
         let world: &WorldFile = mission.world()?;
-        let mvc = Mvc::new(world, seed)?;
+        let mvc = mission.vehicle(world, seed)?;
         let limits = &mission.file.limits;
         let oracle = Oracle::new(
             &mission.fence_text,

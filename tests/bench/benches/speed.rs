@@ -11,7 +11,7 @@ use backseat_core::plugin::{NavigationSample, StepInput};
 use backseat_core::{Envelope, Limits};
 use backseat_fence::{Fence, Shape, Sweep, VerticalExtent};
 use backseat_mission::{Layers, Mission};
-use backseat_mvc::{ClientId, Mvc};
+use backseat_mvc::ClientId;
 use backseat_plugin_host::{Budget, Host};
 use backseat_recorder::{Header, Rate, Recorder};
 use backseat_sim::{Simulation, load_plugins};
@@ -252,7 +252,8 @@ fn fly(mission: &Mission, host: &Host, seed: u64, log: &Path) -> f64 {
 }
 
 fn vehicle_alone(mission: &Mission, seed: u64) -> f64 {
-    let mut vehicle = Mvc::new(mission.world().expect("a world"), seed).expect("a world");
+    let world = mission.world().expect("a world");
+    let mut vehicle = mission.vehicle(world, seed).expect("a world");
     let client = ClientId(1);
     let mut out = Vec::new();
     vehicle.connect(Timestamp::ZERO, client);

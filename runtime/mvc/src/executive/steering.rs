@@ -4,10 +4,10 @@ use backseat_units::math::sin;
 use super::{Executive, Running};
 use crate::course::{Steer, Way, crabbed_deg};
 use crate::estimate::Estimate;
-use crate::event::{EndReason, ModifyHorizontal, ModifyValues, ModifyVertical, MvcEventKind};
+use crate::event::{EndReason, ModifyHorizontal, ModifySpeed, ModifyValues, ModifyVertical, MvcEventKind};
 use crate::mission_event::{MissionEvent, Told};
 use crate::plan::Vertical;
-use crate::vehicle::{Demand, Drive, Turn};
+use crate::vehicle::{Demand, Drive, Throttle, Turn};
 
 /// What the running behavior, and whoever modifies it, ask of the vehicle.
 impl Executive {
@@ -49,7 +49,11 @@ impl Executive {
         Drive::Under(Demand {
             turn: self.turn(&asked, &steer, estimate, convergence_deg),
             vertical: self.vertical(&asked, running, &steer, estimate),
-            speed_mps: asked.speed_mps.unwrap_or(running.speed_mps),
+            throttle: match asked.speed {
+                None => Throttle::Speed(running.speed_mps),
+                Some(ModifySpeed::MetresPerSecond(mps)) => Throttle::Speed(mps),
+                Some(ModifySpeed::Rpm(rpm)) => Throttle::Rpm(rpm),
+            },
         })
     }
 

@@ -2,6 +2,21 @@ use serde::Deserialize;
 
 use crate::error::{MvcError, check};
 use crate::hull::{Hull, HullClass};
+use crate::sixdof::flown;
+
+/// How the vehicle's motion is worked out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+pub enum MotionModel {
+    /// First-order lags of speed, turn and depth rate, with the hull's limits. Fast.
+    #[default]
+    #[serde(rename = "kinematic")]
+    Kinematic,
+    /// A rigid body with six degrees of freedom: the published REMUS 100 with an autopilot of ours, within the hull's
+    /// limits as far as that body reaches them (it steers and holds its depth from 1 m/s on, and turns slower).
+    /// Integrated at 50 Hz whatever `tick_hz` is. Not for a hovering hull.
+    #[serde(rename = "6-dof")]
+    SixDof,
+}
 
 /// The `[vehicle]` section: which hull, and limits tighter than the hull's own.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -9,6 +24,8 @@ use crate::hull::{Hull, HullClass};
 pub struct VehicleConfig {
     /// Which hull.
     pub class: HullClass,
+    /// How it moves: `kinematic` or `6-dof`.
+    pub model: MotionModel,
     /// The deepest that the vehicle goes, whatever is asked, metres; none is the hull's rating.
     pub depth_max_m: Option<f64>,
     /// The closest that it goes to the seabed, whatever is asked, metres, 0 to 100.
@@ -23,6 +40,7 @@ impl Default for VehicleConfig {
     fn default() -> Self {
         Self {
             class: HullClass::default(),
+            model: MotionModel::default(),
             depth_max_m: None,
             altitude_min_m: 2.0,
             speed_max_mps: None,
@@ -32,19 +50,33 @@ impl Default for VehicleConfig {
 }
 
 impl VehicleConfig {
-    /// The hull's data with this section's limits put in.
+    /// What the hull can do under this section's model, with this section's limits put in.
     #[must_use]
     pub fn hull(&self) -> Hull {
         let hull = *Hull::of(self.class);
-        Hull {
+        self.under_model(&Hull {
             depth_max_m: self.depth_max_m.unwrap_or(hull.depth_max_m),
             speed_max_mps: self.speed_max_mps.unwrap_or(hull.speed_max_mps),
             ..hull
+        })
+    }
+
+    fn under_model(&self, hull: &Hull) -> Hull {
+        match self.model {
+            MotionModel::Kinematic => *hull,
+            MotionModel::SixDof => flown(hull),
         }
     }
 
     pub(crate) fn validate(&self) -> Result<(), MvcError> {
-        let hull = Hull::of(self.class);
+        if self.model == MotionModel::SixDof && Hull::of(self.class).hovers {
+            return Err(MvcError::Value {
+                key: "vehicle.model",
+                value: "\"6-dof\"".to_owned(),
+                expected: "\"kinematic\" where vehicle.class is \"hovering\": the body of 6-dof is a torpedo",
+            });
+        }
+        let hull = self.under_model(Hull::of(self.class));
         if let Some(depth) = self.depth_max_m {
             let ok = (1.0..=hull.depth_max_m).contains(&depth);
             check(ok, "vehicle.depth_max_m", depth, "1 m to the hull's rating")?;

@@ -121,7 +121,15 @@ impl Mvc {
             }
         }
         if let Some(number) = depth.filter(|_| !failed.depth) {
-            let reading = |mvc: &Self| mvc.sensors.water.depth_sensor(&mvc.vehicle, number, stamp).into();
+            let reading = |mvc: &Self| {
+                let Self {
+                    sensors,
+                    vehicle,
+                    world,
+                    ..
+                } = mvc;
+                sensors.water.depth_sensor(vehicle, world, number, stamp).into()
+            };
             self.report(now, Topic::DepthSensor, reading);
         }
         // A hovering hull has no tailcone (SPI 6.7, 6.12).

@@ -30,8 +30,10 @@ impl Tailcone {
     /// BFRVL (SPI 6.7), the reading of this number.
     pub(super) fn speed(&self, vehicle: &Vehicle, number: u64, stamp: TimeOfDay) -> VehicleSpeed {
         let rpm_per_mps = vehicle.hull().rpm_per_mps;
-        let thruster_rpm =
-            vehicle.surge_mps * rpm_per_mps + self.rotation.reading(number).normal(self.config.rpm_noise);
+        let turns_rpm = vehicle
+            .tail
+            .map_or(vehicle.surge_mps * rpm_per_mps, |tail| tail.now.propeller_rpm);
+        let thruster_rpm = turns_rpm + self.rotation.reading(number).normal(self.config.rpm_noise);
         VehicleSpeed {
             created: stamp,
             thruster_rpm,
@@ -41,7 +43,7 @@ impl Tailcone {
 
     /// BFERC (SPI 6.12), the reading of this number.
     ///
-    /// The kinematic model has no fins: an angle is the share of the hull's fastest turn, or climb, that the vehicle
+    /// Where the model has fins, those. The kinematic one has none: an angle is the share of the hull's fastest turn, or climb, that the vehicle
     /// makes, and its target the share that it has been asked for. That is found from how far the rate has come in a
     /// step.
     pub(super) fn angles(
@@ -52,18 +54,27 @@ impl Tailcone {
         number: u64,
         stamp: TimeOfDay,
     ) -> ControlSurfaces {
+        let mut draws = self.angles.reading(number);
+        let mut noise_deg = || draws.normal(self.config.angle_noise_deg);
+        if let Some(tail) = vehicle.tail {
+            return ControlSurfaces {
+                created: stamp,
+                elevator_deg: tail.now.elevator_deg() + noise_deg(),
+                rudder_deg: tail.now.rudder_deg + noise_deg(),
+                elevator_target_deg: tail.ordered.elevator_deg(),
+                rudder_target_deg: tail.ordered.rudder_deg,
+            };
+        }
         let hull = vehicle.hull();
         let most_deg = self.config.angle_max_deg;
         let angle = |rate: f64, fastest: f64| (most_deg * rate / fastest).clamp(-most_deg, most_deg);
         let asked = |before: f64, now: f64, tau_s: f64| before + (now - before) * (tau_s + dt_s) / dt_s;
         let yaw_dps = asked(before.yaw_rate_dps, vehicle.yaw_rate_dps, hull.yaw_tau_s);
         let heave_mps = asked(before.heave_mps, vehicle.heave_mps, hull.heave_tau_s);
-        let mut draws = self.angles.reading(number);
         ControlSurfaces {
             created: stamp,
-            elevator_deg: angle(-vehicle.heave_mps, hull.depth_rate_max_mps)
-                + draws.normal(self.config.angle_noise_deg),
-            rudder_deg: angle(vehicle.yaw_rate_dps, hull.yaw_rate_max_dps) + draws.normal(self.config.angle_noise_deg),
+            elevator_deg: angle(-vehicle.heave_mps, hull.depth_rate_max_mps) + noise_deg(),
+            rudder_deg: angle(vehicle.yaw_rate_dps, hull.yaw_rate_max_dps) + noise_deg(),
             elevator_target_deg: angle(-heave_mps, hull.depth_rate_max_mps),
             rudder_target_deg: angle(yaw_dps, hull.yaw_rate_max_dps),
         }

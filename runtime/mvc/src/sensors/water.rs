@@ -2,12 +2,16 @@ use core::time::Duration;
 
 use backseat_spi::{Ctd, DepthSensor, PayloadCtd, SoundVelocity};
 use backseat_units::{TimeOfDay, Timestamp};
-use backseat_world::World;
+use backseat_world::{World, seawater};
 
 use super::noise::Noise;
-use super::seawater::{AIR_KPA, WATER_KPA_PER_M, sound_speed_by_ctd_mps};
 use crate::file::SensorConfig;
 use crate::vehicle::Vehicle;
+
+/// Pressure of the air, kilopascals.
+const AIR_KPA: f64 = 101.325;
+/// Pressure of a metre of sea water at 1025 kg/m3, kilopascals: what the vehicle takes a sensor's error for.
+const WATER_KPA_PER_M: f64 = 10.052;
 
 /// What is measured of the water: pressure, temperature, conductivity, speed of sound.
 #[derive(Clone, Debug)]
@@ -56,11 +60,11 @@ impl Water {
     }
 
     /// BFRDP (SPI 6.6), the reading of this number: absolute, with the air's pressure, as BFCTD's.
-    pub(super) fn depth_sensor(&self, vehicle: &Vehicle, number: u64, stamp: TimeOfDay) -> DepthSensor {
+    pub(super) fn depth_sensor(&self, vehicle: &Vehicle, world: &World, number: u64, stamp: TimeOfDay) -> DepthSensor {
         let noise_kpa = self.pressure.reading(number).normal(self.config.depth.noise_kpa);
         DepthSensor {
             created: stamp,
-            pressure_kpa: AIR_KPA + WATER_KPA_PER_M * vehicle.depth_m + self.depth_bias_kpa + noise_kpa,
+            pressure_kpa: pressure_kpa(world, vehicle.depth_m) + self.depth_bias_kpa + noise_kpa,
         }
     }
 
@@ -84,7 +88,7 @@ impl Water {
         (
             world.conductivity_us_per_cm(at, depth_m, now) + self.conductivity_bias_us_per_cm,
             world.temperature_c(at, depth_m, now) + self.temperature_bias_c,
-            AIR_KPA + WATER_KPA_PER_M * depth_m + self.ctd_pressure_bias_kpa,
+            pressure_kpa(world, depth_m) + self.ctd_pressure_bias_kpa,
         )
     }
 
@@ -130,12 +134,19 @@ impl Water {
     }
 }
 
+/// Absolute pressure at a depth, kilopascals.
+fn pressure_kpa(world: &World, depth_m: f64) -> f64 {
+    AIR_KPA + 10.0 * world.pressure_dbar(depth_m)
+}
+
 /// What the water makes of it, metres a second.
 pub(super) fn true_sound_mps(vehicle: &Vehicle, world: &World, now: Timestamp) -> f64 {
-    let (at, depth_m) = (vehicle.at, vehicle.depth_m);
-    sound_speed_by_ctd_mps(
-        world.conductivity_us_per_cm(at, depth_m, now),
-        world.temperature_c(at, depth_m, now),
-        AIR_KPA + WATER_KPA_PER_M * depth_m,
-    )
+    world.sound_speed_mps(vehicle.at, vehicle.depth_m, now)
+}
+
+/// Speed of sound by what a CTD measures: microsiemens a centimetre, degrees Celsius, kilopascals with the air's.
+fn sound_speed_by_ctd_mps(conductivity_us_per_cm: f64, temperature_c: f64, pressure_kpa: f64) -> f64 {
+    let pressure_dbar = 0.1 * (pressure_kpa - AIR_KPA).max(0.0);
+    let salinity = seawater::salinity(conductivity_us_per_cm, temperature_c, pressure_dbar);
+    seawater::sound_speed_mps(salinity, temperature_c, pressure_dbar)
 }

@@ -1,28 +1,29 @@
 use backseat_units::math::exp;
 
+use super::AT_REST;
 use super::coefficients::{FIN_LAG_S, FIN_MAX_DEG, FIN_RATE_MAX_DPS, PROPELLER_LAG_S, PROPELLER_MAX_RPM};
 
 /// What the tail is ordered to, or where it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Actuators {
+pub(crate) struct Actuators {
     /// Degrees, positive turns to starboard; ±15.
-    pub rudder_deg: f64,
+    pub(crate) rudder_deg: f64,
     /// Degrees, positive pitches the nose down; ±15. The vehicle interface's elevator is its opposite.
-    pub stern_plane_deg: f64,
+    pub(crate) stern_plane_deg: f64,
     /// Turns a minute, ±1525; negative brakes.
-    pub propeller_rpm: f64,
+    pub(crate) propeller_rpm: f64,
 }
 
 impl Actuators {
     /// The elevator as the vehicle interface counts it, degrees, positive pitches the nose up (SPI 6.12).
     #[must_use]
-    pub fn elevator_deg(&self) -> f64 {
+    pub(crate) fn elevator_deg(&self) -> f64 {
         -self.stern_plane_deg
     }
 
     /// Within what the tail can do; what is no number is amidships.
     #[must_use]
-    pub fn limited(self) -> Self {
+    pub(crate) fn limited(self) -> Self {
         Self {
             rudder_deg: limited(self.rudder_deg, FIN_MAX_DEG),
             stern_plane_deg: limited(self.stern_plane_deg, FIN_MAX_DEG),
@@ -68,6 +69,15 @@ impl Tail {
             stern_plane_deg: fin(before.stern_plane_deg, order.stern_plane_deg),
             propeller_rpm: before.propeller_rpm + (order.propeller_rpm - before.propeller_rpm) * self.propeller_share,
         };
+        for value in [
+            &mut self.now.rudder_deg,
+            &mut self.now.stern_plane_deg,
+            &mut self.now.propeller_rpm,
+        ] {
+            if value.abs() < AT_REST {
+                *value = 0.0;
+            }
+        }
         Actuators {
             rudder_deg: 0.5 * (before.rudder_deg + self.now.rudder_deg),
             stern_plane_deg: 0.5 * (before.stern_plane_deg + self.now.stern_plane_deg),

@@ -6,18 +6,18 @@ use super::coefficients::{Coefficients, FIN_MAX_DEG, PROPELLER_MAX_RPM};
 
 /// What the autopilot holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Setpoints {
+pub(crate) struct Setpoints {
     /// In the horizontal plane.
-    pub steering: Steering,
+    pub(crate) steering: Steering,
     /// In the vertical plane.
-    pub vertical: Vertical,
+    pub(crate) vertical: Vertical,
     /// Along.
-    pub throttle: Throttle,
+    pub(crate) throttle: Throttle,
 }
 
 /// How the vehicle is steered.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Steering {
+pub(crate) enum Steering {
     /// Degrees from the frame's north.
     Heading(f64),
     /// The rudder's angle, degrees, positive to starboard; within ±15.
@@ -26,7 +26,7 @@ pub enum Steering {
 
 /// How the vehicle is trimmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Vertical {
+pub(crate) enum Vertical {
     /// Metres.
     Depth(f64),
     /// Depth, metres, that changes by so many metres a second: an altitude over a slope.
@@ -39,7 +39,7 @@ pub enum Vertical {
 
 /// How the vehicle is driven.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Throttle {
+pub(crate) enum Throttle {
     /// Through the water, metres a second.
     Speed(f64),
     /// The propeller's turns a minute.
@@ -48,19 +48,19 @@ pub enum Throttle {
 
 /// What the autopilot does not go beyond, whatever it is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
+pub(crate) struct Bounds {
     /// The deepest that it may go here, metres.
-    pub depth_max_m: f64,
+    pub(crate) depth_max_m: f64,
     /// The fastest through the water, metres a second.
-    pub speed_max_mps: f64,
+    pub(crate) speed_max_mps: f64,
     /// The steepest, degrees.
-    pub pitch_max_deg: f64,
+    pub(crate) pitch_max_deg: f64,
     /// The fastest climb and dive, metres a second.
-    pub depth_rate_max_mps: f64,
+    pub(crate) depth_rate_max_mps: f64,
     /// Depth rate for a metre of depth error, per second.
-    pub depth_gain_per_s: f64,
+    pub(crate) depth_gain_per_s: f64,
     /// The fastest turn, degrees a second.
-    pub yaw_rate_max_dps: f64,
+    pub(crate) yaw_rate_max_dps: f64,
 }
 
 /// Successive loops (Fossen 2021, chapter 15), each inner one several times as fast as the one around it:
@@ -73,7 +73,7 @@ pub struct Bounds {
 ///
 /// Gains follow the speed, with the fins' force. An integral that would drive a fin against its stop waits.
 #[derive(Clone, Debug, Default)]
-pub struct Autopilot {
+pub(crate) struct Autopilot {
     heading: Option<HeadingReference>,
     yaw_integral: f64,
     depth_rate_integral: f64,
@@ -122,7 +122,7 @@ impl Autopilot {
     /// Where fins and propeller go now, `dt_s` seconds after the last call. A heading, depth or pitch that is no number
     /// is the present one.
     #[must_use]
-    pub fn command(&mut self, vehicle: &SixDof, setpoints: &Setpoints, bounds: &Bounds, dt_s: f64) -> Actuators {
+    pub(crate) fn command(&mut self, vehicle: &SixDof, setpoints: &Setpoints, bounds: &Bounds, dt_s: f64) -> Actuators {
         let speed_mps = vehicle.velocity()[0].max(AUTHORITY_LEAST_MPS);
         let setpoints = &setpoints.with_numbers(vehicle);
         Actuators {

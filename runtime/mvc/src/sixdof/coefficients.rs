@@ -14,6 +14,7 @@ use core::f64::consts::PI;
 
 use backseat_units::math::ln;
 
+#[cfg(test)]
 use super::forces::BodyVelocity;
 
 /// Density of sea water, kg/m3 (F).
@@ -215,6 +216,7 @@ impl Coefficients {
     }
 
     /// Energy of the motion through the water, joules.
+    #[cfg(test)]
     pub(super) fn kinetic_j(&self, velocity: &BodyVelocity) -> f64 {
         let [u, v, _, p, q, _] = *velocity;
         let diagonal: f64 = self
@@ -227,6 +229,7 @@ impl Coefficients {
     }
 
     /// Energy of the centre of gravity's height; `down_z` is the cosine of the inclination from upright.
+    #[cfg(test)]
     pub(super) fn righting_j(&self, down_z: f64) -> f64 {
         self.righting_nm() * (1.0 - down_z)
     }

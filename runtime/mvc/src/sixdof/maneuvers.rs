@@ -5,7 +5,8 @@
 use backseat_units::math::wrap_180;
 use backseat_units::{EastNorth, Timestamp};
 
-use super::{Actuators, Helm, Motion, Orders, Piloted, STEP_MAX_S, SixDof, Steering, Surroundings, Throttle, Trim};
+use super::piloted::Motion;
+use super::{Actuators, Helm, Orders, Piloted, STEP_MAX_S, SixDof, Steering, Surroundings, Throttle, Trim};
 use crate::course::{Course, Way, crabbed_deg};
 use crate::estimate::Estimate;
 use crate::hull::{Hull, HullClass};

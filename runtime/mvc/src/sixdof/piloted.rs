@@ -3,12 +3,13 @@ use backseat_units::EastNorth;
 use super::autopilot::{
     Autopilot, Bounds, HEADING_GAIN_PER_S, Setpoints, Steering, TURN_MAX_DEG_PER_M, Throttle, Vertical,
 };
+use super::coefficients::{FIN_MAX_DEG, PROPELLER_MAX_RPM};
 use super::{Actuators, STEP_MAX_S, SixDof};
 use crate::hull::Hull;
 
 /// What moves the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Helm {
+pub(crate) enum Helm {
     /// Held where it is: before its mission.
     Held,
     /// Under its autopilot.
@@ -19,18 +20,18 @@ pub enum Helm {
 
 /// What the autopilot is to hold, as a mission says it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Orders {
+pub(crate) struct Orders {
     /// In the horizontal plane.
-    pub steering: Steering,
+    pub(crate) steering: Steering,
     /// In the vertical plane.
-    pub trim: Trim,
+    pub(crate) trim: Trim,
     /// Along.
-    pub throttle: Throttle,
+    pub(crate) throttle: Throttle,
 }
 
 /// The vertical order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Trim {
+pub(crate) enum Trim {
     /// Metres below the surface.
     Depth(f64),
     /// Metres above the seabed.
@@ -43,53 +44,60 @@ pub enum Trim {
 
 /// The sea where the vehicle is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surroundings {
+pub(crate) struct Surroundings {
     /// Depth of the water, metres; may be infinite.
-    pub water_depth_m: f64,
+    pub(crate) water_depth_m: f64,
     /// Change of that depth, metres a metre eastward and northward.
-    pub gradient: EastNorth,
+    pub(crate) gradient: EastNorth,
     /// Velocity of the water, east, north, down, metres a second.
-    pub current: (f64, f64, f64),
+    pub(crate) current: (f64, f64, f64),
 }
 
 /// How the vehicle is and moves: what sensors and a judge look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub(crate) struct Motion {
     /// Where it is in the world's frame.
-    pub at: EastNorth,
+    pub(crate) at: EastNorth,
     /// Metres, never negative.
-    pub depth_m: f64,
+    pub(crate) depth_m: f64,
     /// Degrees from the frame's north, in [0, 360).
-    pub heading_deg: f64,
+    pub(crate) heading_deg: f64,
     /// Speed through the water, forward, metres a second.
-    pub surge_mps: f64,
+    pub(crate) surge_mps: f64,
+    /// Speed through the water, to starboard, metres a second.
+    pub(crate) sway_mps: f64,
     /// Depth rate, metres a second, positive down.
-    pub heave_mps: f64,
+    pub(crate) heave_mps: f64,
     /// Rate of the heading, degrees a second.
-    pub yaw_rate_dps: f64,
+    pub(crate) yaw_rate_dps: f64,
     /// Degrees, positive nose up.
-    pub pitch_deg: f64,
+    pub(crate) pitch_deg: f64,
     /// Degrees a second.
-    pub pitch_rate_dps: f64,
+    pub(crate) pitch_rate_dps: f64,
     /// Degrees, positive to starboard.
-    pub roll_deg: f64,
+    pub(crate) roll_deg: f64,
     /// Degrees a second.
-    pub roll_rate_dps: f64,
+    pub(crate) roll_rate_dps: f64,
     /// Velocity over ground, east and north, metres a second.
-    pub ground: (f64, f64),
+    pub(crate) ground: (f64, f64),
     /// Whether it lies on the seabed.
-    pub grounded: bool,
-    /// Fins and propeller.
-    pub tail: Actuators,
+    pub(crate) grounded: bool,
+    /// Fins and propeller, where they are.
+    pub(crate) tail: Actuators,
+    /// Fins and propeller, where they have been told to go.
+    pub(crate) ordered: Actuators,
 }
 
 /// A body, its autopilot, and the limits that it keeps whatever it is asked.
 #[derive(Clone, Debug)]
-pub struct Piloted {
+pub(crate) struct Piloted {
     hull: Hull,
     altitude_min_m: f64,
     body: SixDof,
     autopilot: Autopilot,
+    ordered: Actuators,
+    /// As a share of the hull's own.
+    rise_share: f64,
     held: bool,
     grounded: bool,
 }
@@ -101,6 +109,8 @@ const STEERAGE_MPS: f64 = 1.0;
 const FASTEST_MPS: f64 = 2.4;
 /// How far under the speed limit the autopilot stays, metres a second: speed swings a little where the pitch changes.
 const SPEED_RESERVE_MPS: f64 = 0.03;
+/// Turns of its propeller a minute for each metre a second: 2.5 m/s at 1525, as published.
+const RPM_PER_MPS: f64 = PROPELLER_MAX_RPM / 2.5;
 /// How far ahead the seabed's slope is heeded, seconds.
 const LOOK_AHEAD_S: f64 = 10.0;
 /// Depth at which the vehicle is kept off its limits, because a body that dives does not stop at once: metres for each
@@ -112,7 +122,7 @@ const LEVEL_OUT_S: f64 = 1.0;
 /// Plans and requests are to be judged by these: slower than 1 m/s it does not hold its depth, and its turns are those
 /// of two thirds of its rudder. A hull that hovers is not for this model.
 #[must_use]
-pub fn flown(hull: &Hull) -> Hull {
+pub(crate) fn flown(hull: &Hull) -> Hull {
     let speed_max_mps = hull.speed_max_mps.min(FASTEST_MPS);
     let speed_min_mps = hull.speed_min_mps.max(STEERAGE_MPS).min(speed_max_mps);
     Hull {
@@ -121,6 +131,8 @@ pub fn flown(hull: &Hull) -> Hull {
         yaw_rate_max_dps: hull.yaw_rate_max_dps.min(TURN_MAX_DEG_PER_M * speed_max_mps),
         yaw_gain_per_s: hull.yaw_gain_per_s.min(HEADING_GAIN_PER_S),
         yaw_tau_s: hull.yaw_tau_s.max(2.0),
+        rpm_per_mps: RPM_PER_MPS,
+        fin_max_deg: FIN_MAX_DEG,
         hovers: false,
         ..*hull
     }
@@ -130,26 +142,43 @@ impl Piloted {
     /// At rest, with the limits of `hull` as far as the body reaches them ([`flown`]) and its least height over the
     /// seabed, metres.
     #[must_use]
-    pub fn new(hull: &Hull, altitude_min_m: f64, at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
+    pub(crate) fn new(hull: &Hull, altitude_min_m: f64, at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
         Self {
             hull: flown(hull),
             altitude_min_m,
             body: SixDof::rising_at(at, depth_m, heading_deg, hull.buoyant_rise_mps),
             autopilot: Autopilot::default(),
+            ordered: Actuators::default(),
+            rise_share: 1.0,
             held: true,
             grounded: false,
         }
     }
 
     /// The limits that it flies by.
-    #[must_use]
-    pub const fn hull(&self) -> &Hull {
+    #[cfg(test)]
+    pub(crate) const fn hull(&self) -> &Hull {
         &self.hull
+    }
+
+    /// Sets how fast it floats up adrift, as a share of the hull's buoyant rise; negative sinks. Its autopilot has to make
+    /// up for it under way.
+    pub(crate) fn float_at(&mut self, rise_share: f64) {
+        if rise_share.to_bits() != self.rise_share.to_bits() {
+            self.rise_share = rise_share;
+            self.body.float_at(self.hull.buoyant_rise_mps * rise_share);
+        }
+    }
+
+    /// Puts it on a seabed at `water_depth_m` if it is below that: whether it is there, and its depth.
+    pub(crate) fn ground_at(&mut self, water_depth_m: f64) -> (bool, f64) {
+        self.grounded = self.body.ground_at(water_depth_m);
+        (self.grounded, self.body.depth_m())
     }
 
     /// One step of `dt_s` seconds. The autopilot steers at 50 Hz or more within it; the surroundings are those of its
     /// begin.
-    pub fn drive(&mut self, helm: &Helm, around: &Surroundings, dt_s: f64) {
+    pub(crate) fn drive(&mut self, helm: &Helm, around: &Surroundings, dt_s: f64) {
         if !dt_s.is_finite() || dt_s <= 0.0 {
             return;
         }
@@ -158,6 +187,7 @@ impl Piloted {
                 if !self.held {
                     self.body.hold();
                     self.autopilot = Autopilot::default();
+                    self.ordered = Actuators::default();
                 }
                 self.held = true;
                 self.grounded = self.body.ground_at(around.water_depth_m);
@@ -165,7 +195,8 @@ impl Piloted {
             Helm::Adrift => {
                 self.held = false;
                 self.autopilot = Autopilot::default();
-                self.body.step(Actuators::default(), around.current, dt_s);
+                self.ordered = Actuators::default();
+                self.body.step(self.ordered, around.current, dt_s);
                 self.grounded = self.body.ground_at(around.water_depth_m);
             }
             Helm::Under(orders) => {
@@ -176,6 +207,7 @@ impl Piloted {
                     let water_depth_m = self.water_depth_after(around, f64::from(i) * part_s);
                     let (setpoints, bounds) = self.within_limits(orders, around, water_depth_m);
                     let command = self.autopilot.command(&self.body, &setpoints, &bounds, part_s);
+                    self.ordered = command.limited();
                     self.body.step(command, around.current, part_s);
                     self.grounded = self.body.ground_at(water_depth_m);
                 }
@@ -185,18 +217,20 @@ impl Piloted {
 
     /// How it is and moves. While it is held it has no velocity.
     #[must_use]
-    pub fn motion(&self) -> Motion {
+    pub(crate) fn motion(&self) -> Motion {
         let (east_mps, north_mps, down_mps) = if self.held {
             (0.0, 0.0, 0.0)
         } else {
             self.body.ground_velocity()
         };
+        let [surge_mps, sway_mps, ..] = self.body.velocity();
         let (roll_rate_dps, pitch_rate_dps, yaw_rate_dps) = self.body.attitude_rates_dps();
         Motion {
             at: self.body.at(),
             depth_m: self.body.depth_m(),
             heading_deg: self.body.heading_deg(),
-            surge_mps: self.body.velocity()[0],
+            surge_mps,
+            sway_mps,
             heave_mps: down_mps,
             yaw_rate_dps,
             pitch_deg: self.body.pitch_deg(),
@@ -206,6 +240,7 @@ impl Piloted {
             ground: (east_mps, north_mps),
             grounded: self.grounded,
             tail: self.body.tail(),
+            ordered: self.ordered,
         }
     }
 

@@ -35,5 +35,7 @@ mod sentences;
 mod services;
 mod session;
 mod silence;
+mod sixdof;
+mod soundings;
 mod told;
 mod topside;

@@ -20,11 +20,11 @@ pub(crate) const ME: ClientId = ClientId(1);
 
 impl Payload {
     pub(crate) fn new(text: &str, seed: u64) -> Self {
-        Self::of(&WorldFile::from_toml(text).expect("the test's file is right"), seed)
+        let file = WorldFile::from_toml(text).expect("the test's file is right");
+        Self::of(Mvc::new(&file, seed).expect("the test's world is possible"))
     }
 
-    pub(crate) fn of(file: &WorldFile, seed: u64) -> Self {
-        let mvc = Mvc::new(file, seed).expect("the test's world is possible");
+    pub(crate) fn of(mvc: Mvc) -> Self {
         Self {
             mvc,
             now: Timestamp::ZERO,

@@ -2,7 +2,7 @@
 
 use std::net::SocketAddr;
 
-use backseat_mvc::{ClientId, RoleConfig, WithoutRole, WorldFile};
+use backseat_mvc::{ClientId, Mvc, RoleConfig, WithoutRole, WorldFile};
 
 use crate::files::CALM;
 use crate::payload::Payload;
@@ -15,7 +15,7 @@ fn vehicle(roles: &str, without_role: WithoutRole) -> Payload {
     let mut file = WorldFile::from_toml(CALM).expect("the calm world is right");
     file.spi.roles = RoleConfig::list(roles).expect("the test's roles are right");
     file.spi.without_role = without_role;
-    Payload::of(&file, 1)
+    Payload::of(Mvc::new(&file, 1).expect("the test's world is possible"))
 }
 
 fn address(text: &str) -> Option<SocketAddr> {

@@ -64,10 +64,16 @@ fn flies(mission: &Mission, path: &Path) -> Log {
     read(path).expect("the log can be read")
 }
 
-/// The sentences that steer, with the times when they were sent.
+/// What the bad plugin steers until its fault comes: whoever is stepped first after the hand-over has the helm until the
+/// other, which has priority, asks for it.
+const SIBLINGS: &str = ",0,10,0,1.5,1,0*";
+
+/// The sentences by which isobath steers, with the times when they were sent.
 fn steering(log: &Log) -> Vec<(f64, String)> {
     let mut sentences = sent(log);
-    sentences.retain(|(_, sentence)| !sentence.starts_with("$BPSTS,") && !sentence.starts_with("$BPMSG,"));
+    sentences.retain(|(_, sentence)| {
+        !sentence.starts_with("$BPSTS,") && !sentence.starts_with("$BPMSG,") && !sentence.contains(SIBLINGS)
+    });
     sentences
 }
 

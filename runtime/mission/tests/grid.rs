@@ -101,3 +101,16 @@ fn a_plan_into_the_grids_bottom_is_refused_with_the_place() {
         "{error}"
     );
 }
+
+/// Campaigns draw many worlds: none of the project's own missions is refused for its seed.
+#[test]
+fn the_projects_missions_have_water_enough_whatever_the_seed() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    for name in ["missions/isobath", "missions/plume", "tests/suite/missions/steady"] {
+        let mission = Mission::load(&root.join(name), &Layers::default()).unwrap();
+        for seed in 0..500 {
+            let made = mission.vehicle(mission.world().unwrap(), seed);
+            assert!(made.is_ok(), "{name}, seed {seed}: {:?}", made.err());
+        }
+    }
+}

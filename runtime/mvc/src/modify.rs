@@ -81,7 +81,9 @@ pub(crate) fn beyond(values: &ModifyValues, hull: &Hull, altitude_min_m: f64) ->
         ModifySpeed::MetresPerSecond(mps) => mps,
         ModifySpeed::Rpm(rpm) => hull.speed_mps(rpm),
     });
+    // None at all is safe: the thruster stops, and the vehicle floats up. Silent mode, trim and buoyancy need it (SPI 7.22
+    // to 7.24).
     speed_mps
-        .is_some_and(|mps| !(hull.speed_min_mps..=hull.speed_max_mps).contains(&mps))
+        .is_some_and(|mps| mps != 0.0 && !(hull.speed_min_mps..=hull.speed_max_mps).contains(&mps))
         .then_some("the speed is beyond the safe limits of the vehicle")
 }

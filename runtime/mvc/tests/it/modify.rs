@@ -289,6 +289,26 @@ fn beyond_the_safe_limits_a_modify_is_clipped_or_refused() {
     }
 }
 
+/// SPI 7.22 to 7.24 ask for a mission that is "executing but the tailcone is not spinning": a payload can stop it.
+#[test]
+fn the_thruster_may_be_stopped_whatever_is_beyond_the_limits() {
+    for reading in ["clip", "refuse"] {
+        let text = format!("{CALM}\n[interpretation]\nmodify_beyond = \"{reading}\"");
+        for fields in [",,,0,1,", ",,,0,0,"] {
+            let mut payload = Payload::connected(&text, 1, &["ACK"]);
+            payload.until(30.0);
+            payload.say(&format!("$BPRMB,070000.000,{fields}"));
+            assert_eq!(
+                payload.heard(),
+                ["$BFACK,080030.000,RMB,070000.000,0,2,0,"],
+                "{reading} {fields}"
+            );
+            payload.until(34.9);
+            assert!(payload.mvc.truth().speed_mps < 1.0, "{:?}", payload.mvc.truth());
+        }
+    }
+}
+
 /// SPI 7.12 modifies "the current behavior", and does not say what becomes of it where that ends.
 #[test]
 fn a_modify_goes_on_with_the_next_behavior_or_ends_with_its_own() {

@@ -25,20 +25,23 @@ fn main() {
         return;
     }
     println!("{HEADER}");
-    kinematic();
+    kinematic(false);
+    kinematic(true);
     hundred_clients();
 }
 
-/// An hour of a mission. A client in the same process has BFNVG and BFNVR on, so that both are built at each step; what
-/// is due to it is thrown away. The floor reads one BFNVG by hand.
-fn kinematic() {
+/// An hour of a mission. BFNVG and BFNVR are built at each step, whoever listens: nobody, or a client in the same process,
+/// what is due to it thrown away. The floor reads one BFNVG by hand.
+fn kinematic(listening: bool) {
     let mission = Mission::load(&backseat_test_support::mission("isobath"), &Layers::default()).expect("a mission");
     let world = mission.world().expect("a world").clone();
     let mut vehicle = Mvc::new(&world, 1).expect("a vehicle");
     let mut out = Vec::with_capacity(4096);
-    let client = ClientId(1);
-    vehicle.connect(Timestamp::ZERO, client);
-    vehicle.receive(Timestamp::ZERO, client, b"$BPLOG,NVG,ON\r\n$BPLOG,NVR,ON\r\n");
+    if listening {
+        let client = ClientId(1);
+        vehicle.connect(Timestamp::ZERO, client);
+        vehicle.receive(Timestamp::ZERO, client, b"$BPLOG,NVG,ON\r\n$BPLOG,NVR,ON\r\n");
+    }
     let line = b"$BFNVG,081025.987,4221.810920,N,07106.846030,W,1,45.3,20.1,203.1,-3.4,4.5,081025.980*4E";
     let step = Duration::from_nanos(1_000_000_000 / u64::from(world.vehicle.tick_hz));
     let times = in_turn(
@@ -59,7 +62,10 @@ fn kinematic() {
     );
     let life = step.as_nanos() as f64 / times.0;
     row(
-        &format!("step of the mock, kinematic: {life:.0} x life"),
+        &format!(
+            "step of the mock, kinematic, {}: {life:.0} x life",
+            if listening { "one client" } else { "nobody connected" }
+        ),
         times,
         "one BFNVG read",
         "50000 x life",

@@ -120,7 +120,9 @@ fn isobath_steers(log: &Log) {
     isobath_is_refreshed(log);
     let steering = steering(log);
     for (here, there) in steering.iter().zip(undisturbed()) {
-        assert_eq!(here, there, "the first difference");
+        // What follows the sibling's own modify waits for its rate, from a moment that shows the sibling's fuel.
+        let same = here.1 == there.1 && (here.0 - there.0).abs() < 1e-6;
+        assert!(same, "the first difference: {here:?}, undisturbed {there:?}");
     }
     assert_eq!(steering.len(), undisturbed().len());
 }

@@ -53,8 +53,17 @@ pub(crate) fn check(ok: bool, key: &'static str, value: f64, expected: &'static 
     } else {
         Err(MvcError::Value {
             key,
-            value: value.to_string(),
+            value: short(value),
             expected,
         })
+    }
+}
+
+/// A number as people write it: 1e300 is not shown with 301 digits.
+fn short(value: f64) -> String {
+    if value != 0.0 && !(1e-6..1e9).contains(&value.abs()) {
+        format!("{value:e}")
+    } else {
+        value.to_string()
     }
 }

@@ -88,6 +88,8 @@ pub enum MvcEventKind {
     Executive(MissionEvent),
     /// A command that could not be read, or is none.
     CommandInvalid(ClientId, CommandName, Text),
+    /// What a client has sent that is no sentence, counted by cause: it is not answered.
+    Ignored(ClientId, Text),
     /// BPSTS.
     PayloadStatus {
         /// Which client.
@@ -378,6 +380,7 @@ impl fmt::Display for MvcEventKind {
             Self::InsertRefused(client, id, why) => write!(f, "insert {id} of {client} refused: {why}"),
             Self::InsertCancelled(id, cause) => write!(f, "insert {id} cancelled: {cause}"),
             Self::Executive(event) => write!(f, "{event}"),
+            Self::Ignored(client, what) => write!(f, "{client} sent what is no sentence: {what}"),
             Self::CommandInvalid(client, name, text) => write!(f, "{client} sent an invalid command ({name}): {text}"),
             Self::PayloadStatus { client, ok, text } => {
                 write!(

@@ -18,6 +18,19 @@ pub enum HullClass {
     Hovering,
 }
 
+impl HullClass {
+    /// Its name in `world.toml`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NineInch => "9-inch",
+            Self::TwelveInch => "12-inch",
+            Self::TwentyOneInch => "21-inch",
+            Self::Hovering => "hovering",
+        }
+    }
+}
+
 /// What a hull can do, as a first-order model.
 ///
 /// The figures are typical of vehicles of these sizes, put together from public data sheets and common sense. They

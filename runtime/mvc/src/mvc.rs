@@ -91,11 +91,10 @@ impl Mvc {
     ///
     /// # Errors
     /// [`MvcError`] where the world or the plan cannot be made from the file (one that [`WorldFile::from_toml`] has passed
-    /// gives none of these but for its grid), and where this seed's water is too shallow for the plan:
-    ///
-    /// - under 0.5 m more than `vehicle.altitude_min_m` anywhere on the planned way, where the vehicle's own limits leave
-    ///   it no room;
-    /// - over a grid, which is known ashore, also less than the depth that the element is planned at.
+    /// gives none of these but for its grid), where the vehicle starts below the seabed, where its start or its plan leads
+    /// off the grid, and where this seed's water is too shallow for the plan anywhere on its way: less than
+    /// the depth that the element is planned at, or than `vehicle.altitude_min_m` and 0.5 m. Nearer to the bed than its least
+    /// altitude the vehicle does not go, whatever is planned.
     ///
     /// The way is looked at every 10 m, over a grid every 2 m, by the chart, without the tide. After a setpoint, which ends
     /// where the current takes it, it is looked at again from the next place that the plan names.
@@ -104,6 +103,7 @@ impl Mvc {
         let world = World::with_grid(&file.world_config(), seed, grid)?;
         let plan = crate::plan::resolve(&file.plan, world.frame(), &file.vehicle)?;
         let start = EastNorth::new(file.start.east_m, file.start.north_m);
+        crate::soundings::check_start(start, file.start.depth_m, &world)?;
         crate::soundings::check(&plan, start, &world, file.vehicle.altitude_min_m, charted)?;
         let interpretation = Interpretation::new(&file.interpretation, seed);
         let period = Duration::from_nanos(1_000_000_000 / u64::from(file.vehicle.tick_hz.clamp(1, 100)));
@@ -257,6 +257,9 @@ impl Mvc {
                 }
                 self.settle(now);
             }
+        }
+        if let Some(what) = self.server.ignored(now, client) {
+            self.note(now, MvcEventKind::Ignored(client, what));
         }
     }
 

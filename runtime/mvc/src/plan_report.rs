@@ -47,6 +47,7 @@ impl Mvc {
     }
 
     fn points(&self) -> Vec<Point> {
+        let lead_in_m = self.interpretation.lead_in_m;
         let (plan, inserts_after) = (self.executive.plan(), self.executive.inserts_after());
         let mut teller = Teller {
             at: self.sensors.estimate(&self.vehicle).at,
@@ -54,13 +55,28 @@ impl Mvc {
         };
         let (before, after) = plan.split_at(inserts_after.min(plan.len()));
         for item in before {
-            teller.tell(Some(item.number), None, &item.shape, item.speed_mps);
+            teller.tell(
+                Some(item.number),
+                None,
+                &item.shape.with_leads(item.lead_m),
+                item.speed_mps,
+            );
         }
         for insert in self.executive.inserts() {
-            teller.tell(None, Some(insert.id), &insert.shape, insert.speed_mps);
+            teller.tell(
+                None,
+                Some(insert.id),
+                &insert.shape.with_leads(lead_in_m),
+                insert.speed_mps,
+            );
         }
         for item in after {
-            teller.tell(Some(item.number), None, &item.shape, item.speed_mps);
+            teller.tell(
+                Some(item.number),
+                None,
+                &item.shape.with_leads(item.lead_m),
+                item.speed_mps,
+            );
         }
         teller.points
     }

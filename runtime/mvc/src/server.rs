@@ -3,10 +3,13 @@
 mod roles;
 mod topics;
 
+use core::time::Duration;
 use std::collections::VecDeque;
 use std::net::SocketAddr;
 
-use backseat_spi::{CommandName, Framer, FromVehicle, Policy, Sentence, Text, ToVehicle};
+use backseat_spi::{CommandName, FrameCounts, Framer, FromVehicle, Policy, Sentence, Text, ToVehicle};
+
+use backseat_units::Timestamp;
 
 pub(crate) use topics::{Named, Topic, named};
 
@@ -33,6 +36,20 @@ struct Client {
     /// Which of the server's roles it holds.
     role: Option<usize>,
     out: Vec<u8>,
+    /// What it had sent that is no sentence, when the log was last told, and when the next line may come.
+    told: FrameCounts,
+    tell_from: Timestamp,
+}
+
+/// Ignored sentences of a client are told of no more often.
+const IGNORED_EVERY: Duration = Duration::from_secs(1);
+
+const fn without_sentences(counts: FrameCounts) -> FrameCounts {
+    FrameCounts {
+        sentences: 0,
+        checksum_absent: 0,
+        ..counts
+    }
 }
 
 /// The table of clients: what each has switched on, what it has sent, what is due to it.
@@ -89,6 +106,8 @@ impl Server {
             topics,
             role,
             out: Vec::new(),
+            told: FrameCounts::default(),
+            tell_from: Timestamp::ZERO,
         });
         self.topics |= topics;
         true
@@ -155,6 +174,31 @@ impl Server {
                 Received::Malformed(name, Text::cleaned(&error.to_string()))
             }
         })
+    }
+
+    /// What a client has sent that is no sentence, since that was last asked with an answer: a line a second at most.
+    pub(crate) fn ignored(&mut self, now: Timestamp, id: ClientId) -> Option<Text> {
+        let client = self.client(id)?;
+        let (counts, told) = (client.framer.counts(), client.told);
+        if now < client.tell_from || without_sentences(counts) == without_sentences(told) {
+            return None;
+        }
+        (client.told, client.tell_from) = (counts, now + IGNORED_EVERY);
+        let parts = [
+            (counts.checksum_invalid - told.checksum_invalid, "with a wrong checksum"),
+            (counts.malformed - told.malformed, "without a name"),
+            (counts.too_long - told.too_long, "too long"),
+            (counts.not_utf8 - told.not_utf8, "not of text"),
+            (counts.cut_short - told.cut_short, "cut short"),
+            (counts.overflowed - told.overflowed, "too many at once"),
+            (counts.noise_bytes - told.noise_bytes, "bytes of noise"),
+        ];
+        let parts: Vec<String> = parts
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| format!("{count} {what}"))
+            .collect();
+        Some(Text::cleaned(&parts.join("; ")))
     }
 
     pub(crate) fn switch(&mut self, id: ClientId, topics: u32, on: bool) {

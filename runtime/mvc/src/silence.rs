@@ -44,6 +44,8 @@ pub(crate) struct Silence {
     until: Option<Timestamp>,
     /// The tailcone's target state: whether its thruster is on.
     driven: bool,
+    /// A hovering vehicle has none: its thrusters go on in silence.
+    has_tailcone: bool,
     /// The tailcone's current state: it spins until then.
     spins_until: Timestamp,
 }
@@ -65,6 +67,7 @@ impl Silence {
             changes: VecDeque::new(),
             until: None,
             driven: false,
+            has_tailcone: !file.vehicle.hull().hovers,
             spins_until: Timestamp::ZERO,
         }
     }
@@ -85,7 +88,7 @@ impl Silence {
 
     /// Whether the tailcone spins, driven or not.
     pub(crate) fn is_spinning(&self, now: Timestamp) -> bool {
-        self.driven || now < self.spins_until
+        self.has_tailcone && (self.driven || now < self.spins_until)
     }
 
     /// A connection is gone: its requests are decided and no longer answered.
@@ -117,7 +120,7 @@ impl Mvc {
         }
         if request.silent && !self.silence.is_silent() {
             // "The target state of the tailcone is checked". It is at rest wherever no mission runs.
-            if self.silence.is_driven() {
+            if self.silence.has_tailcone && self.silence.is_driven() {
                 return self.silence_failed(now, re, "the tailcone is spinning");
             }
             if self.adjustment.is_asked_for() && !self.interpretation.silence_cancels_adjustment {
@@ -169,7 +172,9 @@ impl Mvc {
             self.abandon_adjustment(now);
         }
         let drive = match drive {
-            Drive::Under(_) | Drive::Hover(_) if self.silence.is_silent() || self.adjustment.is_asked_for() => {
+            Drive::Under(_)
+                if self.silence.has_tailcone && (self.silence.is_silent() || self.adjustment.is_asked_for()) =>
+            {
                 Drive::Adrift
             }
             Drive::Under(demand) if !demand.throttle.is_on() && !self.vehicle.hull().hovers => Drive::Adrift,

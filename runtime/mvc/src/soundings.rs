@@ -31,30 +31,66 @@ pub(crate) fn check(
     along(plan, start, &mut |item, path| {
         let least_m = altitude_min_m + ROOM_M;
         let planned_m = match item.vertical {
-            Vertical::Depth(depth_m) if charted => depth_m,
-            Vertical::Depth(_) | Vertical::Altitude(_) | Vertical::Pitch(_) | Vertical::Elevator(_) => 0.0,
+            Vertical::Depth(depth_m) => depth_m,
+            Vertical::Altitude(_) | Vertical::Pitch(_) | Vertical::Elevator(_) => 0.0,
         };
         let needed_m = least_m.max(planned_m);
-        match path.places(every_m).find(|at| world.water_depth_m(*at) < needed_m) {
-            None => Ok(()),
-            Some(at) => Err(MvcError::Plan {
-                number: item.element,
-                fault: too_shallow(world, at, needed_m, planned_m > least_m),
-            }),
-        }
+        let fault = path.places(every_m).find_map(|at| {
+            if !world.seabed().is_known_at(at) {
+                Some(beyond_the_grid(world, at))
+            } else if world.water_depth_m(at) < needed_m {
+                Some(too_shallow(world, at, needed_m, planned_m > least_m))
+            } else {
+                None
+            }
+        });
+        fault.map_or(Ok(()), |fault| {
+            let number = item.element;
+            Err(MvcError::Plan { number, fault })
+        })
     })
 }
 
-fn too_shallow(world: &World, at: EastNorth, needed_m: f64, planned: bool) -> String {
+/// The vehicle starts in the water and over what is known of the seabed.
+pub(crate) fn check_start(start: EastNorth, depth_m: f64, world: &World) -> Result<(), MvcError> {
+    if !world.seabed().is_known_at(start) {
+        return Err(MvcError::Value {
+            key: "start",
+            value: place(world, start),
+            expected: "a place on the grid of the seabed",
+        });
+    }
+    let water_m = world.water_depth_m(start);
+    if depth_m <= water_m {
+        return Ok(());
+    }
+    Err(MvcError::Value {
+        key: "start.depth_m",
+        value: format!("{depth_m} in {water_m:.2} m of water"),
+        expected: "at most the water's depth",
+    })
+}
+
+fn beyond_the_grid(world: &World, at: EastNorth) -> String {
+    format!("it leads off the grid of the seabed at {}", place(world, at))
+}
+
+fn place(world: &World, at: EastNorth) -> String {
     let position: Position = world.frame().to_position(at);
     format!(
-        "the water is {:.2} m deep at {:.0} m east, {:.0} m north (latitude {:.5}, longitude {:.5}), expected at least \
-         {needed_m:.2} m: {}",
-        world.water_depth_m(at),
+        "{:.0} m east, {:.0} m north (latitude {:.5}, longitude {:.5})",
         at.east_m,
         at.north_m,
         position.latitude.as_deg(),
         position.longitude.as_deg(),
+    )
+}
+
+fn too_shallow(world: &World, at: EastNorth, needed_m: f64, planned: bool) -> String {
+    format!(
+        "the water is {:.2} m deep at {}, expected at least {needed_m:.2} m: {}",
+        world.water_depth_m(at),
+        place(world, at),
         if planned {
             "the element's depth"
         } else {

@@ -238,6 +238,13 @@ codes! {
     }
 }
 
+impl Default for Interrupt {
+    /// SPI 7.5: "new behavior runs after current (default)".
+    fn default() -> Self {
+        Self::AfterCurrent
+    }
+}
+
 impl Default for AbortReason {
     /// Errors (SPI 7.16).
     fn default() -> Self {

@@ -74,8 +74,8 @@ messages! {
         speed: f64 as Decimal<3>, "m/s or rpm";
         /// What the speed is.
         speed_mode: SpeedMode as SpeedMode, "code";
-        /// When the line begins.
-        interrupt: Interrupt as Interrupt, "code";
+        /// When the line begins. Read as after the current behavior where it is missing or empty.
+        interrupt: Interrupt as OrDefault<Interrupt>, "code";
     }
     "$BPRTK,081025.987,1001,4221.810920,N,07106.846030,W,4221.910920,N,07106.846030,W,1,10,1.5,0,0*7E"
 
@@ -102,8 +102,8 @@ messages! {
         /// Where on the circle to begin, degrees clockwise from its northmost point. The header of 7.6 lacks it; it is
         /// read with and without, and always written, empty where `None`.
         entry_angle_deg: Option<f64> as EntryAngle, "deg";
-        /// When the circle begins.
-        interrupt: Interrupt as Interrupt, "code";
+        /// When the circle begins. Read as after the current behavior where it is missing or empty.
+        interrupt: Interrupt as OrDefault<Interrupt>, "code";
     }
     "$BPRTC,081025.987,1002,4221.810920,N,07106.846030,W,50,-2,0,15,1.5,0,180,4*5C"
 

@@ -154,6 +154,15 @@ impl Seabed {
         self.depth_and_gradient(at).0
     }
 
+    /// Whether the depth there is drawn or measured; else, off a grid, it is that of the nearest cell of its edge.
+    #[must_use]
+    pub fn is_known_at(&self, at: EastNorth) -> bool {
+        match &self.shape {
+            Shape::Shelf(_) => true,
+            Shape::Chart(chart) => chart.covers(at),
+        }
+    }
+
     /// The way down and how steep: metres deeper a metre, east and north.
     #[must_use]
     pub fn gradient(&self, at: EastNorth) -> EastNorth {

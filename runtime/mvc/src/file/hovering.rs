@@ -154,7 +154,7 @@ impl HoveringConfig {
         if !vehicle.hull().hovers {
             return Err(MvcError::Value {
                 key: "vehicle.class",
-                value: format!("{:?}", vehicle.class),
+                value: format!("\"{}\"", vehicle.class.name()),
                 expected: "\"hovering\" where there is a [hovering.hull]",
             });
         }

@@ -131,12 +131,8 @@ impl MissionConfig {
             ("mission.shutdown_after_s", 60.0, self.shutdown_after_s),
         ] {
             if let Some(value) = value {
-                check(
-                    value >= least && value <= 1e7,
-                    key,
-                    value,
-                    "1 (shutdown_after_s: 60) to 1e7",
-                )?;
+                let expected = if least > 1.0 { "60 to 1e7" } else { "1 to 1e7" };
+                check(value >= least && value <= 1e7, key, value, expected)?;
             }
         }
         let commands = self.commands.len();

@@ -176,7 +176,7 @@ fn a_wrong_fault_is_told_with_number_key_and_what_was_expected() {
         ),
         (
             "at_s = 1; kind = \"acks_lost\"; for_s = 1; command = \"MODIFY\"",
-            "fault 2: command is \"MODIFY\", expected three letters or the sentence's name: RMB or BPRMB",
+            "fault 2: command is \"MODIFY\", expected a command of the interface, RMB or BPRMB",
         ),
         (
             "at_s = 1; kind = \"acks_negative\"; for_s = 1; status = 2",

@@ -429,7 +429,7 @@ fn a_ship_that_cannot_be_there_is_refused_at_the_start() {
         (
             "class = \"hovering\"",
             "class = \"12-inch\"",
-            "vehicle.class is TwelveInch, expected \"hovering\" where there is a [hovering.hull]",
+            "vehicle.class is \"12-inch\", expected \"hovering\" where there is a [hovering.hull]",
         ),
         (
             "[hovering]\n",

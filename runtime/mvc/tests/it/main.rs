@@ -28,6 +28,7 @@ mod navigation;
 mod payload;
 mod places;
 mod power;
+mod reviewed;
 mod roles;
 mod sections;
 mod sensors;

@@ -75,7 +75,7 @@ fn a_plan_without_enough_water_is_refused_with_its_element_and_the_place() {
          expected at least 2.50 m: vehicle.altitude_min_m and 0.5 m"
     );
     // Across the shoulder at 12 m: the depth is in the ground.
-    let line = "[[plan]]\nkind = \"trackline\"\nstart = { east_m = -100, north_m = 250 }\nend = { east_m = 400, north_m = 250 }\n\
+    let line = "[[plan]]\nkind = \"trackline\"\nstart = { east_m = -100, north_m = 250 }\nend = { east_m = 280, north_m = 250 }\n\
                 depth_m = 12\nspeed_mps = 2\n";
     let message = fault(line);
     assert!(message.starts_with("plan element 1: the water is 1"), "{message}");
@@ -119,12 +119,23 @@ fn a_plan_without_enough_water_is_refused_with_its_element_and_the_place() {
     assert!(over(&charted(&plan(CALM, &format!("{there}{setpoint}{there}"))), BED).is_ok());
 }
 
-/// Without a chart only the vehicle's own limits count: a seed's seabed is not known to who plans, and they keep the
-/// vehicle off it.
+/// Beyond its edge a grid says nothing of the seabed.
 #[test]
-fn a_drawn_seabed_refuses_only_where_the_vehicle_cannot_be() {
+fn a_plan_or_a_start_off_the_grid_is_refused() {
+    let fault = |text: &str| over(&charted(text), BED).unwrap_err().to_string();
+    let far = plan(CALM, &waypoint(0, 600, "depth_m = 8"));
+    assert!(fault(&far).starts_with("plan element 1: it leads off the grid of the seabed at 0 m east, 50"));
+    let away = plan(CALM, &waypoint(0, 0, "depth_m = 8")).replace("[origin]", "east_m = 301\n[origin]");
+    assert!(fault(&away).starts_with("start is 301 m east, 0 m north"));
+    assert!(over(&charted(&away.replace("east_m = 301", "east_m = 299")), BED).is_ok());
+}
+
+/// A drawn seabed is looked at as this seed has it.
+#[test]
+fn a_drawn_seabed_refuses_what_lies_below_it_and_where_the_vehicle_cannot_be() {
     let shallow = |depth: &str| {
-        let file = WorldFile::from_toml(&CALM.replace("depth_m = 60", depth)).expect("a file");
+        let low = CALM.replace("depth_m = 10", "depth_m = 2");
+        let file = WorldFile::from_toml(&low.replace("depth_m = 60", depth)).expect("a file");
         Mvc::new(&file, 1)
     };
     assert!(shallow("depth_m = 8").is_ok());
@@ -135,7 +146,7 @@ fn a_drawn_seabed_refuses_only_where_the_vehicle_cannot_be() {
         "{message}"
     );
     // Some seeds' banks are in the way, and say so.
-    let banks = CALM.replace(
+    let banks = CALM.replace("depth_m = 10", "depth_m = 2").replace(
         "depth_m = 60",
         "depth_m = 10\ndepth_min_m = 1\nbanks = 3\nbank_height_m = 9\nbank_east_m = [-300, 300]\nbank_north_m = [0, 400]\n\
          bank_radius_m = 60",

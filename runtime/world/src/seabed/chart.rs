@@ -73,6 +73,23 @@ impl Chart {
         })
     }
 
+    /// Whether a place lies on the grid, the outer halves of its edge cells included.
+    pub(super) fn covers(&self, at: EastNorth) -> bool {
+        let (west, east, south, north) = edges(self.grid.layout());
+        let (x, y) = match &self.place {
+            Place::Local => (at.east_m, at.north_m),
+            Place::Geographic { frame, middle_deg } => {
+                let position = frame.to_position(at);
+                let longitude_deg = position.longitude.as_deg();
+                (
+                    middle_deg + wrap_180(longitude_deg - middle_deg),
+                    position.latitude.as_deg(),
+                )
+            }
+        };
+        (west..=east).contains(&x) && (south..=north).contains(&y)
+    }
+
     /// Depth in metres and its gradient, before the bounds.
     pub(super) fn depth_and_gradient(&self, at: EastNorth) -> (f64, EastNorth) {
         match &self.place {

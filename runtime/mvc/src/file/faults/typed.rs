@@ -170,9 +170,9 @@ impl FaultEntry {
     fn command(&self) -> Result<Option<CommandName>, String> {
         let Some(name) = &self.command else { return Ok(None) };
         match CommandName::new(name) {
-            Ok(name) => Ok(Some(name)),
-            Err(_) => Err(format!(
-                "command is {name:?}, expected three letters or the sentence's name: RMB or BPRMB"
+            Ok(name) if is_command(name) => Ok(Some(name)),
+            Ok(_) | Err(_) => Err(format!(
+                "command is {name:?}, expected a command of the interface, RMB or BPRMB"
             )),
         }
     }
@@ -227,4 +227,10 @@ fn ranged(key: &str, value: f64, least: f64, most: f64, expected: &str) -> Resul
 
 fn seconds(key: &str, value: f64, least: f64, most: f64, expected: &str) -> Result<Duration, String> {
     ranged(key, value, least, most, expected).map(Duration::from_secs_f64)
+}
+
+fn is_command(name: CommandName) -> bool {
+    backseat_spi::catalogue()
+        .iter()
+        .any(|entry| entry.name.strip_prefix("BP") == Some(name.as_str()))
 }

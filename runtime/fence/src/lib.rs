@@ -70,6 +70,7 @@ mod load;
 mod outline;
 mod polygon;
 mod question;
+mod strips;
 mod sweep;
 mod verdict;
 mod zone;

@@ -1,13 +1,12 @@
 //! Rings of the file made into polygons of the plane, or refused.
 
 use backseat_units::{EastNorth, LocalFrame, Position};
-use parry2d_f64::bounding_volume::Aabb;
 use parry2d_f64::math::Vector;
 
 use crate::distance::{LegProbe, Probe, vector};
 use crate::error::{FenceError, Place};
 use crate::load::VERTICES_MAX;
-use crate::polygon::{GoodRing, Polygon};
+use crate::polygon::{GoodRing, Polygon, bounds};
 use crate::question::EDGE_THICKNESS_M;
 
 /// Sharper corners are refused, radians: so near to its corner that the two edges are within a rounding error of each
@@ -208,22 +207,18 @@ impl<'a> Outliner<'a> {
 impl Polygon {
     /// Two edges that cross or come within an edge's thickness of each other without sharing a vertex, and where.
     pub(crate) fn crossing(&self) -> Option<(u32, u32, Vector)> {
-        let thickness = Vector::splat(EDGE_THICKNESS_M);
         for (first, last) in self.ring_edges() {
             for edge in first..=last {
                 let [a, b] = self.ends(edge).map(vector);
                 let probe = LegProbe::new(a, b);
-                let around = Aabb::new(a.min(b) - thickness, a.max(b) + thickness);
                 let mut found: Option<u32> = None;
-                for run in self.tree().intersect_aabb(&around) {
-                    for other in self.run_edges(run).filter(|other| *other > edge + 1) {
-                        let neighbours = edge == first && other == last;
-                        let [c, d] = self.ends(other).map(vector);
-                        if !neighbours && probe.edge_d2(c, d) <= EDGE_THICKNESS_M * EDGE_THICKNESS_M {
-                            found = Some(found.map_or(other, |found| found.min(other)));
-                        }
+                self.edges_near(&probe, 2.0 * EDGE_THICKNESS_M * EDGE_THICKNESS_M, |other| {
+                    let neighbours = other <= edge + 1 || (edge == first && other == last);
+                    let [c, d] = self.ends(other).map(vector);
+                    if !neighbours && probe.edge_d2(c, d) <= EDGE_THICKNESS_M * EDGE_THICKNESS_M {
+                        found = Some(found.map_or(other, |found| found.min(other)));
                     }
-                }
+                });
                 if let Some(other) = found {
                     let [c, d] = self.ends(other).map(vector);
                     return Some((edge, other, probe.contact(c, d).at));
@@ -288,13 +283,6 @@ fn refuse_stray_holes(polygon: &Polygon, place: Placer<'_>) -> Result<(), FenceE
         }
     }
     Ok(())
-}
-
-fn bounds(ring: &[EastNorth]) -> (Vector, Vector) {
-    ring.iter().fold(
-        (Vector::splat(f64::INFINITY), Vector::splat(f64::NEG_INFINITY)),
-        |(min, max), point| (min.min(vector(*point)), max.max(vector(*point))),
-    )
 }
 
 /// Whether a closed ring goes round a point: a ray towards the east crosses it an odd number of times.

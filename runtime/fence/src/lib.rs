@@ -15,6 +15,9 @@
 //!   radius on the edge of a zone of no margin is refused.
 //! - A place where the vehicle surfaces ([`Fence::check_surfacing`]) lies in a zone that allows it; the zone's shallowest
 //!   depth does not count there, and exclusion zones count over all depths that it comes through.
+//! - A zone with a time window counts by the time of the question ([`Fence::during`]): an inclusion zone must be valid
+//!   throughout, an exclusion zone counts where it is valid at any instant of it. Where the time is unknown no inclusion
+//!   zone with a window holds, and every exclusion zone counts.
 //! - What is not a finite number is refused, never passed.
 //!
 //! # File
@@ -30,6 +33,7 @@
 //! | `depth_max_m` | inclusion | deepest allowed, required |
 //! | `altitude_min_m` | inclusion | least height above the bottom, required |
 //! | `surfacing` | inclusion | whether the vehicle may surface here for GPS, false where absent |
+//! | `valid_from`, `valid_until` | both | the times at which the zone is valid (RFC 3339), both included; always, on the side of an absent key |
 //! | `depth_min_m`, `depth_max_m` | exclusion | the depths that are forbidden; all, on the side of an absent key |
 //!
 //! Edges are straight in longitude and latitude (RFC 7946, section 3.1.1); they are divided at load so that the
@@ -73,10 +77,12 @@ mod question;
 mod strips;
 mod sweep;
 mod verdict;
+mod window;
 mod zone;
 
 pub use error::{FenceError, Place};
-pub use fence::Fence;
+pub use fence::{Fence, FenceDuring};
 pub use sweep::{Hull, Shape, Sweep, VerticalExtent};
 pub use verdict::{Breach, Clearance, EdgeId, EdgeInfo, Rule};
+pub use window::{Span, Window};
 pub use zone::{Band, Kind, Ring, Zone};

@@ -54,11 +54,17 @@ pub(crate) fn load(text: &str) -> Result<(LocalFrame, Vec<Zone>), FenceError> {
             };
             polygons.push(outliner.polygon(polygon, margin_m, &place)?);
         }
-        let Properties { name, kind, margin_m } = zone.properties;
+        let Properties {
+            name,
+            kind,
+            margin_m,
+            window,
+        } = zone.properties;
         zones.push(Zone {
             name,
             kind,
             margin_m,
+            window,
             polygons,
         });
     }

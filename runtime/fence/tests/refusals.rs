@@ -206,13 +206,13 @@ fn properties_are_complete_and_known() {
     );
     assert_eq!(
         with_property("depth_max", json!(3)),
-        "feature 'survey box': unknown key `depth_max`, expected `name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m` or `surfacing`"
+        "feature 'survey box': unknown key `depth_max`, expected `name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m`, `surfacing`, `valid_from` or `valid_until`"
     );
     exclusion["margin_m"] = json!(1);
     exclusion["altitude_min_m"] = json!(1);
     assert_eq!(
         refused(&collection(&[feature(&exclusion, &square())])),
-        "feature 'wreck': unknown key `altitude_min_m`, expected `name`, `kind`, `margin_m`, `depth_min_m` or `depth_max_m`"
+        "feature 'wreck': unknown key `altitude_min_m`, expected `name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `valid_from` or `valid_until`"
     );
     let mut stray = feature(&inclusion(), &square());
     stray["margin_m"] = json!(5);
@@ -281,6 +281,25 @@ fn values_are_in_range() {
     assert!(with_property("name", json!("a\nb")).starts_with("feature 1: `name` is \"a\\nb\""));
     let huge = with_property("margin_m", json!("x".repeat(10_000)));
     assert!(huge.len() < 200, "{huge}");
+}
+
+#[test]
+fn windows_are_times_in_order() {
+    assert_eq!(
+        with_property("valid_from", json!("tomorrow")),
+        "feature 'survey box': `valid_from` is \"tomorrow\", expected a time of RFC 3339, as \"2026-05-01T08:00:00Z\""
+    );
+    assert!(with_property("valid_until", json!(1_777_622_400)).contains("`valid_until` is 1777622400"));
+    let mut properties = exclusion();
+    properties["valid_from"] = json!("2026-05-01T10:00:00+02:00");
+    properties["valid_until"] = json!("2026-05-01T08:00:00Z");
+    assert_eq!(
+        refused(&collection(&[
+            feature(&inclusion(), &square()),
+            feature(&properties, &square())
+        ])),
+        "feature 'wreck': `valid_until` is \"2026-05-01T08:00:00Z\", expected a time after `valid_from`"
+    );
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! A feature's properties: name, kind, limits.
 
-use backseat_units::Depth;
+use backseat_units::{Depth, Utc};
 use serde_json::{Map, Value};
 
 use crate::error::FenceError;
+use crate::window::{self, Window};
 use crate::zone::{Band, Kind};
 
 /// What the properties say.
@@ -11,11 +12,11 @@ pub(super) struct Properties {
     pub(super) name: String,
     pub(super) kind: Kind,
     pub(super) margin_m: f64,
+    pub(super) window: Window,
 }
 
-const INCLUSION_KEYS: &str =
-    "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m` or `surfacing`";
-const EXCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m` or `depth_max_m`";
+const INCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m`, `surfacing`, `valid_from` or `valid_until`";
+const EXCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `valid_from` or `valid_until`";
 const NAME: &str = "a name of 1 to 100 printable characters";
 const KIND: &str = "\"inclusion\" or \"exclusion\"";
 
@@ -47,7 +48,7 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str) -> Result<Properties
     };
     for (key, value) in map {
         let known = match key.as_str() {
-            "name" | "kind" | "margin_m" | "depth_min_m" | "depth_max_m" => true,
+            "name" | "kind" | "margin_m" | "depth_min_m" | "depth_max_m" | "valid_from" | "valid_until" => true,
             // Geographic information systems write every column for every feature.
             "altitude_min_m" | "surfacing" => inclusion || value.is_null(),
             _ => false,
@@ -94,7 +95,22 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str) -> Result<Properties
             depth: Some(Band { min_m, max_m }),
         }
     };
-    Ok(Properties { name, kind, margin_m })
+    let window = Window {
+        from: source.time("valid_from")?,
+        until: source.time("valid_until")?,
+    };
+    if let (Some(from), Some(until)) = (window.from, window.until)
+        && from >= until
+    {
+        let found = source.get("valid_until").unwrap_or(&Value::Null);
+        return Err(source.bad("valid_until", found, "a time after `valid_from`"));
+    }
+    Ok(Properties {
+        name,
+        kind,
+        margin_m,
+        window,
+    })
 }
 
 fn usable_name(name: &str) -> bool {
@@ -138,6 +154,14 @@ impl Source<'_> {
         match Depth::from_m(metres) {
             Ok(depth) => Ok(Some(depth.as_m())),
             Err(range) => Err(self.bad(key, value, &format!("metres within {} to {}", range.min, range.max))),
+        }
+    }
+
+    fn time(&self, key: &'static str) -> Result<Option<Utc>, FenceError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        match value.as_str().and_then(window::parse) {
+            Some(time) => Ok(Some(time)),
+            None => Err(self.bad(key, value, "a time of RFC 3339, as \"2026-05-01T08:00:00Z\"")),
         }
     }
 

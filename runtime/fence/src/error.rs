@@ -85,14 +85,26 @@ pub enum FenceError {
     /// A position that is none, or too near to a pole for the plane.
     #[error("{place} vertex {vertex}: {found}, expected {expected}")]
     Vertex {
-        /// The ring.
-        place: Place,
+        /// The ring, or the feature.
+        place: String,
         /// The vertex, from 1.
         vertex: usize,
         /// What is there.
         found: String,
         /// What should be.
         expected: &'static str,
+    },
+    /// An inclusion corridor whose line turns so tightly that its sides would cross.
+    #[error(
+        "{feature}: turns too tightly at vertex {vertex} for its `half_width_m` of {half_width_m}, expected longer legs, a smaller width, or a polygon"
+    )]
+    TightTurn {
+        /// The feature.
+        feature: String,
+        /// The vertex of its line, from 1.
+        vertex: usize,
+        /// Half of its width.
+        half_width_m: f64,
     },
     /// The last vertex is not the first.
     #[error("{place}: ring is open, vertex {last} differs from vertex 1, expected the first vertex again as the last")]

@@ -21,8 +21,8 @@
 //! - What is not a finite number is refused, never passed.
 //!
 //! # File
-//! A `FeatureCollection` of `Polygon` and `MultiPolygon` features, in longitude and latitude of WGS84. Each
-//! feature's properties:
+//! A `FeatureCollection` in longitude and latitude of WGS84. A feature is an area (`Polygon`, `MultiPolygon`), a circle
+//! (`Point`) or a corridor (`LineString`). Its properties:
 //!
 //! | key | zone | meaning |
 //! |---|---|---|
@@ -33,13 +33,20 @@
 //! | `depth_max_m` | inclusion | deepest allowed, required |
 //! | `altitude_min_m` | inclusion | least height above the bottom, required |
 //! | `surfacing` | inclusion | whether the vehicle may surface here for GPS, false where absent |
+//! | `radius_m` | a circle, both | 0.1 to 25,000 |
+//! | `half_width_m` | a corridor, both | from its line to its sides and round ends, 0.1 to 25,000 |
 //! | `valid_from`, `valid_until` | both | the times at which the zone is valid (RFC 3339), both included; always, on the side of an absent key |
 //! | `depth_min_m`, `depth_max_m` | exclusion | the depths that are forbidden; all, on the side of an absent key |
 //!
 //! Edges are straight in longitude and latitude (RFC 7946, section 3.1.1); they are divided at load so that the
 //! plane's straight pieces follow them to a centimetre. Features, polygons, rings, vertices and edges count from 1 in
-//! all texts; edge 4 runs from vertex 4 to vertex 5, in the order of the file.
+//! all texts; edge 4 of a ring or of a corridor's line runs from vertex 4 to vertex 5, in the order of the file.
 
+//!
+//! Circles and corridors are drawn with straight edges, an inclusion's within the true outline and an exclusion's
+//! around it: circles to 12 millimetres, the round corners and ends of corridors to a hundredth of the half width and a
+//! centimetre. An inclusion corridor has one outline, so that it must not turn more tightly than it is wide, nor come
+//! back over itself.
 //!
 //! # Example
 //! ```

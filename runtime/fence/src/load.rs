@@ -12,8 +12,9 @@ use crate::zone::{Kind, Zone};
 
 mod json;
 mod properties;
+mod round;
 
-use properties::{Properties, label, shortened};
+use properties::{Properties, Round, label, shortened};
 
 /// More vertices are refused: a mistake, or an attempt to exhaust memory.
 pub(crate) const VERTICES_MAX: usize = 1_000_000;
@@ -32,6 +33,59 @@ struct RawZone {
     label: String,
     properties: Properties,
     polygons: Vec<RawPolygon>,
+}
+
+const GEOMETRY: &str = "Polygon, MultiPolygon, Point or LineString";
+
+impl RawZone {
+    fn rings(&self) -> impl Iterator<Item = &RawRing> {
+        self.polygons.iter().flatten()
+    }
+
+    fn circle(label: String, properties: Properties, centre: Position, radius_m: f64) -> Result<Self, FenceError> {
+        // Rings of positions wrap at the antimeridian.
+        let reach_deg = radius_m / METRES_PER_DEG / backseat_units::math::cos(centre.latitude.as_deg().to_radians());
+        let longitude = centre.longitude.as_deg();
+        if longitude.abs() + 1.1 * reach_deg > 180.0 {
+            return Err(FenceError::Antimeridian {
+                place: label,
+                west: longitude - reach_deg,
+                east: longitude + reach_deg,
+            });
+        }
+        let polygons = vec![round::circle(centre, radius_m, properties.is_inclusion())];
+        Ok(Self {
+            label,
+            properties,
+            polygons,
+        })
+    }
+
+    fn corridor(
+        label: String,
+        properties: Properties,
+        line: &[Position],
+        half_width_m: f64,
+    ) -> Result<Self, FenceError> {
+        let mut bounds = Bounds::NOTHING;
+        line.iter().for_each(|position| bounds.add(position));
+        bounds.refuse_antimeridian(&label)?;
+        bounds.refuse_wide()?;
+        let middle = Position::from_deg((bounds.south + bounds.north) / 2.0, (bounds.west + bounds.east) / 2.0);
+        let Ok(middle) = middle else {
+            return Err(form(
+                label,
+                "no positions".to_owned(),
+                "a LineString of at least two positions",
+            ));
+        };
+        let polygons = round::corridor(line, middle, half_width_m, properties.is_inclusion(), &label)?;
+        Ok(Self {
+            label,
+            properties,
+            polygons,
+        })
+    }
 }
 
 pub(crate) fn load(text: &str) -> Result<(LocalFrame, Vec<Zone>), FenceError> {
@@ -113,7 +167,7 @@ fn read(document: Value) -> Result<Vec<RawZone>, FenceError> {
                 second: index + 1,
             });
         }
-        vertices += zone.polygons.iter().flatten().map(Vec::len).sum::<usize>();
+        vertices += zone.rings().map(|ring| ring.positions.len()).sum::<usize>();
         if vertices > VERTICES_MAX {
             return Err(FenceError::TooManyVertices {
                 found: vertices,
@@ -164,8 +218,17 @@ fn zone(feature: Value, index: usize) -> Result<RawZone, FenceError> {
         &["type", "id", "bbox", "properties", "geometry"],
         "`type`, `id`, `bbox`, `properties` or `geometry`",
     )?;
-    let properties = match object.get("properties") {
-        Some(Value::Object(map)) => properties::read(map, &label)?,
+    let round = match object
+        .get("geometry")
+        .and_then(|geometry| geometry.get("type"))
+        .and_then(Value::as_str)
+    {
+        Some("Point") => Round::Circle,
+        Some("LineString") => Round::Corridor,
+        Some(_) | None => Round::No,
+    };
+    let (properties, round_m) = match object.get("properties") {
+        Some(Value::Object(map)) => properties::read(map, &label, round)?,
         Some(_) | None => {
             return Err(form(
                 place(),
@@ -188,20 +251,23 @@ fn zone(feature: Value, index: usize) -> Result<RawZone, FenceError> {
     let polygons = match feature.geometry.map(|geometry| geometry.value) {
         Some(GeometryValue::Polygon { coordinates }) => vec![coordinates],
         Some(GeometryValue::MultiPolygon { coordinates }) => coordinates,
+        Some(GeometryValue::Point { coordinates }) => {
+            let place = || label.clone();
+            let centre = position(coordinates.as_slice(), 0, &place)?;
+            return RawZone::circle(label, properties, centre, round_m);
+        }
+        Some(GeometryValue::LineString { coordinates }) => {
+            let line = positions(&coordinates, &|| label.clone())?;
+            return RawZone::corridor(label, properties, &line, round_m);
+        }
         Some(
-            other @ (GeometryValue::Point { .. }
-            | GeometryValue::MultiPoint { .. }
-            | GeometryValue::LineString { .. }
+            other @ (GeometryValue::MultiPoint { .. }
             | GeometryValue::MultiLineString { .. }
             | GeometryValue::GeometryCollection { .. }),
         ) => {
-            return Err(form(
-                place(),
-                format!("geometry is {}", other.type_name()),
-                "Polygon or MultiPolygon",
-            ));
+            return Err(form(place(), format!("geometry is {}", other.type_name()), GEOMETRY));
         }
-        None => return Err(form(place(), "no geometry".to_owned(), "Polygon or MultiPolygon")),
+        None => return Err(form(place(), "no geometry".to_owned(), GEOMETRY)),
     };
     if polygons.is_empty() || polygons.iter().any(Vec::is_empty) {
         return Err(form(place(), "polygon without rings".to_owned(), "an outer ring"));
@@ -216,7 +282,10 @@ fn zone(feature: Value, index: usize) -> Result<RawZone, FenceError> {
                 polygon: several.then_some(number + 1),
                 hole: (hole > 0).then_some(hole),
             };
-            polygon.push(positions(&ring, &place)?);
+            polygon.push(RawRing {
+                positions: positions(&ring, &|| place().to_string())?,
+                numbers: None,
+            });
         }
         raw.push(polygon);
     }
@@ -227,30 +296,32 @@ fn zone(feature: Value, index: usize) -> Result<RawZone, FenceError> {
     })
 }
 
-fn positions(ring: &[geojson::Position], place: &dyn Fn() -> Place) -> Result<RawRing, FenceError> {
-    ring.iter()
-        .enumerate()
-        .map(|(index, position)| {
-            let bad = |found: String, expected: &'static str| FenceError::Vertex {
-                place: place(),
-                vertex: index + 1,
-                found,
-                expected,
-            };
-            let [longitude, latitude] = *position.as_slice() else {
-                return Err(bad(format!("{} numbers", position.len()), "longitude and latitude"));
-            };
-            let position = Position::from_deg(latitude, longitude)
-                .map_err(|error| bad(error.to_string(), "longitude, then latitude"))?;
-            if latitude.abs() > LATITUDE_MAX_DEG {
-                return Err(bad(
-                    format!("latitude {latitude} deg"),
-                    "at most 85 degrees north or south",
-                ));
-            }
-            Ok(position)
-        })
+fn positions(line: &[geojson::Position], place: &dyn Fn() -> String) -> Result<Vec<Position>, FenceError> {
+    let numbered = line.iter().enumerate();
+    numbered
+        .map(|(index, raw)| position(raw.as_slice(), index, place))
         .collect()
+}
+
+fn position(raw: &[f64], index: usize, place: &dyn Fn() -> String) -> Result<Position, FenceError> {
+    let bad = |found: String, expected: &'static str| FenceError::Vertex {
+        place: place(),
+        vertex: index + 1,
+        found,
+        expected,
+    };
+    let [longitude, latitude] = *raw else {
+        return Err(bad(format!("{} numbers", raw.len()), "longitude and latitude"));
+    };
+    let position =
+        Position::from_deg(latitude, longitude).map_err(|error| bad(error.to_string(), "longitude, then latitude"))?;
+    if latitude.abs() > LATITUDE_MAX_DEG {
+        return Err(bad(
+            format!("latitude {latitude} deg"),
+            "at most 85 degrees north or south",
+        ));
+    }
+    Ok(position)
 }
 
 /// The extent in degrees.
@@ -273,7 +344,7 @@ impl Bounds {
         let mut all = Self::NOTHING;
         for zone in zones {
             let mut own = Self::NOTHING;
-            for position in zone.polygons.iter().flatten().flatten() {
+            for position in zone.rings().flat_map(|ring| &ring.positions) {
                 own.add(position);
                 all.add(position);
             }
@@ -302,6 +373,22 @@ impl Bounds {
         Ok(())
     }
 
+    /// A rough measure: far from its origin the frame's series mean nothing.
+    fn refuse_wide(&self) -> Result<(), FenceError> {
+        let widest = self.south.abs().min(self.north.abs());
+        let widest = if self.south <= 0.0 && self.north >= 0.0 {
+            0.0
+        } else {
+            widest
+        };
+        let east_m = (self.east - self.west) * METRES_PER_DEG * backseat_units::math::cos(widest.to_radians());
+        let rough_m = east_m.max((self.north - self.south) * METRES_PER_DEG);
+        if rough_m > 1.2 * ACROSS_MAX_M {
+            return Err(too_wide(rough_m));
+        }
+        Ok(())
+    }
+
     fn contains(&self, longitude: f64, latitude: f64) -> bool {
         (self.west..=self.east).contains(&longitude) && (self.south..=self.north).contains(&latitude)
     }
@@ -314,36 +401,28 @@ fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
         // No position at all: any frame will do until the empty rings are refused.
         (middle_east, middle_north) = (0.0, 0.0);
     }
-    // A rough measure first: far from its origin the frame's series mean nothing.
-    let widest = bounds.south.abs().min(bounds.north.abs());
-    let widest = if bounds.south <= 0.0 && bounds.north >= 0.0 {
-        0.0
-    } else {
-        widest
-    };
-    let east_m = (bounds.east - bounds.west) * METRES_PER_DEG * backseat_units::math::cos(widest.to_radians());
-    let rough_m = east_m.max((bounds.north - bounds.south) * METRES_PER_DEG);
-    if rough_m > 1.2 * ACROSS_MAX_M {
-        return Err(too_wide(rough_m));
-    }
+    bounds.refuse_wide()?;
     let (mut area, mut east, mut north) = (0.0, 0.0, 0.0);
     for zone in zones
         .iter()
         .filter(|zone| matches!(zone.properties.kind, Kind::Inclusion { .. }))
     {
         for ring in zone.polygons.iter().map(|rings| &rings[0]) {
-            let moments = ring.windows(2).fold((0.0, 0.0, 0.0), |(area, east, north), ends| {
-                let (x, y) = (
-                    ends[0].longitude.as_deg() - middle_east,
-                    ends[0].latitude.as_deg() - middle_north,
-                );
-                let (u, v) = (
-                    ends[1].longitude.as_deg() - middle_east,
-                    ends[1].latitude.as_deg() - middle_north,
-                );
-                let cross = x * v - u * y;
-                (area + cross, east + (x + u) * cross, north + (y + v) * cross)
-            });
+            let moments = ring
+                .positions
+                .windows(2)
+                .fold((0.0, 0.0, 0.0), |(area, east, north), ends| {
+                    let (x, y) = (
+                        ends[0].longitude.as_deg() - middle_east,
+                        ends[0].latitude.as_deg() - middle_north,
+                    );
+                    let (u, v) = (
+                        ends[1].longitude.as_deg() - middle_east,
+                        ends[1].latitude.as_deg() - middle_north,
+                    );
+                    let cross = x * v - u * y;
+                    (area + cross, east + (x + u) * cross, north + (y + v) * cross)
+                });
             // Either winding counts.
             let sign = if moments.0 < 0.0 { -1.0 } else { 1.0 };
             area += sign * moments.0;

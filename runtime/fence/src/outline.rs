@@ -16,8 +16,13 @@ pub(crate) const SHARPEST_RAD: f64 = 1e-4;
 /// How far a straight piece of the plane may be from the straight line in longitude and latitude, metres.
 const SAGITTA_M: f64 = 0.01;
 
-/// The positions of a ring as they stand in the file.
-pub(crate) type RawRing = Vec<Position>;
+/// A ring of positions, closed.
+pub(crate) struct RawRing {
+    /// As they stand in the file, or as they were made of what stands there.
+    pub(crate) positions: Vec<Position>,
+    /// For each edge the number that it has in the file; where absent, edges count from 1.
+    pub(crate) numbers: Option<Vec<u32>>,
+}
 
 /// The outer ring, then the holes.
 pub(crate) type RawPolygon = Vec<RawRing>;
@@ -77,7 +82,8 @@ impl<'a> Outliner<'a> {
     }
 
     fn ring(&mut self, raw: &RawRing, hole: bool, place: &dyn Fn() -> Place) -> Result<GoodRing, FenceError> {
-        let mut distinct: Vec<_> = raw
+        let positions = &raw.positions;
+        let mut distinct: Vec<_> = positions
             .iter()
             .map(|position| (position.longitude.as_deg(), position.latitude.as_deg()))
             .collect();
@@ -89,10 +95,10 @@ impl<'a> Outliner<'a> {
                 found: distinct.len(),
             });
         }
-        if raw.first() != raw.last() {
+        if positions.first() != positions.last() {
             return Err(FenceError::OpenRing {
                 place: place(),
-                last: raw.len(),
+                last: positions.len(),
             });
         }
         let mut ring = self.project(raw)?;
@@ -109,37 +115,29 @@ impl<'a> Outliner<'a> {
     /// The ring on the plane: long edges divided, repeated vertices left out.
     fn project(&mut self, raw: &RawRing) -> Result<GoodRing, FenceError> {
         let mut ring = GoodRing {
-            vertices: vec![self.frame.to_local(raw[0])],
+            vertices: vec![self.frame.to_local(raw.positions[0])],
             numbers: Vec::new(),
         };
-        let mut from = ring.vertices[0];
-        for (ends, number) in raw.windows(2).zip(1..) {
-            let to = self.frame.to_local(ends[1]);
-            let middle = self.frame.to_local(between(ends[0], ends[1], 0.5));
-            let sagitta_m = middle.distance_m((from + to) * 0.5);
-            // A quarter of the sagitta remains of each half.
-            let pieces = (sagitta_m / SAGITTA_M).sqrt().ceil().max(1.0) as usize;
-            self.vertices += pieces;
+        for (ends, count) in raw.positions.windows(2).zip(1..) {
+            let number = raw
+                .numbers
+                .as_ref()
+                .map_or(count, |numbers| numbers[count as usize - 1]);
+            let pieces = divided(self.frame, ends[0], ends[1]);
+            self.vertices += pieces.len();
             if self.vertices > VERTICES_MAX {
                 return Err(FenceError::TooManyVertices {
                     found: self.vertices,
                     limit: VERTICES_MAX,
                 });
             }
-            for piece in 1..=pieces {
-                let vertex = if piece == pieces {
-                    to
-                } else {
-                    self.frame
-                        .to_local(between(ends[0], ends[1], piece as f64 / pieces as f64))
-                };
+            for vertex in pieces {
                 let last = ring.vertices[ring.vertices.len() - 1];
                 if last.distance_m(vertex) > EDGE_THICKNESS_M {
                     ring.vertices.push(vertex);
                     ring.numbers.push(number);
                 }
             }
-            from = to;
         }
         // The last vertex is the first one again: its own repetitions before the end go.
         let first = ring.vertices[0];
@@ -227,6 +225,26 @@ impl Polygon {
         }
         None
     }
+}
+
+/// The vertices after the first of an edge that follows the straight line of longitude and latitude.
+pub(crate) fn divided(
+    frame: &LocalFrame,
+    a: Position,
+    b: Position,
+) -> impl ExactSizeIterator<Item = EastNorth> + use<'_> {
+    let (from, to) = (frame.to_local(a), frame.to_local(b));
+    let middle = frame.to_local(between(a, b, 0.5));
+    let sagitta_m = middle.distance_m((from + to) * 0.5);
+    // A quarter of the sagitta remains of each half.
+    let pieces = (sagitta_m / SAGITTA_M).sqrt().ceil().max(1.0) as u32;
+    (0..pieces).map(move |piece| {
+        if piece + 1 == pieces {
+            to
+        } else {
+            frame.to_local(between(a, b, f64::from(piece + 1) / f64::from(pieces)))
+        }
+    })
 }
 
 /// The position at a fraction of the straight line in longitude and latitude.

@@ -145,15 +145,15 @@ fn fences_without_zones_are_refused() {
 }
 
 #[test]
-fn geometry_is_polygons_only() {
+fn geometry_is_areas_circles_and_corridors_only() {
     let with = |geometry: Value| refused(&collection(&[feature(&inclusion(), &geometry)]));
     assert_eq!(
-        with(json!({ "type": "Point", "coordinates": [1, 2] })),
-        "feature 'survey box': geometry is Point, expected Polygon or MultiPolygon"
+        with(json!({ "type": "MultiPoint", "coordinates": [[1, 2]] })),
+        "feature 'survey box': geometry is MultiPoint, expected Polygon, MultiPolygon, Point or LineString"
     );
     assert_eq!(
         with(Value::Null),
-        "feature 'survey box': no geometry, expected Polygon or MultiPolygon"
+        "feature 'survey box': no geometry, expected Polygon, MultiPolygon, Point or LineString"
     );
     assert_eq!(
         with(json!({ "type": "Polygon", "coordinates": [] })),

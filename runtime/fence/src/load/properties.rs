@@ -15,8 +15,39 @@ pub(super) struct Properties {
     pub(super) window: Window,
 }
 
+/// What a feature is beside an area, and so which length it must have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Round {
+    No,
+    Circle,
+    Corridor,
+}
+
+impl Properties {
+    pub(super) fn is_inclusion(&self) -> bool {
+        match self.kind {
+            Kind::Inclusion { .. } => true,
+            Kind::Exclusion { .. } => false,
+        }
+    }
+}
+
+impl Round {
+    const fn key(self) -> Option<&'static str> {
+        match self {
+            Self::No => None,
+            Self::Circle => Some("radius_m"),
+            Self::Corridor => Some("half_width_m"),
+        }
+    }
+}
+
 const INCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m`, `surfacing`, `valid_from` or `valid_until`";
 const EXCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `valid_from` or `valid_until`";
+/// Smaller circles and narrower corridors are mistakes, metres.
+const ROUND_MIN_M: f64 = 0.1;
+/// Half of the widest fence, metres.
+const ROUND_MAX_M: f64 = 25_000.0;
 const NAME: &str = "a name of 1 to 100 printable characters";
 const KIND: &str = "\"inclusion\" or \"exclusion\"";
 
@@ -32,8 +63,9 @@ pub(super) fn label(properties: Option<&Map<String, Value>>, index: usize) -> St
     }
 }
 
-/// Reads all properties and refuses unknown ones.
-pub(super) fn read(map: &Map<String, Value>, feature: &str) -> Result<Properties, FenceError> {
+/// Reads all properties and refuses unknown ones; the radius of a circle or half the width of a corridor beside them,
+/// zero for an area.
+pub(super) fn read(map: &Map<String, Value>, feature: &str, round: Round) -> Result<(Properties, f64), FenceError> {
     let source = Source { map, feature };
     let name = source.required("name", NAME)?;
     let name = match name.as_str() {
@@ -51,7 +83,7 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str) -> Result<Properties
             "name" | "kind" | "margin_m" | "depth_min_m" | "depth_max_m" | "valid_from" | "valid_until" => true,
             // Geographic information systems write every column for every feature.
             "altitude_min_m" | "surfacing" => inclusion || value.is_null(),
-            _ => false,
+            other => round.key() == Some(other) || (matches!(other, "radius_m" | "half_width_m") && value.is_null()),
         };
         if !known {
             let (place, key) = (feature.to_owned(), key.clone());
@@ -105,12 +137,20 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str) -> Result<Properties
         let found = source.get("valid_until").unwrap_or(&Value::Null);
         return Err(source.bad("valid_until", found, "a time after `valid_from`"));
     }
-    Ok(Properties {
+    let round_m = match round.key() {
+        Some(key) => {
+            let length_m = source.metres(key, ROUND_MIN_M, ROUND_MAX_M)?;
+            length_m.ok_or_else(|| source.missing(key, "metres, 0.1 to 25000"))?
+        }
+        None => 0.0,
+    };
+    let properties = Properties {
         name,
         kind,
         margin_m,
         window,
-    })
+    };
+    Ok((properties, round_m))
 }
 
 fn usable_name(name: &str) -> bool {

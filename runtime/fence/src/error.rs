@@ -13,6 +13,14 @@ pub enum FenceError {
         /// What the parser says.
         message: String,
     },
+    /// Not XML.
+    #[error("line {line}: {message}, expected well-formed XML")]
+    Xml {
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong.
+        message: String,
+    },
     /// JSON, but not of the form of GeoJSON.
     #[error("{place}: {found}, expected {expected}")]
     Form {

@@ -11,6 +11,7 @@ use crate::error::FenceError;
 use crate::polygon::Polygon;
 use crate::question::{EDGE_THICKNESS_M, LIMIT_M, Question, unusable, unusable_span, unusable_vertical};
 use crate::sweep::{Sweep, VerticalExtent};
+use crate::terms::Terms;
 use crate::verdict::{Breach, Cause, Clearance, EdgeId, EdgeInfo, Rule};
 use crate::window::Span;
 use crate::zone::{Kind, Zone};
@@ -49,10 +50,33 @@ impl Fence {
     /// # Errors
     /// The first fault that is found, with the feature, the ring and the vertex or key, and what was expected.
     pub fn from_geojson(text: &str) -> Result<Self, FenceError> {
-        let (frame, zones) = crate::load::load(text)?;
-        Ok(Self {
+        crate::load::geojson(text).map(Self::new)
+    }
+
+    /// Reads the `geoFence` of a plan file of QGroundControl: its polygons and circles, named `polygon 1` and so on in
+    /// the order of the file. What such a file cannot say, `terms` say.
+    ///
+    /// # Errors
+    /// As [`Fence::from_geojson`].
+    pub fn from_plan(text: &str, terms: &Terms) -> Result<Self, FenceError> {
+        crate::load::plan(text, terms).map(Self::new)
+    }
+
+    /// Reads the placemarks of a KML file (OGC 12-007r2): `Polygon` and `MultiGeometry` of them, `Point` as a circle and
+    /// `LineString` as a corridor. The placemark's name is the zone's; its `ExtendedData` bear the other properties, under
+    /// the keys of the GeoJSON form, of which `kind` must be there, and a `TimeSpan` is its window. What else is
+    /// absent, `terms` say.
+    ///
+    /// # Errors
+    /// As [`Fence::from_geojson`], with the line of the placemark.
+    pub fn from_kml(text: &str, terms: &Terms) -> Result<Self, FenceError> {
+        crate::load::kml(text, terms).map(Self::new)
+    }
+
+    fn new((frame, zones): (LocalFrame, Vec<Zone>)) -> Self {
+        Self {
             map: Arc::new(Map::new(frame, zones)),
-        })
+        }
     }
 
     /// The plane of all shapes that this fence checks, around the centroid of its inclusion zones.

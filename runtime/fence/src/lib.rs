@@ -1,6 +1,7 @@
 //! Geofences: inclusion and exclusion polygons, depth and altitude bands, swept-shape checks.
 //!
-//! A [`Fence`] is read from GeoJSON once ([`Fence::from_geojson`]) and never changes. [`Fence::check`] judges a
+//! A [`Fence`] is read once from GeoJSON ([`Fence::from_geojson`]), a plan of QGroundControl ([`Fence::from_plan`]) or KML
+//! ([`Fence::from_kml`]), and never changes. [`Fence::check`] judges a
 //! [`Sweep`] (a point, a leg, a solid triangle or quadrilateral, a circle's rim, each with a radius) together with a
 //! [`VerticalExtent`], and answers with a [`Clearance`] or a [`Breach`].
 //!
@@ -83,6 +84,7 @@ mod polygon;
 mod question;
 mod strips;
 mod sweep;
+mod terms;
 mod verdict;
 mod window;
 mod zone;
@@ -90,6 +92,7 @@ mod zone;
 pub use error::{FenceError, Place};
 pub use fence::{Fence, FenceDuring};
 pub use sweep::{Hull, Shape, Sweep, VerticalExtent};
+pub use terms::Terms;
 pub use verdict::{Breach, Clearance, EdgeId, EdgeInfo, Rule};
 pub use window::{Span, Window};
 pub use zone::{Band, Kind, Ring, Zone};

@@ -1,20 +1,24 @@
-//! From the text of a fence to its frame and zones.
+//! From the text of a fence to its frame and zones: each form of file to raw zones, which are then judged alike.
 
 use std::collections::BTreeMap;
 
 use backseat_units::{LocalFrame, Position};
-use geojson::{Feature, GeometryValue};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::error::{FenceError, Place};
 use crate::outline::{Outliner, RawPolygon, RawRing};
+use crate::terms::Terms;
 use crate::zone::{Kind, Zone};
 
+mod geojson;
 mod json;
+mod kml;
+mod plan;
 mod properties;
 mod round;
+mod xml;
 
-use properties::{Properties, Round, label, shortened};
+use properties::Properties;
 
 /// More vertices are refused: a mistake, or an attempt to exhaust memory.
 pub(crate) const VERTICES_MAX: usize = 1_000_000;
@@ -27,6 +31,9 @@ const ACROSS_MAX_M: f64 = 50_000.0;
 
 /// Metres to a degree of latitude, at most (WGS84, at the pole).
 const METRES_PER_DEG: f64 = 111_694.0;
+
+/// The frame and the zones in the order of the file.
+type Loaded = (LocalFrame, Vec<Zone>);
 
 /// A feature as it was read, before its rings are judged.
 struct RawZone {
@@ -88,8 +95,21 @@ impl RawZone {
     }
 }
 
-pub(crate) fn load(text: &str) -> Result<(LocalFrame, Vec<Zone>), FenceError> {
-    let raw = read(json::parse(text)?)?;
+pub(crate) fn geojson(text: &str) -> Result<Loaded, FenceError> {
+    judged(geojson::read(text)?)
+}
+
+pub(crate) fn plan(text: &str, terms: &Terms) -> Result<Loaded, FenceError> {
+    judged(plan::read(text, terms)?)
+}
+
+pub(crate) fn kml(text: &str, terms: &Terms) -> Result<Loaded, FenceError> {
+    judged(kml::read(text, terms)?)
+}
+
+/// Frame and zones of zones that were read.
+fn judged(raw: Vec<RawZone>) -> Result<Loaded, FenceError> {
+    refuse_collection(&raw)?;
     let bounds = Bounds::of(&raw)?;
     let frame = frame(&raw, &bounds)?;
     let mut outliner = Outliner::new(&frame);
@@ -129,40 +149,18 @@ pub(crate) fn load(text: &str) -> Result<(LocalFrame, Vec<Zone>), FenceError> {
     Ok((frame, zones))
 }
 
-/// The features of the document.
-fn read(document: Value) -> Result<Vec<RawZone>, FenceError> {
-    let place = || "document".to_owned();
-    let Value::Object(mut document) = document else {
-        return Err(form(place(), kind_of(&document), "a FeatureCollection"));
-    };
-    match document.get("type").map(Value::as_str) {
-        Some(Some("FeatureCollection")) => {}
-        Some(Some(other)) => return Err(form(place(), shortened(other), "a FeatureCollection")),
-        Some(None) | None => return Err(form(place(), "no `type`".to_owned(), "`type` of \"FeatureCollection\"")),
-    }
-    if let Some(system) = document.get("crs").filter(|system| !system.is_null()) {
-        coordinate_system(system)?;
-    }
-    let features = match document.remove("features") {
-        Some(Value::Array(features)) => features,
-        Some(other) => return Err(form("`features`".to_owned(), kind_of(&other), "an array of features")),
-        None => return Err(form(place(), "no `features`".to_owned(), "an array of features")),
-    };
-    // The last one is what GDAL writes beside the features.
-    let known = ["type", "name", "crs", "bbox", "xy_coordinate_resolution"];
-    refuse_unknown(&document, place, &known, "`type`, `name`, `crs`, `bbox` or `features`")?;
-    if features.is_empty() {
+/// What no zone shows alone.
+fn refuse_collection(zones: &[RawZone]) -> Result<(), FenceError> {
+    if zones.is_empty() {
         return Err(FenceError::Empty);
     }
-    let mut zones: Vec<RawZone> = Vec::with_capacity(features.len());
     let mut names = BTreeMap::new();
     let mut vertices = 0;
-    for (index, feature) in features.into_iter().enumerate() {
-        let zone = zone(feature, index)?;
-        let name = zone.properties.name.clone();
-        if let Some(first) = names.insert(name.clone(), index) {
+    for (index, zone) in zones.iter().enumerate() {
+        let name = &zone.properties.name;
+        if let Some(first) = names.insert(name, index) {
             return Err(FenceError::DuplicateName {
-                name,
+                name: name.clone(),
                 first: first + 1,
                 second: index + 1,
             });
@@ -174,154 +172,11 @@ fn read(document: Value) -> Result<Vec<RawZone>, FenceError> {
                 limit: VERTICES_MAX,
             });
         }
-        zones.push(zone);
     }
-    if !zones
-        .iter()
-        .any(|zone| matches!(zone.properties.kind, Kind::Inclusion { .. }))
-    {
+    if !zones.iter().any(|zone| zone.properties.is_inclusion()) {
         return Err(FenceError::NoInclusion { features: zones.len() });
     }
-    Ok(zones)
-}
-
-/// Only WGS84 in longitude and latitude: the same numbers mean other places elsewhere.
-fn coordinate_system(system: &Value) -> Result<(), FenceError> {
-    let name = system.pointer("/properties/name").and_then(Value::as_str);
-    if matches!(
-        name,
-        Some("urn:ogc:def:crs:OGC:1.3:CRS84" | "urn:ogc:def:crs:OGC::CRS84")
-    ) {
-        return Ok(());
-    }
-    Err(form(
-        "`crs`".to_owned(),
-        shortened(&system.to_string()),
-        "urn:ogc:def:crs:OGC:1.3:CRS84, or no `crs`",
-    ))
-}
-
-fn zone(feature: Value, index: usize) -> Result<RawZone, FenceError> {
-    let numbered = || format!("feature {}", index + 1);
-    let Value::Object(object) = feature else {
-        return Err(form(
-            numbered(),
-            kind_of(&feature),
-            "a Feature with properties and geometry",
-        ));
-    };
-    let label = label(object.get("properties").and_then(Value::as_object), index);
-    let place = || label.clone();
-    refuse_unknown(
-        &object,
-        place,
-        &["type", "id", "bbox", "properties", "geometry"],
-        "`type`, `id`, `bbox`, `properties` or `geometry`",
-    )?;
-    let round = match object
-        .get("geometry")
-        .and_then(|geometry| geometry.get("type"))
-        .and_then(Value::as_str)
-    {
-        Some("Point") => Round::Circle,
-        Some("LineString") => Round::Corridor,
-        Some(_) | None => Round::No,
-    };
-    let (properties, round_m) = match object.get("properties") {
-        Some(Value::Object(map)) => properties::read(map, &label, round)?,
-        Some(_) | None => {
-            return Err(form(
-                place(),
-                "no `properties`".to_owned(),
-                "an object with `name` and `kind`",
-            ));
-        }
-    };
-    if let Some(Value::Object(geometry)) = object.get("geometry") {
-        let place = || format!("{label} geometry");
-        refuse_unknown(
-            geometry,
-            place,
-            &["type", "coordinates", "bbox"],
-            "`type` or `coordinates`",
-        )?;
-    }
-    let feature = serde_json::from_value::<Feature>(Value::Object(object))
-        .map_err(|error| form(place(), shortened(&error.to_string()), "a Feature of RFC 7946"))?;
-    let polygons = match feature.geometry.map(|geometry| geometry.value) {
-        Some(GeometryValue::Polygon { coordinates }) => vec![coordinates],
-        Some(GeometryValue::MultiPolygon { coordinates }) => coordinates,
-        Some(GeometryValue::Point { coordinates }) => {
-            let place = || label.clone();
-            let centre = position(coordinates.as_slice(), 0, &place)?;
-            return RawZone::circle(label, properties, centre, round_m);
-        }
-        Some(GeometryValue::LineString { coordinates }) => {
-            let line = positions(&coordinates, &|| label.clone())?;
-            return RawZone::corridor(label, properties, &line, round_m);
-        }
-        Some(
-            other @ (GeometryValue::MultiPoint { .. }
-            | GeometryValue::MultiLineString { .. }
-            | GeometryValue::GeometryCollection { .. }),
-        ) => {
-            return Err(form(place(), format!("geometry is {}", other.type_name()), GEOMETRY));
-        }
-        None => return Err(form(place(), "no geometry".to_owned(), GEOMETRY)),
-    };
-    if polygons.is_empty() || polygons.iter().any(Vec::is_empty) {
-        return Err(form(place(), "polygon without rings".to_owned(), "an outer ring"));
-    }
-    let several = polygons.len() > 1;
-    let mut raw = Vec::with_capacity(polygons.len());
-    for (number, rings) in polygons.into_iter().enumerate() {
-        let mut polygon = Vec::with_capacity(rings.len());
-        for (hole, ring) in rings.into_iter().enumerate() {
-            let place = || Place {
-                feature: label.clone(),
-                polygon: several.then_some(number + 1),
-                hole: (hole > 0).then_some(hole),
-            };
-            polygon.push(RawRing {
-                positions: positions(&ring, &|| place().to_string())?,
-                numbers: None,
-            });
-        }
-        raw.push(polygon);
-    }
-    Ok(RawZone {
-        label,
-        properties,
-        polygons: raw,
-    })
-}
-
-fn positions(line: &[geojson::Position], place: &dyn Fn() -> String) -> Result<Vec<Position>, FenceError> {
-    let numbered = line.iter().enumerate();
-    numbered
-        .map(|(index, raw)| position(raw.as_slice(), index, place))
-        .collect()
-}
-
-fn position(raw: &[f64], index: usize, place: &dyn Fn() -> String) -> Result<Position, FenceError> {
-    let bad = |found: String, expected: &'static str| FenceError::Vertex {
-        place: place(),
-        vertex: index + 1,
-        found,
-        expected,
-    };
-    let [longitude, latitude] = *raw else {
-        return Err(bad(format!("{} numbers", raw.len()), "longitude and latitude"));
-    };
-    let position =
-        Position::from_deg(latitude, longitude).map_err(|error| bad(error.to_string(), "longitude, then latitude"))?;
-    if latitude.abs() > LATITUDE_MAX_DEG {
-        return Err(bad(
-            format!("latitude {latitude} deg"),
-            "at most 85 degrees north or south",
-        ));
-    }
-    Ok(position)
+    Ok(())
 }
 
 /// The extent in degrees.
@@ -439,6 +294,27 @@ fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
     Ok(LocalFrame::new(origin))
 }
 
+fn position(raw: &[f64], index: usize, place: &dyn Fn() -> String) -> Result<Position, FenceError> {
+    let bad = |found: String, expected: &'static str| FenceError::Vertex {
+        place: place(),
+        vertex: index + 1,
+        found,
+        expected,
+    };
+    let [longitude, latitude] = *raw else {
+        return Err(bad(format!("{} numbers", raw.len()), "longitude and latitude"));
+    };
+    let position =
+        Position::from_deg(latitude, longitude).map_err(|error| bad(error.to_string(), "longitude, then latitude"))?;
+    if latitude.abs() > LATITUDE_MAX_DEG {
+        return Err(bad(
+            format!("latitude {latitude} deg"),
+            "at most 85 degrees north or south",
+        ));
+    }
+    Ok(position)
+}
+
 fn too_wide(across_m: f64) -> FenceError {
     FenceError::TooWide {
         across_km: across_m / 1000.0,
@@ -448,22 +324,6 @@ fn too_wide(across_m: f64) -> FenceError {
 
 fn form(place: String, found: String, expected: &'static str) -> FenceError {
     FenceError::Form { place, found, expected }
-}
-
-fn refuse_unknown(
-    object: &Map<String, Value>,
-    place: impl Fn() -> String,
-    known: &[&str],
-    expected: &'static str,
-) -> Result<(), FenceError> {
-    match object.keys().find(|key| !known.contains(&key.as_str())) {
-        Some(key) => Err(FenceError::UnknownKey {
-            place: place(),
-            key: shortened(key),
-            expected,
-        }),
-        None => Ok(()),
-    }
 }
 
 fn kind_of(value: &Value) -> String {

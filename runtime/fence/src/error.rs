@@ -200,6 +200,15 @@ pub enum FenceError {
         /// What is taken.
         limit_km: f64,
     },
+    /// An inclusion zone that lies wholly inside an exclusion zone which counts at all its depths and times: two that
+    /// were mistaken for each other, or one that was drawn too large.
+    #[error("{place}: lies wholly inside exclusion '{exclusion}', expected a part that can be reached")]
+    Excluded {
+        /// The polygon of the inclusion zone, by its outer ring.
+        place: Place,
+        /// The name of the exclusion zone.
+        exclusion: String,
+    },
     /// An inclusion zone in which no point keeps the margin.
     #[error("{place}: `margin_m` of {margin_m} leaves nothing inside, expected under {:.3}, half of its width", width_m / 2.0)]
     NothingReachable {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use backseat_units::{LocalFrame, Position};
 use serde_json::Value;
 
+use crate::cover;
 use crate::error::{FenceError, Place};
 use crate::outline::{Outliner, RawPolygon, RawRing};
 use crate::terms::Terms;
@@ -114,6 +115,7 @@ fn judged(raw: Vec<RawZone>) -> Result<Loaded, FenceError> {
     let frame = frame(&raw, &bounds)?;
     let mut outliner = Outliner::new(&frame);
     let mut zones = Vec::with_capacity(raw.len());
+    let mut labels = Vec::with_capacity(raw.len());
     for zone in raw {
         let mut polygons = Vec::with_capacity(zone.polygons.len());
         for (index, polygon) in zone.polygons.iter().enumerate() {
@@ -134,12 +136,24 @@ fn judged(raw: Vec<RawZone>) -> Result<Loaded, FenceError> {
             margin_m,
             window,
         } = zone.properties;
+        labels.push(zone.label);
         zones.push(Zone {
             name,
             kind,
             margin_m,
             window,
             polygons,
+        });
+    }
+    if let Some(covered) = cover::find(&zones) {
+        let several = zones[covered.inclusion].polygons.len() > 1;
+        return Err(FenceError::Excluded {
+            place: Place {
+                feature: labels[covered.inclusion].clone(),
+                polygon: several.then_some(covered.polygon + 1),
+                hole: None,
+            },
+            exclusion: zones[covered.exclusion].name.clone(),
         });
     }
     let across_m = outliner.across_m();

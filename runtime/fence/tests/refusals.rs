@@ -564,7 +564,10 @@ fn a_margin_that_leaves_nothing_is_refused() {
     assert!(
         Fence::from_geojson(&collection(&[
             feature(&inclusion(), &square()),
-            feature(&wide, &square())
+            feature(
+                &wide,
+                &polygon(&[ring(&[(4.0, 4.0), (5.0, 4.0), (5.0, 5.0), (4.0, 4.0)])])
+            )
         ]))
         .is_ok()
     );
@@ -613,4 +616,69 @@ fn surfacing_is_true_or_false_and_an_inclusions_own() {
         let zone = fence.zones().next().unwrap();
         assert!(matches!(zone.kind(), Kind::Inclusion { surfacing, .. } if surfacing == allowed));
     }
+}
+
+#[test]
+fn an_inclusion_that_an_exclusion_covers_is_refused() {
+    let zones = |inner: &Value, outer: &Value, around: &Value| {
+        let text = collection(&[feature(inner, &square()), feature(outer, around)]);
+        Fence::from_geojson(&text)
+            .map(|_| ())
+            .map_err(|error| error.to_string())
+    };
+    let message =
+        "feature 'survey box' outer ring: lies wholly inside exclusion 'wreck', expected a part that can be reached";
+    let around =
+        |low: f64, high: f64| polygon(&[ring(&[(low, low), (high, low), (high, high), (low, high), (low, low)])]);
+    // Around it, and the very same ring: the two kinds mistaken for each other.
+    assert_eq!(
+        zones(&inclusion(), &exclusion(), &around(-1.0, 11.0)),
+        Err(message.to_owned())
+    );
+    assert_eq!(zones(&inclusion(), &exclusion(), &square()), Err(message.to_owned()));
+    assert_eq!(
+        zones(&inclusion(), &exclusion(), &around(0.0, 11.0)),
+        Err(message.to_owned())
+    );
+    // Something is left.
+    assert_eq!(zones(&inclusion(), &exclusion(), &around(0.0, 9.9)), Ok(()));
+    assert_eq!(zones(&inclusion(), &exclusion(), &around(1.0, 12.0)), Ok(()));
+    let notched = polygon(&[ring(&[
+        (-1.0, -1.0),
+        (11.0, -1.0),
+        (11.0, 4.0),
+        (-0.5, 4.2),
+        (11.0, 4.4),
+        (11.0, 11.0),
+        (-1.0, 11.0),
+        (-1.0, -1.0),
+    ])]);
+    assert_eq!(zones(&inclusion(), &exclusion(), &notched), Ok(()));
+    let holed = polygon(&[
+        ring(&[(-1.0, -1.0), (11.0, -1.0), (11.0, 11.0), (-1.0, 11.0), (-1.0, -1.0)]),
+        ring(&[(4.0, 4.0), (4.0, 5.0), (5.0, 5.0), (4.0, 4.0)]),
+    ]);
+    assert_eq!(zones(&inclusion(), &exclusion(), &holed), Ok(()));
+    // At other depths or times it can be reached.
+    let with = |mut properties: Value, key: &str, value: Value| {
+        properties[key] = value;
+        properties
+    };
+    let deep = with(exclusion(), "depth_min_m", json!(20));
+    assert_eq!(zones(&inclusion(), &deep, &around(-1.0, 11.0)), Ok(()));
+    let covering = with(with(exclusion(), "depth_min_m", json!(0)), "depth_max_m", json!(30));
+    assert_eq!(
+        zones(&inclusion(), &covering, &around(-1.0, 11.0)),
+        Err(message.to_owned())
+    );
+    let until = |properties| with(properties, "valid_until", json!("2026-05-01T08:00:00Z"));
+    assert_eq!(zones(&inclusion(), &until(exclusion()), &around(-1.0, 11.0)), Ok(()));
+    assert_eq!(
+        zones(&until(inclusion()), &exclusion(), &around(-1.0, 11.0)),
+        Err(message.to_owned())
+    );
+    assert_eq!(
+        zones(&until(inclusion()), &until(exclusion()), &around(-1.0, 11.0)),
+        Err(message.to_owned())
+    );
 }

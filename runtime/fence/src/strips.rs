@@ -19,7 +19,8 @@ const RUN: usize = 4;
 /// Boxes are taken that much larger, metres: the rounding errors of turning are a thousandth of it.
 const ROUNDING_M: f64 = 1e-8;
 
-/// Places for nodes that wait: a million vertices make eleven levels, of which each leaves all but one child waiting.
+/// Places for nodes that wait. A million vertices are at most 400,000 runs (two for a ring of five edges), which make ten
+/// levels; of each but the lowest at most three children wait, so that 31 places would do.
 const WAITING: usize = 48;
 
 /// What fills the places of absent children: farther away than everything.

@@ -627,6 +627,7 @@ fn refusal(breach: &Breach) -> Refusal {
         Rule::DepthMin | Rule::DepthMax => "depth",
         Rule::AltitudeMin => "altitude",
         Rule::Surfacing => "surfacing",
+        Rule::Closed => "time",
         Rule::NotFinite => "limit",
     };
     Refusal {

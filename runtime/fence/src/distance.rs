@@ -6,6 +6,7 @@
 use backseat_units::EastNorth;
 use parry2d_f64::math::Vector;
 
+use crate::strips::{Strips, WIDTH};
 use crate::sweep::Shape;
 
 mod leg;
@@ -48,11 +49,8 @@ pub(crate) trait Probe {
     fn box_d2(&self, min: Vector, max: Vector, enough_m2: f64) -> f64;
     /// The squared distance to an edge, zero where they touch.
     fn edge_d2(&self, a: Vector, b: Vector) -> f64;
-    /// A lower bound of the squared distance to a straight line: what lies within `s` of the line is no nearer than
-    /// the bound's root less `s`. The line may be a point.
-    fn chord_d2(&self, a: Vector, b: Vector) -> f64 {
-        self.edge_d2(a, b)
-    }
+    /// A lower bound of the squared distance to whatever lies in each of some turned boxes.
+    fn strips_d2(&self, strips: &Strips) -> [f64; WIDTH];
     /// The least of the squared distances to consecutive edges, and which edge has it.
     #[inline]
     fn run_d2(&self, vertices: &[EastNorth]) -> (f64, usize) {
@@ -185,6 +183,16 @@ impl Probe for PointProbe {
     #[inline]
     fn box_d2(&self, min: Vector, max: Vector, _: f64) -> f64 {
         gap(self.0, self.0, min, max).length_squared()
+    }
+
+    #[inline]
+    fn strips_d2(&self, strips: &Strips) -> [f64; WIDTH] {
+        let mut bounds = [0.0; WIDTH];
+        for (lane, bound) in bounds.iter_mut().enumerate() {
+            let off = strips.off(lane, self.0).abs() - strips.half(lane);
+            *bound = off.max(Vector::ZERO).length_squared();
+        }
+        bounds
     }
 
     #[inline]

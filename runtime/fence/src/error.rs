@@ -13,6 +13,14 @@ pub enum FenceError {
         /// What the parser says.
         message: String,
     },
+    /// Not XML.
+    #[error("line {line}: {message}, expected well-formed XML")]
+    Xml {
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong.
+        message: String,
+    },
     /// JSON, but not of the form of GeoJSON.
     #[error("{place}: {found}, expected {expected}")]
     Form {
@@ -85,14 +93,26 @@ pub enum FenceError {
     /// A position that is none, or too near to a pole for the plane.
     #[error("{place} vertex {vertex}: {found}, expected {expected}")]
     Vertex {
-        /// The ring.
-        place: Place,
+        /// The ring, or the feature.
+        place: String,
         /// The vertex, from 1.
         vertex: usize,
         /// What is there.
         found: String,
         /// What should be.
         expected: &'static str,
+    },
+    /// An inclusion corridor whose line turns so tightly that its sides would cross.
+    #[error(
+        "{feature}: turns too tightly at vertex {vertex} for its `half_width_m` of {half_width_m}, expected longer legs, a smaller width, or a polygon"
+    )]
+    TightTurn {
+        /// The feature.
+        feature: String,
+        /// The vertex of its line, from 1.
+        vertex: usize,
+        /// Half of its width.
+        half_width_m: f64,
     },
     /// The last vertex is not the first.
     #[error("{place}: ring is open, vertex {last} differs from vertex 1, expected the first vertex again as the last")]
@@ -179,6 +199,15 @@ pub enum FenceError {
         across_km: f64,
         /// What is taken.
         limit_km: f64,
+    },
+    /// An inclusion zone that lies wholly inside an exclusion zone which counts at all its depths and times: two that
+    /// were mistaken for each other, or one that was drawn too large.
+    #[error("{place}: lies wholly inside exclusion '{exclusion}', expected a part that can be reached")]
+    Excluded {
+        /// The polygon of the inclusion zone, by its outer ring.
+        place: Place,
+        /// The name of the exclusion zone.
+        exclusion: String,
     },
     /// An inclusion zone in which no point keeps the margin.
     #[error("{place}: `margin_m` of {margin_m} leaves nothing inside, expected under {:.3}, half of its width", width_m / 2.0)]

@@ -9,9 +9,11 @@ use parry2d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhLeafCost, BvhNode};
 use crate::distance::{AnyProbe, PointProbe, Probe, east_north, vector};
 use crate::error::FenceError;
 use crate::polygon::Polygon;
-use crate::question::{EDGE_THICKNESS_M, LIMIT_M, Question, unusable, unusable_vertical};
+use crate::question::{EDGE_THICKNESS_M, LIMIT_M, Question, unusable, unusable_span, unusable_vertical};
 use crate::sweep::{Sweep, VerticalExtent};
+use crate::terms::Terms;
 use crate::verdict::{Breach, Cause, Clearance, EdgeId, EdgeInfo, Rule};
+use crate::window::Span;
 use crate::zone::{Kind, Zone};
 
 /// Where the vehicle may be. Immutable, cheap to clone, shared between threads.
@@ -48,10 +50,33 @@ impl Fence {
     /// # Errors
     /// The first fault that is found, with the feature, the ring and the vertex or key, and what was expected.
     pub fn from_geojson(text: &str) -> Result<Self, FenceError> {
-        let (frame, zones) = crate::load::load(text)?;
-        Ok(Self {
+        crate::load::geojson(text).map(Self::new)
+    }
+
+    /// Reads the `geoFence` of a plan file of QGroundControl: its polygons and circles, named `polygon 1` and so on in
+    /// the order of the file. What such a file cannot say, `terms` say.
+    ///
+    /// # Errors
+    /// As [`Fence::from_geojson`].
+    pub fn from_plan(text: &str, terms: &Terms) -> Result<Self, FenceError> {
+        crate::load::plan(text, terms).map(Self::new)
+    }
+
+    /// Reads the placemarks of a KML file (OGC 12-007r2): `Polygon` and `MultiGeometry` of them, `Point` as a circle and
+    /// `LineString` as a corridor. The placemark's name is the zone's; its `ExtendedData` bear the other properties, under
+    /// the keys of the GeoJSON form, of which `kind` must be there, and a `TimeSpan` is its window. What else is
+    /// absent, `terms` say.
+    ///
+    /// # Errors
+    /// As [`Fence::from_geojson`], with the line of the placemark.
+    pub fn from_kml(text: &str, terms: &Terms) -> Result<Self, FenceError> {
+        crate::load::kml(text, terms).map(Self::new)
+    }
+
+    fn new((frame, zones): (LocalFrame, Vec<Zone>)) -> Self {
+        Self {
             map: Arc::new(Map::new(frame, zones)),
-        })
+        }
     }
 
     /// The plane of all shapes that this fence checks, around the centroid of its inclusion zones.
@@ -83,7 +108,14 @@ impl Fence {
     /// The [`Breach`]: what does not hold, by how many metres, and where. Where no inclusion zone holds, it is told of
     /// the one whose worst fault is the smallest.
     pub fn check(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
-        self.ask(sweep, vertical, false)
+        self.ask(sweep, vertical, false, None)
+    }
+
+    /// The fence as it is in a stretch of time: [`Fence::check`] and its sisters know no time, and take every zone that
+    /// is not always valid at its worst.
+    #[must_use]
+    pub fn during(&self, span: Span) -> FenceDuring<'_> {
+        FenceDuring { fence: self, span }
     }
 
     /// Judges a place where the vehicle comes up to the surface: as [`Fence::check`], but only inclusion zones with
@@ -93,10 +125,19 @@ impl Fence {
     /// # Errors
     /// The [`Breach`]; [`Rule::Surfacing`] where no zone that allows surfacing holds the sweep.
     pub fn check_surfacing(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
-        self.ask(sweep, vertical, true)
+        self.ask(sweep, vertical, true, None)
     }
 
-    fn ask(&self, sweep: &Sweep, vertical: &VerticalExtent, surfacing: bool) -> Result<Clearance, Breach> {
+    fn ask(
+        &self,
+        sweep: &Sweep,
+        vertical: &VerticalExtent,
+        surfacing: bool,
+        span: Option<Span>,
+    ) -> Result<Clearance, Breach> {
+        if let Some(time) = unusable_span(span) {
+            return Err(self.map.unusable(time));
+        }
         if let Some(number) = unusable(sweep).or_else(|| unusable_vertical(vertical)) {
             return Err(self.map.unusable(number));
         }
@@ -109,6 +150,7 @@ impl Fence {
             radius_m: sweep.radius_m,
             vertical: Some(passed),
             surfacing,
+            span,
         };
         match AnyProbe::new(&sweep.shape) {
             AnyProbe::Point(probe) => self.map.judge(&probe, question),
@@ -123,6 +165,13 @@ impl Fence {
     /// # Errors
     /// [`Rule::Inclusion`], [`Rule::Exclusion`] or [`Rule::NotFinite`]; an edge itself is outside of what it bounds.
     pub fn contains(&self, point: EastNorth) -> Result<Clearance, Breach> {
+        self.holds(point, None)
+    }
+
+    fn holds(&self, point: EastNorth, span: Option<Span>) -> Result<Clearance, Breach> {
+        if let Some(time) = unusable_span(span) {
+            return Err(self.map.unusable(time));
+        }
         if !(point.east_m.abs() <= LIMIT_M && point.north_m.abs() <= LIMIT_M) {
             return Err(self.map.unusable("point"));
         }
@@ -132,8 +181,42 @@ impl Fence {
                 radius_m: 0.0,
                 vertical: None,
                 surfacing: false,
+                span,
             },
         )
+    }
+}
+
+/// A fence in a stretch of time ([`Fence::during`]).
+#[derive(Clone, Copy, Debug)]
+pub struct FenceDuring<'a> {
+    fence: &'a Fence,
+    span: Span,
+}
+
+impl FenceDuring<'_> {
+    /// As [`Fence::check`], with the zones that are valid then.
+    ///
+    /// # Errors
+    /// The [`Breach`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
+    pub fn check(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
+        self.fence.ask(sweep, vertical, false, Some(self.span))
+    }
+
+    /// As [`Fence::check_surfacing`], with the zones that are valid then.
+    ///
+    /// # Errors
+    /// The [`Breach`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
+    pub fn check_surfacing(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
+        self.fence.ask(sweep, vertical, true, Some(self.span))
+    }
+
+    /// As [`Fence::contains`], with the zones that are valid then.
+    ///
+    /// # Errors
+    /// The [`Breach`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
+    pub fn contains(&self, point: EastNorth) -> Result<Clearance, Breach> {
+        self.fence.holds(point, Some(self.span))
     }
 }
 
@@ -209,7 +292,8 @@ impl Map {
             let (zone, polygon) = self.part(part);
             // What leaves the bounding box leaves the polygon, and most zones are told apart by that alone.
             let in_box = probe.min().cmpge(polygon.min).all() && probe.max().cmple(polygon.max).all();
-            if !in_box || !question.may_hold(zone) || question.vertical_fault(zone).is_some() {
+            if !in_box || !question.may_hold(zone) || !question.is_open(zone) || question.vertical_fault(zone).is_some()
+            {
                 continue;
             }
             let Some((edge, contact)) = polygon.nearest(probe, f64::INFINITY) else {
@@ -303,7 +387,7 @@ impl Map {
 
     #[cold]
     fn outside<P: Probe>(self: &Arc<Self>, probe: &P, question: Question) -> Breach {
-        let mut least: Option<Fault> = None;
+        let (mut least, mut closed): (Option<Fault>, Option<Fault>) = (None, None);
         for &part in &self.inclusions {
             let (zone, _) = self.part(part);
             if !question.may_hold(zone) {
@@ -315,9 +399,24 @@ impl Map {
             {
                 fault = Fault { rule, metres, ..fault };
             }
-            if least.is_none_or(|least| fault.metres < least.metres) {
-                least = Some(fault);
+            let known = if question.is_open(zone) {
+                &mut least
+            } else {
+                &mut closed
+            };
+            if known.is_none_or(|known| fault.metres < known.metres) {
+                *known = Some(fault);
             }
+        }
+        if let Some(fault) = closed
+            && (fault.metres <= 0.0 || least.is_none())
+        {
+            return Breach {
+                rule: Rule::Closed,
+                metres: f64::INFINITY,
+                cause: Cause::Closed(fault.edge.zone, question.span),
+                ..self.breach(fault)
+            };
         }
         match least {
             Some(fault) => self.breach(fault),

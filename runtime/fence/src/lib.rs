@@ -1,6 +1,7 @@
 //! Geofences: inclusion and exclusion polygons, depth and altitude bands, swept-shape checks.
 //!
-//! A [`Fence`] is read from GeoJSON once ([`Fence::from_geojson`]) and never changes. [`Fence::check`] judges a
+//! A [`Fence`] is read once from GeoJSON ([`Fence::from_geojson`]), a plan of QGroundControl ([`Fence::from_plan`]) or KML
+//! ([`Fence::from_kml`]), and never changes. [`Fence::check`] judges a
 //! [`Sweep`] (a point, a leg, a solid triangle or quadrilateral, a circle's rim, each with a radius) together with a
 //! [`VerticalExtent`], and answers with a [`Clearance`] or a [`Breach`].
 //!
@@ -15,11 +16,14 @@
 //!   radius on the edge of a zone of no margin is refused.
 //! - A place where the vehicle surfaces ([`Fence::check_surfacing`]) lies in a zone that allows it; the zone's shallowest
 //!   depth does not count there, and exclusion zones count over all depths that it comes through.
+//! - A zone with a time window counts by the time of the question ([`Fence::during`]): an inclusion zone must be valid
+//!   throughout, an exclusion zone counts where it is valid at any instant of it. Where the time is unknown no inclusion
+//!   zone with a window holds, and every exclusion zone counts.
 //! - What is not a finite number is refused, never passed.
 //!
 //! # File
-//! A `FeatureCollection` of `Polygon` and `MultiPolygon` features, in longitude and latitude of WGS84. Each
-//! feature's properties:
+//! A `FeatureCollection` in longitude and latitude of WGS84. A feature is an area (`Polygon`, `MultiPolygon`), a circle
+//! (`Point`) or a corridor (`LineString`). Its properties:
 //!
 //! | key | zone | meaning |
 //! |---|---|---|
@@ -30,12 +34,20 @@
 //! | `depth_max_m` | inclusion | deepest allowed, required |
 //! | `altitude_min_m` | inclusion | least height above the bottom, required |
 //! | `surfacing` | inclusion | whether the vehicle may surface here for GPS, false where absent |
+//! | `radius_m` | a circle, both | 0.1 to 25,000 |
+//! | `half_width_m` | a corridor, both | from its line to its sides and round ends, 0.1 to 25,000 |
+//! | `valid_from`, `valid_until` | both | the times at which the zone is valid (RFC 3339), both included; always, on the side of an absent key |
 //! | `depth_min_m`, `depth_max_m` | exclusion | the depths that are forbidden; all, on the side of an absent key |
 //!
 //! Edges are straight in longitude and latitude (RFC 7946, section 3.1.1); they are divided at load so that the
 //! plane's straight pieces follow them to a centimetre. Features, polygons, rings, vertices and edges count from 1 in
-//! all texts; edge 4 runs from vertex 4 to vertex 5, in the order of the file.
+//! all texts; edge 4 of a ring or of a corridor's line runs from vertex 4 to vertex 5, in the order of the file.
 
+//!
+//! Circles and corridors are drawn with straight edges, an inclusion's within the true outline and an exclusion's
+//! around it: circles to 12 millimetres, the round corners and ends of corridors to a hundredth of the half width and a
+//! centimetre. An inclusion corridor has one outline, so that it must not turn more tightly than it is wide, nor come
+//! back over itself.
 //!
 //! # Example
 //! ```
@@ -63,6 +75,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cover;
 mod distance;
 mod error;
 mod fence;
@@ -70,12 +83,17 @@ mod load;
 mod outline;
 mod polygon;
 mod question;
+mod strips;
 mod sweep;
+mod terms;
 mod verdict;
+mod window;
 mod zone;
 
 pub use error::{FenceError, Place};
-pub use fence::Fence;
+pub use fence::{Fence, FenceDuring};
 pub use sweep::{Hull, Shape, Sweep, VerticalExtent};
+pub use terms::Terms;
 pub use verdict::{Breach, Clearance, EdgeId, EdgeInfo, Rule};
+pub use window::{Span, Window};
 pub use zone::{Band, Kind, Ring, Zone};

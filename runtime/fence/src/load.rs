@@ -1,19 +1,25 @@
-//! From the text of a fence to its frame and zones.
+//! From the text of a fence to its frame and zones: each form of file to raw zones, which are then judged alike.
 
 use std::collections::BTreeMap;
 
 use backseat_units::{LocalFrame, Position};
-use geojson::{Feature, GeometryValue};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
+use crate::cover;
 use crate::error::{FenceError, Place};
 use crate::outline::{Outliner, RawPolygon, RawRing};
+use crate::terms::Terms;
 use crate::zone::{Kind, Zone};
 
+mod geojson;
 mod json;
+mod kml;
+mod plan;
 mod properties;
+mod round;
+mod xml;
 
-use properties::{Properties, label, shortened};
+use properties::Properties;
 
 /// More vertices are refused: a mistake, or an attempt to exhaust memory.
 pub(crate) const VERTICES_MAX: usize = 1_000_000;
@@ -27,6 +33,9 @@ const ACROSS_MAX_M: f64 = 50_000.0;
 /// Metres to a degree of latitude, at most (WGS84, at the pole).
 const METRES_PER_DEG: f64 = 111_694.0;
 
+/// The frame and the zones in the order of the file.
+type Loaded = (LocalFrame, Vec<Zone>);
+
 /// A feature as it was read, before its rings are judged.
 struct RawZone {
     label: String,
@@ -34,12 +43,79 @@ struct RawZone {
     polygons: Vec<RawPolygon>,
 }
 
-pub(crate) fn load(text: &str) -> Result<(LocalFrame, Vec<Zone>), FenceError> {
-    let raw = read(json::parse(text)?)?;
+const GEOMETRY: &str = "Polygon, MultiPolygon, Point or LineString";
+
+impl RawZone {
+    fn rings(&self) -> impl Iterator<Item = &RawRing> {
+        self.polygons.iter().flatten()
+    }
+
+    fn circle(label: String, properties: Properties, centre: Position, radius_m: f64) -> Result<Self, FenceError> {
+        // Rings of positions wrap at the antimeridian.
+        let reach_deg = radius_m / METRES_PER_DEG / backseat_units::math::cos(centre.latitude.as_deg().to_radians());
+        let longitude = centre.longitude.as_deg();
+        if longitude.abs() + 1.1 * reach_deg > 180.0 {
+            return Err(FenceError::Antimeridian {
+                place: label,
+                west: longitude - reach_deg,
+                east: longitude + reach_deg,
+            });
+        }
+        let polygons = vec![round::circle(centre, radius_m, properties.is_inclusion())];
+        Ok(Self {
+            label,
+            properties,
+            polygons,
+        })
+    }
+
+    fn corridor(
+        label: String,
+        properties: Properties,
+        line: &[Position],
+        half_width_m: f64,
+    ) -> Result<Self, FenceError> {
+        let mut bounds = Bounds::NOTHING;
+        line.iter().for_each(|position| bounds.add(position));
+        bounds.refuse_antimeridian(&label)?;
+        bounds.refuse_wide()?;
+        let middle = Position::from_deg((bounds.south + bounds.north) / 2.0, (bounds.west + bounds.east) / 2.0);
+        let Ok(middle) = middle else {
+            return Err(form(
+                label,
+                "no positions".to_owned(),
+                "a LineString of at least two positions",
+            ));
+        };
+        let polygons = round::corridor(line, middle, half_width_m, properties.is_inclusion(), &label)?;
+        Ok(Self {
+            label,
+            properties,
+            polygons,
+        })
+    }
+}
+
+pub(crate) fn geojson(text: &str) -> Result<Loaded, FenceError> {
+    judged(geojson::read(text)?)
+}
+
+pub(crate) fn plan(text: &str, terms: &Terms) -> Result<Loaded, FenceError> {
+    judged(plan::read(text, terms)?)
+}
+
+pub(crate) fn kml(text: &str, terms: &Terms) -> Result<Loaded, FenceError> {
+    judged(kml::read(text, terms)?)
+}
+
+/// Frame and zones of zones that were read.
+fn judged(raw: Vec<RawZone>) -> Result<Loaded, FenceError> {
+    refuse_collection(&raw)?;
     let bounds = Bounds::of(&raw)?;
     let frame = frame(&raw, &bounds)?;
     let mut outliner = Outliner::new(&frame);
     let mut zones = Vec::with_capacity(raw.len());
+    let mut labels = Vec::with_capacity(raw.len());
     for zone in raw {
         let mut polygons = Vec::with_capacity(zone.polygons.len());
         for (index, polygon) in zone.polygons.iter().enumerate() {
@@ -54,12 +130,30 @@ pub(crate) fn load(text: &str) -> Result<(LocalFrame, Vec<Zone>), FenceError> {
             };
             polygons.push(outliner.polygon(polygon, margin_m, &place)?);
         }
-        let Properties { name, kind, margin_m } = zone.properties;
+        let Properties {
+            name,
+            kind,
+            margin_m,
+            window,
+        } = zone.properties;
+        labels.push(zone.label);
         zones.push(Zone {
             name,
             kind,
             margin_m,
+            window,
             polygons,
+        });
+    }
+    if let Some(covered) = cover::find(&zones) {
+        let several = zones[covered.inclusion].polygons.len() > 1;
+        return Err(FenceError::Excluded {
+            place: Place {
+                feature: labels[covered.inclusion].clone(),
+                polygon: several.then_some(covered.polygon + 1),
+                hole: None,
+            },
+            exclusion: zones[covered.exclusion].name.clone(),
         });
     }
     let across_m = outliner.across_m();
@@ -69,182 +163,34 @@ pub(crate) fn load(text: &str) -> Result<(LocalFrame, Vec<Zone>), FenceError> {
     Ok((frame, zones))
 }
 
-/// The features of the document.
-fn read(document: Value) -> Result<Vec<RawZone>, FenceError> {
-    let place = || "document".to_owned();
-    let Value::Object(mut document) = document else {
-        return Err(form(place(), kind_of(&document), "a FeatureCollection"));
-    };
-    match document.get("type").map(Value::as_str) {
-        Some(Some("FeatureCollection")) => {}
-        Some(Some(other)) => return Err(form(place(), shortened(other), "a FeatureCollection")),
-        Some(None) | None => return Err(form(place(), "no `type`".to_owned(), "`type` of \"FeatureCollection\"")),
-    }
-    if let Some(system) = document.get("crs").filter(|system| !system.is_null()) {
-        coordinate_system(system)?;
-    }
-    let features = match document.remove("features") {
-        Some(Value::Array(features)) => features,
-        Some(other) => return Err(form("`features`".to_owned(), kind_of(&other), "an array of features")),
-        None => return Err(form(place(), "no `features`".to_owned(), "an array of features")),
-    };
-    // The last one is what GDAL writes beside the features.
-    let known = ["type", "name", "crs", "bbox", "xy_coordinate_resolution"];
-    refuse_unknown(&document, place, &known, "`type`, `name`, `crs`, `bbox` or `features`")?;
-    if features.is_empty() {
+/// What no zone shows alone.
+fn refuse_collection(zones: &[RawZone]) -> Result<(), FenceError> {
+    if zones.is_empty() {
         return Err(FenceError::Empty);
     }
-    let mut zones: Vec<RawZone> = Vec::with_capacity(features.len());
     let mut names = BTreeMap::new();
     let mut vertices = 0;
-    for (index, feature) in features.into_iter().enumerate() {
-        let zone = zone(feature, index)?;
-        let name = zone.properties.name.clone();
-        if let Some(first) = names.insert(name.clone(), index) {
+    for (index, zone) in zones.iter().enumerate() {
+        let name = &zone.properties.name;
+        if let Some(first) = names.insert(name, index) {
             return Err(FenceError::DuplicateName {
-                name,
+                name: name.clone(),
                 first: first + 1,
                 second: index + 1,
             });
         }
-        vertices += zone.polygons.iter().flatten().map(Vec::len).sum::<usize>();
+        vertices += zone.rings().map(|ring| ring.positions.len()).sum::<usize>();
         if vertices > VERTICES_MAX {
             return Err(FenceError::TooManyVertices {
                 found: vertices,
                 limit: VERTICES_MAX,
             });
         }
-        zones.push(zone);
     }
-    if !zones
-        .iter()
-        .any(|zone| matches!(zone.properties.kind, Kind::Inclusion { .. }))
-    {
+    if !zones.iter().any(|zone| zone.properties.is_inclusion()) {
         return Err(FenceError::NoInclusion { features: zones.len() });
     }
-    Ok(zones)
-}
-
-/// Only WGS84 in longitude and latitude: the same numbers mean other places elsewhere.
-fn coordinate_system(system: &Value) -> Result<(), FenceError> {
-    let name = system.pointer("/properties/name").and_then(Value::as_str);
-    if matches!(
-        name,
-        Some("urn:ogc:def:crs:OGC:1.3:CRS84" | "urn:ogc:def:crs:OGC::CRS84")
-    ) {
-        return Ok(());
-    }
-    Err(form(
-        "`crs`".to_owned(),
-        shortened(&system.to_string()),
-        "urn:ogc:def:crs:OGC:1.3:CRS84, or no `crs`",
-    ))
-}
-
-fn zone(feature: Value, index: usize) -> Result<RawZone, FenceError> {
-    let numbered = || format!("feature {}", index + 1);
-    let Value::Object(object) = feature else {
-        return Err(form(
-            numbered(),
-            kind_of(&feature),
-            "a Feature with properties and geometry",
-        ));
-    };
-    let label = label(object.get("properties").and_then(Value::as_object), index);
-    let place = || label.clone();
-    refuse_unknown(
-        &object,
-        place,
-        &["type", "id", "bbox", "properties", "geometry"],
-        "`type`, `id`, `bbox`, `properties` or `geometry`",
-    )?;
-    let properties = match object.get("properties") {
-        Some(Value::Object(map)) => properties::read(map, &label)?,
-        Some(_) | None => {
-            return Err(form(
-                place(),
-                "no `properties`".to_owned(),
-                "an object with `name` and `kind`",
-            ));
-        }
-    };
-    if let Some(Value::Object(geometry)) = object.get("geometry") {
-        let place = || format!("{label} geometry");
-        refuse_unknown(
-            geometry,
-            place,
-            &["type", "coordinates", "bbox"],
-            "`type` or `coordinates`",
-        )?;
-    }
-    let feature = serde_json::from_value::<Feature>(Value::Object(object))
-        .map_err(|error| form(place(), shortened(&error.to_string()), "a Feature of RFC 7946"))?;
-    let polygons = match feature.geometry.map(|geometry| geometry.value) {
-        Some(GeometryValue::Polygon { coordinates }) => vec![coordinates],
-        Some(GeometryValue::MultiPolygon { coordinates }) => coordinates,
-        Some(
-            other @ (GeometryValue::Point { .. }
-            | GeometryValue::MultiPoint { .. }
-            | GeometryValue::LineString { .. }
-            | GeometryValue::MultiLineString { .. }
-            | GeometryValue::GeometryCollection { .. }),
-        ) => {
-            return Err(form(
-                place(),
-                format!("geometry is {}", other.type_name()),
-                "Polygon or MultiPolygon",
-            ));
-        }
-        None => return Err(form(place(), "no geometry".to_owned(), "Polygon or MultiPolygon")),
-    };
-    if polygons.is_empty() || polygons.iter().any(Vec::is_empty) {
-        return Err(form(place(), "polygon without rings".to_owned(), "an outer ring"));
-    }
-    let several = polygons.len() > 1;
-    let mut raw = Vec::with_capacity(polygons.len());
-    for (number, rings) in polygons.into_iter().enumerate() {
-        let mut polygon = Vec::with_capacity(rings.len());
-        for (hole, ring) in rings.into_iter().enumerate() {
-            let place = || Place {
-                feature: label.clone(),
-                polygon: several.then_some(number + 1),
-                hole: (hole > 0).then_some(hole),
-            };
-            polygon.push(positions(&ring, &place)?);
-        }
-        raw.push(polygon);
-    }
-    Ok(RawZone {
-        label,
-        properties,
-        polygons: raw,
-    })
-}
-
-fn positions(ring: &[geojson::Position], place: &dyn Fn() -> Place) -> Result<RawRing, FenceError> {
-    ring.iter()
-        .enumerate()
-        .map(|(index, position)| {
-            let bad = |found: String, expected: &'static str| FenceError::Vertex {
-                place: place(),
-                vertex: index + 1,
-                found,
-                expected,
-            };
-            let [longitude, latitude] = *position.as_slice() else {
-                return Err(bad(format!("{} numbers", position.len()), "longitude and latitude"));
-            };
-            let position = Position::from_deg(latitude, longitude)
-                .map_err(|error| bad(error.to_string(), "longitude, then latitude"))?;
-            if latitude.abs() > LATITUDE_MAX_DEG {
-                return Err(bad(
-                    format!("latitude {latitude} deg"),
-                    "at most 85 degrees north or south",
-                ));
-            }
-            Ok(position)
-        })
-        .collect()
+    Ok(())
 }
 
 /// The extent in degrees.
@@ -267,7 +213,7 @@ impl Bounds {
         let mut all = Self::NOTHING;
         for zone in zones {
             let mut own = Self::NOTHING;
-            for position in zone.polygons.iter().flatten().flatten() {
+            for position in zone.rings().flat_map(|ring| &ring.positions) {
                 own.add(position);
                 all.add(position);
             }
@@ -296,6 +242,22 @@ impl Bounds {
         Ok(())
     }
 
+    /// A rough measure: far from its origin the frame's series mean nothing.
+    fn refuse_wide(&self) -> Result<(), FenceError> {
+        let widest = self.south.abs().min(self.north.abs());
+        let widest = if self.south <= 0.0 && self.north >= 0.0 {
+            0.0
+        } else {
+            widest
+        };
+        let east_m = (self.east - self.west) * METRES_PER_DEG * backseat_units::math::cos(widest.to_radians());
+        let rough_m = east_m.max((self.north - self.south) * METRES_PER_DEG);
+        if rough_m > 1.2 * ACROSS_MAX_M {
+            return Err(too_wide(rough_m));
+        }
+        Ok(())
+    }
+
     fn contains(&self, longitude: f64, latitude: f64) -> bool {
         (self.west..=self.east).contains(&longitude) && (self.south..=self.north).contains(&latitude)
     }
@@ -308,36 +270,28 @@ fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
         // No position at all: any frame will do until the empty rings are refused.
         (middle_east, middle_north) = (0.0, 0.0);
     }
-    // A rough measure first: far from its origin the frame's series mean nothing.
-    let widest = bounds.south.abs().min(bounds.north.abs());
-    let widest = if bounds.south <= 0.0 && bounds.north >= 0.0 {
-        0.0
-    } else {
-        widest
-    };
-    let east_m = (bounds.east - bounds.west) * METRES_PER_DEG * backseat_units::math::cos(widest.to_radians());
-    let rough_m = east_m.max((bounds.north - bounds.south) * METRES_PER_DEG);
-    if rough_m > 1.2 * ACROSS_MAX_M {
-        return Err(too_wide(rough_m));
-    }
+    bounds.refuse_wide()?;
     let (mut area, mut east, mut north) = (0.0, 0.0, 0.0);
     for zone in zones
         .iter()
         .filter(|zone| matches!(zone.properties.kind, Kind::Inclusion { .. }))
     {
         for ring in zone.polygons.iter().map(|rings| &rings[0]) {
-            let moments = ring.windows(2).fold((0.0, 0.0, 0.0), |(area, east, north), ends| {
-                let (x, y) = (
-                    ends[0].longitude.as_deg() - middle_east,
-                    ends[0].latitude.as_deg() - middle_north,
-                );
-                let (u, v) = (
-                    ends[1].longitude.as_deg() - middle_east,
-                    ends[1].latitude.as_deg() - middle_north,
-                );
-                let cross = x * v - u * y;
-                (area + cross, east + (x + u) * cross, north + (y + v) * cross)
-            });
+            let moments = ring
+                .positions
+                .windows(2)
+                .fold((0.0, 0.0, 0.0), |(area, east, north), ends| {
+                    let (x, y) = (
+                        ends[0].longitude.as_deg() - middle_east,
+                        ends[0].latitude.as_deg() - middle_north,
+                    );
+                    let (u, v) = (
+                        ends[1].longitude.as_deg() - middle_east,
+                        ends[1].latitude.as_deg() - middle_north,
+                    );
+                    let cross = x * v - u * y;
+                    (area + cross, east + (x + u) * cross, north + (y + v) * cross)
+                });
             // Either winding counts.
             let sign = if moments.0 < 0.0 { -1.0 } else { 1.0 };
             area += sign * moments.0;
@@ -354,6 +308,27 @@ fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
     Ok(LocalFrame::new(origin))
 }
 
+fn position(raw: &[f64], index: usize, place: &dyn Fn() -> String) -> Result<Position, FenceError> {
+    let bad = |found: String, expected: &'static str| FenceError::Vertex {
+        place: place(),
+        vertex: index + 1,
+        found,
+        expected,
+    };
+    let [longitude, latitude] = *raw else {
+        return Err(bad(format!("{} numbers", raw.len()), "longitude and latitude"));
+    };
+    let position =
+        Position::from_deg(latitude, longitude).map_err(|error| bad(error.to_string(), "longitude, then latitude"))?;
+    if latitude.abs() > LATITUDE_MAX_DEG {
+        return Err(bad(
+            format!("latitude {latitude} deg"),
+            "at most 85 degrees north or south",
+        ));
+    }
+    Ok(position)
+}
+
 fn too_wide(across_m: f64) -> FenceError {
     FenceError::TooWide {
         across_km: across_m / 1000.0,
@@ -363,22 +338,6 @@ fn too_wide(across_m: f64) -> FenceError {
 
 fn form(place: String, found: String, expected: &'static str) -> FenceError {
     FenceError::Form { place, found, expected }
-}
-
-fn refuse_unknown(
-    object: &Map<String, Value>,
-    place: impl Fn() -> String,
-    known: &[&str],
-    expected: &'static str,
-) -> Result<(), FenceError> {
-    match object.keys().find(|key| !known.contains(&key.as_str())) {
-        Some(key) => Err(FenceError::UnknownKey {
-            place: place(),
-            key: shortened(key),
-            expected,
-        }),
-        None => Ok(()),
-    }
 }
 
 fn kind_of(value: &Value) -> String {

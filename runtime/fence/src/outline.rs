@@ -1,13 +1,12 @@
 //! Rings of the file made into polygons of the plane, or refused.
 
 use backseat_units::{EastNorth, LocalFrame, Position};
-use parry2d_f64::bounding_volume::Aabb;
 use parry2d_f64::math::Vector;
 
 use crate::distance::{LegProbe, Probe, vector};
 use crate::error::{FenceError, Place};
 use crate::load::VERTICES_MAX;
-use crate::polygon::{GoodRing, Polygon};
+use crate::polygon::{GoodRing, Polygon, bounds};
 use crate::question::EDGE_THICKNESS_M;
 
 /// Sharper corners are refused, radians: so near to its corner that the two edges are within a rounding error of each
@@ -17,8 +16,13 @@ pub(crate) const SHARPEST_RAD: f64 = 1e-4;
 /// How far a straight piece of the plane may be from the straight line in longitude and latitude, metres.
 const SAGITTA_M: f64 = 0.01;
 
-/// The positions of a ring as they stand in the file.
-pub(crate) type RawRing = Vec<Position>;
+/// A ring of positions, closed.
+pub(crate) struct RawRing {
+    /// As they stand in the file, or as they were made of what stands there.
+    pub(crate) positions: Vec<Position>,
+    /// For each edge the number that it has in the file; where absent, edges count from 1.
+    pub(crate) numbers: Option<Vec<u32>>,
+}
 
 /// The outer ring, then the holes.
 pub(crate) type RawPolygon = Vec<RawRing>;
@@ -78,7 +82,8 @@ impl<'a> Outliner<'a> {
     }
 
     fn ring(&mut self, raw: &RawRing, hole: bool, place: &dyn Fn() -> Place) -> Result<GoodRing, FenceError> {
-        let mut distinct: Vec<_> = raw
+        let positions = &raw.positions;
+        let mut distinct: Vec<_> = positions
             .iter()
             .map(|position| (position.longitude.as_deg(), position.latitude.as_deg()))
             .collect();
@@ -90,10 +95,10 @@ impl<'a> Outliner<'a> {
                 found: distinct.len(),
             });
         }
-        if raw.first() != raw.last() {
+        if positions.first() != positions.last() {
             return Err(FenceError::OpenRing {
                 place: place(),
-                last: raw.len(),
+                last: positions.len(),
             });
         }
         let mut ring = self.project(raw)?;
@@ -110,37 +115,29 @@ impl<'a> Outliner<'a> {
     /// The ring on the plane: long edges divided, repeated vertices left out.
     fn project(&mut self, raw: &RawRing) -> Result<GoodRing, FenceError> {
         let mut ring = GoodRing {
-            vertices: vec![self.frame.to_local(raw[0])],
+            vertices: vec![self.frame.to_local(raw.positions[0])],
             numbers: Vec::new(),
         };
-        let mut from = ring.vertices[0];
-        for (ends, number) in raw.windows(2).zip(1..) {
-            let to = self.frame.to_local(ends[1]);
-            let middle = self.frame.to_local(between(ends[0], ends[1], 0.5));
-            let sagitta_m = middle.distance_m((from + to) * 0.5);
-            // A quarter of the sagitta remains of each half.
-            let pieces = (sagitta_m / SAGITTA_M).sqrt().ceil().max(1.0) as usize;
-            self.vertices += pieces;
+        for (ends, count) in raw.positions.windows(2).zip(1..) {
+            let number = raw
+                .numbers
+                .as_ref()
+                .map_or(count, |numbers| numbers[count as usize - 1]);
+            let pieces = divided(self.frame, ends[0], ends[1]);
+            self.vertices += pieces.len();
             if self.vertices > VERTICES_MAX {
                 return Err(FenceError::TooManyVertices {
                     found: self.vertices,
                     limit: VERTICES_MAX,
                 });
             }
-            for piece in 1..=pieces {
-                let vertex = if piece == pieces {
-                    to
-                } else {
-                    self.frame
-                        .to_local(between(ends[0], ends[1], piece as f64 / pieces as f64))
-                };
+            for vertex in pieces {
                 let last = ring.vertices[ring.vertices.len() - 1];
                 if last.distance_m(vertex) > EDGE_THICKNESS_M {
                     ring.vertices.push(vertex);
                     ring.numbers.push(number);
                 }
             }
-            from = to;
         }
         // The last vertex is the first one again: its own repetitions before the end go.
         let first = ring.vertices[0];
@@ -208,22 +205,18 @@ impl<'a> Outliner<'a> {
 impl Polygon {
     /// Two edges that cross or come within an edge's thickness of each other without sharing a vertex, and where.
     pub(crate) fn crossing(&self) -> Option<(u32, u32, Vector)> {
-        let thickness = Vector::splat(EDGE_THICKNESS_M);
         for (first, last) in self.ring_edges() {
             for edge in first..=last {
                 let [a, b] = self.ends(edge).map(vector);
                 let probe = LegProbe::new(a, b);
-                let around = Aabb::new(a.min(b) - thickness, a.max(b) + thickness);
                 let mut found: Option<u32> = None;
-                for run in self.tree().intersect_aabb(&around) {
-                    for other in self.run_edges(run).filter(|other| *other > edge + 1) {
-                        let neighbours = edge == first && other == last;
-                        let [c, d] = self.ends(other).map(vector);
-                        if !neighbours && probe.edge_d2(c, d) <= EDGE_THICKNESS_M * EDGE_THICKNESS_M {
-                            found = Some(found.map_or(other, |found| found.min(other)));
-                        }
+                self.edges_near(&probe, 2.0 * EDGE_THICKNESS_M * EDGE_THICKNESS_M, |other| {
+                    let neighbours = other <= edge + 1 || (edge == first && other == last);
+                    let [c, d] = self.ends(other).map(vector);
+                    if !neighbours && probe.edge_d2(c, d) <= EDGE_THICKNESS_M * EDGE_THICKNESS_M {
+                        found = Some(found.map_or(other, |found| found.min(other)));
                     }
-                }
+                });
                 if let Some(other) = found {
                     let [c, d] = self.ends(other).map(vector);
                     return Some((edge, other, probe.contact(c, d).at));
@@ -232,6 +225,26 @@ impl Polygon {
         }
         None
     }
+}
+
+/// The vertices after the first of an edge that follows the straight line of longitude and latitude.
+pub(crate) fn divided(
+    frame: &LocalFrame,
+    a: Position,
+    b: Position,
+) -> impl ExactSizeIterator<Item = EastNorth> + use<'_> {
+    let (from, to) = (frame.to_local(a), frame.to_local(b));
+    let middle = frame.to_local(between(a, b, 0.5));
+    let sagitta_m = middle.distance_m((from + to) * 0.5);
+    // A quarter of the sagitta remains of each half.
+    let pieces = (sagitta_m / SAGITTA_M).sqrt().ceil().max(1.0) as u32;
+    (0..pieces).map(move |piece| {
+        if piece + 1 == pieces {
+            to
+        } else {
+            frame.to_local(between(a, b, f64::from(piece + 1) / f64::from(pieces)))
+        }
+    })
 }
 
 /// The position at a fraction of the straight line in longitude and latitude.
@@ -288,13 +301,6 @@ fn refuse_stray_holes(polygon: &Polygon, place: Placer<'_>) -> Result<(), FenceE
         }
     }
     Ok(())
-}
-
-fn bounds(ring: &[EastNorth]) -> (Vector, Vector) {
-    ring.iter().fold(
-        (Vector::splat(f64::INFINITY), Vector::splat(f64::NEG_INFINITY)),
-        |(min, max), point| (min.min(vector(*point)), max.max(vector(*point))),
-    )
 }
 
 /// Whether a closed ring goes round a point: a ray towards the east crosses it an odd number of times.

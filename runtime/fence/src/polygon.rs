@@ -3,14 +3,10 @@
 use core::fmt;
 
 use backseat_units::EastNorth;
-use parry2d_f64::bounding_volume::Aabb;
 use parry2d_f64::math::Vector;
-use parry2d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhLeafCost, BvhNode};
 
-use crate::distance::{AT_VERTEX_M, Contact, PointProbe, Probe, point_d2, vector};
-
-/// Edges to a leaf of the tree. Consecutive edges lie beside each other in the plane and in memory.
-const RUN: usize = 8;
+use crate::distance::{AT_VERTEX_M, Contact, PointProbe, Probe, vector};
+use crate::strips::StripTree;
 
 /// A ring that has been found good.
 #[derive(Clone, Debug)]
@@ -30,36 +26,9 @@ pub(crate) struct Polygon {
     numbers: Vec<u32>,
     /// Where each ring begins, and where the last one ends.
     starts: Vec<u32>,
-    /// The leaves.
-    runs: Vec<Run>,
-    tree: Bvh,
+    tree: StripTree,
     pub(crate) min: Vector,
     pub(crate) max: Vector,
-}
-
-/// Consecutive edges of one ring.
-#[derive(Clone, Copy, Debug)]
-struct Run {
-    first: u32,
-    count: u32,
-    /// All the edges are within this of the straight line from the first vertex to the last. A smooth line is much
-    /// nearer to its chord than to its bounding box, so that most runs are passed over without a look at their edges:
-    /// the idea of strip trees (Ballard, CACM 24(5), 1981).
-    sagitta_m: f64,
-}
-
-/// The nearest edge, and how near.
-#[derive(Clone, Copy)]
-struct Nearest {
-    d2: f64,
-    edge: u32,
-}
-
-impl BvhLeafCost for Nearest {
-    #[inline]
-    fn cost(&self) -> f64 {
-        self.d2
-    }
 }
 
 impl fmt::Debug for Polygon {
@@ -74,43 +43,24 @@ impl fmt::Debug for Polygon {
 impl Polygon {
     /// The outer ring, then the holes.
     pub(crate) fn new(rings: Vec<GoodRing>) -> Self {
-        let mut polygon = Self {
-            vertices: Vec::new(),
-            numbers: Vec::new(),
-            starts: vec![0],
-            runs: Vec::new(),
-            tree: Bvh::new(),
-            min: Vector::splat(f64::MAX),
-            max: Vector::splat(f64::MIN),
-        };
-        let mut boxes = Vec::new();
+        let (mut vertices, mut numbers, mut starts) = (Vec::new(), Vec::new(), vec![0]);
         for ring in rings {
-            let first = polygon.vertices.len();
-            let edges = ring.vertices.len() - 1;
-            polygon.vertices.extend(ring.vertices);
-            polygon.numbers.extend(ring.numbers);
+            vertices.extend(ring.vertices);
+            numbers.extend(ring.numbers);
             // The closing vertex begins no edge.
-            polygon.numbers.push(0);
-            polygon.starts.push(polygon.vertices.len() as u32);
-            for start in (first..first + edges).step_by(RUN) {
-                let count = RUN.min(first + edges - start);
-                let (mut min, mut max) = (Vector::splat(f64::MAX), Vector::splat(f64::MIN));
-                for vertex in &polygon.vertices[start..=start + count] {
-                    min = min.min(vector(*vertex));
-                    max = max.max(vector(*vertex));
-                }
-                polygon.runs.push(Run {
-                    first: start as u32,
-                    count: count as u32,
-                    sagitta_m: sagitta_m(&polygon.vertices[start..=start + count]),
-                });
-                boxes.push(Aabb::new(min, max));
-                polygon.min = polygon.min.min(min);
-                polygon.max = polygon.max.max(max);
-            }
+            numbers.push(0);
+            starts.push(vertices.len() as u32);
         }
-        polygon.tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-        polygon
+        let (min, max) = bounds(&vertices);
+        let tree = StripTree::new(&vertices, in_order(&vertices, &starts));
+        Self {
+            vertices,
+            numbers,
+            starts,
+            tree,
+            min,
+            max,
+        }
     }
 
     /// The rings, closed, the outer one first.
@@ -142,15 +92,13 @@ impl Polygon {
         (0..self.starts.len() - 1).map(|ring| self.ends_of(ring))
     }
 
-    /// The tree over the runs of edges.
-    pub(crate) fn tree(&self) -> &Bvh {
-        &self.tree
-    }
-
-    /// The edges of a run.
-    pub(crate) fn run_edges(&self, run: u32) -> impl Iterator<Item = u32> + use<> {
-        let Run { first, count, .. } = self.runs[run as usize];
-        first..first + count
+    /// The edges that may be nearer to a shape than the square root of `below_m2`, and others.
+    pub(crate) fn edges_near<P: Probe>(&self, probe: &P, below_m2: f64, mut visit: impl FnMut(u32)) {
+        let bound = |strips: &_| probe.strips_d2(strips);
+        self.tree.search(below_m2, bound, |run, below_m2| {
+            run.edges().for_each(&mut visit);
+            below_m2
+        });
     }
 
     fn ends_of(&self, ring: usize) -> (u32, u32) {
@@ -170,30 +118,18 @@ impl Polygon {
 
     /// The edge nearest to a shape, where one is nearer than the square root of `below_m2`.
     pub(crate) fn nearest<P: Probe>(&self, probe: &P, below_m2: f64) -> Option<(u32, Contact)> {
-        let (_, nearest) = self.tree.find_best(
-            below_m2,
-            |node: &BvhNode, best_m2| probe.box_d2(node.mins(), node.maxs(), best_m2),
-            |run, best_m2| {
-                let Run {
-                    first,
-                    count,
-                    sagitta_m,
-                } = self.runs[run as usize];
-                let vertices = &self.vertices[first as usize..=(first + count) as usize];
-                let reach_m = best_m2.sqrt() + sagitta_m;
-                let (from, to) = (vector(vertices[0]), vector(vertices[count as usize]));
-                if probe.chord_d2(from, to) > reach_m * reach_m {
-                    return None;
-                }
-                let (d2, index) = probe.run_d2(vertices);
-                Some(Nearest {
-                    d2,
-                    edge: first + index as u32,
-                })
-            },
-        )?;
-        let [a, b] = self.ends(nearest.edge);
-        Some((nearest.edge, probe.contact(vector(a), vector(b))))
+        let mut nearest = None;
+        let bound = |strips: &_| probe.strips_d2(strips);
+        self.tree.search(below_m2, bound, |run, least_m2| {
+            let (d2, index) = probe.run_d2(run.vertices(&self.vertices));
+            if d2 < least_m2 {
+                nearest = Some(run.first_edge() + index as u32);
+            }
+            least_m2.min(d2)
+        });
+        let edge = nearest?;
+        let [a, b] = self.ends(edge);
+        Some((edge, probe.contact(vector(a), vector(b))))
     }
 
     /// Whether a shape whose nearest edge this is, and which does not touch it, lies inside the polygon.
@@ -262,11 +198,33 @@ impl Polygon {
     }
 }
 
-/// An upper bound of how far the edges are from the straight line between the two ends: the vertices' greatest
-/// distance from it, which is the edges' too because the distance to a straight line is convex, and a little for
-/// rounding.
-fn sagitta_m(vertices: &[EastNorth]) -> f64 {
-    let (from, to) = (vector(vertices[0]), vector(vertices[vertices.len() - 1]));
-    let distance2 = |vertex: &EastNorth| point_d2(vector(*vertex), from, to);
-    vertices.iter().map(distance2).fold(0.0, f64::max).sqrt() + 1e-9
+/// The corners of the box around points.
+pub(crate) fn bounds(points: &[EastNorth]) -> (Vector, Vector) {
+    points.iter().fold(
+        (Vector::splat(f64::INFINITY), Vector::splat(f64::NEG_INFINITY)),
+        |(min, max), point| (min.min(vector(*point)), max.max(vector(*point))),
+    )
+}
+
+/// The first edge of each ring and how many it has, neighbours after each other: by the middles of their boxes along
+/// a curve of Z shape (Morton, IBM 1966).
+fn in_order(vertices: &[EastNorth], starts: &[u32]) -> impl Iterator<Item = (u32, u32)> {
+    let (min, max) = bounds(vertices);
+    let across = (max - min).max(Vector::splat(f64::MIN_POSITIVE));
+    let mut rings: Vec<_> = starts
+        .windows(2)
+        .map(|ends| {
+            let (low, high) = bounds(&vertices[ends[0] as usize..ends[1] as usize]);
+            let share = ((low + high) * 0.5 - min) / across * 65_535.0;
+            let place = spread(share.x as u16) | spread(share.y as u16) << 1;
+            (place, ends[0], ends[1] - ends[0] - 1)
+        })
+        .collect();
+    rings.sort_unstable();
+    rings.into_iter().map(|(_, first, edges)| (first, edges))
+}
+
+/// The bits of a number, a zero before each.
+fn spread(number: u16) -> u32 {
+    (0..16).fold(0, |bits, bit| bits | (u32::from(number) >> bit & 1) << (2 * bit))
 }

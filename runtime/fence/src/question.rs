@@ -4,6 +4,7 @@ use backseat_units::EastNorth;
 
 use crate::sweep::{Shape, Sweep, VerticalExtent};
 use crate::verdict::Rule;
+use crate::window::Span;
 use crate::zone::{Band, Kind, Zone};
 
 /// The thickness of an edge, metres: what comes nearer touches it. Far above the rounding errors of the distances
@@ -20,6 +21,8 @@ pub(crate) struct Question {
     pub(crate) vertical: Option<VerticalExtent>,
     /// The vehicle surfaces: only zones that allow it count, and there the shallowest depth does not.
     pub(crate) surfacing: bool,
+    /// When it happens; none where that is unknown.
+    pub(crate) span: Option<Span>,
 }
 
 impl Question {
@@ -29,6 +32,11 @@ impl Question {
             Kind::Inclusion { surfacing, .. } => surfacing || !self.surfacing,
             Kind::Exclusion { .. } => false,
         }
+    }
+
+    /// Whether an inclusion zone is valid for the whole time of this question.
+    pub(crate) fn is_open(&self, zone: &Zone) -> bool {
+        zone.window.covers(self.span)
     }
 
     /// How far from the edges of a zone the shape must be, metres.
@@ -59,8 +67,12 @@ impl Question {
             .max_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 
-    /// Whether an exclusion zone counts at the depths of this question.
+    /// Whether an exclusion zone counts at the time and the depths of this question.
     pub(crate) fn meets(&self, zone: &Zone) -> bool {
+        zone.window.meets(self.span) && self.meets_depths(zone)
+    }
+
+    fn meets_depths(&self, zone: &Zone) -> bool {
         match (self.vertical, zone.kind) {
             (
                 Some(vertical),
@@ -106,4 +118,9 @@ pub(crate) fn unusable_vertical(vertical: &VerticalExtent) -> Option<&'static st
         () if depth_min_m > depth_max_m => Some("depth_max_m under depth_min_m"),
         () => None,
     }
+}
+
+/// A span whose ends are the wrong way round.
+pub(crate) fn unusable_span(span: Option<Span>) -> Option<&'static str> {
+    span.and_then(|span| (span.from > span.until).then_some("time that ends before it begins"))
 }

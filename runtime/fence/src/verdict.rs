@@ -4,6 +4,7 @@ use std::sync::Arc;
 use backseat_units::EastNorth;
 
 use crate::fence::Map;
+use crate::window::Span;
 use crate::zone::Kind;
 
 /// An edge of a fence. [`Fence::describe_edge`](crate::Fence::describe_edge) tells what it is.
@@ -70,8 +71,10 @@ pub enum Rule {
     AltitudeMin,
     /// The vehicle would surface where no inclusion zone that allows it holds the sweep.
     Surfacing,
-    /// A number of the request is unusable: not finite, beyond ±1e9, a negative radius, or a depth range that is the
-    /// wrong way round.
+    /// The only inclusion zones that could hold the sweep are not valid for the whole time of the question.
+    Closed,
+    /// A number of the request is unusable: not finite, beyond ±1e9, a negative radius, or a depth range or
+    /// a time that is the wrong way round.
     NotFinite,
 }
 
@@ -81,7 +84,7 @@ pub enum Rule {
 pub struct Breach {
     /// What is offended against.
     pub rule: Rule,
-    /// How many metres are missing, over 0; infinite for [`Rule::NotFinite`], and for [`Rule::Surfacing`] where no zone of
+    /// How many metres are missing, over 0; infinite for [`Rule::NotFinite`] and [`Rule::Closed`], and for [`Rule::Surfacing`] where no zone of
     /// the fence allows it.
     ///
     /// For [`Rule::Inclusion`] and [`Rule::Surfacing`]: how far the worst point would have to come in, margin and radius included. Exact for a
@@ -103,6 +106,8 @@ pub struct Breach {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Cause {
     Zone(u32),
+    /// The zone, and the time that was asked for.
+    Closed(u32, Option<Span>),
     Number(&'static str),
     /// No zone allows surfacing.
     NoSurfacing,
@@ -114,7 +119,7 @@ impl Breach {
     #[must_use]
     pub fn zone(&self) -> Option<&str> {
         match self.cause {
-            Cause::Zone(zone) => Some(self.map.zones[zone as usize].name()),
+            Cause::Zone(zone) | Cause::Closed(zone, _) => Some(self.map.zones[zone as usize].name()),
             Cause::Number(_) | Cause::NoSurfacing => None,
         }
     }
@@ -124,6 +129,19 @@ impl fmt::Display for Breach {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let zone = match self.cause {
             Cause::Zone(zone) => &self.map.zones[zone as usize],
+            Cause::Closed(zone, span) => {
+                let zone = &self.map.zones[zone as usize];
+                write!(
+                    f,
+                    "inclusion '{}' is valid {} only, asked for ",
+                    zone.name(),
+                    zone.window()
+                )?;
+                return match span {
+                    Some(span) => write!(f, "{span}"),
+                    None => write!(f, "an unknown time"),
+                };
+            }
             Cause::Number(what) => return write!(f, "not a usable number: {what}"),
             Cause::NoSurfacing => return write!(f, "no inclusion zone allows surfacing"),
         };

@@ -1,6 +1,7 @@
 use backseat_units::EastNorth;
 
 use crate::polygon::Polygon;
+use crate::window::Window;
 
 /// One feature of the fence's file.
 #[derive(Clone, Debug)]
@@ -8,6 +9,7 @@ pub struct Zone {
     pub(crate) name: String,
     pub(crate) kind: Kind,
     pub(crate) margin_m: f64,
+    pub(crate) window: Window,
     pub(crate) polygons: Vec<Polygon>,
 }
 
@@ -68,6 +70,12 @@ impl Zone {
     #[must_use]
     pub const fn margin_m(&self) -> f64 {
         self.margin_m
+    }
+
+    /// When the zone is valid.
+    #[must_use]
+    pub const fn window(&self) -> Window {
+        self.window
     }
 
     /// The rings of all the zone's polygons, each outer ring before its holes.

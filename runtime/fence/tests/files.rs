@@ -3,8 +3,8 @@
 
 use std::fmt::Write;
 
-use backseat_fence::{Fence, Kind, Rule, Shape, Sweep, VerticalExtent};
-use backseat_units::{EastNorth, LocalFrame, Position};
+use backseat_fence::{Fence, Kind, Rule, Shape, Span, Sweep, VerticalExtent};
+use backseat_units::{EastNorth, LocalFrame, Position, Utc};
 use proptest::prelude::*;
 
 const VERTICAL: VerticalExtent = VerticalExtent {
@@ -234,4 +234,34 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn windows_are_read_and_kept() {
+    let outer = ring(&rectangle(42.0, -70.0, 42.02, -69.98));
+    let small = ring(&rectangle(42.009, -69.991, 42.011, -69.989));
+    let convoy = r#""kind": "exclusion", "margin_m": 5, "valid_from": "2026-05-01T08:00:00Z", "valid_until": "2026-05-01T10:30:00+02:00""#;
+    let text = document(&[("box", INCLUSION, outer), ("convoy", convoy, small)]);
+    let fence = Fence::from_geojson(&text).unwrap();
+    let window = fence.zones().nth(1).unwrap().window();
+    assert_eq!(
+        window.to_string(),
+        "from 2026-05-01T08:00:00Z until 2026-05-01T08:30:00Z"
+    );
+    let sweep = Sweep::new(Shape::point(fence.frame().to_local(position(42.01, -69.99))), 5.0);
+    let at = |seconds: u64| Utc::from_unix_nanos(seconds * 1_000_000_000);
+    let span = |from, until| Span {
+        from: at(from),
+        until: at(until),
+    };
+    assert!(
+        fence
+            .during(span(1_777_620_000, 1_777_622_399))
+            .check(&sweep, &VERTICAL)
+            .is_ok()
+    );
+    let inside = fence
+        .during(span(1_777_620_000, 1_777_622_400))
+        .check(&sweep, &VERTICAL);
+    assert_eq!(inside.unwrap_err().rule, Rule::Exclusion);
 }

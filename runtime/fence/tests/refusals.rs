@@ -145,15 +145,15 @@ fn fences_without_zones_are_refused() {
 }
 
 #[test]
-fn geometry_is_polygons_only() {
+fn geometry_is_areas_circles_and_corridors_only() {
     let with = |geometry: Value| refused(&collection(&[feature(&inclusion(), &geometry)]));
     assert_eq!(
-        with(json!({ "type": "Point", "coordinates": [1, 2] })),
-        "feature 'survey box': geometry is Point, expected Polygon or MultiPolygon"
+        with(json!({ "type": "MultiPoint", "coordinates": [[1, 2]] })),
+        "feature 'survey box': geometry is MultiPoint, expected Polygon, MultiPolygon, Point or LineString"
     );
     assert_eq!(
         with(Value::Null),
-        "feature 'survey box': no geometry, expected Polygon or MultiPolygon"
+        "feature 'survey box': no geometry, expected Polygon, MultiPolygon, Point or LineString"
     );
     assert_eq!(
         with(json!({ "type": "Polygon", "coordinates": [] })),
@@ -206,13 +206,13 @@ fn properties_are_complete_and_known() {
     );
     assert_eq!(
         with_property("depth_max", json!(3)),
-        "feature 'survey box': unknown key `depth_max`, expected `name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m` or `surfacing`"
+        "feature 'survey box': unknown key `depth_max`, expected `name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m`, `surfacing`, `valid_from` or `valid_until`"
     );
     exclusion["margin_m"] = json!(1);
     exclusion["altitude_min_m"] = json!(1);
     assert_eq!(
         refused(&collection(&[feature(&exclusion, &square())])),
-        "feature 'wreck': unknown key `altitude_min_m`, expected `name`, `kind`, `margin_m`, `depth_min_m` or `depth_max_m`"
+        "feature 'wreck': unknown key `altitude_min_m`, expected `name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `valid_from` or `valid_until`"
     );
     let mut stray = feature(&inclusion(), &square());
     stray["margin_m"] = json!(5);
@@ -281,6 +281,25 @@ fn values_are_in_range() {
     assert!(with_property("name", json!("a\nb")).starts_with("feature 1: `name` is \"a\\nb\""));
     let huge = with_property("margin_m", json!("x".repeat(10_000)));
     assert!(huge.len() < 200, "{huge}");
+}
+
+#[test]
+fn windows_are_times_in_order() {
+    assert_eq!(
+        with_property("valid_from", json!("tomorrow")),
+        "feature 'survey box': `valid_from` is \"tomorrow\", expected a time of RFC 3339, as \"2026-05-01T08:00:00Z\""
+    );
+    assert!(with_property("valid_until", json!(1_777_622_400)).contains("`valid_until` is 1777622400"));
+    let mut properties = exclusion();
+    properties["valid_from"] = json!("2026-05-01T10:00:00+02:00");
+    properties["valid_until"] = json!("2026-05-01T08:00:00Z");
+    assert_eq!(
+        refused(&collection(&[
+            feature(&inclusion(), &square()),
+            feature(&properties, &square())
+        ])),
+        "feature 'wreck': `valid_until` is \"2026-05-01T08:00:00Z\", expected a time after `valid_from`"
+    );
 }
 
 #[test]
@@ -545,7 +564,10 @@ fn a_margin_that_leaves_nothing_is_refused() {
     assert!(
         Fence::from_geojson(&collection(&[
             feature(&inclusion(), &square()),
-            feature(&wide, &square())
+            feature(
+                &wide,
+                &polygon(&[ring(&[(4.0, 4.0), (5.0, 4.0), (5.0, 5.0), (4.0, 4.0)])])
+            )
         ]))
         .is_ok()
     );
@@ -594,4 +616,69 @@ fn surfacing_is_true_or_false_and_an_inclusions_own() {
         let zone = fence.zones().next().unwrap();
         assert!(matches!(zone.kind(), Kind::Inclusion { surfacing, .. } if surfacing == allowed));
     }
+}
+
+#[test]
+fn an_inclusion_that_an_exclusion_covers_is_refused() {
+    let zones = |inner: &Value, outer: &Value, around: &Value| {
+        let text = collection(&[feature(inner, &square()), feature(outer, around)]);
+        Fence::from_geojson(&text)
+            .map(|_| ())
+            .map_err(|error| error.to_string())
+    };
+    let message =
+        "feature 'survey box' outer ring: lies wholly inside exclusion 'wreck', expected a part that can be reached";
+    let around =
+        |low: f64, high: f64| polygon(&[ring(&[(low, low), (high, low), (high, high), (low, high), (low, low)])]);
+    // Around it, and the very same ring: the two kinds mistaken for each other.
+    assert_eq!(
+        zones(&inclusion(), &exclusion(), &around(-1.0, 11.0)),
+        Err(message.to_owned())
+    );
+    assert_eq!(zones(&inclusion(), &exclusion(), &square()), Err(message.to_owned()));
+    assert_eq!(
+        zones(&inclusion(), &exclusion(), &around(0.0, 11.0)),
+        Err(message.to_owned())
+    );
+    // Something is left.
+    assert_eq!(zones(&inclusion(), &exclusion(), &around(0.0, 9.9)), Ok(()));
+    assert_eq!(zones(&inclusion(), &exclusion(), &around(1.0, 12.0)), Ok(()));
+    let notched = polygon(&[ring(&[
+        (-1.0, -1.0),
+        (11.0, -1.0),
+        (11.0, 4.0),
+        (-0.5, 4.2),
+        (11.0, 4.4),
+        (11.0, 11.0),
+        (-1.0, 11.0),
+        (-1.0, -1.0),
+    ])]);
+    assert_eq!(zones(&inclusion(), &exclusion(), &notched), Ok(()));
+    let holed = polygon(&[
+        ring(&[(-1.0, -1.0), (11.0, -1.0), (11.0, 11.0), (-1.0, 11.0), (-1.0, -1.0)]),
+        ring(&[(4.0, 4.0), (4.0, 5.0), (5.0, 5.0), (4.0, 4.0)]),
+    ]);
+    assert_eq!(zones(&inclusion(), &exclusion(), &holed), Ok(()));
+    // At other depths or times it can be reached.
+    let with = |mut properties: Value, key: &str, value: Value| {
+        properties[key] = value;
+        properties
+    };
+    let deep = with(exclusion(), "depth_min_m", json!(20));
+    assert_eq!(zones(&inclusion(), &deep, &around(-1.0, 11.0)), Ok(()));
+    let covering = with(with(exclusion(), "depth_min_m", json!(0)), "depth_max_m", json!(30));
+    assert_eq!(
+        zones(&inclusion(), &covering, &around(-1.0, 11.0)),
+        Err(message.to_owned())
+    );
+    let until = |properties| with(properties, "valid_until", json!("2026-05-01T08:00:00Z"));
+    assert_eq!(zones(&inclusion(), &until(exclusion()), &around(-1.0, 11.0)), Ok(()));
+    assert_eq!(
+        zones(&until(inclusion()), &exclusion(), &around(-1.0, 11.0)),
+        Err(message.to_owned())
+    );
+    assert_eq!(
+        zones(&until(inclusion()), &until(exclusion()), &around(-1.0, 11.0)),
+        Err(message.to_owned())
+    );
 }

@@ -3,6 +3,7 @@ use parry2d_f64::math::Vector;
 
 use super::slant::Slant;
 use super::{Contact, POINT_LIKE_M2, Probe, Samples, beside_d2, gap, project, vector};
+use crate::strips::{Strips, WIDTH};
 
 /// A leg between two unlike points.
 #[derive(Clone, Copy)]
@@ -14,7 +15,7 @@ pub(crate) struct LegProbe {
     max: Vector,
     /// One over the squared length; zero for a leg too short to divide by.
     inverse_m2: f64,
-    slant: Slant,
+    pub(super) slant: Slant,
 }
 
 impl LegProbe {
@@ -58,6 +59,15 @@ impl Probe for LegProbe {
         } else {
             upright.max(self.slant.box_d2(min, max))
         }
+    }
+
+    #[inline]
+    fn strips_d2(&self, strips: &Strips) -> [f64; WIDTH] {
+        let mut bounds = [0.0; WIDTH];
+        for (lane, bound) in bounds.iter_mut().enumerate() {
+            *bound = self.slant.strip_d2(strips, lane);
+        }
+        bounds
     }
 
     #[inline]
@@ -105,15 +115,13 @@ impl Probe for LegProbe {
             at: a,
             towards: Vector::ZERO,
         };
+        let mut least_m2 = f64::INFINITY;
         let mut offer = |on_leg: Vector, at: Vector| {
             let towards = on_leg - at;
-            let distance_m = towards.length();
-            if distance_m < best.distance_m {
-                best = Contact {
-                    distance_m,
-                    at,
-                    towards,
-                };
+            let d2 = towards.length_squared();
+            if d2 < least_m2 {
+                least_m2 = d2;
+                (best.at, best.towards) = (at, towards);
             }
         };
         offer(self.from, project(self.from, a, b));
@@ -127,9 +135,9 @@ impl Probe for LegProbe {
             if area != 0.0 {
                 best.at = a + e * ((self.from - a).perp_dot(self.way) / area).clamp(0.0, 1.0);
             }
-            best.distance_m = 0.0;
             best.towards = Vector::ZERO;
         }
+        best.distance_m = best.towards.length();
         best
     }
 

@@ -1,6 +1,7 @@
 use parry2d_f64::math::Vector;
 
 use super::{Contact, Probe, Samples, gap, point_d2, project};
+use crate::strips::{Strips, WIDTH};
 
 /// A circle's line.
 pub(crate) struct RimProbe {
@@ -38,6 +39,18 @@ impl Probe for RimProbe {
         let far = (max - self.centre).max(self.centre - min);
         let distance_m = self.distance_m(near.length_squared(), far.length_squared());
         distance_m * distance_m
+    }
+
+    #[inline]
+    fn strips_d2(&self, strips: &Strips) -> [f64; WIDTH] {
+        let mut bounds = [0.0; WIDTH];
+        for (lane, bound) in bounds.iter_mut().enumerate() {
+            let (off, half) = (strips.off(lane, self.centre).abs(), strips.half(lane));
+            let near = (off - half).max(Vector::ZERO);
+            let distance_m = self.distance_m(near.length_squared(), (off + half).length_squared());
+            *bound = distance_m * distance_m;
+        }
+        bounds
     }
 
     #[inline]

@@ -1,6 +1,7 @@
 use parry2d_f64::math::Vector;
 
 use super::POINT_LIKE_M2;
+use crate::strips::Strips;
 
 /// A box around a shape along a direction of its own: the bounding box along the axes says little about a long
 /// slanting leg.
@@ -9,7 +10,9 @@ pub(super) struct Slant {
     along: Vector,
     /// Its components without their signs.
     shares: Vector,
+    /// In its own coordinates, and on the plane.
     middle: Vector,
+    centre: Vector,
     half: Vector,
 }
 
@@ -27,10 +30,12 @@ impl Slant {
             min = min.min(turned);
             max = max.max(turned);
         }
+        let middle = (min + max) * 0.5;
         Self {
             along,
             shares: along.abs(),
-            middle: (min + max) * 0.5,
+            middle,
+            centre: along * middle.x + along.perp() * middle.y,
             half: (max - min) * 0.5,
         }
     }
@@ -42,5 +47,30 @@ impl Slant {
         ((turned - self.middle).abs() - self.half - reach)
             .max(Vector::ZERO)
             .length_squared()
+    }
+
+    /// The squared distance to a turned box by the four directions of the two boxes.
+    #[inline]
+    pub(super) fn strip_d2(&self, strips: &Strips, lane: usize) -> f64 {
+        let (off, half) = (strips.off(lane, self.centre), strips.half(lane));
+        let turn = strips.turn(lane, self.along);
+        let (cos, sin) = (turn.x.abs(), turn.y.abs());
+        let reach = Vector::new(
+            cos * self.half.x + sin * self.half.y,
+            sin * self.half.x + cos * self.half.y,
+        );
+        let theirs = (off.abs() - half - reach).max(Vector::ZERO);
+        let own = Vector::new(turn.dot(off), turn.perp_dot(off));
+        let reach = Vector::new(cos * half.x + sin * half.y, sin * half.x + cos * half.y);
+        let ours = (own.abs() - self.half - reach).max(Vector::ZERO);
+        theirs.length_squared().max(ours.length_squared())
+    }
+
+    /// How far a turned box is to the right of the line through the middle.
+    #[inline]
+    pub(super) fn beyond_m(&self, strips: &Strips, lane: usize) -> f64 {
+        let (off, half) = (strips.off(lane, self.centre), strips.half(lane));
+        let turn = strips.turn(lane, self.along);
+        (turn.perp_dot(off) - turn.y.abs() * half.x - turn.x.abs() * half.y).max(0.0)
     }
 }

@@ -4,6 +4,7 @@ use parry2d_f64::math::Vector;
 use super::leg::LegProbe;
 use super::slant::Slant;
 use super::{Contact, Probe, Samples, beside_d2, gap, vector};
+use crate::strips::{Strips, WIDTH};
 
 /// A solid triangle or quadrilateral.
 pub(crate) struct SolidProbe {
@@ -74,6 +75,27 @@ impl Probe for SolidProbe {
         // much air at a triangle's corners, and those around its sides none.
         let sides = self.sides().iter().map(|side| side.box_d2(min, max, enough_m2));
         bound.max(sides.fold(f64::INFINITY, f64::min))
+    }
+
+    #[inline]
+    fn strips_d2(&self, strips: &Strips) -> [f64; WIDTH] {
+        let mut bounds = [0.0; WIDTH];
+        for (lane, bound) in bounds.iter_mut().enumerate() {
+            let (mut min, mut max) = (Vector::splat(f64::INFINITY), Vector::splat(f64::NEG_INFINITY));
+            for side in &self.sides {
+                let off = strips.off(lane, side.from);
+                (min, max) = (min.min(off), max.max(off));
+            }
+            let half = strips.half(lane);
+            *bound = (min - half).max(-half - max).max(Vector::ZERO).length_squared();
+        }
+        for side in self.sides() {
+            for (lane, bound) in bounds.iter_mut().enumerate() {
+                let beyond_m = side.slant.beyond_m(strips, lane);
+                *bound = bound.max(beyond_m * beyond_m);
+            }
+        }
+        bounds
     }
 
     #[inline]

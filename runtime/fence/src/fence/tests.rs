@@ -8,11 +8,13 @@ use super::{Fence, Map};
 use crate::polygon::{GoodRing, Polygon};
 use crate::sweep::{Shape, Sweep, VerticalExtent};
 use crate::verdict::{Breach, Clearance, Rule};
+use crate::window::Window;
 use crate::zone::{Band, Kind, Zone};
 
 mod edges;
 mod reference;
 mod surfacing;
+mod time;
 
 type Points = Vec<(f64, f64)>;
 
@@ -49,6 +51,7 @@ fn zone(name: &str, kind: Kind, margin_m: f64, rings: &[Points]) -> Zone {
         name: name.to_owned(),
         kind,
         margin_m,
+        window: Window::default(),
         polygons: vec![polygon],
     }
 }

@@ -1,9 +1,10 @@
 //! A feature's properties: name, kind, limits.
 
-use backseat_units::Depth;
+use backseat_units::{Depth, Utc};
 use serde_json::{Map, Value};
 
 use crate::error::FenceError;
+use crate::window::{self, Window};
 use crate::zone::{Band, Kind};
 
 /// What the properties say.
@@ -11,11 +12,42 @@ pub(super) struct Properties {
     pub(super) name: String,
     pub(super) kind: Kind,
     pub(super) margin_m: f64,
+    pub(super) window: Window,
 }
 
-const INCLUSION_KEYS: &str =
-    "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m` or `surfacing`";
-const EXCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m` or `depth_max_m`";
+/// What a feature is beside an area, and so which length it must have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Round {
+    No,
+    Circle,
+    Corridor,
+}
+
+impl Properties {
+    pub(super) fn is_inclusion(&self) -> bool {
+        match self.kind {
+            Kind::Inclusion { .. } => true,
+            Kind::Exclusion { .. } => false,
+        }
+    }
+}
+
+impl Round {
+    const fn key(self) -> Option<&'static str> {
+        match self {
+            Self::No => None,
+            Self::Circle => Some("radius_m"),
+            Self::Corridor => Some("half_width_m"),
+        }
+    }
+}
+
+const INCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m`, `surfacing`, `valid_from` or `valid_until`";
+const EXCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `valid_from` or `valid_until`";
+/// Smaller circles and narrower corridors are mistakes, metres.
+const ROUND_MIN_M: f64 = 0.1;
+/// Half of the widest fence, metres.
+const ROUND_MAX_M: f64 = 25_000.0;
 const NAME: &str = "a name of 1 to 100 printable characters";
 const KIND: &str = "\"inclusion\" or \"exclusion\"";
 
@@ -31,8 +63,9 @@ pub(super) fn label(properties: Option<&Map<String, Value>>, index: usize) -> St
     }
 }
 
-/// Reads all properties and refuses unknown ones.
-pub(super) fn read(map: &Map<String, Value>, feature: &str) -> Result<Properties, FenceError> {
+/// Reads all properties and refuses unknown ones; the radius of a circle or half the width of a corridor beside them,
+/// zero for an area.
+pub(super) fn read(map: &Map<String, Value>, feature: &str, round: Round) -> Result<(Properties, f64), FenceError> {
     let source = Source { map, feature };
     let name = source.required("name", NAME)?;
     let name = match name.as_str() {
@@ -47,10 +80,10 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str) -> Result<Properties
     };
     for (key, value) in map {
         let known = match key.as_str() {
-            "name" | "kind" | "margin_m" | "depth_min_m" | "depth_max_m" => true,
+            "name" | "kind" | "margin_m" | "depth_min_m" | "depth_max_m" | "valid_from" | "valid_until" => true,
             // Geographic information systems write every column for every feature.
             "altitude_min_m" | "surfacing" => inclusion || value.is_null(),
-            _ => false,
+            other => round.key() == Some(other) || (matches!(other, "radius_m" | "half_width_m") && value.is_null()),
         };
         if !known {
             let (place, key) = (feature.to_owned(), key.clone());
@@ -94,7 +127,30 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str) -> Result<Properties
             depth: Some(Band { min_m, max_m }),
         }
     };
-    Ok(Properties { name, kind, margin_m })
+    let window = Window {
+        from: source.time("valid_from")?,
+        until: source.time("valid_until")?,
+    };
+    if let (Some(from), Some(until)) = (window.from, window.until)
+        && from >= until
+    {
+        let found = source.get("valid_until").unwrap_or(&Value::Null);
+        return Err(source.bad("valid_until", found, "a time after `valid_from`"));
+    }
+    let round_m = match round.key() {
+        Some(key) => {
+            let length_m = source.metres(key, ROUND_MIN_M, ROUND_MAX_M)?;
+            length_m.ok_or_else(|| source.missing(key, "metres, 0.1 to 25000"))?
+        }
+        None => 0.0,
+    };
+    let properties = Properties {
+        name,
+        kind,
+        margin_m,
+        window,
+    };
+    Ok((properties, round_m))
 }
 
 fn usable_name(name: &str) -> bool {
@@ -138,6 +194,14 @@ impl Source<'_> {
         match Depth::from_m(metres) {
             Ok(depth) => Ok(Some(depth.as_m())),
             Err(range) => Err(self.bad(key, value, &format!("metres within {} to {}", range.min, range.max))),
+        }
+    }
+
+    fn time(&self, key: &'static str) -> Result<Option<Utc>, FenceError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        match value.as_str().and_then(window::parse) {
+            Some(time) => Ok(Some(time)),
+            None => Err(self.bad(key, value, "a time of RFC 3339, as \"2026-05-01T08:00:00Z\"")),
         }
     }
 

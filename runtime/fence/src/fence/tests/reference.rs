@@ -372,3 +372,47 @@ fn a_fence_of_ten_thousand_vertices_is_judged_as_a_scan_judges_it() {
     }
     assert!((50..190).contains(&held), "{held} of 200 held: the legs prove little");
 }
+
+/// A square with a small star in each cell of a grid, in an order that is not that of the plane.
+fn sieve() -> impl Strategy<Value = Case> {
+    let hole = prop::collection::vec((0.2..1.0f64, 0.0..1.0f64), 3..9);
+    (prop::collection::vec(hole, 64), 0.0..3.0f64).prop_map(|(holes, margin_m)| {
+        let mut rings = vec![rectangle(-500.0, -500.0, 500.0, 500.0)];
+        for (index, radii) in holes.iter().enumerate() {
+            let cell = index * 37 % 64;
+            let middle = (125.0 * (cell % 8) as f64 - 437.5, 125.0 * (cell / 8) as f64 - 437.5);
+            rings.push(reversed(star(middle, radii, 55.0)));
+        }
+        Case {
+            inclusions: vec![Plan { rings, margin_m }],
+            exclusions: Vec::new(),
+        }
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    #[test]
+    fn many_holes_are_judged_as_geo_judges_them(
+        case in sieve(),
+        sweeps in prop::collection::vec((prop::collection::vec((-520.0..520.0f64, -520.0..520.0f64), 1..=4), 0.01..1.0f64, 0.0..10.0f64), 40),
+    ) {
+        let fence = case.fence();
+        for (corners, size, radius_m) in sweeps {
+            let first = at(corners[0].0, corners[0].1);
+            // From the whole square down to within a cell, where some are held.
+            let shrunk = |corner: &(f64, f64)| first + (at(corner.0, corner.1) - first) * (size * size);
+            let points: Vec<_> = corners.iter().map(shrunk).collect();
+            let shape = match points[..] {
+                [a] => Shape::point(a),
+                [a, b] => Shape::leg(a, b),
+                [a, b, c] => Shape::triangle(a, b, c),
+                _ => Shape::quadrilateral([points[0], points[1], points[2], points[3]]),
+            };
+            let hull = geo_hull(&points);
+            let expected_m = verdict(&case, radius_m, |plan| by_geo(plan, &hull, points[0]));
+            agree(&check(&fence, shape, radius_m), expected_m)?;
+        }
+    }
+}

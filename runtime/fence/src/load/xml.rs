@@ -1,0 +1,147 @@
+//! XML as a tree of elements, with their lines; no more of it than placemarks need.
+
+use quick_xml::Reader;
+use quick_xml::escape::resolve_predefined_entity;
+use quick_xml::events::{BytesStart, Event};
+
+use super::properties::shortened;
+use crate::error::FenceError;
+
+/// Deeper documents are refused: no placemark lies so deep.
+const DEPTH_MAX: usize = 64;
+
+/// An element without its name space.
+#[derive(Debug, Default)]
+pub(super) struct Element {
+    pub(super) name: String,
+    /// Of its beginning, from 1.
+    pub(super) line: usize,
+    /// The attribute `name`.
+    pub(super) name_attribute: Option<String>,
+    /// All text that lies directly in it.
+    pub(super) text: String,
+    pub(super) children: Vec<Element>,
+}
+
+impl Element {
+    /// The first child of a name.
+    pub(super) fn child(&self, name: &str) -> Option<&Self> {
+        self.children.iter().find(|child| child.name == name)
+    }
+}
+
+/// The root element.
+pub(super) fn parse(text: &str) -> Result<Element, FenceError> {
+    let mut reader = Reader::from_str(text.strip_prefix('\u{feff}').unwrap_or(text));
+    reader.config_mut().expand_empty_elements = true;
+    let mut lines = Lines::new(text);
+    let mut open: Vec<Element> = Vec::new();
+    let mut root = None;
+    loop {
+        let line = lines.at(reader.buffer_position());
+        let bad = |message: String| Err(FenceError::Xml { line, message });
+        let event = match reader.read_event() {
+            Ok(event) => event,
+            Err(error) => {
+                let line = lines.at(reader.error_position());
+                let message = shortened(&error.to_string().replace('\n', " "));
+                return Err(FenceError::Xml { line, message });
+            }
+        };
+        match event {
+            Event::Start(start) | Event::Empty(start) => {
+                if root.is_some() {
+                    return bad("a second root element".to_owned());
+                }
+                if open.len() == DEPTH_MAX {
+                    return bad(format!("elements over {DEPTH_MAX} deep"));
+                }
+                open.push(element(&start, line)?);
+            }
+            Event::End(_) => {
+                // The reader has seen that it matches.
+                let Some(closed) = open.pop() else {
+                    return bad("an end without a beginning".to_owned());
+                };
+                match open.last_mut() {
+                    Some(parent) => parent.children.push(closed),
+                    None => root = Some(closed),
+                }
+            }
+            Event::Text(text) => write(&mut open, &text.xml10_content()),
+            Event::CData(text) => write(&mut open, &text.xml10_content()),
+            Event::GeneralRef(reference) => match reference.resolve_char_ref() {
+                Ok(Some(char)) => write(&mut open, char.encode_utf8(&mut [0; 4])),
+                Ok(None) => match resolve_predefined_entity(&reference) {
+                    Some(text) => write(&mut open, text),
+                    None => return bad(format!("unknown entity `{}`", shortened(&reference))),
+                },
+                Err(error) => return bad(shortened(&error.to_string())),
+            },
+            // Entities of its own could grow without bound.
+            Event::DocType(_) => return bad("a document type definition".to_owned()),
+            Event::Comment(_) | Event::Decl(_) | Event::PI(_) => {}
+            Event::Eof => break,
+        }
+    }
+    if let Some(unclosed) = open.last() {
+        let (line, message) = (unclosed.line, format!("<{}> is not closed", shortened(&unclosed.name)));
+        return Err(FenceError::Xml { line, message });
+    }
+    root.ok_or_else(|| FenceError::Xml {
+        line: 1,
+        message: "no element".to_owned(),
+    })
+}
+
+fn element(start: &BytesStart<'_>, line: usize) -> Result<Element, FenceError> {
+    let mut element = Element {
+        name: start.local_name().as_ref().to_owned(),
+        line,
+        ..Element::default()
+    };
+    for attribute in start.attributes() {
+        let attribute = attribute.map_err(|error| FenceError::Xml {
+            line,
+            message: shortened(&error.to_string()),
+        })?;
+        if attribute.key.as_ref() == "name" {
+            element.name_attribute = Some(attribute.value.trim().to_owned());
+        }
+    }
+    Ok(element)
+}
+
+fn write(open: &mut [Element], text: &str) {
+    if let Some(element) = open.last_mut() {
+        element.text.push_str(text);
+    }
+}
+
+/// Counts lines, each once: positions only grow.
+struct Lines<'a> {
+    bytes: &'a [u8],
+    seen: usize,
+    line: usize,
+}
+
+impl<'a> Lines<'a> {
+    fn new(text: &'a str) -> Self {
+        let bytes = text.strip_prefix('\u{feff}').unwrap_or(text).as_bytes();
+        Self {
+            bytes,
+            seen: 0,
+            line: 1,
+        }
+    }
+
+    fn at(&mut self, position: u64) -> usize {
+        let end = usize::try_from(position).unwrap_or(usize::MAX).min(self.bytes.len());
+        if end > self.seen {
+            let passed = self.bytes[self.seen..end].iter();
+            self.line += passed.filter(|byte| **byte == b'\n').count();
+            self.seen = end;
+        }
+        self.line
+    }
+}

@@ -2,6 +2,7 @@
 
 mod cargo;
 mod demo;
+mod hunt;
 mod safety;
 mod seeds;
 mod tidy;
@@ -30,6 +31,8 @@ enum Task {
     Bench,
     /// Fly a mission with many seeds and tell how many held its expectations
     Seeds(seeds::Seeds),
+    /// Fly drawn missions with drawn troubles on all cores, and look for what must never be
+    Hunt(hunt::Hunt),
     /// Check the project's own rules
     Tidy,
 }
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         Task::Plugins => demo::plugins(),
         Task::Bench => demo::bench(),
         Task::Seeds(arguments) => seeds::seeds(&arguments),
+        Task::Hunt(arguments) => hunt::hunt(&arguments),
         Task::Tidy => tidy::tidy(),
     };
     match result {

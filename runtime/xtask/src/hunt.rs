@@ -1,0 +1,135 @@
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+
+use crate::cargo::{cargo, root, target};
+use crate::demo::plugins;
+
+/// Looks for a mission in which something unsafe is sent, or in which the helm does not come back.
+#[derive(Args)]
+pub(crate) struct Hunt {
+    /// How many missions
+    #[arg(long, default_value_t = 1000)]
+    runs: u64,
+    /// No mission begins after so many seconds
+    #[arg(long)]
+    seconds: Option<u64>,
+    /// The first seed
+    #[arg(long, default_value_t = 1)]
+    first: u64,
+    /// Threads [default: one a core]
+    #[arg(long)]
+    workers: Option<usize>,
+    /// Say which pairs of trouble and state were met less often
+    #[arg(long)]
+    least: Option<u64>,
+    /// Fly this plan instead, as the hunt keeps them
+    #[arg(long, conflicts_with_all = ["without", "every_check"])]
+    replay: Option<PathBuf>,
+    /// Switch this check of the monitor off, in a build of its own
+    #[arg(long)]
+    without: Option<String>,
+    /// Switch each check off in turn: each must be found
+    #[arg(long, conflicts_with = "without")]
+    every_check: bool,
+}
+
+pub(crate) fn hunt(arguments: &Hunt) -> Result<()> {
+    plugins()?;
+    let switched = arguments.every_check || arguments.without.is_some();
+    let program = build(switched)?;
+    if let Some(plan) = &arguments.replay {
+        return ended(&mut command(&program, &["replay"])?.arg(plan), "the plan found something");
+    }
+    if arguments.every_check {
+        return every_check(&program, arguments);
+    }
+    let mut fly = fly(&program, arguments)?;
+    if let Some(check) = &arguments.without {
+        fly.args(["--without", check]);
+    }
+    ended(&mut fly, "something was found")
+}
+
+/// The hunt's program; with single checks that can be switched off it lies apart, so that neither is taken for the
+/// other.
+fn build(switched: bool) -> Result<PathBuf> {
+    let mut arguments = vec!["build", "--release", "--package", "backseat-hunt"];
+    let folder = if switched {
+        let folder = target()?.join("switches");
+        let text = folder.display().to_string();
+        arguments.extend(["--features", "switches", "--target-dir"]);
+        cargo(&[&arguments[..], &[text.as_str()]].concat())?;
+        folder
+    } else {
+        cargo(&arguments)?;
+        target()?
+    };
+    Ok(folder.join("release/backseat-hunt"))
+}
+
+fn command(program: &PathBuf, arguments: &[&str]) -> Result<Command> {
+    let mut command = Command::new(program);
+    command
+        .args(arguments)
+        .arg("--plugins")
+        .arg(target()?.join("plugins"))
+        .current_dir(root()?);
+    Ok(command)
+}
+
+fn fly(program: &PathBuf, arguments: &Hunt) -> Result<Command> {
+    let mut fly = command(program, &["fly"])?;
+    fly.args(["--runs", &arguments.runs.to_string(), "--first", &arguments.first.to_string()]);
+    let options = [
+        ("--seconds", arguments.seconds),
+        ("--workers", arguments.workers.map(|workers| workers as u64)),
+        ("--least", arguments.least),
+    ];
+    for (option, value) in options {
+        if let Some(value) = value {
+            fly.args([option, &value.to_string()]);
+        }
+    }
+    Ok(fly)
+}
+
+fn ended(command: &mut Command, otherwise: &str) -> Result<()> {
+    let status = command.status().with_context(|| format!("{command:?}"))?;
+    match status.code() {
+        Some(0) => Ok(()),
+        Some(1) => bail!("{otherwise}"),
+        _ => bail!("{command:?} ended with {status}"),
+    }
+}
+
+/// One line a check: in how many missions the hunt found that it was off.
+fn every_check(program: &PathBuf, arguments: &Hunt) -> Result<()> {
+    let listed = command(program, &["checks"])?.output()?;
+    let checks = String::from_utf8_lossy(&listed.stdout).into_owned();
+    let mut unfound = Vec::new();
+    for line in checks.lines() {
+        let Some((check, what)) = line.split_once('\t') else { continue };
+        let output = fly(program, arguments)?
+            .args(["--without", check, "--whole", "--brief"])
+            .output()?;
+        let text = String::from_utf8_lossy(&output.stdout);
+        match output.status.code() {
+            Some(1) => println!("found    {check:32} {what}\n         {}", text.trim().replace('\n', "\n         ")),
+            Some(0) => {
+                println!("NOT FOUND {check:31} {what}\n         {}", text.trim().replace('\n', "\n         "));
+                unfound.push(check.to_owned());
+            }
+            _ => bail!(
+                "without {check}: {}",
+                String::from_utf8_lossy(&output.stderr).trim()
+            ),
+        }
+    }
+    if !unfound.is_empty() {
+        bail!("not found: {}", unfound.join(", "));
+    }
+    Ok(())
+}

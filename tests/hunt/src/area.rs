@@ -1,0 +1,160 @@
+use backseat_units::{EastNorth, LocalFrame, Position};
+use serde_json::{Value, json};
+
+use crate::dice::Dice;
+
+/// Fence and plan of a scenario, in metres around the origin.
+pub(crate) struct Area {
+    pub(crate) origin: Position,
+    ring: Vec<EastNorth>,
+    hole: Option<Vec<EastNorth>>,
+    exclusions: Vec<Exclusion>,
+    surfacing: bool,
+    pub(crate) depth_max_m: f64,
+    pub(crate) altitude_min_m: f64,
+    margin_m: f64,
+    /// Where the plan leads.
+    pub(crate) points: Vec<EastNorth>,
+    /// How the plan is flown.
+    pub(crate) depth_m: f64,
+    pub(crate) speed_mps: f64,
+}
+
+struct Exclusion {
+    ring: Vec<EastNorth>,
+    /// Its depths, where it is not at all of them.
+    depths_m: Option<(f64, f64)>,
+}
+
+const MIDDLE: EastNorth = EastNorth::new(0.0, 0.0);
+
+impl Area {
+    /// The plan in the middle, what is kept out around it, the border beyond: so that there is room to fly, and
+    /// something to run into on every side.
+    pub(crate) fn draw(dice: &mut Dice, hovering: bool) -> Self {
+        let origin = Position::from_deg(dice.figure(-60.0, 65.0), dice.figure(-179.0, 179.0))
+            .expect("both are within their ranges");
+        let base_m = dice.between(640.0, 950.0);
+        let vertices = dice.one(&[4, 5, 8, 40, 200]);
+        let rough = if vertices < 8 { 0.02 } else { 0.12 };
+        let ring = star(dice, MIDDLE, vertices, base_m, rough);
+        let kept_out = if hovering { 0 } else { dice.below(4) };
+        let exclusions = (0..kept_out)
+            .map(|_| {
+                let at = MIDDLE.offset(dice.between(0.0, 360.0), dice.between(480.0, 540.0));
+                let size_m = dice.between(20.0, 50.0);
+                let corners = dice.one(&[3, 5, 12]);
+                Exclusion {
+                    ring: star(dice, at, corners, size_m, 0.2),
+                    depths_m: dice
+                        .chance(0.3)
+                        .then(|| (dice.figure(0.0, 5.0), dice.figure(15.0, 40.0))),
+                }
+            })
+            .collect();
+        let hole = (!hovering && dice.chance(0.2)).then(|| {
+            let at = MIDDLE.offset(dice.between(0.0, 360.0), dice.between(490.0, 530.0));
+            star(dice, at, 6, 30.0, 0.2)
+        });
+        let turn_deg = dice.between(100.0, 200.0);
+        let bearing_deg = dice.between(0.0, 360.0);
+        let points = (0..4)
+            .map(|leg| {
+                let point = MIDDLE.offset(bearing_deg + turn_deg * f64::from(leg), dice.between(120.0, 320.0));
+                EastNorth::new(tenths(point.east_m), tenths(point.north_m))
+            })
+            .collect();
+        Self {
+            origin,
+            ring,
+            hole,
+            exclusions,
+            surfacing: dice.chance(0.5),
+            depth_max_m: dice.figure(28.0, 45.0),
+            altitude_min_m: dice.figure(2.0, 6.0),
+            margin_m: dice.figure(2.0, 20.0),
+            points,
+            depth_m: tenths(dice.between(6.0, 18.0)),
+            speed_mps: dice.figure(1.2, 1.9),
+        }
+    }
+
+    /// Half the side of a box around it all, metres.
+    pub(crate) fn reach_m(&self) -> f64 {
+        self.ring
+            .iter()
+            .map(|point| point.east_m.abs().max(point.north_m.abs()))
+            .fold(0.0, f64::max)
+    }
+
+    /// As a mission's `fence.geojson`.
+    pub(crate) fn fence(&self) -> String {
+        let mut rings = vec![self.coordinates(&self.ring)];
+        rings.extend(self.hole.iter().map(|hole| self.coordinates(hole)));
+        let mut properties = json!({
+            "name": "area",
+            "kind": "inclusion",
+            "margin_m": self.margin_m,
+            "depth_max_m": self.depth_max_m,
+            "altitude_min_m": self.altitude_min_m,
+        });
+        if self.surfacing {
+            properties["surfacing"] = json!(true);
+        }
+        let mut features = vec![feature(&properties, rings)];
+        for (index, exclusion) in self.exclusions.iter().enumerate() {
+            let mut properties = json!({
+                "name": format!("keep out {}", index + 1),
+                "kind": "exclusion",
+                "margin_m": self.margin_m,
+            });
+            if let Some((min_m, max_m)) = exclusion.depths_m {
+                properties["depth_min_m"] = json!(min_m);
+                properties["depth_max_m"] = json!(max_m);
+            }
+            features.push(feature(&properties, vec![self.coordinates(&exclusion.ring)]));
+        }
+        format!("{}", json!({ "type": "FeatureCollection", "features": features }))
+    }
+
+    fn coordinates(&self, ring: &[EastNorth]) -> Value {
+        let frame = LocalFrame::new(self.origin);
+        let degrees = |deg: f64| (deg * 1e8).round() / 1e8;
+        let mut coordinates: Vec<Value> = ring
+            .iter()
+            .map(|point| {
+                let position = frame.to_position(*point);
+                json!([
+                    degrees(position.longitude.as_deg()),
+                    degrees(position.latitude.as_deg())
+                ])
+            })
+            .collect();
+        coordinates.extend(coordinates.first().cloned());
+        Value::Array(coordinates)
+    }
+}
+
+fn feature(properties: &Value, rings: Vec<Value>) -> Value {
+    json!({
+        "type": "Feature",
+        "properties": properties,
+        "geometry": { "type": "Polygon", "coordinates": rings },
+    })
+}
+
+/// A ring that is seen whole from its middle, so that it does not cross itself.
+fn star(dice: &mut Dice, middle: EastNorth, vertices: usize, radius_m: f64, rough: f64) -> Vec<EastNorth> {
+    // Corners of a triangle or a square reach out, so that its sides are as far away as those of the others.
+    let reach_m = if vertices < 6 { 1.4 * radius_m } else { radius_m };
+    (0..vertices)
+        .map(|vertex| {
+            let bearing_deg = 360.0 * vertex as f64 / vertices as f64;
+            middle.offset(bearing_deg, reach_m * dice.between(1.0 - rough, 1.0 + rough))
+        })
+        .collect()
+}
+
+fn tenths(m: f64) -> f64 {
+    (m * 10.0).round() / 10.0
+}

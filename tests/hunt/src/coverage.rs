@@ -1,0 +1,196 @@
+use std::collections::BTreeMap;
+use std::fmt::{self, Display, Formatter};
+
+use backseat_oracle::State;
+
+use crate::flight::Flight;
+use crate::trouble::Trouble;
+
+/// What a hunt has exercised, so that an empty victory is seen.
+#[derive(Clone, Debug, Default)]
+pub struct Coverage {
+    met: BTreeMap<String, [u64; State::ALL.len()]>,
+    /// Missions flown.
+    pub flights: u64,
+    /// Of those, with a lease and an accepted insert.
+    pub with_both: u64,
+    /// Of those, of 20 minutes or more.
+    pub long: u64,
+    /// Virtual seconds.
+    pub sim_seconds: f64,
+    /// Troubles that came.
+    pub troubles: u64,
+    /// Leases, inserts accepted, inserts begun, BPRMB, connections, seconds of control, positions judged.
+    pub sums: Sums,
+    /// Failures by their rule.
+    pub failures: BTreeMap<String, u64>,
+    /// Missions with a failure.
+    pub failed: u64,
+    /// How missions ended.
+    pub outcomes: BTreeMap<&'static str, u64>,
+}
+
+/// What the oracle saw, summed.
+#[derive(Clone, Debug, Default)]
+pub struct Sums {
+    leases: u64,
+    inserts_accepted: u64,
+    inserts_begun: u64,
+    modifies: u64,
+    connections: u64,
+    control_s: f64,
+    judged: u64,
+}
+
+impl Coverage {
+    pub(crate) fn add(&mut self, flight: &Flight) {
+        self.flights += 1;
+        let seen = &flight.report.seen;
+        self.with_both += u64::from(seen.leases > 0 && seen.inserts_accepted > 0);
+        self.long += u64::from(flight.report.sim_seconds >= 1200.0);
+        self.sim_seconds += flight.report.sim_seconds;
+        for (kind, state) in &flight.met {
+            self.troubles += 1;
+            self.met.entry(kind.clone()).or_default()[*state as usize] += 1;
+        }
+        self.sums.leases += seen.leases;
+        self.sums.inserts_accepted += seen.inserts_accepted;
+        self.sums.inserts_begun += seen.inserts_begun;
+        self.sums.modifies += seen.modifies;
+        self.sums.connections += seen.connections;
+        self.sums.control_s += seen.control_s;
+        self.sums.judged += seen.truth_judged;
+        self.failed += u64::from(!flight.failures.is_empty());
+        for failure in &flight.failures {
+            *self.failures.entry(failure.rule.clone()).or_default() += 1;
+        }
+        *self.outcomes.entry(flight.report.outcome).or_default() += 1;
+    }
+
+    pub(crate) fn merge(&mut self, other: &Self) {
+        for (kind, counts) in &other.met {
+            let row = self.met.entry(kind.clone()).or_default();
+            for (count, more) in row.iter_mut().zip(counts) {
+                *count += more;
+            }
+        }
+        self.flights += other.flights;
+        self.with_both += other.with_both;
+        self.long += other.long;
+        self.sim_seconds += other.sim_seconds;
+        self.troubles += other.troubles;
+        self.failed += other.failed;
+        self.sums.leases += other.sums.leases;
+        self.sums.inserts_accepted += other.sums.inserts_accepted;
+        self.sums.inserts_begun += other.sums.inserts_begun;
+        self.sums.modifies += other.sums.modifies;
+        self.sums.connections += other.sums.connections;
+        self.sums.control_s += other.sums.control_s;
+        self.sums.judged += other.sums.judged;
+        for (rule, count) in &other.failures {
+            *self.failures.entry(rule.clone()).or_default() += count;
+        }
+        for (outcome, count) in &other.outcomes {
+            *self.outcomes.entry(outcome).or_default() += count;
+        }
+    }
+
+    /// How often a kind of trouble came in a state.
+    #[must_use]
+    pub fn count(&self, kind: &str, state: State) -> u64 {
+        self.met.get(kind).map_or(0, |row| row[state as usize])
+    }
+
+    /// What failed and how often, in a line.
+    #[must_use]
+    pub fn brief(&self) -> String {
+        let failures: Vec<String> = self
+            .failures
+            .iter()
+            .map(|(rule, count)| format!("{count} x {rule}"))
+            .collect();
+        format!(
+            "{} of {} missions failed: {}",
+            self.failed,
+            self.flights,
+            if failures.is_empty() {
+                "none".to_owned()
+            } else {
+                failures.join(", ")
+            }
+        )
+    }
+
+    /// The pairs that came less often than `least`.
+    #[must_use]
+    pub fn rare(&self, least: u64) -> Vec<(String, State, u64)> {
+        let mut rare = Vec::new();
+        for kind in Trouble::kinds() {
+            for state in State::ALL {
+                let count = self.count(&kind, state);
+                if count < least {
+                    rare.push((kind.clone(), state, count));
+                }
+            }
+        }
+        rare
+    }
+}
+
+impl Display for Coverage {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let part = |count: u64| 100.0 * count as f64 / self.flights.max(1) as f64;
+        writeln!(
+            f,
+            "{} missions, {:.0} h of virtual time ({:.0} s each), {:.2} % of 20 min or more",
+            self.flights,
+            self.sim_seconds / 3600.0,
+            self.sim_seconds / self.flights.max(1) as f64,
+            part(self.long)
+        )?;
+        writeln!(f, "{:.2} % with a lease and an accepted insert", part(self.with_both))?;
+        let ended: Vec<String> = self
+            .outcomes
+            .iter()
+            .map(|(outcome, count)| format!("{count} {outcome}"))
+            .collect();
+        writeln!(f, "ended: {}", ended.join(", "))?;
+        let Sums {
+            leases,
+            inserts_accepted,
+            inserts_begun,
+            modifies,
+            connections,
+            control_s,
+            judged,
+        } = &self.sums;
+        writeln!(
+            f,
+            "{leases} leases ({modifies} BPRMB), {inserts_accepted} inserts accepted and {inserts_begun} begun, \
+             {connections} connections, {:.0} h of control, {judged} positions judged",
+            control_s / 3600.0
+        )?;
+        writeln!(f, "{} troubles; how often each met each state:", self.troubles)?;
+        write!(f, "{:32}", "")?;
+        for state in State::ALL {
+            write!(f, "{:>13}", state.name())?;
+        }
+        writeln!(f)?;
+        for kind in Trouble::kinds() {
+            write!(f, "{kind:32}")?;
+            for state in State::ALL {
+                write!(f, "{:>13}", self.count(&kind, state))?;
+            }
+            writeln!(f)?;
+        }
+        if self.failures.is_empty() {
+            write!(f, "no violation, and every mission converged")
+        } else {
+            writeln!(f, "{} missions failed:", self.failed)?;
+            for (rule, count) in &self.failures {
+                writeln!(f, "  {count} x {rule}")?;
+            }
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,48 @@
+use std::time::Duration;
+
+use backseat_units::EastNorth;
+use backseat_world::Stream;
+
+/// What a seed draws from a stream of its own name.
+pub(crate) struct Dice(Stream);
+
+impl Dice {
+    pub(crate) fn new(seed: u64, name: &str) -> Self {
+        Self(Stream::new(seed, name))
+    }
+
+    pub(crate) fn seed(&mut self) -> u64 {
+        // TOML's integers are signed.
+        self.0.next_u64() >> 1
+    }
+
+    pub(crate) fn chance(&mut self, chance: f64) -> bool {
+        self.0.uniform() < chance
+    }
+
+    pub(crate) fn between(&mut self, least: f64, most: f64) -> f64 {
+        self.0.uniform_in(least, most)
+    }
+
+    /// Whole thousandths, so that a figure is the same after it was written and read.
+    pub(crate) fn figure(&mut self, least: f64, most: f64) -> f64 {
+        (self.between(least, most) * 1000.0).round() / 1000.0
+    }
+
+    pub(crate) fn millis(&mut self, least_s: f64, most_s: f64) -> Duration {
+        Duration::from_millis((self.between(least_s, most_s) * 1000.0).round().max(0.0) as u64)
+    }
+
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        ((self.0.uniform() * count as f64) as usize).min(count.saturating_sub(1))
+    }
+
+    pub(crate) fn one<T: Copy>(&mut self, of: &[T]) -> T {
+        of[self.below(of.len())]
+    }
+
+    /// A point in a box around the middle.
+    pub(crate) fn place(&mut self, east_m: f64, north_m: f64) -> EastNorth {
+        EastNorth::new(self.figure(-east_m, east_m), self.figure(-north_m, north_m))
+    }
+}

@@ -1,0 +1,380 @@
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use backseat_core::Operator;
+use backseat_core::plugin::PluginId;
+use backseat_mission::{Layers, Mission, PluginTable};
+use backseat_mvc::Status;
+use backseat_oracle::State;
+use backseat_plugin_host::Host;
+use backseat_sim::{Components, Report, Simulation, Step};
+use backseat_units::Timestamp;
+use tempfile::TempDir;
+
+use crate::phase::{CALM_S, CHANCE_S, LINK_WITHIN, LONGEST_S};
+use crate::plan::{Come, Plan, Planned, until_calm};
+use crate::trouble::Trouble;
+
+/// The components that every mission of the hunt flies.
+const COMPONENTS: [&str; 2] = ["prober", "faulty"];
+
+/// Where plans are flown: the plugins compiled, and a folder for a mission's files. One for each thread.
+pub struct Range {
+    components: Arc<Components>,
+    folder: TempDir,
+}
+
+/// What a flight came to.
+pub struct Flight {
+    /// The plan with the times at which its troubles came; those that did not come are left away.
+    pub resolved: Plan,
+    /// What kind of trouble came in what state.
+    pub met: Vec<(String, State)>,
+    /// The run's own report.
+    pub report: Report,
+    /// What was not as it must be.
+    pub failures: Vec<Failure>,
+}
+
+/// Something that must not be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// The oracle's rule, or what did not converge.
+    pub rule: String,
+    /// In words.
+    pub text: String,
+    /// When it was found, where it has a time.
+    pub at: Option<Timestamp>,
+}
+
+/// What is due in a flight.
+enum Act {
+    Begin(Trouble),
+    /// A plugin is itself again.
+    Own(usize),
+    Release,
+    DiskHasRoom,
+}
+
+impl Range {
+    /// Compiles the plugins of a folder.
+    ///
+    /// # Errors
+    /// Names the component that is not there or that the host refuses.
+    pub fn new(plugins: &Path) -> Result<Self> {
+        let host = Host::new()?;
+        let mut components = Components::new();
+        for name in COMPONENTS {
+            let path = plugins.join(format!("{name}.wasm"));
+            let bytes = fs::read(&path).with_context(|| {
+                format!(
+                    "{}: expected the component, as `cargo xtask plugins` builds it",
+                    path.display()
+                )
+            })?;
+            components.insert(&host, name, &bytes)?;
+        }
+        Self::with(Arc::new(components))
+    }
+
+    /// Another one with the same plugins.
+    ///
+    /// # Errors
+    /// Where there is no room for its files.
+    pub fn another(&self) -> Result<Self> {
+        Self::with(self.components.clone())
+    }
+
+    fn with(components: Arc<Components>) -> Result<Self> {
+        let folder = tempfile::Builder::new().prefix("hunt-").tempdir()?;
+        Ok(Self { components, folder })
+    }
+
+    /// Flies a plan.
+    ///
+    /// # Errors
+    /// Where the plan's mission is none; what goes wrong in flight, a panic too, is a [`Failure`].
+    pub fn fly(&self, plan: &Plan) -> Result<Flight> {
+        let folder = self.folder.path();
+        let scenario = &plan.scenario;
+        fs::write(folder.join("mission.toml"), &scenario.mission)?;
+        fs::write(folder.join("fence.geojson"), &scenario.fence)?;
+        fs::write(folder.join("world.toml"), &scenario.world)?;
+        let mission = Mission::load(folder, &Layers::default())?;
+        let flown = catch_unwind(AssertUnwindSafe(|| Flown::new(&self.components, &mission, plan)?.fly()));
+        match flown {
+            Ok(flight) => flight,
+            Err(panic) => {
+                let text = panic
+                    .downcast_ref::<String>()
+                    .cloned()
+                    .or_else(|| panic.downcast_ref::<&str>().map(|text| (*text).to_owned()))
+                    .unwrap_or_else(|| "a panic without words".to_owned());
+                Ok(Flight {
+                    resolved: plan.clone(),
+                    met: Vec::new(),
+                    report: Report::default(),
+                    failures: vec![Failure {
+                        rule: "panic".to_owned(),
+                        text,
+                        at: None,
+                    }],
+                })
+            }
+        }
+    }
+}
+
+/// A flight under way.
+struct Flown<'a> {
+    components: &'a Components,
+    mission: &'a Mission,
+    plan: &'a Plan,
+    simulation: Simulation,
+    /// What is due, in the order of its times.
+    due: Vec<(Timestamp, Act)>,
+    /// How often the run has come to each state.
+    entries: [u32; State::ALL.len()],
+    state: State,
+    resolved: Vec<Planned>,
+    met: Vec<(String, State)>,
+    failures: Vec<Failure>,
+    power_goes: bool,
+    /// At the begin of the liveness phase: leases so far, and seconds of control.
+    at_calm: Option<(u64, f64)>,
+    link_judged: bool,
+}
+
+impl<'a> Flown<'a> {
+    fn new(components: &'a Components, mission: &'a Mission, plan: &'a Plan) -> Result<Self> {
+        let loaded = components.start(mission)?;
+        let simulation = Simulation::new(mission, plan.seed, loaded, None)?;
+        let mut flown = Self {
+            components,
+            mission,
+            plan,
+            state: simulation.state(),
+            simulation,
+            due: Vec::new(),
+            entries: [0; State::ALL.len()],
+            resolved: Vec::new(),
+            met: Vec::new(),
+            failures: Vec::new(),
+            power_goes: false,
+            at_calm: None,
+            link_judged: false,
+        };
+        for planned in &plan.troubles {
+            if let Come::At(at) = planned.come {
+                flown.later(at, Act::Begin(planned.trouble.clone()));
+            }
+        }
+        Ok(flown)
+    }
+
+    fn later(&mut self, at: Timestamp, act: Act) {
+        let place = self.due.partition_point(|(due, _)| *due <= at);
+        self.due.insert(place, (at, act));
+    }
+
+    fn fly(mut self) -> Result<Flight> {
+        let calm = seconds(CALM_S);
+        let end = self.plan.until.unwrap_or(seconds(LONGEST_S));
+        loop {
+            let next = self.due.first().map_or(Timestamp::MAX, |(at, _)| *at);
+            let watch = match (self.at_calm, self.link_judged) {
+                (None, _) => calm,
+                (Some(_), false) => calm + LINK_WITHIN,
+                (Some(_), true) => Timestamp::MAX,
+            };
+            match self.simulation.advance_until(next.min(watch).min(end))? {
+                Step::Over => break,
+                Step::Went => {}
+                Step::Reached => {
+                    let now = self.simulation.now();
+                    if now >= end {
+                        break;
+                    }
+                    while self.due.first().is_some_and(|(at, _)| *at <= now) {
+                        let (_, act) = self.due.remove(0);
+                        self.act(act)?;
+                    }
+                    if now >= watch {
+                        self.watch();
+                    }
+                }
+            }
+            self.follow();
+        }
+        self.finish()
+    }
+
+    /// What waits for the state that the run has come to.
+    fn follow(&mut self) {
+        let state = self.simulation.state();
+        if state == self.state {
+            return;
+        }
+        self.state = state;
+        let entries = &mut self.entries[state as usize];
+        *entries += 1;
+        let entries = *entries;
+        let now = self.simulation.now();
+        for planned in &self.plan.troubles {
+            if let Come::In { state: at, nth, after } = planned.come
+                && at == state
+                && nth == entries
+            {
+                self.later(now + after, Act::Begin(planned.trouble.clone()));
+            }
+        }
+    }
+
+    fn act(&mut self, act: Act) -> Result<()> {
+        match act {
+            Act::Begin(trouble) => self.begin(trouble)?,
+            Act::Own(slot) => self.simulation.substitute(PluginId(slot), None),
+            Act::Release => self.simulation.operate(Operator::Release),
+            Act::DiskHasRoom => self.simulation.reserve_fails(false),
+        }
+        Ok(())
+    }
+
+    fn begin(&mut self, trouble: Trouble) -> Result<()> {
+        let now = self.simulation.now();
+        let left = until_calm(now);
+        if left.is_zero() {
+            return Ok(());
+        }
+        let trouble = trouble.at_most(left);
+        self.met.push((trouble.kind(), self.simulation.state()));
+        self.resolved.push(Planned {
+            come: Come::At(now),
+            trouble: trouble.clone(),
+        });
+        match trouble {
+            Trouble::Vehicle(fault) => {
+                self.power_goes |= matches!(fault.kind, backseat_mvc::FaultKind::Shutdown);
+                self.simulation.inject(fault);
+            }
+            Trouble::Plugin { slot, fault, lasts } => {
+                let table = self.bad(slot, &fault)?;
+                let understudy = self.components.start_one("faulty", &table, self.mission)?;
+                self.simulation.substitute(PluginId(slot), Some(understudy));
+                self.later(now + lasts, Act::Own(slot));
+            }
+            Trouble::Kill { away, clock_s } => {
+                let loaded = self.components.start(self.mission)?;
+                self.simulation.kill(away, loaded, (clock_s * 1e9) as i64);
+            }
+            Trouble::Stop { lasts } => self.simulation.stop_for(lasts),
+            Trouble::Hold { lasts } => {
+                self.simulation.operate(Operator::Hold);
+                self.later(now + lasts, Act::Release);
+            }
+            Trouble::DiskFull { lasts } => {
+                self.simulation.reserve_fails(true);
+                self.later(now + lasts, Act::DiskHasRoom);
+            }
+        }
+        Ok(())
+    }
+
+    /// The table of a plugin that has gone wrong, in the place of one of the mission's.
+    fn bad(&self, slot: usize, fault: &str) -> Result<PluginTable> {
+        let mut table = self
+            .mission
+            .file
+            .plugins
+            .get(slot)
+            .with_context(|| format!("the mission has no plugin {slot}"))?
+            .clone();
+        table.component = "faulty".to_owned();
+        table.config = toml::Table::new();
+        table.config.insert("fault".to_owned(), fault.into());
+        Ok(table)
+    }
+
+    /// The liveness phase: what must hold, and from when on.
+    fn watch(&mut self) {
+        if self.at_calm.is_none() {
+            let seen = self.simulation.statistics();
+            self.at_calm = Some((seen.leases, seen.control_s));
+            return;
+        }
+        self.link_judged = true;
+        let runs = self.simulation.mission_status() == Status::Running;
+        if runs && !self.power_goes && self.simulation.state() == State::Down {
+            self.fail("link-stays-down", || {
+                format!("no link {} s after the last trouble", LINK_WITHIN.as_secs())
+            });
+        }
+    }
+
+    fn fail(&mut self, rule: &str, text: impl FnOnce() -> String) {
+        self.failures.push(Failure {
+            rule: rule.to_owned(),
+            text: text(),
+            at: None,
+        });
+    }
+
+    fn finish(mut self) -> Result<Flight> {
+        let seen = self.simulation.statistics();
+        let quarantined = self.met.iter().any(|(kind, _)| kind.starts_with("plugin "));
+        if let Some((leases, control_s)) = self.at_calm
+            && self.plan.until.is_none()
+            && !quarantined
+            && seen.leases == leases
+            && seen.control_s - control_s > CHANCE_S
+        {
+            let had_s = seen.control_s - control_s;
+            self.fail("never-steers-again", || {
+                format!("{had_s:.0} s of control after the last trouble, and no lease")
+            });
+        }
+        let (mut report, _, _) = self.simulation.finish()?;
+        for violation in std::mem::take(&mut report.violations) {
+            self.failures.push(Failure {
+                rule: violation.rule.to_string(),
+                text: violation.to_string(),
+                at: Some(violation.at),
+            });
+        }
+        // A flight that is ended early says nothing of its end.
+        if self.plan.until.is_none() {
+            if report.requests_open > 0 {
+                let open = report.requests_open;
+                self.failures.push(Failure {
+                    rule: "ledger-open".to_owned(),
+                    text: format!("{open} requests without an end"),
+                    at: None,
+                });
+            }
+            if report.outcome == "overran" {
+                self.failures.push(Failure {
+                    rule: "never-ends".to_owned(),
+                    text: format!("the mission was not over after {:.0} s", report.sim_seconds),
+                    at: None,
+                });
+            }
+        }
+        Ok(Flight {
+            resolved: Plan {
+                troubles: self.resolved,
+                ..self.plan.clone()
+            },
+            met: self.met,
+            report,
+            failures: self.failures,
+        })
+    }
+}
+
+fn seconds(seconds: f64) -> Timestamp {
+    Timestamp::ZERO + Duration::from_secs_f64(seconds)
+}

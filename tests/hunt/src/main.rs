@@ -1,0 +1,247 @@
+//! `backseat-hunt`: see the crate.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use backseat_hunt::{Campaign, Flight, Order, Plan, Range, shrink};
+use clap::{Args, Parser, Subcommand};
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Hunts for a mission in which something unsafe is sent, or in which the helm does not come back
+#[derive(Parser)]
+#[command(max_term_width = 100)]
+struct Cli {
+    /// The folder of the built plugins
+    #[arg(long, default_value = "target/plugins", global = true)]
+    plugins: PathBuf,
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Fly drawn missions on all cores and tell what was exercised and found
+    Fly(Fly),
+    /// Fly a plan's file and tell what comes of it
+    Replay {
+        /// The plan
+        plan: PathBuf,
+    },
+    /// The checks of the monitor that this build can switch off, one a line
+    Checks,
+    /// Print the plan that a seed draws, whole
+    Show {
+        /// The seed
+        seed: u64,
+    },
+}
+
+#[derive(Args)]
+struct Fly {
+    /// How many missions
+    #[arg(long, default_value_t = 1000)]
+    runs: u64,
+    /// No mission begins after so many seconds
+    #[arg(long)]
+    seconds: Option<u64>,
+    /// The first seed
+    #[arg(long, default_value_t = 1)]
+    first: u64,
+    /// Threads [default: one a core]
+    #[arg(long)]
+    workers: Option<usize>,
+    /// Say which pairs of trouble and state were met less often
+    #[arg(long, default_value_t = 0)]
+    least: u64,
+    /// Fail where a smaller share of the missions had a lease and an accepted insert, percent
+    #[arg(long, default_value_t = 0.0)]
+    both: f64,
+    /// Shrunk plans of what is found are kept here
+    #[arg(long, default_value = "target/hunt")]
+    save: PathBuf,
+    /// Stop at the first mission that fails
+    #[arg(long)]
+    stop: bool,
+    /// Do not shrink what is found
+    #[arg(long)]
+    whole: bool,
+    /// Tell in a few lines
+    #[arg(long)]
+    brief: bool,
+    /// Switch a check of the monitor off, to see that the hunt finds it: in a build with the feature `switches`
+    #[arg(long)]
+    without: Option<String>,
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("hunt: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run() -> Result<bool> {
+    let cli = Cli::parse();
+    match cli.task {
+        Task::Fly(arguments) => fly(&cli.plugins, &arguments),
+        Task::Replay { plan } => replay(&cli.plugins, &plan),
+        Task::Checks => {
+            checks();
+            Ok(true)
+        }
+        Task::Show { seed } => {
+            print!("{}", Plan::draw(seed).to_toml());
+            Ok(true)
+        }
+    }
+}
+
+#[expect(clippy::disallowed_methods, reason = "the hunt's own time, which no flight sees")]
+fn now() -> Instant {
+    Instant::now()
+}
+
+fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
+    if let Some(check) = &arguments.without {
+        switch_off(check)?;
+    }
+    let begun = now();
+    let bar = ProgressBar::new(arguments.runs);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {per_sec} {eta} {msg}") {
+        bar.set_style(style);
+    }
+    let limit = arguments.seconds.map(Duration::from_secs);
+    let order = Order {
+        plugins: plugins.to_path_buf(),
+        first: arguments.first,
+        runs: arguments.runs,
+        workers: arguments
+            .workers
+            .unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from)),
+        stop_at_failure: arguments.stop,
+    };
+    let campaign = Campaign::fly(&order, |flown, failed| {
+        bar.set_position(flown);
+        if failed > 0 {
+            bar.set_message(format!("{failed} failed"));
+        }
+        limit.is_none_or(|limit| now().duration_since(begun) < limit)
+    })?;
+    bar.finish_and_clear();
+    let wall_s = now().duration_since(begun).as_secs_f64();
+    let coverage = &campaign.coverage;
+    if arguments.brief {
+        println!("{}", coverage.brief());
+        return Ok(campaign.failed.is_empty());
+    }
+    println!("{coverage}");
+    println!(
+        "{wall_s:.0} s on {} threads: {:.0} x life each",
+        order.workers,
+        coverage.sim_seconds / wall_s / order.workers as f64
+    );
+    if arguments.least > 0 {
+        for (kind, state, count) in coverage.rare(arguments.least) {
+            println!("rare: {kind} in {}: {count}", state.name());
+        }
+    }
+    if campaign.failed.is_empty() {
+        let share = 100.0 * coverage.with_both as f64 / coverage.flights.max(1) as f64;
+        let empty = share < arguments.both;
+        if empty {
+            println!(
+                "an empty victory: expected {} % with a lease and an insert",
+                arguments.both
+            );
+        }
+        return Ok(!empty);
+    }
+    keep(plugins, arguments, &campaign)?;
+    Ok(false)
+}
+
+/// Shrinks a failure of each rule and keeps its plan.
+fn keep(plugins: &Path, arguments: &Fly, campaign: &Campaign) -> Result<()> {
+    let range = Range::new(plugins)?;
+    let folder = &arguments.save;
+    fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    for (rule, plans) in &campaign.failed {
+        for (plan, failure) in plans {
+            println!("seed {}: {}", plan.seed, failure.text);
+        }
+        let Some((plan, _)) = plans.first() else { continue };
+        let small = if arguments.whole {
+            plan.clone()
+        } else {
+            shrink(&range, plan, rule)?
+        };
+        let path = folder.join(format!("{rule}-{}.toml", plan.seed));
+        fs::write(&path, small.to_toml()).with_context(|| path.display().to_string())?;
+        println!("  {rule}, {} troubles:", small.troubles.len());
+        for line in small.lines() {
+            println!("    {line}");
+        }
+        println!("  cargo xtask hunt --replay {}", path.display());
+    }
+    Ok(())
+}
+
+fn replay(plugins: &Path, path: &Path) -> Result<bool> {
+    let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let plan = Plan::from_toml(&text).with_context(|| path.display().to_string())?;
+    for line in plan.lines() {
+        println!("{line}");
+    }
+    let Flight { report, failures, .. } = Range::new(plugins)?.fly(&plan)?;
+    println!(
+        "{} after {:.0} s: {} leases, {} inserts accepted, digest {}",
+        report.outcome, report.sim_seconds, report.seen.leases, report.seen.inserts_accepted, report.digest
+    );
+    for failure in &failures {
+        println!("{}", failure.text);
+    }
+    if failures.is_empty() {
+        println!("nothing found");
+    }
+    Ok(failures.is_empty())
+}
+
+#[cfg(feature = "switches")]
+fn checks() {
+    for check in backseat_core::switches::Check::ALL {
+        println!("{}\t{:03} {}", check.name(), check.requirement(), check.what());
+    }
+}
+
+#[cfg(not(feature = "switches"))]
+const fn checks() {}
+
+#[cfg(feature = "switches")]
+fn switch_off(name: &str) -> Result<()> {
+    use backseat_core::switches::{Check, switch_off};
+    let Some(check) = Check::ALL.iter().find(|check| check.name() == name) else {
+        let names: Vec<&str> = Check::ALL.iter().map(|check| check.name()).collect();
+        bail!("no check is called {name}: expected one of {}", names.join(", "));
+    };
+    println!(
+        "without {} (requirement {:03}): {}",
+        check.name(),
+        check.requirement(),
+        check.what()
+    );
+    switch_off(*check);
+    Ok(())
+}
+
+#[cfg(not(feature = "switches"))]
+fn switch_off(name: &str) -> Result<()> {
+    bail!("{name} cannot be switched off in this build: only a test build with the feature `switches` can")
+}

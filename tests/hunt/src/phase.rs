@@ -1,0 +1,16 @@
+//! How a hunted mission is laid out in time, seconds.
+
+use std::time::Duration;
+
+/// Troubles come from here on: the session stands.
+pub(crate) const FIRST_S: f64 = 30.0;
+/// Until here troubles come.
+pub(crate) const SAFETY_S: f64 = 800.0;
+/// Here the last trouble is over, and the liveness phase begins.
+pub(crate) const CALM_S: f64 = 900.0;
+/// So long after that the link must be up again: the longest back-off with its chance, and a refused attempt.
+pub(crate) const LINK_WITHIN: Duration = Duration::from_secs(90);
+/// A mission that has not ended by now does not end.
+pub(crate) const LONGEST_S: f64 = 5400.0;
+/// A plugin that had control for so long in the liveness phase has had its chance to steer.
+pub(crate) const CHANCE_S: f64 = 240.0;

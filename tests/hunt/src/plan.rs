@@ -1,0 +1,339 @@
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use backseat_mvc::{Fault, FaultPlan};
+use backseat_oracle::State;
+use backseat_units::Timestamp;
+use serde::{Deserialize, Serialize};
+
+use crate::dice::Dice;
+use crate::phase::{CALM_S, FIRST_S, SAFETY_S};
+use crate::scenario::Scenario;
+use crate::trouble::{Trouble, Written};
+
+/// A mission and what goes wrong in it: all that a flight is made from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The seed of the world, the links and what troubles leave open.
+    pub seed: u64,
+    /// Fence, limits, plan, world.
+    pub scenario: Scenario,
+    /// What goes wrong.
+    pub troubles: Vec<Planned>,
+    /// The flight ends here, where that is before the mission's own end.
+    pub until: Option<Timestamp>,
+}
+
+/// A trouble and when it comes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// When.
+    pub come: Come,
+    /// What.
+    pub trouble: Trouble,
+}
+
+/// When a trouble comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Come {
+    /// At a time.
+    At(Timestamp),
+    /// Some time after the run has come to a state.
+    In {
+        /// The state.
+        state: State,
+        /// The how manieth time, from 1.
+        nth: u32,
+        /// How long after.
+        after: Duration,
+    },
+}
+
+/// The least and the most troubles of a drawn plan.
+const TROUBLES: (usize, usize) = (3, 9);
+/// One mission in so many is ended from outside.
+const FATAL_SHARE: f64 = 0.04;
+
+impl Plan {
+    /// What a seed draws.
+    #[must_use]
+    pub fn draw(seed: u64) -> Self {
+        let scenario = Scenario::draw(seed);
+        let mut dice = Dice::new(seed, "troubles");
+        let count = TROUBLES.0 + dice.below(TROUBLES.1 - TROUBLES.0 + 1);
+        let states = scenario.states();
+        let mut troubles: Vec<Planned> = (0..count)
+            .map(|_| {
+                let trouble = Trouble::draw(&mut dice, SAFETY_S / 4.0);
+                let come = draw_come(&mut dice, states);
+                Planned { come, trouble }
+            })
+            .collect();
+        if dice.chance(FATAL_SHARE) {
+            let trouble = Trouble::draw_fatal(&mut dice);
+            let mut come = draw_come(&mut dice, states);
+            // Late, so that most of a mission is flown.
+            if let Come::In { nth, .. } = &mut come {
+                *nth += 2;
+            }
+            troubles.push(Planned { come, trouble });
+        }
+        // A trouble while the link is down needs one that takes it down.
+        if troubles
+            .iter()
+            .any(|planned| matches!(planned.come, Come::In { state: State::Down, .. }))
+        {
+            let away = dice.millis(0.1, 30.0);
+            let at = Timestamp::ZERO + dice.millis(2.0 * FIRST_S, SAFETY_S);
+            troubles.push(Planned {
+                come: Come::At(at),
+                trouble: Trouble::Kill { away, clock_s: 0.0 },
+            });
+        }
+        Self {
+            seed,
+            scenario,
+            troubles,
+            until: None,
+        }
+    }
+
+    /// Reads a plan's file.
+    ///
+    /// # Errors
+    /// In a line: which table, which key, what was expected.
+    pub fn from_toml(text: &str) -> Result<Self> {
+        let file: File = toml::from_str(text).map_err(|error| {
+            let place = error
+                .span()
+                .map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+            anyhow::anyhow!("line {place}: {}", error.message())
+        })?;
+        let mut troubles = Vec::new();
+        for (index, entry) in file.trouble.into_iter().enumerate() {
+            let of = || format!("trouble {}", index + 1);
+            troubles.push(entry.planned().with_context(of)?);
+        }
+        Ok(Self {
+            seed: file.seed,
+            scenario: file.scenario,
+            troubles,
+            until: match file.until_s {
+                Some(s) => Some(Timestamp::ZERO + span(s, "until_s")?),
+                None => None,
+            },
+        })
+    }
+
+    /// The whole plan as [`Plan::from_toml`] reads it.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        let file = File {
+            seed: self.seed,
+            until_s: self.until.map(Timestamp::as_secs_f64),
+            trouble: self.troubles.iter().map(Entry::of).collect(),
+            scenario: self.scenario.clone(),
+        };
+        toml::to_string_pretty(&file).expect("a plan has only numbers, strings and tables")
+    }
+
+    /// The troubles in a line each.
+    pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
+        self.troubles.iter().map(|planned| {
+            let when = match planned.come {
+                Come::At(at) => format!("at {:.3} s", at.as_secs_f64()),
+                Come::In { state, nth, after } => {
+                    format!("{:.3} s into {} number {nth}", after.as_secs_f64(), state.name())
+                }
+            };
+            format!(
+                "{when}: {} for {:.3} s",
+                planned.trouble.kind(),
+                planned.trouble.lasts().as_secs_f64()
+            )
+        })
+    }
+}
+
+/// Half of them at any time; half in a state that is drawn, so that the short ones are met too.
+fn draw_come(dice: &mut Dice, states: &[State]) -> Come {
+    if dice.chance(0.35) {
+        return Come::At(Timestamp::ZERO + dice.millis(FIRST_S, SAFETY_S));
+    }
+    let state = dice.one(states);
+    let nth = 1 + dice.below(4) as u32;
+    // Short states are over soon.
+    let most_s = match state {
+        State::Asked => 0.6,
+        State::Down => 1.0,
+        State::NoControl | State::Idle | State::Queued | State::Lease | State::LeaseInsert => 8.0,
+        State::Insert | State::Hold => 15.0,
+    };
+    let share = dice.between(0.0, 1.0);
+    Come::In {
+        state,
+        nth,
+        after: Duration::from_millis((1000.0 * most_s * share * share) as u64),
+    }
+}
+
+/// How long a trouble that comes now may last, so that it is over when the liveness phase begins.
+pub(crate) fn until_calm(now: Timestamp) -> Duration {
+    (Timestamp::ZERO + Duration::from_secs_f64(CALM_S)).since(now)
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    seed: u64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    until_s: Option<f64>,
+    #[serde(default)]
+    trouble: Vec<Entry>,
+    scenario: Scenario,
+}
+
+/// A `[[trouble]]` table: `at_s`, or `state`, `nth` and `after_s`; and either a `vehicle` table, as the mock's own
+/// files of faults have them, or an `ours` table.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    at_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    nth: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    after_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vehicle: Option<toml::Table>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ours: Option<Written>,
+}
+
+impl Entry {
+    fn of(planned: &Planned) -> Self {
+        let vehicle = match &planned.trouble {
+            Trouble::Vehicle(fault) => Some(fault_table(fault)),
+            Trouble::Plugin { .. }
+            | Trouble::Kill { .. }
+            | Trouble::Stop { .. }
+            | Trouble::Hold { .. }
+            | Trouble::DiskFull { .. } => None,
+        };
+        let mut entry = Self {
+            at_s: None,
+            state: None,
+            nth: None,
+            after_s: None,
+            vehicle,
+            ours: Written::of(&planned.trouble),
+        };
+        match planned.come {
+            Come::At(at) => entry.at_s = Some(at.as_secs_f64()),
+            Come::In { state, nth, after } => {
+                entry.state = Some(state.name().to_owned());
+                entry.nth = Some(nth);
+                entry.after_s = Some(after.as_secs_f64());
+            }
+        }
+        entry
+    }
+
+    fn planned(self) -> Result<Planned> {
+        let come = match (self.at_s, self.state) {
+            (Some(at_s), None) => Come::At(Timestamp::ZERO + span(at_s, "at_s")?),
+            (None, Some(name)) => {
+                let state = State::ALL.into_iter().find(|state| state.name() == name);
+                let Some(state) = state else {
+                    let names: Vec<&str> = State::ALL.iter().map(|state| state.name()).collect();
+                    bail!("state is {name:?}: expected one of {}", names.join(", "));
+                };
+                Come::In {
+                    state,
+                    nth: self.nth.unwrap_or(1).max(1),
+                    after: span(self.after_s.unwrap_or(0.0), "after_s")?,
+                }
+            }
+            (Some(_), Some(_)) | (None, None) => bail!("expected either at_s or state"),
+        };
+        let trouble = match (self.vehicle, self.ours) {
+            (Some(table), None) => Trouble::Vehicle(fault_of(table)?),
+            (None, Some(written)) => written.trouble().map_err(anyhow::Error::msg)?,
+            (Some(_), Some(_)) | (None, None) => bail!("expected either a vehicle table or an ours table"),
+        };
+        Ok(Planned { come, trouble })
+    }
+}
+
+fn span(s: f64, key: &str) -> Result<Duration> {
+    match Duration::try_from_secs_f64(s) {
+        Ok(span) if span <= Duration::from_secs(86_400) => Ok(span),
+        _ => bail!("{key} is {s}: expected 0 to 86400"),
+    }
+}
+
+/// A fault as the mock's own files have it.
+fn fault_table(fault: &Fault) -> toml::Table {
+    let plan = FaultPlan {
+        faults: vec![fault.clone()],
+    };
+    let mut file: toml::Table = toml::from_str(&plan.to_toml()).expect("the mock reads what it writes");
+    match file.remove("fault") {
+        Some(toml::Value::Array(mut faults)) => match faults.pop() {
+            Some(toml::Value::Table(mut table)) => {
+                // Its time is the trouble's.
+                table.remove("at_s");
+                table
+            }
+            Some(_) | None => unreachable!("a fault is a table"),
+        },
+        Some(_) | None => unreachable!("a plan of faults is a list"),
+    }
+}
+
+fn fault_of(mut table: toml::Table) -> Result<Fault> {
+    table.insert("at_s".to_owned(), toml::Value::Float(0.0));
+    let mut file = toml::Table::new();
+    file.insert("fault".to_owned(), toml::Value::Array(vec![toml::Value::Table(table)]));
+    let mut plan = FaultPlan::from_toml(&toml::to_string(&file)?)?;
+    plan.faults.pop().context("the vehicle table is no fault")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plan_is_the_same_after_it_was_written_and_read() {
+        for seed in 0..300 {
+            let plan = Plan::draw(seed);
+            let text = plan.to_toml();
+            let read = Plan::from_toml(&text).unwrap_or_else(|error| panic!("seed {seed}: {error:#}\n{text}"));
+            assert_eq!(read, plan, "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn a_plan_that_is_none_is_refused_in_a_line() {
+        let text = Plan::draw(7).to_toml();
+        for (from, to, expected) in [
+            ("seed = 7", "sead = 7", "unknown field"),
+            (
+                "seed = 7",
+                "seed = 7\nuntil_s = -1",
+                "until_s is -1: expected 0 to 86400",
+            ),
+            (
+                "[[trouble]]",
+                "[[trouble]]\nat_s = 1\nstate = \"lease\"\nwhat = 1",
+                "unknown field",
+            ),
+        ] {
+            assert!(text.contains(from));
+            let error = format!("{:#}", Plan::from_toml(&text.replacen(from, to, 1)).unwrap_err());
+            assert!(error.contains(expected) && !error.contains('\n'), "{error}");
+        }
+    }
+}

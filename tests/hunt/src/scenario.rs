@@ -1,0 +1,295 @@
+use backseat_oracle::State;
+use serde::{Deserialize, Serialize};
+
+use crate::area::Area;
+use crate::dice::Dice;
+
+/// A mission's three files, as they would stand in its folder.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// Whether the vehicle hovers.
+    pub hovering: bool,
+    /// `mission.toml`.
+    pub mission: String,
+    /// `fence.geojson`.
+    pub fence: String,
+    /// `world.toml`.
+    pub world: String,
+}
+
+/// One mission in so many is of a hovering vehicle.
+const HOVERING_SHARE: f64 = 0.12;
+/// What the specification leaves open, drawn in every world (the keys of `[interpretation]`).
+const OPEN: [&str; 21] = [
+    "inserts_after_control",
+    "after_interrupt",
+    "lead_in_m",
+    "control_replay",
+    "cancel_all_scope",
+    "modify_heading",
+    "insert_place",
+    "insert_logging",
+    "cancel_scope",
+    "cancel_all_gps",
+    "modify_survives",
+    "modify_beyond",
+    "modify_fins",
+    "suspend_needs_control",
+    "after_suspension",
+    "hull_vertical",
+    "adjustment_when_silenced",
+    "adjustment_needs_status",
+    "dvl_timeout_announced",
+    "unacked_frames",
+    "interruption",
+];
+/// Limits of every mission.
+const LIMITS: &str = "speed_min_mps = 1.0
+speed_max_mps = 2.0
+turn_rate_dps = 8.0
+current_max_mps = 0.4
+seabed_slope_max = 0.03
+gps_hits_total_max = 1
+gps_hit_duration_max_s = 300.0
+silences_total_max = 3
+silent_term_s = 300.0
+";
+const HULL_LIMITS: &str = "
+[limits.hull]
+speed_max_mps = 0.5
+sonar_angle_min_deg = -30.0
+sonar_angle_max_deg = 30.0
+
+[limits.hull.hull_box]
+horizontal_min_m = -20.0
+horizontal_max_m = 20.0
+vertical_min_m = -8.0
+vertical_max_m = 8.0
+distance_min_m = 1.5
+distance_max_m = 12.0
+
+[limits.hull.bottom_box]
+x_min_m = -60.0
+x_max_m = 60.0
+y_min_m = -60.0
+y_max_m = 60.0
+depth_min_m = 0.5
+depth_max_m = 14.0
+";
+const SHIP: &str = "[hovering]
+relative_hz = 5
+
+[hovering.hull]
+east_m = 0
+north_m = 0
+heading_deg = 90
+length_m = 60
+beam_m = 10
+draft_m = 5
+
+";
+const MODEM: &str = "[acoustic]
+device = \"WHOIPSK\"
+address = 1
+first_s = 20
+period_s = 60
+length_s = 20
+
+";
+
+impl Scenario {
+    /// The scenario of a seed.
+    #[must_use]
+    pub fn draw(seed: u64) -> Self {
+        let mut dice = Dice::new(seed, "scenario");
+        let hovering = dice.chance(HOVERING_SHARE);
+        let area = Area::draw(&mut dice, hovering);
+        Self {
+            hovering,
+            mission: mission(&mut dice, hovering, &area),
+            fence: area.fence(),
+            world: world(&mut dice, hovering, &area),
+        }
+    }
+
+    /// The states that a mission of this kind comes to, each as often as troubles are to come in it.
+    pub(crate) const fn states(&self) -> &'static [State] {
+        use State as S;
+        if self.hovering {
+            &[
+                S::Down,
+                S::NoControl,
+                S::Idle,
+                S::Asked,
+                S::Queued,
+                S::Insert,
+                S::Lease,
+                S::LeaseInsert,
+                S::Hold,
+                S::Hold,
+                S::Hold,
+                S::Hold,
+                S::Hold,
+                S::Hold,
+            ]
+        } else {
+            &[
+                S::Down,
+                S::NoControl,
+                S::Idle,
+                S::Asked,
+                S::Queued,
+                S::Insert,
+                S::Lease,
+                S::LeaseInsert,
+            ]
+        }
+    }
+}
+
+fn mission(dice: &mut Dice, hovering: bool, area: &Area) -> String {
+    let control = if dice.chance(0.85) { "bfctl" } else { "running" };
+    let mut text = format!("[session]\ncontrol = \"{control}\"\n\n[limits]\n{LIMITS}");
+    // Either the chart tells the depths, which are true in every world here, or only bottom lock does.
+    if hovering || dice.chance(0.5) {
+        text += "water_depth_min_m = 45.0\nwater_depth_max_m = 75.0\n";
+    }
+    text += &format!("modify_term_max_s = {:?}\n", dice.figure(15.0, 60.0));
+    text += &format!("inserts_open_max = {}\n", dice.one(&[1, 2, 3]));
+    text += &format!("inserts_total_max = {}\n", dice.one(&[3, 4, 5]));
+    text += &format!("inserts_duration_max_s = {:?}\n", dice.figure(900.0, 1800.0));
+    text += &format!("requests_per_s = {}\n", dice.one(&[5, 10, 20]));
+    if hovering {
+        text += HULL_LIMITS;
+    }
+    let grants = if hovering {
+        r#"["modify", "insert", "message", "topside", "hull", "devices", "silent"]"#
+    } else {
+        r#"["modify", "insert", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy", "acoustic"]"#
+    };
+    // Some of what is asked for lies outside.
+    let reach_m = 1.1 * area.reach_m();
+    for name in ["first", "second"] {
+        let failure = dice.one(&["yield", "cancel", "yield", "cancel", "yield", "cancel", "abort"]);
+        text += &format!("\n[[plugin]]\nname = \"{name}\"\ncomponent = \"prober\"\n");
+        text += &format!("grants = {grants}\non_failure = \"{failure}\"\n\n[plugin.config]\n");
+        text += &format!("seed = {}\nhovering = {hovering}\n", dice.seed() >> 16);
+        text += &format!("east_min_m = {:.1}\neast_max_m = {reach_m:.1}\n", -reach_m);
+        text += &format!("north_min_m = {:.1}\nnorth_max_m = {reach_m:.1}\n", -reach_m);
+        text += &format!("depth_m = [2.0, {:.1}]\n", area.depth_max_m + 4.0);
+        text += &format!(
+            "altitude_m = {:.1}\nspeed_mps = [1.0, 2.0]\n",
+            area.altitude_min_m + 8.0
+        );
+        text += &format!("boldness = {:?}\n", dice.figure(0.1, 0.8));
+        text += &format!("insert_every_s = {:?}\n", dice.figure(40.0, 150.0));
+        text += &format!("modify_share = {:?}\n", dice.figure(0.2, 0.8));
+    }
+    text
+}
+
+fn world(dice: &mut Dice, hovering: bool, area: &Area) -> String {
+    let class = if hovering {
+        "hovering"
+    } else {
+        dice.one(&["9-inch", "12-inch", "12-inch", "21-inch"])
+    };
+    let first = area.points[0];
+    let (east_m, north_m, depth_m) = if hovering {
+        (0.0, -12.0, 3.0)
+    } else {
+        (first.east_m + 20.0, first.north_m, area.depth_m)
+    };
+    let (day, hour, minute) = (1 + dice.below(28), dice.below(24), dice.below(60));
+    let mut text = format!(
+        "[start]\nutc = 2026-06-{day:02}T{hour:02}:{minute:02}:00Z\neast_m = {east_m:.1}\nnorth_m = {north_m:.1}\n\
+         depth_m = {depth_m:.1}\n\n"
+    );
+    text += &format!(
+        "[origin]\nlatitude_deg = {:?}\nlongitude_deg = {:?}\n\n",
+        area.origin.latitude.as_deg(),
+        area.origin.longitude.as_deg()
+    );
+    text += &format!(
+        "[seabed]\ndepth_m = 60\nslope = {:?}\ndownslope_deg = {:?}\nmeanders = 0\n\n",
+        dice.figure(0.0, 0.01),
+        dice.figure(0.0, 359.0)
+    );
+    text += &format!(
+        "[current]\nspeed_mps = {:?}\ntowards_deg = {:?}\n\n",
+        dice.figure(0.0, 0.3),
+        dice.figure(0.0, 359.0)
+    );
+    let hz = dice.one(&[4, 5, 5, 10]);
+    text += &format!("[vehicle]\nclass = \"{class}\"\naltitude_min_m = 2\ntick_hz = {hz}\n\n");
+    text += &format!(
+        "[mission]\nstarts_after_s = {:?}\nwrap_up = \"{}\"\ngps_fix_s = 30\n\n",
+        dice.figure(1.0, 15.0),
+        dice.one(&["none", "surface"])
+    );
+    text += &format!(
+        "[spi]\nprofile = \"{}\"\nacknowledge = \"{}\"\npending_s = [0.05, {:?}]\n\n",
+        dice.one(&["spec", "field"]),
+        dice.one(&["pending", "pending", "immediate"]),
+        dice.figure(0.1, 1.5)
+    );
+    text += if hovering { SHIP } else { MODEM };
+    text += "[interpretation]\n";
+    for key in OPEN {
+        text += &format!("{key} = \"seed\"\n");
+    }
+    text += &if hovering { station() } else { lines(dice, area) };
+    text
+}
+
+/// A hovering vehicle keeps its station beside the ship.
+fn station() -> String {
+    let mut text = String::new();
+    for (duration_s, dynamic) in [(380, true), (380, true), (380, true), (120, false)] {
+        text += &format!(
+            "\n[[plan]]\nkind = \"setpoint\"\nheading_deg = 0\nduration_s = {duration_s}\ndepth_m = 3\nspeed_mps = 0\n\
+             dynamic = {dynamic}\n"
+        );
+    }
+    text
+}
+
+/// Lines under the backseat, and the way home without it.
+fn lines(dice: &mut Dice, area: &Area) -> String {
+    let mut text = String::new();
+    let flown = format!("depth_m = {:.1}\nspeed_mps = {:?}\n", area.depth_m, area.speed_mps);
+    for pair in area.points.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        text += &format!(
+            "\n[[plan]]\nkind = \"trackline\"\nstart = {{ east_m = {:.1}, north_m = {:.1} }}\n\
+             end = {{ east_m = {:.1}, north_m = {:.1} }}\n{flown}dynamic = true\ntimeout_s = 420\n",
+            from.east_m, from.north_m, to.east_m, to.north_m
+        );
+        if dice.chance(0.2) {
+            text += "dynamic_from_s = 20\n";
+        }
+    }
+    let home = area.points[0];
+    text += &format!(
+        "\n[[plan]]\nkind = \"waypoint\"\nat = {{ east_m = {:.1}, north_m = {:.1} }}\n{flown}timeout_s = 300\n",
+        home.east_m, home.north_m
+    );
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use backseat_mvc::WorldFile;
+
+    use super::*;
+
+    #[test]
+    fn every_seed_draws_a_world_and_a_fence_that_can_be() {
+        for seed in 0..300 {
+            let scenario = Scenario::draw(seed);
+            let world = WorldFile::from_toml(&scenario.world);
+            assert!(world.is_ok(), "seed {seed}: {}\n{}", world.unwrap_err(), scenario.world);
+        }
+    }
+}

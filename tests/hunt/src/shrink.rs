@@ -1,0 +1,113 @@
+use std::time::Duration;
+
+use anyhow::Result;
+
+use crate::flight::Range;
+use crate::plan::Plan;
+
+/// How many flights a shrinking may take.
+const FLIGHTS: usize = 300;
+
+/// The smallest plan that was found to fail by the same rule: fewer troubles, shorter ones.
+///
+/// # Errors
+/// Where a plan cannot be flown.
+pub fn shrink(range: &Range, plan: &Plan, rule: &str) -> Result<Plan> {
+    smallest(plan, |plan| {
+        let flight = range.fly(plan)?;
+        Ok(flight.failures.iter().any(|failure| failure.rule == rule))
+    })
+}
+
+fn smallest(plan: &Plan, mut fails: impl FnMut(&Plan) -> Result<bool>) -> Result<Plan> {
+    let mut left = FLIGHTS;
+    let mut fails = |plan: &Plan| -> Result<bool> {
+        if left == 0 {
+            return Ok(false);
+        }
+        left -= 1;
+        fails(plan)
+    };
+    let mut best = plan.clone();
+    if !fails(&best)? {
+        return Ok(best);
+    }
+    // Away with halves, quarters, and so on down to single ones, until no single one can go.
+    let mut size = best.troubles.len().div_ceil(2);
+    while size > 0 {
+        let mut start = 0;
+        let mut went = false;
+        while start < best.troubles.len() {
+            let mut smaller = best.clone();
+            let end = (start + size).min(smaller.troubles.len());
+            smaller.troubles.drain(start..end);
+            if fails(&smaller)? {
+                best = smaller;
+                went = true;
+            } else {
+                start = end;
+            }
+        }
+        if size > 1 || !went {
+            size /= 2;
+        }
+    }
+    for index in 0..best.troubles.len() {
+        loop {
+            let lasts = best.troubles[index].trouble.lasts();
+            if lasts < Duration::from_millis(200) {
+                break;
+            }
+            let mut shorter = best.clone();
+            let trouble = shorter.troubles[index].trouble.clone().at_most(lasts / 2);
+            if trouble.lasts() == lasts {
+                break;
+            }
+            shorter.troubles[index].trouble = trouble;
+            if !fails(&shorter)? {
+                break;
+            }
+            best = shorter;
+        }
+    }
+    Ok(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{Come, Planned};
+    use crate::trouble::Trouble;
+
+    #[test]
+    fn only_what_makes_it_fail_is_left_and_that_short() {
+        let needed = |plan: &Plan| {
+            let stops = |planned: &Planned| matches!(planned.trouble, Trouble::Stop { lasts } if lasts > Duration::from_secs(3));
+            let kills = |planned: &Planned| matches!(planned.trouble, Trouble::Kill { .. });
+            plan.troubles.iter().any(stops) && plan.troubles.iter().any(kills)
+        };
+        let mut shrunk = 0;
+        for seed in 0..200 {
+            let mut plan = Plan::draw(seed);
+            let lasts = Duration::from_secs(20);
+            let come = Come::At(backseat_units::Timestamp::from_secs(100));
+            let trouble = Trouble::Stop { lasts };
+            plan.troubles.insert(0, Planned { come, trouble });
+            let whole = plan.troubles.len();
+            let small = smallest(&plan, |plan| Ok(needed(plan))).unwrap();
+            if !needed(&plan) {
+                assert_eq!(small, plan);
+                continue;
+            }
+            shrunk += 1;
+            assert!(needed(&small) && whole > 2);
+            assert_eq!(small.troubles.len(), 2, "seed {seed}");
+            let stop = small
+                .troubles
+                .iter()
+                .find(|planned| matches!(planned.trouble, Trouble::Stop { .. }));
+            assert!(stop.unwrap().trouble.lasts() < Duration::from_secs(6));
+        }
+        assert!(shrunk > 20, "{shrunk}");
+    }
+}

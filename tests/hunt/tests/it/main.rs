@@ -1,0 +1,4 @@
+//! The hunt, reduced: see the files.
+
+mod hunt;
+mod plans;

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use crate::cargo::{cargo, cargo_test, root, run, target};
 use crate::tidy::tidy;
 
-const PLUGINS: [&str; 4] = ["isobath", "plume", "template", "faulty"];
+const PLUGINS: [&str; 5] = ["isobath", "plume", "template", "faulty", "prober"];
 
 /// The first of the README's two commands.
 pub(crate) fn demo() -> Result<()> {

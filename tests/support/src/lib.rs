@@ -5,7 +5,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 /// The project's plugins, in the packages that hold them.
-const PLUGINS: [&str; 4] = ["isobath", "plume", "template", "faulty"];
+const PLUGINS: [&str; 5] = ["isobath", "plume", "template", "faulty", "prober"];
 
 /// The workspace's folder.
 #[must_use]

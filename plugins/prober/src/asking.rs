@@ -1,0 +1,173 @@
+use backseat_sdk::units::{EastNorth, LocalFrame, Position};
+use backseat_sdk::{Navigation, Request, StepInput, Vertical};
+use serde::{Deserialize, Serialize};
+
+use crate::config::Config;
+use crate::random::Random;
+
+/// More requests of a step would be a failure of the plugin; nobody needs as many.
+const REQUESTS_MAX: usize = 100;
+/// However bold it is, some of what it asks for is modest, so that there is something to fly.
+const BOLDNESS_MAX: f64 = 0.85;
+
+/// Where the vehicle was when it was last known, which a curious plugin remembers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Fix {
+    latitude: f64,
+    longitude: f64,
+    east_m: f64,
+    north_m: f64,
+    pub(crate) depth_m: f64,
+    pub(crate) heading_deg: f64,
+    /// Horizontal, vertical and distance, relative to the hull.
+    pub(crate) hull_m: Option<[f64; 3]>,
+    /// X and y in the vehicle's inertial frame.
+    pub(crate) bottom_m: Option<[f64; 2]>,
+}
+
+impl Fix {
+    pub(crate) fn of(navigation: &Navigation, input: &StepInput) -> Self {
+        Self {
+            latitude: navigation.position.latitude,
+            longitude: navigation.position.longitude,
+            east_m: navigation.east,
+            north_m: navigation.north,
+            depth_m: navigation.depth,
+            heading_deg: navigation.heading,
+            hull_m: input
+                .relative
+                .map(|relative| [relative.horizontal, relative.vertical, relative.distance]),
+            bottom_m: input.cartesian.map(|cartesian| [cartesian.x, cartesian.y]),
+        }
+    }
+
+    pub(crate) const fn local(&self) -> EastNorth {
+        EastNorth::new(self.east_m, self.north_m)
+    }
+
+    /// The position of a point of the mission's local frame.
+    pub(crate) fn position_of(&self, point: EastNorth) -> backseat_sdk::Position {
+        match Position::from_deg(self.latitude, self.longitude) {
+            Ok(here) => LocalFrame::new(here).to_position(point - self.local()).into(),
+            Err(_) => backseat_sdk::Position {
+                latitude: self.latitude,
+                longitude: self.longitude,
+            },
+        }
+    }
+}
+
+/// One step's asking: what is known, what is drawn from, and what has been asked for so far.
+pub(crate) struct Asking<'a> {
+    pub(crate) config: &'a Config,
+    pub(crate) random: &'a mut Random,
+    pub(crate) tag: &'a mut u64,
+    pub(crate) fix: Fix,
+    pub(crate) now_ns: u64,
+    /// Whether the fence holds for a request, as far as a plugin can know.
+    pub(crate) fits: fn(&Request) -> bool,
+    pub(crate) requests: &'a mut Vec<Request>,
+}
+
+impl Asking<'_> {
+    pub(crate) fn ask(&mut self, request: Request) {
+        if self.requests.len() < REQUESTS_MAX {
+            self.requests.push(request);
+        }
+    }
+
+    pub(crate) const fn next_tag(&mut self) -> u64 {
+        *self.tag += 1;
+        *self.tag
+    }
+
+    pub(crate) fn is_bold(&mut self) -> bool {
+        self.random.chance(self.config.boldness.min(BOLDNESS_MAX))
+    }
+
+    /// A chance that grows with the boldness.
+    pub(crate) fn dares(&mut self, share: f64) -> bool {
+        self.random.chance(share * self.config.boldness)
+    }
+
+    pub(crate) fn fits(&self, request: &Request) -> bool {
+        (self.fits)(request)
+    }
+
+    /// Anywhere in the box, outside of the fence too.
+    pub(crate) fn anywhere(&mut self) -> EastNorth {
+        let (config, random) = (self.config, &mut *self.random);
+        EastNorth::new(
+            random.within(config.east_min_m, config.east_max_m),
+            random.within(config.north_min_m, config.north_max_m),
+        )
+    }
+
+    pub(crate) fn middle(&self) -> EastNorth {
+        let config = self.config;
+        EastNorth::new(
+            (config.east_min_m + config.east_max_m) / 2.0,
+            (config.north_min_m + config.north_max_m) / 2.0,
+        )
+    }
+
+    /// A corner of the box, moved by up to `inset_m` towards the middle on each axis, or past it.
+    pub(crate) fn corner(&mut self, inset_m: f64) -> EastNorth {
+        let config = self.config;
+        let east_m = self.random.within(-0.2 * inset_m, inset_m);
+        let north_m = self.random.within(-0.2 * inset_m, inset_m);
+        EastNorth::new(
+            self.random
+                .pick([config.east_min_m + east_m, config.east_max_m - east_m]),
+            self.random
+                .pick([config.north_min_m + north_m, config.north_max_m - north_m]),
+        )
+    }
+
+    /// The point of the box's edge that is nearest to the vehicle.
+    pub(crate) fn nearest_edge(&self) -> EastNorth {
+        let (config, here) = (self.config, self.fix.local());
+        let sides = [
+            EastNorth::new(config.east_min_m, here.north_m),
+            EastNorth::new(config.east_max_m, here.north_m),
+            EastNorth::new(here.east_m, config.north_min_m),
+            EastNorth::new(here.east_m, config.north_max_m),
+        ];
+        let nearer = |a: EastNorth, b: EastNorth| if b.distance_m(here) < a.distance_m(here) { b } else { a };
+        sides.into_iter().reduce(nearer).unwrap_or(here)
+    }
+
+    /// A depth or an altitude.
+    pub(crate) fn vertical(&mut self, bold: bool) -> Vertical {
+        let altitude_m = self.config.altitude_m.filter(|_| self.random.chance(0.3));
+        let (range_m, past_m) = match altitude_m {
+            Some(range_m) => (range_m, 1.0),
+            None => (self.config.depth_m, 3.0),
+        };
+        let metres = self.figure(range_m, past_m, bold).max(0.0);
+        if altitude_m.is_some() {
+            Vertical::Altitude(metres)
+        } else {
+            Vertical::Depth(metres)
+        }
+    }
+
+    /// Where the vehicle is, as nearly as the modest depths allow.
+    pub(crate) fn level(&self) -> Vertical {
+        let [min_m, max_m] = self.config.depth_m;
+        Vertical::Depth(self.fix.depth_m.clamp(min_m, max_m))
+    }
+
+    pub(crate) fn speed(&mut self, bold: bool) -> f64 {
+        self.figure(self.config.speed_mps, 0.1, bold).max(0.0)
+    }
+
+    fn figure(&mut self, [min, max]: [f64; 2], past: f64, bold: bool) -> f64 {
+        let inside = self.random.within(min, max);
+        if bold {
+            self.random.pick([min, max, min - past, max + past, inside, inside])
+        } else {
+            inside
+        }
+    }
+}

@@ -1,0 +1,315 @@
+//! Inserts: short ones near the vehicle, to be flown, and bold ones to be refused.
+
+use backseat_sdk::units::EastNorth;
+use backseat_sdk::{Request, State, Trackcircle, Trackline, Vertical};
+use serde::{Deserialize, Serialize};
+
+use crate::asking::Asking;
+use crate::config::Kind;
+
+/// So many of its own it remembers, to cancel them.
+const OPEN_MAX: usize = 32;
+/// The longest modest line, metres.
+const LINE_MAX_M: f64 = 300.0;
+const LINE_MIN_M: f64 = 50.0;
+
+/// What it has asked the vehicle to fly.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Inserts {
+    open: Vec<Open>,
+    /// The next is asked for then.
+    next_ns: u64,
+    /// Rejections since something was accepted.
+    refused: u32,
+    /// An insert has been accepted.
+    accepted: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Open {
+    tag: u64,
+    started: bool,
+    interrupt: bool,
+}
+
+impl Inserts {
+    pub(crate) fn step(&mut self, asking: &mut Asking<'_>) {
+        if asking.now_ns < self.next_ns {
+            return;
+        }
+        self.next_ns = asking.now_ns + asking.random.nanos(3.0, 8.0);
+        let kinds = [Kind::Trackline, Kind::Trackcircle].map(|kind| asking.config.asks_for(kind));
+        let line = match kinds {
+            [false, false] => return,
+            [true, false] => true,
+            [false, true] => false,
+            [true, true] => asking.random.chance(0.65),
+        };
+        let bold = asking.is_bold() && (self.accepted || self.refused % 2 == 1);
+        match (bold, line) {
+            (true, _) if asking.random.chance(0.15) => self.burst(line, asking),
+            (true, true) => self.bold_line(asking),
+            (true, false) => self.bold_circle(asking),
+            (false, true) => self.modest_line(asking),
+            (false, false) => self.modest_circle(asking),
+        }
+    }
+
+    /// A request's fate.
+    pub(crate) fn hear(&mut self, tag: u64, state: &State, asking: &mut Asking<'_>) {
+        let Some(at) = self.open.iter().position(|open| open.tag == tag) else {
+            return;
+        };
+        match state {
+            State::Sent | State::Pending | State::Unknown => {}
+            State::Accepted => {
+                self.accepted = true;
+                self.refused = 0;
+                let every_s = asking.config.insert_every_s;
+                self.next_ns = asking.now_ns + asking.random.nanos(0.5 * every_s, 1.5 * every_s);
+            }
+            State::Started => self.open[at].started = true,
+            State::Rejected(_) => {
+                self.open.remove(at);
+                self.refused += 1;
+                self.next_ns = self.next_ns.min(asking.now_ns + asking.random.nanos(0.5, 4.0));
+            }
+            State::Failed(_) | State::TimedOut | State::Ended(_) | State::Cancelled => {
+                self.open.remove(at);
+            }
+        }
+    }
+
+    /// Control has come, or come back: it asks soon.
+    pub(crate) fn hurry(&mut self, asking: &mut Asking<'_>) {
+        self.next_ns = self.next_ns.min(asking.now_ns + asking.random.nanos(0.0, 5.0));
+    }
+
+    /// A new instance hears which are open.
+    pub(crate) fn restart(&mut self, open: &[u64]) {
+        self.open.retain(|known| open.contains(&known.tag));
+    }
+
+    /// The tag of one to cancel: one that has not begun or, where bold, one that has, or none at all.
+    pub(crate) fn to_cancel(&self, bold: bool, asking: &mut Asking<'_>) -> Option<u64> {
+        if bold && asking.random.chance(0.3) {
+            return Some(asking.random.next());
+        }
+        let tags: Vec<u64> = self
+            .open
+            .iter()
+            .filter(|open| bold || !open.started)
+            .map(|open| open.tag)
+            .collect();
+        tags.get(asking.random.below(tags.len())).copied()
+    }
+
+    fn note(&mut self, tag: u64, interrupt: bool) {
+        if self.open.len() == OPEN_MAX {
+            self.open.remove(0);
+        }
+        self.open.push(Open {
+            tag,
+            started: false,
+            interrupt,
+        });
+    }
+
+    /// Whether the next one interrupts. A modest one never interrupts one of its own that does.
+    fn interrupts(&self, bold: bool, asking: &mut Asking<'_>) -> bool {
+        let interrupted = self.open.iter().any(|open| open.interrupt);
+        asking.random.chance(if bold { 0.4 } else { 0.6 }) && (bold || !interrupted)
+    }
+
+    fn line(
+        &mut self,
+        [start, end]: [EastNorth; 2],
+        vertical: Vertical,
+        bold: bool,
+        asking: &mut Asking<'_>,
+    ) -> Request {
+        Request::Trackline(Trackline {
+            tag: asking.next_tag(),
+            start: asking.fix.position_of(start),
+            end: asking.fix.position_of(end),
+            vertical,
+            speed: asking.speed(bold),
+            interrupt: self.interrupts(bold, asking),
+        })
+    }
+
+    fn circle(&mut self, ring: Ring, vertical: Vertical, bold: bool, asking: &mut Asking<'_>) -> Request {
+        Request::Trackcircle(Trackcircle {
+            tag: asking.next_tag(),
+            centre: asking.fix.position_of(ring.centre),
+            radius: ring.radius_m,
+            orbits: ring.orbits,
+            vertical,
+            speed: asking.speed(bold),
+            entry_angle: ring.entry_deg,
+            interrupt: self.interrupts(bold, asking),
+        })
+    }
+
+    fn ask(&mut self, request: Request, asking: &mut Asking<'_>) {
+        if let Request::Trackline(Trackline { tag, interrupt, .. })
+        | Request::Trackcircle(Trackcircle { tag, interrupt, .. }) = &request
+        {
+            self.note(*tag, *interrupt);
+        }
+        asking.ask(request);
+    }
+
+    fn vertical(&self, asking: &mut Asking<'_>) -> Vertical {
+        // What was refused may have been so for its depth.
+        if self.refused >= 3 {
+            asking.level()
+        } else {
+            asking.vertical(false)
+        }
+    }
+
+    fn modest_line(&mut self, asking: &mut Asking<'_>) {
+        let mut request = None;
+        for _ in 0..4 {
+            let here = asking.fix.local();
+            // The more are refused, the shorter, and the nearer to where the vehicle goes anyway.
+            let narrow = 1.0 / f64::from(self.refused.min(6) + 1);
+            let along_deg = if asking.random.chance(0.5) {
+                asking.fix.heading_deg
+            } else {
+                here.bearing_deg(asking.middle())
+            };
+            let aside_deg = asking.random.within(-150.0, 150.0) * narrow;
+            let start_m = asking.random.within(20.0, 20.0 + 150.0 * narrow);
+            let start = here.offset(along_deg + aside_deg, start_m);
+            let length_m = asking
+                .random
+                .within(LINE_MIN_M, LINE_MIN_M + (LINE_MAX_M - LINE_MIN_M) * narrow);
+            let turn_deg = asking.random.within(-90.0, 90.0) * narrow;
+            let end = start.offset(along_deg + aside_deg + turn_deg, length_m);
+            let vertical = self.vertical(asking);
+            let line = self.line([start, end], vertical, false, asking);
+            let fits = asking.fits(&line);
+            request = Some(line);
+            if fits {
+                break;
+            }
+        }
+        if let Some(request) = request {
+            self.ask(request, asking);
+        }
+    }
+
+    fn modest_circle(&mut self, asking: &mut Asking<'_>) {
+        let mut request = None;
+        for _ in 0..4 {
+            let here = asking.fix.local();
+            let inwards_deg = here.bearing_deg(asking.middle()) + asking.random.within(-120.0, 120.0);
+            let away_m = asking.random.within(20.0, 150.0);
+            let entry = asking.random.chance(0.6);
+            let ring = Ring {
+                centre: here.offset(inwards_deg, away_m),
+                radius_m: asking.random.within(18.0, 45.0),
+                orbits: asking.random.sign() * asking.random.within(0.5, 2.5),
+                entry_deg: entry.then(|| asking.random.within(0.0, 360.0)),
+            };
+            let vertical = self.vertical(asking);
+            let circle = self.circle(ring, vertical, false, asking);
+            let fits = asking.fits(&circle);
+            request = Some(circle);
+            if fits {
+                break;
+            }
+        }
+        if let Some(request) = request {
+            self.ask(request, asking);
+        }
+    }
+
+    fn bold_line(&mut self, asking: &mut Asking<'_>) {
+        let here = asking.fix.local();
+        let near = here.offset(asking.random.within(0.0, 360.0), asking.random.within(0.0, 200.0));
+        let ends = match asking.random.below(5) {
+            0 => [asking.anywhere(), asking.anywhere()],
+            // Along an edge, or across a corner.
+            1 => [asking.corner(120.0), asking.corner(120.0)],
+            2 => [near, asking.nearest_edge()],
+            // As far towards an edge as the fence says that it holds, or a little farther.
+            3 => {
+                let far = asking.anywhere();
+                let end = self.creep(near, far, asking);
+                [near, end]
+            }
+            _ => [near, asking.anywhere()],
+        };
+        let bold = asking.random.chance(0.4);
+        let vertical = asking.vertical(bold);
+        let line = self.line(ends, vertical, bold, asking);
+        if asking.random.chance(0.2) && !asking.fits(&line) && asking.random.chance(0.5) {
+            // It has heard the no, and asks for another instead; else it asks anyway.
+            return self.modest_line(asking);
+        }
+        self.ask(line, asking);
+    }
+
+    /// The end of a line from one point towards another that is as far as the fence lets it be.
+    fn creep(&mut self, from: EastNorth, to: EastNorth, asking: &mut Asking<'_>) -> EastNorth {
+        let (mut fits, mut fits_not) = (0.0, 1.0);
+        let way = to - from;
+        for _ in 0..6 {
+            let share = (fits + fits_not) / 2.0;
+            let vertical = asking.level();
+            let line = self.line([from, from + way * share], vertical, false, asking);
+            *(if asking.fits(&line) { &mut fits } else { &mut fits_not }) = share;
+        }
+        let share = asking.random.pick([fits, fits, fits_not]);
+        from + way * share
+    }
+
+    fn bold_circle(&mut self, asking: &mut Asking<'_>) {
+        let radius_m = asking.random.within(8.0, 400.0);
+        let orbits = asking.random.pick([0.25, 1.0, 3.0, 20.0, 120.0]);
+        let centre = match asking.random.below(3) {
+            0 => asking.anywhere(),
+            1 => asking.corner(1.5 * radius_m),
+            // Its rim touches the box's edge.
+            _ => {
+                let edge = asking.nearest_edge();
+                let back_m = radius_m + asking.random.within(-20.0, 80.0);
+                edge.offset(edge.bearing_deg(asking.middle()), back_m)
+            }
+        };
+        let entry = asking.random.chance(0.5);
+        let ring = Ring {
+            centre,
+            radius_m,
+            orbits: asking.random.sign() * orbits,
+            entry_deg: entry.then(|| asking.random.within(0.0, 360.0)),
+        };
+        let bold = asking.random.chance(0.4);
+        let vertical = asking.vertical(bold);
+        let circle = self.circle(ring, vertical, bold, asking);
+        self.ask(circle, asking);
+    }
+
+    /// More at once than may be open.
+    fn burst(&mut self, line: bool, asking: &mut Asking<'_>) {
+        for _ in 0..asking.random.within(3.0, 9.0) as u32 {
+            if line {
+                self.modest_line(asking);
+            } else {
+                self.modest_circle(asking);
+            }
+        }
+    }
+}
+
+/// A circle's figures.
+#[derive(Clone, Copy, Debug)]
+struct Ring {
+    centre: EastNorth,
+    radius_m: f64,
+    orbits: f64,
+    entry_deg: Option<f64>,
+}

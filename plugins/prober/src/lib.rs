@@ -1,0 +1,169 @@
+//! A plugin that is well-behaved in form and restless in substance, for tests: it asks all the time for what a curious
+//! researcher's plugin would ask for, and much of it at the edge of what is allowed.
+//!
+//! Every draw comes from the configuration's seed. Some leases drive at the fence until the monitor ends them, some
+//! inserts reach as far as the fence lets them, or farther; others are short and near, so that there is something to
+//! fly. It asks for the impossible too: without control, outside of windows, more often than it may.
+
+use backseat_sdk::{Description, Event, Plugin, Request, StepInput, Topic, fence};
+use serde::{Deserialize, Serialize};
+
+mod asking;
+mod config;
+mod errands;
+mod holding;
+mod inserts;
+mod random;
+mod steering;
+
+pub use config::{Config, ConfigError, Kind};
+
+use asking::{Asking, Fix};
+use errands::Errands;
+use holding::Holding;
+use inserts::Inserts;
+use random::Random;
+use steering::Steering;
+
+const PERIOD_NS: u64 = 500_000_000;
+/// Of the steps without control, or without knowing where the vehicle is, it asks in this share, at its boldest.
+const BLIND_SHARE: f64 = 0.15;
+
+/// Asks for what is at the edge of what is allowed.
+#[derive(Debug)]
+pub struct Prober {
+    config: Config,
+    state: State,
+    /// Whether the fence holds for a request, as far as a plugin can know.
+    fits: fn(&Request) -> bool,
+}
+
+/// All that a new instance needs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct State {
+    random: Random,
+    tag: u64,
+    fix: Option<Fix>,
+    control: bool,
+    shut_down: bool,
+    steering: Steering,
+    holding: Holding,
+    inserts: Inserts,
+    errands: Errands,
+}
+
+impl Plugin for Prober {
+    type Config = Config;
+
+    fn describe() -> Description {
+        Description {
+            name: "prober".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            step_period_ns: PERIOD_NS,
+            topics: vec![Topic::Acoustic, Topic::RelativeNavigation],
+        }
+    }
+
+    fn new(config: Config) -> Result<Self, String> {
+        config.validate().map_err(|error| error.to_string())?;
+        let state = State {
+            random: Random::new(config.seed),
+            tag: 0,
+            fix: None,
+            control: false,
+            shut_down: false,
+            steering: Steering::default(),
+            holding: Holding::default(),
+            inserts: Inserts::default(),
+            errands: Errands::default(),
+        };
+        Ok(Self {
+            config,
+            state,
+            fits: |request| fence::check(request).is_ok(),
+        })
+    }
+
+    fn step(&mut self, input: &StepInput) -> Result<Vec<Request>, String> {
+        let mut requests = Vec::new();
+        let state = &mut self.state;
+        if let Some(navigation) = &input.navigation {
+            state.fix = Some(Fix::of(navigation, input));
+        }
+        // Who has never known where the vehicle is has nothing to ask for.
+        let Some(fix) = state.fix else { return Ok(requests) };
+        let mut asking = Asking {
+            config: &self.config,
+            random: &mut state.random,
+            tag: &mut state.tag,
+            fix,
+            now_ns: input.now_ns,
+            // The fence answers from this step's navigation.
+            fits: if input.navigation.is_some() {
+                self.fits
+            } else {
+                |_| false
+            },
+            requests: &mut requests,
+        };
+        for event in &input.events {
+            match event {
+                Event::Outcome(outcome) => {
+                    let (tag, fate) = (outcome.tag, &outcome.state);
+                    state.steering.hear(tag, fate, &mut asking);
+                    state.holding.hear(tag, fate, &mut asking);
+                    state.inserts.hear(tag, fate, &mut asking);
+                    state.errands.hear(tag, fate);
+                }
+                Event::DvlTrigger(allowed) => state.errands.hear_dvl(*allowed, &mut asking),
+                Event::Window(window) => state.errands.hear_window(window.until_ns, input.now_ns),
+                Event::Restored(restored) => {
+                    state.steering.restart();
+                    state.holding.restart();
+                    state.inserts.restart(&restored.open);
+                    state.errands.restart();
+                }
+                Event::Shutdown => state.shut_down = true,
+                Event::Control(_)
+                | Event::Ctd(_)
+                | Event::MissionCommand(_)
+                | Event::BehaviorBegan(_)
+                | Event::BehaviorEnded(_)
+                | Event::Timer(_)
+                | Event::LoggingBegan(_)
+                | Event::LoggingEnded(_)
+                | Event::TopsideMessage(_)
+                | Event::Packet(_)
+                | Event::Plan(_)
+                | Event::Sample(_) => {}
+            }
+        }
+        if input.control && !state.control {
+            state.inserts.hurry(&mut asking);
+        }
+        state.control = input.control;
+        let blind = state.shut_down || !input.control || input.navigation.is_none();
+        if !blind || asking.dares(BLIND_SHARE) {
+            state.steering.step(&mut asking);
+            state.holding.step(&mut asking);
+            state.inserts.step(&mut asking);
+            state.errands.step(&state.inserts, &mut asking);
+        }
+        Ok(requests)
+    }
+
+    fn snapshot(&self) -> Vec<u8> {
+        // Into a growing vector, of numbers: it cannot fail.
+        postcard::to_allocvec(&self.state).unwrap_or_default()
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        self.state = postcard::from_bytes(state).map_err(|error| format!("the state does not parse: {error}"))?;
+        Ok(())
+    }
+}
+
+backseat_sdk::export!(Prober);
+
+#[cfg(test)]
+mod tests;

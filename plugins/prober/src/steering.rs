@@ -1,0 +1,251 @@
+//! Leases: phases in which it steers alternate with phases in which its inserts are flown.
+
+use backseat_sdk::{Modify, Request, State, Vertical};
+use serde::{Deserialize, Serialize};
+
+use crate::asking::Asking;
+use crate::config::Kind;
+
+const SECOND_NS: u64 = 1_000_000_000;
+
+/// Whether it steers, and where to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Steering {
+    leasing: bool,
+    /// When the phase ends.
+    until_ns: u64,
+    drive: Option<Drive>,
+    /// Nothing is asked for before.
+    next_ns: u64,
+    /// Refusals since something was accepted.
+    refused: u32,
+    /// A lease has been accepted.
+    steered: bool,
+}
+
+/// A course that is held by one lease after another until something ends it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Drive {
+    tag: u64,
+    heading_deg: f64,
+    depth_m: Option<f64>,
+    altitude_m: f64,
+    speed_mps: f64,
+    bold: bool,
+    /// When it is renewed.
+    renew_ns: u64,
+    /// When it has been long enough.
+    until_ns: u64,
+}
+
+impl Drive {
+    fn request(&self, duration_ns: u64) -> Request {
+        let vertical = match self.depth_m {
+            Some(metres) => Vertical::Depth(metres),
+            None => Vertical::Altitude(self.altitude_m),
+        };
+        Request::Modify(Modify {
+            tag: self.tag,
+            heading: self.heading_deg,
+            vertical,
+            speed: self.speed_mps,
+            duration_ns,
+        })
+    }
+
+    const fn with(mut self, vertical: Vertical) -> Self {
+        match vertical {
+            Vertical::Depth(metres) => self.depth_m = Some(metres),
+            Vertical::Altitude(metres) => (self.depth_m, self.altitude_m) = (None, metres),
+        }
+        self
+    }
+}
+
+impl Steering {
+    pub(crate) fn step(&mut self, asking: &mut Asking<'_>) {
+        if !asking.config.asks_for(Kind::Modify) {
+            return;
+        }
+        if asking.now_ns >= self.until_ns {
+            self.change_phase(asking);
+        }
+        if !self.leasing {
+            return;
+        }
+        match self.drive {
+            None if asking.now_ns >= self.next_ns => self.begin(asking),
+            None => {}
+            Some(drive) if asking.now_ns >= drive.until_ns => self.end(asking),
+            Some(drive) => self.go_on(drive, asking),
+        }
+    }
+
+    /// A request's fate.
+    pub(crate) fn hear(&mut self, tag: u64, state: &State, asking: &mut Asking<'_>) {
+        let Some(drive) = self.drive.filter(|drive| drive.tag == tag) else {
+            return;
+        };
+        match state {
+            State::Sent | State::Pending | State::Started => {}
+            State::Accepted => {
+                self.refused = 0;
+                self.steered = true;
+            }
+            State::Rejected(_)
+            | State::Failed(_)
+            | State::TimedOut
+            | State::Unknown
+            | State::Ended(_)
+            | State::Cancelled => {
+                self.drive = None;
+                if matches!(state, State::Rejected(_)) {
+                    self.refused += 1;
+                }
+                // Who is stopped at the fence tries it again.
+                if drive.bold && asking.random.chance(0.3) {
+                    let tag = asking.next_tag();
+                    self.ask(Drive { tag, ..drive }, asking);
+                } else {
+                    self.next_ns = asking.now_ns + asking.random.nanos(0.0, 3.0);
+                }
+            }
+        }
+    }
+
+    /// A new instance: what stood is not known.
+    pub(crate) fn restart(&mut self) {
+        self.drive = None;
+    }
+
+    fn change_phase(&mut self, asking: &mut Asking<'_>) {
+        let share = asking.config.modify_share;
+        self.leasing = !self.leasing && share > 0.0 || share >= 1.0;
+        if !self.leasing && self.drive.take().is_some() && asking.random.chance(0.5) {
+            // Or it lapses.
+            asking.ask(Request::EndModify);
+        }
+        let cycle_s = asking.random.within(40.0, 160.0);
+        let phase_s = if self.leasing { share } else { 1.0 - share } * cycle_s;
+        self.until_ns = asking.now_ns + (phase_s.max(1.0) * 1e9) as u64;
+    }
+
+    fn begin(&mut self, asking: &mut Asking<'_>) {
+        // Until something has been accepted, every second one is modest whatever else.
+        let bold = asking.is_bold() && (self.steered || self.refused % 2 == 1);
+        let drive = if bold {
+            self.draw_bold(asking)
+        } else {
+            self.draw_modest(asking)
+        };
+        self.ask(drive, asking);
+    }
+
+    fn draw_modest(&self, asking: &mut Asking<'_>) -> Drive {
+        let tag = asking.next_tag();
+        let mut drive = Drive {
+            tag,
+            heading_deg: asking.fix.heading_deg,
+            depth_m: None,
+            altitude_m: 0.0,
+            speed_mps: asking.config.speed_mps[0],
+            bold: false,
+            renew_ns: 0,
+            until_ns: asking.now_ns + asking.random.nanos(3.0, 60.0),
+        }
+        .with(asking.level());
+        if self.refused >= 3 && asking.random.chance(0.5) {
+            // Straight on, slowly: where the front seat goes anyway.
+            return drive;
+        }
+        for _ in 0..3 {
+            let inwards_deg = asking.fix.local().bearing_deg(asking.middle());
+            let aside_deg = asking.random.within(-120.0, 120.0);
+            drive.heading_deg = wrap_deg(inwards_deg + aside_deg);
+            drive.speed_mps = asking.speed(false);
+            drive = drive.with(asking.vertical(false));
+            if asking.fits(&drive.request(5 * SECOND_NS)) {
+                break;
+            }
+        }
+        drive
+    }
+
+    /// At the fence, at a corner of the box, or anywhere: it is the monitor that stops it.
+    fn draw_bold(&self, asking: &mut Asking<'_>) -> Drive {
+        let here = asking.fix.local();
+        let heading_deg = match asking.random.below(4) {
+            0 => here.bearing_deg(asking.nearest_edge()),
+            1 => here.bearing_deg(asking.corner(0.0)),
+            2 => here.bearing_deg(asking.anywhere()),
+            _ => asking.random.within(0.0, 360.0),
+        };
+        let tag = asking.next_tag();
+        let drive = Drive {
+            tag,
+            heading_deg: wrap_deg(heading_deg),
+            depth_m: None,
+            altitude_m: 0.0,
+            speed_mps: asking.speed(true),
+            bold: true,
+            renew_ns: 0,
+            until_ns: asking.now_ns + asking.random.nanos(20.0, 600.0),
+        };
+        let bold = asking.random.chance(0.4);
+        drive.with(asking.vertical(bold))
+    }
+
+    fn go_on(&mut self, mut drive: Drive, asking: &mut Asking<'_>) {
+        // Some turn, dive or hurry on the way.
+        let turns = asking.random.chance(0.06);
+        if asking.now_ns < drive.renew_ns && !turns {
+            return;
+        }
+        if turns {
+            match asking.random.below(4) {
+                0 => drive.speed_mps = asking.speed(drive.bold),
+                1 => drive = drive.with(asking.vertical(drive.bold)),
+                2 => drive.heading_deg = wrap_deg(drive.heading_deg + asking.random.within(-180.0, 180.0)),
+                _ => drive.heading_deg = wrap_deg(drive.heading_deg + asking.random.within(-20.0, 20.0)),
+            }
+        }
+        if asking.random.chance(0.5) {
+            drive.tag = asking.next_tag();
+        }
+        self.ask(drive, asking);
+    }
+
+    fn ask(&mut self, mut drive: Drive, asking: &mut Asking<'_>) {
+        let longest_s = if asking.dares(0.05) { 90.0 } else { 60.0 };
+        let duration_ns = match asking.random.below(3) {
+            0 => asking.random.nanos(2.0, 5.0),
+            1 => asking.random.nanos(5.0, 20.0),
+            _ => asking.random.nanos(20.0, longest_s),
+        };
+        // Most are renewed in time; some lapse first.
+        let share = asking.random.within(0.3, 1.2);
+        drive.renew_ns = asking.now_ns + (duration_ns as f64 * share) as u64;
+        self.drive = Some(drive);
+        asking.ask(drive.request(duration_ns));
+    }
+
+    fn end(&mut self, asking: &mut Asking<'_>) {
+        self.drive = None;
+        self.next_ns = asking.now_ns + asking.random.nanos(0.0, 5.0);
+        match asking.random.below(3) {
+            0 => asking.ask(Request::EndModify),
+            1 => {
+                // The end, and a beginning in the same breath.
+                asking.ask(Request::EndModify);
+                self.begin(asking);
+            }
+            _ => {}
+        }
+    }
+}
+
+fn wrap_deg(heading_deg: f64) -> f64 {
+    let wrapped = heading_deg.rem_euclid(360.0);
+    // The remainder of a small negative number rounds to the divisor.
+    if wrapped < 360.0 { wrapped } else { 0.0 }
+}

@@ -1,0 +1,250 @@
+use std::collections::BTreeSet;
+
+use backseat_sdk::{
+    Cartesian, Event, Navigation, Outcome, Plugin, Position, Relative, Request, Restored, State, StepInput, Trackline,
+    Window,
+};
+
+use crate::{Config, Kind, Prober};
+
+const CONFIG: &str = r#"{"seed": 7, "east_min_m": -800, "east_max_m": 800, "north_min_m": -500, "north_max_m": 500,
+    "depth_m": [5, 25], "altitude_m": [8, 20], "speed_mps": [1.0, 1.8]}"#;
+const HALF_SECOND_NS: u64 = 500_000_000;
+/// Steps of twenty minutes.
+const DIVE: u64 = 2400;
+
+fn config() -> Config {
+    serde_json::from_str(CONFIG).unwrap()
+}
+
+fn prober(config: Config) -> Prober {
+    let mut prober = Prober::new(config).unwrap();
+    prober.fits = |request| !leaves(request);
+    prober
+}
+
+/// Lines that leave a box of half the size.
+fn leaves(request: &Request) -> bool {
+    let outside = |position: &Position| position.latitude.abs() > 0.0025 || position.longitude.abs() > 0.0035;
+    if let Request::Trackline(Trackline { start, end, .. }) = request {
+        outside(start) || outside(end)
+    } else {
+        false
+    }
+}
+
+/// Steps of a vehicle that stays where it is, from one to another; what was asked for in each, of which all was accepted
+/// that does not leave.
+fn dive(prober: &mut Prober, from: u64, to: u64, control: bool) -> Vec<Vec<Request>> {
+    let mut events = Vec::new();
+    let mut asked = Vec::new();
+    for step in from..to {
+        if step % 60 == 0 {
+            events.push(Event::Window(Window {
+                until_ns: (step + 20) * HALF_SECOND_NS,
+                address: 1,
+                device: "WHOI".into(),
+            }));
+            events.push(Event::DvlTrigger(step % 120 == 0));
+        }
+        let input = StepInput {
+            now_ns: step * HALF_SECOND_NS,
+            navigation: Some(Navigation {
+                depth: 12.0,
+                ..Navigation::default()
+            }),
+            relative: Some(Relative::default()),
+            cartesian: Some(Cartesian::default()),
+            control,
+            events: std::mem::take(&mut events),
+            ..StepInput::default()
+        };
+        let requests = prober.step(&input).unwrap();
+        for request in &requests {
+            let state = if leaves(request) {
+                State::Rejected("inclusion".into())
+            } else {
+                State::Accepted
+            };
+            if let Some(tag) = request.tag() {
+                events.push(Event::Outcome(Outcome { tag, state }));
+            }
+        }
+        asked.push(requests);
+    }
+    asked
+}
+
+fn kind(request: &Request) -> Option<Kind> {
+    Some(match request {
+        Request::Modify(_) | Request::EndModify => Kind::Modify,
+        Request::Trackline(_) => Kind::Trackline,
+        Request::Trackcircle(_) => Kind::Trackcircle,
+        Request::Cancel(_) => Kind::Cancel,
+        Request::Message(_) => Kind::Message,
+        Request::GpsHit(_) => Kind::GpsHit,
+        Request::Topside(_) => Kind::Topside,
+        Request::DvlTrigger(_) => Kind::Dvl,
+        Request::Silent(_) => Kind::Silent,
+        Request::Trim(_) => Kind::Trim,
+        Request::Buoyancy(_) => Kind::Buoyancy,
+        Request::Packet(_) => Kind::Packet,
+        Request::Hold(_) | Request::EndHold => Kind::Hold,
+        Request::SonarAngle(_) | Request::Camera(_) | Request::Light(_) => Kind::Devices,
+        Request::Timer(_) => return None,
+    })
+}
+
+fn kinds(asked: &[Vec<Request>]) -> BTreeSet<Kind> {
+    asked.iter().flatten().filter_map(kind).collect()
+}
+
+/// Requests have no equality; what they print has.
+fn text(asked: &[Vec<Request>]) -> String {
+    format!("{asked:?}")
+}
+
+#[test]
+fn it_asks_for_every_kind_in_one_dive() {
+    let mut hovering = prober(Config {
+        hovering: true,
+        ..config()
+    });
+    let asked = dive(&mut hovering, 0, DIVE, true);
+    assert_eq!(kinds(&asked).len(), 14, "{:?}", kinds(&asked));
+    let mut cruising = prober(config());
+    let asked = kinds(&dive(&mut cruising, 0, DIVE, true));
+    assert!(!asked.contains(&Kind::Hold) && !asked.contains(&Kind::Devices));
+}
+
+#[test]
+fn it_asks_for_nothing_but_the_kinds_that_it_is_told() {
+    let only = vec![Kind::Modify, Kind::Trackcircle];
+    let mut prober = prober(Config {
+        kinds: Some(only.clone()),
+        ..config()
+    });
+    let asked = kinds(&dive(&mut prober, 0, DIVE, true));
+    assert_eq!(asked.into_iter().collect::<Vec<_>>(), only);
+}
+
+#[test]
+fn however_bold_some_of_what_it_asks_for_is_inside_and_short() {
+    for seed in 0..100 {
+        let bold = Config {
+            seed,
+            boldness: 1.0,
+            ..config()
+        };
+        let asked = dive(&mut prober(bold), 0, DIVE, true);
+        let lines: Vec<bool> = asked
+            .iter()
+            .flatten()
+            .filter(|request| matches!(request, Request::Trackline(_)))
+            .map(leaves)
+            .collect();
+        let outside = lines.iter().filter(|leaves| **leaves).count();
+        assert!(outside >= 2 && lines.len() - outside >= 2, "seed {seed}: {lines:?}");
+    }
+}
+
+#[test]
+fn its_leases_stand_for_some_of_the_time_only() {
+    let asked = dive(&mut prober(config()), 0, DIVE, true);
+    let steering: Vec<u64> = (0..DIVE)
+        .zip(&asked)
+        .filter(|(_, requests)| requests.iter().any(|request| matches!(request, Request::Modify(_))))
+        .map(|(step, _)| step)
+        .collect();
+    assert!(steering.len() > 100, "{} steps", steering.len());
+    let pause = steering.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap();
+    assert!(pause > 20, "{pause} steps");
+}
+
+#[test]
+fn a_step_asks_for_no_more_than_a_step_may() {
+    for seed in 0..50 {
+        let bold = Config {
+            seed,
+            hovering: true,
+            boldness: 1.0,
+            ..config()
+        };
+        let asked = dive(&mut prober(bold), 0, DIVE, true);
+        let most = asked.iter().map(Vec::len).max().unwrap();
+        assert!((40..=100).contains(&most), "seed {seed}: {most}");
+    }
+}
+
+#[test]
+fn without_control_only_the_bold_ask_and_seldom() {
+    let count = |boldness| {
+        let config = Config { boldness, ..config() };
+        dive(&mut prober(config), 0, DIVE, false).iter().flatten().count()
+    };
+    assert_eq!(count(0.0), 0);
+    let bold = count(1.0);
+    assert!((20..1000).contains(&bold), "{bold}");
+}
+
+#[test]
+fn the_same_seed_asks_for_the_same_and_another_for_other_things() {
+    let run = |seed| text(&dive(&mut prober(Config { seed, ..config() }), 0, 600, true));
+    assert_eq!(run(1), run(1));
+    assert_ne!(run(1), run(2));
+}
+
+#[test]
+fn a_restored_instance_goes_on_as_the_old_one_would_have() {
+    let mut first = prober(config());
+    dive(&mut first, 0, 600, true);
+    let mut second = prober(config());
+    second.restore(&first.snapshot()).unwrap();
+    assert_eq!(first.state, second.state);
+    let (there, here) = (dive(&mut first, 600, 1200, true), dive(&mut second, 600, 1200, true));
+    assert_eq!(text(&there), text(&here));
+    assert!(second.restore(&[0xff; 3]).is_err());
+}
+
+#[test]
+fn a_new_instance_knows_only_what_is_open() {
+    let mut prober = prober(config());
+    dive(&mut prober, 0, 600, true);
+    let restored = Event::Restored(Restored {
+        lost_steps: 1,
+        open: vec![],
+    });
+    let input = StepInput {
+        now_ns: 601 * HALF_SECOND_NS,
+        events: vec![restored],
+        ..StepInput::default()
+    };
+    prober.step(&input).unwrap();
+    let inserts = format!("{:?}", prober.state.inserts);
+    assert!(inserts.contains("open: []"), "{inserts}");
+}
+
+#[test]
+fn a_configuration_that_makes_no_sense_is_refused_by_its_key() {
+    let refusal = |config: Config| Prober::new(config).unwrap_err();
+    let bold = Config {
+        boldness: 1.5,
+        ..config()
+    };
+    assert_eq!(refusal(bold), "boldness is 1.5: expected 0 to 1");
+    let turned = Config {
+        depth_m: [25.0, 5.0],
+        ..config()
+    };
+    assert_eq!(refusal(turned), "depth_m is 5: expected the least, then the greatest");
+    let flat = Config {
+        north_max_m: -480.0,
+        ..config()
+    };
+    assert!(refusal(flat).starts_with("north_max_m is -480"));
+    let none = Config {
+        speed_mps: [f64::NAN, 1.0],
+        ..config()
+    };
+    assert!(refusal(none).starts_with("speed_mps is NaN"));
+}

@@ -179,8 +179,8 @@ fn mission(dice: &mut Dice, hovering: bool, area: &Area) -> String {
         text += &format!("north_min_m = {:.1}\nnorth_max_m = {reach_m:.1}\n", -reach_m);
         text += &format!("depth_m = [2.0, {:.1}]\n", area.depth_max_m + 4.0);
         text += &format!(
-            "altitude_m = {:.1}\nspeed_mps = [1.0, 2.0]\n",
-            area.altitude_min_m + 8.0
+            "altitude_m = [{:.1}, 40.0]\nspeed_mps = [1.0, 2.0]\n",
+            area.altitude_min_m
         );
         text += &format!("boldness = {:?}\n", dice.figure(0.1, 0.8));
         text += &format!("insert_every_s = {:?}\n", dice.figure(40.0, 150.0));

@@ -42,6 +42,10 @@ impl Control {
         self.up
     }
 
+    pub(crate) const fn is_granted(&self) -> bool {
+        self.granted
+    }
+
     /// Since when there is no control; `None` where there is.
     pub(crate) fn denied_since(&self) -> Option<Timestamp> {
         (!self.granted).then_some(self.since)

@@ -11,6 +11,11 @@ pub(crate) struct Inserts {
     known: BTreeMap<u32, Insert>,
     /// Our BPRCN, by their times: the acknowledgement may leave the identifier out.
     cancels: BTreeMap<TimeOfDay, u32>,
+    open: Open,
+    /// When the plan was asked for that is being told.
+    plan_asked: Option<Timestamp>,
+    /// Sent and not refused, since the runtime's process began.
+    of_process: u64,
     sent: u64,
     refused: u64,
     accepted: u64,
@@ -21,13 +26,24 @@ pub(crate) struct Inserts {
 /// One BPRTK, BPRTC or BPRGP.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Insert {
+    pub(crate) sent: Timestamp,
     /// What our sentence said of when it was made.
     pub(crate) created: Option<TimeOfDay>,
     /// It interrupts the current behavior.
     pub(crate) interrupts: bool,
+    /// BPRCN can take it back.
+    pub(crate) cancellable: bool,
     /// How long it takes to fly, seconds.
     pub(crate) duration_s: f64,
     pub(crate) state: State,
+    /// BPRCN was sent for it.
+    pub(crate) cancel_asked: bool,
+    /// The plan that is being told has it.
+    pub(crate) listed: bool,
+    /// An earlier process has sent it, and the vehicle has not named it to this one.
+    pub(crate) foreign: bool,
+    /// An earlier process has sent it: this one cannot know how long it flies.
+    pub(crate) inherited: bool,
 }
 
 /// What the vehicle said of an insert.
@@ -37,9 +53,60 @@ pub(crate) enum State {
     Sent,
     /// Nothing before the link was lost.
     Unknown,
-    Accepted,
+    Accepted(Timestamp),
     Begun(Timestamp),
+    /// A whole plan, told later, did not have it.
+    Absent,
     Closed,
+}
+
+/// How many inserts stand where.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Open {
+    /// Neither taken nor refused.
+    pub(crate) asked: u32,
+    /// Taken and not begun.
+    pub(crate) queued: u32,
+    /// Begun and not ended.
+    pub(crate) flown: u32,
+}
+
+impl Open {
+    const fn of(&mut self, state: State) -> Option<&mut u32> {
+        match state {
+            State::Sent | State::Unknown => Some(&mut self.asked),
+            State::Accepted(_) => Some(&mut self.queued),
+            State::Begun(_) => Some(&mut self.flown),
+            State::Absent | State::Closed => None,
+        }
+    }
+
+    fn goes(&mut self, insert: &mut Insert, state: State) {
+        if let Some(count) = self.of(insert.state) {
+            *count -= 1;
+        }
+        if let Some(count) = self.of(state) {
+            *count += 1;
+        }
+        insert.state = state;
+    }
+}
+
+impl Insert {
+    pub(crate) const fn new(sent: Timestamp, created: TimeOfDay, duration_s: f64) -> Self {
+        Self {
+            sent,
+            created: Some(created),
+            interrupts: false,
+            cancellable: true,
+            duration_s,
+            state: State::Sent,
+            cancel_asked: false,
+            listed: false,
+            foreign: false,
+            inherited: false,
+        }
+    }
 }
 
 impl Inserts {
@@ -48,6 +115,10 @@ impl Inserts {
 
     pub(crate) const fn counts(&self) -> [u64; 5] {
         [self.sent, self.refused, self.accepted, self.begun, self.cancelled]
+    }
+
+    pub(crate) const fn open(&self) -> Open {
+        self.open
     }
 
     /// We wrote an insert.
@@ -60,17 +131,30 @@ impl Inserts {
         findings: &mut Findings,
     ) {
         self.sent += 1;
+        self.of_process += 1;
         if insert.interrupts
-            && let Some((running, _)) = self
-                .known
-                .iter()
-                .find(|(_, other)| other.interrupts && !matches!(other.state, State::Closed | State::Unknown))
+            && let Some((running, _)) = self.known.iter().find(|(_, other)| {
+                other.interrupts
+                    && !other.foreign
+                    && matches!(other.state, State::Sent | State::Accepted(_) | State::Begun(_))
+            })
         {
             findings.add(at, Rule::InterruptOfInterrupt, || {
                 format!("insert {identifier} interrupts while the interrupting insert {running} is not done")
             });
         }
-        let total = self.sent - self.refused;
+        if let Some((doubt, _)) = self
+            .known
+            .iter()
+            .find(|(_, other)| other.state == State::Unknown && !other.foreign)
+        {
+            findings.add(at, Rule::InsertInDoubt, || {
+                format!(
+                    "insert {identifier} while it is not known what became of {doubt}, sent before the link was lost"
+                )
+            });
+        }
+        let total = self.of_process;
         if total > u64::from(total_max) {
             findings.add(at, Rule::InsertsTotal, || {
                 format!("{total} inserts sent, {total_max} allowed")
@@ -81,8 +165,14 @@ impl Inserts {
                 format!("identifier {identifier} was used before")
             });
         } else if self.known.len() < Self::KNOWN_MAX {
+            self.open.asked += 1;
             self.known.insert(identifier, insert);
         }
+    }
+
+    /// Whether we have sent an insert with this identifier.
+    pub(crate) fn is_ours(&self, identifier: u32) -> bool {
+        self.known.contains_key(&identifier) || self.known.len() >= Self::KNOWN_MAX
     }
 
     /// We wrote a BPRCN.
@@ -91,10 +181,24 @@ impl Inserts {
             self.cancels.pop_first();
         }
         self.cancels.insert(created.truncated_to_millis(), identifier);
+        if let Some(insert) = self.known.get_mut(&identifier) {
+            insert.cancel_asked = true;
+        }
+    }
+
+    /// One that was taken before `by`, has not begun, can be taken back, and was not.
+    pub(crate) fn not_taken_back(&self, by: Timestamp) -> Option<u32> {
+        if self.open.queued == 0 {
+            return None;
+        }
+        self.known.iter().find_map(|(identifier, insert)| {
+            let waits = matches!(insert.state, State::Accepted(at) if at <= by);
+            (waits && insert.cancellable && !insert.cancel_asked && !insert.foreign).then_some(*identifier)
+        })
     }
 
     /// The vehicle took or refused an insert.
-    pub(crate) fn answered(&mut self, identifier: Option<u32>, created: TimeOfDay, taken: bool) {
+    pub(crate) fn answered(&mut self, at: Timestamp, identifier: Option<u32>, created: TimeOfDay, taken: bool) {
         let entry = match identifier {
             Some(identifier) => self.known.get_mut(&identifier),
             // Rare: an acknowledgement without the identifier.
@@ -104,21 +208,47 @@ impl Inserts {
                 .find(|insert| insert.created.map(TimeOfDay::truncated_to_millis) == Some(created)),
         };
         let Some(insert) = entry else { return };
-        if !matches!(insert.state, State::Sent | State::Unknown) {
+        insert.foreign = false;
+        if !matches!(insert.state, State::Sent | State::Unknown | State::Absent) {
             return;
         }
         if taken {
-            insert.state = State::Accepted;
+            self.open.goes(insert, State::Accepted(at));
             self.accepted += 1;
         } else {
-            insert.state = State::Closed;
+            self.open.goes(insert, State::Closed);
             self.refused += 1;
+            self.of_process = self.of_process.saturating_sub(1);
+        }
+    }
+
+    /// We asked for the plan.
+    pub(crate) fn plan_asked(&mut self, at: Timestamp) {
+        self.plan_asked = Some(at);
+        for insert in self.known.values_mut() {
+            insert.listed = false;
         }
     }
 
     /// The vehicle's plan holds an insert: it was accepted, whatever became of the acknowledgement.
-    pub(crate) fn planned(&mut self, identifier: u32) {
-        self.answered(Some(identifier), TimeOfDay::MIDNIGHT, true);
+    pub(crate) fn planned(&mut self, at: Timestamp, identifier: u32) {
+        self.answered(at, Some(identifier), TimeOfDay::MIDNIGHT, true);
+        if let Some(insert) = self.known.get_mut(&identifier) {
+            insert.listed = true;
+        }
+    }
+
+    /// The plan was told to its end: what it does not hold does not wait.
+    pub(crate) fn plan_told(&mut self) {
+        let Some(asked) = self.plan_asked.take() else { return };
+        for insert in self.known.values_mut() {
+            if insert.sent < asked
+                && !insert.listed
+                && matches!(insert.state, State::Sent | State::Unknown | State::Accepted(_))
+            {
+                self.open.goes(insert, State::Absent);
+            }
+        }
     }
 
     /// The vehicle acknowledged a cancel.
@@ -128,18 +258,18 @@ impl Inserts {
             return;
         };
         if insert.state != State::Closed {
-            insert.state = State::Closed;
+            self.open.goes(insert, State::Closed);
             self.cancelled += 1;
         }
     }
 
     /// The vehicle begins an insert.
     pub(crate) fn begins(&mut self, at: Timestamp, identifier: u32) {
-        self.planned(identifier);
+        self.planned(at, identifier);
         if let Some(insert) = self.known.get_mut(&identifier)
             && !matches!(insert.state, State::Begun(_))
         {
-            insert.state = State::Begun(at);
+            self.open.goes(insert, State::Begun(at));
             self.begun += 1;
         }
     }
@@ -147,19 +277,23 @@ impl Inserts {
     /// The vehicle is done with an insert.
     pub(crate) fn ends(&mut self, identifier: u32) {
         if let Some(insert) = self.known.get_mut(&identifier) {
-            insert.state = State::Closed;
+            self.open.goes(insert, State::Closed);
         }
     }
 
     /// The mission is over, and all inserts with it.
     pub(crate) fn all_end(&mut self) {
         for insert in self.known.values_mut() {
-            insert.state = State::Closed;
+            self.open.goes(insert, State::Closed);
         }
     }
 
     /// The link was lost: what was not answered stays open.
     pub(crate) fn cut(&mut self) {
+        self.plan_asked = None;
+        if self.open.asked == 0 {
+            return;
+        }
         for insert in self.known.values_mut() {
             if insert.state == State::Sent {
                 insert.state = State::Unknown;
@@ -167,21 +301,29 @@ impl Inserts {
         }
     }
 
+    /// A new process knows nothing of what another one sent.
+    pub(crate) fn new_process(&mut self) {
+        self.plan_asked = None;
+        self.of_process = 0;
+        for insert in self.known.values_mut() {
+            insert.foreign = true;
+            insert.inherited = true;
+        }
+    }
+
     /// Judges what is open, after the vehicle took one more.
     pub(crate) fn check_open(&self, at: Timestamp, open_max: u32, duration_max_s: f64, findings: &mut Findings) {
         let mut open = 0_u64;
         let mut remaining_s = 0.0;
-        for insert in self.known.values() {
-            match insert.state {
-                State::Accepted => {
-                    open += 1;
-                    remaining_s += insert.duration_s;
-                }
-                State::Begun(since) => {
-                    open += 1;
-                    remaining_s += (insert.duration_s - at.since(since).as_secs_f64()).max(0.0);
-                }
-                State::Sent | State::Unknown | State::Closed => {}
+        for insert in self.known.values().filter(|insert| !insert.foreign) {
+            let left_s = match insert.state {
+                State::Accepted(_) => insert.duration_s,
+                State::Begun(since) => (insert.duration_s - at.since(since).as_secs_f64()).max(0.0),
+                State::Sent | State::Unknown | State::Absent | State::Closed => continue,
+            };
+            open += 1;
+            if !insert.inherited {
+                remaining_s += left_s;
             }
         }
         if open > u64::from(open_max) {

@@ -2,6 +2,7 @@ use std::time::Duration;
 
 use backseat_units::Timestamp;
 
+use crate::due::Due;
 use crate::rule::Rule;
 use crate::violation::Findings;
 
@@ -21,8 +22,8 @@ pub(crate) struct Lease {
     unended: bool,
     gap_told: bool,
     stale_told: bool,
-    /// Control is lost and a BPEMB must come by then.
-    end_due: Option<Timestamp>,
+    /// Something has ended it, and a BPEMB must come.
+    due: Option<Due>,
     opened: u64,
     alive: Duration,
 }
@@ -56,12 +57,10 @@ impl Lease {
         if self.alive_since.is_none() {
             return;
         }
-        if let Some(due) = self.end_due
-            && now > due
+        if let Some(due) = self.due
+            && due.is_missed(now)
         {
-            findings.add(now, Rule::EndModifyMissing, || {
-                format!("no BPEMB by {due} though control was lost under a lease")
-            });
+            due.tell(now, "BPEMB", findings);
             self.close(now);
             return;
         }
@@ -81,8 +80,8 @@ impl Lease {
         }
     }
 
-    /// We wrote a BPRMB. `counts` where the vehicle may take it; `end_due` where control is already lost.
-    pub(crate) fn modify(&mut self, at: Timestamp, counts: bool, end_due: Option<Timestamp>, findings: &mut Findings) {
+    /// We wrote a BPRMB. `counts` where the vehicle may take it; `due` where it must end at once.
+    pub(crate) fn modify(&mut self, at: Timestamp, counts: bool, due: Option<Due>, findings: &mut Findings) {
         if let Some(last) = self.last_modify
             && at.since(last) < GAP_MIN
         {
@@ -97,7 +96,7 @@ impl Lease {
             self.alive_since = Some(at);
             self.opened += 1;
             self.stale_told = false;
-            self.end_due = end_due;
+            self.due = due;
         }
     }
 
@@ -107,10 +106,10 @@ impl Lease {
         self.close(at);
     }
 
-    /// Control was lost under the lease: a BPEMB is due.
-    pub(crate) fn must_end_by(&mut self, due: Timestamp) {
-        if self.alive_since.is_some() && self.end_due.is_none() {
-            self.end_due = Some(due);
+    /// Something has ended the lease: a BPEMB is due.
+    pub(crate) fn must_end(&mut self, due: Due) {
+        if self.alive_since.is_some() {
+            self.due = Due::first(self.due, due);
         }
     }
 
@@ -128,7 +127,7 @@ impl Lease {
         if let Some(since) = self.alive_since.take() {
             self.alive += at.since(since);
         }
-        self.end_due = None;
+        self.due = None;
         self.gap_told = false;
     }
 }

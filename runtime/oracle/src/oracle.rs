@@ -1,25 +1,29 @@
+mod ours;
 mod requests;
+mod vehicle;
 mod wire;
 
 use std::time::Duration;
 
-use backseat_spi::{AckStatus, ChecksumState, FromVehicle, Sentence};
 use backseat_units::Timestamp;
-use memchr::memrchr;
 
-use self::wire::{created_time, our_message, solution_time};
 use crate::area::Area;
 use crate::conduct::{Conduct, Context};
 use crate::control::{Change, Control};
+use crate::due::Due;
 use crate::error::OracleError;
+use crate::hold::Hold;
 use crate::inserts::Inserts;
 use crate::lease::Lease;
 use crate::limits::{Activity, Limits, Truth, seconds};
 use crate::lines::{Lines, Piece};
 use crate::navigation::Navigation;
+use crate::operator::Operator;
 use crate::plan::Plan;
+use crate::process::Process;
 use crate::rule::Rule;
 use crate::stamps::Stamps;
+use crate::state::State;
 use crate::statistics::Statistics;
 use crate::violation::{Findings, Violation};
 
@@ -41,9 +45,12 @@ pub struct Oracle {
     control_held: Duration,
     navigation: Navigation,
     lease: Lease,
+    hold: Hold,
     inserts: Inserts,
     /// The insert that the vehicle truly flies.
     flown: Option<u32>,
+    process: Process,
+    operator: Operator,
     stamps: Stamps,
     plan: Plan,
     conduct: Conduct,
@@ -73,8 +80,11 @@ impl Oracle {
             control_held: Duration::ZERO,
             navigation: Navigation::default(),
             lease: Lease::default(),
+            hold: Hold::default(),
             inserts: Inserts::default(),
             flown: None,
+            process: Process::default(),
+            operator: Operator::default(),
             stamps: Stamps::default(),
             plan: Plan::default(),
             conduct: Conduct::default(),
@@ -89,7 +99,9 @@ impl Oracle {
     pub fn link(&mut self, at: Timestamp, up: bool) {
         self.pass_time(at);
         self.lease.cut(at);
+        self.hold.cut(at);
         self.inserts.cut();
+        self.operator.cut();
         self.from_vehicle.clear();
         self.to_vehicle.clear();
         self.navigation.clear();
@@ -104,10 +116,45 @@ impl Oracle {
     }
 
     /// A fault of the simulation stops, kills or hangs the runtime with the link still up: its lease cannot be ended
-    /// any more, and the vehicle's clock alone must do so (requirement 007).
+    /// any more, and the vehicle's clock alone must do so (requirement 007). Until it goes on it hears nothing.
     pub fn runtime_stopped(&mut self, at: Timestamp) {
         self.pass_time(at);
         self.lease.cut(at);
+        self.hold.pause(at);
+        self.operator.cut();
+        self.process.stopped(at);
+    }
+
+    /// The runtime goes on after it was stopped, and hears now what was said meanwhile. Where this is not told, its
+    /// next write tells it.
+    pub fn runtime_continued(&mut self, at: Timestamp) {
+        self.pass_time(at);
+        self.process.goes_on(at);
+    }
+
+    /// A new process of the runtime begins: it knows the identifiers that were used and the operator's hold, and nothing
+    /// else of what was said before.
+    pub fn runtime_started(&mut self, at: Timestamp) {
+        self.pass_time(at);
+        self.process.goes_on(at);
+        self.inserts.new_process();
+    }
+
+    /// The operator holds the runtime, or releases it (requirement 015).
+    pub fn operator(&mut self, at: Timestamp, held: bool) {
+        self.pass_time(at);
+        if !held {
+            self.operator.releases();
+        } else if self
+            .operator
+            .holds(at, self.control.is_up() && !self.process.is_stopped())
+        {
+            let due = self.operator.due(&self.process);
+            if let Some(due) = due {
+                self.lease.must_end(due);
+                self.hold.must_end(due);
+            }
+        }
     }
 
     /// A write of the vehicle, at its sender, in any split.
@@ -125,6 +172,7 @@ impl Oracle {
     /// A write of ours, at its sender.
     pub fn to_vehicle(&mut self, at: Timestamp, bytes: &[u8]) {
         self.pass_time(at);
+        self.process.goes_on(at);
         self.counts.bytes_to_vehicle += bytes.len() as u64;
         let mut lines = core::mem::take(&mut self.to_vehicle);
         lines.push(bytes, |piece| match piece {
@@ -148,6 +196,37 @@ impl Oracle {
             last_modify: self.lease.last_modify(),
         };
         self.conduct.judge(truth, &context, &mut self.findings);
+    }
+
+    /// Where the run stands. It costs next to nothing.
+    #[must_use]
+    pub const fn state(&self) -> State {
+        if !self.control.is_up() {
+            return State::Down;
+        }
+        if !self.control.is_granted() {
+            return State::NoControl;
+        }
+        if self.hold.is_alive() {
+            return State::Hold;
+        }
+        let open = self.inserts.open();
+        if self.lease.is_alive() {
+            return if open.asked + open.queued + open.flown > 0 {
+                State::LeaseInsert
+            } else {
+                State::Lease
+            };
+        }
+        if open.flown > 0 {
+            State::Insert
+        } else if open.queued > 0 {
+            State::Queued
+        } else if open.asked > 0 {
+            State::Asked
+        } else {
+            State::Idle
+        }
     }
 
     /// The run is over: everything that was found, in the order of time. The first hundred are listed, the rest are a
@@ -177,6 +256,8 @@ impl Oracle {
             control_s: self.control_held_at(self.now).as_secs_f64(),
             leases: self.lease.opened(),
             lease_s: self.lease.alive_s(self.now),
+            holds: self.hold.opened(),
+            hold_s: self.hold.alive_s(self.now),
             inserts_sent,
             inserts_refused,
             inserts_accepted,
@@ -214,6 +295,14 @@ impl Oracle {
     /// Judges what silence does before anything else is looked at.
     fn pass_time(&mut self, at: Timestamp) {
         self.now = self.now.max(at);
+        self.hold.check(at, &mut self.findings);
+        if let Some(by) = self.operator.cancels_due(at)
+            && let Some(identifier) = self.inserts.not_taken_back(by)
+        {
+            self.findings.add(at, Rule::HoldCancelMissing, || {
+                format!("no BPRCN for insert {identifier}, which waits under the operator's hold")
+            });
+        }
         if !self.lease.is_alive() {
             return;
         }
@@ -222,6 +311,23 @@ impl Oracle {
             self.findings.add(at, Rule::StaleNavigation, || {
                 "the lease goes on though navigation is stale".to_owned()
             });
+        }
+    }
+
+    /// What ends a lease that begins now at once: control that is just being lost, the operator's hold.
+    fn end_due(&self) -> Option<Due> {
+        let lost = self.control.denied_since().map(|since| self.lost_due(since));
+        match (lost, self.operator.due(&self.process)) {
+            (lost, Some(held)) => Due::first(lost, held),
+            (lost, None) => lost,
+        }
+    }
+
+    fn lost_due(&self, since: Timestamp) -> Due {
+        Due {
+            by: self.process.heard(since) + self.link_delay + END_WITHIN,
+            rule: Rule::EndMissing,
+            why: "control was lost under it",
         }
     }
 
@@ -246,165 +352,11 @@ impl Oracle {
             Change::Lost { held } => {
                 self.control_held += held;
                 if self.control.is_up() {
-                    self.lease.must_end_by(at + self.link_delay + END_WITHIN);
+                    let due = self.lost_due(at);
+                    self.lease.must_end(due);
+                    self.hold.must_end(due);
                 }
             }
         }
-    }
-
-    /// A line of the vehicle's. Most are navigation, so that their names are looked at before anything is decoded.
-    fn vehicle_line(&mut self, at: Timestamp, line: &[u8]) {
-        let Some(line) = memrchr(b'$', line).and_then(|start| line.get(start..)) else {
-            return;
-        };
-        match line.get(1..6) {
-            Some(b"BFNVG") => {
-                if let Some(solution) = solution_time(line)
-                    && self.navigation.heard(at, solution)
-                {
-                    self.counts.navigations += 1;
-                }
-            }
-            Some(b"BFCTL" | b"BFMIS" | b"BFMSC" | b"BFMBS" | b"BFMBE" | b"BFACK" | b"BFPLN") => {
-                let sentence = core::str::from_utf8(line)
-                    .ok()
-                    .and_then(|line| Sentence::parse(line).ok());
-                if let Some(sentence) = sentence
-                    && sentence.checksum() == ChecksumState::Valid
-                    && let Ok(message) = FromVehicle::decode(&sentence)
-                {
-                    self.vehicle_says(at, &message);
-                }
-            }
-            Some(_) | None => {}
-        }
-    }
-
-    #[expect(
-        clippy::wildcard_enum_match_arm,
-        reason = "messages that no rule is about, those of later versions included"
-    )]
-    fn vehicle_says(&mut self, at: Timestamp, message: &FromVehicle) {
-        match message {
-            FromVehicle::BackseatControl(control) => {
-                let change = self.control.backseat_control(at, control.granted);
-                self.control_changed(at, change);
-            }
-            FromVehicle::MissionStatus(status) => {
-                let change = self.control.mission_running(at, status.is_running());
-                self.control_changed(at, change);
-                if !status.is_running() {
-                    self.inserts.all_end();
-                }
-            }
-            FromVehicle::MissionCommand(command) => {
-                let change = self.control.mission_command(at, command.text.as_str());
-                self.control_changed(at, change);
-            }
-            FromVehicle::BehaviorBegin(begin) => {
-                if let Some(identifier) = begin.identifier {
-                    self.inserts.begins(at, identifier.get());
-                }
-            }
-            FromVehicle::BehaviorEnd(end) => {
-                if let Some(identifier) = end.identifier {
-                    self.inserts.ends(identifier.get());
-                }
-            }
-            FromVehicle::PlanElement(element) => {
-                let own = element.identifier.is_none();
-                self.plan.told(own.then(|| self.area.point(element.position)));
-                if let Some(identifier) = element.identifier {
-                    self.inserts.planned(identifier.get());
-                }
-            }
-            FromVehicle::Acknowledgement(ack) => {
-                let identifier = ack.behavior.map(backseat_spi::BehaviorId::get);
-                let created = ack.command_created.truncated_to_millis();
-                let taken = match ack.status {
-                    AckStatus::Succeeded => true,
-                    AckStatus::Invalid | AckStatus::Failed | AckStatus::Other(_) => false,
-                    AckStatus::Pending => return,
-                };
-                match ack.command.as_str() {
-                    "RTK" | "RTC" | "RGP" => {
-                        self.inserts.answered(identifier, created, taken);
-                        if taken {
-                            let (open_max, duration_s) =
-                                (self.limits.inserts_open_max, self.limits.inserts_duration_max_s);
-                            self.inserts.check_open(at, open_max, duration_s, &mut self.findings);
-                        }
-                    }
-                    "RCN" if taken => self.inserts.cancel_done(identifier, created),
-                    _ => {}
-                }
-            }
-            _ => {}
-        }
-    }
-
-    /// A line of ours: it must be a whole sentence as the specification wants it (SPI 4.2), and nothing else.
-    fn our_line(&mut self, at: Timestamp, line: &[u8]) {
-        self.counts.sentences_to_vehicle += 1;
-        let message = match our_message(line) {
-            Ok(message) => message,
-            Err(fault) => {
-                self.findings.add(at, Rule::Malformed, || {
-                    let shown: String = String::from_utf8_lossy(line).chars().take(80).collect();
-                    format!("{fault}: {}", shown.escape_debug())
-                });
-                return;
-            }
-        };
-        let Some(name) = line.get(1..6).and_then(|name| <[u8; 5]>::try_from(name).ok()) else {
-            return;
-        };
-        let created = if name == *b"BPLOG" { None } else { created_time(line) };
-        if let Some(created) = created
-            && self.stamps.repeats(name, created)
-        {
-            self.findings.add(at, Rule::StampRepeated, || {
-                format!("{} has the time {created} twice", String::from_utf8_lossy(&name))
-            });
-        }
-        let denied = self.judge_permission(at, &name);
-        self.we_say(at, &message, denied);
-    }
-
-    /// Whether control surely is not ours, after telling so where the sentence needs it.
-    fn judge_permission(&mut self, at: Timestamp, name: &[u8; 5]) -> bool {
-        if !self.limits.operator_commands {
-            match name {
-                b"BPABT" | b"BPKIL" | b"BPRCA" | b"BPRCB" | b"BPRCE" => {
-                    self.findings.add(at, Rule::OperatorOnly, || {
-                        format!("{} was sent", String::from_utf8_lossy(name))
-                    });
-                }
-                b"BPNPU" | b"BPRNS" | b"BPRBO" | b"BPSEM" => {
-                    self.findings.add(at, Rule::MovesTruth, || {
-                        format!("{} was sent", String::from_utf8_lossy(name))
-                    });
-                }
-                _ => {}
-            }
-        }
-        let Some(since) = self.control.denied_since() else {
-            return false;
-        };
-        if since > at - (self.link_delay + RACE) {
-            return false;
-        }
-        let rule = match name {
-            b"BPVER" | b"BPLOG" | b"BPSTS" | b"BPMSG" | b"BPRMP" | b"BPRCN" | b"BPABT" | b"BPKIL" | b"BPDVR"
-            | b"BPTMR" | b"BPRES" | b"BPSPD" => return true,
-            b"BPEMB" if self.lease.is_unended() => return true,
-            b"BPEMB" => Rule::EndModifySurplus,
-            b"BPRMB" | b"BPRTK" | b"BPRTC" | b"BPRGP" => Rule::NoControl,
-            _ => Rule::NotAllowedWithoutControl,
-        };
-        self.findings.add(at, rule, || {
-            format!("{} without control since {since}", String::from_utf8_lossy(name))
-        });
-        true
     }
 }

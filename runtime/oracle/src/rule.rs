@@ -23,10 +23,12 @@ rules! {
     NoControl = "no-control", Some(1);
     /// Anything but the few harmless sentences without control.
     NotAllowedWithoutControl = "not-allowed-without-control", Some(14);
-    /// Control was lost under a lease and no BPEMB followed in time.
-    EndModifyMissing = "end-modify-missing", Some(14);
-    /// A BPEMB without control and without a lease to end.
-    EndModifySurplus = "end-modify-surplus", Some(14);
+    /// Control was lost under a lease or a hold, and neither BPEMB nor BPRES followed in time.
+    EndMissing = "end-missing", Some(14);
+    /// A BPEMB or BPRES without control and without anything to end.
+    EndSurplus = "end-surplus", Some(14);
+    /// A BPRCN for what we have not sent.
+    CancelForeign = "cancel-foreign", Some(14);
     /// A live lease was not refreshed in time.
     ModifyGap = "modify-gap", Some(3);
     /// A lease stopped without BPEMB.
@@ -35,6 +37,16 @@ rules! {
     ModifyTooFast = "modify-too-fast", Some(3);
     /// A BPRMB that leaves something to the current behavior.
     ModifyInherits = "modify-inherits", Some(3);
+    /// A live hold was neither refreshed nor ended in time.
+    HoldGap = "hold-gap", Some(5);
+    /// A sentence that needs a suspended mission, without one.
+    HoldDead = "hold-dead", Some(5);
+    /// A dynamic request, or a lease that goes on, under the operator's hold.
+    OperatorHold = "operator-hold", Some(15);
+    /// An insert that waits was not taken back under the operator's hold.
+    HoldCancelMissing = "hold-cancel-missing", Some(15);
+    /// An insert while it is not known what became of one that was sent before the link was lost.
+    InsertInDoubt = "insert-in-doubt", Some(9);
     /// A modify outlived its last BPRMB.
     ModifyOutlives = "modify-outlives", Some(7);
     /// A lease was refreshed or kept while navigation was stale.

@@ -6,9 +6,9 @@ use backseat_spi::{
 };
 use backseat_units::Timestamp;
 
-use super::{END_WITHIN, Oracle};
+use super::Oracle;
 use crate::area::{Fault, Setpoint};
-use crate::inserts::{Insert, State};
+use crate::inserts::Insert;
 use crate::rule::Rule;
 
 /// What the wire's three decimals may change of a speed, m/s.
@@ -22,6 +22,19 @@ impl Oracle {
     /// Judges what a sentence of ours asks for. `denied` where control surely is not ours.
     pub(super) fn we_say(&mut self, at: Timestamp, message: &ToVehicle, denied: bool) {
         match message {
+            ToVehicle::Suspend(_) => {
+                let (counts, due) = (self.control.is_up() && !denied, self.end_due());
+                self.hold.suspend(at, counts, due);
+            }
+            ToVehicle::Continue(_) | ToVehicle::HullPosition(_) | ToVehicle::BottomPosition(_) => {
+                let (counts, due) = (self.control.is_up() && !denied, self.end_due());
+                if !self.hold.keep(at, counts, due) && !denied {
+                    self.findings.add(at, Rule::HoldDead, || {
+                        "a sentence that keeps a suspension, or moves, without BPSUS before it".to_owned()
+                    });
+                }
+            }
+            ToVehicle::Resume(_) => self.hold.end(at),
             ToVehicle::ModifyBehavior(modify) => self.judge_modify(at, modify, denied),
             ToVehicle::EndModify(_) => {
                 self.counts.end_modifies += 1;
@@ -30,15 +43,22 @@ impl Oracle {
             ToVehicle::Trackline(line) => self.judge_trackline(at, line),
             ToVehicle::Trackcircle(circle) => self.judge_trackcircle(at, circle),
             ToVehicle::CancelBehavior(cancel) => {
-                self.inserts.cancel_sent(cancel.created, cancel.identifier.get());
+                let identifier = cancel.identifier.get();
+                if !self.inserts.is_ours(identifier) {
+                    self.findings.add(at, Rule::CancelForeign, || {
+                        format!("BPRCN for {identifier}, which was never sent")
+                    });
+                }
+                self.inserts.cancel_sent(cancel.created, identifier);
             }
-            ToVehicle::RequestPlan(_) => self.plan.asked(),
+            ToVehicle::RequestPlan(_) => {
+                self.plan.asked();
+                self.inserts.plan_asked(at);
+            }
             ToVehicle::GpsHit(hit) => {
                 let insert = Insert {
-                    created: Some(hit.created),
-                    interrupts: false,
-                    duration_s: 0.0,
-                    state: State::Sent,
+                    cancellable: false,
+                    ..Insert::new(at, hit.created, 0.0)
                 };
                 self.insert_sent(at, hit.identifier.get(), insert);
             }
@@ -49,12 +69,9 @@ impl Oracle {
     fn judge_modify(&mut self, at: Timestamp, modify: &ModifyBehavior, denied: bool) {
         self.counts.modifies += 1;
         // Where control is just being lost, the lease that this opens ends with it.
-        let end_due = self
-            .control
-            .denied_since()
-            .map(|since| since + self.link_delay + END_WITHIN);
+        let due = self.end_due();
         let counts = self.control.is_up() && !denied;
-        self.lease.modify(at, counts, end_due, &mut self.findings);
+        self.lease.modify(at, counts, due, &mut self.findings);
         // What the vehicle refuses is judged once, as that.
         if denied {
             return;
@@ -102,10 +119,8 @@ impl Oracle {
         let identifier = line.identifier.get();
         let length_m = self.area.distance_m(line.start, line.end);
         let insert = Insert {
-            created: Some(line.created),
             interrupts: line.interrupt == Interrupt::InterruptCurrent,
-            duration_s: self.duration_s(length_m, line.speed, line.speed_mode),
-            state: State::Sent,
+            ..Insert::new(at, line.created, self.duration_s(length_m, line.speed, line.speed_mode))
         };
         self.insert_sent(at, identifier, insert);
         let what = format!("BPRTK {identifier}");
@@ -121,10 +136,12 @@ impl Oracle {
         let identifier = circle.identifier.get();
         let length_m = backseat_units::math::TAU * circle.radius_m.abs() * circle.orbits.abs();
         let insert = Insert {
-            created: Some(circle.created),
             interrupts: circle.interrupt == Interrupt::InterruptCurrent,
-            duration_s: self.duration_s(length_m, circle.speed, circle.speed_mode),
-            state: State::Sent,
+            ..Insert::new(
+                at,
+                circle.created,
+                self.duration_s(length_m, circle.speed, circle.speed_mode),
+            )
         };
         self.insert_sent(at, identifier, insert);
         let what = format!("BPRTC {identifier}");

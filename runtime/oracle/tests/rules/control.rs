@@ -61,24 +61,32 @@ fn requirement_014_after_control_only_harmless_sentences() {
         .ours(6001, "BPSTS,{t},1,all ok")
         .ours(6002, "BPMSG,{t},no control")
         .ours(6003, "BPRMP,{t}")
-        .ours(6004, "BPRCN,{t},7")
         .ours(6005, "BPLOG,NVG,ON");
     quiet.clone().finds_nothing();
-    quiet.clone().ours(7000, END).finds(&["end-modify-surplus"]);
+    quiet.clone().ours(7000, END).finds(&["end-surplus"]);
     quiet.ours(7000, "BPSIL,{t},1").finds(&["not-allowed-without-control"]);
-    lost().activity(10_000, Activity::Plan).finds(&["end-modify-missing"]);
+    lost().activity(10_000, Activity::Plan).finds(&["end-missing"]);
     // 100 ms after the words were there, and 50 ms more.
     lost()
         .ours(5350, END)
         .activity(5400, Activity::Plan)
-        .finds(&["end-modify-missing"]);
+        .finds(&["end-missing"]);
+}
+
+#[test]
+fn requirement_014_only_inserts_of_our_own_are_taken_back() {
+    let lost = Scenario::with_control()
+        .ours(2000, TRACKLINE)
+        .vehicle(5000, "BFCTL,{t},0");
+    lost.clone().ours(6000, "BPRCN,{t},7").finds_nothing();
+    lost.ours(6000, "BPRCN,{t},8").finds(&["cancel-foreign"]);
 }
 
 #[test]
 fn requirement_014_a_lease_that_opens_as_control_goes_ends_too() {
     let late = || Scenario::with_control().vehicle(5000, "BFCTL,{t},0").ours(5100, MODIFY);
     late().ours(5250, END).finds_nothing();
-    late().finds(&["end-modify-missing"]);
+    late().finds(&["end-missing"]);
 }
 
 #[test]

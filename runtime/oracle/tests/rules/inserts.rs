@@ -115,12 +115,63 @@ fn requirement_009_identifiers_never_repeat_even_after_a_reconnect() {
         .link(4000, true)
         .vehicle(4100, "BFMIS,{t},a.dive,Running,")
         .vehicle(4100, "BFCTL,{t},1")
+        .vehicle(4200, &ack(7, 1))
         .ours(5000, &good(7))
         .finds(&["identifier-repeated"]);
     Scenario::with_control()
         .ours(2000, &good(7))
         .ours(3000, &good(8))
         .finds_nothing();
+}
+
+#[test]
+fn requirement_009_nothing_is_asked_for_while_another_is_in_doubt() {
+    let lost = || Scenario::with_control().ours(2000, &good(7)).reconnects(3000, 4000);
+    lost().ours(6000, &good(8)).finds(&["insert-in-doubt"]);
+    for words in [
+        &ack(7, 2),
+        "BFMBS,{t},,,7,trackline",
+        "BFMBE,{t},,,7,trackline",
+        "BFPLN,{t},,7,0,1,4200.300,N,07000.900,W,,,",
+    ] {
+        lost().vehicle(5000, words).ours(6000, &good(8)).finds_nothing();
+    }
+    // A whole plan without it settles it too, where it was asked for after.
+    let told = lost()
+        .ours(5000, "BPRMP,{t}")
+        .vehicle(5100, "BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,");
+    told.clone().ours(6000, &good(8)).finds(&["insert-in-doubt"]);
+    told.vehicle(5200, "BFACK,{t},RMP,000000.000,,2,0,text")
+        .ours(6000, &good(8))
+        .finds_nothing();
+    // A new process cannot know of it, but neither may it use the identifier.
+    lost().started(3500).ours(6000, &good(8)).finds_nothing();
+    lost()
+        .started(3500)
+        .ours(6000, &good(7))
+        .finds(&["identifier-repeated"]);
+}
+
+#[test]
+fn requirement_019_the_number_is_counted_for_each_process() {
+    Scenario::with_control()
+        .limits(|limits| limits.inserts_total_max = 1)
+        .ours(2000, &good(7))
+        .started(3500)
+        .reconnects(3000, 4000)
+        .ours(6000, &good(8))
+        .finds_nothing();
+    // What the plan says that the old one left counts as open.
+    Scenario::with_control()
+        .limits(|limits| limits.inserts_open_max = 1)
+        .ours(2000, &good(7))
+        .vehicle(2100, &ack(7, 2))
+        .started(3500)
+        .reconnects(3000, 4000)
+        .vehicle(5000, "BFPLN,{t},,7,0,1,4200.300,N,07000.900,W,,,")
+        .ours(6000, &good(8))
+        .vehicle(6100, &ack(8, 2))
+        .finds(&["inserts-open"]);
 }
 
 #[test]

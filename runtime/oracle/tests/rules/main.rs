@@ -3,7 +3,10 @@
 mod scenario;
 
 mod control;
+mod holds;
 mod inserts;
 mod leases;
+mod operator;
 mod robustness;
+mod states;
 mod truth;

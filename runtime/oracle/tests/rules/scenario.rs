@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use backseat_oracle::{Activity, Limits, Oracle, Statistics, Truth, Violation};
+use backseat_oracle::{Activity, Limits, Oracle, State, Statistics, Truth, Violation};
 use backseat_units::{Position, TimeOfDay, Timestamp};
 
 /// 2.2 km by 1.7 km with a hole of 220 m by 170 m that is forbidden, and a wreck that is at 30 to 40 m only.
@@ -39,6 +39,9 @@ enum Event {
     Altitude(f64),
     Navigation(bool),
     Stopped,
+    Continued,
+    Started,
+    Operator(bool),
 }
 
 /// What happens, and when.
@@ -52,6 +55,8 @@ pub(crate) struct Scenario {
 pub(crate) struct Outcome {
     pub(crate) violations: Vec<Violation>,
     pub(crate) statistics: Statistics,
+    /// Where the run stood, each tenth of a second, without repetition.
+    pub(crate) states: Vec<State>,
 }
 
 impl Scenario {
@@ -132,6 +137,29 @@ impl Scenario {
         self.event(ms, Event::Stopped)
     }
 
+    /// The stopped runtime goes on.
+    pub(crate) fn continued(self, ms: u64) -> Self {
+        self.event(ms, Event::Continued)
+    }
+
+    /// A new process begins.
+    pub(crate) fn started(self, ms: u64) -> Self {
+        self.event(ms, Event::Started)
+    }
+
+    /// The operator holds or releases.
+    pub(crate) fn operator(self, ms: u64, held: bool) -> Self {
+        self.event(ms, Event::Operator(held))
+    }
+
+    /// The link is lost and comes back, and so does control.
+    pub(crate) fn reconnects(self, lost_ms: u64, back_ms: u64) -> Self {
+        self.link(lost_ms, false)
+            .link(back_ms, true)
+            .vehicle(back_ms + 100, "BFMIS,{t},a.dive,Running,")
+            .vehicle(back_ms + 100, "BFCTL,{t},1")
+    }
+
     fn event(mut self, ms: u64, event: Event) -> Self {
         self.events.push((ms, event));
         self
@@ -149,6 +177,7 @@ impl Scenario {
             activity: Activity::Plan,
         };
         let (mut navigation, mut up) = (true, false);
+        let mut states = Vec::new();
         let mut events = self.events.into_iter().peekable();
         for ms in 0..=until_ms {
             let at = Timestamp::from_millis(ms);
@@ -168,6 +197,9 @@ impl Scenario {
                     Event::Altitude(metres) => truth.altitude_m = metres,
                     Event::Navigation(on) => navigation = on,
                     Event::Stopped => oracle.runtime_stopped(at),
+                    Event::Continued => oracle.runtime_continued(at),
+                    Event::Started => oracle.runtime_started(at),
+                    Event::Operator(held) => oracle.operator(at, held),
                 }
             }
             if ms % 100 != 0 {
@@ -182,11 +214,15 @@ impl Scenario {
             }
             truth.at = at;
             oracle.truth(&truth);
+            if states.last().is_none_or(|last| *last != oracle.state()) {
+                states.push(oracle.state());
+            }
         }
         let statistics = oracle.statistics();
         Outcome {
             violations: oracle.finish(Timestamp::from_millis(until_ms)),
             statistics,
+            states,
         }
     }
 

@@ -1,0 +1,30 @@
+use backseat_units::Timestamp;
+
+use crate::rule::Rule;
+use crate::violation::Findings;
+
+/// What has ended a lease or a hold, and until when its end must have been said.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Due {
+    pub(crate) by: Timestamp,
+    pub(crate) rule: Rule,
+    pub(crate) why: &'static str,
+}
+
+impl Due {
+    /// The one that comes first.
+    #[expect(clippy::unnecessary_wraps, reason = "it takes the place of what it was given")]
+    pub(crate) fn first(due: Option<Self>, other: Self) -> Option<Self> {
+        Some(due.filter(|due| due.by <= other.by).unwrap_or(other))
+    }
+
+    pub(crate) fn is_missed(&self, now: Timestamp) -> bool {
+        now > self.by
+    }
+
+    pub(crate) fn tell(&self, now: Timestamp, end: &str, findings: &mut Findings) {
+        findings.add(now, self.rule, || {
+            format!("no {end} by {} though {}", self.by, self.why)
+        });
+    }
+}

@@ -1,0 +1,61 @@
+use std::fmt;
+
+/// Where a run stands, by the bytes of the link alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum State {
+    /// The link is down.
+    Down,
+    /// The link is up and control is not ours, whatever of ours is open.
+    NoControl,
+    /// Control is ours, and nothing of ours is open.
+    Idle,
+    /// An insert was sent, and the vehicle has neither taken nor refused it.
+    Asked,
+    /// An insert was taken and has not begun.
+    Queued,
+    /// An insert of ours is flown.
+    Insert,
+    /// A modify is alive.
+    Lease,
+    /// A modify is alive, and an insert of ours is open or flown.
+    LeaseInsert,
+    /// A suspension of a hovering vehicle's mission is alive.
+    Hold,
+}
+
+impl State {
+    /// All of them.
+    pub const ALL: [Self; 9] = [
+        Self::Down,
+        Self::NoControl,
+        Self::Idle,
+        Self::Asked,
+        Self::Queued,
+        Self::Insert,
+        Self::Lease,
+        Self::LeaseInsert,
+        Self::Hold,
+    ];
+
+    /// Its name in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Down => "down",
+            Self::NoControl => "no-control",
+            Self::Idle => "idle",
+            Self::Asked => "asked",
+            Self::Queued => "queued",
+            Self::Insert => "insert",
+            Self::Lease => "lease",
+            Self::LeaseInsert => "lease-insert",
+            Self::Hold => "hold",
+        }
+    }
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}

@@ -1,0 +1,98 @@
+//! Requirement 015: the operator's hold beats everything.
+
+use backseat_oracle::Activity;
+
+use crate::scenario::{END, MODIFY, Scenario};
+
+const TRACKLINE: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700,W,0,10,1.5,0,0";
+const GPS_HIT: &str = "BPRGP,{t},7,4200.300,N,07000.900,W,,,0";
+
+#[test]
+fn requirement_015_nothing_dynamic_leaves_under_a_hold() {
+    for body in [TRACKLINE, MODIFY, GPS_HIT, "BPSUS,{t}"] {
+        let held = Scenario::with_control().operator(3000, true);
+        let after = if body == MODIFY { END } else { "BPRES,{t}" };
+        held.clone()
+            .ours(3150, body)
+            .ours(3150, after)
+            .finds(&["operator-hold"]);
+        held.operator(3100, false)
+            .ours(3200, body)
+            .ours(3210, after)
+            .finds_nothing();
+    }
+    Scenario::with_control()
+        .operator(3000, true)
+        .ours(4000, "BPRMP,{t}")
+        .ours(4000, "BPMSG,{t},held")
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_015_a_lease_ends_within_100_ms() {
+    let held = || {
+        Scenario::with_control()
+            .lease(3000, 5000)
+            .operator(5500, true)
+            .activity(5800, Activity::Plan)
+    };
+    held().ours(5600, END).finds_nothing();
+    held().ours(5610, END).finds(&["operator-hold"]);
+    let hovers = || Scenario::with_control().ours(3000, "BPSUS,{t}").operator(3500, true);
+    hovers().ours(3600, "BPRES,{t}").finds_nothing();
+    hovers().ours(3610, "BPRES,{t}").finds(&["operator-hold"]);
+    // A lease that begins just then ends with it.
+    Scenario::with_control()
+        .operator(3000, true)
+        .ours(3050, MODIFY)
+        .finds(&["operator-hold"]);
+}
+
+#[test]
+fn requirement_015_a_stopped_runtime_obeys_when_it_goes_on() {
+    let stopped = || Scenario::with_control().stopped(3000).operator(3500, true);
+    stopped()
+        .continued(6000)
+        .ours(6050, MODIFY)
+        .ours(6100, END)
+        .finds_nothing();
+    stopped()
+        .continued(6000)
+        .ours(6150, TRACKLINE)
+        .finds(&["operator-hold"]);
+}
+
+#[test]
+fn requirement_015_a_hold_stands_after_a_restart() {
+    Scenario::with_control()
+        .operator(3000, true)
+        .stopped(3500)
+        .link(3500, false)
+        .started(5000)
+        .reconnects(5000, 5100)
+        .ours(7000, TRACKLINE)
+        .finds(&["operator-hold"]);
+}
+
+#[test]
+fn requirement_015_inserts_that_wait_are_taken_back() {
+    let waits = |body: &str| {
+        Scenario::with_control()
+            .ours(2000, body)
+            .vehicle(2100, "BFACK,{t},RTK,000000.000,7,2,0,text")
+            .operator(3000, true)
+    };
+    waits(TRACKLINE).finds(&["hold-cancel-missing"]);
+    waits(TRACKLINE).ours(3050, "BPRCN,{t},7").finds_nothing();
+    waits(TRACKLINE).operator(3500, false).finds_nothing();
+    waits(TRACKLINE).link(3500, false).finds_nothing();
+    // What has begun, or was not answered for, or cannot be taken back.
+    waits(TRACKLINE)
+        .vehicle(2500, "BFMBS,{t},,,7,trackline")
+        .finds_nothing();
+    Scenario::with_control()
+        .ours(2000, TRACKLINE)
+        .operator(3000, true)
+        .finds_nothing();
+    waits(GPS_HIT).finds_nothing();
+}

@@ -1,4 +1,5 @@
 mod connection;
+mod driver;
 mod interference;
 mod process;
 
@@ -8,17 +9,14 @@ use std::io::BufWriter;
 use std::sync::Arc;
 use std::time::Duration;
 
-use backseat_core::plugin::RequestState;
-use backseat_core::{
-    ControlHook, Envelope, FailAction, Identifiers, Input, Note, Operator, Output, RequestCounts, Settings, Start,
-};
+use backseat_core::{ControlHook, Envelope, FailAction, Identifiers, RequestCounts, Settings, Start};
 use backseat_mission::{Mission, MissionError};
 use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Status, WorldFile};
-use backseat_oracle::{Oracle, OracleError, Statistics};
+use backseat_oracle::{Oracle, OracleError, State, Statistics};
 use backseat_recorder::{Recorder, RecorderError};
 use backseat_units::{Timestamp, Utc};
 
-use crate::digest::{Digest, Direction};
+use crate::digest::Digest;
 use crate::expectation;
 use crate::link::{DELAY_MAX, Lane};
 use crate::load::Loaded;
@@ -30,7 +28,6 @@ use crate::trace::Trace;
 const AFTERMATH: Duration = Duration::from_secs(10);
 /// A mission that takes longer than this in virtual time is given up.
 const LONGEST: Timestamp = Timestamp::from_secs(24 * 3600);
-const REASONS_MAX: usize = 20;
 
 /// A run that cannot be made, or that cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -266,6 +263,12 @@ impl Simulation {
         self.restarts
     }
 
+    /// Where the run stands, by the bytes of the link alone.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.oracle.state()
+    }
+
     /// What the oracle has seen so far.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
@@ -409,127 +412,6 @@ impl Simulation {
         };
         expectation::judge(&mut report, &self.expect, &self.trace, &self.mvc);
         Ok((report, self.trace, self.mvc))
-    }
-
-    /// The run ends, and the runtime with it where it can still be told.
-    fn stop(&mut self) -> Result<(), SimError> {
-        self.finished = true;
-        if self.is_awake() {
-            self.feed(Input::Operator(Operator::Stop))?;
-        }
-        Ok(())
-    }
-
-    fn feed(&mut self, input: Input<'_>) -> Result<(), SimError> {
-        let Some(process) = &mut self.process else {
-            return Ok(());
-        };
-        if let Some(recorder) = &mut self.recorder {
-            recorder.input(self.now, &input)?;
-        }
-        process.handle(self.now, input);
-        if let Some(recorder) = &mut self.recorder
-            && let Some(sample) = process.new_navigation()
-        {
-            recorder.navigation(self.now, sample)?;
-        }
-        self.drain_core()
-    }
-
-    fn drain_core(&mut self) -> Result<(), SimError> {
-        loop {
-            while let Some(process) = &mut self.process
-                && let Some(output) = process.core.poll_output()
-            {
-                if let Some(recorder) = &mut self.recorder {
-                    recorder.output(self.now, &output)?;
-                }
-                self.carry_out(output);
-            }
-            // What the driver answers at once is an input like any other.
-            let Some(process) = &mut self.process else {
-                return Ok(());
-            };
-            let input = if let Some(below) = process.reserved.take() {
-                Input::Reserved(below)
-            } else if std::mem::take(&mut process.reset) {
-                self.disconnect();
-                Input::LinkDown
-            } else {
-                return Ok(());
-            };
-            if let Some(recorder) = &mut self.recorder {
-                recorder.input(self.now, &input)?;
-            }
-            if let Some(process) = &mut self.process {
-                process.handle(self.now, input);
-            }
-        }
-    }
-
-    fn carry_out(&mut self, output: Output) {
-        let now = self.now;
-        let Some(process) = &mut self.process else { return };
-        match output {
-            // What is written to a connection that is gone leaves nowhere.
-            Output::Send(_) if !self.connected => {}
-            Output::Send(bytes) => {
-                self.digest.write(Direction::ToVehicle, now, &bytes);
-                self.oracle.to_vehicle(now, &bytes);
-                self.trace.sent(&bytes);
-                self.to_vehicle.write(now, &bytes, |_| {});
-            }
-            Output::Connect { after } => process.connect_at = Some(now + after),
-            Output::ResetLink => process.reset = true,
-            Output::Invoke(plugin, input) => process.step(now, plugin, &input),
-            Output::Restart(plugin) => process.restart(now, plugin),
-            // Unanswered where nothing can be written: the runtime sends no insert without a reserved identifier.
-            Output::Reserve(below) if !self.disk.full => {
-                self.disk.reserved = self.disk.reserved.max(below);
-                process.reserved = Some(below);
-            }
-            Output::Reserve(_) => {}
-            Output::Finish => self.finished = true,
-            // No driver runs in simulation: there is none to hear it.
-            Output::Driver(..) => {}
-            Output::Note(note) => self.note(&note),
-        }
-    }
-
-    fn note(&mut self, note: &Note) {
-        if let Note::Operator { act } = note {
-            self.keep(act);
-        }
-        if let Note::PluginFailed { plugin, .. } = note
-            && let Some(name) = self.names.get(plugin.0)
-        {
-            *self.plugin_failures.entry(name.clone()).or_default() += 1;
-        }
-        if let Note::Request(transition) = note
-            && let RequestState::Rejected(reason) = &transition.state
-        {
-            // Reasons that differ in their figures alone are one; the first of them is told.
-            let kind: String = reason.chars().filter(|char| !char.is_ascii_digit()).collect();
-            let full = self.reasons.len() >= REASONS_MAX;
-            match self.reasons.get_mut(&kind) {
-                Some((count, _)) => *count += 1,
-                None if full => {}
-                None => {
-                    self.reasons.insert(kind, (1, reason.clone()));
-                }
-            }
-        }
-        let position = self.process.as_ref().and_then(Process::position);
-        self.trace.note(self.now, note, position);
-    }
-
-    /// Hold and release outlive the process, whoever said them.
-    fn keep(&mut self, act: &Operator) {
-        match act {
-            Operator::Hold => self.disk.held = true,
-            Operator::Release => self.disk.held = false,
-            Operator::Stop | Operator::Order(_) => {}
-        }
     }
 }
 

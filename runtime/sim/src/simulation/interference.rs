@@ -50,6 +50,7 @@ impl Simulation {
         let told = self.remark("the runtime is killed");
         self.or_later(told);
         self.disconnect();
+        self.oracle.runtime_stopped(self.now);
         if let Some(process) = self.process.take() {
             add(&mut self.counts_before, process.core.request_counts());
         }
@@ -81,6 +82,7 @@ impl Simulation {
         if self.finished {
             return;
         }
+        self.tell_oracle(&act);
         match &mut self.process {
             None => self.keep(&act),
             Some(process) => match &mut process.stopped {
@@ -104,6 +106,15 @@ impl Simulation {
     /// Whether SPI identifiers can no longer be reserved, as on a full disk: the runtime's asking is not answered.
     pub fn reserve_fails(&mut self, fails: bool) {
         self.disk.full = fails;
+    }
+
+    /// The judge knows the operator's hold from whoever acts: no byte shows it.
+    pub(super) fn tell_oracle(&mut self, act: &Operator) {
+        match act {
+            Operator::Hold => self.oracle.operator(self.now, true),
+            Operator::Release => self.oracle.operator(self.now, false),
+            Operator::Stop | Operator::Order(_) => {}
+        }
     }
 
     /// Whether there is a process that handles what comes.
@@ -164,6 +175,7 @@ impl Simulation {
             return Ok(());
         };
         let due = process.is_due(now);
+        self.oracle.runtime_continued(now);
         self.remark("the runtime goes on")?;
         if due {
             self.feed(Input::Timeout)?;
@@ -204,6 +216,7 @@ impl Simulation {
         };
         let (settings, envelope) = (self.settings.clone(), self.envelope.clone());
         self.process = Some(Process::new(now, settings, envelope, successor.loaded, start));
+        self.oracle.runtime_started(now);
         self.remark("the runtime has begun anew")?;
         self.drain_core()
     }

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use backseat_core::Operator;
+use backseat_oracle::State;
 
 use crate::flight::{Flight, NO_VIOLATION, PILOT, SECOND, at, crew, identifiers, is_modified, seconds, understudy};
 
@@ -13,8 +14,10 @@ fn sr_007_a_runtime_killed_in_a_lease_leaves_a_modify_that_lapses_within_five_se
         let killed = 60.0 + 0.21 * seed as f64;
         flight.until(killed);
         assert!(is_modified(&flight.sim) && flight.sim.is_steering());
+        assert_eq!(flight.sim.state(), State::Lease);
         flight.sim.kill(seconds(20), crew(), 0);
         assert!(!flight.sim.is_steering());
+        assert_eq!(flight.sim.state(), State::Down);
         assert_eq!((flight.sim.open_requests(), flight.sim.restarts()), (0, 0));
         let lapsed = flight.until_it(|sim| !is_modified(sim));
         assert!(lapsed <= at(killed + 5.1), "{lapsed}");

@@ -149,3 +149,19 @@ fn a_silent_loss_that_is_over_by_then_resets_nothing() {
     flight.until(120.0);
     assert_eq!(flight.sim.statistics().connections, 1);
 }
+
+/// Where the vehicle repeats BFCTL and BFMIS to who subscribes: a new connection brings control back though its first
+/// words are lost, because what is not acknowledged is subscribed again.
+#[test]
+fn control_comes_back_with_a_new_subscription() {
+    let mut flight = Flight::new(1);
+    flight.until(60.0);
+    flight.sim.inject(fault("kind = \"link_cut\""));
+    flight.sim.inject(fault(
+        "kind = \"drop\"; for_s = 8; chance = 1; direction = \"from_vehicle\"",
+    ));
+    flight.until(68.0);
+    assert!(!flight.sim.is_steering());
+    let back = flight.until_it(|sim| sim.is_steering());
+    assert!(back <= at(85.0), "{back}");
+}

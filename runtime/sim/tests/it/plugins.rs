@@ -43,7 +43,7 @@ fn what_was_not_loaded_is_named_with_what_was() {
 }
 
 #[test]
-fn an_understudy_that_traps_is_a_failure_of_its_place_alone() {
+fn sr_006_an_understudy_that_traps_is_a_failure_of_its_place_alone() {
     let mut flight = Flight::new(1);
     flight.until(60.0);
     flight.sim.substitute(SECOND, Some(understudy("trap")));

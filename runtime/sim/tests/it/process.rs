@@ -186,7 +186,7 @@ fn sr_015_a_hold_outlives_the_process_and_reaches_one_that_is_stopped() {
 }
 
 #[test]
-fn a_full_disk_stops_inserts_and_no_lease() {
+fn sr_009_on_a_full_disk_no_insert_is_sent_and_the_lease_stands() {
     let mut flight = Flight::new(1);
     flight.sim.reserve_fails(true);
     // The first block was reserved at once; the next process finds the disk full.

@@ -1,4 +1,5 @@
-//! What goes wrong in the vehicle, and when. Faults of the link are told here and played by [`crate::FaultyLink`].
+//! What goes wrong in the vehicle, and when: by a plan, or as the run's driver injects it. Faults of the link are told
+//! here and played by [`crate::FaultyLink`].
 
 mod active;
 mod draw;
@@ -10,10 +11,10 @@ pub use plan::{
     AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, Whom,
 };
 
-/// A fault of the run's plan begins or ends: a line of the vehicle's log.
+/// A fault of the run begins or ends: a line of the vehicle's log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaultEvent {
-    /// Its number in the plan, from 1.
+    /// Its number, from 1: its place in the plan, after which those count that were injected.
     pub number: u32,
     /// Which of the two.
     pub edge: FaultEdge,

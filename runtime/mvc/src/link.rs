@@ -45,6 +45,13 @@ struct Window {
 }
 
 impl Window {
+    fn of(fault: &Fault) -> Self {
+        Self {
+            from: fault.at,
+            until: fault.until(),
+        }
+    }
+
     fn holds(self, at: Timestamp) -> bool {
         self.from <= at && at < self.until
     }
@@ -54,20 +61,24 @@ impl LinkFaults {
     /// The plan's faults of links. The seed draws what they leave open: which bytes, which sentences, how much jitter.
     #[must_use]
     pub fn new(plan: &FaultPlan, seed: u64) -> Self {
-        let of_link = |fault: &Fault| {
-            let window = Window {
-                from: fault.at,
-                until: fault.until(),
-            };
-            if let FaultKind::Link(link) = &fault.kind {
-                Some((window, link.clone()))
-            } else {
-                None
-            }
+        let mut faults = Self {
+            faults: Vec::new(),
+            seed,
         };
-        let mut faults: Vec<_> = plan.faults.iter().filter_map(of_link).collect();
-        faults.sort_by_key(|(window, _)| window.from);
-        Self { faults, seed }
+        for fault in &plan.faults {
+            faults.inject(fault);
+        }
+        faults
+    }
+
+    /// One more fault, as if the plan had had it from the beginning: for connections that are made later. Those that
+    /// are there are told by [`FaultyLink::inject`]. What is no fault of a link changes nothing.
+    pub fn inject(&mut self, fault: &Fault) {
+        if let FaultKind::Link(link) = &fault.kind {
+            let window = Window::of(fault);
+            let place = self.faults.partition_point(|(other, _)| other.from <= window.from);
+            self.faults.insert(place, (window, link.clone()));
+        }
     }
 
     /// Whether no link has any fault at any time.
@@ -89,42 +100,17 @@ impl LinkFaults {
     /// One direction of a connection that was made at `since`.
     #[must_use]
     pub fn link(&self, since: Timestamp, client: ClientId, role: Option<&str>, direction: Direction) -> FaultyLink {
-        let mut acts = Vec::new();
-        let mut cut_at = Timestamp::MAX;
-        for (window, fault) in &self.faults {
-            if !fault.whom.includes(client, role) {
-                continue;
-            }
-            let this_way = match fault.direction {
-                Directions::Both => true,
-                Directions::ToVehicle => direction == Direction::ToVehicle,
-                Directions::FromVehicle => direction == Direction::FromVehicle,
-            };
-            match fault.kind {
-                LinkFaultKind::Cut if window.from > since => cut_at = cut_at.min(window.from),
-                LinkFaultKind::Cut | LinkFaultKind::Refuse => {}
-                LinkFaultKind::Stall
-                | LinkFaultKind::HalfOpen
-                | LinkFaultKind::Delay { .. }
-                | LinkFaultKind::Split { .. }
-                | LinkFaultKind::Join { .. }
-                | LinkFaultKind::Duplicate { .. }
-                | LinkFaultKind::Corrupt { .. }
-                | LinkFaultKind::Drop { .. } => {
-                    if this_way && window.until > since.max(window.from) {
-                        acts.push((*window, fault.kind));
-                    }
-                }
-            }
-        }
         let way = match direction {
             Direction::ToVehicle => "to",
             Direction::FromVehicle => "from",
         };
-        FaultyLink {
-            quiet_until: acts.first().map_or(Timestamp::MAX, |(window, _)| window.from),
-            acts,
-            cut_at,
+        let mut link = FaultyLink {
+            client,
+            role: role.map(Box::from),
+            direction,
+            quiet_until: Timestamp::MAX,
+            acts: Vec::new(),
+            cut_at: Timestamp::MAX,
             // A connection that never meets a fault pays for no key.
             stream: None,
             seed: self.seed,
@@ -134,9 +120,29 @@ impl LinkFaults {
             last: Timestamp::ZERO,
             sentence: Vec::new(),
             sentence_until: Timestamp::MAX,
+            lost: None,
             scratch: Vec::new(),
             spare: Vec::new(),
+        };
+        for (window, fault) in &self.faults {
+            // What was over, and the cut that this connection came after.
+            let past = match fault.kind {
+                LinkFaultKind::Cut => window.from <= since,
+                LinkFaultKind::Refuse
+                | LinkFaultKind::Stall
+                | LinkFaultKind::HalfOpen
+                | LinkFaultKind::Delay { .. }
+                | LinkFaultKind::Split { .. }
+                | LinkFaultKind::Join { .. }
+                | LinkFaultKind::Duplicate { .. }
+                | LinkFaultKind::Corrupt { .. }
+                | LinkFaultKind::Drop { .. } => window.until <= since,
+            };
+            if !past {
+                link.meet(*window, fault);
+            }
         }
+        link
     }
 }
 
@@ -165,6 +171,9 @@ impl Deref for Chunk {
 /// stall. Bytes never overtake others.
 #[derive(Clone, Debug)]
 pub struct FaultyLink {
+    client: ClientId,
+    role: Option<Box<str>>,
+    direction: Direction,
     /// What acts or will, by its begin.
     acts: Vec<(Window, LinkFaultKind)>,
     /// No fault acts before.
@@ -181,6 +190,8 @@ pub struct FaultyLink {
     /// The begin of a sentence whose end has not been written, while sentences are lost or come twice.
     sentence: Vec<u8>,
     sentence_until: Timestamp,
+    /// Since when every write has been lost, and until when every other will be.
+    lost: Option<Window>,
     scratch: Vec<u8>,
     spare: Vec<Vec<u8>>,
 }
@@ -195,6 +206,48 @@ struct Piece {
 }
 
 impl FaultyLink {
+    /// One more fault, as if the plan had had it from the beginning, where it is of this connection and this
+    /// direction. It begins at its own time, which is not before anything that the link has been told of; what begins
+    /// with it is due at once, so that the driver asks [`FaultyLink::is_cut`] and [`FaultyLink::poll_timeout`] anew.
+    pub fn inject(&mut self, fault: &Fault) {
+        if let FaultKind::Link(link) = &fault.kind {
+            self.meet(Window::of(fault), link);
+        }
+    }
+
+    fn meet(&mut self, window: Window, fault: &LinkFault) {
+        let this_way = match fault.direction {
+            Directions::Both => true,
+            Directions::ToVehicle => self.direction == Direction::ToVehicle,
+            Directions::FromVehicle => self.direction == Direction::FromVehicle,
+        };
+        if !fault.whom.includes(self.client, self.role.as_deref()) {
+            return;
+        }
+        match fault.kind {
+            LinkFaultKind::Cut => self.cut_at = self.cut_at.min(window.from),
+            LinkFaultKind::Refuse => {}
+            LinkFaultKind::Stall
+            | LinkFaultKind::HalfOpen
+            | LinkFaultKind::Delay { .. }
+            | LinkFaultKind::Split { .. }
+            | LinkFaultKind::Join { .. }
+            | LinkFaultKind::Duplicate { .. }
+            | LinkFaultKind::Corrupt { .. }
+            | LinkFaultKind::Drop { .. } => {
+                if !this_way || window.until <= window.from {
+                    return;
+                }
+                let place = self.acts.partition_point(|(other, _)| other.from <= window.from);
+                self.acts.insert(place, (window, fault.kind));
+                self.quiet_until = self.quiet_until.min(window.from);
+                if fault.kind == LinkFaultKind::Stall {
+                    self.hold_back();
+                }
+            }
+        }
+    }
+
     /// Bytes are written now. Where no fault acts and nothing is under way, they are given back to be handed on at
     /// once; else they are taken, as by [`FaultyLink::push`].
     #[must_use]
@@ -223,6 +276,9 @@ impl FaultyLink {
             }
         }
         if lost {
+            let until = self.after(now, |kind| matches!(kind, LinkFaultKind::HalfOpen));
+            let since = self.lost.filter(|lost| now <= lost.until).map_or(now, |lost| lost.from);
+            self.lost = Some(Window { from: since, until });
             return;
         }
         match by_sentence {
@@ -258,11 +314,15 @@ impl FaultyLink {
         [arrives, sentence, cut].into_iter().flatten().min()
     }
 
-    /// Since when a write has been under way: a driver that gives up a write which is not acknowledged in time, as a
-    /// real one does, counts from here.
+    /// When a write will not have been acknowledged for `within`, as things stand: because it is under way for so long,
+    /// or because it is lost and all that is sent again meanwhile is lost too. A driver that gives up such a connection,
+    /// as a real one does with TCP's user time-out (RFC 5482), resets it then.
     #[must_use]
-    pub fn waits_since(&self) -> Option<Timestamp> {
-        self.pieces.front().map(|piece| piece.written)
+    pub fn gives_up(&self, within: Duration) -> Option<Timestamp> {
+        let under_way = self.pieces.front().map(|piece| piece.written + within);
+        let lost = self.lost.map(|lost| (lost.from + within, lost.until));
+        let lost = lost.filter(|(at, until)| at < until).map(|(at, _)| at);
+        under_way.into_iter().chain(lost).min()
     }
 
     /// Whether the connection is gone: the driver resets it, and tells the vehicle. It stays gone.
@@ -281,6 +341,28 @@ impl FaultyLink {
     fn acting(&self, at: Timestamp) -> impl Iterator<Item = (Window, LinkFaultKind)> {
         let begun = self.acts.iter().take_while(move |(window, _)| window.from <= at);
         begun.filter(move |(window, _)| window.holds(at)).copied()
+    }
+
+    /// From when on nothing of a kind acts that acts at `at` or joins on to it.
+    fn after(&self, mut at: Timestamp, kind: impl Fn(&LinkFaultKind) -> bool) -> Timestamp {
+        while let Some(until) = self
+            .acting(at)
+            .filter(|(_, acts)| kind(acts))
+            .map(|(window, _)| window.until)
+            .max()
+        {
+            at = until;
+        }
+        at
+    }
+
+    /// Nothing arrives during a stall, and what it holds back comes as one: for what was under way when it came.
+    fn hold_back(&mut self) {
+        let pieces = core::mem::take(&mut self.pieces);
+        self.last = Timestamp::ZERO;
+        for piece in pieces {
+            self.line_up(piece);
+        }
     }
 
     /// Forgets the faults that are over. What is written now is not touched by them, wherever it goes.
@@ -427,30 +509,25 @@ impl FaultyLink {
             self.pieces = VecDeque::new();
             return;
         }
-        let wanted = at.max(self.last);
-        let mut at = wanted;
-        while let Some(until) = self
-            .acting(at)
-            .filter(|(_, kind)| matches!(kind, LinkFaultKind::Stall))
-            .map(|(window, _)| window.until)
-            .max()
-        {
-            at = until;
-        }
+        self.bytes.extend(bytes);
+        self.line_up(Piece {
+            written: now,
+            at,
+            len: bytes.len(),
+            gathers,
+        });
+    }
+
+    /// A piece arrives no sooner than the last one, and not during a stall.
+    fn line_up(&mut self, piece: Piece) {
+        let wanted = piece.at.max(self.last);
+        let at = self.after(wanted, |kind| matches!(kind, LinkFaultKind::Stall));
         self.last = at;
         // What a stall has held back comes as one.
-        let gathers = gathers || at > wanted;
-        self.bytes.extend(bytes);
+        let gathers = piece.gathers || at > wanted;
         match self.pieces.back_mut() {
-            Some(last) if last.gathers && last.at == at && last.len + bytes.len() <= PIECE_MAX => {
-                last.len += bytes.len()
-            }
-            _ => self.pieces.push_back(Piece {
-                written: now,
-                at,
-                len: bytes.len(),
-                gathers,
-            }),
+            Some(last) if last.gathers && last.at == at && last.len + piece.len <= PIECE_MAX => last.len += piece.len,
+            _ => self.pieces.push_back(Piece { at, gathers, ..piece }),
         }
     }
 }

@@ -6,6 +6,7 @@
 //!
 //! The same mission, seed and components give the same bytes on the link, which the digest shows.
 
+mod components;
 mod digest;
 mod expectation;
 mod link;
@@ -15,9 +16,10 @@ mod simulation;
 mod survey_map;
 mod trace;
 
+pub use components::Components;
 pub use digest::{Digest, Direction};
 pub use load::{LoadError, Loaded, load_plugins};
 pub use report::Report;
-pub use simulation::{SimError, Simulation};
+pub use simulation::{SimError, Simulation, Step};
 pub use survey_map::survey_map;
 pub use trace::{Sample, Steering, Trace};

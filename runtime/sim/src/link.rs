@@ -1,7 +1,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use backseat_mvc::FaultyLink;
+use backseat_mvc::{Fault, FaultyLink};
 use backseat_units::Timestamp;
 use backseat_world::Stream;
 
@@ -34,6 +34,11 @@ impl Lane {
     /// A new connection, and what goes wrong with it.
     pub(crate) fn open(&mut self, faults: Option<FaultyLink>) {
         self.faults = faults;
+    }
+
+    /// A fault from now on, for the connection that is there; `link` makes one without faults.
+    pub(crate) fn inject(&mut self, fault: &Fault, link: impl FnOnce() -> FaultyLink) {
+        self.faults.get_or_insert_with(link).inject(fault);
     }
 
     /// Writes. `seen` is shown what goes on its way now, which is not always what is written.
@@ -94,9 +99,9 @@ impl Lane {
         self.faults.as_ref().is_some_and(|link| link.is_cut(now))
     }
 
-    /// Since when a write has waited for a fault's end.
-    pub(crate) fn waits_since(&self) -> Option<Timestamp> {
-        self.faults.as_ref().and_then(FaultyLink::waits_since)
+    /// When a write will not have been acknowledged for so long.
+    pub(crate) fn gives_up(&self, within: Duration) -> Option<Timestamp> {
+        self.faults.as_ref().and_then(|link| link.gives_up(within))
     }
 
     pub(crate) fn take(&mut self) -> Option<Vec<u8>> {
@@ -150,8 +155,8 @@ mod tests {
         lane.write(Timestamp::from_secs(2), b"ab", |bytes| seen.extend_from_slice(bytes));
         assert!(seen.is_empty() && lane.next().is_none());
         assert_eq!(
-            (lane.next_fault(), lane.waits_since()),
-            (Some(end), Some(Timestamp::from_secs(2)))
+            (lane.next_fault(), lane.gives_up(Duration::from_secs(2))),
+            (Some(end), Some(Timestamp::from_secs(4)))
         );
         lane.release(end, |bytes| seen.extend_from_slice(bytes));
         assert_eq!(seen, b"ab");

@@ -1,10 +1,10 @@
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use backseat_core::PluginSetup;
-use backseat_core::plugin::Judge;
 use backseat_mission::{Mission, MissionError};
-use backseat_plugin_host::{Budget, Host, HostError, Plugin};
+use backseat_plugin_host::{Host, HostError, Plugin};
+
+use crate::components::Components;
 
 /// A mission's plugin that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -32,6 +32,16 @@ pub enum LoadError {
         /// Why.
         source: HostError,
     },
+    /// Its component was not loaded.
+    #[error("plugin `{plugin}`: component `{component}` is not loaded, there are: {loaded}")]
+    Unknown {
+        /// The plugin's name in the mission.
+        plugin: String,
+        /// Its `component` key.
+        component: String,
+        /// Those that are, separated by commas.
+        loaded: String,
+    },
     /// Its configuration cannot be handed over.
     #[error("plugin `{plugin}`: its config cannot be written as JSON: {message}")]
     Config {
@@ -57,44 +67,5 @@ pub struct Loaded {
 /// # Errors
 /// [`LoadError`] names the plugin and the file.
 pub fn load_plugins(host: &Host, mission: &Mission, folder: Option<&Path>) -> Result<Loaded, LoadError> {
-    let paths = mission.components(folder)?;
-    let mut loaded = Loaded {
-        setups: Vec::new(),
-        plugins: Vec::new(),
-        components: Vec::new(),
-    };
-    for (table, path) in mission.file.plugins.iter().zip(paths) {
-        let plugin = &table.name;
-        let bytes = std::fs::read(&path).map_err(|source| LoadError::Read {
-            plugin: plugin.clone(),
-            path: path.clone(),
-            source,
-        })?;
-        let refused = |source| LoadError::Host {
-            plugin: plugin.clone(),
-            path: path.clone(),
-            source,
-        };
-        let component = host.load(plugin, &bytes).map_err(refused)?;
-        let budget = Budget {
-            fuel_per_step: table.budget.fuel_per_step,
-            memory_bytes: table.budget.memory_mib as usize * 1024 * 1024,
-            ..Budget::default()
-        };
-        let config = serde_json::to_string(&table.config).map_err(|error| LoadError::Config {
-            plugin: plugin.clone(),
-            message: error.to_string(),
-        })?;
-        let judge: Arc<dyn Judge> = mission.envelope.clone();
-        let started = component.start(budget, &config, judge).map_err(refused)?;
-        loaded.setups.push(PluginSetup {
-            name: plugin.clone(),
-            description: started.description,
-            grants: table.grants.clone(),
-            on_failure: table.on_failure,
-        });
-        loaded.plugins.push(started.plugin);
-        loaded.components.push((plugin.clone(), bytes));
-    }
-    Ok(loaded)
+    Components::load(host, mission, folder)?.start(mission)
 }

@@ -1,38 +1,33 @@
+mod connection;
+mod driver;
+mod interference;
+mod process;
+
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
+use std::sync::Arc;
 use std::time::Duration;
 
-use backseat_core::plugin::{PluginId, Returned};
-use backseat_core::{
-    ControlHook, Core, FailAction, Identifiers, Input, Note, Operator, Output, RequestCounts, Restarted, Start,
-};
+use backseat_core::{ControlHook, Envelope, FailAction, Identifiers, RequestCounts, Settings, Start};
 use backseat_mission::{Mission, MissionError};
-use backseat_mvc::{
-    Activity, ClientId, Direction as Way, FaultEdge, FaultPlan, LinkFaults, Mvc, MvcError, MvcEventKind, Status, Truth,
-    WorldFile,
-};
-use backseat_oracle::{Oracle, OracleError};
-use backseat_plugin_host::Plugin;
+use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Status, WorldFile};
+use backseat_oracle::{Oracle, OracleError, State, Statistics};
 use backseat_recorder::{Recorder, RecorderError};
-use backseat_units::Timestamp;
+use backseat_units::{Timestamp, Utc};
 
-use crate::digest::{Digest, Direction};
+use crate::digest::Digest;
 use crate::expectation;
 use crate::link::{DELAY_MAX, Lane};
 use crate::load::Loaded;
 use crate::report::Report;
+use crate::simulation::process::{Process, Successor};
 use crate::trace::Trace;
 
-/// A nanosecond for a unit of fuel: what a core of these years burns, nearly.
-const FUEL_PER_SECOND: u64 = 1_000_000_000;
 /// The run goes on for this long after the mission is over, so that all that is due is seen.
 const AFTERMATH: Duration = Duration::from_secs(10);
 /// A mission that takes longer than this in virtual time is given up.
 const LONGEST: Timestamp = Timestamp::from_secs(24 * 3600);
-/// A write that the vehicle has not acknowledged for so long ends the connection, as it does at sea.
-const UNACKNOWLEDGED_MAX: Duration = Duration::from_secs(2);
-const REASONS_MAX: usize = 20;
 
 /// A run that cannot be made, or that cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -51,17 +46,49 @@ pub enum SimError {
     Recorder(#[from] RecorderError),
 }
 
-/// A plugin's answer that is under way.
-enum Answer {
-    Returned(Returned),
-    Restarted(Restarted),
+/// How far [`Simulation::advance_until`] came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// One thing has happened, and more may at once.
+    Went,
+    /// Nothing more happens until the limit, which is now.
+    Reached,
+    /// The run is over.
+    Over,
+}
+
+/// What outlives a process of the runtime.
+#[derive(Debug)]
+struct Disk {
+    /// All SPI identifiers below this may have been used.
+    reserved: u32,
+    /// The operator's hold.
+    held: bool,
+    /// Nothing more can be written.
+    full: bool,
 }
 
 /// A run.
+///
+/// Whoever drives it may do more than let it run: between two events a fault may be injected, the runtime's process
+/// killed or stopped, its operator act, one of its plugins be replaced by another. All of this happens at
+/// [`Simulation::now`], after all that was due by then.
+///
+/// The log of a run goes on when the process is killed, and says so in a note: inputs and outputs are those of the
+/// process of the moment, in the run's own time. It replays up to the first kill.
 pub struct Simulation {
-    core: Core,
+    /// None while it has been killed and is not there again.
+    process: Option<Process>,
+    successor: Option<Successor>,
+    restarts: u32,
+    /// Requests of the processes that are gone.
+    counts_before: RequestCounts,
+    disk: Disk,
+    settings: Settings,
+    envelope: Arc<Envelope>,
+    /// The true UTC at time zero.
+    utc_at_start: Utc,
     mvc: Mvc,
-    plugins: Vec<Plugin>,
     oracle: Oracle,
     recorder: Option<Recorder<BufWriter<File>>>,
     digest: Digest,
@@ -71,15 +98,12 @@ pub struct Simulation {
     to_vehicle: Lane,
     faults: LinkFaults,
     faults_begun: u64,
-    connect_at: Option<Timestamp>,
-    reset: bool,
     client: ClientId,
     connected: bool,
-    answers: Vec<(Timestamp, PluginId, Answer)>,
-    reserved: Option<u32>,
     over_at: Option<Timestamp>,
-    recorded_navigation: Option<Timestamp>,
     finished: bool,
+    /// What went wrong where it could not be told.
+    failed: Option<SimError>,
     scratch: Vec<u8>,
     reasons: BTreeMap<String, (u64, String)>,
     names: Vec<String>,
@@ -125,9 +149,15 @@ impl Simulation {
                 link_delay_s: DELAY_MAX.as_secs_f64(),
             },
         )?;
+        let utc_at_start = mvc.utc(Timestamp::ZERO);
+        let disk = Disk {
+            reserved: 1,
+            held: false,
+            full: false,
+        };
         let start = Start {
-            utc: mvc.utc(Timestamp::ZERO),
-            identifiers: Some(Identifiers { next: 1, reserved: 1 }),
+            utc: utc_at_start,
+            identifiers: Some(disk.identifiers()),
             armed: true,
             held: false,
             jitter: seed,
@@ -136,16 +166,18 @@ impl Simulation {
             recorder.start(&start)?;
         }
         let names = loaded.setups.iter().map(|setup| setup.name.clone()).collect();
-        let core = Core::new(
-            mission.file.session.clone(),
-            mission.envelope.clone(),
-            loaded.setups,
-            start,
-        );
+        let (settings, envelope) = (mission.file.session.clone(), mission.envelope.clone());
+        let process = Process::new(Timestamp::ZERO, settings.clone(), envelope.clone(), loaded, start);
         let mut simulation = Self {
-            core,
+            process: Some(process),
+            successor: None,
+            restarts: 0,
+            counts_before: RequestCounts::default(),
+            disk,
+            settings,
+            envelope,
+            utc_at_start,
             mvc,
-            plugins: loaded.plugins,
             oracle,
             recorder,
             digest: Digest::default(),
@@ -155,15 +187,11 @@ impl Simulation {
             to_vehicle: Lane::new(seed, "link to the vehicle"),
             faults: LinkFaults::new(&world.faults.plan()?, seed),
             faults_begun: 0,
-            connect_at: None,
-            reset: false,
             client: ClientId(0),
             connected: false,
-            answers: Vec::new(),
-            reserved: None,
             over_at: None,
-            recorded_navigation: None,
             finished: false,
+            failed: None,
             scratch: Vec::new(),
             reasons: BTreeMap::new(),
             names,
@@ -207,10 +235,56 @@ impl Simulation {
         &self.trace
     }
 
-    /// How many requests have come how far.
+    /// How many requests have come how far, of all processes of the runtime.
     #[must_use]
     pub fn request_counts(&self) -> RequestCounts {
-        self.core.request_counts()
+        let mut counts = self.counts_before;
+        if let Some(process) = &self.process {
+            add(&mut counts, process.core.request_counts());
+        }
+        counts
+    }
+
+    /// How many requests of the runtime's process of the moment are not at their end; 0 where there is none.
+    #[must_use]
+    pub fn open_requests(&self) -> usize {
+        self.process.as_ref().map_or(0, |process| process.core.open_requests())
+    }
+
+    /// Whether the runtime's process of the moment has a lease, a modify or a hold.
+    #[must_use]
+    pub fn is_steering(&self) -> bool {
+        self.process.as_ref().is_some_and(|process| process.core.is_steering())
+    }
+
+    /// How often a new process of the runtime has begun after one was killed.
+    #[must_use]
+    pub const fn restarts(&self) -> u32 {
+        self.restarts
+    }
+
+    /// Where the run stands, by the bytes of the link alone.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.oracle.state()
+    }
+
+    /// What the oracle has seen so far.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        self.oracle.statistics()
+    }
+
+    /// How many violations the oracle has found so far.
+    #[must_use]
+    pub fn violations_so_far(&self) -> usize {
+        usize::try_from(self.oracle.statistics().violations).unwrap_or(usize::MAX)
+    }
+
+    /// The status of the vehicle's mission.
+    #[must_use]
+    pub fn mission_status(&self) -> Status {
+        self.mvc.mission_status()
     }
 
     /// Goes on to the next event. False when the run is over.
@@ -218,31 +292,37 @@ impl Simulation {
     /// # Errors
     /// [`SimError::Recorder`] where the log cannot be written.
     pub fn advance(&mut self) -> Result<bool, SimError> {
+        Ok(self.advance_until(Timestamp::MAX)? == Step::Went)
+    }
+
+    /// Goes on by one event that is due at or before a limit; where there is none left, to the limit.
+    ///
+    /// # Errors
+    /// [`SimError::Recorder`] where the log cannot be written.
+    pub fn advance_until(&mut self, limit: Timestamp) -> Result<Step, SimError> {
+        if let Some(failed) = self.failed.take() {
+            return Err(failed);
+        }
         if self.finished {
-            return Ok(false);
+            return Ok(Step::Over);
         }
         if let Some(over_at) = self.over_at
             && self.now >= over_at + AFTERMATH
         {
             self.stop()?;
-            return Ok(false);
+            return Ok(Step::Over);
         }
-        let answer = self
-            .answers
-            .iter()
-            .enumerate()
-            .min_by_key(|(_, (at, _, _))| *at)
-            .map(|(index, (at, _, _))| (*at, index));
+        let own = self.process.as_ref().map(Process::due).unwrap_or_default();
         // At the same instant: the link's faults, what arrives, what returns, who connects, the vehicle, then our own
         // timers.
         let due = [
             self.link_fault_due(),
             self.to_vehicle.next(),
             self.to_payload.next(),
-            answer.map(|(at, _)| at),
-            self.connect_at,
+            own.answer,
+            own.connect,
             self.mvc.poll_timeout(),
-            self.core.poll_timeout(),
+            own.wakes.or(self.successor.as_ref().map(|successor| successor.at)),
         ];
         let mut first: Option<(Timestamp, usize)> = None;
         for (index, at) in due.into_iter().enumerate() {
@@ -254,28 +334,27 @@ impl Simulation {
         }
         let Some((at, what)) = first.filter(|(at, _)| *at <= LONGEST) else {
             self.stop()?;
-            return Ok(false);
+            return Ok(Step::Over);
         };
+        if at > limit {
+            self.now = self.now.max(limit);
+            return Ok(Step::Reached);
+        }
         self.now = self.now.max(at);
         match what {
             0 => self.link_fault()?,
             1 => self.arrive_at_vehicle()?,
             2 => self.arrive_at_payload()?,
-            3 => {
-                if let Some((_, index)) = answer {
-                    let (_, plugin, answer) = self.answers.remove(index);
-                    self.answer(plugin, answer)?;
-                }
-            }
+            3 => self.answer()?,
             4 => self.connect()?,
             5 => {
                 self.mvc.handle_timeout(self.now);
                 self.look()?;
                 self.drain_mvc()?;
             }
-            _ => self.feed(Input::Timeout)?,
+            _ => self.wake()?,
         }
-        Ok(true)
+        Ok(Step::Went)
     }
 
     /// Runs to the end. `progress` is called about once a virtual minute.
@@ -306,7 +385,7 @@ impl Simulation {
             Status::Aborted | Status::Stopped => "aborted",
             Status::Ready | Status::Running | Status::WrappingUp | Status::Aborting => "overran",
         };
-        let requests = self.core.request_counts();
+        let (requests, requests_open) = (self.request_counts(), self.open_requests());
         let seen = self.oracle.statistics();
         let violations = self.oracle.finish(self.now);
         let mut report = Report {
@@ -318,7 +397,7 @@ impl Simulation {
             load_seconds: 0.0,
             faults: self.faults_begun,
             requests,
-            requests_open: self.core.open_requests(),
+            requests_open,
             rejections: self
                 .reasons
                 .values()
@@ -334,262 +413,24 @@ impl Simulation {
         expectation::judge(&mut report, &self.expect, &self.trace, &self.mvc);
         Ok((report, self.trace, self.mvc))
     }
+}
 
-    fn stop(&mut self) -> Result<(), SimError> {
-        self.feed(Input::Operator(Operator::Stop))?;
-        self.finished = true;
-        Ok(())
-    }
-
-    fn feed(&mut self, input: Input<'_>) -> Result<(), SimError> {
-        if let Some(recorder) = &mut self.recorder {
-            recorder.input(self.now, &input)?;
-        }
-        self.core.handle(self.now, input);
-        if let Some(recorder) = &mut self.recorder
-            && let Some(sample) = self.core.navigation()
-            && self.recorded_navigation != Some(sample.solution)
-        {
-            self.recorded_navigation = Some(sample.solution);
-            recorder.navigation(self.now, sample)?;
-        }
-        self.drain_core()
-    }
-
-    fn drain_core(&mut self) -> Result<(), SimError> {
-        loop {
-            while let Some(output) = self.core.poll_output() {
-                if let Some(recorder) = &mut self.recorder {
-                    recorder.output(self.now, &output)?;
-                }
-                self.carry_out(output);
-            }
-            // What the driver answers at once is an input like any other.
-            if let Some(below) = self.reserved.take() {
-                self.feed_quietly(Input::Reserved(below))?;
-            } else if std::mem::take(&mut self.reset) {
-                self.disconnect();
-                self.feed_quietly(Input::LinkDown)?;
-            } else {
-                return Ok(());
-            }
+impl Disk {
+    /// What a process may use that begins now.
+    const fn identifiers(&self) -> Identifiers {
+        Identifiers {
+            next: self.reserved,
+            reserved: self.reserved,
         }
     }
+}
 
-    /// As [`Simulation::feed`], its outputs left for the loop that called.
-    fn feed_quietly(&mut self, input: Input<'_>) -> Result<(), SimError> {
-        if let Some(recorder) = &mut self.recorder {
-            recorder.input(self.now, &input)?;
-        }
-        self.core.handle(self.now, input);
-        Ok(())
-    }
-
-    fn carry_out(&mut self, output: Output) {
-        match output {
-            Output::Send(bytes) => {
-                self.digest.write(Direction::ToVehicle, self.now, &bytes);
-                self.oracle.to_vehicle(self.now, &bytes);
-                self.trace.sent(&bytes);
-                if self.connected {
-                    self.to_vehicle.write(self.now, &bytes, |_| {});
-                }
-            }
-            Output::Connect { after } => self.connect_at = Some(self.now + after),
-            Output::ResetLink => self.reset = true,
-            Output::Invoke(plugin, input) => {
-                let returned = self.plugins[plugin.0].step(&input);
-                let at = self.now + Duration::from_nanos(returned.fuel * (1_000_000_000 / FUEL_PER_SECOND));
-                self.answers.push((at, plugin, Answer::Returned(returned)));
-            }
-            Output::Restart(plugin) => {
-                let restarted = self.plugins[plugin.0].restart();
-                let at = self.now + Duration::from_nanos(restarted.fuel * (1_000_000_000 / FUEL_PER_SECOND));
-                let restarted = Restarted {
-                    fuel: restarted.fuel,
-                    lost_steps: restarted.lost_steps,
-                    result: restarted.result,
-                };
-                self.answers.push((at, plugin, Answer::Restarted(restarted)));
-            }
-            Output::Reserve(below) => self.reserved = Some(below),
-            Output::Finish => self.finished = true,
-            // No driver runs in simulation: there is none to hear it.
-            Output::Driver(..) => {}
-            Output::Note(note) => self.note(&note),
-        }
-    }
-
-    fn note(&mut self, note: &Note) {
-        if let Note::PluginFailed { plugin, .. } = note
-            && let Some(name) = self.names.get(plugin.0)
-        {
-            *self.plugin_failures.entry(name.clone()).or_default() += 1;
-        }
-        if let Note::Request(transition) = note
-            && let backseat_core::plugin::RequestState::Rejected(reason) = &transition.state
-        {
-            // Reasons that differ in their figures alone are one; the first of them is told.
-            let kind: String = reason.chars().filter(|char| !char.is_ascii_digit()).collect();
-            let full = self.reasons.len() >= REASONS_MAX;
-            match self.reasons.get_mut(&kind) {
-                Some((count, _)) => *count += 1,
-                None if full => {}
-                None => {
-                    self.reasons.insert(kind, (1, reason.clone()));
-                }
-            }
-        }
-        let position = self.core.navigation().map(|navigation| navigation.position);
-        self.trace.note(self.now, note, position);
-    }
-
-    fn answer(&mut self, plugin: PluginId, answer: Answer) -> Result<(), SimError> {
-        match answer {
-            Answer::Returned(returned) => {
-                if let Ok(requests) = &returned.result {
-                    self.trace.asked(requests);
-                }
-                self.feed(Input::Returned(plugin, returned))
-            }
-            Answer::Restarted(restarted) => self.feed(Input::Restarted(plugin, restarted)),
-        }
-    }
-
-    fn connect(&mut self) -> Result<(), SimError> {
-        self.connect_at = None;
-        self.client = ClientId(self.client.0 + 1);
-        if self.faults.refuses(self.now, self.client, None) {
-            return self.feed(Input::LinkDown);
-        }
-        if !self.faults.is_empty() {
-            let link = |way| Some(self.faults.link(self.now, self.client, None, way));
-            self.to_vehicle.open(link(Way::ToVehicle));
-            self.to_payload.open(link(Way::FromVehicle));
-        }
-        self.connected = true;
-        self.oracle.link(self.now, true);
-        self.mvc.connect(self.now, self.client);
-        self.feed(Input::LinkUp)?;
-        self.drain_mvc()
-    }
-
-    fn disconnect(&mut self) {
-        if self.connected {
-            self.connected = false;
-            self.mvc.disconnect(self.now, self.client);
-            self.oracle.link(self.now, false);
-            self.to_payload.cut();
-            self.to_vehicle.cut();
-        }
-    }
-
-    fn link_fault_due(&self) -> Option<Timestamp> {
-        let unacknowledged = self.to_vehicle.waits_since().map(|since| since + UNACKNOWLEDGED_MAX);
-        [
-            self.to_vehicle.next_fault(),
-            self.to_payload.next_fault(),
-            unacknowledged,
-        ]
-        .into_iter()
-        .flatten()
-        .min()
-    }
-
-    /// What faults have held back goes on its way, or the connection is gone.
-    fn link_fault(&mut self) -> Result<(), SimError> {
-        let now = self.now;
-        let unacknowledged = self
-            .to_vehicle
-            .waits_since()
-            .is_some_and(|since| now >= since + UNACKNOWLEDGED_MAX);
-        if unacknowledged || self.to_vehicle.is_cut(now) || self.to_payload.is_cut(now) {
-            self.disconnect();
-            return self.feed(Input::LinkDown);
-        }
-        self.to_vehicle.release(now, |_| {});
-        let oracle = &mut self.oracle;
-        self.to_payload.release(now, |bytes| oracle.from_vehicle(now, bytes));
-        Ok(())
-    }
-
-    fn arrive_at_vehicle(&mut self) -> Result<(), SimError> {
-        let Some(bytes) = self.to_vehicle.take() else {
-            return Ok(());
-        };
-        self.mvc.receive(self.now, self.client, &bytes);
-        self.to_vehicle.recycle(bytes);
-        self.drain_mvc()
-    }
-
-    fn arrive_at_payload(&mut self) -> Result<(), SimError> {
-        let Some(bytes) = self.to_payload.take() else {
-            return Ok(());
-        };
-        self.feed(Input::Received(&bytes))?;
-        self.to_payload.recycle(bytes);
-        Ok(())
-    }
-
-    fn drain_mvc(&mut self) -> Result<(), SimError> {
-        let mut buffer = std::mem::take(&mut self.scratch);
-        while self.mvc.poll_transmit(&mut buffer).is_some() {
-            self.digest.write(Direction::FromVehicle, self.now, &buffer);
-            // The judge sees what is on its way to us: what a fault has swallowed we could not know.
-            let (oracle, now) = (&mut self.oracle, self.now);
-            self.to_payload
-                .write(now, &buffer, |bytes| oracle.from_vehicle(now, bytes));
-        }
-        self.scratch = buffer;
-        while let Some(event) = self.mvc.poll_event() {
-            if let MvcEventKind::Fault(fault) = &event.kind
-                && fault.edge == FaultEdge::Begin
-            {
-                self.faults_begun += 1;
-            }
-            if let Some(recorder) = &mut self.recorder {
-                recorder.vehicle_event(self.now, &event.to_string())?;
-            }
-        }
-        let mut cut = false;
-        while self.mvc.poll_disconnect().is_some() {
-            cut = true;
-        }
-        if cut && self.connected {
-            self.disconnect();
-            self.feed(Input::LinkDown)?;
-        }
-        if self.over_at.is_none() && self.mvc.mission_over() {
-            self.over_at = Some(self.now);
-        }
-        Ok(())
-    }
-
-    /// The judge and the trace see the vehicle's step.
-    fn look(&mut self) -> Result<(), SimError> {
-        let truth: Truth = self.mvc.truth();
-        if self.trace.truth(&truth)
-            && let (Some(recorder), Some(sample)) = (&mut self.recorder, self.trace.samples.last())
-        {
-            recorder.truth(self.now, sample)?;
-        }
-        let activity = match truth.activity {
-            Activity::Plan { .. } => backseat_oracle::Activity::Plan,
-            Activity::Insert { id } => backseat_oracle::Activity::Insert(id.get()),
-            Activity::Modified { .. } => backseat_oracle::Activity::Modified,
-            Activity::Waiting | Activity::Suspended | Activity::WrappingUp | Activity::Stopped => {
-                backseat_oracle::Activity::Other
-            }
-        };
-        self.oracle.truth(&backseat_oracle::Truth {
-            at: truth.time,
-            position: truth.position,
-            depth_m: truth.depth_m,
-            altitude_m: truth.altitude_m,
-            activity,
-        });
-        Ok(())
-    }
+fn add(counts: &mut RequestCounts, more: RequestCounts) {
+    counts.proposed += more.proposed;
+    counts.rejected += more.rejected;
+    counts.sent += more.sent;
+    counts.accepted += more.accepted;
+    counts.failed += more.failed;
 }
 
 /// Whether the operator of a mission has ordered anything in advance that no plugin may send.

@@ -43,6 +43,14 @@ struct Edge {
     edge: FaultEdge,
 }
 
+impl Edge {
+    /// At one instant what lasts ends before anything begins; an instant's own end comes after its begin.
+    fn order(&self, plan: &[Fault]) -> (Timestamp, bool, usize) {
+        let lasts = !plan[self.index].lasts.is_zero();
+        (self.at, !(lasts && self.edge == FaultEdge::End), self.index)
+    }
+}
+
 #[derive(Clone, Debug)]
 struct Late {
     due: Timestamp,
@@ -76,11 +84,7 @@ impl Faults {
                 edges.push(Edge { at, index, edge });
             }
         }
-        // At one instant what lasts ends before anything begins; an instant's own end comes after its begin.
-        edges.sort_by_key(|edge| {
-            let lasts = !plan[edge.index].lasts.is_zero();
-            (edge.at, !(lasts && edge.edge == FaultEdge::End), edge.index)
-        });
+        edges.sort_by_key(|edge| edge.order(&plan));
         let next = edges.first().map_or(Timestamp::MAX, |edge| edge.at);
         Self {
             plan,
@@ -225,6 +229,36 @@ impl Mvc {
             ..Faults::of(plan, now)
         };
         self.faults.set_next();
+    }
+
+    /// Something goes wrong from now on, whatever `fault.at` says, for as long as the fault lasts. It is counted after
+    /// those that the run has had, and does what it would have done as a part of the plan, but that all that was due by
+    /// now has happened before it.
+    ///
+    /// Of a fault of the link only begin and end are told here: its driver plays it by [`crate::LinkFaults::inject`] and
+    /// [`crate::FaultyLink::inject`].
+    pub fn inject(&mut self, now: Timestamp, fault: Fault) {
+        self.handle_timeout(now);
+        let index = self.faults.plan.len();
+        let instant = fault.lasts.is_zero();
+        let fault = Fault { at: now, ..fault };
+        let end = Edge {
+            at: fault.until(),
+            index,
+            edge: FaultEdge::End,
+        };
+        self.faults.plan.push(fault);
+        self.edge(now, index, FaultEdge::Begin);
+        if instant {
+            self.edge(now, index, FaultEdge::End);
+        } else {
+            let faults = &mut self.faults;
+            let to_come = &faults.edges[faults.happened..];
+            let place = to_come.partition_point(|edge| edge.order(&faults.plan) <= end.order(&faults.plan));
+            faults.edges.insert(faults.happened + place, end);
+        }
+        self.faults.set_next();
+        self.settle(now);
     }
 
     /// Everything of the plan that is due at `at`.

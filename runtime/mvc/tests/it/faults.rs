@@ -384,6 +384,39 @@ fn a_plan_may_come_during_the_run_and_replace_another() {
 }
 
 #[test]
+fn what_is_injected_begins_at_once_and_counts_after_the_plan() {
+    let plan = |text: &str| FaultPlan::from_toml(&text.replace("; ", "\n")).unwrap();
+    let mut payload = connected(&["kind = \"navigation_frozen\"; at_s = 12; for_s = 3"], &["CTL"]);
+    payload.until(10.0);
+    payload.log();
+    for fault in plan(
+        "[[fault]]\nkind = \"control_taken\"; at_s = 1; for_s = 4\n[[fault]]\nkind = \"clock_step\"; at_s = 99; by_s = 5",
+    )
+    .faults
+    {
+        payload.mvc.inject(payload.now, fault);
+    }
+    payload.until(30.0);
+    assert_eq!(
+        payload.heard(),
+        ["$BFCTL,080001.000,1", "$BFCTL,080015.100,0", "$BFCTL,080019.000,1"]
+    );
+    let log = payload.log();
+    let faults: Vec<&String> = log.iter().filter(|line| line.contains(": fault ")).collect();
+    assert_eq!(
+        faults,
+        [
+            "10.000 s: fault 2 begins: control taken back",
+            "10.000 s: fault 3 begins: vehicle clock set by 5 s",
+            "10.000 s: fault 3 ends: vehicle clock set by 5 s",
+            "12.000 s: fault 1 begins: navigation frozen",
+            "14.000 s: fault 2 ends: control taken back",
+            "15.000 s: fault 1 ends: navigation frozen",
+        ]
+    );
+}
+
+#[test]
 fn without_a_fault_nothing_is_other_than_without_a_plan() {
     let run = |text: &str| {
         let mut mvc = Mvc::new(&WorldFile::from_toml(text).unwrap(), 5).unwrap();

@@ -2,7 +2,7 @@ use std::time::Duration;
 
 use proptest::prelude::*;
 
-use backseat_mvc::{ClientId, Direction, FaultPlan, FaultyLink, LinkFaults};
+use backseat_mvc::{ClientId, Direction, Fault, FaultPlan, FaultyLink, LinkFaults};
 use backseat_units::Timestamp;
 
 const ME: ClientId = ClientId(1);
@@ -11,9 +11,13 @@ fn at(seconds: f64) -> Timestamp {
     Timestamp::ZERO + Duration::from_secs_f64(seconds)
 }
 
-fn faults(text: &str) -> LinkFaults {
+fn plan(text: &str) -> FaultPlan {
     let plan = text.replace("fault ", "[[fault]]\nkind = ").replace("; ", "\n");
-    LinkFaults::new(&FaultPlan::from_toml(&plan).expect("the test's plan is right"), 3)
+    FaultPlan::from_toml(&plan).expect("the test's plan is right")
+}
+
+fn faults(text: &str) -> LinkFaults {
+    LinkFaults::new(&plan(text), 3)
 }
 
 fn from_vehicle(text: &str) -> FaultyLink {
@@ -22,6 +26,12 @@ fn from_vehicle(text: &str) -> FaultyLink {
 
 /// A line each 0.1 s from 0.1 s on, each with its number; what arrives, and when.
 fn lines(link: &mut FaultyLink, seconds: u32) -> Vec<(Timestamp, String)> {
+    lines_and(link, seconds, &[])
+}
+
+/// As [`lines`], with these faults injected at their times.
+fn lines_and(link: &mut FaultyLink, seconds: u32, faults: &[Fault]) -> Vec<(Timestamp, String)> {
+    let mut faults: Vec<&Fault> = faults.iter().rev().collect();
     let mut writes: Vec<(Timestamp, String)> = (1..=10 * seconds)
         .map(|n| (Timestamp::from_millis(100 * u64::from(n)), format!("$LINE,{n}\r\n")))
         .collect();
@@ -29,9 +39,15 @@ fn lines(link: &mut FaultyLink, seconds: u32) -> Vec<(Timestamp, String)> {
     let mut arrived = Vec::new();
     loop {
         let write = writes.last().map(|(at, _)| *at);
-        let Some(now) = link.poll_timeout().into_iter().chain(write).min() else {
+        let fault = faults.last().map(|fault| fault.at);
+        let Some(now) = link.poll_timeout().into_iter().chain(write).chain(fault).min() else {
             break;
         };
+        if fault == Some(now)
+            && let Some(fault) = faults.pop()
+        {
+            link.inject(fault);
+        }
         if write == Some(now)
             && let Some((_, line)) = writes.pop()
             && let Some(bytes) = link.pass(now, line.as_bytes())
@@ -248,6 +264,91 @@ fn a_link_that_holds_too_much_is_cut() {
         link.push(at(1.0), &write);
     }
     assert!(link.is_cut(at(1.0)));
+}
+
+#[test]
+fn what_is_injected_is_what_was_planned() {
+    // What is under way has been delayed, so that a stall finds some of it.
+    let before = "fault \"delay\"; at_s = 0; for_s = 9; delay_s = 0.7; jitter_s = 0.4\n";
+    for later in [
+        "fault \"link_cut\"; at_s = 5.05; for_s = 2",
+        "fault \"stall\"; at_s = 5.05; for_s = 2",
+        "fault \"half_open\"; at_s = 5.05; for_s = 2",
+        "fault \"delay\"; at_s = 5.05; for_s = 2; delay_s = 1",
+        "fault \"split\"; at_s = 5.05; for_s = 2; bytes = 3; gap_s = 0.001",
+        "fault \"join\"; at_s = 5.05; for_s = 2; hold_s = 0.5",
+        "fault \"duplicate\"; at_s = 5.05; for_s = 2; chance = 0.5",
+        "fault \"corrupt\"; at_s = 5.05; for_s = 2; chance = 0.05",
+        "fault \"drop\"; at_s = 5.05; for_s = 2; chance = 0.5",
+        "fault \"stall\"; at_s = 5.05; for_s = 1\nfault \"stall\"; at_s = 5.55; for_s = 1",
+    ] {
+        let mut planned = from_vehicle(&format!("{before}{later}"));
+        let mut injected = from_vehicle(before);
+        let with = lines(&mut planned, 12);
+        assert_eq!(with, lines_and(&mut injected, 12, &plan(later).faults), "{later}");
+        assert_ne!(with, lines(&mut from_vehicle(before), 12), "{later}");
+    }
+}
+
+#[test]
+fn a_fault_is_injected_into_the_connections_that_it_names_alone() {
+    let mut faults = faults("");
+    let live = |faults: &LinkFaults, client, role, direction| faults.link(at(1.0), ClientId(client), role, direction);
+    let to = Direction::ToVehicle;
+    let mut links = [
+        live(&faults, 1, Some("sonar"), to),
+        live(&faults, 1, Some("sonar"), Direction::FromVehicle),
+        live(&faults, 1, Some("camera"), to),
+        live(&faults, 1, None, to),
+    ];
+    let named = plan("fault \"stall\"; at_s = 5; for_s = 2; role = \"sonar\"; direction = \"to_vehicle\"");
+    let of_client = plan("fault \"link_cut\"; at_s = 8; client = 2");
+    for link in &mut links {
+        link.inject(&named.faults[0]);
+        link.inject(&of_client.faults[0]);
+    }
+    let held = links.each_mut().map(|link| link.pass(at(6.0), b"x").is_none());
+    assert_eq!(held, [true, false, false, false]);
+    assert!(!links[3].is_cut(at(9.0)));
+    // Connections that come later meet what lasts, and are refused by a cut that does.
+    faults.inject(&named.faults[0]);
+    faults.inject(&plan("fault \"link_cut\"; at_s = 8; for_s = 3").faults[0]);
+    assert!(
+        faults
+            .link(at(6.0), ME, Some("sonar"), to)
+            .pass(at(6.5), b"x")
+            .is_none()
+    );
+    assert!(faults.refuses(at(9.0), ME, None) && !faults.refuses(at(11.0), ME, None));
+    assert!(!faults.link(at(11.0), ME, None, to).is_cut(at(20.0)));
+}
+
+/// TCP's user time-out (RFC 5482) counts what is not acknowledged, which lost data never is.
+#[test]
+fn a_write_that_waits_or_is_lost_is_given_up_in_time() {
+    let within = Duration::from_secs(2);
+    let mut stalled = from_vehicle("fault \"stall\"; at_s = 1; for_s = 60");
+    assert_eq!(stalled.gives_up(within), None);
+    stalled.push(at(3.0), b"x");
+    stalled.push(at(4.0), b"x");
+    assert_eq!(stalled.gives_up(within), Some(at(5.0)));
+
+    let mut lost = from_vehicle("fault \"half_open\"; at_s = 1; for_s = 60");
+    lost.push(at(0.5), b"x");
+    assert!(lost.poll(at(0.5)).is_some());
+    assert_eq!(lost.gives_up(within), None);
+    lost.push(at(3.0), b"x");
+    lost.push(at(4.0), b"x");
+    assert_eq!(lost.gives_up(within), Some(at(5.0)));
+
+    // What is lost is sent again, and arrives when the loss is over: only a long one is found out.
+    let mut short = from_vehicle(
+        "fault \"half_open\"; at_s = 1; for_s = 1.5\nfault \"half_open\"; at_s = 6; for_s = 1\nfault \"half_open\"; at_s = 7; for_s = 3",
+    );
+    short.push(at(1.0), b"x");
+    assert_eq!(short.gives_up(within), None);
+    short.push(at(6.5), b"x");
+    assert_eq!(short.gives_up(within), Some(at(8.5)));
 }
 
 proptest! {

@@ -1,0 +1,145 @@
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use backseat_core::PluginSetup;
+use backseat_core::plugin::Judge;
+use backseat_mission::{Mission, PluginTable};
+use backseat_plugin_host::{Budget, Component, Host, HostError, Plugin, Started};
+
+use crate::load::{LoadError, Loaded};
+
+/// Components, compiled once and started for any number of runs, by the names that `component` has in mission files.
+///
+/// A clone shares the code, and may be used on another thread.
+#[derive(Clone, Default)]
+pub struct Components {
+    by_name: BTreeMap<String, Compiled>,
+}
+
+#[derive(Clone)]
+struct Compiled {
+    component: Component,
+    /// What errors call it by.
+    path: PathBuf,
+    bytes: Arc<[u8]>,
+}
+
+impl Components {
+    /// None.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Finds and compiles those of a mission, each one once. `folder` is where bare names are looked up first.
+    ///
+    /// # Errors
+    /// [`LoadError`] names the plugin and the file.
+    pub fn load(host: &Host, mission: &Mission, folder: Option<&Path>) -> Result<Self, LoadError> {
+        let mut components = Self::new();
+        let paths = mission.components(folder)?;
+        for (table, path) in mission.file.plugins.iter().zip(paths) {
+            if components.by_name.contains_key(&table.component) {
+                continue;
+            }
+            let bytes = std::fs::read(&path).map_err(|source| LoadError::Read {
+                plugin: table.name.clone(),
+                path: path.clone(),
+                source,
+            })?;
+            components.compile(host, &table.component, &table.name, path, &bytes)?;
+        }
+        Ok(components)
+    }
+
+    /// Compiles one that is found elsewhere. One of that name is replaced; plugins that run keep theirs.
+    ///
+    /// # Errors
+    /// [`LoadError::Host`] where the host refuses it.
+    pub fn insert(&mut self, host: &Host, name: &str, bytes: &[u8]) -> Result<(), LoadError> {
+        self.compile(host, name, name, PathBuf::from(name), bytes)
+    }
+
+    /// Starts all plugins of a mission.
+    ///
+    /// # Errors
+    /// [`LoadError`] names the plugin and its component.
+    pub fn start(&self, mission: &Mission) -> Result<Loaded, LoadError> {
+        let mut loaded = Loaded {
+            setups: Vec::new(),
+            plugins: Vec::new(),
+            components: Vec::new(),
+        };
+        for table in &mission.file.plugins {
+            let compiled = self.find(&table.name, &table.component)?;
+            let started = compiled.start(table, mission)?;
+            loaded.setups.push(PluginSetup {
+                name: table.name.clone(),
+                description: started.description,
+                grants: table.grants.clone(),
+                on_failure: table.on_failure,
+            });
+            loaded.plugins.push(started.plugin);
+            loaded.components.push((table.name.clone(), compiled.bytes.to_vec()));
+        }
+        Ok(loaded)
+    }
+
+    /// Starts one plugin from a component, whatever component its table names: with the table's budget and
+    /// configuration, for a mission whose fence and limits it can ask about.
+    ///
+    /// # Errors
+    /// [`LoadError`] names the plugin and the component.
+    pub fn start_one(&self, component: &str, table: &PluginTable, mission: &Mission) -> Result<Plugin, LoadError> {
+        let compiled = self.find(&table.name, component)?;
+        Ok(compiled.start(table, mission)?.plugin)
+    }
+
+    fn compile(&mut self, host: &Host, name: &str, plugin: &str, path: PathBuf, bytes: &[u8]) -> Result<(), LoadError> {
+        let component = host
+            .load(plugin, bytes)
+            .map_err(|source| refused(plugin, &path, source))?;
+        let compiled = Compiled {
+            component,
+            path,
+            bytes: bytes.into(),
+        };
+        self.by_name.insert(name.to_owned(), compiled);
+        Ok(())
+    }
+
+    fn find(&self, plugin: &str, component: &str) -> Result<&Compiled, LoadError> {
+        self.by_name.get(component).ok_or_else(|| LoadError::Unknown {
+            plugin: plugin.to_owned(),
+            component: component.to_owned(),
+            loaded: self.by_name.keys().cloned().collect::<Vec<_>>().join(", "),
+        })
+    }
+}
+
+impl Compiled {
+    fn start(&self, table: &PluginTable, mission: &Mission) -> Result<Started, LoadError> {
+        let budget = Budget {
+            fuel_per_step: table.budget.fuel_per_step,
+            memory_bytes: table.budget.memory_mib as usize * 1024 * 1024,
+            ..Budget::default()
+        };
+        let config = serde_json::to_string(&table.config).map_err(|error| LoadError::Config {
+            plugin: table.name.clone(),
+            message: error.to_string(),
+        })?;
+        let judge: Arc<dyn Judge> = mission.envelope.clone();
+        self.component
+            .start(budget, &config, judge)
+            .map_err(|source| refused(&table.name, &self.path, source))
+    }
+}
+
+fn refused(plugin: &str, path: &Path, source: HostError) -> LoadError {
+    LoadError::Host {
+        plugin: plugin.to_owned(),
+        path: path.to_owned(),
+        source,
+    }
+}

@@ -1,0 +1,160 @@
+//! The two ends of the vehicle link, and the vehicle.
+
+use std::time::Duration;
+
+use backseat_core::Input;
+use backseat_mvc::{Activity, ClientId, Direction as Way, FaultEdge, MvcEventKind, Truth};
+use backseat_units::Timestamp;
+
+use crate::digest::Direction;
+use crate::simulation::{SimError, Simulation};
+
+/// A write that the vehicle has not acknowledged for so long ends the connection, as it does at sea.
+const UNACKNOWLEDGED_MAX: Duration = Duration::from_secs(2);
+
+impl Simulation {
+    pub(super) fn connect(&mut self) -> Result<(), SimError> {
+        if let Some(process) = &mut self.process {
+            process.connect_at = None;
+        }
+        self.client = ClientId(self.client.0 + 1);
+        if self.faults.refuses(self.now, self.client, None) {
+            return self.feed(Input::LinkDown);
+        }
+        if !self.faults.is_empty() {
+            let link = |way| Some(self.faults.link(self.now, self.client, None, way));
+            self.to_vehicle.open(link(Way::ToVehicle));
+            self.to_payload.open(link(Way::FromVehicle));
+        }
+        self.connected = true;
+        self.oracle.link(self.now, true);
+        self.mvc.connect(self.now, self.client);
+        self.feed(Input::LinkUp)?;
+        self.drain_mvc()
+    }
+
+    pub(super) fn disconnect(&mut self) {
+        if self.connected {
+            self.connected = false;
+            self.mvc.disconnect(self.now, self.client);
+            self.oracle.link(self.now, false);
+            self.to_payload.cut();
+            self.to_vehicle.cut();
+        }
+    }
+
+    /// The connection has ended without the runtime's doing; one that is stopped hears of it when it goes on.
+    pub(super) fn lose_link(&mut self) -> Result<(), SimError> {
+        self.disconnect();
+        if self.is_awake() {
+            return self.feed(Input::LinkDown);
+        }
+        self.miss_reset();
+        Ok(())
+    }
+
+    pub(super) fn link_fault_due(&self) -> Option<Timestamp> {
+        [
+            self.to_vehicle.next_fault(),
+            self.to_payload.next_fault(),
+            self.to_vehicle.gives_up(UNACKNOWLEDGED_MAX),
+        ]
+        .into_iter()
+        .flatten()
+        .min()
+    }
+
+    /// What faults have held back goes on its way, or the connection is gone.
+    pub(super) fn link_fault(&mut self) -> Result<(), SimError> {
+        let now = self.now;
+        let unacknowledged = self.to_vehicle.gives_up(UNACKNOWLEDGED_MAX).is_some_and(|at| now >= at);
+        if unacknowledged || self.to_vehicle.is_cut(now) || self.to_payload.is_cut(now) {
+            return self.lose_link();
+        }
+        self.to_vehicle.release(now, |_| {});
+        let oracle = &mut self.oracle;
+        self.to_payload.release(now, |bytes| oracle.from_vehicle(now, bytes));
+        Ok(())
+    }
+
+    pub(super) fn arrive_at_vehicle(&mut self) -> Result<(), SimError> {
+        let Some(bytes) = self.to_vehicle.take() else {
+            return Ok(());
+        };
+        self.mvc.receive(self.now, self.client, &bytes);
+        self.to_vehicle.recycle(bytes);
+        self.drain_mvc()
+    }
+
+    pub(super) fn arrive_at_payload(&mut self) -> Result<(), SimError> {
+        let Some(bytes) = self.to_payload.take() else {
+            return Ok(());
+        };
+        if self.is_awake() {
+            self.feed(Input::Received(&bytes))?;
+        } else if !self.pile_up(&bytes) {
+            self.lose_link()?;
+        }
+        self.to_payload.recycle(bytes);
+        Ok(())
+    }
+
+    pub(super) fn drain_mvc(&mut self) -> Result<(), SimError> {
+        let mut buffer = std::mem::take(&mut self.scratch);
+        while self.mvc.poll_transmit(&mut buffer).is_some() {
+            self.digest.write(Direction::FromVehicle, self.now, &buffer);
+            // The judge sees what is on its way to us: what a fault has swallowed we could not know.
+            let (oracle, now) = (&mut self.oracle, self.now);
+            self.to_payload
+                .write(now, &buffer, |bytes| oracle.from_vehicle(now, bytes));
+        }
+        self.scratch = buffer;
+        while let Some(event) = self.mvc.poll_event() {
+            if let MvcEventKind::Fault(fault) = &event.kind
+                && fault.edge == FaultEdge::Begin
+            {
+                self.faults_begun += 1;
+            }
+            if let Some(recorder) = &mut self.recorder {
+                recorder.vehicle_event(self.now, &event.to_string())?;
+            }
+        }
+        let mut cut = false;
+        while self.mvc.poll_disconnect().is_some() {
+            cut = true;
+        }
+        if cut && self.connected {
+            self.lose_link()?;
+        }
+        if self.over_at.is_none() && self.mvc.mission_over() {
+            self.over_at = Some(self.now);
+        }
+        Ok(())
+    }
+
+    /// The judge and the trace see the vehicle's step.
+    pub(super) fn look(&mut self) -> Result<(), SimError> {
+        let truth: Truth = self.mvc.truth();
+        if self.trace.truth(&truth)
+            && let (Some(recorder), Some(sample)) = (&mut self.recorder, self.trace.samples.last())
+        {
+            recorder.truth(self.now, sample)?;
+        }
+        let activity = match truth.activity {
+            Activity::Plan { .. } => backseat_oracle::Activity::Plan,
+            Activity::Insert { id } => backseat_oracle::Activity::Insert(id.get()),
+            Activity::Modified { .. } => backseat_oracle::Activity::Modified,
+            Activity::Waiting | Activity::Suspended | Activity::WrappingUp | Activity::Stopped => {
+                backseat_oracle::Activity::Other
+            }
+        };
+        self.oracle.truth(&backseat_oracle::Truth {
+            at: truth.time,
+            position: truth.position,
+            depth_m: truth.depth_m,
+            altitude_m: truth.altitude_m,
+            activity,
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,136 @@
+//! The driver of core: its inputs in, its outputs carried out.
+
+use backseat_core::plugin::RequestState;
+use backseat_core::{Input, Note, Operator, Output};
+
+use crate::digest::Direction;
+use crate::simulation::process::Process;
+use crate::simulation::{SimError, Simulation};
+
+/// So many different reasons for rejections are told of.
+const REASONS_MAX: usize = 20;
+
+impl Simulation {
+    /// The run ends, and the runtime with it where it can still be told.
+    pub(super) fn stop(&mut self) -> Result<(), SimError> {
+        self.finished = true;
+        if self.is_awake() {
+            self.feed(Input::Operator(Operator::Stop))?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn feed(&mut self, input: Input<'_>) -> Result<(), SimError> {
+        let Some(process) = &mut self.process else {
+            return Ok(());
+        };
+        if let Some(recorder) = &mut self.recorder {
+            recorder.input(self.now, &input)?;
+        }
+        process.handle(self.now, input);
+        if let Some(recorder) = &mut self.recorder
+            && let Some(sample) = process.new_navigation()
+        {
+            recorder.navigation(self.now, sample)?;
+        }
+        self.drain_core()
+    }
+
+    pub(super) fn drain_core(&mut self) -> Result<(), SimError> {
+        loop {
+            while let Some(process) = &mut self.process
+                && let Some(output) = process.core.poll_output()
+            {
+                if let Some(recorder) = &mut self.recorder {
+                    recorder.output(self.now, &output)?;
+                }
+                self.carry_out(output);
+            }
+            // What the driver answers at once is an input like any other.
+            let Some(process) = &mut self.process else {
+                return Ok(());
+            };
+            let input = if let Some(below) = process.reserved.take() {
+                Input::Reserved(below)
+            } else if std::mem::take(&mut process.reset) {
+                self.disconnect();
+                Input::LinkDown
+            } else {
+                return Ok(());
+            };
+            if let Some(recorder) = &mut self.recorder {
+                recorder.input(self.now, &input)?;
+            }
+            if let Some(process) = &mut self.process {
+                process.handle(self.now, input);
+            }
+        }
+    }
+
+    fn carry_out(&mut self, output: Output) {
+        let now = self.now;
+        let Some(process) = &mut self.process else { return };
+        match output {
+            // What is written to a connection that is gone leaves nowhere.
+            Output::Send(_) if !self.connected => {}
+            Output::Send(bytes) => {
+                self.digest.write(Direction::ToVehicle, now, &bytes);
+                self.oracle.to_vehicle(now, &bytes);
+                self.trace.sent(&bytes);
+                self.to_vehicle.write(now, &bytes, |_| {});
+            }
+            Output::Connect { after } => process.connect_at = Some(now + after),
+            Output::ResetLink => process.reset = true,
+            Output::Invoke(plugin, input) => process.step(now, plugin, &input),
+            Output::Restart(plugin) => process.restart(now, plugin),
+            // Unanswered where nothing can be written: the runtime sends no insert without a reserved identifier.
+            Output::Reserve(below) if !self.disk.full => {
+                self.disk.reserved = self.disk.reserved.max(below);
+                process.reserved = Some(below);
+            }
+            Output::Reserve(_) => {}
+            Output::Finish => self.finished = true,
+            // No driver runs in simulation: there is none to hear it.
+            Output::Driver(..) => {}
+            Output::Note(note) => self.note(&note),
+        }
+    }
+
+    fn note(&mut self, note: &Note) {
+        if let Note::Operator { act } = note {
+            // Also where a policy or a mission command holds for the operator.
+            self.tell_oracle(act);
+            self.keep(act);
+        }
+        if let Note::PluginFailed { plugin, .. } = note
+            && let Some(name) = self.names.get(plugin.0)
+        {
+            *self.plugin_failures.entry(name.clone()).or_default() += 1;
+        }
+        if let Note::Request(transition) = note
+            && let RequestState::Rejected(reason) = &transition.state
+        {
+            // Reasons that differ in their figures alone are one; the first of them is told.
+            let kind: String = reason.chars().filter(|char| !char.is_ascii_digit()).collect();
+            let full = self.reasons.len() >= REASONS_MAX;
+            match self.reasons.get_mut(&kind) {
+                Some((count, _)) => *count += 1,
+                None if full => {}
+                None => {
+                    self.reasons.insert(kind, (1, reason.clone()));
+                }
+            }
+        }
+        let position = self.process.as_ref().and_then(Process::position);
+        self.trace.note(self.now, note, position);
+    }
+
+    /// Hold and release outlive the process, whoever said them.
+    pub(super) fn keep(&mut self, act: &Operator) {
+        match act {
+            Operator::Hold => self.disk.held = true,
+            Operator::Release => self.disk.held = false,
+            Operator::Stop | Operator::Order(_) => {}
+        }
+    }
+}

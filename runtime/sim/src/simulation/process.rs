@@ -1,0 +1,199 @@
+use std::sync::Arc;
+use std::time::Duration;
+
+use backseat_core::plugin::{NavigationSample, PluginId, Returned, StepInput};
+use backseat_core::{Core, Envelope, Input, Operator, Restarted, Settings, Start};
+use backseat_plugin_host::Plugin;
+use backseat_units::{Position, Timestamp};
+
+use crate::load::Loaded;
+
+/// A nanosecond for a unit of fuel: what a core of these years burns, nearly.
+const FUEL_PER_SECOND: u64 = 1_000_000_000;
+
+/// A process of the runtime: all that is gone when it is killed.
+pub(super) struct Process {
+    pub(super) core: Core,
+    /// When it began. Its own clock counts from there.
+    epoch: Timestamp,
+    plugins: Vec<Slot>,
+    answers: Vec<(Timestamp, PluginId, Answer)>,
+    pub(super) connect_at: Option<Timestamp>,
+    pub(super) reserved: Option<u32>,
+    pub(super) reset: bool,
+    /// Its connection is open, as far as it knows.
+    pub(super) linked: bool,
+    pub(super) stopped: Option<Stopped>,
+    recorded_navigation: Option<Timestamp>,
+}
+
+/// A plugin, and who stands in for it.
+struct Slot {
+    plugin: Plugin,
+    understudy: Option<Plugin>,
+}
+
+/// A plugin's answer that is under way.
+pub(super) enum Answer {
+    Returned(Returned),
+    Restarted(Restarted),
+}
+
+/// A process that a signal has stopped: what waits for it.
+pub(super) struct Stopped {
+    pub(super) until: Timestamp,
+    /// Bytes that the system has taken from the connection.
+    pub(super) piled: Vec<u8>,
+    pub(super) acts: Vec<Operator>,
+    /// The connection has ended.
+    pub(super) reset: bool,
+}
+
+/// The process that follows one that was killed.
+pub(super) struct Successor {
+    pub(super) at: Timestamp,
+    pub(super) loaded: Loaded,
+    pub(super) clock_step_ns: i64,
+}
+
+/// When a process has something to do.
+#[derive(Default)]
+pub(super) struct Due {
+    pub(super) answer: Option<Timestamp>,
+    pub(super) connect: Option<Timestamp>,
+    /// Core's timers, or the end of a stop.
+    pub(super) wakes: Option<Timestamp>,
+}
+
+impl Process {
+    pub(super) fn new(
+        epoch: Timestamp,
+        settings: Settings,
+        envelope: Arc<Envelope>,
+        loaded: Loaded,
+        start: Start,
+    ) -> Self {
+        let slot = |plugin| Slot {
+            plugin,
+            understudy: None,
+        };
+        Self {
+            core: Core::new(settings, envelope, loaded.setups, start),
+            epoch,
+            plugins: loaded.plugins.into_iter().map(slot).collect(),
+            answers: Vec::new(),
+            connect_at: None,
+            reserved: None,
+            reset: false,
+            linked: false,
+            stopped: None,
+            recorded_navigation: None,
+        }
+    }
+
+    pub(super) fn due(&self) -> Due {
+        if let Some(stopped) = &self.stopped {
+            return Due {
+                wakes: Some(stopped.until),
+                ..Due::default()
+            };
+        }
+        Due {
+            answer: self.answers.iter().map(|(at, _, _)| *at).min(),
+            connect: self.connect_at,
+            wakes: self
+                .core
+                .poll_timeout()
+                .map(|at| self.epoch + at.since(Timestamp::ZERO)),
+        }
+    }
+
+    pub(super) fn handle(&mut self, now: Timestamp, input: Input<'_>) {
+        match input {
+            Input::LinkUp => self.linked = true,
+            Input::LinkDown => self.linked = false,
+            Input::Received(_)
+            | Input::Returned(..)
+            | Input::Restarted(..)
+            | Input::Operator(_)
+            | Input::Driver(..)
+            | Input::Reserved(_)
+            | Input::Timeout => {}
+        }
+        let own = Timestamp::ZERO + now.since(self.epoch);
+        self.core.handle(own, input);
+    }
+
+    /// The first of the answers that are due first.
+    pub(super) fn next_answer(&mut self) -> Option<(PluginId, Answer)> {
+        let first = self.answers.iter().enumerate().min_by_key(|(_, (at, _, _))| *at)?.0;
+        let (_, plugin, answer) = self.answers.remove(first);
+        Some((plugin, answer))
+    }
+
+    pub(super) fn step(&mut self, now: Timestamp, plugin: PluginId, input: &StepInput) {
+        let returned = self.plugins[plugin.0].flown().step(input);
+        let at = now + Duration::from_nanos(returned.fuel * (1_000_000_000 / FUEL_PER_SECOND));
+        self.answers.push((at, plugin, Answer::Returned(returned)));
+    }
+
+    pub(super) fn restart(&mut self, now: Timestamp, plugin: PluginId) {
+        let restarted = self.plugins[plugin.0].flown().restart();
+        let at = now + Duration::from_nanos(restarted.fuel * (1_000_000_000 / FUEL_PER_SECOND));
+        let restarted = Restarted {
+            fuel: restarted.fuel,
+            lost_steps: restarted.lost_steps,
+            result: restarted.result,
+        };
+        self.answers.push((at, plugin, Answer::Restarted(restarted)));
+    }
+
+    pub(super) fn substitute(&mut self, plugin: PluginId, understudy: Option<Plugin>) {
+        if let Some(slot) = self.plugins.get_mut(plugin.0) {
+            slot.understudy = understudy;
+        }
+    }
+
+    /// A signal stops it, the threads of its plugins too, until then.
+    pub(super) fn stop(&mut self, now: Timestamp, until: Timestamp) {
+        let stopped_until = self.stopped.as_ref().map_or(now, |stopped| stopped.until);
+        let longer = until.since(stopped_until);
+        for (at, _, _) in &mut self.answers {
+            *at = *at + longer;
+        }
+        let stopped = self.stopped.get_or_insert_with(|| Stopped {
+            until,
+            piled: Vec::new(),
+            acts: Vec::new(),
+            reset: false,
+        });
+        stopped.until = stopped.until.max(until);
+    }
+
+    /// Whether core has asked to be woken by now.
+    pub(super) fn is_due(&self, now: Timestamp) -> bool {
+        let own = Timestamp::ZERO + now.since(self.epoch);
+        self.core.poll_timeout().is_some_and(|at| at <= own)
+    }
+
+    /// Navigation as the monitor has it, where it is newer than when this was asked last.
+    pub(super) fn new_navigation(&mut self) -> Option<&NavigationSample> {
+        let sample = self.core.navigation()?;
+        if self.recorded_navigation == Some(sample.solution) {
+            return None;
+        }
+        self.recorded_navigation = Some(sample.solution);
+        Some(sample)
+    }
+
+    pub(super) fn position(&self) -> Option<Position> {
+        self.core.navigation().map(|navigation| navigation.position)
+    }
+}
+
+impl Slot {
+    /// Who answers for the plugin now.
+    fn flown(&mut self) -> &mut Plugin {
+        self.understudy.as_mut().unwrap_or(&mut self.plugin)
+    }
+}

@@ -1,0 +1,133 @@
+//! A run of the tests' own mission, driven from outside.
+
+#![expect(clippy::unwrap_used, reason = "a flight that cannot be made fails its test")]
+
+use std::path::Path;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use backseat_core::plugin::PluginId;
+use backseat_mission::{Layers, Mission, PluginTable};
+use backseat_mvc::Activity;
+use backseat_oracle::Violation;
+use backseat_plugin_host::{Host, Plugin};
+use backseat_sim::{Components, Loaded, Report, Simulation, Step, Trace};
+use backseat_spi::ToVehicle;
+use backseat_units::Timestamp;
+
+/// The mission with its plugins, compiled once.
+struct Hangar {
+    mission: Mission,
+    components: Components,
+}
+
+fn hangar() -> &'static Hangar {
+    static HANGAR: OnceLock<Hangar> = OnceLock::new();
+    HANGAR.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/missions/pair");
+        let mission = Mission::load(&folder, &Layers::default()).unwrap();
+        let host = Host::new().unwrap();
+        let components = Components::load(&host, &mission, Some(backseat_test_support::plugins())).unwrap();
+        Hangar { mission, components }
+    })
+}
+
+pub(crate) fn components() -> &'static Components {
+    &hangar().components
+}
+
+pub(crate) fn mission() -> &'static Mission {
+    &hangar().mission
+}
+
+/// The mission's plugins, started.
+pub(crate) fn crew() -> Loaded {
+    components().start(mission()).unwrap()
+}
+
+/// The plugin that steers.
+pub(crate) const PILOT: PluginId = PluginId(0);
+/// The one that may ask for inserts, and does so where an understudy does.
+pub(crate) const SECOND: PluginId = PluginId(1);
+
+/// The faulty plugin with a fault, or with `cross_fence` one that asks each second for a line inside the fence.
+pub(crate) fn understudy(fault: &str) -> Plugin {
+    let mut table: PluginTable = mission().file.plugins[0].clone();
+    table.config.insert("fault".into(), fault.into());
+    table.config.insert("target_east_m".into(), 600.0.into());
+    table.config.insert("target_north_m".into(), 100.0.into());
+    components().start_one("faulty", &table, mission()).unwrap()
+}
+
+pub(crate) fn at(seconds: f64) -> Timestamp {
+    Timestamp::ZERO + Duration::from_secs_f64(seconds)
+}
+
+pub(crate) const fn seconds(seconds: u64) -> Duration {
+    Duration::from_secs(seconds)
+}
+
+/// A run of the mission.
+pub(crate) struct Flight {
+    pub(crate) sim: Simulation,
+}
+
+impl Flight {
+    pub(crate) fn new(seed: u64) -> Self {
+        let sim = Simulation::new(mission(), seed, crew(), None).unwrap();
+        Self { sim }
+    }
+
+    /// Goes on to a time, or to an end before it.
+    pub(crate) fn towards(&mut self, seconds: f64) -> &mut Self {
+        while self.sim.advance_until(at(seconds)).unwrap() == Step::Went {}
+        self
+    }
+
+    /// Goes on to a time.
+    pub(crate) fn until(&mut self, seconds: f64) -> &mut Self {
+        self.towards(seconds);
+        assert_eq!(self.sim.now(), at(seconds), "the run ended before");
+        self
+    }
+
+    /// Goes on until something holds. When that was.
+    pub(crate) fn until_it(&mut self, holds: impl Fn(&Simulation) -> bool) -> Timestamp {
+        while !holds(&self.sim) {
+            let step = self.sim.advance_until(Timestamp::MAX).unwrap();
+            assert_eq!(step, Step::Went, "it never came");
+        }
+        self.sim.now()
+    }
+
+    /// Goes on to the end of the mission.
+    pub(crate) fn land(mut self) -> (Report, Trace) {
+        self.sim.run(|_| {}).unwrap();
+        self.end()
+    }
+
+    /// The run ends here.
+    pub(crate) fn end(self) -> (Report, Trace) {
+        let (report, trace, _) = self.sim.finish().unwrap();
+        (report, trace)
+    }
+}
+
+/// Whether the vehicle is under a modify, by its own truth.
+pub(crate) fn is_modified(sim: &Simulation) -> bool {
+    matches!(sim.truth().activity, Activity::Modified { .. })
+}
+
+/// The SPI identifiers of the inserts that were sent, in order.
+pub(crate) fn identifiers(trace: &Trace) -> Vec<u32> {
+    let identifier = |insert: &ToVehicle| {
+        if let ToVehicle::Trackline(line) = insert {
+            Some(line.identifier.get())
+        } else {
+            None
+        }
+    };
+    trace.inserts.iter().filter_map(identifier).collect()
+}
+
+pub(crate) const NO_VIOLATION: [Violation; 0] = [];

@@ -1,0 +1,6 @@
+//! What is done to a run from outside.
+
+mod faults;
+mod flight;
+mod plugins;
+mod process;

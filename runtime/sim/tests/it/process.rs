@@ -1,0 +1,215 @@
+//! The runtime's process: killed, stopped, held, on a full disk.
+
+use std::time::Duration;
+
+use backseat_core::Operator;
+use backseat_oracle::State;
+
+use crate::flight::{Flight, NO_VIOLATION, PILOT, SECOND, at, crew, identifiers, is_modified, seconds, understudy};
+
+#[test]
+fn sr_007_a_runtime_killed_in_a_lease_leaves_a_modify_that_lapses_within_five_seconds() {
+    for seed in 1..=5 {
+        let mut flight = Flight::new(seed);
+        let killed = 60.0 + 0.21 * seed as f64;
+        flight.until(killed);
+        assert!(is_modified(&flight.sim) && flight.sim.is_steering());
+        assert_eq!(flight.sim.state(), State::Lease);
+        flight.sim.kill(seconds(20), crew(), 0);
+        assert!(!flight.sim.is_steering());
+        assert_eq!(flight.sim.state(), State::Down);
+        assert_eq!((flight.sim.open_requests(), flight.sim.restarts()), (0, 0));
+        let lapsed = flight.until_it(|sim| !is_modified(sim));
+        assert!(lapsed <= at(killed + 5.1), "{lapsed}");
+        flight.until(killed + 19.9);
+        assert_eq!(flight.sim.statistics().connections, 1);
+        flight.until_it(|sim| sim.is_steering());
+        assert_eq!((flight.sim.restarts(), flight.sim.statistics().connections), (1, 2));
+        let (report, _) = flight.land();
+        assert_eq!(report.violations, NO_VIOLATION);
+        assert_eq!(report.outcome, "completed");
+    }
+}
+
+#[test]
+fn sr_009_a_new_process_uses_no_identifier_of_the_old_ones() {
+    let mut flight = Flight::new(1);
+    for kill in 1..=3 {
+        flight.sim.substitute(SECOND, Some(understudy("cross_fence")));
+        flight.until(40.0 * f64::from(kill));
+        // The clock is wrong each time, an hour behind or ahead.
+        let wrong = if kill % 2 == 0 { 1 } else { -1 } * 3_600_000_000_000;
+        flight.sim.kill(seconds(2), crew(), wrong);
+        flight.until(40.0 * f64::from(kill) + 2.0);
+    }
+    flight.sim.substitute(SECOND, Some(understudy("cross_fence")));
+    let (report, trace) = flight.land();
+    let identifiers = identifiers(&trace);
+    let mut once = identifiers.clone();
+    once.sort_unstable();
+    once.dedup();
+    assert_eq!(once.len(), identifiers.len(), "{identifiers:?}");
+    assert!(
+        identifiers.last() > Some(&100),
+        "no process after the first sent an insert: {identifiers:?}"
+    );
+    // What the dead processes have asked for still counts.
+    assert!(report.requests.sent >= identifiers.len() as u64);
+}
+
+#[test]
+fn a_kill_is_the_same_again() {
+    let fly = |step_ns| {
+        let mut flight = Flight::new(3);
+        flight.until(50.0).sim.kill(seconds(5), crew(), step_ns);
+        flight.land().0.digest
+    };
+    assert_eq!(fly(0), fly(0));
+    assert_ne!(fly(0), fly(1_000_000_000));
+}
+
+#[test]
+fn killed_again_before_it_is_there_it_stays_away() {
+    let mut flight = Flight::new(1);
+    flight.until(50.0).sim.kill(seconds(10), crew(), 0);
+    flight.until(55.0).sim.kill(seconds(30), crew(), 0);
+    flight.until(84.9);
+    assert_eq!((flight.sim.restarts(), flight.sim.statistics().connections), (0, 1));
+    flight.until(90.0);
+    assert_eq!((flight.sim.restarts(), flight.sim.statistics().connections), (1, 2));
+}
+
+#[test]
+fn sr_003_the_lease_is_ended_first_thing_when_a_stopped_runtime_goes_on() {
+    let mut flight = Flight::new(1);
+    flight.until(60.3);
+    let before = flight.sim.statistics();
+    flight.sim.stop_for(seconds(3));
+    flight.until(63.299);
+    let stopped = flight.sim.statistics();
+    assert_eq!(stopped.sentences_to_vehicle, before.sentences_to_vehicle);
+    assert!(stopped.navigations > before.navigations + 25, "the vehicle talks on");
+    flight.until(63.3);
+    let after = flight.sim.statistics();
+    assert_eq!(
+        (after.end_modifies, after.modifies),
+        (before.end_modifies + 1, before.modifies)
+    );
+    // Its connection has lived through it.
+    flight.until_it(|sim| sim.is_steering());
+    let (report, _) = flight.land();
+    assert_eq!(report.seen.connections, 1);
+    assert_eq!(report.violations, NO_VIOLATION);
+}
+
+#[test]
+fn sr_007_a_stop_that_is_longer_than_the_vehicles_patience_lapses_the_modify() {
+    let mut flight = Flight::new(1);
+    flight.until(60.0).sim.stop_for(seconds(30));
+    let lapsed = flight.until_it(|sim| !is_modified(sim));
+    assert!(lapsed <= at(65.1), "{lapsed}");
+    // A longer one holds.
+    flight.sim.stop_for(seconds(1));
+    flight.until(89.9);
+    assert!(!is_modified(&flight.sim));
+    flight.until_it(|sim| sim.is_steering());
+    assert_eq!(flight.land().0.violations, NO_VIOLATION);
+}
+
+#[test]
+fn a_short_stop_is_lived_through() {
+    let mut flight = Flight::new(1);
+    flight.until(60.0);
+    let before = flight.sim.statistics().end_modifies;
+    flight.sim.stop_for(Duration::from_millis(300));
+    flight.until(65.0);
+    assert!(flight.sim.is_steering());
+    assert_eq!(flight.sim.statistics().end_modifies, before);
+}
+
+#[test]
+fn a_connection_that_ends_during_a_stop_is_found_ended() {
+    let cut = backseat_mvc::FaultPlan::from_toml("[[fault]]\nkind = \"link_cut\"\nat_s = 61\nfor_s = 0.5\n").unwrap();
+    let mut flight = Flight::new(1);
+    flight.sim.set_faults(cut);
+    flight.until(60.0).sim.stop_for(seconds(3));
+    flight.until(62.9);
+    let before = flight.sim.statistics();
+    assert_eq!(before.connections, 1);
+    flight.until(63.0);
+    // Nothing leaves by a connection that is gone.
+    assert_eq!(
+        flight.sim.statistics().sentences_to_vehicle,
+        before.sentences_to_vehicle
+    );
+    flight.until_it(|sim| sim.is_steering());
+    assert_eq!(flight.sim.statistics().connections, 2);
+    assert_eq!(flight.land().0.violations, NO_VIOLATION);
+}
+
+#[test]
+fn a_stopped_runtime_can_be_killed() {
+    let mut flight = Flight::new(1);
+    flight.until(60.0).sim.stop_for(seconds(1000));
+    flight.until(61.0).sim.kill(seconds(1), crew(), 0);
+    flight.until_it(|sim| sim.is_steering());
+    assert_eq!(flight.sim.restarts(), 1);
+}
+
+#[test]
+fn sr_015_a_hold_outlives_the_process_and_reaches_one_that_is_stopped() {
+    let mut flight = Flight::new(1);
+    flight.until(60.0).sim.operate(Operator::Hold);
+    assert!(!flight.sim.is_steering());
+    flight.sim.kill(seconds(3), crew(), 0);
+    flight.until(90.0);
+    assert!(!flight.sim.is_steering());
+    flight.sim.operate(Operator::Release);
+    flight.until_it(|sim| sim.is_steering());
+
+    // While it is away, the file is read by the next one.
+    let now = flight.sim.now().as_secs_f64();
+    flight.sim.kill(seconds(3), crew(), 0);
+    flight.sim.operate(Operator::Hold);
+    flight.until(now + 20.0);
+    assert!(!flight.sim.is_steering());
+    flight.sim.operate(Operator::Release);
+    flight.until_it(|sim| sim.is_steering());
+
+    let now = flight.sim.now().as_secs_f64();
+    flight.sim.stop_for(Duration::from_millis(400));
+    flight.sim.operate(Operator::Hold);
+    assert!(flight.sim.is_steering());
+    flight.until(now + 0.401);
+    assert!(!flight.sim.is_steering());
+    assert_eq!(flight.land().0.violations, NO_VIOLATION);
+}
+
+#[test]
+fn sr_009_on_a_full_disk_no_insert_is_sent_and_the_lease_stands() {
+    let mut flight = Flight::new(1);
+    flight.sim.reserve_fails(true);
+    // The first block was reserved at once; the next process finds the disk full.
+    flight.until(20.0).sim.kill(seconds(1), crew(), 0);
+    flight.until(30.0);
+    flight.sim.substitute(SECOND, Some(understudy("cross_fence")));
+    flight.until(100.0);
+    assert!(flight.sim.is_steering());
+    assert_eq!(flight.sim.statistics().inserts_sent, 0);
+    flight.sim.reserve_fails(false);
+    flight.sim.kill(seconds(1), crew(), 0);
+    flight.until(110.0);
+    flight.sim.substitute(SECOND, Some(understudy("cross_fence")));
+    flight.until_it(|sim| sim.statistics().inserts_sent > 0);
+    assert_eq!(flight.end().0.violations, NO_VIOLATION);
+}
+
+#[test]
+fn understudies_die_with_the_process() {
+    let mut flight = Flight::new(1);
+    flight.until(60.0).sim.substitute(PILOT, Some(understudy("error")));
+    flight.until(70.0);
+    assert!(!flight.sim.is_steering());
+    flight.sim.kill(seconds(1), crew(), 0);
+    flight.until_it(|sim| sim.is_steering());
+}

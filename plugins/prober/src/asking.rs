@@ -164,10 +164,12 @@ impl Asking<'_> {
 
     fn figure(&mut self, [min, max]: [f64; 2], past: f64, bold: bool) -> f64 {
         let inside = self.random.within(min, max);
-        if bold {
-            self.random.pick([min, max, min - past, max + past, inside, inside])
-        } else {
+        if !bold {
             inside
+        } else if self.random.chance(0.1) {
+            self.random.pick([min - past, max + past])
+        } else {
+            self.random.pick([min, max, inside])
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::config::Kind;
 /// So many of its own it remembers, to cancel them.
 const OPEN_MAX: usize = 32;
 /// The longest modest line, metres.
-const LINE_MAX_M: f64 = 300.0;
+const LINE_MAX_M: f64 = 250.0;
 const LINE_MIN_M: f64 = 50.0;
 
 /// What it has asked the vehicle to fly.
@@ -23,6 +23,8 @@ pub(crate) struct Inserts {
     refused: u32,
     /// An insert has been accepted.
     accepted: bool,
+    /// The vehicle has refused the last one.
+    failed: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,6 +48,10 @@ impl Inserts {
             [true, true] => asking.random.chance(0.65),
         };
         let bold = asking.is_bold() && (self.accepted || self.refused % 2 == 1);
+        if !bold && (self.open.len() > 1 || self.open.len() == 1 && asking.random.chance(0.8)) {
+            // The vehicle has enough to do.
+            return;
+        }
         match (bold, line) {
             (true, _) if asking.random.chance(0.15) => self.burst(line, asking),
             (true, true) => self.bold_line(asking),
@@ -64,6 +70,7 @@ impl Inserts {
             State::Sent | State::Pending | State::Unknown => {}
             State::Accepted => {
                 self.accepted = true;
+                self.failed = false;
                 self.refused = 0;
                 let every_s = asking.config.insert_every_s;
                 self.next_ns = asking.now_ns + asking.random.nanos(0.5 * every_s, 1.5 * every_s);
@@ -74,7 +81,12 @@ impl Inserts {
                 self.refused += 1;
                 self.next_ns = self.next_ns.min(asking.now_ns + asking.random.nanos(0.5, 4.0));
             }
-            State::Failed(_) | State::TimedOut | State::Ended(_) | State::Cancelled => {
+            State::Failed(_) | State::TimedOut => {
+                self.open.remove(at);
+                self.failed = true;
+                self.next_ns = asking.now_ns + asking.random.nanos(5.0, 20.0);
+            }
+            State::Ended(_) | State::Cancelled => {
                 self.open.remove(at);
             }
         }
@@ -85,22 +97,26 @@ impl Inserts {
         self.next_ns = self.next_ns.min(asking.now_ns + asking.random.nanos(0.0, 5.0));
     }
 
+    /// Whether the vehicle flies one of them.
+    pub(crate) fn is_flying(&self) -> bool {
+        self.open.iter().any(|open| open.started)
+    }
+
     /// A new instance hears which are open.
     pub(crate) fn restart(&mut self, open: &[u64]) {
         self.open.retain(|known| open.contains(&known.tag));
     }
 
-    /// The tag of one to cancel: one that has not begun or, where bold, one that has, or none at all.
+    /// The tag of one to cancel: one of several that have not begun or, where bold, any, or none of its own.
     pub(crate) fn to_cancel(&self, bold: bool, asking: &mut Asking<'_>) -> Option<u64> {
-        if bold && asking.random.chance(0.3) {
+        if bold && asking.random.chance(0.4) {
             return Some(asking.random.next());
         }
-        let tags: Vec<u64> = self
-            .open
-            .iter()
-            .filter(|open| bold || !open.started)
-            .map(|open| open.tag)
-            .collect();
+        let waits = |open: &&Open| bold || !open.started && !open.interrupt;
+        let tags: Vec<u64> = self.open.iter().filter(waits).map(|open| open.tag).collect();
+        if tags.len() < 2 && !asking.random.chance(0.2) {
+            return None;
+        }
         tags.get(asking.random.below(tags.len())).copied()
     }
 
@@ -115,10 +131,11 @@ impl Inserts {
         });
     }
 
-    /// Whether the next one interrupts. A modest one never interrupts one of its own that does.
+    /// Whether the next one interrupts. A modest one never interrupts one of its own that does, but most do interrupt:
+    /// what follows a long leg of the plan is not flown for long.
     fn interrupts(&self, bold: bool, asking: &mut Asking<'_>) -> bool {
-        let interrupted = self.open.iter().any(|open| open.interrupt);
-        asking.random.chance(if bold { 0.4 } else { 0.6 }) && (bold || !interrupted)
+        let interrupted = self.open.iter().any(|open| open.interrupt) || self.failed;
+        asking.random.chance(if bold { 0.4 } else { 0.75 }) && (bold || !interrupted)
     }
 
     fn line(
@@ -210,8 +227,8 @@ impl Inserts {
             let entry = asking.random.chance(0.6);
             let ring = Ring {
                 centre: here.offset(inwards_deg, away_m),
-                radius_m: asking.random.within(18.0, 45.0),
-                orbits: asking.random.sign() * asking.random.within(0.5, 2.5),
+                radius_m: asking.random.within(18.0, 35.0),
+                orbits: asking.random.sign() * asking.random.within(0.3, 1.5),
                 entry_deg: entry.then(|| asking.random.within(0.0, 360.0)),
             };
             let vertical = self.vertical(asking);

@@ -12,6 +12,8 @@ const SECOND_NS: u64 = 1_000_000_000;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Steering {
     leasing: bool,
+    /// The vehicle flew an insert of its own in the last step.
+    flying: bool,
     /// When the phase ends.
     until_ns: u64,
     drive: Option<Drive>,
@@ -63,11 +65,14 @@ impl Drive {
 }
 
 impl Steering {
-    pub(crate) fn step(&mut self, asking: &mut Asking<'_>) {
+    /// `flying`: the vehicle flies an insert of its own.
+    pub(crate) fn step(&mut self, flying: bool, asking: &mut Asking<'_>) {
         if !asking.config.asks_for(Kind::Modify) {
             return;
         }
-        if asking.now_ns >= self.until_ns {
+        let takes_off = flying && !self.flying;
+        self.flying = flying;
+        if asking.now_ns >= self.until_ns || self.leasing && takes_off && asking.random.chance(0.6) {
             self.change_phase(asking);
         }
         if !self.leasing {
@@ -120,14 +125,16 @@ impl Steering {
 
     fn change_phase(&mut self, asking: &mut Asking<'_>) {
         let share = asking.config.modify_share;
-        self.leasing = !self.leasing && share > 0.0 || share >= 1.0;
+        // An insert under a lease is never done: it is modified too.
+        let lets_fly = self.flying && share < 1.0 && asking.random.chance(0.5);
+        self.leasing = (!self.leasing && share > 0.0 || share >= 1.0) && !lets_fly;
         if !self.leasing && self.drive.take().is_some() && asking.random.chance(0.5) {
             // Or it lapses.
             asking.ask(Request::EndModify);
         }
         let cycle_s = asking.random.within(40.0, 160.0);
         let phase_s = if self.leasing { share } else { 1.0 - share } * cycle_s;
-        self.until_ns = asking.now_ns + (phase_s.max(1.0) * 1e9) as u64;
+        self.until_ns = asking.now_ns + (phase_s.max(5.0) * 1e9) as u64;
     }
 
     fn begin(&mut self, asking: &mut Asking<'_>) {

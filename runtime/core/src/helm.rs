@@ -6,7 +6,7 @@ use backseat_spi::{EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, M
 use backseat_units::{Timestamp, utm_convergence_deg};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
-use crate::envelope::{Route, Setpoint, Vertical};
+use crate::envelope::{Judgement, Route, Setpoint, Vertical};
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::{Grant, HeadingFrame};
@@ -31,15 +31,25 @@ pub(crate) struct Lease {
     setpoint: Setpoint,
     /// When the last BPRMB left, of this lease or of the one that it took over.
     sent: Option<Timestamp>,
-    /// When the setpoint was last judged.
+    /// When the setpoint was last judged in full.
     judged: Timestamp,
+    /// That judgement.
+    kept: Kept,
+}
+
+/// A judgement, and the plan and inserts that it was made with.
+#[derive(Clone, Copy, Debug)]
+struct Kept {
+    judgement: Judgement,
+    plan: u64,
+    ledger: u64,
 }
 
 impl Core {
     pub(crate) fn ask_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) {
         let request = self.ledger.propose(plugin, modify.tag, RequestKind::Modify);
-        let setpoint = match self.admit_modify(plugin, modify) {
-            Ok(setpoint) => setpoint,
+        let (setpoint, kept) = match self.admit_modify(plugin, modify) {
+            Ok(admitted) => admitted,
             Err(refusal) => return self.reject(request, refusal),
         };
         let mut sent = None;
@@ -63,6 +73,7 @@ impl Core {
             setpoint,
             sent,
             judged: self.now,
+            kept,
         });
         self.timers.set(Timer::Term, self.now + modify.duration);
         // BPRES comes before BPRMB. The lease stands already, for a plugin that fails of the events ends it.
@@ -79,7 +90,7 @@ impl Core {
         }
     }
 
-    fn admit_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) -> Result<Setpoint, Refusal> {
+    fn admit_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) -> Result<(Setpoint, Kept), Refusal> {
         self.admit(plugin, Grant::Modify)?;
         if let Some(lease) = &self.lease
             && lease.plugin < plugin
@@ -90,12 +101,12 @@ impl Core {
             return Err(refused("priority", "a plugin of higher priority holds the vehicle"));
         }
         let setpoint = self.envelope.admit_modify(modify)?;
-        self.judge(&setpoint)?;
-        Ok(setpoint)
+        let kept = self.judge(&setpoint)?;
+        Ok((setpoint, kept))
     }
 
     /// The whole judgement of a setpoint, with what is known at this moment.
-    fn judge(&self, setpoint: &Setpoint) -> Result<f64, Refusal> {
+    fn judge(&self, setpoint: &Setpoint) -> Result<Kept, Refusal> {
         let Some(navigation) = self.tracker.fresh(self.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
@@ -106,13 +117,49 @@ impl Core {
             ));
         }
         let route = self.route_of_modify();
-        self.envelope.judge_modify(
-            setpoint,
-            navigation,
-            self.tracker.bottom_lock(self.now),
-            &route,
-            self.now,
-        )
+        let lock = self.tracker.bottom_lock(self.now);
+        let judgement = self
+            .envelope
+            .judge_lease(setpoint, navigation, lock, &route, self.now)?;
+        Ok(Kept {
+            judgement,
+            plan: self.plan.revision(),
+            ledger: self.ledger.revision(),
+        })
+    }
+
+    /// Navigation is new: prevention before reaction. The lease ends now, not at its next refresh, where what it could
+    /// reach from here would touch the fence's margin. It is judged in full only where what has changed since it last was
+    /// could have used its clearance up, see [`Judgement`].
+    pub(crate) fn prevent(&mut self) {
+        let Some(lease) = self.lease else { return };
+        if self.still_holds(&lease) {
+            return;
+        }
+        match self.judge(&lease.setpoint) {
+            Ok(kept) => {
+                if let Some(lease) = &mut self.lease {
+                    lease.judged = self.now;
+                    lease.kept = kept;
+                }
+            }
+            Err(refusal) => self.end_lease(&told(&refusal)),
+        }
+    }
+
+    fn still_holds(&self, lease: &Lease) -> bool {
+        let Kept {
+            judgement,
+            plan,
+            ledger,
+        } = &lease.kept;
+        let known = *plan == self.plan.revision() && *ledger == self.ledger.revision();
+        let lock = self.tracker.bottom_lock(self.now);
+        known
+            && self.tracker.fresh(self.now).is_some_and(|navigation| {
+                self.envelope
+                    .still_holds(judgement, &lease.setpoint, navigation, lock, self.now)
+            })
     }
 
     /// Sends the lease's BPRMB, checked anew.
@@ -123,10 +170,16 @@ impl Core {
         {
             return self.end_lease("it was not refreshed in time");
         }
-        if lease.judged < self.now
-            && let Err(refusal) = self.judge(&lease.setpoint)
-        {
-            return self.end_lease(&refusal.text);
+        if lease.judged < self.now {
+            match self.judge(&lease.setpoint) {
+                Ok(kept) => {
+                    if let Some(lease) = &mut self.lease {
+                        lease.judged = self.now;
+                        lease.kept = kept;
+                    }
+                }
+                Err(refusal) => return self.end_lease(&told(&refusal)),
+            }
         }
         let Some(navigation) = self.tracker.fresh(self.now).copied() else {
             return self.end_lease("navigation is stale");
@@ -267,6 +320,11 @@ impl Core {
         }
         route
     }
+}
+
+/// A refusal as the end of what was refused: rule, then place and metres.
+fn told(refusal: &Refusal) -> String {
+    format!("{}: {}", refusal.rule, refusal.text)
 }
 
 /// A rejection that is not the fence's.

@@ -254,14 +254,19 @@ impl Core {
     /// Judges the hold anew where that is older than this moment; ends it where it does not hold.
     fn hold_is_sound(&mut self) -> bool {
         let Some(hold) = self.hull.hold else { return false };
-        if hold.judged < self.now {
-            if let Err(refusal) = self.judge_hover(&hold.hover) {
-                self.end_hold(&refusal.text);
-                return false;
-            }
-            if let Some(hold) = &mut self.hull.hold {
-                hold.judged = self.now;
-            }
+        hold.judged == self.now || self.prevent_hold()
+    }
+
+    /// A sample is new, or time has passed: the hold is judged in full, and ends where it does not hold. Its checks are
+    /// a few comparisons, so that each sample is worth one. False where no hold stands after it.
+    pub(crate) fn prevent_hold(&mut self) -> bool {
+        let Some(hold) = self.hull.hold else { return false };
+        if let Err(refusal) = self.judge_hover(&hold.hover) {
+            self.end_hold(&refusal.text);
+            return false;
+        }
+        if let Some(hold) = &mut self.hull.hold {
+            hold.judged = self.now;
         }
         true
     }

@@ -130,6 +130,8 @@ pub(crate) struct Ledger {
     /// Inserts that ended without the vehicle's word: it may fly them yet, so they stay under the caps and the rule
     /// that nothing interrupts what interrupts.
     doubtful: BTreeMap<u64, Entry>,
+    /// How often an insert has come to another state.
+    revision: u64,
 }
 
 impl Ledger {
@@ -173,6 +175,11 @@ impl Ledger {
     pub(crate) fn is_gps_hit(&self, request: Option<u64>) -> bool {
         let insert = request.and_then(|request| self.get(request)?.insert);
         insert.is_some_and(|insert| insert.surfaces())
+    }
+
+    /// Another number for each set of open inserts and of their states: what was judged with one holds for no other.
+    pub(crate) const fn revision(&self) -> u64 {
+        self.revision
     }
 
     pub(crate) const fn counts(&self) -> RequestCounts {
@@ -253,6 +260,9 @@ impl Ledger {
             | RequestState::Started
             | RequestState::Ended(_)
             | RequestState::Cancelled => {}
+        }
+        if entry.is_open_insert() {
+            self.revision += 1;
         }
         entry.state = to.clone();
         let transition = Transition {

@@ -77,6 +77,8 @@ pub struct Core {
     /// Of this process; the mission caps their number.
     pub(crate) sent_identifiers: BTreeSet<BehaviorId>,
     pub(crate) reserve_asked: bool,
+    /// Navigation has come that nothing has been held against.
+    pub(crate) unjudged: bool,
 }
 
 impl Core {
@@ -122,6 +124,7 @@ impl Core {
             gps_hits_sent: 0,
             sent_identifiers: BTreeSet::new(),
             reserve_asked: false,
+            unjudged: false,
         };
         core.outputs.push_back(Output::Connect { after: Duration::ZERO });
         core.reserve();
@@ -248,6 +251,7 @@ impl Core {
     /// Brings what follows from the state up to date: control, and when to wake.
     fn settle(&mut self) {
         self.settle_control();
+        self.follow_navigation();
         self.watch_staleness();
         let navigation = match self.tracker.stale_at().filter(|at| *at > self.now) {
             Some(stale) if self.tracker.steady(self.now) => Some(stale),

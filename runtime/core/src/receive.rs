@@ -135,13 +135,25 @@ impl Core {
             });
             self.end_lease("navigation jumped");
         }
+        self.unjudged = true;
     }
 
     fn velocity(&mut self, message: &VelocityAndRates) {
+        self.unjudged = true;
         if self.tracker.velocity(message) {
+            self.follow_navigation();
             // Control may have come with this navigation, and plugins are to know.
             self.settle_control();
             self.step_due(true);
+        }
+    }
+
+    /// What stands is held against the newest navigation, once for each BFNVG with its BFNVR, or for what has come of
+    /// them by the end of an input.
+    pub(crate) fn follow_navigation(&mut self) {
+        if core::mem::take(&mut self.unjudged) {
+            self.prevent();
+            self.prevent_hold();
         }
     }
 

@@ -308,7 +308,7 @@ impl Driver {
                 Some(why) => warn!("{why}; next attempt in {retry_s:.1} s"),
                 None => warn!("{told}"),
             },
-            Note::PluginFailed { .. } | Note::Late { .. } | Note::Malformed { .. } => {
+            Note::PluginFailed { .. } | Note::Recovery { .. } | Note::Late { .. } | Note::Malformed { .. } => {
                 warn!("{told}");
             }
             Note::Request(transition) => {

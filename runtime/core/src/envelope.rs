@@ -15,6 +15,7 @@ use crate::plugin::{
 
 mod boxes;
 mod hull;
+mod place;
 mod reach;
 mod surfacing;
 

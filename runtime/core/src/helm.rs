@@ -28,6 +28,8 @@ pub(crate) struct Lease {
     pub(crate) plugin: PluginId,
     pub(crate) request: u64,
     tag: u64,
+    /// Since when its plugin has steered without a pause.
+    since: Timestamp,
     setpoint: Setpoint,
     /// When the last BPRMB left, of this lease or of the one that it took over.
     sent: Option<Timestamp>,
@@ -54,7 +56,13 @@ impl Core {
         };
         let mut sent = None;
         let mut changed = true;
+        let mut since = self.now;
         if let Some(lease) = self.lease.take() {
+            if lease.plugin == plugin {
+                since = lease.since;
+            } else {
+                self.has_steered(lease.plugin, lease.since);
+            }
             sent = lease.sent;
             changed = lease.setpoint != setpoint;
             if lease.plugin == plugin && lease.tag == modify.tag {
@@ -70,6 +78,7 @@ impl Core {
             plugin,
             request,
             tag: modify.tag,
+            since,
             setpoint,
             sent,
             judged: self.now,
@@ -101,6 +110,7 @@ impl Core {
             return Err(refused("priority", "a plugin of higher priority holds the vehicle"));
         }
         let setpoint = self.envelope.admit_modify(modify)?;
+        self.cap_steering(plugin, modify.duration)?;
         let kept = self.judge(&setpoint)?;
         Ok((setpoint, kept))
     }
@@ -145,6 +155,12 @@ impl Core {
             }
             Err(refusal) => self.end_lease(&told(&refusal)),
         }
+    }
+
+    /// Who steers, by a modify or a hold, and since when.
+    pub(crate) fn steering(&self) -> Option<(PluginId, Timestamp)> {
+        let lease = self.lease.map(|lease| (lease.plugin, lease.since));
+        lease.or_else(|| self.hull.held_since())
     }
 
     fn still_holds(&self, lease: &Lease) -> bool {
@@ -234,6 +250,7 @@ impl Core {
     /// As [`Core::end_lease`], with the state that the lease's request comes to.
     pub(crate) fn close_lease(&mut self, reason: &str, state: impl FnOnce(&str) -> RequestState) {
         let Some(lease) = self.lease.take() else { return };
+        self.has_steered(lease.plugin, lease.since);
         self.timers.stop(Timer::Refresh);
         self.timers.stop(Timer::Term);
         self.commands.forget_lease();

@@ -54,6 +54,8 @@ struct Hold {
     plugin: PluginId,
     request: u64,
     tag: u64,
+    /// Since when its plugin has held the vehicle without a pause.
+    since: Timestamp,
     target: HoldTarget,
     speed_mps: Option<f64>,
     hover: Hover,
@@ -111,6 +113,11 @@ impl Hull {
         self.hold.map(|hold| hold.plugin)
     }
 
+    /// The same, and since when.
+    pub(crate) fn held_since(&self) -> Option<(PluginId, Timestamp)> {
+        self.hold.map(|hold| (hold.plugin, hold.since))
+    }
+
     /// The connection is new or gone: its samples and answers are.
     pub(crate) fn reset(&mut self) {
         self.relative.reset();
@@ -138,6 +145,7 @@ impl Core {
             plugin,
             request,
             tag: asked.tag,
+            since: self.now,
             target: asked.target,
             speed_mps: asked.speed_mps,
             hover,
@@ -148,6 +156,11 @@ impl Core {
             judged: self.now,
         };
         if let Some(before) = before {
+            if before.plugin == plugin {
+                hold.since = before.since;
+            } else {
+                self.has_steered(before.plugin, before.since);
+            }
             let changed = before.target != asked.target || before.speed_mps != asked.speed_mps;
             hold.stage = match before.stage {
                 // What has changed meanwhile follows the acknowledgement.
@@ -184,6 +197,7 @@ impl Core {
             return Err(refused("priority", "a plugin of higher priority steers"));
         }
         let mut hover = self.envelope.admit_hold(asked)?;
+        self.cap_steering(plugin, asked.duration)?;
         // There is no command to stop: a vehicle that has been sent somewhere is sent to where it is.
         if hover.aim.is_none()
             && let Some(hold) = &self.hull.hold
@@ -407,6 +421,7 @@ impl Core {
 
     fn close_hold(&mut self, reason: &str, state: RequestState) {
         let Some(hold) = self.hull.hold.take() else { return };
+        self.has_steered(hold.plugin, hold.since);
         for timer in [Timer::Hold, Timer::HoldTerm, Timer::Relative] {
             self.timers.stop(timer);
         }

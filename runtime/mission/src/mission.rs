@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use backseat_core::{Condition, Envelope, Order, Policy};
+use backseat_core::{Condition, Envelope, Order, Policy, Settings};
 use backseat_fence::Fence;
 use backseat_mvc::{Mvc, MvcError, WorldFile};
 use backseat_spi::Text;
@@ -66,6 +66,11 @@ impl Mission {
         file.limits
             .validate()
             .map_err(|error| value(&path, format!("limits.{error}")))?;
+        file.recovery
+            .validate()
+            .map_err(|error| value(&path, format!("recovery.{error}")))?;
+        file.session.recovery.clone_from(&file.recovery);
+        check_texts(&path, &file.session)?;
         check_plugins(&path, &file.plugins)?;
         check_policies(&path, &file.policies)?;
         file.session.policies.clone_from(&file.policies);
@@ -203,6 +208,10 @@ fn check_plugins(path: &Path, plugins: &[PluginTable]) -> Result<(), MissionErro
                 ),
             ));
         }
+        plugin
+            .limits
+            .validate()
+            .map_err(|error| value(path, format!("plugin `{}`: limits.{error}", plugin.name)))?;
         let budget = &plugin.budget;
         if budget.fuel_per_step == 0 || !(1..=1024).contains(&budget.memory_mib) {
             return Err(value(
@@ -213,6 +222,23 @@ fn check_plugins(path: &Path, plugins: &[PluginTable]) -> Result<(), MissionErro
                 ),
             ));
         }
+    }
+    Ok(())
+}
+
+/// The operator's texts can come as a mission command, and neither is the other.
+fn check_texts(path: &Path, session: &Settings) -> Result<(), MissionError> {
+    let (hold, release) = (&session.hold_text, &session.release_text);
+    for (key, text) in [("hold_text", hold), ("release_text", release)] {
+        if let Some(text) = text {
+            check_text(text).map_err(|why| value(path, format!("session.{key} {why}")))?;
+        }
+    }
+    if hold.is_some() && hold == release {
+        return Err(value(
+            path,
+            "session.release_text is session.hold_text too: expected another".to_owned(),
+        ));
     }
     Ok(())
 }

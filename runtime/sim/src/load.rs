@@ -92,6 +92,7 @@ pub fn load_plugins(host: &Host, mission: &Mission, folder: Option<&Path>) -> Re
             description: started.description,
             grants: table.grants.clone(),
             on_failure: table.on_failure,
+            limits: table.limits.clone(),
         });
         loaded.plugins.push(started.plugin);
         loaded.components.push((plugin.clone(), bytes));

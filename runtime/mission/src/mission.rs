@@ -554,7 +554,10 @@ order = { start-empty-mission = { duration_s = 600 } }
                 "[recovery]\ncancel_after_s = 1.0",
                 "recovery.cancel_after_s is 1: expected at least outside_for_s",
             ),
-            ("[recovery]\nback_by_m = nan", "recovery.back_by_m is NaN: expected within 0 to 1000 m"),
+            (
+                "[recovery]\nback_by_m = nan",
+                "recovery.back_by_m is NaN: expected within 0 to 1000 m",
+            ),
             ("hold_text = \"\"", "session.hold_text is \"\": expected 1 to"),
             ("release_text = \"a,b\"", "session.release_text is \"a,b\""),
             (
@@ -576,7 +579,10 @@ order = { start-empty-mission = { duration_s = 600 } }
         assert_eq!(load(&mission.resolved, FENCE, &[]).unwrap().file, mission.file);
         for (table, said) in [
             ("inserts = 1", "unknown field `inserts`"),
-            ("requests_per_s = 0", "plugin `isobath`: limits.requests_per_s is 0: expected at least 1"),
+            (
+                "requests_per_s = 0",
+                "plugin `isobath`: limits.requests_per_s is 0: expected at least 1",
+            ),
             ("steering_max_s = -1.0", "plugin `isobath`: limits.steering_max_s is -1"),
         ] {
             let message = fault(&with(table), &[]);

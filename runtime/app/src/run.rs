@@ -23,11 +23,13 @@ use crate::drivers::{Heard, Ports};
 use crate::link::{Link, Ready, connect};
 use crate::operator::Signals;
 use crate::plugins::{Answer, Crew};
-use crate::state::State;
+use crate::state::{HoldWatch, State};
 
 /// What is granted that the vehicle must know by an identifier.
 const NAMED: [Grant; 3] = [Grant::Insert, Grant::Surface, Grant::Acoustic];
 const FLUSH_EVERY: Duration = Duration::from_secs(2);
+/// How often it is looked whether the operator has put the hold's file there or taken it away.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// How long a last BPEMB may take to leave when the run ends.
 const FAREWELL: Duration = Duration::from_millis(300);
 
@@ -89,6 +91,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         start,
     );
     let (sender, answers) = unbounded_channel();
+    let hold = HoldWatch::new(&state);
     let driver = Driver {
         core,
         clock,
@@ -99,6 +102,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         crew: Crew::new(host, loaded.plugins, sender),
         ports,
         state,
+        hold,
         recorder: Some(recorder),
         finished: false,
         reset: false,
@@ -170,6 +174,7 @@ struct Driver {
     crew: Crew,
     ports: Ports,
     state: State,
+    hold: HoldWatch,
     /// Gone once it has failed: a full disk stops the log, not the vehicle.
     recorder: Option<Recorder<BufWriter<File>>>,
     finished: bool,
@@ -192,6 +197,7 @@ impl Driver {
     ) -> Result<()> {
         let mut buffer = vec![0; 64 * 1024];
         let mut flush_at = Timestamp::ZERO + FLUSH_EVERY;
+        let mut look_at = Timestamp::ZERO + LOOK_EVERY;
         self.carry_out_all();
         while !self.finished {
             let wake = [
@@ -199,6 +205,7 @@ impl Driver {
                 self.connect_at,
                 self.link.write_deadline(),
                 Some(flush_at),
+                Some(look_at),
             ];
             let wake = self.clock.instant(wake.into_iter().flatten().min().unwrap_or(flush_at));
             tokio::select! {
@@ -227,6 +234,12 @@ impl Driver {
                 self.connect_at = None;
                 let address = self.address.clone();
                 self.connecting = Some(Box::pin(async move { connect(&address).await }));
+            }
+            if look_at <= now {
+                look_at = now + LOOK_EVERY;
+                if let Some(act) = self.hold.look(&self.state) {
+                    self.operator(act);
+                }
             }
             if flush_at <= now {
                 flush_at = now + FLUSH_EVERY;
@@ -308,7 +321,7 @@ impl Driver {
                 Some(why) => warn!("{why}; next attempt in {retry_s:.1} s"),
                 None => warn!("{told}"),
             },
-            Note::PluginFailed { .. } | Note::Late { .. } | Note::Malformed { .. } => {
+            Note::PluginFailed { .. } | Note::Recovery { .. } | Note::Late { .. } | Note::Malformed { .. } => {
                 warn!("{told}");
             }
             Note::Request(transition) => {
@@ -353,8 +366,9 @@ impl Driver {
         let kept = match act {
             Operator::Hold => self.state.set_held(true),
             Operator::Release => self.state.set_held(false),
-            Operator::Stop | Operator::Order(_) => Ok(()),
+            Operator::Stop | Operator::Order(_) => return,
         };
+        self.hold.follow(&self.state);
         if let Err(error) = kept {
             error!("the operator's act holds for this run only, it could not be kept: {error:#}");
         }

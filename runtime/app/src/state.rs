@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use backseat_core::Identifiers;
+use backseat_core::{Identifiers, Operator};
 
 pub(crate) struct State {
     folder: PathBuf,
@@ -75,7 +75,13 @@ impl State {
 
     /// Whether the operator holds.
     pub(crate) fn held(&self) -> bool {
-        self.hold_path().exists()
+        // What cannot be told may be a hold.
+        self.hold_file().unwrap_or(true)
+    }
+
+    /// Whether its file is there; `None` where that cannot be told.
+    fn hold_file(&self) -> Option<bool> {
+        self.hold_path().try_exists().ok()
     }
 
     pub(crate) fn hold_path(&self) -> PathBuf {
@@ -107,6 +113,33 @@ impl State {
     }
 }
 
+/// Follows the file of the hold: the operator may put it there or take it away with any tool. Only a change of the file is
+/// an act of the operator's; that the runtime itself wrote or removed it is none.
+#[derive(Debug)]
+pub(crate) struct HoldWatch {
+    there: bool,
+}
+
+impl HoldWatch {
+    /// From the file as it is.
+    pub(crate) fn new(state: &State) -> Self {
+        Self { there: state.held() }
+    }
+
+    /// The operator's act since the last look, if there was one.
+    pub(crate) fn look(&mut self, state: &State) -> Option<Operator> {
+        let there = state.hold_file()?;
+        let changed = there != self.there;
+        self.there = there;
+        changed.then_some(if there { Operator::Hold } else { Operator::Release })
+    }
+
+    /// The runtime has written or removed the file, or has failed to.
+    pub(crate) fn follow(&mut self, state: &State) {
+        self.there = state.hold_file().unwrap_or(self.there);
+    }
+}
+
 fn user_state_folder() -> Result<PathBuf> {
     if let Some(folder) = std::env::var_os("XDG_STATE_HOME").filter(|folder| !folder.is_empty()) {
         return Ok(PathBuf::from(folder));
@@ -114,5 +147,48 @@ fn user_state_folder() -> Result<PathBuf> {
     match std::env::var_os("HOME").filter(|folder| !folder.is_empty()) {
         Some(home) => Ok(PathBuf::from(home).join(".local").join("state")),
         None => bail!("neither XDG_STATE_HOME nor HOME is set: say where with --state DIR"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sr_015_the_operator_holds_and_releases_by_the_file_and_no_act_is_taken_twice() {
+        let folder = tempfile::tempdir().unwrap();
+        let state = State::open(Some(folder.path()), "mission").unwrap();
+        let mut watch = HoldWatch::new(&state);
+        assert_eq!(watch.look(&state), None);
+        let file = folder.path().join("hold");
+        fs::write(&file, "").unwrap();
+        assert_eq!(watch.look(&state), Some(Operator::Hold));
+        // What is done about it writes the file anew, which is no further act.
+        state.set_held(true).unwrap();
+        watch.follow(&state);
+        assert_eq!(watch.look(&state), None);
+        fs::remove_file(&file).unwrap();
+        assert_eq!(watch.look(&state), Some(Operator::Release));
+        state.set_held(false).unwrap();
+        watch.follow(&state);
+        assert_eq!(watch.look(&state), None);
+        // A hold that was said otherwise: the file is the runtime's own, and its removal the operator's.
+        state.set_held(true).unwrap();
+        watch.follow(&state);
+        assert_eq!(watch.look(&state), None);
+        fs::remove_file(&file).unwrap();
+        assert_eq!(watch.look(&state), Some(Operator::Release));
+    }
+
+    #[test]
+    fn sr_015_a_hold_that_could_not_be_kept_is_not_released_for_want_of_its_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let state = State::open(Some(folder.path()), "mission").unwrap();
+        let mut watch = HoldWatch::new(&state);
+        // A folder where the draft would be: as a full disk, it cannot be written.
+        fs::create_dir(folder.path().join("hold.new")).unwrap();
+        assert!(state.set_held(true).is_err());
+        watch.follow(&state);
+        assert_eq!(watch.look(&state), None);
     }
 }

@@ -16,6 +16,7 @@ use crate::orders::{Condition, Order};
 use crate::plugin::{
     Event, FaultKind, LogLevel, PluginFault, PluginId, Refusal, Request, RequestState, Returned, StepInput, Topic,
 };
+use crate::plugin_limits::PluginLimits;
 use crate::settings::PluginSetup;
 
 /// More events than this for one plugin while it runs, and it has failed.
@@ -60,6 +61,10 @@ pub(crate) struct Slot {
     failed_at: Timestamp,
     requests: Allowance,
     messages: Allowance,
+    /// How many tracklines and trackcircles of its have been sent.
+    inserts_sent: u32,
+    /// How long it has steered, the lease or hold that stands left out.
+    steered: Duration,
 }
 
 impl Slot {
@@ -76,7 +81,21 @@ impl Slot {
             failed_at: Timestamp::ZERO,
             requests: Allowance::default(),
             messages: Allowance::default(),
+            inserts_sent: 0,
+            steered: Duration::ZERO,
         }
+    }
+
+    pub(crate) fn limits(&self) -> &PluginLimits {
+        &self.setup.limits
+    }
+
+    pub(crate) const fn inserts_sent(&self) -> u32 {
+        self.inserts_sent
+    }
+
+    pub(crate) fn count_insert(&mut self) {
+        self.inserts_sent += 1;
     }
 
     pub(crate) fn wants(&self, topic: Topic) -> bool {
@@ -356,9 +375,11 @@ impl Core {
         self.dvl_plugin_failed(plugin);
         match on_failure {
             FailAction::Yield => {}
-            FailAction::Cancel => self.cancel_all_of(Some(plugin), "its plugin failed"),
+            FailAction::Cancel => {
+                self.cancel_judged(Some(plugin));
+            }
             FailAction::Abort => {
-                self.cancel_all_of(Some(plugin), "its plugin failed");
+                self.cancel_judged(Some(plugin));
                 self.order_in_advance(&Order::Abort {
                     text: "a plugin failed".to_owned(),
                     errors: true,
@@ -416,9 +437,10 @@ impl Core {
 
     /// What every request that steers must pass before its figures are looked at.
     pub(crate) fn admit(&mut self, plugin: PluginId, grant: Grant) -> Result<(), Refusal> {
-        let per_second = f64::from(self.envelope.limits().requests_per_s);
         let now = self.now;
         let slot = &mut self.plugins[plugin.0];
+        let most = self.envelope.limits().requests_per_s;
+        let per_second = f64::from(slot.limits().requests_per_s.map_or(most, |own| own.min(most)));
         if !slot.setup.grants.contains(&grant) {
             return Err(limit(format!("the mission does not grant it {grant:?}")));
         }
@@ -431,7 +453,39 @@ impl Core {
         if !self.start.armed {
             return Err(refused("control", "the runtime is not armed"));
         }
+        if self.whereabouts.recovers() {
+            return Err(refused("recovery", "the vehicle is outside the fence"));
+        }
         Ok(())
+    }
+
+    /// A plugin no longer steers as it has since then.
+    pub(crate) fn has_steered(&mut self, plugin: PluginId, since: Timestamp) {
+        self.plugins[plugin.0].steered += self.now.since(since);
+    }
+
+    /// Whether a plugin may steer for so much longer: a lease or hold of its counts until now, and then anew. Safety
+    /// requirement 019.
+    pub(crate) fn cap_steering(&self, plugin: PluginId, duration: Duration) -> Result<(), Refusal> {
+        let slot = &self.plugins[plugin.0];
+        let Some(most) = slot.limits().steering_max() else {
+            return Ok(());
+        };
+        let standing = self
+            .steering()
+            .filter(|(who, _)| *who == plugin)
+            .map_or(Duration::ZERO, |(_, since)| self.now.since(since));
+        let steered = slot.steered + standing;
+        if steered.saturating_add(duration) <= most {
+            return Ok(());
+        }
+        let text = format!(
+            "it has steered for {:.0} s and would for {:.0} s more, together over {} s",
+            steered.as_secs_f64(),
+            duration.as_secs_f64(),
+            most.as_secs_f64()
+        );
+        Err(refused("cap", &text))
     }
 
     pub(crate) fn reject(&mut self, request: u64, refusal: Refusal) {

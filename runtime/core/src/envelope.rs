@@ -3,9 +3,9 @@
 
 use std::time::Duration;
 
-use backseat_fence::{Breach, Fence, Rule, Shape, Sweep, VerticalExtent};
-use backseat_units::math::{PI, cos, hypot};
-use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Speed, Timestamp, utm_convergence_deg};
+use backseat_fence::{Breach, Fence, Rule, Shape, Sweep, VerticalExtent, Window};
+use backseat_units::math::PI;
+use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Speed};
 
 use crate::limits::Limits;
 use crate::plugin::{
@@ -15,9 +15,12 @@ use crate::plugin::{
 
 mod boxes;
 mod hull;
+mod place;
+mod reach;
 mod surfacing;
 
 pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
+pub(crate) use reach::Judgement;
 
 /// The vehicle keeps a modify for this long after the last BPRMB that it received (SPI 7.12).
 pub(crate) const MODIFY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -131,13 +134,16 @@ pub(crate) struct Route {
 pub struct Envelope {
     fence: Fence,
     limits: Limits,
+    /// A zone of the fence is not always valid.
+    timed: bool,
 }
 
 impl Envelope {
     /// From a fence and validated limits.
     #[must_use]
     pub fn new(fence: Fence, limits: Limits) -> Self {
-        Self { fence, limits }
+        let timed = fence.zones().any(|zone| zone.window() != Window::default());
+        Self { fence, limits, timed }
     }
 
     /// The fence.
@@ -224,48 +230,6 @@ impl Envelope {
             },
             interrupt: request.interrupt,
         })
-    }
-
-    /// Safety requirement 002 for a modify: every position that the vehicle can reach until it has noticed our silence
-    /// and turned away, and the ways back to its plan.
-    pub(crate) fn judge_modify(
-        &self,
-        setpoint: &Setpoint,
-        navigation: &NavigationSample,
-        lock: Option<BottomLock>,
-        route: &Route,
-        now: Timestamp,
-    ) -> Result<f64, Refusal> {
-        let limits = &self.limits;
-        let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
-        let speed_mps = setpoint.speed.as_mps().max(ground_mps);
-        let turn_radius_m = turn_radius_m(speed_mps, limits.turn_rate_dps);
-        let turn_deg = navigation.heading.turn_to_deg(setpoint.heading).abs();
-        let obeyed_s =
-            MODIFY_TIMEOUT.as_secs_f64() + now.since(navigation.solution).as_secs_f64() + limits.link_delay_max_s;
-        let turn_away_s = 180.0 / limits.turn_rate_dps;
-        let here = navigation.local;
-        let along_m = speed_mps * obeyed_s;
-        let convergence_deg = self.fence.frame().convergence_deg(navigation.position);
-        let ahead = here.offset(setpoint.heading.as_deg() - convergence_deg, along_m);
-        // The specification does not say which north the vehicle counts from, so the set covers both.
-        let other_north_m = along_m * utm_convergence_deg(navigation.position).to_radians().abs();
-        // Sideways in the turn onto the heading, a whole turn's width in the turn away from it, and the current's part.
-        let radius_m = turn_radius_m * (1.0 - cos(turn_deg.to_radians()))
-            + 2.0 * turn_radius_m
-            + limits.current_max_mps * (obeyed_s + turn_away_s)
-            + limits.navigation_error_m
-            + other_north_m;
-        let extent = self.extent(setpoint.vertical, navigation.depth, lock, here, along_m + radius_m)?;
-        let mut least_m = self.sweep(Shape::leg(here, ahead), radius_m, &extent)?;
-        // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane.
-        for &(start, end) in &route.legs {
-            least_m = least_m.min(self.sweep(Shape::quadrilateral([here, ahead, start, end]), radius_m, &extent)?);
-        }
-        for &next in &route.to {
-            least_m = least_m.min(self.sweep(Shape::triangle(here, ahead, next), radius_m, &extent)?);
-        }
-        Ok(least_m)
     }
 
     /// Safety requirement 002 for an insert: the transit to it, its lead-in and lead-out, its whole geometry, and the

@@ -6,7 +6,7 @@ use backseat_spi::{EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, M
 use backseat_units::{Timestamp, utm_convergence_deg};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
-use crate::envelope::{Route, Setpoint, Vertical};
+use crate::envelope::{Judgement, Route, Setpoint, Vertical};
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::{Grant, HeadingFrame};
@@ -28,23 +28,41 @@ pub(crate) struct Lease {
     pub(crate) plugin: PluginId,
     pub(crate) request: u64,
     tag: u64,
+    /// Since when its plugin has steered without a pause.
+    since: Timestamp,
     setpoint: Setpoint,
     /// When the last BPRMB left, of this lease or of the one that it took over.
     sent: Option<Timestamp>,
-    /// When the setpoint was last judged.
+    /// When the setpoint was last judged in full.
     judged: Timestamp,
+    /// That judgement.
+    kept: Kept,
+}
+
+/// A judgement, and the plan and inserts that it was made with.
+#[derive(Clone, Copy, Debug)]
+struct Kept {
+    judgement: Judgement,
+    plan: u64,
+    ledger: u64,
 }
 
 impl Core {
     pub(crate) fn ask_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) {
         let request = self.ledger.propose(plugin, modify.tag, RequestKind::Modify);
-        let setpoint = match self.admit_modify(plugin, modify) {
-            Ok(setpoint) => setpoint,
+        let (setpoint, kept) = match self.admit_modify(plugin, modify) {
+            Ok(admitted) => admitted,
             Err(refusal) => return self.reject(request, refusal),
         };
         let mut sent = None;
         let mut changed = true;
+        let mut since = self.now;
         if let Some(lease) = self.lease.take() {
+            if lease.plugin == plugin {
+                since = lease.since;
+            } else {
+                self.has_steered(lease.plugin, lease.since);
+            }
             sent = lease.sent;
             changed = lease.setpoint != setpoint;
             if lease.plugin == plugin && lease.tag == modify.tag {
@@ -60,9 +78,11 @@ impl Core {
             plugin,
             request,
             tag: modify.tag,
+            since,
             setpoint,
             sent,
             judged: self.now,
+            kept,
         });
         self.timers.set(Timer::Term, self.now + modify.duration);
         // BPRES comes before BPRMB. The lease stands already, for a plugin that fails of the events ends it.
@@ -79,7 +99,7 @@ impl Core {
         }
     }
 
-    fn admit_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) -> Result<Setpoint, Refusal> {
+    fn admit_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) -> Result<(Setpoint, Kept), Refusal> {
         self.admit(plugin, Grant::Modify)?;
         if let Some(lease) = &self.lease
             && lease.plugin < plugin
@@ -90,12 +110,13 @@ impl Core {
             return Err(refused("priority", "a plugin of higher priority holds the vehicle"));
         }
         let setpoint = self.envelope.admit_modify(modify)?;
-        self.judge(&setpoint)?;
-        Ok(setpoint)
+        self.cap_steering(plugin, modify.duration)?;
+        let kept = self.judge(&setpoint)?;
+        Ok((setpoint, kept))
     }
 
     /// The whole judgement of a setpoint, with what is known at this moment.
-    fn judge(&self, setpoint: &Setpoint) -> Result<f64, Refusal> {
+    fn judge(&self, setpoint: &Setpoint) -> Result<Kept, Refusal> {
         let Some(navigation) = self.tracker.fresh(self.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
@@ -106,13 +127,55 @@ impl Core {
             ));
         }
         let route = self.route_of_modify();
-        self.envelope.judge_modify(
-            setpoint,
-            navigation,
-            self.tracker.bottom_lock(self.now),
-            &route,
-            self.now,
-        )
+        let lock = self.tracker.bottom_lock(self.now);
+        let judgement = self
+            .envelope
+            .judge_lease(setpoint, navigation, lock, &route, self.now)?;
+        Ok(Kept {
+            judgement,
+            plan: self.plan.revision(),
+            ledger: self.ledger.revision(),
+        })
+    }
+
+    /// Navigation is new: prevention before reaction. The lease ends now, not at its next refresh, where what it could
+    /// reach from here would touch the fence's margin. It is judged in full only where what has changed since it last was
+    /// could have used its clearance up, see [`Judgement`].
+    pub(crate) fn prevent(&mut self) {
+        let Some(lease) = self.lease else { return };
+        if self.still_holds(&lease) {
+            return;
+        }
+        match self.judge(&lease.setpoint) {
+            Ok(kept) => {
+                if let Some(lease) = &mut self.lease {
+                    lease.judged = self.now;
+                    lease.kept = kept;
+                }
+            }
+            Err(refusal) => self.end_lease(&told(&refusal)),
+        }
+    }
+
+    /// Who steers, by a modify or a hold, and since when.
+    pub(crate) fn steering(&self) -> Option<(PluginId, Timestamp)> {
+        let lease = self.lease.map(|lease| (lease.plugin, lease.since));
+        lease.or_else(|| self.hull.held_since())
+    }
+
+    fn still_holds(&self, lease: &Lease) -> bool {
+        let Kept {
+            judgement,
+            plan,
+            ledger,
+        } = &lease.kept;
+        let known = *plan == self.plan.revision() && *ledger == self.ledger.revision();
+        let lock = self.tracker.bottom_lock(self.now);
+        known
+            && self.tracker.fresh(self.now).is_some_and(|navigation| {
+                self.envelope
+                    .still_holds(judgement, &lease.setpoint, navigation, lock, self.now)
+            })
     }
 
     /// Sends the lease's BPRMB, checked anew.
@@ -123,10 +186,16 @@ impl Core {
         {
             return self.end_lease("it was not refreshed in time");
         }
-        if lease.judged < self.now
-            && let Err(refusal) = self.judge(&lease.setpoint)
-        {
-            return self.end_lease(&refusal.text);
+        if lease.judged < self.now {
+            match self.judge(&lease.setpoint) {
+                Ok(kept) => {
+                    if let Some(lease) = &mut self.lease {
+                        lease.judged = self.now;
+                        lease.kept = kept;
+                    }
+                }
+                Err(refusal) => return self.end_lease(&told(&refusal)),
+            }
         }
         let Some(navigation) = self.tracker.fresh(self.now).copied() else {
             return self.end_lease("navigation is stale");
@@ -181,6 +250,7 @@ impl Core {
     /// As [`Core::end_lease`], with the state that the lease's request comes to.
     pub(crate) fn close_lease(&mut self, reason: &str, state: impl FnOnce(&str) -> RequestState) {
         let Some(lease) = self.lease.take() else { return };
+        self.has_steered(lease.plugin, lease.since);
         self.timers.stop(Timer::Refresh);
         self.timers.stop(Timer::Term);
         self.commands.forget_lease();
@@ -267,6 +337,11 @@ impl Core {
         }
         route
     }
+}
+
+/// A refusal as the end of what was refused: rule, then place and metres.
+fn told(refusal: &Refusal) -> String {
+    format!("{}: {}", refusal.rule, refusal.text)
 }
 
 /// A rejection that is not the fence's.

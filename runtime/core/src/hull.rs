@@ -54,6 +54,8 @@ struct Hold {
     plugin: PluginId,
     request: u64,
     tag: u64,
+    /// Since when its plugin has held the vehicle without a pause.
+    since: Timestamp,
     target: HoldTarget,
     speed_mps: Option<f64>,
     hover: Hover,
@@ -111,6 +113,11 @@ impl Hull {
         self.hold.map(|hold| hold.plugin)
     }
 
+    /// The same, and since when.
+    pub(crate) fn held_since(&self) -> Option<(PluginId, Timestamp)> {
+        self.hold.map(|hold| (hold.plugin, hold.since))
+    }
+
     /// The connection is new or gone: its samples and answers are.
     pub(crate) fn reset(&mut self) {
         self.relative.reset();
@@ -138,6 +145,7 @@ impl Core {
             plugin,
             request,
             tag: asked.tag,
+            since: self.now,
             target: asked.target,
             speed_mps: asked.speed_mps,
             hover,
@@ -148,6 +156,11 @@ impl Core {
             judged: self.now,
         };
         if let Some(before) = before {
+            if before.plugin == plugin {
+                hold.since = before.since;
+            } else {
+                self.has_steered(before.plugin, before.since);
+            }
             let changed = before.target != asked.target || before.speed_mps != asked.speed_mps;
             hold.stage = match before.stage {
                 // What has changed meanwhile follows the acknowledgement.
@@ -184,6 +197,7 @@ impl Core {
             return Err(refused("priority", "a plugin of higher priority steers"));
         }
         let mut hover = self.envelope.admit_hold(asked)?;
+        self.cap_steering(plugin, asked.duration)?;
         // There is no command to stop: a vehicle that has been sent somewhere is sent to where it is.
         if hover.aim.is_none()
             && let Some(hold) = &self.hull.hold
@@ -254,14 +268,19 @@ impl Core {
     /// Judges the hold anew where that is older than this moment; ends it where it does not hold.
     fn hold_is_sound(&mut self) -> bool {
         let Some(hold) = self.hull.hold else { return false };
-        if hold.judged < self.now {
-            if let Err(refusal) = self.judge_hover(&hold.hover) {
-                self.end_hold(&refusal.text);
-                return false;
-            }
-            if let Some(hold) = &mut self.hull.hold {
-                hold.judged = self.now;
-            }
+        hold.judged == self.now || self.prevent_hold()
+    }
+
+    /// A sample is new, or time has passed: the hold is judged in full, and ends where it does not hold. Its checks are
+    /// a few comparisons, so that each sample is worth one. False where no hold stands after it.
+    pub(crate) fn prevent_hold(&mut self) -> bool {
+        let Some(hold) = self.hull.hold else { return false };
+        if let Err(refusal) = self.judge_hover(&hold.hover) {
+            self.end_hold(&refusal.text);
+            return false;
+        }
+        if let Some(hold) = &mut self.hull.hold {
+            hold.judged = self.now;
         }
         true
     }
@@ -402,6 +421,7 @@ impl Core {
 
     fn close_hold(&mut self, reason: &str, state: RequestState) {
         let Some(hold) = self.hull.hold.take() else { return };
+        self.has_steered(hold.plugin, hold.since);
         for timer in [Timer::Hold, Timer::HoldTerm, Timer::Relative] {
             self.timers.stop(timer);
         }

@@ -14,7 +14,7 @@ use backseat_spi::{
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::envelope::{End, Flight, Insert, InsertPath, Route, Vertical};
 use crate::helm::refused;
-use crate::io::{Note, Output};
+use crate::io::Output;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::machine::Core;
@@ -58,7 +58,7 @@ impl Core {
         let admitted = insert.and_then(|insert| {
             let route = self.admit_insert(plugin, tag, &insert)?;
             self.judge_insert(&insert, &route)?;
-            let duration_s = self.cap_duration(&insert, &route)?;
+            let duration_s = self.cap_duration(plugin, &insert, &route)?;
             Ok((insert, duration_s))
         });
         match admitted {
@@ -117,6 +117,17 @@ impl Core {
                 ),
             ));
         }
+        let own = self.plugins[plugin.0].limits();
+        let open = self.ledger.open_inserts_of(plugin);
+        if let Some(most) = own.inserts_open_max.filter(|most| open >= *most) {
+            let text = format!("{open} inserts of its own are open, and {most} may be");
+            return Err(refused("cap", &text));
+        }
+        let sent = self.plugins[plugin.0].inserts_sent();
+        if let Some(most) = own.inserts_total_max.filter(|most| !surfaces && sent >= *most) {
+            let text = format!("it has sent {sent} inserts, and may send {most}");
+            return Err(refused("cap", &text));
+        }
         match self.start.identifiers {
             None => Err(refused("identifier", "the identifiers' state on disk is missing")),
             Some(identifiers) if identifiers.next >= identifiers.reserved => {
@@ -127,7 +138,7 @@ impl Core {
     }
 
     /// How long an insert flies at most, where that and what is open stay under the cap.
-    fn cap_duration(&self, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
+    fn cap_duration(&self, plugin: PluginId, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
         let duration_s = self.envelope.duration_s(insert, &route.from);
         let open_s = self.ledger.open_duration_s();
         let most_s = self.envelope.limits().inserts_duration_max_s;
@@ -138,6 +149,14 @@ impl Core {
                     "it may fly for {duration_s:.0} s and the open inserts for {open_s:.0} s, together over {most_s} s"
                 ),
             ));
+        }
+        let own_s = self.ledger.open_duration_of_s(plugin);
+        let own_max_s = self.plugins[plugin.0].limits().inserts_duration_max_s;
+        if let Some(most_s) = own_max_s.filter(|most_s| own_s + duration_s > *most_s) {
+            let text = format!(
+                "it may fly for {duration_s:.0} s and its plugin's open inserts for {own_s:.0} s, together over {most_s} s"
+            );
+            return Err(refused("cap", &text));
         }
         Ok(duration_s)
     }
@@ -233,6 +252,9 @@ impl Core {
             self.gps_hits_sent += 1;
         } else {
             self.inserts_sent += 1;
+            if let Some(plugin) = self.ledger.get(request).and_then(|entry| entry.owner.plugin()) {
+                self.plugins[plugin.0].count_insert();
+            }
         }
         self.sent_identifiers.insert(identifier);
         if let Some(entry) = self.ledger.get_mut(request) {
@@ -246,7 +268,14 @@ impl Core {
     pub(crate) fn ask_cancel(&mut self, plugin: PluginId, tag: u64) {
         let cancel = self.ledger.propose(plugin, tag, RequestKind::Cancel);
         match self.admit_cancel(plugin, tag) {
-            Ok(insert) => self.send_cancel(Some(cancel), insert),
+            Ok(insert) => {
+                let identifier = self.ledger.get(insert).and_then(|entry| entry.identifier);
+                if identifier.is_some_and(|identifier| self.send_cancel(Some(cancel), insert, identifier)) {
+                    self.transition(cancel, RequestState::Sent);
+                } else {
+                    self.reject(cancel, refused("control", "it could not be sent"));
+                }
+            }
             Err(refusal) => self.reject(cancel, refusal),
         }
     }
@@ -273,41 +302,12 @@ impl Core {
             ));
         }
         // Without it the vehicle goes from what was before it to what comes after it.
-        let chain = self.chain();
-        let Some(at) = chain.iter().position(|(request, _, _)| *request == insert) else {
-            return Ok(insert);
-        };
-        let Some(navigation) = self.tracker.fresh(self.now) else {
-            return Err(refused("navigation", "navigation is stale"));
-        };
-        if chain.len() > 1 {
-            let before = at.checked_sub(1).and_then(|before| chain.get(before));
-            let after = chain.get(at + 1);
-            let surfacing = [before, after]
-                .into_iter()
-                .flatten()
-                .any(|(_, next, _)| next.surfaces());
-            let from: Vec<End> = match before {
-                Some(before) => vec![self.envelope.ends(&before.1).1],
-                None => self.plan.current().map(|element| End::At(element.last())).collect(),
-            };
-            let to: Vec<End> = match after {
-                Some(after) => vec![self.envelope.ends(&after.1).0],
-                None => self.plan.next_points().into_iter().map(End::At).collect(),
-            };
-            for from in &from {
-                for to in &to {
-                    self.envelope.judge_way(*from, *to, navigation.depth, surfacing)?;
-                }
-            }
-        }
+        self.judge_cancel(&self.chain(), insert)?;
         Ok(insert)
     }
 
-    fn send_cancel(&mut self, cancel: Option<u64>, insert: u64) {
-        let Some(identifier) = self.ledger.get(insert).and_then(|entry| entry.identifier) else {
-            return;
-        };
+    /// Sends a cancel: of the request `cancel`, or of the runtime's own. False where it could not be sent.
+    pub(crate) fn send_cancel(&mut self, cancel: Option<u64>, insert: u64, identifier: BehaviorId) -> bool {
         let created = self.stamper.stamp(self.now, "RCN");
         let command = Command {
             name: name("RCN"),
@@ -317,41 +317,10 @@ impl Core {
             deadline: self.now + 2 * FIRST_WITHIN,
             pending: false,
         };
-        let sent = self.transmit(
+        self.transmit(
             &ToVehicle::CancelBehavior(CancelBehavior { created, identifier }),
             Some(command),
-        );
-        if let Some(cancel) = cancel {
-            if sent {
-                self.transition(cancel, RequestState::Sent);
-            } else {
-                self.reject(cancel, refused("control", "it could not be sent"));
-            }
-        }
-    }
-
-    /// Cancels every insert that has not begun, of one plugin or of all: one by one by identifier, never BPRCA, which
-    /// may take another payload's too.
-    pub(crate) fn cancel_all_of(&mut self, plugin: Option<PluginId>, _reason: &str) {
-        let inserts: Vec<u64> = self
-            .ledger
-            .iter()
-            .filter(|(_, entry)| {
-                entry.is_open_insert()
-                    && entry.state != RequestState::Started
-                    && plugin.is_none_or(|plugin| entry.owner == plugin)
-            })
-            .map(|(request, _)| request)
-            .collect();
-        for insert in inserts {
-            if self.ledger.is_gps_hit(Some(insert)) {
-                self.note(Note::Text {
-                    text: format!("GPS hit {insert} may be flown yet: it cannot be cancelled (SPI 7.8)"),
-                });
-            } else {
-                self.send_cancel(None, insert);
-            }
-        }
+        )
     }
 
     /// The vehicle's answer to an insert.
@@ -366,6 +335,9 @@ impl Core {
 
     /// The vehicle's answer to a cancel.
     pub(crate) fn cancel_answered(&mut self, cancel: Option<u64>, insert: u64, answer: Answer<'_>) {
+        if cancel.is_none() {
+            self.recall_answered(insert, answer);
+        }
         match answer {
             Answer::Pending => {}
             Answer::Missing => {
@@ -392,7 +364,7 @@ impl Core {
     /// An insert was not answered: it counts as one that the vehicle may fly, and is called back where that is possible.
     fn insert_unanswered(&mut self, request: u64) {
         if !self.ledger.is_gps_hit(Some(request)) {
-            self.send_cancel(None, request);
+            self.recall(request);
         }
         self.transition(request, RequestState::TimedOut);
     }

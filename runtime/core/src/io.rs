@@ -189,6 +189,11 @@ pub enum Note {
         /// What.
         act: Operator,
     },
+    /// The vehicle is outside the fence, or inside again, and what is done about it.
+    Recovery {
+        /// What has happened, or the step that is taken.
+        text: String,
+    },
     /// Core was called later than it had asked for.
     Late {
         /// By how much, seconds.
@@ -267,7 +272,7 @@ impl fmt::Display for Told<'_> {
                 }
                 write!(f, " {}", if *began { "began" } else { "ended" })
             }
-            N::Navigation { text } | N::Text { text } => write!(f, "{text}"),
+            N::Navigation { text } | N::Text { text } | N::Recovery { text } => write!(f, "{text}"),
             N::Malformed { text, count } => write!(f, "{text} (number {count} on this connection)"),
             N::PluginFailed { plugin, fault, then } => {
                 write!(f, "{} failed ({:?}): {}; {then}", who(plugin), fault.kind, fault.text)

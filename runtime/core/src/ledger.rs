@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::envelope::Insert;
 use crate::owner::Owner;
-use crate::plugin::RequestState;
+use crate::plugin::{PluginId, RequestState};
 
 /// What kind of request an entry of the ledger is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -130,6 +130,8 @@ pub(crate) struct Ledger {
     /// Inserts that ended without the vehicle's word: it may fly them yet, so they stay under the caps and the rule
     /// that nothing interrupts what interrupts.
     doubtful: BTreeMap<u64, Entry>,
+    /// How often an insert has come to another state.
+    revision: u64,
 }
 
 impl Ledger {
@@ -175,6 +177,11 @@ impl Ledger {
         insert.is_some_and(|insert| insert.surfaces())
     }
 
+    /// Another number for each set of open inserts and of their states: what was judged with one holds for no other.
+    pub(crate) const fn revision(&self) -> u64 {
+        self.revision
+    }
+
     pub(crate) const fn counts(&self) -> RequestCounts {
         self.counts
     }
@@ -184,7 +191,19 @@ impl Ledger {
         u32::try_from(self.flyable().count()).unwrap_or(u32::MAX)
     }
 
+    /// How many of a plugin's inserts the vehicle may yet fly.
+    pub(crate) fn open_inserts_of(&self, plugin: PluginId) -> u32 {
+        let own = self.flyable().filter(|entry| entry.owner == plugin);
+        u32::try_from(own.count()).unwrap_or(u32::MAX)
+    }
+
     /// How long they fly at most, seconds.
+    pub(crate) fn open_duration_of_s(&self, plugin: PluginId) -> f64 {
+        let own = self.flyable().filter(|entry| entry.owner == plugin);
+        own.fold(0.0, |all, entry| all + entry.duration_s)
+    }
+
+    /// How long all of them fly at most, seconds.
     pub(crate) fn open_duration_s(&self) -> f64 {
         // An empty sum would be -0.
         self.flyable().fold(0.0, |all, entry| all + entry.duration_s)
@@ -207,6 +226,11 @@ impl Ledger {
     /// The inserts that ended without the vehicle's word.
     pub(crate) fn doubtful(&self) -> impl Iterator<Item = &Entry> + '_ {
         self.doubtful.values()
+    }
+
+    /// Whether an insert ended without the vehicle's word.
+    pub(crate) fn is_doubtful(&self, request: u64) -> bool {
+        self.doubtful.contains_key(&request)
     }
 
     /// The vehicle has said that it no longer has this insert, which had ended without its word.
@@ -253,6 +277,9 @@ impl Ledger {
             | RequestState::Started
             | RequestState::Ended(_)
             | RequestState::Cancelled => {}
+        }
+        if entry.is_open_insert() {
+            self.revision += 1;
         }
         entry.state = to.clone();
         let transition = Transition {
@@ -321,7 +348,6 @@ mod tests {
     use backseat_units::{Depth, Position, Speed};
 
     use crate::envelope::{Flight, InsertPath, Vertical};
-    use crate::plugin::PluginId;
 
     fn insert() -> Insert {
         let place = Position::from_deg(42.0, -70.0).unwrap();

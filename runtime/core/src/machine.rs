@@ -21,6 +21,8 @@ use crate::orders::Orders;
 use crate::owner::Owner;
 use crate::plan::Plan;
 use crate::plugin::{Event, PluginId, RequestState};
+use crate::recall::Recalls;
+use crate::recovery::Whereabouts;
 use crate::session::Session;
 use crate::settings::{PluginSetup, Settings};
 use crate::silent::Silent;
@@ -77,6 +79,10 @@ pub struct Core {
     /// Of this process; the mission caps their number.
     pub(crate) sent_identifiers: BTreeSet<BehaviorId>,
     pub(crate) reserve_asked: bool,
+    pub(crate) recalls: Recalls,
+    pub(crate) whereabouts: Whereabouts,
+    /// Navigation has come that nothing has been held against.
+    pub(crate) unjudged: bool,
 }
 
 impl Core {
@@ -122,6 +128,9 @@ impl Core {
             gps_hits_sent: 0,
             sent_identifiers: BTreeSet::new(),
             reserve_asked: false,
+            recalls: Recalls::default(),
+            whereabouts: Whereabouts::default(),
+            unjudged: false,
         };
         core.outputs.push_back(Output::Connect { after: Duration::ZERO });
         core.reserve();
@@ -248,6 +257,7 @@ impl Core {
     /// Brings what follows from the state up to date: control, and when to wake.
     fn settle(&mut self) {
         self.settle_control();
+        self.follow_navigation();
         self.watch_staleness();
         let navigation = match self.tracker.stale_at().filter(|at| *at > self.now) {
             Some(stale) if self.tracker.steady(self.now) => Some(stale),
@@ -307,6 +317,8 @@ impl Core {
             Timer::Dvl => self.dvl_expired(),
             Timer::Order => self.orders_expired(),
             Timer::Policy => self.policies_due(),
+            Timer::Recall => self.recalls_expired(),
+            Timer::Recovery => self.climb(),
             Timer::Plugins => self.step_due(false),
             Timer::Shutdown => self.outputs.push_back(Output::Finish),
         }
@@ -321,7 +333,7 @@ impl Core {
                 self.end_lease("the operator holds");
                 self.end_hold("the operator holds");
                 self.end_dvl("the operator holds");
-                self.cancel_all_of(None, "the operator holds");
+                self.cancel_all_of(None);
             }
             Operator::Release => {
                 self.held = false;

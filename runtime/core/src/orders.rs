@@ -225,7 +225,7 @@ impl Core {
     }
 
     /// Enters an order into the ledger; its request.
-    fn propose_order(&mut self, kind: RequestKind) -> u64 {
+    pub(crate) fn propose_order(&mut self, kind: RequestKind) -> u64 {
         self.orders.count += 1;
         self.ledger.propose(Owner::Operator, self.orders.count, kind)
     }

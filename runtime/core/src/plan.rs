@@ -45,17 +45,28 @@ pub(crate) struct Plan {
     points_collected: usize,
     complete: bool,
     current: Option<u32>,
+    /// How often what is known of it has changed.
+    revision: u64,
 }
 
 impl Plan {
     /// Nothing is known.
     pub(crate) fn forget(&mut self) {
-        *self = Self::default();
+        *self = Self {
+            revision: self.revision + 1,
+            ..Self::default()
+        };
+    }
+
+    /// Another number for each thing that was known of it: what was judged with one holds for no other.
+    pub(crate) const fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// The plan no longer holds, but where the vehicle is in it does.
     pub(crate) fn invalidate(&mut self) {
         self.complete = false;
+        self.revision += 1;
     }
 
     /// BPRMP has been sent: what comes now is a new plan.
@@ -88,6 +99,7 @@ impl Plan {
             Some(elements) if whole && !elements.is_empty() => {
                 self.elements = elements;
                 self.complete = true;
+                self.revision += 1;
             }
             _ => {}
         }
@@ -104,6 +116,7 @@ impl Plan {
     /// A planned behaviour has begun. False where the plan does not have it, so that it is not the current plan.
     pub(crate) fn began(&mut self, number: u32) -> bool {
         self.current = Some(number);
+        self.revision += 1;
         !self.complete || self.planned().any(|element| element.number == Some(number))
     }
 
@@ -125,6 +138,7 @@ impl Plan {
     /// An insert is over: the vehicle will not fly it again.
     pub(crate) fn ended(&mut self, identifier: BehaviorId) {
         self.elements.retain(|element| element.identifier != Some(identifier));
+        self.revision += 1;
     }
 
     /// The front seat's own elements.

@@ -6,7 +6,7 @@ use backseat_spi::{
 };
 use backseat_units::TimeOfDay;
 
-use crate::io::Note;
+use crate::io::{Note, Operator};
 use crate::machine::{CLOSE_AFTER_SHUTDOWN, Core};
 use crate::navigation::Change;
 use crate::orders::Condition;
@@ -135,13 +135,26 @@ impl Core {
             });
             self.end_lease("navigation jumped");
         }
+        self.unjudged = true;
+        self.watch_place();
     }
 
     fn velocity(&mut self, message: &VelocityAndRates) {
+        self.unjudged = true;
         if self.tracker.velocity(message) {
+            self.follow_navigation();
             // Control may have come with this navigation, and plugins are to know.
             self.settle_control();
             self.step_due(true);
+        }
+    }
+
+    /// What stands is held against the newest navigation, once for each BFNVG with its BFNVR, or for what has come of
+    /// them by the end of an input.
+    pub(crate) fn follow_navigation(&mut self) {
+        if core::mem::take(&mut self.unjudged) {
+            self.prevent();
+            self.prevent_hold();
         }
     }
 
@@ -272,6 +285,7 @@ impl Core {
     fn mission_command(&mut self, message: &MissionCommand) {
         self.heard(message.created);
         let text = message.text.as_str();
+        self.operator_by_text(text);
         if let ControlHook::MissionCommand { grant, revoke } = &self.settings.control {
             if text == grant {
                 self.handed_over = Some(true);
@@ -285,6 +299,19 @@ impl Core {
         });
         self.carry_out(|when| matches!(when, Condition::MissionCommand(command) if command.trim() == text.trim()));
         self.tell_wanting(Topic::MissionCommand, &Event::MissionCommand(text.to_owned()));
+    }
+
+    /// The operator's hold and release, where the session names their texts: the only way to reach us under water. Before
+    /// all else that the text may mean, for it beats all (safety requirement 015).
+    fn operator_by_text(&mut self, text: &str) {
+        let is = |named: &Option<String>| named.as_deref() == Some(text.trim());
+        let act = match (is(&self.settings.hold_text), is(&self.settings.release_text)) {
+            (true, _) => Operator::Hold,
+            (false, true) => Operator::Release,
+            (false, false) => return,
+        };
+        self.operator(act);
+        self.settle_control();
     }
 
     fn ctd(&mut self, message: &Ctd) {

@@ -186,9 +186,10 @@ impl Core {
         self.subscribe_all();
         self.ask_for_plan();
         self.orders_link_up();
+        self.recalls_link_up();
         if self.held {
             // The operator may have taken the helm while nothing could be sent.
-            self.cancel_all_of(None, "the operator holds");
+            self.cancel_all_of(None);
         }
         self.timers.set(Timer::Silence, self.now + SILENT);
         self.timers.set(Timer::Status, self.now + STATUS_EVERY);
@@ -210,6 +211,7 @@ impl Core {
         self.acoustic_link_lost();
         self.dvl_link_lost();
         self.orders_link_lost();
+        self.recalls_link_lost();
         let undecided: Vec<(u64, bool)> = self
             .ledger
             .iter()

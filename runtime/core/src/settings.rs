@@ -4,6 +4,8 @@ use crate::drivers::DriverSetup;
 use crate::limits::{FailAction, Grant, HeadingFrame};
 use crate::orders::Policy;
 use crate::plugin::Description;
+use crate::plugin_limits::PluginLimits;
+use crate::recovery::Recovery;
 
 /// What hands control to the backseat.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,6 +36,15 @@ pub struct Settings {
     /// The conditions under which BPSTS says 0, which feeds the vehicle's own fixed safety rules (SPI 3). None by
     /// default: a plugin's failure is text.
     pub status_failed_when: Vec<StatusCondition>,
+    /// The mission command (BFMSC, SPI 5.1) with which the operator holds, blanks around it apart: latched, as every hold.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hold_text: Option<String>,
+    /// The mission command with which the operator releases. Without it no text does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub release_text: Option<String>,
+    /// What is done where the vehicle is outside the fence after all: the mission's `[recovery]` table.
+    #[serde(skip)]
+    pub recovery: Recovery,
     /// What is done for the operator when something happens: the mission's `[[policy]]` tables.
     #[serde(skip)]
     pub policies: Vec<Policy>,
@@ -63,4 +74,6 @@ pub struct PluginSetup {
     pub grants: Vec<Grant>,
     /// What is done when it fails.
     pub on_failure: FailAction,
+    /// What it may use of what the mission allows to all.
+    pub limits: PluginLimits,
 }

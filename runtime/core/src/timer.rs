@@ -35,6 +35,10 @@ pub(crate) enum Timer {
     Order,
     /// A policy's condition has lasted for long enough.
     Policy,
+    /// The cancel of an insert that the runtime takes back is sent again.
+    Recall,
+    /// The next step of recovery is due.
+    Recovery,
     /// A plugin is due: a step, one of its timers, or its restart.
     Plugins,
     /// The logs must be closed: power goes.
@@ -42,7 +46,7 @@ pub(crate) enum Timer {
 }
 
 impl Timer {
-    const ALL: [Self; 18] = [
+    const ALL: [Self; 20] = [
         Self::Term,
         Self::HoldTerm,
         Self::Acknowledgement,
@@ -59,6 +63,8 @@ impl Timer {
         Self::Dvl,
         Self::Order,
         Self::Policy,
+        Self::Recall,
+        Self::Recovery,
         Self::Plugins,
         Self::Shutdown,
     ];

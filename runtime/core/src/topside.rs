@@ -1,6 +1,7 @@
 //! Messages to and from the topside (SPI 5.5, 7.3).
 
 use backseat_spi::{Direction, Text, ToVehicle, TopsideMessage, TopsideText, Transport as Way, catalogue};
+use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose};
 use crate::helm::refused;
@@ -21,6 +22,13 @@ pub(crate) struct Topside {
     sent: LastMinute,
 }
 
+impl Topside {
+    /// One more has been sent.
+    pub(crate) fn count(&mut self, now: Timestamp) {
+        self.sent.add(now);
+    }
+}
+
 impl Core {
     pub(crate) fn ask_topside(&mut self, plugin: PluginId, asked: &TopsideRequest) {
         let request = self.ledger.propose(plugin, asked.tag, RequestKind::Topside);
@@ -34,7 +42,7 @@ impl Core {
             text,
         });
         if self.send_request(request, "TOP", &message, Purpose::Topside(request)) {
-            self.topside.sent.add(self.now);
+            self.topside.count(self.now);
         }
     }
 

@@ -1,4 +1,4 @@
-use backseat_core::{FailAction, Grant, Limits, Policy, Settings};
+use backseat_core::{FailAction, Grant, Limits, PluginLimits, Policy, Recovery, Settings};
 use serde::{Deserialize, Serialize};
 
 use crate::drivers::DriverTable;
@@ -15,6 +15,21 @@ pub struct MissionFile {
     pub session: Settings,
     /// What the operator allows.
     pub limits: Limits,
+    /// What is done where the vehicle is outside the fence after all, while something of ours is active. Times count from
+    /// when it was first outside.
+    ///
+    /// ```toml
+    /// [recovery]
+    /// outside_for_s = 2.0      # so long outside before it counts; leases end then
+    /// cancel_after_s = 4.0     # our inserts that have not begun are cancelled
+    /// cancel_current = false   # and the one that is flown is ended (BPRCB)
+    /// tell_after_s = 10.0      # the vehicle's log is told, and with tell_topside = true the topside
+    /// abort_after_s = 60.0     # the mission is aborted (BPABT); never without this key
+    /// back_by_m = 5.0          # inside again: by so much beyond the margin,
+    /// back_for_s = 10.0        # for so long
+    /// ```
+    #[serde(default)]
+    pub recovery: Recovery,
     /// The plugins, the first of the highest priority.
     #[serde(default, rename = "plugin")]
     pub plugins: Vec<PluginTable>,
@@ -65,6 +80,10 @@ pub struct PluginTable {
     /// What is done when it fails.
     #[serde(default)]
     pub on_failure: FailAction,
+    /// What it may use of what `[limits]` allows to all: `inserts_open_max`, `inserts_total_max`,
+    /// `inserts_duration_max_s`, `steering_max_s`, `requests_per_s`.
+    #[serde(default)]
+    pub limits: PluginLimits,
     /// What it may use.
     #[serde(default)]
     pub budget: BudgetTable,

@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use backseat_core::{Condition, Envelope, Order, Policy};
+use backseat_core::{Condition, Envelope, Order, Policy, Settings};
 use backseat_fence::Fence;
 use backseat_mvc::{Mvc, MvcError, WorldFile};
 use backseat_spi::Text;
@@ -66,6 +66,11 @@ impl Mission {
         file.limits
             .validate()
             .map_err(|error| value(&path, format!("limits.{error}")))?;
+        file.recovery
+            .validate()
+            .map_err(|error| value(&path, format!("recovery.{error}")))?;
+        file.session.recovery.clone_from(&file.recovery);
+        check_texts(&path, &file.session)?;
         check_plugins(&path, &file.plugins)?;
         check_policies(&path, &file.policies)?;
         file.session.policies.clone_from(&file.policies);
@@ -203,6 +208,10 @@ fn check_plugins(path: &Path, plugins: &[PluginTable]) -> Result<(), MissionErro
                 ),
             ));
         }
+        plugin
+            .limits
+            .validate()
+            .map_err(|error| value(path, format!("plugin `{}`: limits.{error}", plugin.name)))?;
         let budget = &plugin.budget;
         if budget.fuel_per_step == 0 || !(1..=1024).contains(&budget.memory_mib) {
             return Err(value(
@@ -213,6 +222,23 @@ fn check_plugins(path: &Path, plugins: &[PluginTable]) -> Result<(), MissionErro
                 ),
             ));
         }
+    }
+    Ok(())
+}
+
+/// The operator's texts can come as a mission command, and neither is the other.
+fn check_texts(path: &Path, session: &Settings) -> Result<(), MissionError> {
+    let (hold, release) = (&session.hold_text, &session.release_text);
+    for (key, text) in [("hold_text", hold), ("release_text", release)] {
+        if let Some(text) = text {
+            check_text(text).map_err(|why| value(path, format!("session.{key} {why}")))?;
+        }
+    }
+    if hold.is_some() && hold == release {
+        return Err(value(
+            path,
+            "session.release_text is session.hold_text too: expected another".to_owned(),
+        ));
     }
     Ok(())
 }
@@ -298,6 +324,8 @@ fn toml_error(path: &Path, text: &str, error: &toml::de::Error) -> MissionError 
 
 #[cfg(test)]
 mod tests {
+    use backseat_core::Recovery;
+
     use super::*;
 
     const MISSION: &str = r#"
@@ -493,6 +521,71 @@ order = { start-empty-mission = { duration_s = 600 } }
             ),
         ] {
             let message = with(when, order);
+            assert!(message.contains(said), "{message}");
+        }
+    }
+
+    #[test]
+    fn recovery_and_the_operators_texts_are_the_sessions_and_what_makes_no_sense_is_named() {
+        assert_eq!(
+            load(MISSION, FENCE, &[]).unwrap().file.session.recovery,
+            Recovery::default()
+        );
+        let with = |tables: &str| format!("[session]\n{tables}\n{MISSION}");
+        let whole = with(
+            "hold_text = \"backseat hold\"\nrelease_text = \"backseat go\"\n[recovery]\ncancel_after_s = 3.0\nabort_after_s = 30.0",
+        );
+        let mission = load(&whole, FENCE, &[]).unwrap();
+        let Settings {
+            hold_text,
+            release_text,
+            recovery,
+            ..
+        } = &mission.file.session;
+        assert_eq!(hold_text.as_deref(), Some("backseat hold"));
+        assert_eq!(release_text.as_deref(), Some("backseat go"));
+        assert_eq!((recovery.cancel_after_s, recovery.abort_after_s), (3.0, Some(30.0)));
+        assert_eq!(recovery, &mission.file.recovery);
+        // The resolved whole, which is hashed and logged, holds them and reads back as the same.
+        assert_eq!(load(&mission.resolved, FENCE, &[]).unwrap().file, mission.file);
+        for (tables, said) in [
+            ("[recovery]\nouside_for_s = 1.0", "unknown field `ouside_for_s`"),
+            (
+                "[recovery]\ncancel_after_s = 1.0",
+                "recovery.cancel_after_s is 1: expected at least outside_for_s",
+            ),
+            (
+                "[recovery]\nback_by_m = nan",
+                "recovery.back_by_m is NaN: expected within 0 to 1000 m",
+            ),
+            ("hold_text = \"\"", "session.hold_text is \"\": expected 1 to"),
+            ("release_text = \"a,b\"", "session.release_text is \"a,b\""),
+            (
+                "hold_text = \"x\"\nrelease_text = \"x\"",
+                "session.release_text is session.hold_text too",
+            ),
+        ] {
+            let message = fault(&with(tables), &[]);
+            assert!(message.contains(said), "{message}");
+        }
+    }
+
+    #[test]
+    fn the_limits_of_a_plugin_stand_beside_its_grants() {
+        let with = |table: &str| format!("{MISSION}\n[plugin.limits]\n{table}\n");
+        let mission = load(&with("inserts_open_max = 1\nsteering_max_s = 600.0"), FENCE, &[]).unwrap();
+        let limits = &mission.file.plugins[0].limits;
+        assert_eq!((limits.inserts_open_max, limits.steering_max_s), (Some(1), Some(600.0)));
+        assert_eq!(load(&mission.resolved, FENCE, &[]).unwrap().file, mission.file);
+        for (table, said) in [
+            ("inserts = 1", "unknown field `inserts`"),
+            (
+                "requests_per_s = 0",
+                "plugin `isobath`: limits.requests_per_s is 0: expected at least 1",
+            ),
+            ("steering_max_s = -1.0", "plugin `isobath`: limits.steering_max_s is -1"),
+        ] {
+            let message = fault(&with(table), &[]);
             assert!(message.contains(said), "{message}");
         }
     }

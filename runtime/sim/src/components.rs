@@ -79,6 +79,7 @@ impl Components {
                 description: started.description,
                 grants: table.grants.clone(),
                 on_failure: table.on_failure,
+                limits: table.limits.clone(),
             });
             loaded.plugins.push(started.plugin);
             loaded.components.push((table.name.clone(), compiled.bytes.to_vec()));

@@ -3,7 +3,7 @@ use std::time::Duration;
 use backseat_core::plugin::{
     Description, ModifyRequest, PositionRequest, Topic, TrackcircleRequest, TracklineRequest, VerticalRequest,
 };
-use backseat_core::{FailAction, Grant, Limits, PluginSetup};
+use backseat_core::{FailAction, Grant, Limits, PluginLimits, PluginSetup};
 use backseat_fence::Fence;
 use backseat_units::EastNorth;
 
@@ -108,6 +108,7 @@ pub fn course_plugin(grants: &[Grant], topics: &[Topic]) -> PluginSetup {
         },
         grants: grants.to_vec(),
         on_failure: FailAction::Yield,
+        limits: PluginLimits::default(),
     }
 }
 

@@ -183,6 +183,7 @@ impl Core {
             self.end_hold(&text);
             self.note(Note::Navigation { text });
         }
+        self.prevent_hold();
         self.watch_relative();
     }
 

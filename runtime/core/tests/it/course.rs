@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use backseat_core::plugin::{Description, ModifyRequest, PositionRequest, Request, Topic, VerticalRequest};
 use backseat_core::plugin::{TrackcircleRequest, TracklineRequest};
-use backseat_core::{Envelope, FailAction, Grant, Limits, PluginSetup};
+use backseat_core::{Envelope, FailAction, Grant, Limits, PluginLimits, PluginSetup};
 use backseat_fence::Fence;
 use backseat_units::EastNorth;
 
@@ -99,6 +99,7 @@ pub(crate) fn plugin(name: &str) -> PluginSetup {
         },
         grants: vec![Grant::Modify, Grant::Insert, Grant::Message],
         on_failure: FailAction::Yield,
+        limits: PluginLimits::default(),
     }
 }
 

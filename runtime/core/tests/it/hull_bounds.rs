@@ -1,3 +1,5 @@
+use std::time::Duration;
+
 use backseat_core::HullLimits;
 use backseat_core::plugin::{HoldRequest, Judge, Request, VerticalRequest};
 
@@ -118,6 +120,28 @@ fn sr_004_each_refresh_is_checked_anew_and_the_box_ends_the_hold() {
     assert!(reason.contains("distance_min_m 1"), "{reason}");
     let [_, _, distance_m] = trial.vehicle.hull_m.unwrap();
     assert!(distance_m > 1.3, "{distance_m}");
+}
+
+#[test]
+fn sr_004_a_hold_ends_at_the_sample_that_shows_it_out_of_its_box() {
+    let mut trial = hovering();
+    glide(&mut trial, [0.0, 5.0, 2.0], 6.0);
+    assert_eq!(ask(&mut trial, hold(1)), Ok(()));
+    let sent = trial.sent("CON").len();
+    while trial.sent("CON").len() == sent {
+        trial.run_for(0.01);
+    }
+    let refreshed = trial.now;
+    // Less than what would be a jump, and nearer than it may come.
+    trial.vehicle.hull_m = Some([0.0, 5.0, 1.2]);
+    trial.run_for(1.0);
+    let (ended, reason) = trial.lease_ends().pop().expect("an end");
+    assert!(reason.contains("distance_min_m 1"), "{reason}");
+    assert!(
+        ended.since(refreshed) < Duration::from_millis(150),
+        "{refreshed} {ended}"
+    );
+    assert_eq!(trial.sent_since("RES", refreshed), [ended]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use backseat_core::{HeadingFrame, Limits, Operator, Settings};
 use backseat_spi::{AckStatus, HorizontalMode, ModifySpeedMode, ModifyVerticalMode, ToVehicle};
 use backseat_units::{EastNorth, Timestamp};
 
-use crate::course::{limits, modify, modify_for, turn};
+use crate::course::{limits, line, modify, modify_for, turn};
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
@@ -239,6 +239,53 @@ fn sr_004_each_refresh_is_checked_anew_and_the_fence_ends_the_lease() {
     assert!(here > -1990.0, "{here}");
     assert!(trial.sent("RMB").len() > 10, "it stood at first");
     assert!(matches!(trial.states(1).last(), Some(RequestState::Ended(text)) if text.contains("outside")));
+}
+
+#[test]
+fn sr_004_a_lease_whose_reach_comes_to_touch_the_margin_ends_at_that_sample_and_not_at_its_next_refresh() {
+    // The bottom rises under it: only the bottom lock tells.
+    let setup = Setup {
+        limits: Limits {
+            water_depth_min_m: None,
+            water_depth_max_m: None,
+            ..limits()
+        },
+        ..Setup::default()
+    };
+    let mut trial = Trial::with_under_way(setup);
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(1.5);
+    let refreshed = *trial.sent("RMB").last().unwrap();
+    while trial.now.since(refreshed) < Duration::from_millis(300) {
+        trial.run_for(0.01);
+    }
+    trial.vehicle.altitude_m = Some(2.5);
+    let risen = trial.now;
+    trial.run_for(2.0);
+    let (ended, reason) = trial.lease_ends().pop().expect("an end");
+    assert!(ended.since(risen) <= Duration::from_millis(110), "{risen} {ended}");
+    assert!(
+        ended.since(refreshed) < Duration::from_millis(500),
+        "before the next refresh"
+    );
+    assert!(
+        reason.starts_with("altitude: ") && reason.contains("m below the altitude of 2 m"),
+        "{reason}"
+    );
+    assert_eq!(trial.sent_since("EMB", risen), [ended]);
+}
+
+#[test]
+fn sr_004_an_insert_that_is_asked_for_under_a_lease_is_a_way_back_from_it_at_once() {
+    let mut trial = Trial::steering();
+    let before = trial.now;
+    // Good for itself, for it comes after the current leg; but no good way leads there from the lease's reach.
+    trial.ask(1, [Request::Trackline(line(2, (200.0, -1400.0), (500.0, -1400.0)))]);
+    trial.run_for(0.35);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
+    let (ended, reason) = trial.lease_ends().pop().expect("an end");
+    assert!(reason.contains("wreck"), "{reason}");
+    assert!(ended.since(before) <= Duration::from_millis(350));
 }
 
 #[test]

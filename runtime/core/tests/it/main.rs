@@ -6,6 +6,7 @@
 
 mod acoustic;
 mod adjustments;
+mod arbiter;
 mod clock;
 mod control;
 mod course;
@@ -29,6 +30,7 @@ mod operator;
 mod orders;
 mod plugins;
 mod random;
+mod recovery;
 mod session;
 mod silent;
 mod topside;

@@ -1,5 +1,6 @@
 use backseat_core::plugin::Request;
-use backseat_core::{Operator, Start};
+use backseat_core::{Note, Operator, Settings, Start};
+use backseat_spi::{MissionCommand, Text};
 
 use crate::course::{good_line, modify};
 use crate::trial::{Seen, Setup, Trial, shorts};
@@ -72,4 +73,102 @@ fn a_stop_ends_the_lease_and_closes_the_logs() {
     assert!(trial.seen.iter().any(|(_, seen)| *seen == Seen::Finish));
     trial.run_for(3.0);
     assert!(trial.sent_since("RMB", stopped).is_empty());
+}
+
+/// Who persists a hold learns of it by this.
+fn acts(trial: &Trial) -> Vec<Operator> {
+    let act = |(_, note)| match note {
+        Note::Operator { act } => Some(act),
+        _ => None,
+    };
+    trial.notes().into_iter().filter_map(act).collect()
+}
+
+fn commanded(trial: &mut Trial, text: &str) {
+    let command = MissionCommand {
+        created: trial.vehicle.clock(trial.now),
+        text: Text::cleaned(text),
+    };
+    trial.hear_now([command.into()]);
+}
+
+fn texts(hold: Option<&str>, release: Option<&str>) -> Setup {
+    Setup {
+        settings: Settings {
+            hold_text: hold.map(str::to_owned),
+            release_text: release.map(str::to_owned),
+            ..Settings::default()
+        },
+        ..Setup::default()
+    }
+}
+
+#[test]
+fn sr_015_a_mission_command_holds_at_once_and_is_latched_until_its_counterpart_releases() {
+    let mut trial = Trial::with_under_way(texts(Some("backseat hold"), Some("backseat go")));
+    trial.ask(0, [Request::Modify(modify(1)), good_line(2)]);
+    trial.run_for(0.5);
+    for near in ["backseat", "Backseat hold", "backseat hold now", "backseat  hold", ""] {
+        commanded(&mut trial, near);
+        assert!(trial.core.is_steering(), "`{near}` is not the text");
+    }
+    let held = trial.now;
+    commanded(&mut trial, "backseat hold ");
+    assert_eq!(trial.sent_since("EMB", held), [held]);
+    assert_eq!(trial.sent_since("RCN", held), [held]);
+    assert_eq!(acts(&trial), [Operator::Hold]);
+    // It outlives the link, control that comes anew, and every plugin's wish.
+    trial.script(0, |_| {
+        (
+            std::time::Duration::from_millis(1),
+            Ok(vec![Request::Modify(modify(3))]),
+        )
+    });
+    trial.cut();
+    trial.run_for(20.0);
+    assert!(!trial.core.has_control() && trial.sent_since("RMB", held).is_empty());
+    commanded(&mut trial, "backseat go");
+    assert_eq!(acts(&trial), [Operator::Hold, Operator::Release]);
+    trial.run_for(1.0);
+    assert!(trial.core.is_steering());
+}
+
+#[test]
+fn sr_015_a_text_releases_only_where_the_operator_named_one() {
+    let mut trial = Trial::with_under_way(texts(Some("hold"), None));
+    commanded(&mut trial, "hold");
+    for text in ["release", "go", "", "hold"] {
+        commanded(&mut trial, text);
+    }
+    trial.run_for(5.0);
+    assert!(!trial.core.has_control());
+    assert!(!acts(&trial).contains(&Operator::Release));
+    // Whoever else may release it does.
+    trial.operator(Operator::Release);
+    assert!(trial.core.has_control());
+    // Without texts no text is one.
+    let mut trial = Trial::steering();
+    for text in ["hold", ""] {
+        commanded(&mut trial, text);
+    }
+    assert!(trial.core.is_steering() && acts(&trial).is_empty());
+}
+
+#[test]
+fn sr_015_a_hold_by_text_beats_a_grant_of_control_by_the_same_text() {
+    let setup = texts(Some("payload"), Some("release"));
+    let control = backseat_core::ControlHook::MissionCommand {
+        grant: "payload".to_owned(),
+        revoke: "no payload".to_owned(),
+    };
+    let settings = Settings {
+        control,
+        ..setup.settings.clone()
+    };
+    let mut trial = Trial::with(Setup { settings, ..setup });
+    trial.run_for(2.0);
+    commanded(&mut trial, "payload");
+    assert!(!trial.core.has_control());
+    commanded(&mut trial, "release");
+    assert!(trial.core.has_control(), "it was handed over, and held");
 }

@@ -2,3 +2,4 @@
 
 mod capabilities;
 mod helm;
+mod recovery;

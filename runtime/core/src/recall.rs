@@ -1,0 +1,254 @@
+//! Inserts that the runtime takes back by itself (BPRCN, SPI 7.8): for the operator's hold, for a fail action, for
+//! recovery, or because the vehicle did not answer for one.
+//!
+//! A plugin asks again where its cancel was not answered; here nobody would. So one that is not answered is sent again
+//! after a while that doubles each time, five times in all on a connection, and once more as soon as a lost link is back.
+//! An insert that has begun or has ended meanwhile needs no more (7.8).
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use backseat_spi::BehaviorId;
+use backseat_units::Timestamp;
+
+use crate::commands::Answer;
+use crate::envelope::{End, Insert};
+use crate::helm::refused;
+use crate::io::Note;
+use crate::machine::Core;
+use crate::plugin::{PluginId, Refusal, RequestState};
+use crate::timer::Timer;
+
+/// How often a cancel is sent on a connection while it is not answered.
+const SENT_MAX: u32 = 5;
+/// How long the second sending waits after the first was found to be unanswered.
+const AGAIN_AFTER: Duration = Duration::from_secs(1);
+
+/// An insert that is being taken back.
+#[derive(Clone, Copy, Debug)]
+struct Recall {
+    identifier: BehaviorId,
+    /// How often its cancel was sent on this connection.
+    sent: u32,
+    /// When it is sent again; `None` while its answer is awaited, or the link.
+    due: Option<Timestamp>,
+}
+
+/// The inserts that are being taken back, by their requests.
+#[derive(Debug, Default)]
+pub(crate) struct Recalls {
+    open: BTreeMap<u64, Recall>,
+}
+
+impl Core {
+    /// Cancels every insert that has not begun, of one plugin or of all: one by one by identifier, never BPRCA, which may
+    /// take another payload's too. The operator's word: no way is judged.
+    pub(crate) fn cancel_all_of(&mut self, plugin: Option<PluginId>) {
+        for (insert, _, _) in self.waiting_inserts(plugin) {
+            if !self.is_kept_gps_hit(insert) {
+                self.recall(insert);
+            }
+        }
+    }
+
+    /// As [`Core::cancel_all_of`], where the way that remains holds (safety requirement 020): from the last insert to the
+    /// first, each judged with what is left of the others. False where one had to be left to the vehicle because of its
+    /// way.
+    pub(crate) fn cancel_judged(&mut self, plugin: Option<PluginId>) -> bool {
+        let mut left = self.chain();
+        let mut all = true;
+        for (insert, _, _) in self.waiting_inserts(plugin).into_iter().rev() {
+            if self.is_kept_gps_hit(insert) {
+                continue;
+            }
+            if let Err(refusal) = self.judge_cancel(&left, insert) {
+                all = false;
+                self.note(Note::Text {
+                    text: format!(
+                        "insert {insert} is not cancelled, what would remain is worse: {}",
+                        refusal.text
+                    ),
+                });
+                continue;
+            }
+            left.retain(|(request, _, _)| *request != insert);
+            self.recall(insert);
+        }
+        all
+    }
+
+    /// Our open inserts that have not begun.
+    fn waiting_inserts(&self, plugin: Option<PluginId>) -> Vec<(u64, Insert, bool)> {
+        let mut waiting = self.chain();
+        waiting.retain(|(request, _, begun)| {
+            let of = self.ledger.get(*request).map(|entry| entry.owner);
+            !begun && plugin.is_none_or(|plugin| of.is_some_and(|owner| owner == plugin))
+        });
+        waiting
+    }
+
+    fn is_kept_gps_hit(&mut self, insert: u64) -> bool {
+        let kept = self.ledger.is_gps_hit(Some(insert));
+        if kept {
+            self.note(Note::Text {
+                text: format!("GPS hit {insert} may be flown yet: it cannot be cancelled (SPI 7.8)"),
+            });
+        }
+        kept
+    }
+
+    /// Safety requirements 002 and 020: the way that the vehicle takes without one of the inserts of a chain, from what was
+    /// before it to what comes after it.
+    pub(crate) fn judge_cancel(&self, chain: &[(u64, Insert, bool)], insert: u64) -> Result<(), Refusal> {
+        let Some(at) = chain.iter().position(|(request, _, _)| *request == insert) else {
+            return Ok(());
+        };
+        if chain.len() <= 1 {
+            // What remains is the plan's own.
+            return Ok(());
+        }
+        let Some(navigation) = self.tracker.fresh(self.now) else {
+            return Err(refused("navigation", "navigation is stale"));
+        };
+        let before = at.checked_sub(1).and_then(|before| chain.get(before));
+        let after = chain.get(at + 1);
+        let surfacing = [before, after]
+            .into_iter()
+            .flatten()
+            .any(|(_, next, _)| next.surfaces());
+        let from: Vec<End> = match before {
+            Some(before) => vec![self.envelope.ends(&before.1).1],
+            None => self.plan.current().map(|element| End::At(element.last())).collect(),
+        };
+        let to: Vec<End> = match after {
+            Some(after) => vec![self.envelope.ends(&after.1).0],
+            None => self.plan.next_points().into_iter().map(End::At).collect(),
+        };
+        for from in &from {
+            for to in &to {
+                self.envelope.judge_way(*from, *to, navigation.depth, surfacing)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes an insert back, and sees to it that the vehicle answers.
+    pub(crate) fn recall(&mut self, insert: u64) {
+        let Some(identifier) = self.ledger.get(insert).and_then(|entry| entry.identifier) else {
+            return;
+        };
+        if self.recalls.open.contains_key(&insert) {
+            return;
+        }
+        let recall = Recall {
+            identifier,
+            sent: 0,
+            due: None,
+        };
+        self.recalls.open.insert(insert, recall);
+        self.send_recall(insert);
+    }
+
+    fn send_recall(&mut self, insert: u64) {
+        let Some(recall) = self.recalls.open.get_mut(&insert) else {
+            return;
+        };
+        recall.due = None;
+        let identifier = recall.identifier;
+        if !self.session.is_up() {
+            // It is sent once the link is back.
+            return;
+        }
+        recall.sent += 1;
+        if !self.send_cancel(None, insert, identifier) {
+            self.again_later(insert);
+        }
+        self.set_recall_timer();
+    }
+
+    /// The vehicle's answer to a cancel of the runtime's own, or that there was none.
+    pub(crate) fn recall_answered(&mut self, insert: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => {}
+            Answer::Missing => self.again_later(insert),
+            Answer::Done => {
+                self.recalls.open.remove(&insert);
+            }
+            Answer::Refused(text) => {
+                if self.recalls.open.remove(&insert).is_some() {
+                    self.note(Note::Text {
+                        text: format!("insert {insert} was not taken back: {text}"),
+                    });
+                }
+            }
+        }
+        self.set_recall_timer();
+    }
+
+    fn again_later(&mut self, insert: u64) {
+        let Some(recall) = self.recalls.open.get_mut(&insert) else {
+            return;
+        };
+        if recall.sent < SENT_MAX {
+            recall.due = Some(self.now + AGAIN_AFTER * (1 << recall.sent.saturating_sub(1)));
+        } else {
+            self.recalls.open.remove(&insert);
+            self.note(Note::Text {
+                text: format!("insert {insert} may be flown yet: its cancel was not answered {SENT_MAX} times"),
+            });
+        }
+    }
+
+    /// Cancels that were not answered are due again.
+    pub(crate) fn recalls_expired(&mut self) {
+        let now = self.now;
+        self.send_recalls(|recall| recall.due.is_some_and(|due| due <= now));
+        self.set_recall_timer();
+    }
+
+    /// The link is gone, and the answers with it.
+    pub(crate) fn recalls_link_lost(&mut self) {
+        for recall in self.recalls.open.values_mut() {
+            recall.due = None;
+        }
+        self.set_recall_timer();
+    }
+
+    /// The link is back: what was to be taken back is.
+    pub(crate) fn recalls_link_up(&mut self) {
+        for recall in self.recalls.open.values_mut() {
+            recall.sent = 0;
+        }
+        self.send_recalls(|_| true);
+    }
+
+    fn send_recalls(&mut self, due: impl Fn(&Recall) -> bool) {
+        let due: Vec<u64> = self
+            .recalls
+            .open
+            .iter()
+            .filter(|(_, recall)| due(recall))
+            .map(|(insert, _)| *insert)
+            .collect();
+        for insert in due {
+            if self.may_be_recalled(insert) {
+                self.send_recall(insert);
+            } else {
+                self.recalls.open.remove(&insert);
+            }
+        }
+    }
+
+    /// Whether the vehicle may have an insert yet that it has not begun.
+    fn may_be_recalled(&self, insert: u64) -> bool {
+        match self.ledger.get(insert) {
+            Some(entry) => entry.state != RequestState::Started,
+            None => self.ledger.is_doubtful(insert),
+        }
+    }
+
+    fn set_recall_timer(&mut self) {
+        let first = self.recalls.open.values().filter_map(|recall| recall.due).min();
+        self.timers.set_or_stop(Timer::Recall, first);
+    }
+}

@@ -1,0 +1,465 @@
+//! Recovery: what the monitor does where the vehicle is outside the fence after all, though everything that was sent had
+//! been judged (safety requirements 002, 019 and 020).
+//!
+//! Navigation jumps, and a current may be stronger than the mission's worst. The place of each sample, navigation's error
+//! around it, is held against the fence, its depth and its altitude against the zone's bands; an altitude that is not
+//! known is none that is left. A vehicle counts as outside once it has been so for `outside_for_s`, and as inside again
+//! once it has been inside by `back_by_m` for `back_for_s`.
+//!
+//! Where the backseat has steered it there, or may have, a ladder is climbed, each step once and after its own time
+//! outside: leases end; our inserts that have not begun are cancelled, where the way that remains holds; the topside is
+//! told; the mission is aborted where the operator's table allows it. Until it is inside again no plugin's request is
+//! accepted. Where nothing of ours is active the way is the front seat's own: it is told of, and nothing is done.
+
+use std::time::Duration;
+
+use backseat_spi::{LogMessage, Text, ToVehicle, TopsideText, Transport};
+use backseat_units::{EastNorth, Timestamp};
+use serde::{Deserialize, Serialize};
+
+use crate::commands::Purpose;
+use crate::envelope::MODIFY_TIMEOUT;
+use crate::io::Note;
+use crate::ledger::RequestKind;
+use crate::limits::{LimitError, seconds};
+use crate::machine::Core;
+use crate::orders::Order;
+use crate::plugin::{NavigationSample, Refusal, RequestState};
+use crate::timer::Timer;
+
+/// The ladder of a mission: its `[recovery]` table. Times count from when the vehicle was first outside, while it is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Recovery {
+    /// After how long outside the vehicle counts as outside, and leases end, seconds.
+    pub outside_for_s: f64,
+    /// After how long outside our inserts that have not begun are cancelled, seconds.
+    pub cancel_after_s: f64,
+    /// Whether the insert of ours that is flown is ended with them (BPRCB, SPI 7.10), where the way that remains holds.
+    pub cancel_current: bool,
+    /// After how long outside the vehicle's log and the topside are told, seconds.
+    pub tell_after_s: f64,
+    /// Whether the topside is told (BPTOP, SPI 7.3), or the vehicle's log alone (BPMSG, 7.1).
+    pub tell_topside: bool,
+    /// After how long outside the vehicle's mission is aborted (BPABT, SPI 7.16), seconds: never where it is absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub abort_after_s: Option<f64>,
+    /// How far inside the vehicle must be to be inside again, metres beyond the margin.
+    pub back_by_m: f64,
+    /// For how long, seconds.
+    pub back_for_s: f64,
+}
+
+impl Default for Recovery {
+    fn default() -> Self {
+        Self {
+            outside_for_s: 2.0,
+            cancel_after_s: 4.0,
+            cancel_current: false,
+            tell_after_s: 10.0,
+            tell_topside: true,
+            abort_after_s: None,
+            back_by_m: 5.0,
+            back_for_s: 10.0,
+        }
+    }
+}
+
+impl Recovery {
+    /// Every figure within what it can mean, the steps in their order.
+    ///
+    /// # Errors
+    /// [`LimitError`] names the first key that is not.
+    pub fn validate(&self) -> Result<(), LimitError> {
+        const LONGEST_S: f64 = 3600.0;
+        let fault = |key, value, expected| Err(LimitError { key, value, expected });
+        for (key, value) in [
+            ("outside_for_s", self.outside_for_s),
+            ("cancel_after_s", self.cancel_after_s),
+            ("tell_after_s", self.tell_after_s),
+            ("abort_after_s", self.abort_after_s.unwrap_or(LONGEST_S)),
+            ("back_for_s", self.back_for_s),
+        ] {
+            if !(0.0..=LONGEST_S).contains(&value) {
+                return fault(key, value, "within 0 to 3600 s");
+            }
+        }
+        if !(0.0..=1000.0).contains(&self.back_by_m) {
+            return fault("back_by_m", self.back_by_m, "within 0 to 1000 m");
+        }
+        if self.cancel_after_s < self.outside_for_s {
+            return fault("cancel_after_s", self.cancel_after_s, "at least outside_for_s");
+        }
+        if self.tell_after_s < self.cancel_after_s {
+            return fault("tell_after_s", self.tell_after_s, "at least cancel_after_s");
+        }
+        match self.abort_after_s {
+            Some(abort_s) if abort_s < self.tell_after_s => fault("abort_after_s", abort_s, "at least tell_after_s"),
+            Some(_) | None => Ok(()),
+        }
+    }
+
+    fn after(&self, step: Step) -> Option<Duration> {
+        match step {
+            Step::Leases => Some(seconds(self.outside_for_s)),
+            Step::Inserts => Some(seconds(self.cancel_after_s)),
+            Step::Tell => Some(seconds(self.tell_after_s)),
+            Step::Abort => self.abort_after_s.map(seconds),
+        }
+    }
+}
+
+/// The steps of the ladder, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step {
+    Leases,
+    Inserts,
+    Tell,
+    Abort,
+}
+
+impl Step {
+    const fn next(self) -> Option<Self> {
+        match self {
+            Self::Leases => Some(Self::Inserts),
+            Self::Inserts => Some(Self::Tell),
+            Self::Tell => Some(Self::Abort),
+            Self::Abort => None,
+        }
+    }
+}
+
+/// Where the vehicle is in respect of the fence.
+#[derive(Debug, Default)]
+pub(crate) struct Whereabouts {
+    /// The last place that was judged and good, with what it answers for.
+    good: Option<Good>,
+    /// When something of ours was last active.
+    active: Option<Timestamp>,
+    excursion: Option<Excursion>,
+}
+
+/// A place inside the fence: no other within so many metres of it, and within these depths, is outside.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Good {
+    pub(crate) at: EastNorth,
+    pub(crate) clearance_m: f64,
+    pub(crate) depth_min_m: f64,
+    pub(crate) depth_max_m: f64,
+    /// Metres above the seabed; an unknown one is as good as any.
+    pub(crate) altitude_min_m: f64,
+}
+
+/// A time in which the vehicle is outside, as far as is known.
+#[derive(Clone, Debug)]
+struct Excursion {
+    /// Since when, the times inside left out.
+    since: Timestamp,
+    /// `outside_for_s` have passed.
+    confirmed: bool,
+    /// The backseat has steered it there, or may have.
+    ours: bool,
+    /// The next step; `None` above the last.
+    step: Option<Step>,
+    /// Since when the newest samples are inside.
+    inside: Option<Timestamp>,
+    /// Since when they are inside by enough.
+    back: Option<Timestamp>,
+    /// The topside is to be told, and could not be yet: without control nothing leaves for it (safety requirement 014).
+    untold: bool,
+    /// What the newest place outside offends against.
+    refusal: Refusal,
+}
+
+impl Good {
+    fn covers(&self, navigation: &NavigationSample) -> bool {
+        let depth_m = navigation.depth.as_m().max(0.0);
+        let altitude_m = navigation.altitude.map_or(f64::MAX, |altitude| altitude.as_m());
+        // Written so that a figure that is none fails.
+        navigation.local.distance_m(self.at) < self.clearance_m
+            && depth_m >= self.depth_min_m
+            && depth_m <= self.depth_max_m
+            && altitude_m >= self.altitude_min_m
+    }
+}
+
+impl Whereabouts {
+    /// Whether the ladder is being climbed: no plugin's request is accepted meanwhile.
+    pub(crate) fn recovers(&self) -> bool {
+        self.excursion
+            .as_ref()
+            .is_some_and(|excursion| excursion.confirmed && excursion.ours)
+    }
+}
+
+impl Core {
+    /// A new position: where the vehicle is, and what follows from it.
+    pub(crate) fn watch_place(&mut self) {
+        if self.running == Some(false) {
+            return self.forget_excursion();
+        }
+        let Some(navigation) = self.tracker.newest().copied() else {
+            return;
+        };
+        if self.is_active() {
+            self.whereabouts.active = Some(self.now);
+        }
+        match self.judge_place(&navigation) {
+            Ok(()) => self.is_inside(&navigation),
+            Err(refusal) => self.is_outside(refusal),
+        }
+        self.climb();
+        let untold = |excursion: &&Excursion| excursion.untold && excursion.inside.is_none();
+        if let Some(refusal) = self
+            .whereabouts
+            .excursion
+            .as_ref()
+            .filter(untold)
+            .map(|excursion| excursion.refusal.clone())
+        {
+            self.tell_topside(&refusal);
+        }
+    }
+
+    fn judge_place(&mut self, navigation: &NavigationSample) -> Result<(), Refusal> {
+        if self.whereabouts.good.is_some_and(|good| good.covers(navigation)) {
+            return Ok(());
+        }
+        let utc = self.utc();
+        self.whereabouts.good = None;
+        self.whereabouts.good = self.envelope.judge_place(navigation, utc)?;
+        Ok(())
+    }
+
+    /// A lease stands, or an insert of ours is flown or may be.
+    fn is_active(&self) -> bool {
+        let flown = |entry: &crate::ledger::Entry| {
+            entry.is_open_insert() && matches!(entry.state, RequestState::Started | RequestState::Unknown)
+        };
+        self.is_steering()
+            || self.ledger.iter().any(|(_, entry)| flown(entry))
+            || self.ledger.doubtful().next().is_some()
+    }
+
+    /// Whether the vehicle may be where it is because of us: what it was sent on may carry it on for as long as what it
+    /// can reach is counted.
+    fn is_ours(&self) -> bool {
+        let limits = self.envelope.limits();
+        let lasts_s = MODIFY_TIMEOUT.as_secs_f64() + limits.link_delay_max_s + 180.0 / limits.turn_rate_dps;
+        self.whereabouts
+            .active
+            .is_some_and(|active| self.now.since(active) <= seconds(lasts_s))
+    }
+
+    fn is_outside(&mut self, refusal: Refusal) {
+        let (now, ours) = (self.now, self.is_ours());
+        let excursion = self.whereabouts.excursion.get_or_insert_with(|| Excursion {
+            since: now,
+            confirmed: false,
+            ours,
+            step: Some(Step::Leases),
+            inside: None,
+            back: None,
+            untold: false,
+            refusal: refusal.clone(),
+        });
+        excursion.refusal = refusal;
+        excursion.back = None;
+        if let Some(inside) = excursion.inside.take() {
+            excursion.since = excursion.since + now.since(inside);
+        }
+        if ours && !excursion.ours {
+            // Until now it was the front seat's own.
+            excursion.ours = true;
+            excursion.confirmed = false;
+            excursion.since = now;
+        }
+    }
+
+    fn is_inside(&mut self, navigation: &NavigationSample) {
+        let Some(excursion) = &self.whereabouts.excursion else {
+            return;
+        };
+        if !excursion.confirmed {
+            return self.forget_excursion();
+        }
+        let (utc, room_m) = (self.utc(), self.settings.recovery.back_by_m);
+        let well = self.envelope.is_well_inside(navigation, room_m, utc);
+        let now = self.now;
+        let back_for = seconds(self.settings.recovery.back_for_s);
+        let Some(excursion) = &mut self.whereabouts.excursion else {
+            return;
+        };
+        excursion.inside.get_or_insert(now);
+        if !well {
+            excursion.back = None;
+        } else if now.since(*excursion.back.get_or_insert(now)) >= back_for {
+            self.forget_excursion();
+            self.recovery_note("the vehicle is inside the fence again".to_owned());
+        }
+    }
+
+    fn forget_excursion(&mut self) {
+        self.whereabouts.excursion = None;
+        self.timers.stop(Timer::Recovery);
+    }
+
+    /// Takes the steps that are due, and sets when to come back for the next.
+    pub(crate) fn climb(&mut self) {
+        loop {
+            let Some(excursion) = &self.whereabouts.excursion else {
+                return;
+            };
+            // What cannot be sent is no step taken; and where the vehicle is inside for the moment, none is due.
+            if excursion.inside.is_some() || !self.session.is_up() {
+                return self.timers.stop(Timer::Recovery);
+            }
+            let step = excursion.step;
+            let after = match (excursion.confirmed, excursion.ours) {
+                (false, _) => self.settings.recovery.after(Step::Leases),
+                (true, true) => step.and_then(|step| self.settings.recovery.after(step)),
+                (true, false) => None,
+            };
+            let due = after.map(|after| excursion.since + after);
+            if due.is_none_or(|due| due > self.now) {
+                return self.timers.set_or_stop(Timer::Recovery, due);
+            }
+            self.take_step();
+        }
+    }
+
+    fn take_step(&mut self) {
+        let Some(excursion) = &mut self.whereabouts.excursion else {
+            return;
+        };
+        let refusal = excursion.refusal.clone();
+        if !excursion.confirmed {
+            excursion.confirmed = true;
+            if !excursion.ours {
+                let text = format!(
+                    "the vehicle is outside: {}; nothing of ours is active, and nothing is done",
+                    refusal.text
+                );
+                return self.recovery_note(text);
+            }
+        }
+        let Some(step) = excursion.step else { return };
+        excursion.step = step.next();
+        match step {
+            Step::Leases => {
+                self.recovery_note(format!("the vehicle is outside: {}; leases end", refusal.text));
+                self.end_lease("recovery: the vehicle is outside the fence");
+                self.end_hold("recovery: the vehicle is outside the fence");
+            }
+            Step::Inserts => {
+                self.recovery_note("still outside: inserts are cancelled".to_owned());
+                if !self.cancel_for_recovery() {
+                    self.recovery_note("a way that would remain is worse: on to the next step".to_owned());
+                    self.take_step();
+                }
+            }
+            Step::Tell => {
+                self.recovery_note("still outside: the topside is told".to_owned());
+                self.tell_of_excursion(&refusal);
+            }
+            Step::Abort => {
+                self.recovery_note("still outside: the mission is aborted".to_owned());
+                self.order_in_advance(&Order::Abort {
+                    text: "outside the fence".to_owned(),
+                    errors: true,
+                });
+            }
+        }
+    }
+
+    /// False where an insert was left to the vehicle because its way is worse.
+    fn cancel_for_recovery(&mut self) -> bool {
+        let all = self.cancel_judged(None);
+        let begun = self.chain().iter().any(|(_, _, begun)| *begun);
+        if !begun {
+            return all;
+        }
+        if self.settings.recovery.cancel_current {
+            // Judged there as the operator's own order is.
+            self.order_in_advance(&Order::CancelCurrent);
+        } else {
+            self.recovery_note("the insert that is flown goes on: `cancel_current` is not set".to_owned());
+        }
+        all
+    }
+
+    fn tell_of_excursion(&mut self, refusal: &Refusal) {
+        let text = self.text_of(refusal);
+        let created = self.stamper.stamp(self.now, "MSG");
+        let command = self.courtesy("MSG", Some(created));
+        self.transmit(&ToVehicle::LogMessage(LogMessage { created, text }), Some(command));
+        if self.settings.recovery.tell_topside {
+            self.tell_topside(refusal);
+        }
+    }
+
+    /// Tells the topside, or keeps it for when control is back.
+    fn tell_topside(&mut self, refusal: &Refusal) {
+        let control = self.start.armed && self.lost_because().is_none();
+        if let Some(excursion) = &mut self.whereabouts.excursion {
+            excursion.untold = !control;
+        }
+        if !control {
+            return;
+        }
+        let text = self.text_of(refusal);
+        let request = self.propose_order(RequestKind::Topside);
+        let message = ToVehicle::TopsideText(TopsideText {
+            created: self.stamper.stamp(self.now, "TOP"),
+            // From under water nothing faster gets through.
+            slowest: Transport::AcousticModem,
+            text,
+        });
+        if self.send_request(request, "TOP", &message, Purpose::Topside(request)) {
+            self.topside.count(self.now);
+        }
+    }
+
+    /// By how much it is outside, and where it is. In lower case: there are vehicles that take a sentence for the one whose
+    /// name its text contains.
+    fn text_of(&self, refusal: &Refusal) -> Text {
+        let place = self.tracker.newest().map_or_else(String::new, |navigation| {
+            format!(
+                " at {:.5} {:.5} depth {:.1} m",
+                navigation.position.latitude.as_deg(),
+                navigation.position.longitude.as_deg(),
+                navigation.depth.as_m()
+            )
+        });
+        Text::cleaned(&format!("outside the fence by {:.1} m ({}){place}", refusal.metres, refusal.rule).to_lowercase())
+    }
+
+    fn recovery_note(&mut self, text: String) {
+        self.note(Note::Recovery { text });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ladder_that_makes_no_sense_is_named() {
+        type Spoil = fn(&mut Recovery);
+        assert_eq!(Recovery::default().validate(), Ok(()));
+        let cases: [(&str, Spoil); 7] = [
+            ("outside_for_s", |ladder| ladder.outside_for_s = f64::NAN),
+            ("outside_for_s", |ladder| ladder.outside_for_s = -1.0),
+            ("back_for_s", |ladder| ladder.back_for_s = 1e9),
+            ("back_by_m", |ladder| ladder.back_by_m = f64::INFINITY),
+            ("cancel_after_s", |ladder| ladder.cancel_after_s = 1.0),
+            ("tell_after_s", |ladder| ladder.tell_after_s = 3.0),
+            ("abort_after_s", |ladder| ladder.abort_after_s = Some(9.0)),
+        ];
+        for (key, spoil) in cases {
+            let mut ladder = Recovery::default();
+            spoil(&mut ladder);
+            assert_eq!(ladder.validate().unwrap_err().key, key);
+        }
+    }
+}

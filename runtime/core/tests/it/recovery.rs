@@ -1,0 +1,369 @@
+use std::time::Duration;
+
+use backseat_core::plugin::{Request, RequestState};
+use backseat_core::{Grant, Note, Operator, Recovery, RequestKind, Settings};
+use backseat_spi::{AckStatus, ToVehicle};
+use backseat_units::{EastNorth, Timestamp};
+
+use crate::course::{good_line, interrupting, limits, line, modify};
+use crate::trial::{Setup, Trial, granted, shorts};
+use crate::vehicle::Reply;
+
+fn ladder() -> Recovery {
+    Recovery {
+        outside_for_s: 1.0,
+        cancel_after_s: 3.0,
+        tell_after_s: 6.0,
+        back_by_m: 5.0,
+        back_for_s: 4.0,
+        ..Recovery::default()
+    }
+}
+
+fn setup(recovery: Recovery) -> Setup {
+    Setup {
+        settings: Settings {
+            recovery,
+            ..Settings::default()
+        },
+        ..granted(&[Grant::Topside], &[])
+    }
+}
+
+/// What recovery has said, with when.
+fn said(trial: &Trial) -> Vec<(Timestamp, String)> {
+    let recovery = |(at, note)| match note {
+        Note::Recovery { text } => Some((at, text)),
+        _ => None,
+    };
+    trial.notes().into_iter().filter_map(recovery).collect()
+}
+
+fn said_of(trial: &Trial, what: &str) -> Timestamp {
+    let said = said(trial);
+    let mut named = said.iter().filter(|(_, text)| text.contains(what));
+    let first = named.next().unwrap_or_else(|| panic!("{what}: {said:#?}"));
+    assert_eq!(named.next(), None, "{what} is told twice");
+    first.0
+}
+
+/// The first insert flies and the second waits; then navigation puts the vehicle north of the box.
+fn outside_with_inserts(setup: Setup) -> Trial {
+    let mut trial = Trial::with_under_way(setup);
+    trial.ask(0, [interrupting(21), good_line(22)]);
+    trial.run_for(0.5);
+    let now = trial.now;
+    trial.vehicle.begin(now, None, Some(1));
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(21)), ["sent", "accepted", "started"]);
+    trial.vehicle.jump = EastNorth::new(0.0, 2100.0);
+    trial
+}
+
+#[test]
+fn sr_020_the_ladder_is_climbed_step_by_step_each_after_its_time_and_told_once() {
+    let mut trial = outside_with_inserts(setup(Recovery {
+        abort_after_s: Some(15.0),
+        ..ladder()
+    }));
+    let left = trial.now;
+    trial.run_for(20.0);
+    let after = |at: Timestamp| at.since(left).as_secs_f64();
+    let near = |at: Timestamp, seconds: f64| (seconds..seconds + 0.2).contains(&after(at));
+    for (what, seconds) in [
+        ("leases end", 1.0),
+        ("inserts are cancelled", 3.0),
+        ("the insert that is flown goes on", 3.0),
+        ("the topside is told", 6.0),
+        ("the mission is aborted", 15.0),
+    ] {
+        let at = said_of(&trial, what);
+        assert!(near(at, seconds), "{what} after {} s", after(at));
+    }
+    assert!(
+        said(&trial)[0].1.contains("outside inclusion 'box'"),
+        "{:?}",
+        said(&trial)[0]
+    );
+    let cancelled = trial.sent_since("RCN", left);
+    assert!(cancelled.len() == 1 && near(cancelled[0], 3.0), "{cancelled:?}");
+    assert_eq!(trial.states(22).last(), Some(&RequestState::Cancelled));
+    let aborted = trial.sent_since("ABT", left);
+    assert!(aborted.len() == 1 && near(aborted[0], 15.0), "{aborted:?}");
+    let told: Vec<String> = ["MSG", "TOP"]
+        .iter()
+        .flat_map(|name| trial.commands(name))
+        .filter(|(at, _)| near(*at, 6.0) || near(*at, 10.0))
+        .map(|(_, command)| match command {
+            ToVehicle::LogMessage(message) => message.text.as_str().to_owned(),
+            ToVehicle::TopsideText(message) => message.text.as_str().to_owned(),
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    // The vehicle's log at once; the topside once control is back, ten seconds after the jump. By how much and where: the
+    // box ends some 2000 m north, and navigation says some 2100.
+    assert!(
+        told.len() == 2 && told[1].starts_with("outside the fence by 1"),
+        "{told:?}"
+    );
+    assert!(
+        told[0].starts_with("outside the fence by 1") && told[0].contains("42.018"),
+        "{told:?}"
+    );
+}
+
+#[test]
+fn sr_012_without_the_operators_word_the_ladder_aborts_nothing_and_ends_no_flown_insert() {
+    let mut trial = outside_with_inserts(setup(ladder()));
+    trial.run_for(60.0);
+    said_of(&trial, "the topside is told");
+    for name in ["ABT", "KIL", "RCB", "RCA", "RCE"] {
+        assert!(trial.commands(name).is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn sr_020_the_flown_insert_is_ended_where_the_table_says_so_and_its_way_holds() {
+    let allowed = || {
+        setup(Recovery {
+            cancel_current: true,
+            ..ladder()
+        })
+    };
+    let mut trial = outside_with_inserts(allowed());
+    trial.run_for(20.0);
+    // From where the vehicle is said to be, outside, no way holds.
+    assert!(trial.commands("RCB").is_empty());
+    let refused = trial.notes().into_iter().any(|(_, note)| {
+        matches!(note, Note::Request(transition) if transition.kind == RequestKind::CancelCurrent
+            && matches!(transition.state, RequestState::Rejected(_)))
+    });
+    assert!(refused);
+}
+
+#[test]
+fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_is_left_and_the_next_step_taken_at_once() {
+    let mut trial = Trial::with_under_way(setup(ladder()));
+    trial.ask(
+        0,
+        [
+            interrupting(21),
+            Request::Trackline(line(22, (100.0, -1600.0), (100.0, -1450.0))),
+            Request::Trackline(line(23, (400.0, -1000.0), (600.0, -1000.0))),
+        ],
+    );
+    trial.run_for(0.5);
+    // The front seat goes on to its next waypoint meanwhile: from the second insert's end the wreck is in the way to what
+    // comes after that.
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(2), None);
+    trial.run_for(0.2);
+    let now = trial.now;
+    trial.vehicle.begin(now, None, Some(1));
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(21)), ["sent", "accepted", "started"]);
+    // Outside, where navigation does not jump: too near to the bottom.
+    trial.vehicle.altitude_m = Some(1.0);
+    trial.run_for(15.0);
+    assert_eq!(shorts(&trial.states(22)), ["sent", "accepted", "cancelled"]);
+    assert_eq!(shorts(&trial.states(23)), ["sent", "accepted"], "its way is worse");
+    assert_eq!(trial.commands("RCN").len(), 1);
+    let step = said_of(&trial, "inserts are cancelled");
+    assert_eq!(said_of(&trial, "a way that would remain is worse"), step);
+    assert_eq!(said_of(&trial, "the topside is told"), step);
+}
+
+#[test]
+fn no_request_is_accepted_until_the_vehicle_is_well_inside_for_long_enough() {
+    let mut trial = outside_with_inserts(setup(ladder()));
+    trial.run_for(1.5);
+    trial.ask(1, [good_line(7)]);
+    trial.run_for(0.3);
+    // The jump of navigation has taken control: the plugin is told of that first.
+    assert!(trial.rejection(7).starts_with("control"), "{}", trial.rejection(7));
+    trial.run_for(12.0);
+    trial.ask(1, [good_line(8), Request::Modify(modify(9))]);
+    trial.run_for(0.3);
+    for tag in [8, 9] {
+        assert!(
+            trial.rejection(tag).starts_with("recovery: "),
+            "{}",
+            trial.rejection(tag)
+        );
+    }
+    // Back inside, by less than it takes: the box ends some 1999 m north, and 10 m of margin and 5 m of navigation's own
+    // error are kept from that.
+    trial.vehicle.jump = EastNorth::new(0.0, 1982.0);
+    trial.run_for(15.0);
+    trial.ask(1, [good_line(10)]);
+    trial.run_for(0.3);
+    assert!(trial.rejection(10).starts_with("recovery: "), "{}", trial.rejection(10));
+    trial.vehicle.jump = EastNorth::new(0.0, 1974.0);
+    let back = trial.now;
+    trial.run_for(6.0);
+    let inside = said_of(&trial, "inside the fence again").since(back);
+    assert!((4.0..4.3).contains(&inside.as_secs_f64()), "{inside:?}");
+    trial.vehicle.jump = EastNorth::default();
+    trial.run_for(12.0);
+    trial.ask(1, [good_line(11)]);
+    trial.run_for(0.3);
+    assert_eq!(shorts(&trial.states(11)), ["sent", "accepted"]);
+}
+
+#[test]
+fn a_moment_outside_is_no_excursion() {
+    let mut trial = outside_with_inserts(setup(ladder()));
+    trial.run_for(0.8);
+    trial.vehicle.jump = EastNorth::default();
+    trial.run_for(20.0);
+    assert!(said(&trial).is_empty(), "{:?}", said(&trial));
+    assert!(trial.commands("RCN").is_empty());
+}
+
+#[test]
+fn an_excursion_of_the_front_seats_own_is_told_of_once_and_nothing_is_done() {
+    let mut trial = Trial::with_under_way(setup(Recovery {
+        abort_after_s: Some(9.0),
+        ..ladder()
+    }));
+    // An insert that waits is not flown.
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(1.0);
+    let before = trial.now;
+    trial.vehicle.jump = EastNorth::new(0.0, 2100.0);
+    trial.run_for(30.0);
+    let said = said(&trial);
+    assert_eq!(said.len(), 1, "{said:?}");
+    assert!(said[0].1.contains("nothing of ours is active"), "{said:?}");
+    for name in ["RCN", "TOP", "ABT", "EMB"] {
+        assert!(trial.sent_since(name, before).is_empty(), "{name}");
+    }
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
+}
+
+#[test]
+fn a_lease_that_has_just_ended_is_what_brought_the_vehicle_there() {
+    let mut trial = Trial::with_under_way(setup(ladder()));
+    trial.ask(0, [Request::Modify(modify(1)), good_line(2)]);
+    trial.run_for(1.0);
+    // The end of the lease comes before the excursion counts.
+    trial.vehicle.jump = EastNorth::new(0.0, 2100.0);
+    trial.run_for(15.0);
+    said_of(&trial, "inserts are cancelled");
+    assert_eq!(trial.states(2).last(), Some(&RequestState::Cancelled));
+}
+
+#[test]
+fn too_deep_and_too_near_to_the_bottom_are_outside_too() {
+    type Leave = fn(&mut Trial);
+    let ways: [(&str, Leave); 2] = [
+        ("deeper", |trial| trial.vehicle.depth_m = 64.0),
+        ("altitude", |trial| trial.vehicle.altitude_m = Some(1.0)),
+    ];
+    for (what, leave) in ways {
+        let mut trial = Trial::with_under_way(setup(ladder()));
+        trial.ask(0, [Request::Modify(modify(1))]);
+        trial.run_for(1.0);
+        leave(&mut trial);
+        trial.run_for(3.0);
+        let said = said(&trial);
+        assert!(said[0].1.contains(what), "{said:?}");
+        assert!(trial.core.has_control() && !trial.core.is_steering());
+        trial.ask(0, [good_line(3)]);
+        trial.run_for(0.3);
+        assert!(trial.rejection(3).starts_with("recovery"), "{}", trial.rejection(3));
+    }
+}
+
+#[test]
+fn the_ladder_waits_for_a_lost_link_and_goes_on_when_it_is_back() {
+    let mut trial = outside_with_inserts(setup(ladder()));
+    trial.run_for(1.5);
+    said_of(&trial, "leases end");
+    trial.unreachable = true;
+    trial.cut();
+    trial.run_for(10.0);
+    assert!(!said(&trial).iter().any(|(_, text)| text.contains("cancelled")));
+    trial.unreachable = false;
+    let back = trial.now;
+    trial.run_for(30.0);
+    assert!(said_of(&trial, "inserts are cancelled") > back);
+    assert_eq!(trial.sent_since("RCN", back).len(), 1);
+}
+
+#[test]
+fn an_unanswered_cancel_of_the_runtimes_own_is_sent_again_five_times_and_no_more() {
+    let failing = |answer: Reply| {
+        let mut setup = Setup::default();
+        setup.plugins[0].on_failure = backseat_core::FailAction::Cancel;
+        let mut trial = Trial::with_under_way(setup);
+        trial.ask(0, [good_line(1)]);
+        trial.run_for(0.5);
+        trial.vehicle.replies.insert("RCN", answer);
+        trial.fail(0, backseat_core::plugin::FaultKind::Error);
+        trial.run_for(60.0);
+        trial
+    };
+    let trial = failing(Reply::Silent);
+    let sent = trial.sent("RCN");
+    assert_eq!(sent.len(), 5);
+    for (pair, least_s) in sent.windows(2).zip([3, 4, 6, 10]) {
+        assert_eq!(pair[1].since(pair[0]), Duration::from_secs(least_s));
+    }
+    let given_up =
+        |(_, note): &(Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("not answered 5"));
+    assert_eq!(trial.notes().iter().filter(|note| given_up(note)).count(), 1);
+    let trial = failing(Reply::Late(Duration::from_millis(1800), AckStatus::Succeeded));
+    assert_eq!(trial.commands("RCN").len(), 1);
+    assert_eq!(trial.states(1).last(), Some(&RequestState::Cancelled));
+    let trial = failing(Reply::Refuse);
+    assert_eq!(trial.commands("RCN").len(), 1, "a refusal is an answer");
+}
+
+#[test]
+fn an_insert_that_begins_meanwhile_is_not_taken_back_again() {
+    let mut trial = Trial::under_way();
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(0.5);
+    trial.vehicle.replies.insert("RCN", Reply::Silent);
+    trial.operator(Operator::Hold);
+    trial.run_for(1.0);
+    let now = trial.now;
+    trial.vehicle.begin(now, None, Some(1));
+    trial.run_for(30.0);
+    assert_eq!(trial.commands("RCN").len(), 1);
+}
+
+#[test]
+fn sr_020_a_fail_action_leaves_what_would_leave_a_worse_way() {
+    let mut setup = Setup {
+        limits: backseat_core::Limits {
+            inserts_duration_max_s: 20_000.0,
+            ..limits()
+        },
+        ..Setup::default()
+    };
+    setup.plugins[1].on_failure = backseat_core::FailAction::Cancel;
+    let mut trial = Trial::with_under_way(setup);
+    // West of the wreck, around its south, east of it: without the middle one the way goes through the wreck.
+    trial.ask(0, [Request::Trackline(line(1, (-400.0, -700.0), (-400.0, -1000.0)))]);
+    trial.run_for(0.3);
+    trial.ask(1, [Request::Trackline(line(2, (-300.0, -1400.0), (300.0, -1400.0)))]);
+    trial.run_for(0.3);
+    trial.ask(0, [Request::Trackline(line(3, (400.0, -1000.0), (600.0, -1000.0)))]);
+    trial.run_for(0.3);
+    for tag in 1..=3 {
+        assert_eq!(
+            shorts(&trial.states(tag)),
+            ["sent", "accepted"],
+            "{tag}: {:?}",
+            trial.states(tag)
+        );
+    }
+    trial.fail(1, backseat_core::plugin::FaultKind::Error);
+    trial.run_for(5.0);
+    assert!(trial.commands("RCN").is_empty());
+    let told =
+        |(_, note): (Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("would remain is worse"));
+    assert!(trial.notes().into_iter().any(told));
+}

@@ -111,7 +111,7 @@ impl Core {
             navigation,
             self.tracker.bottom_lock(self.now),
             &route,
-            self.now,
+            (self.now, self.clocks()),
         )
     }
 
@@ -244,6 +244,7 @@ impl Core {
     fn route_of_modify(&self) -> Route {
         let mut route = Route {
             to: self.plan.next_points(),
+            before_s: self.flown_insert_s(),
             ..Route::default()
         };
         let mut flying = false;

@@ -44,6 +44,7 @@ pub mod plugin;
 mod quota;
 mod receive;
 mod samples;
+mod schedule;
 mod session;
 mod settings;
 mod silent;

@@ -1,4 +1,4 @@
-use backseat_spi::{BehaviorId, PlanElement};
+use backseat_spi::{BehaviorId, PlanElement, PlanElementKind};
 use backseat_units::{EastNorth, LocalFrame};
 
 /// How many points a plan may have before it is taken for nonsense.
@@ -11,6 +11,8 @@ pub(crate) struct Element {
     pub(crate) identifier: Option<BehaviorId>,
     /// In the order that they are passed; never empty.
     pub(crate) points: Vec<EastNorth>,
+    /// It goes round, however often.
+    pub(crate) circles: bool,
 }
 
 impl Element {
@@ -68,12 +70,17 @@ impl Plan {
     pub(crate) fn collect(&mut self, frame: &LocalFrame, message: &PlanElement) {
         let Some(elements) = &mut self.collecting else { return };
         let point = frame.to_local(message.position);
+        let circles = message.element == PlanElementKind::Trackcircle;
         match elements.last_mut() {
-            Some(last) if last.is_of(message) => last.points.push(point),
+            Some(last) if last.is_of(message) => {
+                last.points.push(point);
+                last.circles |= circles;
+            }
             _ => elements.push(Element {
                 number: message.number,
                 identifier: message.identifier,
                 points: vec![point],
+                circles,
             }),
         }
         self.points_collected += 1;
@@ -137,6 +144,13 @@ impl Plan {
         let current = self.current;
         self.planned()
             .filter(move |element| current.is_none() || element.number == current)
+    }
+
+    /// The elements of the planned behaviour that is flown; none where that is not known.
+    pub(crate) fn flown(&self) -> impl Iterator<Item = &Element> {
+        let current = self.current;
+        self.planned()
+            .filter(move |element| current.is_some() && element.number == current)
     }
 
     /// The first points of what may come after the current element.

@@ -356,6 +356,7 @@ impl Core {
         self.session.heard_navigation();
         self.timers.set(Timer::Silence, self.now + SILENT);
         self.watch_clock();
+        self.watch_schedules();
         if self.tracker.fresh(self.now).is_some() && self.tracker.steady(self.now) {
             self.session.old_since = None;
             return;

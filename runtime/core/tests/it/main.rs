@@ -34,3 +34,4 @@ mod silent;
 mod topside;
 mod trial;
 mod vehicle;
+mod windows;

@@ -27,6 +27,7 @@ mod devices;
 mod drivers;
 mod dvl;
 mod envelope;
+mod expected;
 mod gate;
 mod helm;
 mod hull;
@@ -55,6 +56,7 @@ mod topside;
 
 pub use drivers::{ConductivityUnit, DriverBounds, DriverSentence, DriverSetup};
 pub use envelope::Envelope;
+pub use expected::{ExpectedElement, ExpectedPath, ExpectedPlan};
 pub use hull_limits::{BottomBox, HullBox, HullLimits};
 pub use io::{Identifiers, Input, Note, Operator, Output, Restarted, Start};
 pub use ledger::{RequestCounts, RequestKind, Transition};

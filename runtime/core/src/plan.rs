@@ -11,6 +11,8 @@ pub(crate) struct Element {
     pub(crate) identifier: Option<BehaviorId>,
     /// In the order that they are passed; never empty.
     pub(crate) points: Vec<EastNorth>,
+    /// The kinds that its messages bore, each once.
+    pub(crate) kinds: Vec<PlanElementKind>,
     /// It goes round, however often.
     pub(crate) circles: bool,
 }
@@ -18,6 +20,18 @@ pub(crate) struct Element {
 impl Element {
     fn is_of(&self, message: &PlanElement) -> bool {
         self.number == message.number && self.identifier == message.identifier
+    }
+
+    /// What it is called.
+    pub(crate) fn kind_name(&self) -> &'static str {
+        match self.kinds.first() {
+            Some(PlanElementKind::Waypoint) if self.points.len() == 1 => "a waypoint",
+            Some(PlanElementKind::Waypoint) => "several waypoints",
+            Some(PlanElementKind::TracklineStart | PlanElementKind::TracklineEnd) => "a trackline",
+            Some(PlanElementKind::Trackcircle) => "a trackcircle",
+            Some(PlanElementKind::Other(_)) => "of another kind",
+            None => "nothing",
+        }
     }
 
     /// The first point.
@@ -75,11 +89,15 @@ impl Plan {
             Some(last) if last.is_of(message) => {
                 last.points.push(point);
                 last.circles |= circles;
+                if !last.kinds.contains(&message.element) {
+                    last.kinds.push(message.element);
+                }
             }
             _ => elements.push(Element {
                 number: message.number,
                 identifier: message.identifier,
                 points: vec![point],
+                kinds: vec![message.element],
                 circles,
             }),
         }
@@ -135,7 +153,7 @@ impl Plan {
     }
 
     /// The front seat's own elements.
-    fn planned(&self) -> impl Iterator<Item = &Element> {
+    pub(crate) fn planned(&self) -> impl Iterator<Item = &Element> {
         self.elements.iter().filter(|element| element.identifier.is_none())
     }
 

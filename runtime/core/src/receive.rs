@@ -6,6 +6,7 @@ use backseat_spi::{
 };
 use backseat_units::TimeOfDay;
 
+use crate::expected::Compared;
 use crate::io::Note;
 use crate::machine::{CLOSE_AFTER_SHUTDOWN, Core};
 use crate::navigation::Change;
@@ -155,6 +156,7 @@ impl Core {
             self.running = Some(running);
             if running {
                 self.plan.forget();
+                self.compared = Compared::default();
                 self.commands.forget_plan();
                 self.ask_for_plan();
             } else {

@@ -7,6 +7,7 @@ use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
 use crate::conductor::Slot;
+use crate::expected::Compared;
 use crate::io::{Note, Output};
 use crate::machine::Core;
 use crate::plugin::RequestState;
@@ -172,6 +173,7 @@ impl Core {
         self.hull.reset();
         self.commands.clear();
         self.plan.forget();
+        self.compared = Compared::default();
         self.handed_over = None;
         self.running = None;
         self.session.begin();
@@ -203,6 +205,7 @@ impl Core {
         self.running = None;
         self.commands.clear();
         self.plan.forget();
+        self.compared = Compared::default();
         self.tracker.reset();
         self.hull.reset();
         self.silent_link_lost();
@@ -336,6 +339,7 @@ impl Core {
                     self.note(Note::Plan {
                         elements: self.plan.len(),
                     });
+                    self.compare_plan();
                     self.resolve_by_plan();
                     self.tell_of_plan();
                 } else {

@@ -65,10 +65,10 @@ impl Core {
         }
     }
 
-    /// The vehicle's plan has come whole.
-    pub(crate) fn compare_plan(&mut self) {
+    /// The vehicle's plan has come whole. True where it is found to be another for the first time.
+    pub(crate) fn compare_plan(&mut self) -> bool {
         let Some(expected) = &self.settings.expected_plan else {
-            return;
+            return false;
         };
         let difference = expected.difference(&self.plan, self.envelope.fence().frame());
         let compared = if difference.is_some() {
@@ -82,6 +82,7 @@ impl Core {
             let text = format!("the vehicle's plan is not the one that was checked: {difference}");
             self.note(Note::Text { text });
         }
+        news && compared == Compared::Differs
     }
 }
 

@@ -59,6 +59,8 @@ pub(crate) struct Plan {
     elements: Vec<Element>,
     collecting: Option<Vec<Element>>,
     points_collected: usize,
+    /// What the first message of the series was of, and its index.
+    first: Option<(Option<u32>, Option<BehaviorId>, u32)>,
     complete: bool,
     current: Option<u32>,
 }
@@ -78,11 +80,17 @@ impl Plan {
     pub(crate) fn begin(&mut self) {
         self.collecting = Some(Vec::new());
         self.points_collected = 0;
+        self.first = None;
     }
 
     /// A BFPLN.
     pub(crate) fn collect(&mut self, frame: &LocalFrame, message: &PlanElement) {
         let Some(elements) = &mut self.collecting else { return };
+        let of = (message.number, message.identifier, message.index);
+        if *self.first.get_or_insert(of) == of && (of.0.is_some() || of.1.is_some()) {
+            // The series begins anew: it was asked for twice, and both answers come.
+            elements.clear();
+        }
         let point = frame.to_local(message.position);
         let circles = message.element == PlanElementKind::Trackcircle;
         match elements.last_mut() {
@@ -242,6 +250,27 @@ mod tests {
         let mut cut = plan();
         cut.end(false);
         assert!(!cut.is_complete());
+    }
+
+    #[test]
+    fn a_series_that_comes_twice_is_one_plan() {
+        let frame = frame();
+        let mut plan = plan();
+        for (number, index, east_m) in [(1, 0, 0.0), (2, 0, 100.0), (2, 1, 200.0), (3, 0, 300.0)] {
+            let message = PlanElement {
+                created: TimeOfDay::MIDNIGHT,
+                number: Some(number),
+                identifier: None,
+                index,
+                element: PlanElementKind::Waypoint,
+                position: frame.to_position(EastNorth::new(east_m, 0.0)),
+            };
+            plan.collect(&frame, &message);
+        }
+        plan.end(true);
+        let points: Vec<usize> = plan.planned().map(|element| element.points.len()).collect();
+        assert_eq!(points, [1, 2, 1]);
+        assert!(!plan.has(BehaviorId::new(7)), "the newer series counts");
     }
 
     #[test]

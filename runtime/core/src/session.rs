@@ -339,7 +339,10 @@ impl Core {
                     self.note(Note::Plan {
                         elements: self.plan.len(),
                     });
-                    self.compare_plan();
+                    if self.compare_plan() {
+                        // Once more, for the day when two answers came mixed.
+                        self.timers.set(Timer::Plan, self.now + PLAN_RETRY);
+                    }
                     self.resolve_by_plan();
                     self.tell_of_plan();
                 } else {

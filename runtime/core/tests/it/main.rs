@@ -14,6 +14,7 @@ mod devices;
 mod driver_bounds;
 mod drivers;
 mod dvl;
+mod expected;
 mod freshness;
 mod geometry;
 mod gps;

@@ -1,13 +1,20 @@
-use anyhow::Result;
+use std::time::Duration;
+
+use anyhow::{Result, anyhow};
 use backseat_core::plugin::Topic;
-use backseat_fence::{Breach, Fence, Kind, Shape, Sweep, VerticalExtent};
-use backseat_mission::Mission;
+use backseat_fence::{Kind, Window};
+use backseat_mission::{Dive, FrontSeatPlan, Mission, beyond_class};
+use backseat_mvc::VehicleConfig;
 use backseat_plugin_host::Host;
 use backseat_sim::load_plugins;
-use backseat_units::EastNorth;
+use backseat_units::{EastNorth, LocalFrame, OutOfRange, Position, Utc};
 
 use crate::cli::Check;
+use crate::clock::Clock;
 use crate::output::say;
+use crate::state::user_state_folder;
+
+mod machine;
 
 /// Everything that can be known before a dive. True where the mission can be flown.
 pub(crate) fn check(arguments: &Check) -> Result<bool> {
@@ -84,72 +91,96 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             driver.listen
         );
     }
-    match &mission.world {
-        None => say!("no world.toml: this mission cannot be simulated"),
-        Some(world) => {
-            let vehicle = mission.vehicle(world, 1)?;
-            let frame = mission.envelope.fence().frame();
-            let mut outside = 0;
-            let legs = vehicle.plan_points();
-            let mut from = frame.to_local(vehicle.truth().position);
-            if let Err(breach) = mission.envelope.fence().contains(from) {
-                say!("start: {breach}");
-                outside += 1;
-            }
-            for (number, position) in &legs {
-                let to = frame.to_local(*position);
-                let entry = number.and_then(|number| world.plan.get(number as usize - 1));
-                if let Err(breach) = check_leg(
-                    mission.envelope.fence(),
-                    from,
-                    to,
-                    entry.and_then(|entry| entry.depth_m),
-                ) {
-                    say!("plan element {}: {breach}", number.unwrap_or(0));
-                    outside += 1;
-                }
-                from = to;
-            }
-            if outside == 0 {
-                say!(
-                    "plan: start, all {} points and the ways between them lie inside the fence",
-                    legs.len()
-                );
-            } else {
-                good = false;
-            }
-        }
+    let clock = Clock::start();
+    let mut findings = dive(&mission, arguments, clock.utc_at_start())?;
+    let state = match &arguments.state {
+        Some(folder) => Ok(folder.clone()),
+        None => user_state_folder().map(|folder| folder.join("backseat").join(&mission.name)),
+    };
+    match state {
+        Ok(state) => findings.extend(machine::findings(
+            &mission,
+            &arguments.log,
+            &state,
+            clock.utc_at_start(),
+        )),
+        Err(error) => findings.push(format!("state: {error:#}")),
     }
+    for finding in &findings {
+        say!("{finding}");
+    }
+    good &= findings.is_empty();
     say!("{}", if good { "ready" } else { "not ready" });
     Ok(good)
 }
 
-/// A leg of the front seat's plan, with the zone's margin; its depth where the plan gives one. What its altitude is, no
-/// file tells.
-fn check_leg(fence: &Fence, from: EastNorth, to: EastNorth, depth_m: Option<f64>) -> Result<(), Breach> {
-    let Some(depth_m) = depth_m else {
-        return fence.contains(to).map(|_| ());
+/// Holds the front seat's plan against the fence, and limits and fence against the vehicle's class.
+fn dive(mission: &Mission, arguments: &Check, now: Utc) -> Result<Vec<String>> {
+    let (world, fence, limits) = (mission.world.as_ref(), mission.envelope.fence(), &mission.file.limits);
+    let class = mission.file.vehicle.class;
+    let mut findings = Vec::new();
+    match (class, world) {
+        (None, None) => say!("no [vehicle] class: what its hull can do is held against nothing"),
+        (Some(_), _) | (None, Some(_)) => {
+            let vehicle = world.map(|world| world.vehicle).unwrap_or_default();
+            let vehicle = VehicleConfig {
+                class: class.unwrap_or(vehicle.class),
+                ..vehicle
+            };
+            findings.extend(beyond_class(limits, fence, vehicle.class, &vehicle.hull()));
+        }
+    }
+    let plan = match (&arguments.plan, &mission.plan) {
+        (Some(file), _) => Some(FrontSeatPlan::read(file, class, world)?),
+        (None, Some(plan)) => Some(plan.clone()),
+        (None, None) if world.is_some() => Some(FrontSeatPlan::read(&mission.folder.join("world.toml"), class, world)?),
+        (None, None) => None,
     };
-    let extent = VerticalExtent {
-        depth_min_m: depth_m,
-        depth_max_m: depth_m,
-        altitude_min_m: 1e6,
+    match world {
+        None => say!("no world.toml: this mission cannot be simulated"),
+        // What only a seed shows: a vehicle or a seabed that cannot be.
+        Some(world) => drop(mission.vehicle(world, 1)?),
+    }
+    let Some(plan) = plan else {
+        say!("no plan of the front seat: it is held against nothing; name one by --plan or [plan]");
+        return Ok(findings);
     };
-    fence
-        .check(
-            &Sweep {
-                shape: Shape::leg(from, to),
-                radius_m: 0.0,
-            },
-            &extent,
+    let begins = world.map(|world| {
+        (
+            world.start.utc,
+            Duration::try_from_secs_f64(world.mission.starts_after_s),
         )
-        .map(|_| ())
+    });
+    let start = world.map(|world| {
+        let origin = Position::from_deg(world.origin.latitude_deg, world.origin.longitude_deg)?;
+        Ok(LocalFrame::new(origin).to_position(EastNorth::new(world.start.east_m, world.start.north_m)))
+    });
+    let start: Option<Position> = start
+        .transpose()
+        .map_err(|error: OutOfRange| anyhow!("world.toml: origin: {error}"))?;
+    let own = Dive {
+        fence,
+        limits,
+        plan: &plan.behaviors,
+        start,
+        utc: begins.map_or(now, |(utc, after)| utc + after.unwrap_or_default()),
+    };
+    let outside = own.findings();
+    if outside.is_empty() {
+        say!(
+            "plan: its start and all {} behaviours, with the ways between them, lie inside the fence",
+            plan.behaviors.len()
+        );
+    }
+    findings.extend(outside);
+    Ok(findings)
 }
 
 fn print_fence(mission: &Mission) -> Result<()> {
     let origin = mission.envelope.fence().frame().origin();
     say!(
-        "fence around latitude {:.5} longitude {:.5}:",
+        "{} around latitude {:.5} longitude {:.5}:",
+        mission.fence_file,
         origin.latitude.as_deg(),
         origin.longitude.as_deg()
     );
@@ -172,9 +203,14 @@ fn print_fence(mission: &Mission) -> Result<()> {
             Kind::Exclusion { depth: Some(band) } => format!("exclusion from {} to {} m", band.min_m, band.max_m),
         };
         say!(
-            "  {}: {what}, margin {} m, {vertices} vertices",
+            "  {}: {what}, margin {} m, {vertices} vertices{}",
             zone.name(),
-            zone.margin_m()
+            zone.margin_m(),
+            if zone.window() == Window::default() {
+                String::new()
+            } else {
+                format!(", valid {}", zone.window())
+            }
         );
     }
     Ok(())

@@ -145,6 +145,16 @@ pub(crate) struct Check {
     /// Print mission.toml as it is after all layers, and stop
     #[arg(long)]
     pub(crate) resolved: bool,
+    /// Hold this plan of the front seat against the fence, [[plan]] as in world.toml [default: the mission's [plan], then
+    /// its world.toml's]
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) plan: Option<PathBuf>,
+    /// Where the dive will write its logs
+    #[arg(long, value_name = "DIR", default_value = "logs")]
+    pub(crate) log: PathBuf,
+    /// Where the dive will keep identifiers and the operator's hold [default: the user's state folder]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
 }
 
 #[derive(Debug, Subcommand)]

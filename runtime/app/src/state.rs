@@ -140,7 +140,8 @@ impl HoldWatch {
     }
 }
 
-fn user_state_folder() -> Result<PathBuf> {
+/// Where the user's programs keep what outlives them.
+pub(crate) fn user_state_folder() -> Result<PathBuf> {
     if let Some(folder) = std::env::var_os("XDG_STATE_HOME").filter(|folder| !folder.is_empty()) {
         return Ok(PathBuf::from(folder));
     }

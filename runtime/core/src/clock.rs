@@ -72,6 +72,12 @@ impl VehicleClock {
         Some(offset.saturating_add((elapsed_s * DRIFT_NANOS_PER_SECOND as f64) as i64))
     }
 
+    /// By how much our clock and the vehicle's differ, the short way round midnight; `None` before the first timestamp.
+    pub(crate) fn apart(&self, now: Timestamp) -> Option<Duration> {
+        let nanos = within_half_a_day(self.offset_nanos(now)?);
+        Some(Duration::from_nanos(nanos.unsigned_abs()))
+    }
+
     /// What a timestamp says of the offset, nanoseconds, the first one's day kept.
     fn offset_of(&self, utc: Utc, written: TimeOfDay) -> i64 {
         let mut offset = utc.time_of_day().nanos_since(written);

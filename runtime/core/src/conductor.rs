@@ -246,7 +246,7 @@ impl Core {
     fn invoke(&mut self, index: usize) {
         let navigation = self.tracker.fresh(self.now).copied();
         let (relative, cartesian) = (self.hull.relative(self.now), self.hull.cartesian(self.now));
-        let utc = self.utc();
+        let clocks = self.clocks();
         let (now, control) = (self.now, self.granted);
         let slot = &mut self.plugins[index];
         slot.state = State::Running;
@@ -263,7 +263,8 @@ impl Core {
             PluginId(index),
             StepInput {
                 now,
-                utc,
+                utc: clocks.utc,
+                clocks_apart: clocks.apart,
                 navigation,
                 relative,
                 cartesian,

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use backseat_fence::{Breach, Fence, Rule, Shape, Sweep, VerticalExtent, Window};
+use backseat_fence::{Breach, Fence, Rule, Shape, Span, Sweep, VerticalExtent, Window};
 use backseat_units::math::PI;
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Speed};
 
@@ -18,9 +18,11 @@ mod hull;
 mod place;
 mod reach;
 mod surfacing;
+mod time;
 
 pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
 pub(crate) use reach::Judgement;
+pub(crate) use time::{APART_MAX, Clocks};
 
 /// The vehicle keeps a modify for this long after the last BPRMB that it received (SPI 7.12).
 pub(crate) const MODIFY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -128,6 +130,17 @@ pub(crate) struct Route {
     pub(crate) to: Vec<EastNorth>,
     /// The planned legs that it may be on now, to which a lapsed modify returns.
     pub(crate) legs: Vec<(EastNorth, EastNorth)>,
+    /// How long all that may be flown before it takes at most, or an insert that it modifies, seconds; infinite where
+    /// nobody knows.
+    pub(crate) before_s: f64,
+}
+
+/// How a way is flown: how far beside it, how deep, and when.
+#[derive(Clone, Copy)]
+struct Way {
+    strayed_m: f64,
+    extent: VerticalExtent,
+    when: Option<Span>,
 }
 
 /// The operator's fence and limits, immutable for the run.
@@ -240,6 +253,7 @@ impl Envelope {
         depth: Depth,
         lock: Option<BottomLock>,
         route: &Route,
+        clocks: Clocks,
     ) -> Result<f64, Refusal> {
         let limits = &self.limits;
         let frame = self.fence.frame();
@@ -259,6 +273,7 @@ impl Envelope {
             InsertPath::Surface { at } => (Shape::point(frame.to_local(at)), self.drift_m()),
         };
         let ends = self.ends(insert);
+        let when = clocks.next(route.before_s + self.lasts_s(insert, route));
         let to_it = route.from.iter().map(|from| farthest_m(*from, ends.0));
         let from_it = route.to.iter().map(|to| farthest_m(ends.1, End::At(*to)));
         let ways_m = to_it.chain(from_it).fold(0.0, f64::max);
@@ -270,22 +285,34 @@ impl Envelope {
             let deepest_m = depth.as_m().max(route.deepest_m).max(0.0);
             let deepest = Depth::from_m(deepest_m).map_err(|error| limit(error.to_string()))?;
             let extent = self.extent(Vertical::Depth(deepest), depth, lock, around, reach_m)?;
-            return self.judge_surfacing(shape, strayed_m, ends, &extent, route);
+            return self.judge_surfacing((shape, strayed_m), ends, &extent, route, when);
         };
         let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
-        let mut least_m = self.sweep(shape, strayed_m, &extent)?;
+        let way = Way {
+            strayed_m,
+            extent,
+            when,
+        };
+        let mut least_m = self.sweep(shape, strayed_m, &extent, when)?;
         for from in &route.from {
-            least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, strayed_m, &extent)?);
+            least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, &way)?);
         }
         for to in &route.to {
-            least_m = least_m.min(self.way_by(route.to_surface, ends.1, End::At(*to), strayed_m, &extent)?);
+            least_m = least_m.min(self.way_by(route.to_surface, ends.1, End::At(*to), &way)?);
         }
         Ok(least_m)
     }
 
     /// The way from one end to another alone: what remains when an insert between them is cancelled. `surfacing`: a GPS
-    /// hit is at one of its ends, and the way goes through all depths down to this one.
-    pub(crate) fn judge_way(&self, from: End, to: End, depth: Depth, surfacing: bool) -> Result<f64, Refusal> {
+    /// hit is at one of its ends, and the way goes through all depths down to this one. It is flown after `before_s` at
+    /// the latest.
+    pub(crate) fn judge_way(
+        &self,
+        (from, to): (End, End),
+        depth: Depth,
+        surfacing: bool,
+        (clocks, before_s): (Clocks, f64),
+    ) -> Result<f64, Refusal> {
         let limits = &self.limits;
         let strayed_m = limits.tracking_error_m
             + limits.navigation_error_m
@@ -296,7 +323,13 @@ impl Envelope {
             depth_max_m: depth_m,
             altitude_min_m: limits.water_depth_min_m.unwrap_or(0.0) - depth_m,
         };
-        self.way_by(surfacing, from, to, strayed_m, &extent)
+        let when = clocks.next(before_s + farthest_m(from, to) / self.slowest_mps());
+        let way = Way {
+            strayed_m,
+            extent,
+            when,
+        };
+        self.way_by(surfacing, from, to, &way)
     }
 
     /// Where an insert begins and ends, leads included.
@@ -381,6 +414,18 @@ impl Envelope {
         (length_m + transit_m) / (speed_mps - limits.current_max_mps) + turns_s + at_surface_s
     }
 
+    /// As [`Envelope::duration_s`], and on to what may come next, which the vehicle flies no more slowly than the
+    /// mission's plugins may ask for.
+    pub(crate) fn lasts_s(&self, insert: &Insert, route: &Route) -> f64 {
+        let end = self.ends(insert).1;
+        let on_m = route
+            .to
+            .iter()
+            .map(|to| farthest_m(end, End::At(*to)))
+            .fold(0.0, f64::max);
+        self.duration_s(insert, &route.from) + on_m / self.slowest_mps()
+    }
+
     /// How far the vehicle goes on an insert itself, metres.
     fn length_m(&self, insert: &Insert) -> f64 {
         let frame = self.fence.frame();
@@ -393,14 +438,15 @@ impl Envelope {
         }
     }
 
-    fn way(&self, from: End, to: End, strayed_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {
+    fn way(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
         let (from, from_m) = point_and_radius(from);
         let (to, to_m) = point_and_radius(to);
-        self.sweep(Shape::leg(from, to), strayed_m + from_m.max(to_m), extent)
+        let radius_m = way.strayed_m + from_m.max(to_m);
+        self.sweep(Shape::leg(from, to), radius_m, &way.extent, way.when)
     }
 
-    fn sweep(&self, shape: Shape, radius_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {
-        match self.fence.check(&Sweep { shape, radius_m }, extent) {
+    fn sweep(&self, shape: Shape, radius_m: f64, extent: &VerticalExtent, when: Option<Span>) -> Result<f64, Refusal> {
+        match self.check(&Sweep { shape, radius_m }, extent, when) {
             Ok(clearance) => Ok(clearance.metres),
             Err(breach) => Err(refusal(&breach)),
         }
@@ -489,23 +535,24 @@ impl Judge for Envelope {
             return Err(limit("no navigation".to_owned()));
         };
         let lock = bottom_lock(navigation);
+        let clocks = Clocks {
+            utc: input.utc,
+            apart: input.clocks_apart,
+        };
         let alone = Route::default();
         let from_here = Route {
             from: vec![End::At(navigation.local)],
             ..Route::default()
         };
+        let insert = |insert: &Insert| self.judge_insert(insert, navigation.depth, lock, &from_here, clocks);
         match request {
             Request::Modify(modify) => {
                 let setpoint = self.admit_modify(modify)?;
-                self.judge_modify(&setpoint, navigation, lock, &alone, input.now)
+                self.judge_modify(&setpoint, navigation, lock, &alone, (input.now, clocks))
             }
-            Request::Trackline(line) => {
-                self.judge_insert(&self.admit_trackline(line)?, navigation.depth, lock, &from_here)
-            }
-            Request::Trackcircle(circle) => {
-                self.judge_insert(&self.admit_trackcircle(circle)?, navigation.depth, lock, &from_here)
-            }
-            Request::GpsHit(hit) => self.judge_insert(&self.admit_gps_hit(hit)?, navigation.depth, lock, &from_here),
+            Request::Trackline(line) => insert(&self.admit_trackline(line)?),
+            Request::Trackcircle(circle) => insert(&self.admit_trackcircle(circle)?),
+            Request::GpsHit(hit) => insert(&self.admit_gps_hit(hit)?),
             Request::Hold(hold) => {
                 let around = Surroundings {
                     relative: input.relative.as_ref(),

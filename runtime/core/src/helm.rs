@@ -130,7 +130,7 @@ impl Core {
         let lock = self.tracker.bottom_lock(self.now);
         let judgement = self
             .envelope
-            .judge_lease(setpoint, navigation, lock, &route, self.now)?;
+            .judge_lease(setpoint, navigation, lock, &route, (self.now, self.clocks()))?;
         Ok(Kept {
             judgement,
             plan: self.plan.revision(),
@@ -314,6 +314,7 @@ impl Core {
     fn route_of_modify(&self) -> Route {
         let mut route = Route {
             to: self.plan.next_points(),
+            before_s: self.flown_insert_s(),
             ..Route::default()
         };
         let mut flying = false;

@@ -20,6 +20,7 @@ use crate::limits::Grant;
 use crate::machine::Core;
 use crate::plan::Element;
 use crate::plugin::{PluginId, Refusal, Request, RequestState};
+use crate::schedule::Schedule;
 use crate::session::name;
 
 /// How many identifiers are reserved on disk at a time.
@@ -58,11 +59,12 @@ impl Core {
         let admitted = insert.and_then(|insert| {
             let route = self.admit_insert(plugin, tag, &insert)?;
             self.judge_insert(&insert, &route)?;
+            self.admit_delay(&insert, &route)?;
             let duration_s = self.cap_duration(plugin, &insert, &route)?;
-            Ok((insert, duration_s))
+            Ok((insert, duration_s, self.schedule(&insert, &route)))
         });
         match admitted {
-            Ok((insert, duration_s)) => self.send_insert(request, insert, duration_s),
+            Ok((insert, duration_s, schedule)) => self.send_insert(request, insert, duration_s, schedule),
             Err(refusal) => self.reject(request, refusal),
         }
     }
@@ -165,11 +167,16 @@ impl Core {
         let Some(navigation) = self.tracker.fresh(self.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
-        self.envelope
-            .judge_insert(insert, navigation.depth, self.tracker.bottom_lock(self.now), route)
+        self.envelope.judge_insert(
+            insert,
+            navigation.depth,
+            self.tracker.bottom_lock(self.now),
+            route,
+            self.clocks(),
+        )
     }
 
-    fn send_insert(&mut self, request: u64, insert: Insert, duration_s: f64) {
+    fn send_insert(&mut self, request: u64, insert: Insert, duration_s: f64, schedule: Option<Schedule>) {
         let Some(identifiers) = &mut self.start.identifiers else {
             return;
         };
@@ -261,6 +268,7 @@ impl Core {
             entry.identifier = Some(identifier);
             entry.insert = Some(insert);
             entry.duration_s = duration_s;
+            entry.schedule = schedule;
         }
         self.transition(request, RequestState::Sent);
     }
@@ -441,6 +449,7 @@ impl Core {
         let chain = self.chain();
         let mut route = Route {
             to: self.plan.next_points(),
+            before_s: self.before_insert_s(interrupt),
             ..Route::default()
         };
         let here = self.tracker.newest().map(|navigation| End::At(navigation.local));

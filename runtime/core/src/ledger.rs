@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::envelope::Insert;
 use crate::owner::Owner;
 use crate::plugin::{PluginId, RequestState};
+use crate::schedule::Schedule;
 
 /// What kind of request an entry of the ledger is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -93,6 +94,8 @@ pub(crate) struct Entry {
     pub(crate) insert: Option<Insert>,
     /// How long an insert flies at most, seconds.
     pub(crate) duration_s: f64,
+    /// By when an insert was judged to be flown, where zones that are valid for a time count.
+    pub(crate) schedule: Option<Schedule>,
 }
 
 impl Entry {
@@ -147,6 +150,7 @@ impl Ledger {
             identifier: None,
             insert: None,
             duration_s: 0.0,
+            schedule: None,
         };
         self.open.insert(self.last, entry);
         self.last

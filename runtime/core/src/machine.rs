@@ -12,6 +12,7 @@ use crate::conductor::Slot;
 use crate::drivers::Drivers;
 use crate::dvl::DvlTrigger;
 use crate::envelope::Envelope;
+use crate::expected::Compared;
 use crate::helm::Lease;
 use crate::hull::Hull;
 use crate::io::{Input, Note, Operator, Output, Start};
@@ -52,6 +53,7 @@ pub struct Core {
     pub(crate) commands: Commands,
     pub(crate) tracker: Tracker,
     pub(crate) plan: Plan,
+    pub(crate) compared: Compared,
     pub(crate) ledger: Ledger,
     pub(crate) lease: Option<Lease>,
     pub(crate) hull: Hull,
@@ -105,6 +107,7 @@ impl Core {
             commands: Commands::default(),
             tracker,
             plan: Plan::default(),
+            compared: Compared::default(),
             ledger: Ledger::default(),
             lease: None,
             hull,
@@ -244,6 +247,8 @@ impl Core {
             "the vehicle has not said whether its mission runs"
         } else if self.running == Some(false) {
             "the mission is not running"
+        } else if let Some(reason) = self.unlike_expected() {
+            reason
         } else if self.tracker.fresh(self.now).is_none() {
             "navigation is stale"
         } else if !self.tracker.steady(self.now) {

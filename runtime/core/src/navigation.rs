@@ -4,7 +4,7 @@ use backseat_spi::{Navigation, PositionQuality, VelocityAndRates};
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 
 use crate::clock::{VehicleClock, elapsed_nanos};
-use crate::envelope::{BottomLock, bottom_lock};
+use crate::envelope::{APART_MAX, BottomLock, bottom_lock};
 use crate::limits::Limits;
 use crate::plugin::NavigationSample;
 
@@ -90,6 +90,14 @@ impl Tracker {
     /// Any message's timestamp tells of the clocks.
     pub(crate) fn heard(&mut self, now: Timestamp, utc: Utc, written: TimeOfDay) {
         self.clock.observe(now, utc, written);
+    }
+
+    /// By how much our clock and the vehicle's differ, where the vehicle's can be believed and that is little enough for
+    /// both to tell the time.
+    pub(crate) fn clocks_apart(&self, now: Timestamp) -> Option<Duration> {
+        self.clock
+            .apart(now)
+            .filter(|apart| !self.clock_is_wrong && *apart <= APART_MAX)
     }
 
     pub(crate) fn clock(&self) -> &VehicleClock {

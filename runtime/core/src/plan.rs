@@ -1,4 +1,4 @@
-use backseat_spi::{BehaviorId, PlanElement};
+use backseat_spi::{BehaviorId, PlanElement, PlanElementKind};
 use backseat_units::{EastNorth, LocalFrame};
 
 /// How many points a plan may have before it is taken for nonsense.
@@ -11,11 +11,27 @@ pub(crate) struct Element {
     pub(crate) identifier: Option<BehaviorId>,
     /// In the order that they are passed; never empty.
     pub(crate) points: Vec<EastNorth>,
+    /// The kinds that its messages bore, each once.
+    pub(crate) kinds: Vec<PlanElementKind>,
+    /// It goes round, however often.
+    pub(crate) circles: bool,
 }
 
 impl Element {
     fn is_of(&self, message: &PlanElement) -> bool {
         self.number == message.number && self.identifier == message.identifier
+    }
+
+    /// What it is called.
+    pub(crate) fn kind_name(&self) -> &'static str {
+        match self.kinds.first() {
+            Some(PlanElementKind::Waypoint) if self.points.len() == 1 => "a waypoint",
+            Some(PlanElementKind::Waypoint) => "several waypoints",
+            Some(PlanElementKind::TracklineStart | PlanElementKind::TracklineEnd) => "a trackline",
+            Some(PlanElementKind::Trackcircle) => "a trackcircle",
+            Some(PlanElementKind::Other(_)) => "of another kind",
+            None => "nothing",
+        }
     }
 
     /// The first point.
@@ -43,6 +59,8 @@ pub(crate) struct Plan {
     elements: Vec<Element>,
     collecting: Option<Vec<Element>>,
     points_collected: usize,
+    /// What the first message of the series was of, and its index.
+    first: Option<(Option<u32>, Option<BehaviorId>, u32)>,
     complete: bool,
     current: Option<u32>,
     /// How often what is known of it has changed.
@@ -73,18 +91,33 @@ impl Plan {
     pub(crate) fn begin(&mut self) {
         self.collecting = Some(Vec::new());
         self.points_collected = 0;
+        self.first = None;
     }
 
     /// A BFPLN.
     pub(crate) fn collect(&mut self, frame: &LocalFrame, message: &PlanElement) {
         let Some(elements) = &mut self.collecting else { return };
+        let of = (message.number, message.identifier, message.index);
+        if *self.first.get_or_insert(of) == of && (of.0.is_some() || of.1.is_some()) {
+            // The series begins anew: it was asked for twice, and both answers come.
+            elements.clear();
+        }
         let point = frame.to_local(message.position);
+        let circles = message.element == PlanElementKind::Trackcircle;
         match elements.last_mut() {
-            Some(last) if last.is_of(message) => last.points.push(point),
+            Some(last) if last.is_of(message) => {
+                last.points.push(point);
+                last.circles |= circles;
+                if !last.kinds.contains(&message.element) {
+                    last.kinds.push(message.element);
+                }
+            }
             _ => elements.push(Element {
                 number: message.number,
                 identifier: message.identifier,
                 points: vec![point],
+                kinds: vec![message.element],
+                circles,
             }),
         }
         self.points_collected += 1;
@@ -142,7 +175,7 @@ impl Plan {
     }
 
     /// The front seat's own elements.
-    fn planned(&self) -> impl Iterator<Item = &Element> {
+    pub(crate) fn planned(&self) -> impl Iterator<Item = &Element> {
         self.elements.iter().filter(|element| element.identifier.is_none())
     }
 
@@ -151,6 +184,13 @@ impl Plan {
         let current = self.current;
         self.planned()
             .filter(move |element| current.is_none() || element.number == current)
+    }
+
+    /// The elements of the planned behaviour that is flown; none where that is not known.
+    pub(crate) fn flown(&self) -> impl Iterator<Item = &Element> {
+        let current = self.current;
+        self.planned()
+            .filter(move |element| current.is_some() && element.number == current)
     }
 
     /// The first points of what may come after the current element.
@@ -224,6 +264,27 @@ mod tests {
         let mut cut = plan();
         cut.end(false);
         assert!(!cut.is_complete());
+    }
+
+    #[test]
+    fn a_series_that_comes_twice_is_one_plan() {
+        let frame = frame();
+        let mut plan = plan();
+        for (number, index, east_m) in [(1, 0, 0.0), (2, 0, 100.0), (2, 1, 200.0), (3, 0, 300.0)] {
+            let message = PlanElement {
+                created: TimeOfDay::MIDNIGHT,
+                number: Some(number),
+                identifier: None,
+                index,
+                element: PlanElementKind::Waypoint,
+                position: frame.to_position(EastNorth::new(east_m, 0.0)),
+            };
+            plan.collect(&frame, &message);
+        }
+        plan.end(true);
+        let points: Vec<usize> = plan.planned().map(|element| element.points.len()).collect();
+        assert_eq!(points, [1, 2, 1]);
+        assert!(!plan.has(BehaviorId::new(7)), "the newer series counts");
     }
 
     #[test]

@@ -214,6 +214,10 @@ pub struct StepInput {
     pub now: Timestamp,
     /// Our UTC.
     pub utc: Utc,
+    /// By how much the vehicle's UTC differs from ours, for the judge of zones that are valid for a time; `None` where
+    /// that is not known or over 60 s. Plugins do not see it.
+    #[serde(default)]
+    pub clocks_apart: Option<Duration>,
     /// The newest navigation, while it is fresh.
     pub navigation: Option<NavigationSample>,
     /// Where a hovering vehicle is relative to its target, while that is fresh (BFRNV, SPI 6.17).

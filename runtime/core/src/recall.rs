@@ -124,9 +124,11 @@ impl Core {
             Some(after) => vec![self.envelope.ends(&after.1).0],
             None => self.plan.next_points().into_iter().map(End::At).collect(),
         };
+        let when = (self.clocks(), self.before_insert_s(false));
         for from in &from {
             for to in &to {
-                self.envelope.judge_way(*from, *to, navigation.depth, surfacing)?;
+                self.envelope
+                    .judge_way((*from, *to), navigation.depth, surfacing, when)?;
             }
         }
         Ok(())

@@ -6,6 +6,7 @@ use backseat_spi::{
 };
 use backseat_units::TimeOfDay;
 
+use crate::expected::Compared;
 use crate::io::{Note, Operator};
 use crate::machine::{CLOSE_AFTER_SHUTDOWN, Core};
 use crate::navigation::Change;
@@ -168,6 +169,7 @@ impl Core {
             self.running = Some(running);
             if running {
                 self.plan.forget();
+                self.compared = Compared::default();
                 self.commands.forget_plan();
                 self.ask_for_plan();
             } else {

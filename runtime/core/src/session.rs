@@ -7,6 +7,7 @@ use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
 use crate::conductor::Slot;
+use crate::expected::Compared;
 use crate::io::{Note, Output};
 use crate::machine::Core;
 use crate::plugin::RequestState;
@@ -172,6 +173,7 @@ impl Core {
         self.hull.reset();
         self.commands.clear();
         self.plan.forget();
+        self.compared = Compared::default();
         self.handed_over = None;
         self.running = None;
         self.session.begin();
@@ -204,6 +206,7 @@ impl Core {
         self.running = None;
         self.commands.clear();
         self.plan.forget();
+        self.compared = Compared::default();
         self.tracker.reset();
         self.hull.reset();
         self.silent_link_lost();
@@ -338,6 +341,10 @@ impl Core {
                     self.note(Note::Plan {
                         elements: self.plan.len(),
                     });
+                    if self.compare_plan() {
+                        // Once more, for the day when two answers came mixed.
+                        self.timers.set(Timer::Plan, self.now + PLAN_RETRY);
+                    }
                     self.resolve_by_plan();
                     self.tell_of_plan();
                 } else {
@@ -358,6 +365,7 @@ impl Core {
         self.session.heard_navigation();
         self.timers.set(Timer::Silence, self.now + SILENT);
         self.watch_clock();
+        self.watch_schedules();
         if self.tracker.fresh(self.now).is_some() && self.tracker.steady(self.now) {
             self.session.old_since = None;
             return;

@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::drivers::DriverSetup;
+use crate::expected::ExpectedPlan;
 use crate::limits::{FailAction, Grant, HeadingFrame};
 use crate::orders::Policy;
 use crate::plugin::Description;
@@ -51,6 +52,10 @@ pub struct Settings {
     /// Who may send what moves the vehicle's idea of where it is: the mission's `[[driver]]` tables.
     #[serde(skip)]
     pub drivers: Vec<DriverSetup>,
+    /// The plan that the operator had checked: nothing that steers is sent until the vehicle's own has been found to be
+    /// the same on this connection. Where there is none, nothing is compared.
+    #[serde(skip)]
+    pub expected_plan: Option<ExpectedPlan>,
 }
 
 /// A condition of ours that the operator may make the vehicle's affair.

@@ -1,7 +1,7 @@
 use core::fmt;
 use std::sync::Arc;
 
-use backseat_units::{EastNorth, LocalFrame};
+use backseat_units::{EastNorth, LocalFrame, Utc};
 use parry2d_f64::bounding_volume::Aabb;
 use parry2d_f64::math::Vector;
 use parry2d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhLeafCost, BvhNode};
@@ -13,7 +13,7 @@ use crate::question::{EDGE_THICKNESS_M, LIMIT_M, Question, unusable, unusable_sp
 use crate::sweep::{Sweep, VerticalExtent};
 use crate::terms::Terms;
 use crate::verdict::{Breach, Cause, Clearance, EdgeId, EdgeInfo, Rule};
-use crate::window::Span;
+use crate::window::{Span, Window};
 use crate::zone::{Kind, Zone};
 
 /// Where the vehicle may be. Immutable, cheap to clone, shared between threads.
@@ -109,6 +109,20 @@ impl Fence {
     /// the one whose worst fault is the smallest.
     pub fn check(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
         self.ask(sweep, vertical, false, None)
+    }
+
+    /// Whether any zone is valid for a time only, so that the answers depend on when.
+    #[must_use]
+    pub fn changes(&self) -> bool {
+        self.zones().any(|zone| zone.window() != Window::default())
+    }
+
+    /// Whether a zone begins or ceases to be valid within a stretch of time, both ends included.
+    #[must_use]
+    pub fn changes_within(&self, span: Span) -> bool {
+        let within = |at: Option<Utc>| at.is_some_and(|at| span.from <= at && at <= span.until);
+        self.zones()
+            .any(|zone| within(zone.window().from) || within(zone.window().until))
     }
 
     /// The fence as it is in a stretch of time: [`Fence::check`] and its sisters know no time, and take every zone that

@@ -83,6 +83,7 @@ mod load;
 mod outline;
 mod polygon;
 mod question;
+mod save;
 mod strips;
 mod sweep;
 mod terms;

@@ -63,8 +63,8 @@ impl fmt::Display for Span {
     }
 }
 
-/// A time as a text of RFC 3339, whole seconds.
-struct Rfc3339(Utc);
+/// A time as a text of RFC 3339, with decimals of a second where it has them.
+pub(crate) struct Rfc3339(pub(crate) Utc);
 
 impl fmt::Display for Rfc3339 {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -73,11 +73,15 @@ impl fmt::Display for Rfc3339 {
         let second = seconds % SECONDS_PER_DAY;
         write!(
             f,
-            "{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z",
+            "{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}",
             second / 3600,
             second / 60 % 60,
             second % 60
-        )
+        )?;
+        match self.0.as_unix_nanos() % NANOS_PER_SECOND {
+            0 => write!(f, "Z"),
+            nanos => write!(f, ".{nanos:09}Z"),
+        }
     }
 }
 
@@ -215,6 +219,7 @@ mod tests {
             "2024-02-29T06:07:08Z",
             "2024-12-31T00:00:00Z",
             "2400-12-31T00:00:00Z",
+            "2026-05-01T08:00:00.000000025Z",
         ] {
             assert_eq!(Rfc3339(parse(text).unwrap()).to_string(), text);
         }

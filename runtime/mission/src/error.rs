@@ -12,7 +12,7 @@ pub enum MissionError {
         source: std::io::Error,
     },
     /// The folder is no mission.
-    #[error("{}: no mission here: expected a folder with mission.toml and fence.geojson", path.display())]
+    #[error("{}: no mission here: expected a folder with mission.toml and a fence", path.display())]
     NoMission {
         /// What was given.
         path: PathBuf,

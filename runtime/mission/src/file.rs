@@ -1,7 +1,9 @@
 use backseat_core::{FailAction, Grant, Limits, PluginLimits, Policy, Recovery, Settings};
+use backseat_mvc::HullClass;
 use serde::{Deserialize, Serialize};
 
 use crate::drivers::DriverTable;
+use crate::fence::FenceTable;
 
 /// `mission.toml` as it is written.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -10,6 +12,12 @@ pub struct MissionFile {
     /// Where the vehicle is.
     #[serde(default)]
     pub vehicle: VehicleTable,
+    /// What `fence.plan` and `fence.kml` do not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fence: Option<FenceTable>,
+    /// The front seat's plan that this mission was checked with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan: Option<PlanTable>,
     /// How the session is held.
     #[serde(default)]
     pub session: Settings,
@@ -57,13 +65,37 @@ pub struct MissionFile {
 pub struct VehicleTable {
     /// The main vehicle computer's address (SPI 4.1).
     pub address: String,
+    /// Which hull it is: `9-inch`, `12-inch`, `21-inch` or `hovering`. What it can do is held against the limits and the
+    /// plan before a dive; where absent, that of `world.toml` is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub class: Option<HullClass>,
 }
 
 impl Default for VehicleTable {
     fn default() -> Self {
         Self {
             address: "127.0.0.1:29500".to_owned(),
+            class: None,
         }
+    }
+}
+
+/// The `[plan]` table: the front seat's plan that the mission was checked with. Where it is there, nothing is sent that
+/// steers until the vehicle's own plan (BFPLN) has been found to be the same.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanTable {
+    /// A file of the mission's folder with `[[plan]]` as in `world.toml`, and `[origin]` where its places count from
+    /// one; or `world.toml` itself.
+    pub file: String,
+    /// How far a place of the vehicle's plan may be from the one expected, metres, above 0 to 100.
+    #[serde(default = "PlanTable::default_tolerance_m")]
+    pub tolerance_m: f64,
+}
+
+impl PlanTable {
+    pub(crate) const fn default_tolerance_m() -> f64 {
+        2.0
     }
 }
 

@@ -1,4 +1,5 @@
-//! Missions on disk: a folder with `mission.toml`, `fence.geojson` and, for simulation, `world.toml`.
+//! Missions on disk: a folder with `mission.toml`, a fence (`fence.geojson`, `fence.plan` or `fence.kml`) and, for
+//! simulation, `world.toml`.
 //!
 //! Each file is parsed alone first, so that a fault is told with its line; then `mission.toml` is layered: defaults,
 //! the file, the environment (`BACKSEAT__LIMITS__SPEED_MAX_MPS=1.8`), the command line (`--set limits.speed_max_mps=1.8`).
@@ -7,12 +8,18 @@
 mod component;
 mod drivers;
 mod error;
+mod fence;
 mod file;
 mod grid;
 mod mission;
+mod plan;
+mod predive;
 
 pub use component::find_component;
 pub use drivers::DriverTable;
 pub use error::MissionError;
-pub use file::{BudgetTable, MissionFile, PluginTable, VehicleTable};
+pub use fence::FenceTable;
+pub use file::{BudgetTable, MissionFile, PlanTable, PluginTable, VehicleTable};
 pub use mission::{Layers, Mission};
+pub use plan::FrontSeatPlan;
+pub use predive::{Dive, beyond_class};

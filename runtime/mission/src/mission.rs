@@ -3,7 +3,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backseat_core::{Condition, Envelope, Order, Policy, Settings};
-use backseat_fence::Fence;
 use backseat_mvc::{Mvc, MvcError, WorldFile};
 use backseat_spi::Text;
 use backseat_world::Grid;
@@ -13,8 +12,10 @@ use sha2::{Digest, Sha256};
 use crate::component::find_component;
 use crate::drivers::{DriverTable, check_drivers};
 use crate::error::MissionError;
+use crate::fence;
 use crate::file::{MissionFile, PluginTable};
 use crate::grid::read_grid;
+use crate::plan::{self, FrontSeatPlan};
 
 /// What lies over `mission.toml`.
 #[derive(Clone, Debug, Default)]
@@ -35,10 +36,15 @@ pub struct Mission {
     pub file: MissionFile,
     /// Fence and limits.
     pub envelope: Arc<Envelope>,
-    /// `fence.geojson` as it is.
+    /// The name of the fence's file.
+    pub fence_file: &'static str,
+    /// The fence as GeoJSON with areas alone: `fence.geojson` as it is where it has no others, else written out from what
+    /// was read.
     pub fence_text: String,
     /// `world.toml`, where there is one.
     pub world: Option<WorldFile>,
+    /// The front seat's plan that the mission names, where it does.
+    pub plan: Option<FrontSeatPlan>,
     /// The seabed's grid, where `world.toml` names one; clones share it.
     pub grid: Option<Grid>,
     /// The whole mission file after layering, as TOML.
@@ -75,9 +81,7 @@ impl Mission {
         check_policies(&path, &file.policies)?;
         file.session.policies.clone_from(&file.policies);
 
-        let fence_path = folder.join("fence.geojson");
-        let fence_text = read(&fence_path)?;
-        let fence = Fence::from_geojson(&fence_text).map_err(|error| value(&fence_path, error.to_string()))?;
+        let fence = fence::load(folder, file.fence.as_ref())?;
 
         let world_path = folder.join("world.toml");
         let world = if world_path.is_file() {
@@ -86,6 +90,11 @@ impl Mission {
         } else {
             None
         };
+        let plan = match &file.plan {
+            Some(table) => Some(plan::load(folder, table, file.vehicle.class, world.as_ref())?),
+            None => None,
+        };
+        file.session.expected_plan = plan.as_ref().map(FrontSeatPlan::expected);
         let grid = match world.as_ref().and_then(|world| world.seabed.grid.as_ref()) {
             Some(path) => Some(read_grid(&folder.join(path))?),
             None => None,
@@ -97,14 +106,16 @@ impl Mission {
             .unwrap_or_else(|_| folder.to_path_buf())
             .file_name()
             .map_or_else(|| "mission".to_owned(), |name| name.to_string_lossy().into_owned());
-        let envelope = Arc::new(Envelope::new(fence, file.limits.clone()));
+        let envelope = Arc::new(Envelope::new(fence.fence, file.limits.clone()));
         Ok(Self {
             name,
             folder: folder.to_path_buf(),
             file,
             envelope,
-            fence_text,
+            fence_file: fence.file,
+            fence_text: fence.text,
             world,
+            plan,
             grid,
             resolved,
         })
@@ -143,13 +154,17 @@ impl Mission {
             .collect()
     }
 
-    /// SHA-256 of the resolved mission file, the fence's text and nothing else, in hexadecimal.
+    /// SHA-256 of the resolved mission file, the fence's text and the text of the plan that it names, in hexadecimal.
     #[must_use]
     pub fn hash(&self) -> String {
         let mut hash = Sha256::new();
         hash.update(self.resolved.as_bytes());
         hash.update([0]);
         hash.update(self.fence_text.as_bytes());
+        if let Some(plan) = &self.plan {
+            hash.update([0]);
+            hash.update(plan.text.as_bytes());
+        }
         hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
 }
@@ -297,21 +312,21 @@ fn check_text(text: &str) -> Result<(), String> {
     Ok(())
 }
 
-fn read(path: &Path) -> Result<String, MissionError> {
+pub(crate) fn read(path: &Path) -> Result<String, MissionError> {
     std::fs::read_to_string(path).map_err(|source| MissionError::Read {
         path: path.to_path_buf(),
         source,
     })
 }
 
-fn value(path: &Path, message: String) -> MissionError {
+pub(crate) fn value(path: &Path, message: String) -> MissionError {
     MissionError::Value {
         path: path.to_path_buf(),
         message,
     }
 }
 
-fn toml_error(path: &Path, text: &str, error: &toml::de::Error) -> MissionError {
+pub(crate) fn toml_error(path: &Path, text: &str, error: &toml::de::Error) -> MissionError {
     let start = error.span().map_or(0, |span| span.start).min(text.len());
     let line = text.get(..start).unwrap_or("").matches('\n').count() + 1;
     let message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");

@@ -88,6 +88,7 @@ fn input() -> Result<StepInput, Box<dyn std::error::Error>> {
     Ok(StepInput {
         now,
         utc: Utc::from_unix_nanos(1_790_000_000_000_000_000),
+        clocks_apart: None,
         navigation: Some(NavigationSample {
             solution: now,
             position: Position::from_deg(42.0, -70.0)?,

@@ -372,6 +372,7 @@ fn outputs_go_to_their_channels() {
     let step = StepInput {
         now: Timestamp::ZERO,
         utc: Utc::from_unix_nanos(UTC),
+        clocks_apart: None,
         navigation: Some(navigation(Timestamp::ZERO)),
         relative: None,
         cartesian: None,

@@ -3,7 +3,7 @@ use backseat_oracle::{Statistics, Violation};
 use serde::Serialize;
 
 /// What came of a run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
     /// The mission's name.
     pub mission: String,

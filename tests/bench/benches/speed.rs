@@ -163,6 +163,7 @@ fn step() {
     let mut input = StepInput {
         now: Timestamp::ZERO,
         utc: Utc::default(),
+        clocks_apart: None,
         navigation: Some(navigation()),
         relative: None,
         cartesian: None,

@@ -1,6 +1,5 @@
 use std::time::Duration;
 
-use backseat_units::EastNorth;
 use backseat_world::Stream;
 
 /// What a seed draws from a stream of its own name.
@@ -39,10 +38,5 @@ impl Dice {
 
     pub(crate) fn one<T: Copy>(&mut self, of: &[T]) -> T {
         of[self.below(of.len())]
-    }
-
-    /// A point in a box around the middle.
-    pub(crate) fn place(&mut self, east_m: f64, north_m: f64) -> EastNorth {
-        EastNorth::new(self.figure(-east_m, east_m), self.figure(-north_m, north_m))
     }
 }

@@ -15,7 +15,7 @@ use backseat_sim::{Components, Report, Simulation, Step};
 use backseat_units::Timestamp;
 use tempfile::TempDir;
 
-use crate::phase::{CALM_S, CHANCE_S, LINK_WITHIN, LONGEST_S};
+use crate::phase::{CALM_S, CHANCE_S, HAND_BACK_S, LINK_WITHIN, LONGEST_S};
 use crate::plan::{Come, Plan, Planned, until_calm};
 use crate::trouble::Trouble;
 
@@ -56,6 +56,12 @@ enum Act {
     Begin(Trouble),
     /// A plugin is itself again.
     Own(usize),
+    /// The liveness phase begins.
+    Calm,
+    /// The link must be up.
+    LinkIsUp,
+    /// The operator takes the helm for good.
+    HandBack,
     Release,
     DiskHasRoom,
 }
@@ -146,7 +152,6 @@ struct Flown<'a> {
     power_goes: bool,
     /// At the begin of the liveness phase: leases so far, and seconds of control.
     at_calm: Option<(u64, f64)>,
-    link_judged: bool,
 }
 
 impl<'a> Flown<'a> {
@@ -166,7 +171,6 @@ impl<'a> Flown<'a> {
             failures: Vec::new(),
             power_goes: false,
             at_calm: None,
-            link_judged: false,
         };
         for planned in &plan.troubles {
             if let Come::At(at) = planned.come {
@@ -183,15 +187,13 @@ impl<'a> Flown<'a> {
 
     fn fly(mut self) -> Result<Flight> {
         let calm = seconds(CALM_S);
+        self.later(calm, Act::Calm);
+        self.later(calm + LINK_WITHIN, Act::LinkIsUp);
+        self.later(seconds(HAND_BACK_S), Act::HandBack);
         let end = self.plan.until.unwrap_or(seconds(LONGEST_S));
         loop {
             let next = self.due.first().map_or(Timestamp::MAX, |(at, _)| *at);
-            let watch = match (self.at_calm, self.link_judged) {
-                (None, _) => calm,
-                (Some(_), false) => calm + LINK_WITHIN,
-                (Some(_), true) => Timestamp::MAX,
-            };
-            match self.simulation.advance_until(next.min(watch).min(end))? {
+            match self.simulation.advance_until(next.min(end))? {
                 Step::Over => break,
                 Step::Went => {}
                 Step::Reached => {
@@ -202,9 +204,6 @@ impl<'a> Flown<'a> {
                     while self.due.first().is_some_and(|(at, _)| *at <= now) {
                         let (_, act) = self.due.remove(0);
                         self.act(act)?;
-                    }
-                    if now >= watch {
-                        self.watch();
                     }
                 }
             }
@@ -240,6 +239,15 @@ impl<'a> Flown<'a> {
             Act::Own(slot) => self.simulation.substitute(PluginId(slot), None),
             Act::Release => self.simulation.operate(Operator::Release),
             Act::DiskHasRoom => self.simulation.reserve_fails(false),
+            Act::Calm => {
+                let seen = self.simulation.statistics();
+                self.at_calm = Some((seen.leases, seen.control_s));
+            }
+            Act::LinkIsUp => self.judge_link(),
+            Act::HandBack => {
+                self.judge_steering();
+                self.simulation.operate(Operator::Hold);
+            }
         }
         Ok(())
     }
@@ -299,18 +307,27 @@ impl<'a> Flown<'a> {
         Ok(table)
     }
 
-    /// The liveness phase: what must hold, and from when on.
-    fn watch(&mut self) {
-        if self.at_calm.is_none() {
-            let seen = self.simulation.statistics();
-            self.at_calm = Some((seen.leases, seen.control_s));
-            return;
-        }
-        self.link_judged = true;
+    fn judge_link(&mut self) {
         let runs = self.simulation.mission_status() == Status::Running;
         if runs && !self.power_goes && self.simulation.state() == State::Down {
             self.fail("link-stays-down", || {
                 format!("no link {} s after the last trouble", LINK_WITHIN.as_secs())
+            });
+        }
+    }
+
+    /// Whoever had control for long enough after the last trouble has steered, unless its plugins were the trouble.
+    fn judge_steering(&mut self) {
+        let seen = self.simulation.statistics();
+        let by_plugin = self.met.iter().any(|(kind, _)| kind.starts_with("plugin "));
+        if let Some((leases, control_s)) = self.at_calm
+            && !by_plugin
+            && seen.leases == leases
+            && seen.control_s - control_s > CHANCE_S
+        {
+            let had_s = seen.control_s - control_s;
+            self.fail("never-steers-again", || {
+                format!("{had_s:.0} s of control after the last trouble, and no lease")
             });
         }
     }
@@ -324,19 +341,7 @@ impl<'a> Flown<'a> {
     }
 
     fn finish(mut self) -> Result<Flight> {
-        let seen = self.simulation.statistics();
-        let quarantined = self.met.iter().any(|(kind, _)| kind.starts_with("plugin "));
-        if let Some((leases, control_s)) = self.at_calm
-            && self.plan.until.is_none()
-            && !quarantined
-            && seen.leases == leases
-            && seen.control_s - control_s > CHANCE_S
-        {
-            let had_s = seen.control_s - control_s;
-            self.fail("never-steers-again", || {
-                format!("{had_s:.0} s of control after the last trouble, and no lease")
-            });
-        }
+        let truth = self.simulation.truth();
         let (mut report, _, _) = self.simulation.finish()?;
         for violation in std::mem::take(&mut report.violations) {
             self.failures.push(Failure {
@@ -358,7 +363,10 @@ impl<'a> Flown<'a> {
             if report.outcome == "overran" {
                 self.failures.push(Failure {
                     rule: "never-ends".to_owned(),
-                    text: format!("the mission was not over after {:.0} s", report.sim_seconds),
+                    text: format!(
+                        "the mission was not over after {:.0} s: {:?}",
+                        report.sim_seconds, truth.activity
+                    ),
                     at: None,
                 });
             }

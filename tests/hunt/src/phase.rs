@@ -10,7 +10,9 @@ pub(crate) const SAFETY_S: f64 = 800.0;
 pub(crate) const CALM_S: f64 = 900.0;
 /// So long after that the link must be up again: the longest back-off with its chance, and a refused attempt.
 pub(crate) const LINK_WITHIN: Duration = Duration::from_secs(90);
+/// Here the operator takes the helm for good: what the front seat does then must come to its end.
+pub(crate) const HAND_BACK_S: f64 = 1150.0;
+/// Who had control for so long between the two has had its chance to steer.
+pub(crate) const CHANCE_S: f64 = 200.0;
 /// A mission that has not ended by now does not end.
 pub(crate) const LONGEST_S: f64 = 5400.0;
-/// A plugin that had control for so long in the liveness phase has had its chance to steer.
-pub(crate) const CHANCE_S: f64 = 240.0;

@@ -16,7 +16,7 @@ use backseat_fence::{Shape, VerticalExtent};
 use backseat_units::math::{cos, hypot};
 use backseat_units::{EastNorth, Timestamp, utm_convergence_deg};
 
-use super::{BottomLock, Envelope, MODIFY_TIMEOUT, Route, Setpoint, turn_radius_m};
+use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, turn_radius_m};
 use crate::plugin::{NavigationSample, Refusal};
 
 /// The room that depths and altitude are judged with where they have it, metres.
@@ -35,6 +35,8 @@ pub(super) struct Reach {
     radius_m: f64,
     /// From here to there, metres.
     along_m: f64,
+    /// How long it may be on its way there and in the turn away, seconds.
+    lasts_s: f64,
 }
 
 /// A modify that was judged and holds.
@@ -80,6 +82,7 @@ impl Envelope {
             ahead,
             radius_m,
             along_m,
+            lasts_s: obeyed_s + turn_away_s,
         }
     }
 
@@ -91,7 +94,7 @@ impl Envelope {
         navigation: &NavigationSample,
         lock: Option<BottomLock>,
         route: &Route,
-        now: Timestamp,
+        (now, clocks): (Timestamp, Clocks),
     ) -> Result<f64, Refusal> {
         let reach = self.reach(setpoint, navigation, now);
         let extent = self.extent(
@@ -101,7 +104,7 @@ impl Envelope {
             reach.here,
             reach.farthest_m(),
         )?;
-        self.judge_reach(&reach, &extent, route)
+        self.judge_reach(&reach, &extent, route, clocks)
     }
 
     /// The same, for a lease whose judgement is to be kept.
@@ -111,7 +114,7 @@ impl Envelope {
         navigation: &NavigationSample,
         lock: Option<BottomLock>,
         route: &Route,
-        now: Timestamp,
+        (now, clocks): (Timestamp, Clocks),
     ) -> Result<Judgement, Refusal> {
         let reach = self.reach(setpoint, navigation, now);
         let exact = self.extent(
@@ -127,9 +130,9 @@ impl Envelope {
             altitude_min_m: exact.altitude_min_m - ROOM_M,
         };
         // What holds with room holds without.
-        let (extent, clearance_m) = match self.judge_reach(&reach, &roomy, route) {
+        let (extent, clearance_m) = match self.judge_reach(&reach, &roomy, route, clocks) {
             Ok(clearance_m) => (roomy, clearance_m),
-            Err(_) => (exact, self.judge_reach(&reach, &exact, route)?),
+            Err(_) => (exact, self.judge_reach(&reach, &exact, route, clocks)?),
         };
         Ok(Judgement {
             reach,
@@ -174,17 +177,41 @@ impl Envelope {
             && extent.altitude_min_m >= judged.extent.altitude_min_m
     }
 
-    fn judge_reach(&self, reach: &Reach, extent: &VerticalExtent, route: &Route) -> Result<f64, Refusal> {
+    fn judge_reach(
+        &self,
+        reach: &Reach,
+        extent: &VerticalExtent,
+        route: &Route,
+        clocks: Clocks,
+    ) -> Result<f64, Refusal> {
         let Reach {
-            here, ahead, radius_m, ..
+            here,
+            ahead,
+            radius_m,
+            lasts_s,
+            ..
         } = *reach;
-        let mut least_m = self.sweep(Shape::leg(here, ahead), radius_m, extent)?;
+        // It takes no longer back than from the farthest that it can come to the farthest that it may return to.
+        let back_to = route
+            .legs
+            .iter()
+            .flat_map(|(start, end)| [*start, *end])
+            .chain(route.to.iter().copied());
+        let back_s = if route.legs.is_empty() && route.to.is_empty() {
+            0.0
+        } else {
+            let back_m = back_to.map(|to| here.distance_m(to)).fold(0.0, f64::max) + reach.farthest_m();
+            back_m / self.slowest_mps()
+        };
+        let when = clocks.next(lasts_s + back_s.max(route.before_s));
+        let mut least_m = self.sweep(Shape::leg(here, ahead), radius_m, extent, when)?;
         // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane.
         for &(start, end) in &route.legs {
-            least_m = least_m.min(self.sweep(Shape::quadrilateral([here, ahead, start, end]), radius_m, extent)?);
+            least_m =
+                least_m.min(self.sweep(Shape::quadrilateral([here, ahead, start, end]), radius_m, extent, when)?);
         }
         for &next in &route.to {
-            least_m = least_m.min(self.sweep(Shape::triangle(here, ahead, next), radius_m, extent)?);
+            least_m = least_m.min(self.sweep(Shape::triangle(here, ahead, next), radius_m, extent, when)?);
         }
         Ok(least_m)
     }
@@ -193,7 +220,7 @@ impl Envelope {
 #[cfg(test)]
 mod tests {
     use backseat_fence::Fence;
-    use backseat_units::{Altitude, Depth, Heading, Speed};
+    use backseat_units::{Altitude, Depth, Heading, Speed, Utc};
 
     use super::*;
     use crate::envelope::{Vertical, bottom_lock};
@@ -208,6 +235,12 @@ mod tests {
         {"type":"Feature","properties":{"name":"wreck","kind":"exclusion","margin_m":20,"depth_min_m":30},
          "geometry":{"type":"Polygon","coordinates":[
             [[-70.001,41.999],[-69.999,41.999],[-69.999,42.001],[-70.001,42.001],[-70.001,41.999]]]}}]}"#;
+
+    /// The time is not known.
+    const UNKNOWN: Clocks = Clocks {
+        utc: Utc::from_unix_nanos(0),
+        apart: None,
+    };
 
     /// A small generator: the same walk wherever the test runs.
     struct Draw(u64);
@@ -283,7 +316,8 @@ mod tests {
                 navigation.heading = Heading::from_deg(course_deg.rem_euclid(360.0)).unwrap();
                 let now = Timestamp::from_millis(100 * tick + 40);
                 let lock = bottom_lock(&navigation);
-                let whole = envelope.judge_modify(&setpoint, &navigation, lock, &route, now);
+                let when = (now, UNKNOWN);
+                let whole = envelope.judge_modify(&setpoint, &navigation, lock, &route, when);
                 if let Some(judged) = &judged
                     && envelope.still_holds(judged, &setpoint, &navigation, lock, now)
                 {
@@ -291,7 +325,7 @@ mod tests {
                     kept += 1;
                     continue;
                 }
-                let lease = envelope.judge_lease(&setpoint, &navigation, lock, &route, now);
+                let lease = envelope.judge_lease(&setpoint, &navigation, lock, &route, when);
                 assert_eq!(lease.is_ok(), whole.is_ok());
                 match lease {
                     Ok(judgement) => judged = Some(judgement),
@@ -319,7 +353,7 @@ mod tests {
         };
         let (lock, now) = (bottom_lock(&navigation), Timestamp::ZERO);
         let judged = envelope
-            .judge_lease(&setpoint, &navigation, lock, &Route::default(), now)
+            .judge_lease(&setpoint, &navigation, lock, &Route::default(), (now, UNKNOWN))
             .unwrap();
         assert!(!envelope.still_holds(&judged, &setpoint, &navigation, lock, now));
     }

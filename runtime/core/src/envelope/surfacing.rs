@@ -1,9 +1,9 @@
 //! The judgement of what brings the vehicle to the surface: GPS hits, and the ways to and from them (SPI 7.7).
 
-use backseat_fence::{Shape, Sweep, VerticalExtent};
+use backseat_fence::{Shape, Span, Sweep, VerticalExtent};
 use backseat_units::Depth;
 
-use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, point_and_radius, position, refusal};
+use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Way, point_and_radius, position, refusal};
 use crate::plugin::{GpsHitRequest, Refusal};
 
 impl Envelope {
@@ -21,25 +21,30 @@ impl Envelope {
     /// and the ways to it and on.
     pub(super) fn judge_surfacing(
         &self,
-        place: Shape,
-        strayed_m: f64,
+        (place, strayed_m): (Shape, f64),
         ends: (End, End),
         extent: &VerticalExtent,
         route: &Route,
+        when: Option<Span>,
     ) -> Result<f64, Refusal> {
         let adrift = Sweep {
             shape: place,
             radius_m: strayed_m + self.drift_m(),
         };
-        let mut least_m = match self.fence.check_surfacing(&adrift, extent) {
+        let mut least_m = match self.check_surfacing(&adrift, extent, when) {
             Ok(clearance) => clearance.metres,
             Err(breach) => return Err(refusal(&breach)),
         };
+        let way = Way {
+            strayed_m,
+            extent: *extent,
+            when,
+        };
         for from in &route.from {
-            least_m = least_m.min(self.way_by(true, *from, ends.0, strayed_m, extent)?);
+            least_m = least_m.min(self.way_by(true, *from, ends.0, &way)?);
         }
         for to in &route.to {
-            least_m = least_m.min(self.way_by(true, ends.1, End::At(*to), strayed_m, extent)?);
+            least_m = least_m.min(self.way_by(true, ends.1, End::At(*to), &way)?);
         }
         Ok(least_m)
     }
@@ -61,37 +66,29 @@ impl Envelope {
     }
 
     /// A way within the extent, or one on which the vehicle may be at any depth down to the extent's deepest.
-    pub(super) fn way_by(
-        &self,
-        any_depth: bool,
-        from: End,
-        to: End,
-        strayed_m: f64,
-        extent: &VerticalExtent,
-    ) -> Result<f64, Refusal> {
+    pub(super) fn way_by(&self, any_depth: bool, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
         if any_depth {
-            self.way_of_any_depth(from, to, strayed_m, extent)
+            self.way_of_any_depth(from, to, way)
         } else {
-            self.way(from, to, strayed_m, extent)
+            self.way(from, to, way)
         }
     }
 
     /// All depths must be allowed, by the zone's depths or because it may surface on the whole way.
-    fn way_of_any_depth(&self, from: End, to: End, strayed_m: f64, extent: &VerticalExtent) -> Result<f64, Refusal> {
+    fn way_of_any_depth(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
         let (from, from_m) = point_and_radius(from);
         let (to, to_m) = point_and_radius(to);
         let sweep = Sweep {
             shape: Shape::leg(from, to),
-            radius_m: strayed_m + from_m.max(to_m),
+            radius_m: way.strayed_m + from_m.max(to_m),
         };
         let from_surface = VerticalExtent {
-            depth_min_m: extent.depth_min_m.min(0.0),
-            ..*extent
+            depth_min_m: way.extent.depth_min_m.min(0.0),
+            ..way.extent
         };
         let checked = self
-            .fence
-            .check(&sweep, &from_surface)
-            .or_else(|breach| self.fence.check_surfacing(&sweep, extent).map_err(|_| breach));
+            .check(&sweep, &from_surface, way.when)
+            .or_else(|breach| self.check_surfacing(&sweep, &way.extent, way.when).map_err(|_| breach));
         match checked {
             Ok(clearance) => Ok(clearance.metres),
             Err(breach) => Err(refusal(&breach)),

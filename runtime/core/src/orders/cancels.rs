@@ -104,9 +104,10 @@ impl Core {
                 to.extend(left.flat_map(|element: &Element| [End::At(element.first()), End::At(element.last())]));
             }
         }
+        let when = (self.clocks(), 0.0);
         for to in to {
             self.envelope
-                .judge_way(End::At(navigation.local), to, navigation.depth, surfacing)?;
+                .judge_way((End::At(navigation.local), to), navigation.depth, surfacing, when)?;
         }
         Ok(())
     }

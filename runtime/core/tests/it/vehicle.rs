@@ -51,6 +51,8 @@ pub(crate) struct Vehicle {
     pub(crate) inserted: BTreeSet<u32>,
     /// Another payload's inserts that its plan names, with the place where each ends.
     pub(crate) others: Vec<(u32, (f64, f64))>,
+    /// A planned behaviour that its plan has so far from where the course has it.
+    pub(crate) moved: Option<(u32, EastNorth)>,
     pub(crate) subscribed: BTreeSet<String>,
     /// It acknowledges what comes before it was asked to.
     pub(crate) answers_unasked: bool,
@@ -87,6 +89,7 @@ impl Vehicle {
             replies: BTreeMap::new(),
             inserted: BTreeSet::new(),
             others: Vec::new(),
+            moved: None,
             subscribed: BTreeSet::new(),
             answers_unasked: false,
             leap_at: None,
@@ -344,7 +347,15 @@ impl Vehicle {
     pub(crate) fn say_plan(&mut self, at: Timestamp) {
         for (number, points) in course::PLAN {
             for (index, (east_m, north_m)) in points.iter().enumerate() {
-                self.say_element(at, Some(number), None, index, (*east_m, *north_m));
+                let moved = self.moved.filter(|(of, _)| *of == number);
+                let by = moved.map_or(EastNorth::default(), |(_, by)| by);
+                self.say_element(
+                    at,
+                    Some(number),
+                    None,
+                    index,
+                    (*east_m + by.east_m, *north_m + by.north_m),
+                );
             }
         }
         for identifier in self.inserted.clone() {
@@ -368,7 +379,11 @@ impl Vehicle {
             number,
             identifier: identifier.map(BehaviorId::new),
             index: u32::try_from(index).unwrap(),
-            element: PlanElementKind::Waypoint,
+            element: match (number, index) {
+                (Some(1), 0) => PlanElementKind::TracklineStart,
+                (Some(1), _) => PlanElementKind::TracklineEnd,
+                _ => PlanElementKind::Waypoint,
+            },
             position: course::fence().frame().to_position(EastNorth::new(east_m, north_m)),
         };
         self.say(at, message);

@@ -81,6 +81,7 @@ pub(crate) fn input(second: u64) -> StepInput {
     StepInput {
         now,
         utc: Utc::from_unix_nanos(1_790_000_000_000_000_000 + now.as_nanos()),
+        clocks_apart: None,
         navigation: Some(NavigationSample {
             solution: now,
             position: Position::from_deg(42.0, -70.0).unwrap(),

@@ -57,7 +57,7 @@ fn what_is_not_there_is_named() {
     );
     names(
         &refusal(&Mission::steady().without("fence.geojson")),
-        &["fence.geojson", "No such file"],
+        &["no fence here", "fence.geojson, fence.plan and fence.kml"],
     );
     names(
         &refusal(&Mission::steady().without("world.toml")),

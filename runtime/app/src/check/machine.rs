@@ -1,0 +1,83 @@
+//! What the computer itself must have for a dive: folders that can be written, room for the logs, a clock.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, UNIX_EPOCH};
+
+use anyhow::{Context, Result};
+use backseat_mission::Mission;
+use backseat_units::Utc;
+
+/// A log of a day at sea: 10 Hz of navigation and all else that is heard, some 3 kB/s, fourfold.
+const LOG_ROOM: u64 = 1 << 30;
+/// The records of identifiers and hold are a few bytes, and a block each.
+const STATE_ROOM: u64 = 1 << 20;
+/// 2025-01-01: a clock without power begins in 1970, or when its firmware was made.
+const CLOCK_MIN: Utc = Utc::from_unix_nanos(1_735_689_600_000_000_000);
+/// 2100-01-01.
+const CLOCK_MAX: Utc = Utc::from_unix_nanos(4_102_444_800_000_000_000);
+/// A mission was not written later than now. Clocks of other machines may be a little ahead.
+const AHEAD_MAX: Duration = Duration::from_secs(3600);
+
+/// Whatever this computer lacks, a line each.
+pub(super) fn findings(mission: &Mission, log: &Path, state: &Path, now: Utc) -> Vec<String> {
+    let folders = [("logs", log, LOG_ROOM), ("state", state, STATE_ROOM)];
+    let mut findings: Vec<String> = folders
+        .into_iter()
+        .filter_map(|(what, folder, room)| Some(format!("{what}: {:#}", writable(folder, room).err()?)))
+        .collect();
+    if now < CLOCK_MIN || now > CLOCK_MAX {
+        findings.push(format!(
+            "clock: it says {} s since 1970, expected a time from 2025 to 2100",
+            now.as_unix_nanos() / 1_000_000_000
+        ));
+    } else if let Some((file, ahead)) = written_later(mission, now) {
+        findings.push(format!(
+            "clock: {file} was written {} s later than now, expected a clock that is not behind",
+            ahead.as_secs()
+        ));
+    }
+    findings
+}
+
+/// The folder, or the one in which it will be made, takes a file and has room.
+fn writable(folder: &Path, room: u64) -> Result<()> {
+    let there = existing(folder);
+    let place = || there.display().to_string();
+    let probe = there.join(format!(".backseat-check-{}", std::process::id()));
+    let written = fs::write(&probe, b"can this be written\n");
+    let removed = fs::remove_file(&probe);
+    written.with_context(place)?;
+    removed.with_context(place)?;
+    let figures = rustix::fs::statvfs(&there)
+        .map_err(std::io::Error::from)
+        .with_context(place)?;
+    let free = figures.f_bavail.saturating_mul(figures.f_frsize);
+    anyhow::ensure!(
+        free >= room,
+        "{}: {} MB are free, expected at least {}",
+        there.display(),
+        free >> 20,
+        room >> 20
+    );
+    Ok(())
+}
+
+/// The folder itself, or the nearest above it that is there.
+fn existing(folder: &Path) -> PathBuf {
+    let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
+    let there = whole.ancestors().find(|folder| folder.exists());
+    there.unwrap_or(&whole).to_path_buf()
+}
+
+/// The first file of the mission that comes from the future, and by how much.
+fn written_later(mission: &Mission, now: Utc) -> Option<(&'static str, Duration)> {
+    let now = UNIX_EPOCH + Duration::from_nanos(now.as_unix_nanos());
+    ["mission.toml", mission.fence_file, "world.toml"]
+        .into_iter()
+        .find_map(|file| {
+            let written = fs::metadata(mission.folder.join(file)).ok()?.modified().ok()?;
+            let ahead = written.duration_since(now).ok()?;
+            (ahead > AHEAD_MAX).then_some((file, ahead))
+        })
+}

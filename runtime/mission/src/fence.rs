@@ -1,0 +1,114 @@
+//! The fence's file of a mission, in one of three forms.
+
+use std::path::Path;
+
+use backseat_fence::{Fence, Terms};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::error::MissionError;
+use crate::mission::{read, value};
+
+/// The forms, in the order in which they are told.
+const FILES: [&str; 3] = ["fence.geojson", "fence.plan", "fence.kml"];
+
+/// The `[fence]` table: what `fence.plan` cannot say of its zones, and `fence.kml` need not. `fence.geojson` says all of
+/// it, and has none.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct FenceTable {
+    /// Kept from the edges of all zones, metres, 0 or more.
+    pub margin_m: f64,
+    /// Shallowest depth of inclusion zones, metres; 0 where absent.
+    #[serde(default)]
+    pub depth_min_m: f64,
+    /// Deepest depth of inclusion zones, metres.
+    pub depth_max_m: f64,
+    /// Least height above the bottom of inclusion zones, metres, 0 or more.
+    pub altitude_min_m: f64,
+    /// Whether the vehicle may surface in inclusion zones; false where absent.
+    #[serde(default)]
+    pub surfacing: bool,
+}
+
+/// A fence as it was read.
+pub(crate) struct Loaded {
+    pub(crate) fence: Fence,
+    /// The name of its file.
+    pub(crate) file: &'static str,
+    /// As GeoJSON with areas alone, for whoever reads no other form.
+    pub(crate) text: String,
+}
+
+/// Reads the one fence of a mission's folder.
+pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, MissionError> {
+    let found: Vec<&str> = FILES.into_iter().filter(|file| folder.join(file).is_file()).collect();
+    let file = match found[..] {
+        [file] => file,
+        [] => {
+            let expected = "no fence here: expected one of fence.geojson, fence.plan and fence.kml";
+            return Err(value(folder, expected.to_owned()));
+        }
+        _ => {
+            let several = format!(
+                "has {}: expected one fence, nobody could say which counts",
+                found.join(" and ")
+            );
+            return Err(value(folder, several));
+        }
+    };
+    let path = folder.join(file);
+    let text = read(&path)?;
+    let mission = || folder.join("mission.toml");
+    let terms = || match table {
+        Some(table) => Ok(table.terms()),
+        None => {
+            let needed = format!(
+                "no [fence] table: expected one with margin_m, depth_max_m and altitude_min_m, which {file} does not say"
+            );
+            Err(value(&mission(), needed))
+        }
+    };
+    let fence = match file {
+        "fence.plan" => Fence::from_plan(&text, &terms()?),
+        "fence.kml" => Fence::from_kml(&text, &terms()?),
+        _ if table.is_some() => {
+            let doubled = "[fence] is for fence.plan and fence.kml: fence.geojson says these figures itself";
+            return Err(value(&mission(), doubled.to_owned()));
+        }
+        _ => Fence::from_geojson(&text),
+    };
+    let fence = fence.map_err(|error| value(&path, error.to_string()))?;
+    let text = if file == "fence.geojson" && has_areas_alone(&text) {
+        text
+    } else {
+        fence.to_geojson()
+    };
+    Ok(Loaded { fence, file, text })
+}
+
+impl FenceTable {
+    fn terms(&self) -> Terms {
+        Terms {
+            margin_m: self.margin_m,
+            depth_min_m: self.depth_min_m,
+            depth_max_m: self.depth_max_m,
+            altitude_min_m: self.altitude_min_m,
+            surfacing: self.surfacing,
+        }
+    }
+}
+
+/// Whether a fence that has been read has neither circles nor corridors.
+fn has_areas_alone(text: &str) -> bool {
+    let Ok(document) = serde_json::from_str::<Value>(text) else {
+        return false;
+    };
+    let features = document.get("features").and_then(Value::as_array);
+    features.is_some_and(|features| {
+        features.iter().all(|feature| {
+            let kind = feature.pointer("/geometry/type").and_then(Value::as_str);
+            matches!(kind, Some("Polygon" | "MultiPolygon"))
+        })
+    })
+}

@@ -10,7 +10,9 @@
 
 mod area;
 mod conduct;
+mod consequence;
 mod control;
+mod delivery;
 mod due;
 mod error;
 mod geojson;
@@ -26,13 +28,16 @@ mod plan;
 mod plane;
 mod process;
 mod rule;
+mod services;
 mod stamps;
 mod state;
 mod statistics;
+mod surroundings;
 mod violation;
+mod zone;
 
 pub use error::OracleError;
-pub use limits::{Activity, ControlHook, Limits, Truth};
+pub use limits::{Activity, Caps, ControlHook, Limits, Truth};
 pub use oracle::Oracle;
 pub use state::State;
 pub use statistics::Statistics;

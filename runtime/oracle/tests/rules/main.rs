@@ -8,5 +8,6 @@ mod inserts;
 mod leases;
 mod operator;
 mod robustness;
+mod services;
 mod states;
 mod truth;

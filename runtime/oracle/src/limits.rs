@@ -25,7 +25,8 @@ pub struct Limits {
     pub inserts_duration_max_s: f64,
     /// How much else may be asked for.
     pub caps: Caps,
-    /// The longest delay of the simulated link, seconds, one way, its faults included.
+    /// The longest delay of the undisturbed link, seconds, one way: from when the vehicle's bytes are let on their way to
+    /// us until we have them. What its faults hold back is told when it is let go.
     pub link_delay_s: f64,
     /// Whether the operator's policy may send what no plugin can: aborts, kills, cancels without identifier, and
     /// what moves the vehicle's idea of where it is.

@@ -3,6 +3,7 @@
 mod scenario;
 
 mod control;
+mod faults;
 mod holds;
 mod inserts;
 mod leases;

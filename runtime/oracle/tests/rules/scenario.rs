@@ -31,13 +31,14 @@ pub(crate) const END: &str = "BPEMB,{t}";
 #[derive(Clone)]
 enum Event {
     Link(bool),
-    Vehicle(String),
+    Vehicle(Vec<u8>),
     Ours(Vec<u8>),
     Activity(Activity),
     Place(f64, f64),
     Depth(f64),
     Altitude(f64),
     Navigation(bool),
+    NavigationDelay(u64),
     Stopped,
     Continued,
     Started,
@@ -111,7 +112,12 @@ impl Scenario {
     /// The vehicle writes a sentence; `{t}` is the time.
     pub(crate) fn vehicle(self, ms: u64, body: &str) -> Self {
         let text = sentence(&body.replace("{t}", &stamp(ms)));
-        self.event(ms, Event::Vehicle(text))
+        self.vehicle_bytes(ms, text.as_bytes())
+    }
+
+    /// Bytes of the vehicle are let on their way.
+    pub(crate) fn vehicle_bytes(self, ms: u64, bytes: &[u8]) -> Self {
+        self.event(ms, Event::Vehicle(bytes.to_vec()))
     }
 
     /// We write a sentence; `{t}` is the time.
@@ -151,6 +157,11 @@ impl Scenario {
     /// Whether the vehicle writes BFNVG.
     pub(crate) fn navigation(self, ms: u64, on: bool) -> Self {
         self.event(ms, Event::Navigation(on))
+    }
+
+    /// How old each BFNVG is when it is let on its way, milliseconds.
+    pub(crate) fn navigation_delay(self, ms: u64, delay_ms: u64) -> Self {
+        self.event(ms, Event::NavigationDelay(delay_ms))
     }
 
     /// A fault stops the runtime.
@@ -210,7 +221,7 @@ impl Scenario {
             activity: Activity::Plan,
         };
         let (mut navigation, mut up) = (true, false);
-        let mut states = Vec::new();
+        let (mut states, mut delay_ms) = (Vec::new(), 0);
         let mut events = self.events.into_iter().peekable();
         for ms in 0..=until_ms {
             let at = Timestamp::from_millis(ms);
@@ -220,7 +231,7 @@ impl Scenario {
                         up = now;
                         oracle.link(at, now);
                     }
-                    Event::Vehicle(text) => oracle.from_vehicle(at, text.as_bytes()),
+                    Event::Vehicle(bytes) => oracle.from_vehicle(at, &bytes),
                     Event::Ours(bytes) => {
                         oracle.to_vehicle(at, &bytes);
                         if self.answers && bytes.starts_with(b"$BPRMB") && up {
@@ -237,6 +248,7 @@ impl Scenario {
                     Event::Depth(metres) => truth.depth_m = metres,
                     Event::Altitude(metres) => truth.altitude_m = metres,
                     Event::Navigation(on) => navigation = on,
+                    Event::NavigationDelay(now) => delay_ms = now,
                     Event::Stopped => oracle.runtime_stopped(at),
                     Event::Continued => oracle.runtime_continued(at),
                     Event::Started => oracle.runtime_started(at),
@@ -247,7 +259,7 @@ impl Scenario {
                 continue;
             }
             if navigation && up {
-                let time = stamp(ms);
+                let time = stamp(ms.saturating_sub(delay_ms));
                 let place = self.believed.iter().rev().find(|(since, _)| *since <= ms).unwrap().1;
                 let text = sentence(&format!("BFNVG,{time},{place},1,30,10,90,0,0,{time}"));
                 let (first, second) = text.as_bytes().split_at(ms as usize / 100 % text.len());

@@ -91,7 +91,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         start,
     );
     let (sender, answers) = unbounded_channel();
-    let hold = HoldWatch::new(&state);
+    let hold = HoldWatch::new(start.held);
     let driver = Driver {
         core,
         clock,

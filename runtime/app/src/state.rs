@@ -121,9 +121,9 @@ pub(crate) struct HoldWatch {
 }
 
 impl HoldWatch {
-    /// From the file as it is.
-    pub(crate) fn new(state: &State) -> Self {
-        Self { there: state.held() }
+    /// From whether the run began with a hold: a file that has come or gone since is a change.
+    pub(crate) const fn new(held: bool) -> Self {
+        Self { there: held }
     }
 
     /// The operator's act since the last look, if there was one.
@@ -159,7 +159,7 @@ mod tests {
     fn sr_015_the_operator_holds_and_releases_by_the_file_and_no_act_is_taken_twice() {
         let folder = tempfile::tempdir().unwrap();
         let state = State::open(Some(folder.path()), "mission").unwrap();
-        let mut watch = HoldWatch::new(&state);
+        let mut watch = HoldWatch::new(state.held());
         assert_eq!(watch.look(&state), None);
         let file = folder.path().join("hold");
         fs::write(&file, "").unwrap();
@@ -185,7 +185,7 @@ mod tests {
     fn sr_015_a_hold_that_could_not_be_kept_is_not_released_for_want_of_its_file() {
         let folder = tempfile::tempdir().unwrap();
         let state = State::open(Some(folder.path()), "mission").unwrap();
-        let mut watch = HoldWatch::new(&state);
+        let mut watch = HoldWatch::new(state.held());
         // A folder where the draft would be: as a full disk, it cannot be written.
         fs::create_dir(folder.path().join("hold.new")).unwrap();
         assert!(state.set_held(true).is_err());

@@ -1,10 +1,10 @@
 //! Plugins that misbehave, for tests: one component whose configuration picks the fault.
 //!
-//! Until its fault comes it is a good plugin: it asks each second for a modify of 5 s.
+//! Until its fault comes it is a good plugin: it asks each second for a modify of 5 s, or for a hold of 5 s.
 
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::{
-    Description, FRAME_BYTES, FRAMES, Modify, Plugin, Position, Request, StepInput, TEXT_BYTES, Trackline, Vertical,
+    Description, FRAME_BYTES, FRAMES, HoldTarget, Modify, Plugin, Position, Request, StepInput, TEXT_BYTES, Trackline, Vertical,
     fence, log,
 };
 use serde::Deserialize;
@@ -23,6 +23,9 @@ pub struct Config {
     /// When it does, seconds since the plugin's first step.
     #[serde(default)]
     pub after_s: f64,
+    /// While it is good it asks for holds, as of a hovering vehicle, instead of modifies.
+    #[serde(default)]
+    pub hold: bool,
     /// True heading of the modify, degrees.
     #[serde(default)]
     pub heading_deg: f64,
@@ -252,6 +255,9 @@ impl Faulty {
     }
 
     fn steady(&mut self) -> Request {
+        if self.config.hold {
+            return requests::hold(self.next_tag(), HoldTarget::Here, None);
+        }
         self.modify(self.config.heading_deg, 5 * SECOND_NS)
     }
 
@@ -333,6 +339,7 @@ mod tests {
         let config = Config {
             fault: Fault::Error,
             after_s: 2.0,
+            hold: false,
             heading_deg: 45.0,
             depth_m: 10.0,
             speed_mps: 1.5,

@@ -4,10 +4,12 @@
 
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::{
-    Description, FRAME_BYTES, FRAMES, HoldTarget, Modify, Plugin, Position, Request, StepInput, TEXT_BYTES, Trackline, Vertical,
-    fence, log,
+    Description, FRAME_BYTES, FRAMES, HoldTarget, Modify, Plugin, Position, Request, StepInput, TEXT_BYTES, Trackline,
+    Vertical, fence, log,
 };
 use serde::Deserialize;
+use serde::de::IntoDeserializer as _;
+use serde::de::value::Error as NoFault;
 
 mod requests;
 
@@ -117,6 +119,17 @@ pub enum Fault {
     /// It asks for what needs the vehicle's leave, without it: packets, the DVL's trigger, silence under way, a hold of
     /// a vehicle that does not hover.
     Uninvited,
+}
+
+impl Fault {
+    /// All faults by the names that a mission file gives them, so that a test can have each.
+    #[must_use]
+    pub fn names() -> Vec<String> {
+        let refused: Result<Self, NoFault> = Self::deserialize("?".into_deserializer());
+        // "unknown variant `?`, expected one of `none`, `trap`, ...": every second piece is a name.
+        let told = refused.err().map(|error| error.to_string()).unwrap_or_default();
+        told.split('`').skip(3).step_by(2).map(str::to_owned).collect()
+    }
 }
 
 /// A plugin that misbehaves.
@@ -333,6 +346,18 @@ impl Faulty {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_fault_has_a_name() {
+        let names = Fault::names();
+        assert_eq!(names.first().map(String::as_str), Some("none"));
+        assert_eq!(names.last().map(String::as_str), Some("uninvited"));
+        assert!(names.iter().any(|name| name == "latitude_91"), "{names:?}");
+        for name in names {
+            let fault: Result<Fault, NoFault> = Fault::deserialize(name.as_str().into_deserializer());
+            assert!(fault.is_ok(), "{name}");
+        }
+    }
 
     #[test]
     fn it_behaves_until_its_fault_comes() {

@@ -58,7 +58,11 @@ struct Row {
 /// Where a fault has no such name.
 pub fn run(arguments: &Beside) -> Result<BesideReport> {
     let all = Fault::names();
-    let faults = if arguments.faults.is_empty() { &all } else { &arguments.faults };
+    let faults = if arguments.faults.is_empty() {
+        &all
+    } else {
+        &arguments.faults
+    };
     if let Some(unknown) = faults.iter().find(|fault| !all.contains(fault)) {
         bail!("--faults: {unknown:?} is none of {}", all.join(", "));
     }
@@ -97,7 +101,15 @@ fn fly(fault: &str, seconds: f64) -> Row {
     );
     let vehicle = Vehicle::start_within(&mission, STARTS_WITHIN);
     let runtime = Backseat::new()
-        .args(["run", "--arm", "--first-identifier", "1", "--connect", &vehicle.address, "--log"])
+        .args([
+            "run",
+            "--arm",
+            "--first-identifier",
+            "1",
+            "--connect",
+            &vehicle.address,
+            "--log",
+        ])
         .arg(mission.beside("logs"))
         .arg("--state")
         .arg(mission.beside("state"))
@@ -133,7 +145,12 @@ impl BesideReport {
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let late = self.rows.iter().filter(|row| row.worst_gap_s >= GAP_MAX_S);
-        let late = late.map(|row| format!("{}: {:.3} s without a modify of the good plugin", row.fault, row.worst_gap_s));
+        let late = late.map(|row| {
+            format!(
+                "{}: {:.3} s without a modify of the good plugin",
+                row.fault, row.worst_gap_s
+            )
+        });
         self.misses.iter().cloned().chain(late).collect()
     }
 
@@ -147,7 +164,11 @@ impl BesideReport {
 
 impl fmt::Display for BesideReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{:<16}{:>10}{:>14}{:>10}", "fault", "modifies", "worst gap, s", "failures")?;
+        writeln!(
+            f,
+            "{:<16}{:>10}{:>14}{:>10}",
+            "fault", "modifies", "worst gap, s", "failures"
+        )?;
         for row in &self.rows {
             let Row {
                 fault,

@@ -9,8 +9,12 @@ use super::trial::{BACK, FAULT, Record};
 const TICK_S: f64 = 0.1;
 /// What had left the runtime when its fault came is received within this, seconds: it was under way.
 const UNDER_WAY_S: f64 = 0.25;
-/// A suspension that is longer has been noticed, seconds: a wake-up later than half a second ends every lease.
-const NOTICED_S: f64 = 0.7;
+/// A suspension that is longer has been noticed, seconds: core has promised to wake within a second at the latest, and a
+/// wake-up later than that by half a second ends every lease. A shorter one may go unnoticed, and what is then sent has
+/// been judged since.
+const NOTICED_S: f64 = 1.6;
+/// What was judged longer ago is not sent, seconds: the driver's half second.
+const JUDGED_WITHIN_S: f64 = 0.6;
 /// Clocks are told to the millisecond.
 const ROUNDED_S: f64 = 0.002;
 /// The mission's cap on open inserts.
@@ -21,7 +25,7 @@ const INSERTS_OPEN_MAX: usize = 4;
 pub(super) struct Verdict {
     /// From the last refresh that it received to the end, seconds; none where the lease went on.
     pub(super) after_last_s: Option<f64>,
-    /// From the fault to the end, seconds.
+    /// From the fault to the end, seconds; of SIGTERM, from the process's end.
     pub(super) after_fault_s: Option<f64>,
     /// From when the runtime could act again to its next refresh, seconds.
     pub(super) again_s: Option<f64>,
@@ -198,7 +202,12 @@ fn again(plan: &Plan, record: &Record, fault: usize, back: usize, verdict: &mut 
 /// What was judged before it could act again is not sent.
 fn stale(plan: &Plan, record: &Record, back: usize, verdict: &mut Verdict) {
     let Some(back_s) = record.back_utc_s else { return };
-    if plan.act.lasts().is_some_and(|lasts| lasts.as_secs_f64() <= NOTICED_S) && !plan.act.is_cut() {
+    if plan
+        .act
+        .lasts()
+        .is_some_and(|lasts| lasts.as_secs_f64() <= JUDGED_WITHIN_S)
+        && !plan.act.is_cut()
+    {
         return;
     }
     for line in &record.lines[back..] {
@@ -252,4 +261,150 @@ fn identifiers(lines: &[Line], verdict: &mut Verdict) {
         }
     }
     verdict.identifiers = used.len();
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    fn line(at_s: f64, way: Way, client: u32, text: &str) -> Line {
+        Line {
+            at_s,
+            way,
+            client,
+            text: text.to_owned(),
+        }
+    }
+
+    fn received(at_s: f64, client: u32, text: &str) -> Line {
+        line(at_s, Way::Received, client, text)
+    }
+
+    fn event(at_s: f64, text: &str) -> Line {
+        line(at_s, Way::Event, 0, text)
+    }
+
+    fn mark(at_s: f64, text: &str) -> Line {
+        received(at_s, 1, &format!("$BPMSG,000000.000,{text}"))
+    }
+
+    /// A modify made at this second after noon.
+    fn modify(at_s: f64, client: u32, made_s: u32) -> Line {
+        received(
+            at_s,
+            client,
+            &format!("$BPRMB,12{:02}{:02}.000,90,8,0,1.5,1,0*00", made_s / 60, made_s % 60),
+        )
+    }
+
+    fn misses(act: Act, lines: Vec<Line>) -> Vec<String> {
+        let plan = Plan {
+            number: 1,
+            subject: Subject::Modify,
+            act,
+            after: Duration::ZERO,
+        };
+        let back = act.lasts().map(|lasts| 12.0 * 3600.0 + 10.5 + lasts.as_secs_f64());
+        let record = Record {
+            lines,
+            back_utc_s: back,
+            exit: (act == Act::Terminate).then_some(Some(0)),
+            ..Record::default()
+        };
+        judge(&plan, &record).misses
+    }
+
+    #[track_caller]
+    fn one(misses: &[String], word: &str) {
+        assert_eq!(misses.len(), 1, "{misses:?}");
+        assert!(misses[0].contains(word), "{misses:?}");
+    }
+
+    #[test]
+    fn a_kill_is_judged_by_silence_and_by_the_lapse() {
+        let lapses = |at_s| {
+            vec![
+                modify(9.0, 2, 9),
+                modify(10.0, 2, 10),
+                mark(10.5, FAULT),
+                event(at_s, "modify ended: 5 s without a refresh"),
+                event(20.0, "the clock"),
+            ]
+        };
+        assert!(misses(Act::Kill, lapses(15.0)).is_empty());
+        one(&misses(Act::Kill, lapses(15.2)), "it ended 5.200 s after");
+        let mut stands = lapses(15.0);
+        stands.remove(3);
+        one(&misses(Act::Kill, stands), "it stood 10.000 s after");
+        let mut heard = lapses(15.0);
+        heard.insert(3, modify(11.0, 2, 11));
+        one(&misses(Act::Kill, heard), "received 0.500 s after the fault");
+        let mut under_way = lapses(15.1);
+        under_way.insert(3, modify(10.6, 2, 10));
+        assert!(misses(Act::Kill, under_way).is_empty());
+    }
+
+    #[test]
+    fn who_was_suspended_ends_what_stood_and_sends_nothing_old() {
+        let goes_on = |then: Vec<Line>| {
+            let mut lines = vec![modify(10.0, 2, 10), mark(10.5, FAULT), mark(13.5, BACK)];
+            lines.extend(then);
+            misses(Act::Pause(Duration::from_secs(3)), lines)
+        };
+        let (release, ended) = (
+            received(13.6, 2, "$BPEMB,1*00"),
+            event(13.6, "modify ended: by the payload"),
+        );
+        assert!(goes_on(vec![release.clone(), ended.clone(), modify(14.0, 2, 14)]).is_empty());
+        one(&goes_on(vec![modify(13.6, 2, 14)]), "without an end of what stood");
+        one(
+            &goes_on(vec![release.clone(), ended.clone(), modify(14.0, 2, 12)]),
+            "made 1.500 s before it could act again",
+        );
+        one(&goes_on(vec![release, ended]), "never steered again");
+        assert!(goes_on(vec![modify(14.0, 3, 14)]).is_empty(), "a connection of its own");
+    }
+
+    #[test]
+    fn nothing_comes_over_a_connection_that_was_cut() {
+        let cut = |then: Line| {
+            let lines = vec![modify(10.0, 2, 10), mark(10.5, FAULT), mark(12.5, BACK), then];
+            misses(Act::Reset(Duration::from_secs(2)), lines)
+        };
+        assert!(cut(modify(13.0, 3, 13)).is_empty());
+        one(&cut(modify(13.0, 2, 13)), "a connection that was cut");
+        one(&cut(modify(13.0, 3, 12)), "made 0.500 s before");
+    }
+
+    #[test]
+    fn who_is_told_to_end_gives_the_helm_back() {
+        let ends = |release: &str| {
+            let lines = vec![
+                modify(10.0, 2, 10),
+                received(10.4, 2, release),
+                event(10.4, "modify ended: by the payload"),
+                mark(10.5, FAULT),
+            ];
+            misses(Act::Terminate, lines)
+        };
+        assert!(ends("$BPEMB,1*00").is_empty());
+        one(&ends("$BPSTS,1*00"), "did not give the helm back");
+    }
+
+    #[test]
+    fn no_identifier_twice_and_no_more_open_than_the_cap() {
+        let mut lines = vec![modify(10.0, 2, 10), event(10.1, "modify ended: by the payload")];
+        lines.push(mark(10.5, FAULT));
+        for id in [7, 8, 7] {
+            lines.push(received(11.0, 2, &format!("$BPRTK,120000.000,{id},42*00")));
+        }
+        one(&misses(Act::Kill, lines.clone()), "twice");
+        lines.truncate(3);
+        lines.extend((1..=5).map(|id| event(12.0, &format!("insert {id} of client 2 accepted"))));
+        one(&misses(Act::Kill, lines.clone()), "5 inserts are open");
+        lines.insert(6, event(12.0, "inserted trackline 2 ended: done"));
+        assert!(misses(Act::Kill, lines).is_empty());
+    }
 }

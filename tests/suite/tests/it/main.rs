@@ -1,5 +1,7 @@
 //! The program as its users meet it, a file a behaviour.
 
+mod clocks;
+mod disk;
 mod drivers;
 mod faults;
 mod fence;
@@ -8,6 +10,7 @@ mod identifiers;
 mod mvc;
 mod operator;
 mod refusals;
+mod service;
 mod session;
 mod silence;
 mod sim_faults;

@@ -1,13 +1,15 @@
 //! Plugins that misbehave, for tests: one component whose configuration picks the fault.
 //!
-//! Until its fault comes it is a good plugin: it asks each second for a modify of 5 s.
+//! Until its fault comes it is a good plugin: it asks each second for a modify of 5 s, or for a hold of 5 s.
 
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::{
-    Description, FRAME_BYTES, FRAMES, Modify, Plugin, Position, Request, StepInput, TEXT_BYTES, Trackline, Vertical,
-    fence, log,
+    Description, FRAME_BYTES, FRAMES, HoldTarget, Modify, Plugin, Position, Request, StepInput, TEXT_BYTES, Trackline,
+    Vertical, fence, log,
 };
 use serde::Deserialize;
+use serde::de::IntoDeserializer as _;
+use serde::de::value::Error as NoFault;
 
 mod requests;
 
@@ -23,6 +25,9 @@ pub struct Config {
     /// When it does, seconds since the plugin's first step.
     #[serde(default)]
     pub after_s: f64,
+    /// While it is good it asks for holds, as of a hovering vehicle, instead of modifies.
+    #[serde(default)]
+    pub hold: bool,
     /// True heading of the modify, degrees.
     #[serde(default)]
     pub heading_deg: f64,
@@ -114,6 +119,17 @@ pub enum Fault {
     /// It asks for what needs the vehicle's leave, without it: packets, the DVL's trigger, silence under way, a hold of
     /// a vehicle that does not hover.
     Uninvited,
+}
+
+impl Fault {
+    /// All faults by the names that a mission file gives them, so that a test can have each.
+    #[must_use]
+    pub fn names() -> Vec<String> {
+        let refused: Result<Self, NoFault> = Self::deserialize("?".into_deserializer());
+        // "unknown variant `?`, expected one of `none`, `trap`, ...": every second piece is a name.
+        let told = refused.err().map(|error| error.to_string()).unwrap_or_default();
+        told.split('`').skip(3).step_by(2).map(str::to_owned).collect()
+    }
 }
 
 /// A plugin that misbehaves.
@@ -252,6 +268,9 @@ impl Faulty {
     }
 
     fn steady(&mut self) -> Request {
+        if self.config.hold {
+            return requests::hold(self.next_tag(), HoldTarget::Here, None);
+        }
         self.modify(self.config.heading_deg, 5 * SECOND_NS)
     }
 
@@ -329,10 +348,23 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_fault_has_a_name() {
+        let names = Fault::names();
+        assert_eq!(names.first().map(String::as_str), Some("none"));
+        assert_eq!(names.last().map(String::as_str), Some("uninvited"));
+        assert!(names.iter().any(|name| name == "latitude_91"), "{names:?}");
+        for name in names {
+            let fault: Result<Fault, NoFault> = Fault::deserialize(name.as_str().into_deserializer());
+            assert!(fault.is_ok(), "{name}");
+        }
+    }
+
+    #[test]
     fn it_behaves_until_its_fault_comes() {
         let config = Config {
             fault: Fault::Error,
             after_s: 2.0,
+            hold: false,
             heading_deg: 45.0,
             depth_m: 10.0,
             speed_mps: 1.5,

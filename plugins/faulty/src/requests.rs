@@ -114,7 +114,7 @@ pub(crate) fn with_figure(value: f64, mut tag: impl FnMut() -> u64) -> Vec<Reque
     ]
 }
 
-fn hold(tag: u64, target: HoldTarget, speed: Option<f64>) -> Request {
+pub(crate) fn hold(tag: u64, target: HoldTarget, speed: Option<f64>) -> Request {
     Request::Hold(Hold {
         tag,
         target,

@@ -12,6 +12,8 @@ use tokio::net::TcpStream;
 const USER_TIMEOUT: Duration = Duration::from_secs(2);
 /// A write that has waited this long resets it.
 const WRITE_WITHIN: Duration = Duration::from_secs(1);
+/// What was judged longer ago than this is not written: the process was stopped in between.
+const JUDGED_WITHIN: Duration = Duration::from_millis(500);
 const CONNECT_WITHIN: Duration = Duration::from_secs(5);
 
 /// A connection, or none.
@@ -68,8 +70,16 @@ impl Link {
         let _ended = tokio::time::timeout(within, farewell).await;
     }
 
-    /// Writes at once what can be written; the rest waits, for [`WRITE_WITHIN`] at most.
-    pub(crate) fn send(&mut self, now: Timestamp, bytes: &[u8]) -> io::Result<()> {
+    /// Writes at once what can be written; the rest waits, for [`WRITE_WITHIN`] at most. `judged` is when core said it.
+    ///
+    /// # Errors
+    /// Where the connection is broken, or what is to be written is too old: the connection is then to be reset.
+    pub(crate) fn send(&mut self, judged: Timestamp, now: Timestamp, bytes: &[u8]) -> io::Result<()> {
+        let old = now.since(judged);
+        if old > JUDGED_WITHIN {
+            let why = format!("the process stood still for {:.1} s before a write", old.as_secs_f64());
+            return Err(io::Error::new(io::ErrorKind::TimedOut, why));
+        }
         self.pending.extend_from_slice(bytes);
         self.flush(now)
     }
@@ -79,6 +89,12 @@ impl Link {
             self.pending.clear();
             return Ok(());
         };
+        if self.write_deadline().is_some_and(|at| at <= now) {
+            return Err(io::Error::new(
+                io::ErrorKind::TimedOut,
+                "a write has waited for a second",
+            ));
+        }
         while !self.pending.is_empty() {
             match stream.try_write(&self.pending) {
                 Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
@@ -136,4 +152,51 @@ pub(crate) enum Ready {
     Writable,
     /// The other side has closed it.
     Closed,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tokio::net::TcpListener;
+
+    async fn connected() -> (Link, TcpStream) {
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let stream = connect(&listener.local_addr().unwrap().to_string()).await.unwrap();
+        let (vehicle, _) = listener.accept().await.unwrap();
+        let mut link = Link::default();
+        link.open(stream);
+        (link, vehicle)
+    }
+
+    fn at(millis: u64) -> Timestamp {
+        Timestamp::ZERO + Duration::from_millis(millis)
+    }
+
+    #[tokio::test]
+    async fn sr_007_what_was_judged_before_the_process_stood_still_is_not_written() {
+        let (mut link, mut vehicle) = connected().await;
+        link.send(at(1000), at(1001), b"judged now").unwrap();
+        assert!(link.send(at(2000), at(2501), b"judged long ago").is_err());
+        link.reset();
+        let mut read = Vec::new();
+        // The reset ends it.
+        let _reset = vehicle.read_to_end(&mut read).await;
+        assert!(!String::from_utf8_lossy(&read).contains("long ago"));
+    }
+
+    #[tokio::test]
+    async fn sr_007_what_waited_for_a_second_is_not_written() {
+        let (mut link, mut vehicle) = connected().await;
+        // More than all buffers of a connection that nobody reads.
+        let flood = vec![b'x'; 64 << 20];
+        link.send(at(1000), at(1000), &flood).unwrap();
+        assert_eq!(link.write_deadline(), Some(at(2000)));
+        let mut buffer = vec![0; 1 << 20];
+        while vehicle.try_read(&mut buffer).is_ok_and(|read| read > 0) {}
+        tokio::time::sleep(Duration::from_millis(50)).await;
+        // There is room now, and it is too late.
+        let error = link.send(at(2100), at(2100), b"$BPEMB").unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::TimedOut);
+        assert_eq!(link.write_deadline(), Some(at(2000)), "nothing more was written");
+    }
 }

@@ -12,6 +12,7 @@ mod operator;
 mod output;
 mod plugins;
 mod run;
+mod service;
 mod sim;
 mod spi;
 mod state;

@@ -23,6 +23,7 @@ use crate::drivers::{Heard, Ports};
 use crate::link::{Link, Ready, connect};
 use crate::operator::Signals;
 use crate::plugins::{Answer, Crew};
+use crate::service::{Service, Slips};
 use crate::state::{HoldWatch, State};
 
 /// What is granted that the vehicle must know by an identifier.
@@ -99,6 +100,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         address,
         connect_at: None,
         connecting: None,
+        judged: Timestamp::ZERO,
         crew: Crew::new(host, loaded.plugins, sender),
         ports,
         state,
@@ -171,6 +173,8 @@ struct Driver {
     address: String,
     connect_at: Option<Timestamp>,
     connecting: Option<Pin<Box<dyn Future<Output = std::io::Result<TcpStream>>>>>,
+    /// When core was last asked: what it says then is as old.
+    judged: Timestamp,
     crew: Crew,
     ports: Ports,
     state: State,
@@ -198,20 +202,24 @@ impl Driver {
         let mut buffer = vec![0; 64 * 1024];
         let mut flush_at = Timestamp::ZERO + FLUSH_EVERY;
         let mut look_at = Timestamp::ZERO + LOOK_EVERY;
+        let (mut service, mut slips) = (Service::from_environment(), Slips::default());
         self.carry_out_all();
         while !self.finished {
+            service.comes_round(self.clock.now());
             let wake = [
                 self.core.poll_timeout(),
                 self.connect_at,
                 self.link.write_deadline(),
+                service.deadline(),
                 Some(flush_at),
                 Some(look_at),
             ];
-            let wake = self.clock.instant(wake.into_iter().flatten().min().unwrap_or(flush_at));
+            let wake = wake.into_iter().flatten().min().unwrap_or(flush_at);
+            let instant = self.clock.instant(wake);
             tokio::select! {
                 // Core's timers first: a late wake-up must be seen as one before what has piled up is read.
                 biased;
-                () = tokio::time::sleep_until(wake) => self.feed(Input::Timeout),
+                () = tokio::time::sleep_until(instant) => self.feed(Input::Timeout),
                 act = signals.next() => self.operator(act),
                 Some(answer) = answers.recv() => match answer {
                     Answer::Returned(plugin, returned) => self.feed(Input::Returned(plugin, returned)),
@@ -227,6 +235,7 @@ impl Driver {
                 Some((driver, bytes)) = heard.recv() => self.feed(Input::Driver(driver, &bytes)),
             }
             let now = self.clock.now();
+            slips.woke(wake, now);
             if self.link.write_deadline().is_some_and(|at| at <= now) {
                 self.lose_link("a write has waited for a second".to_owned());
             }
@@ -246,6 +255,8 @@ impl Driver {
                 self.record(Recorder::flush);
             }
         }
+        service.stopping();
+        slips.end();
         self.farewell().await;
         if let Some(recorder) = self.recorder.take() {
             recorder.finish()?;
@@ -256,7 +267,7 @@ impl Driver {
     fn feed(&mut self, input: Input<'_>) {
         let now = self.clock.now();
         self.record(|recorder| recorder.input(now, &input));
-        self.core.handle(now, input);
+        self.handle(now, input);
         if let Some(sample) = self.core.navigation().copied()
             && self.recorded_navigation != Some(sample.solution)
         {
@@ -264,6 +275,11 @@ impl Driver {
             self.record(|recorder| recorder.navigation(now, &sample));
         }
         self.carry_out_all();
+    }
+
+    fn handle(&mut self, now: Timestamp, input: Input<'_>) {
+        self.judged = now;
+        self.core.handle(now, input);
     }
 
     fn carry_out_all(&mut self) {
@@ -283,14 +299,14 @@ impl Driver {
                 return;
             };
             self.record(|recorder| recorder.input(now, &input));
-            self.core.handle(now, input);
+            self.handle(now, input);
         }
     }
 
     fn carry_out(&mut self, now: Timestamp, output: Output) {
         match output {
             Output::Send(bytes) => {
-                if let Err(error) = self.link.send(now, &bytes) {
+                if let Err(error) = self.link.send(self.judged, self.clock.now(), &bytes) {
                     self.link_lost = Some(format!("the connection broke: {error}"));
                     self.reset = self.link.is_open();
                 }

@@ -1,10 +1,14 @@
-//! Long runs of the mock vehicle: does its memory stay flat, its clock exact, its log whole?
+//! Long runs: of the mock vehicle, whether its memory stays flat, its clock exact and its log whole; of the runtime,
+//! whether the vehicle has its helm again in time, whatever happens to the process.
 //!
 //! [`year`] flies days on a virtual clock as fast as they go, with faults that the seed draws; [`tcp`] serves clients in
-//! real time by the program itself. Both end with a report and say what was not as it must be.
+//! real time by the program itself; [`kills`] kills, stops and cuts off the runtime in real time; [`beside`] has a bad plugin beside a good one. Each ends with a report
+//! and says what was not as it must be.
 
 #![expect(clippy::disallowed_methods, reason = "a soak run measures itself by the real clock")]
 
+pub mod beside;
+pub mod kills;
 mod memory;
 pub mod tcp;
 pub mod year;

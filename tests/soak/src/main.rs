@@ -1,12 +1,12 @@
-//! `backseat-soak`: long runs of the mock vehicle.
+//! `backseat-soak`: long runs.
 
 use std::process::ExitCode;
 
 use anyhow::Result;
-use backseat_soak::{tcp, year};
+use backseat_soak::{beside, kills, tcp, year};
 use clap::Parser;
 
-/// Long runs of the mock vehicle; exit code 1 where something was not as it must be
+/// Long runs; exit code 1 where something was not as it must be
 #[derive(Parser)]
 #[command(max_term_width = 100)]
 enum Cli {
@@ -14,6 +14,10 @@ enum Cli {
     Year(year::Year),
     /// Serve clients over TCP in real time by `backseat mvc --log`
     Tcp(tcp::Tcp),
+    /// Kill, stop, suspend and cut off `backseat run` at random instants while it steers `backseat mvc`
+    Kills(kills::Kills),
+    /// Fly every fault of the plugin `faulty` beside a good plugin, and measure the good one's modifies
+    Beside(beside::Beside),
 }
 
 fn main() -> Result<ExitCode> {
@@ -24,6 +28,14 @@ fn main() -> Result<ExitCode> {
         }
         Cli::Tcp(arguments) => {
             let report = tcp::run(&arguments)?;
+            (report.to_string(), report.faults())
+        }
+        Cli::Beside(arguments) => {
+            let report = beside::run(&arguments)?;
+            (report.to_string(), report.faults())
+        }
+        Cli::Kills(arguments) => {
+            let report = kills::run(&arguments)?;
             (report.to_string(), report.faults())
         }
     };

@@ -21,8 +21,19 @@ impl Mission {
     /// from two seconds after the start on.
     #[must_use]
     pub fn steady() -> Self {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/steady");
-        Self::copy_of(&path, "steady")
+        Self::own("steady")
+    }
+
+    /// The suite's own mission of a hovering vehicle: `faulty` without a fault holds it beside a ship, from two seconds
+    /// after the start on.
+    #[must_use]
+    pub fn hovering() -> Self {
+        Self::own("hovering")
+    }
+
+    fn own(name: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions").join(name);
+        Self::copy_of(&path, name)
     }
 
     fn copy_of(from: &Path, name: &str) -> Self {

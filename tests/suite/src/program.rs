@@ -23,6 +23,7 @@ pub struct Backseat {
     folder: Option<PathBuf>,
     stdout: Option<PathBuf>,
     stdin: Vec<u8>,
+    file_max_kib: Option<u64>,
 }
 
 impl Backseat {
@@ -79,6 +80,13 @@ impl Backseat {
         self
     }
 
+    /// No file that it writes grows beyond this: what is written after fails as on a full disk.
+    #[must_use]
+    pub fn file_max_kib(mut self, kib: u64) -> Self {
+        self.file_max_kib = Some(kib);
+        self
+    }
+
     /// Runs it to its end.
     ///
     /// # Panics
@@ -101,7 +109,17 @@ impl Backseat {
     /// Starts it and lets it run; it ends with the [`Process`] at the latest.
     #[must_use]
     pub fn spawn(self) -> Process {
-        let mut command = Command::new(backseat_test_support::program());
+        let program = backseat_test_support::program();
+        let mut command = match self.file_max_kib {
+            None => Command::new(program),
+            Some(kib) => {
+                // The signal of that limit would end the program; ignored, the write fails. The unit is 512 bytes.
+                let script = format!("trap '' XFSZ; ulimit -f {}; exec \"$0\" \"$@\"", 2 * kib);
+                let mut shell = Command::new("sh");
+                shell.args(["-c", &script]).arg(program);
+                shell
+            }
+        };
         for (name, _) in std::env::vars_os() {
             if name.to_string_lossy().starts_with("BACKSEAT") {
                 command.env_remove(name);

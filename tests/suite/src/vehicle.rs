@@ -104,9 +104,19 @@ impl Vehicle {
         Self::start_with(mission, address, &[])
     }
 
+    /// Starts it on a free port of a machine that is busier than most.
+    #[must_use]
+    pub fn start_within(mission: &Mission, within: Duration) -> Self {
+        Self::begin(mission, "127.0.0.1:0", &[], within)
+    }
+
     /// Starts it on this address, with these flags.
     #[must_use]
     pub fn start_with(mission: &Mission, address: &str, flags: &[&str]) -> Self {
+        Self::begin(mission, address, flags, STARTS_WITHIN)
+    }
+
+    fn begin(mission: &Mission, address: &str, flags: &[&str], within: Duration) -> Self {
         let count = fs::read_dir(mission.beside("")).map_or(0, Iterator::count);
         let log = mission.beside(&format!("vehicle-{count}.log"));
         let process = Backseat::new()
@@ -115,7 +125,7 @@ impl Vehicle {
             .args(flags.iter().copied())
             .mission(mission)
             .spawn();
-        let line = process.says("listening on ", STARTS_WITHIN);
+        let line = process.says("listening on ", within);
         let address = line.rsplit(' ').next().unwrap_or("").trim().to_owned();
         Self { process, address, log }
     }

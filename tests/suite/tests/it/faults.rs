@@ -1,4 +1,5 @@
-//! A bad plugin beside a good one: the good one does not notice (safety requirement 006).
+//! A bad plugin beside a good one: the good one does not notice (safety requirement 006). Each fault of `faulty` has its
+//! test here; `backseat-soak beside` has each in real time.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -127,10 +128,29 @@ fn isobath_steers(log: &Log) {
     assert_eq!(steering.len(), undisturbed().len());
 }
 
+/// As above, and every modify leaves at the same millisecond as beside a sibling that does nothing wrong.
+#[track_caller]
+fn isobath_is_refreshed_the_same(log: &Log) {
+    isobath_is_refreshed(log);
+    let times = |sentences: &[(f64, String)]| -> Vec<f64> {
+        let modifies = sentences.iter().filter(|(_, sentence)| sentence.starts_with("$BPRMB,"));
+        modifies.map(|(at_s, _)| *at_s).collect()
+    };
+    let (here, there) = (times(&steering(log)), times(undisturbed()));
+    assert_eq!(here.len(), there.len());
+    for (here_s, there_s) in here.iter().zip(&there) {
+        assert!(
+            (here_s - there_s).abs() < 1e-3,
+            "the first difference: {here_s:.6} s, undisturbed {there_s:.6} s"
+        );
+    }
+}
+
 /// A test for each fault: its name in the plugin's configuration, how it is told where it is a failure, and what must
 /// hold of isobath.
 macro_rules! faults {
-    ($holds:ident: $($name:ident $fault:literal $($kind:literal)?;)*) => {
+    ($all:ident $holds:ident: $($name:ident $fault:literal $($kind:literal)?;)*) => {
+        const $all: &[&str] = &[$($fault),*];
         $(
             #[test]
             fn $name() {
@@ -146,7 +166,7 @@ macro_rules! faults {
     };
 }
 
-faults! { isobath_steers:
+faults! { STEERS isobath_steers:
     a_plugin_that_panics "trap" "Trap";
     a_plugin_that_never_returns "loop" "OutOfFuel";
     a_plugin_that_takes_all_memory "grow" "Memory";
@@ -170,14 +190,23 @@ faults! { isobath_steers:
 }
 
 // What these ask for may be sent within its limits. On a link whose delays are drawn write by write, isobath's own
-// sentences are then not the same to the byte.
-faults! { isobath_is_refreshed:
+// sentences are then not the same to the byte; that they leave at the same time holds all the same.
+faults! { IS_REFRESHED isobath_is_refreshed_the_same:
     a_plugin_that_floods_the_topside "topside_flood";
     a_plugin_that_floods_the_acoustic_modem "packet_flood";
     a_plugin_that_flashes_the_light "light_flood";
     a_plugin_whose_texts_delimit_sentences "reserved_text";
     a_plugin_that_throws_the_camera "camera_1000";
     a_plugin_that_does_not_wait_for_leave "uninvited";
+}
+
+#[test]
+fn sr_006_every_fault_of_the_plugin_is_tried_beside_a_good_one() {
+    let mut tried: Vec<&str> = [&["none"], STEERS, IS_REFRESHED].concat();
+    let mut all = faulty::Fault::names();
+    tried.sort_unstable();
+    all.sort_unstable();
+    assert_eq!(tried, all);
 }
 
 /// The reasons that requests of the bad plugin were rejected for, but for isobath's steering.

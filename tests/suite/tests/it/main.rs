@@ -1,5 +1,7 @@
 //! The program as its users meet it, a file a behaviour.
 
+mod clocks;
+mod disk;
 mod drivers;
 mod faults;
 mod fence;
@@ -9,6 +11,7 @@ mod mvc;
 mod operator;
 mod predive;
 mod refusals;
+mod service;
 mod session;
 mod silence;
 mod sim_faults;

@@ -1,0 +1,188 @@
+//! What the service manager is told of the control loop (the protocol of sd_notify(3)), and how late the loop was.
+//!
+//! Only the loop that serves core calls this: a loop that is stuck feeds no watchdog, and is started anew.
+
+use std::io;
+use std::os::linux::net::SocketAddrExt as _;
+use std::os::unix::net::{SocketAddr, UnixDatagram};
+use std::time::Duration;
+
+use backseat_units::Timestamp;
+use tracing::{info, warn};
+
+/// A wake-up that is later than this is a slip.
+const SLIP: Duration = Duration::from_millis(50);
+/// One that is later than this has ended every lease.
+const LATE: Duration = Duration::from_millis(500);
+const TELL_EVERY: Duration = Duration::from_secs(60);
+
+/// The service manager, where there is one.
+pub(crate) struct Service {
+    socket: Option<UnixDatagram>,
+    feed_every: Option<Duration>,
+    feed_at: Timestamp,
+    ready: bool,
+    failed: bool,
+}
+
+impl Service {
+    /// As the environment says: `NOTIFY_SOCKET`, `WATCHDOG_USEC`, `WATCHDOG_PID`.
+    pub(crate) fn from_environment() -> Self {
+        let variable = |name| std::env::var(name).ok().filter(|value| !value.is_empty());
+        let socket = variable("NOTIFY_SOCKET").and_then(|address| match connect(&address) {
+            Ok(socket) => Some(socket),
+            Err(error) => {
+                warn!("the service manager is not told: NOTIFY_SOCKET {address:?}: {error}");
+                None
+            }
+        });
+        let ours = variable("WATCHDOG_PID").is_none_or(|pid| pid == std::process::id().to_string());
+        let term = variable("WATCHDOG_USEC")
+            .and_then(|micros| micros.parse().ok())
+            .filter(|micros| ours && *micros > 0);
+        Self {
+            socket,
+            feed_every: term.map(|micros| Duration::from_micros(micros) / 2),
+            feed_at: Timestamp::ZERO,
+            ready: false,
+            failed: false,
+        }
+    }
+
+    /// The loop has come round: the first time it is ready, and the watchdog is fed when it is time to.
+    pub(crate) fn comes_round(&mut self, now: Timestamp) {
+        if !std::mem::replace(&mut self.ready, true) {
+            self.tell("READY=1");
+        }
+        if let Some(every) = self.feed_every
+            && now >= self.feed_at
+        {
+            self.feed_at = now + every;
+            self.tell("WATCHDOG=1");
+        }
+    }
+
+    /// When the loop must come round at the latest.
+    pub(crate) fn deadline(&self) -> Option<Timestamp> {
+        self.feed_every.filter(|_| self.socket.is_some()).map(|_| self.feed_at)
+    }
+
+    /// The loop has ended in order.
+    pub(crate) fn stopping(&mut self) {
+        self.tell("STOPPING=1");
+    }
+
+    fn tell(&mut self, state: &str) {
+        let Some(socket) = &self.socket else { return };
+        // It never waits: a service manager that does not listen must not hold up the loop.
+        if let Err(error) = socket.send(state.as_bytes())
+            && !std::mem::replace(&mut self.failed, true)
+        {
+            warn!("the service manager is not told {state}: {error}");
+        }
+    }
+}
+
+fn connect(address: &str) -> io::Result<UnixDatagram> {
+    let address = match address.strip_prefix('@') {
+        Some(name) => SocketAddr::from_abstract_name(name)?,
+        None => SocketAddr::from_pathname(address)?,
+    };
+    let socket = UnixDatagram::unbound()?;
+    socket.connect_addr(&address)?;
+    socket.set_nonblocking(true)?;
+    Ok(socket)
+}
+
+/// How much later than promised the loop has woken.
+#[derive(Debug, Default)]
+pub(crate) struct Slips {
+    minute: Count,
+    all: Count,
+    tell_at: Timestamp,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Count {
+    slips: u64,
+    late: u64,
+    worst: Duration,
+}
+
+impl Slips {
+    /// The loop was to wake at `promised` at the latest, and did now. Tells of the last minute where there were slips.
+    pub(crate) fn woke(&mut self, promised: Timestamp, now: Timestamp) {
+        let late = now.since(promised);
+        if late > SLIP {
+            self.minute.add(late);
+            self.all.add(late);
+        }
+        if now >= self.tell_at {
+            self.tell_at = now + TELL_EVERY;
+            if let Some(told) = std::mem::take(&mut self.minute).told() {
+                info!("slips in the last minute: {told}");
+            }
+        }
+    }
+
+    /// Tells of the whole run.
+    pub(crate) fn end(&self) {
+        match self.all.told() {
+            Some(told) => info!("slips: {told}"),
+            None => info!("slips: none"),
+        }
+    }
+}
+
+impl Count {
+    fn add(&mut self, late: Duration) {
+        self.slips += 1;
+        self.late += u64::from(late > LATE);
+        self.worst = self.worst.max(late);
+    }
+
+    fn told(&self) -> Option<String> {
+        (self.slips > 0).then(|| {
+            format!(
+                "{} wake-ups over 50 ms late, {} of them over 500 ms, the worst {:.3} s",
+                self.slips,
+                self.late,
+                self.worst.as_secs_f64()
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_late_is_counted_with_its_worst() {
+        let at = |millis| Timestamp::ZERO + Duration::from_millis(millis);
+        let mut slips = Slips::default();
+        slips.woke(at(1000), at(900));
+        slips.woke(at(1000), at(1050));
+        assert_eq!(slips.all.told(), None, "in time");
+        slips.woke(at(2000), at(2051));
+        slips.woke(at(3000), at(3700));
+        let told = slips.all.told().unwrap();
+        assert_eq!(
+            told,
+            "2 wake-ups over 50 ms late, 1 of them over 500 ms, the worst 0.700 s"
+        );
+        slips.woke(at(70_000), at(70_000));
+        assert_eq!(slips.minute.told(), None, "a minute begins anew");
+        assert!(slips.all.told().is_some());
+    }
+
+    #[test]
+    fn an_abstract_address_is_one() {
+        let name = format!("backseat-service-{}", std::process::id());
+        let manager = UnixDatagram::bind_addr(&SocketAddr::from_abstract_name(&name).unwrap()).unwrap();
+        let socket = connect(&format!("@{name}")).unwrap();
+        socket.send(b"READY=1").unwrap();
+        let mut buffer = [0; 64];
+        assert_eq!(manager.recv(&mut buffer).unwrap(), 7);
+    }
+}

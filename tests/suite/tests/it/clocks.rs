@@ -1,0 +1,84 @@
+//! Clocks that are wrong: the vehicle's is hours from ours, or is stepped under way. A request lives by time that goes on
+//! alone; only zones that are valid for a time need the hour, and they stay shut.
+
+use std::time::Duration;
+
+use backseat_suite::{Line, Mission, Vehicle, settle};
+
+use crate::session::{SOON, runtime, steers};
+
+/// Seconds of the day that the vehicle says in its navigation.
+fn said_s(line: &Line) -> f64 {
+    let time = line.field(1);
+    let part = |range: std::ops::Range<usize>| time[range].parse::<f64>().expect("a time is digits");
+    part(0..2) * 3600.0 + part(2..4) * 60.0 + part(4..time.len())
+}
+
+/// The steady mission on a vehicle whose clock is hours from ours, whatever the hour is: stepped by a third of a day where
+/// the two would agree by chance.
+fn hours_apart() -> Mission {
+    let now = std::process::Command::new("date").args(["-u", "+%H"]).output();
+    let hour: u32 = String::from_utf8_lossy(&now.expect("there is `date`").stdout)
+        .trim()
+        .parse()
+        .expect("an hour is a number");
+    let other = (hour + 8) % 24;
+    Mission::steady().edit(
+        "world.toml",
+        "utc = 2026-06-01T08:00:00Z",
+        &format!("utc = 2026-06-01T{other:02}:00:00Z"),
+    )
+}
+
+#[test]
+fn a_vehicle_whose_clock_is_hours_away_is_steered_but_not_by_zones_that_need_the_hour() {
+    let mission = hours_apart();
+    let vehicle = Vehicle::start(&mission);
+    let _runtime = runtime(&mission, &vehicle.address, &["--arm"]);
+    vehicle.receives("BPRMB", 4, SOON);
+
+    // The same box, allowed from long ago for a long time to come.
+    let mission = hours_apart().edit(
+        "fence.geojson",
+        "\"kind\": \"inclusion\",",
+        "\"kind\": \"inclusion\", \"valid_from\": \"2020-01-01T00:00:00Z\", \"valid_until\": \"2100-01-01T00:00:00Z\",",
+    );
+    let vehicle = Vehicle::start(&mission);
+    let runtime = runtime(&mission, &vehicle.address, &["--arm"]);
+    runtime.says("control granted", SOON);
+    runtime.says("rejected", SOON);
+    settle(Duration::from_secs(3));
+    assert!(!vehicle.lines().iter().any(steers), "{}", vehicle.story());
+}
+
+#[test]
+fn sr_008_a_vehicles_clock_that_is_stepped_ends_no_promise() {
+    for by_s in [7200, -7200] {
+        let mission = Mission::steady().append(
+            "world.toml",
+            &format!("[[faults.fault]]\nkind = \"clock_step\"\nat_s = 20\nby_s = {by_s}"),
+        );
+        let vehicle = Vehicle::start(&mission);
+        let runtime = runtime(&mission, &vehicle.address, &["--arm"]);
+        vehicle.receives("BPRMB", 2, SOON);
+        let stepped = vehicle.sees("the step", SOON, |line| {
+            line.name() == "BFNVG" && (said_s(line) - 8.0 * 3600.0 - line.at_s - f64::from(by_s)).abs() < 1.0
+        });
+        vehicle.sees("the runtime steer again", Duration::from_secs(120), |line| {
+            line.is_received("BPRMB") && line.at_s > stepped.at_s + 3.0
+        });
+        // While its navigation was not believed, nothing was refreshed that the vehicle had not let go of in time.
+        let lines = vehicle.lines();
+        let mut last: Option<f64> = None;
+        for line in &lines {
+            if line.is_received("BPRMB") {
+                last = Some(line.at_s);
+            } else if line.text.starts_with("modify ended: ")
+                && let Some(last_s) = last
+            {
+                assert!(line.at_s - last_s <= 5.2, "{:.3} s", line.at_s - last_s);
+            }
+        }
+        assert!(!runtime.stderr().contains("panicked"), "{}", runtime.stderr());
+    }
+}

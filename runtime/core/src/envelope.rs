@@ -12,6 +12,7 @@ use crate::plugin::{
     Judge, ModifyRequest, NavigationSample, PositionRequest, Refusal, Request, StepInput, TrackcircleRequest,
     TracklineRequest, VerticalRequest,
 };
+use crate::switches::{Check, is_on};
 
 mod boxes;
 mod hull;
@@ -125,6 +126,18 @@ pub(crate) struct Route {
     pub(crate) to: Vec<EastNorth>,
     /// The planned legs that it may be on now, to which a lapsed modify returns.
     pub(crate) legs: Vec<(EastNorth, EastNorth)>,
+}
+
+impl Route {
+    /// Where it may come from, as far as the ways from there are judged.
+    fn checked_from(&self) -> impl Iterator<Item = &End> {
+        self.from.iter().filter(|_| is_on(Check::InsertWayTo))
+    }
+
+    /// What may come next, as far as the ways there are judged.
+    fn checked_to(&self) -> impl Iterator<Item = &EastNorth> {
+        self.to.iter().filter(|_| is_on(Check::InsertWayOn))
+    }
 }
 
 /// The operator's fence and limits, immutable for the run.
@@ -258,6 +271,9 @@ impl Envelope {
             + other_north_m;
         let extent = self.extent(setpoint.vertical, navigation.depth, lock, here, along_m + radius_m)?;
         let mut least_m = self.sweep(Shape::leg(here, ahead), radius_m, &extent)?;
+        if !is_on(Check::ModifyWayBack) {
+            return Ok(least_m);
+        }
         // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane.
         for &(start, end) in &route.legs {
             least_m = least_m.min(self.sweep(Shape::quadrilateral([here, ahead, start, end]), radius_m, &extent)?);
@@ -309,11 +325,14 @@ impl Envelope {
             return self.judge_surfacing(shape, strayed_m, ends, &extent, route);
         };
         let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
-        let mut least_m = self.sweep(shape, strayed_m, &extent)?;
-        for from in &route.from {
+        let mut least_m = f64::MAX;
+        if is_on(Check::InsertShape) {
+            least_m = self.sweep(shape, strayed_m, &extent)?;
+        }
+        for from in route.checked_from() {
             least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, strayed_m, &extent)?);
         }
-        for to in &route.to {
+        for to in route.checked_to() {
             least_m = least_m.min(self.way_by(route.to_surface, ends.1, End::At(*to), strayed_m, &extent)?);
         }
         Ok(least_m)
@@ -451,7 +470,7 @@ impl Envelope {
     fn speed(&self, mps: f64) -> Result<Speed, Refusal> {
         let allowed = self.limits.speed_min_mps..=self.limits.speed_max_mps;
         match Speed::from_mps(mps) {
-            Ok(speed) if allowed.contains(&mps) => Ok(speed),
+            Ok(speed) if allowed.contains(&mps) || !is_on(Check::SpeedLimits) => Ok(speed),
             _ => Err(limit(format!(
                 "speed must be within {} to {} m/s, not {mps} m/s",
                 allowed.start(),
@@ -480,7 +499,8 @@ impl Envelope {
                 altitude_min_m: shallowest_m - set.as_m() - error_m,
             },
             Vertical::Altitude(set) => {
-                let Some(deepest_m) = deepest_m else {
+                let unknown_m = (!is_on(Check::BottomKnown)).then_some(now_m);
+                let Some(deepest_m) = deepest_m.or(unknown_m) else {
                     return Err(Refusal {
                         rule: "altitude",
                         metres: 0.0,

@@ -13,6 +13,7 @@ use crate::limits::{Grant, HeadingFrame};
 use crate::machine::Core;
 use crate::plugin::{ModifyRequest, PluginId, Refusal, RequestState};
 use crate::session::name;
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// The vehicle forgets a modify after 5 s (7.12).
@@ -69,13 +70,16 @@ impl Core {
         self.end_hold("a modify took its place");
         match sent {
             // A lease that has just ended counts: ending and asking anew is no way around the rate.
-            None => match self.modify_sent.filter(|sent| self.now.since(*sent) < REFRESH_AT_LEAST) {
-                Some(sent) => self.timers.set(Timer::Refresh, sent + REFRESH_AT_LEAST),
+            None => match self
+                .modify_sent
+                .filter(|sent| self.now.since(*sent) < refresh_at_least())
+            {
+                Some(sent) => self.timers.set(Timer::Refresh, sent + refresh_at_least()),
                 None => self.refresh(),
             },
-            Some(sent) if changed && self.now.since(sent) >= REFRESH_AT_LEAST => self.refresh(),
-            Some(sent) if changed => self.timers.set(Timer::Refresh, sent + REFRESH_AT_LEAST),
-            Some(sent) => self.timers.set(Timer::Refresh, sent + REFRESH_EVERY),
+            Some(sent) if changed && self.now.since(sent) >= refresh_at_least() => self.refresh(),
+            Some(sent) if changed => self.timers.set(Timer::Refresh, sent + refresh_at_least()),
+            Some(sent) => self.timers.set(Timer::Refresh, sent + refresh_every()),
         }
     }
 
@@ -99,11 +103,14 @@ impl Core {
         let Some(navigation) = self.tracker.fresh(self.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
-        if self.envelope.limits().modify_needs_plan && !self.plan.is_complete() {
+        if self.envelope.limits().modify_needs_plan && !self.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(refused(
                 "plan",
                 "the vehicle's plan is not known, nor so the way back to it",
             ));
+        }
+        if !is_on(Check::ModifyFence) {
+            return Ok(f64::MAX);
         }
         let route = self.route_of_modify();
         self.envelope.judge_modify(
@@ -120,10 +127,13 @@ impl Core {
         let Some(lease) = self.lease else { return };
         if let Some(sent) = lease.sent
             && self.now.since(sent) > REFRESH_AT_MOST
+            && is_on(Check::LateWake)
+            && is_on(Check::RefreshCadence)
         {
             return self.end_lease("it was not refreshed in time");
         }
         if lease.judged < self.now
+            && is_on(Check::RefreshJudged)
             && let Err(refusal) = self.judge(&lease.setpoint)
         {
             return self.end_lease(&refusal.text);
@@ -169,7 +179,7 @@ impl Core {
             lease.sent = Some(self.now);
         }
         self.modify_sent = Some(self.now);
-        self.timers.set(Timer::Refresh, self.now + REFRESH_EVERY);
+        self.timers.set(Timer::Refresh, self.now + refresh_every());
         self.transition(lease.request, RequestState::Sent);
     }
 
@@ -184,7 +194,7 @@ impl Core {
         self.timers.stop(Timer::Refresh);
         self.timers.stop(Timer::Term);
         self.commands.forget_lease();
-        if lease.sent.is_some() {
+        if lease.sent.is_some() && is_on(Check::LeaseEndSaid) {
             let created = self.stamper.stamp(self.now, "EMB");
             let command = self.courtesy("EMB", Some(created));
             self.transmit(&ToVehicle::EndModify(EndModify { created }), Some(command));
@@ -208,7 +218,8 @@ impl Core {
         let live = self.lease.is_some_and(|lease| lease.request == request);
         match answer {
             Answer::Pending => {}
-            Answer::Missing => self.lease_unanswered(request),
+            Answer::Missing if is_on(Check::LeaseAcknowledged) => self.lease_unanswered(request),
+            Answer::Missing => {}
             Answer::Done => self.transition_once_accepted(request),
             Answer::Refused(text) if live => {
                 let reason = format!("the vehicle refused it: {text}");
@@ -266,6 +277,24 @@ impl Core {
                 .extend(self.plan.current().flat_map(crate::plan::Element::legs));
         }
         route
+    }
+}
+
+/// How long after a refresh the next is due.
+fn refresh_every() -> Duration {
+    if is_on(Check::RefreshCadence) {
+        REFRESH_EVERY
+    } else {
+        Duration::from_secs(4)
+    }
+}
+
+/// How long after a refresh a changed modify may leave.
+fn refresh_at_least() -> Duration {
+    if is_on(Check::ModifyRate) {
+        REFRESH_AT_LEAST
+    } else {
+        Duration::ZERO
     }
 }
 

@@ -485,7 +485,7 @@ impl Simulation {
     }
 
     fn link_fault_due(&self) -> Option<Timestamp> {
-        let unacknowledged = self.to_vehicle.waits_since().map(|since| since + UNACKNOWLEDGED_MAX);
+        let unacknowledged = self.waits_since().map(|since| since + UNACKNOWLEDGED_MAX);
         [
             self.to_vehicle.next_fault(),
             self.to_payload.next_fault(),
@@ -496,11 +496,22 @@ impl Simulation {
         .min()
     }
 
+    /// Since when a write has waited, where the connection is reset for it.
+    fn waits_since(&self) -> Option<Timestamp> {
+        #[cfg(feature = "switches")]
+        {
+            use backseat_core::switches::{Check, is_on};
+            if !is_on(Check::StaleSends) {
+                return None;
+            }
+        }
+        self.to_vehicle.waits_since()
+    }
+
     /// What faults have held back goes on its way, or the connection is gone.
     fn link_fault(&mut self) -> Result<(), SimError> {
         let now = self.now;
         let unacknowledged = self
-            .to_vehicle
             .waits_since()
             .is_some_and(|since| now >= since + UNACKNOWLEDGED_MAX);
         if unacknowledged || self.to_vehicle.is_cut(now) || self.to_payload.is_cut(now) {

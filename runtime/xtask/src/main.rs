@@ -4,6 +4,7 @@ mod cargo;
 mod demo;
 mod safety;
 mod seeds;
+mod switches;
 mod tidy;
 
 use std::process::ExitCode;

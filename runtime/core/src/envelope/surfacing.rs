@@ -5,6 +5,7 @@ use backseat_units::Depth;
 
 use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, point_and_radius, position, refusal};
 use crate::plugin::{GpsHitRequest, Refusal};
+use crate::switches::{Check, is_on};
 
 impl Envelope {
     pub(crate) fn admit_gps_hit(&self, request: &GpsHitRequest) -> Result<Insert, Refusal> {
@@ -33,12 +34,13 @@ impl Envelope {
         };
         let mut least_m = match self.fence.check_surfacing(&adrift, extent) {
             Ok(clearance) => clearance.metres,
-            Err(breach) => return Err(refusal(&breach)),
+            Err(breach) if is_on(Check::Surfacing) => return Err(refusal(&breach)),
+            Err(_) => f64::MAX,
         };
-        for from in &route.from {
+        for from in route.checked_from() {
             least_m = least_m.min(self.way_by(true, *from, ends.0, strayed_m, extent)?);
         }
-        for to in &route.to {
+        for to in route.checked_to() {
             least_m = least_m.min(self.way_by(true, ends.1, End::At(*to), strayed_m, extent)?);
         }
         Ok(least_m)

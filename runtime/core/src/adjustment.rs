@@ -21,6 +21,7 @@ use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::machine::Core;
 use crate::plugin::{BuoyancySample, Event, PluginId, Refusal, RequestState, Sample, Topic, TrimSample};
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// The vehicle gives an adjustment up after typically 20 minutes (7.23, 7.24), and says so; this long after the
@@ -140,7 +141,7 @@ impl Core {
             return Err(refused("state", "an adjustment of this kind is under way"));
         }
         let most = self.envelope.limits().adjustments_total_max;
-        if self.adjustments.sent >= most {
+        if self.adjustments.sent >= most && is_on(Check::AdjustmentsTotal) {
             let text = format!("{most} adjustments have been sent, the most of a mission");
             return Err(refused("cap", &text));
         }

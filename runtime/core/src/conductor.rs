@@ -18,6 +18,7 @@ use crate::plugin::{
 };
 use crate::plugin_limits::PluginLimits;
 use crate::settings::PluginSetup;
+use crate::switches::{Check, is_on};
 
 /// More events than this for one plugin while it runs, and it has failed.
 const EVENTS_MAX: usize = 256;
@@ -350,7 +351,11 @@ impl Core {
         }
         slot.failures += 1;
         slot.failed_at = now;
-        let on_failure = slot.setup.on_failure;
+        let on_failure = if is_on(Check::AbortByPolicy) {
+            slot.setup.on_failure
+        } else {
+            FailAction::Abort
+        };
         let lost = fault.kind != FaultKind::Error;
         let running = slot.state == State::Running;
         let then = if slot.failures > FAILURES_MAX {
@@ -369,10 +374,12 @@ impl Core {
         };
         let quarantined = self.plugins[plugin.0].is_quarantined();
         self.note(Note::PluginFailed { plugin, fault, then });
-        if self.lease.is_some_and(|lease| lease.plugin == plugin) {
-            self.end_lease("its plugin failed");
+        if is_on(Check::PluginFailure) {
+            if self.lease.is_some_and(|lease| lease.plugin == plugin) {
+                self.end_lease("its plugin failed");
+            }
+            self.hold_plugin_failed(plugin);
         }
-        self.hold_plugin_failed(plugin);
         self.dvl_plugin_failed(plugin);
         match on_failure {
             FailAction::Yield => {}
@@ -445,10 +452,13 @@ impl Core {
         if !slot.setup.grants.contains(&grant) {
             return Err(limit(format!("the mission does not grant it {grant:?}")));
         }
-        if !slot.requests.take(now, per_second) {
+        if !slot.requests.take(now, per_second) && is_on(Check::RequestRate) {
             return Err(refused("rate", &format!("more than {per_second} requests a second")));
         }
-        if let Some(reason) = self.lost_because() {
+        let steers = matches!(grant, Grant::Modify | Grant::Insert | Grant::Surface | Grant::Hull);
+        if let Some(reason) = self.lost_because()
+            && (steers || is_on(Check::ListWithoutControl))
+        {
             return Err(refused("control", reason));
         }
         if !self.start.armed {
@@ -497,7 +507,8 @@ impl Core {
     fn ask_message(&mut self, plugin: PluginId, text: &str) {
         let now = self.now;
         let slot = &mut self.plugins[plugin.0];
-        if !slot.setup.grants.contains(&Grant::Message) || !slot.messages.take(now, 1.0) {
+        let in_time = slot.messages.take(now, 1.0) || !is_on(Check::MessageRate);
+        if !slot.setup.grants.contains(&Grant::Message) || !in_time {
             return;
         }
         let created = self.stamper.stamp(now, "MSG");

@@ -21,6 +21,7 @@ use crate::owner::DriverId;
 use crate::plugin::{Refusal, RequestState};
 use crate::session::is_told;
 use crate::subscriptions::ACKNOWLEDGEMENTS;
+use crate::switches::{Check, is_on};
 
 mod bounds;
 
@@ -223,7 +224,8 @@ impl Core {
         let echoed = message.created().unwrap_or(TimeOfDay::MIDNIGHT);
         let name = name_of(message.name());
         let sends = &self.drivers.ports[driver.0].setup.sends;
-        let sentence = DriverSentence::of(&message).filter(|sentence| sends.contains(sentence));
+        let sentence =
+            DriverSentence::of(&message).filter(|sentence| sends.contains(sentence) || !is_on(Check::DriverSends));
         if let Some(sentence) = sentence {
             if lines > LINES_MAX {
                 self.count_refused(driver);
@@ -255,7 +257,7 @@ impl Core {
         port.open.insert(request, (name, echoed));
         match self.admit_driver(driver, sentence, message) {
             Ok(message) => {
-                let moves = bounds::moves_frame(&message);
+                let moves = bounds::moves_frame(&message) && is_on(Check::FrameReset);
                 if moves {
                     // What a lease or a hold stands on is about to be another place (safety requirement 021).
                     let reason = "a driver resets the vehicle's navigation";

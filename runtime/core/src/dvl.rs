@@ -27,6 +27,7 @@ use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::machine::Core;
 use crate::plugin::{DvlTriggerRequest, Event, PluginId, Refusal, RequestState};
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// The vehicle takes the DVL back when it has not been triggered for this long (7.4).
@@ -158,6 +159,9 @@ impl Core {
                     self.transition(open.request, RequestState::Started);
                 }
                 Phase::Triggering => self.enter_dvl(open, Phase::Triggering, TRIGGER_WITHIN),
+                Phase::Requested | Phase::Ending | Phase::Ceasing if !is_on(Check::DvlLeave) => {
+                    self.say_dvl(open, asked, Phase::Triggering, TRIGGER_WITHIN);
+                }
                 Phase::Requested | Phase::Ending | Phase::Ceasing => return Err(not_allowed()),
             },
             (false, _) => match open.phase {
@@ -274,6 +278,9 @@ impl Core {
 
     pub(crate) fn dvl_expired(&mut self) {
         let Some(open) = self.dvl.open else { return };
+        if !is_on(Check::DvlAnswer) {
+            return;
+        }
         self.end_dvl(match open.phase {
             Phase::Requested => "the vehicle did not allow it within 300 s",
             Phase::Allowed => "not triggered within 5 s",

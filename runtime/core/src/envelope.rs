@@ -12,6 +12,7 @@ use crate::plugin::{
     Judge, ModifyRequest, NavigationSample, PositionRequest, Refusal, Request, StepInput, TrackcircleRequest,
     TracklineRequest, VerticalRequest,
 };
+use crate::switches::{Check, is_on};
 
 mod boxes;
 mod hull;
@@ -141,6 +142,18 @@ struct Way {
     strayed_m: f64,
     extent: VerticalExtent,
     when: Option<Span>,
+}
+
+impl Route {
+    /// Where it may come from, as far as the ways from there are judged.
+    fn checked_from(&self) -> impl Iterator<Item = &End> {
+        self.from.iter().filter(|_| is_on(Check::InsertWayTo))
+    }
+
+    /// What may come next, as far as the ways there are judged.
+    fn checked_to(&self) -> impl Iterator<Item = &EastNorth> {
+        self.to.iter().filter(|_| is_on(Check::InsertWayOn))
+    }
 }
 
 /// The operator's fence and limits, immutable for the run.
@@ -293,11 +306,14 @@ impl Envelope {
             extent,
             when,
         };
-        let mut least_m = self.sweep(shape, strayed_m, &extent, when)?;
-        for from in &route.from {
+        let mut least_m = f64::MAX;
+        if is_on(Check::InsertShape) {
+            least_m = self.sweep(shape, strayed_m, &extent, when)?;
+        }
+        for from in route.checked_from() {
             least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, &way)?);
         }
-        for to in &route.to {
+        for to in route.checked_to() {
             least_m = least_m.min(self.way_by(route.to_surface, ends.1, End::At(*to), &way)?);
         }
         Ok(least_m)
@@ -461,7 +477,7 @@ impl Envelope {
     fn speed(&self, mps: f64) -> Result<Speed, Refusal> {
         let allowed = self.limits.speed_min_mps..=self.limits.speed_max_mps;
         match Speed::from_mps(mps) {
-            Ok(speed) if allowed.contains(&mps) => Ok(speed),
+            Ok(speed) if allowed.contains(&mps) || !is_on(Check::SpeedLimits) => Ok(speed),
             _ => Err(limit(format!(
                 "speed must be within {} to {} m/s, not {mps} m/s",
                 allowed.start(),
@@ -490,7 +506,8 @@ impl Envelope {
                 altitude_min_m: shallowest_m - set.as_m() - error_m,
             },
             Vertical::Altitude(set) => {
-                let Some(deepest_m) = deepest_m else {
+                let unknown_m = (!is_on(Check::BottomKnown)).then_some(now_m);
+                let Some(deepest_m) = deepest_m.or(unknown_m) else {
                     return Err(Refusal {
                         rule: "altitude",
                         metres: 0.0,

@@ -8,6 +8,7 @@ use crate::commands::Command;
 use crate::io::{Note, Output};
 use crate::machine::Core;
 use crate::owner::Owner;
+use crate::switches::{Check, is_on};
 
 /// What a message needs before it may leave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +86,23 @@ const fn needs(message: &ToVehicle) -> Needs {
     }
 }
 
+/// Whether a message takes the vehicle elsewhere, or holds it.
+const fn steers(message: &ToVehicle) -> bool {
+    use ToVehicle as M;
+    matches!(
+        message,
+        M::ModifyBehavior(_)
+            | M::Trackline(_)
+            | M::Trackcircle(_)
+            | M::GpsHit(_)
+            | M::Suspend(_)
+            | M::Continue(_)
+            | M::HullSpeedLimit(_)
+            | M::HullPosition(_)
+            | M::BottomPosition(_)
+    )
+}
+
 impl Core {
     /// Sends a message of the runtime's own.
     pub(crate) fn transmit(&mut self, message: &ToVehicle, command: Option<Command>) -> bool {
@@ -128,14 +146,14 @@ impl Core {
         match needs(message) {
             Needs::Link => true,
             Needs::OwnInsert => self.is_own_insert(message),
-            Needs::Control => !driver && control(),
+            Needs::Control => !driver && (control() || armed && !is_on(Check::ListWithoutControl) && !steers(message)),
             Needs::OperatorWithControl => operator && control(),
             Needs::DriverWithControl => (operator || driver) && control(),
             Needs::OperatorArmed => operator && armed,
             Needs::NoMission => operator && armed && !self.held && !self.stopping && self.orders.no_mission(),
             Needs::Driver => driver && armed,
-            Needs::Window => control() && self.acoustic.is_open(self.now),
-            Needs::Handshake => control() && self.dvl.may_trigger(),
+            Needs::Window => control() && (self.acoustic.is_open(self.now) || !is_on(Check::ModemWindow)),
+            Needs::Handshake => control() && (self.dvl.may_trigger() || !is_on(Check::DvlLeave)),
             Needs::Never => false,
         }
     }

@@ -13,6 +13,7 @@ use crate::limits::{Grant, HeadingFrame};
 use crate::machine::Core;
 use crate::plugin::{ModifyRequest, PluginId, Refusal, RequestState};
 use crate::session::name;
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// The vehicle forgets a modify after 5 s (7.12).
@@ -89,13 +90,16 @@ impl Core {
         self.end_hold("a modify took its place");
         match sent {
             // A lease that has just ended counts: ending and asking anew is no way around the rate.
-            None => match self.modify_sent.filter(|sent| self.now.since(*sent) < REFRESH_AT_LEAST) {
-                Some(sent) => self.timers.set(Timer::Refresh, sent + REFRESH_AT_LEAST),
+            None => match self
+                .modify_sent
+                .filter(|sent| self.now.since(*sent) < refresh_at_least())
+            {
+                Some(sent) => self.timers.set(Timer::Refresh, sent + refresh_at_least()),
                 None => self.refresh(),
             },
-            Some(sent) if changed && self.now.since(sent) >= REFRESH_AT_LEAST => self.refresh(),
-            Some(sent) if changed => self.timers.set(Timer::Refresh, sent + REFRESH_AT_LEAST),
-            Some(sent) => self.timers.set(Timer::Refresh, sent + REFRESH_EVERY),
+            Some(sent) if changed && self.now.since(sent) >= refresh_at_least() => self.refresh(),
+            Some(sent) if changed => self.timers.set(Timer::Refresh, sent + refresh_at_least()),
+            Some(sent) => self.timers.set(Timer::Refresh, sent + refresh_every()),
         }
     }
 
@@ -120,7 +124,7 @@ impl Core {
         let Some(navigation) = self.tracker.fresh(self.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
-        if self.envelope.limits().modify_needs_plan && !self.plan.is_complete() {
+        if self.envelope.limits().modify_needs_plan && !self.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(refused(
                 "plan",
                 "the vehicle's plan is not known, nor so the way back to it",
@@ -143,7 +147,7 @@ impl Core {
     /// could have used its clearance up, see [`Judgement`].
     pub(crate) fn prevent(&mut self) {
         let Some(lease) = self.lease else { return };
-        if self.still_holds(&lease) {
+        if !is_on(Check::RefreshJudged) || self.still_holds(&lease) {
             return;
         }
         match self.judge(&lease.setpoint) {
@@ -183,10 +187,12 @@ impl Core {
         let Some(lease) = self.lease else { return };
         if let Some(sent) = lease.sent
             && self.now.since(sent) > REFRESH_AT_MOST
+            && is_on(Check::LateWake)
+            && is_on(Check::RefreshCadence)
         {
             return self.end_lease("it was not refreshed in time");
         }
-        if lease.judged < self.now {
+        if lease.judged < self.now && is_on(Check::RefreshJudged) {
             match self.judge(&lease.setpoint) {
                 Ok(kept) => {
                     if let Some(lease) = &mut self.lease {
@@ -238,7 +244,7 @@ impl Core {
             lease.sent = Some(self.now);
         }
         self.modify_sent = Some(self.now);
-        self.timers.set(Timer::Refresh, self.now + REFRESH_EVERY);
+        self.timers.set(Timer::Refresh, self.now + refresh_every());
         self.transition(lease.request, RequestState::Sent);
     }
 
@@ -254,7 +260,7 @@ impl Core {
         self.timers.stop(Timer::Refresh);
         self.timers.stop(Timer::Term);
         self.commands.forget_lease();
-        if lease.sent.is_some() {
+        if lease.sent.is_some() && is_on(Check::LeaseEndSaid) {
             let created = self.stamper.stamp(self.now, "EMB");
             let command = self.courtesy("EMB", Some(created));
             self.transmit(&ToVehicle::EndModify(EndModify { created }), Some(command));
@@ -278,7 +284,8 @@ impl Core {
         let live = self.lease.is_some_and(|lease| lease.request == request);
         match answer {
             Answer::Pending => {}
-            Answer::Missing => self.lease_unanswered(request),
+            Answer::Missing if is_on(Check::LeaseAcknowledged) => self.lease_unanswered(request),
+            Answer::Missing => {}
             Answer::Done => self.transition_once_accepted(request),
             Answer::Refused(text) if live => {
                 let reason = format!("the vehicle refused it: {text}");
@@ -343,6 +350,24 @@ impl Core {
 /// A refusal as the end of what was refused: rule, then place and metres.
 fn told(refusal: &Refusal) -> String {
     format!("{}: {}", refusal.rule, refusal.text)
+}
+
+/// How long after a refresh the next is due.
+fn refresh_every() -> Duration {
+    if is_on(Check::RefreshCadence) {
+        REFRESH_EVERY
+    } else {
+        Duration::from_secs(4)
+    }
+}
+
+/// How long after a refresh a changed modify may leave.
+fn refresh_at_least() -> Duration {
+    if is_on(Check::ModifyRate) {
+        REFRESH_AT_LEAST
+    } else {
+        Duration::ZERO
+    }
 }
 
 /// A rejection that is not the fence's.

@@ -20,6 +20,7 @@ use crate::limits::{Grant, Limits};
 use crate::machine::Core;
 use crate::plugin::{CartesianSample, HoldRequest, HoldTarget, PluginId, Refusal, RelativeSample, RequestState};
 use crate::session::name;
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 mod speed;
@@ -243,7 +244,10 @@ impl Core {
     /// Sends what is due of the hold, and sets when to come back.
     fn drive_hold(&mut self) {
         let Some(hold) = self.hull.hold else { return };
-        if hold.sent.is_some_and(|sent| self.now.since(sent) > REFRESH_AT_MOST) {
+        if hold.sent.is_some_and(|sent| self.now.since(sent) > REFRESH_AT_MOST)
+            && is_on(Check::LateWake)
+            && is_on(Check::HoldCadence)
+        {
             return self.end_hold("it was not refreshed in time");
         }
         if !self.hold_is_sound() {
@@ -253,13 +257,13 @@ impl Core {
             self.advance_hold();
         }
         if let Some(hold) = self.hull.hold
-            && hold.sent.is_some_and(|sent| self.now.since(sent) >= REFRESH_EVERY)
+            && hold.sent.is_some_and(|sent| self.now.since(sent) >= refresh_every())
         {
             let created = self.stamper.stamp(self.now, "CON");
             self.send_hold("CON", &ToVehicle::Continue(Continue { created }));
         }
         let Some(hold) = self.hull.hold else { return };
-        let refresh = hold.sent.map(|sent| sent + REFRESH_EVERY);
+        let refresh = hold.sent.map(|sent| sent + refresh_every());
         let due = (hold.stage == Stage::Due).then(|| self.hull.free_at().max(self.now));
         let next = refresh.into_iter().chain(due).min();
         self.timers.set_or_stop(Timer::Hold, next);
@@ -275,7 +279,9 @@ impl Core {
     /// a few comparisons, so that each sample is worth one. False where no hold stands after it.
     pub(crate) fn prevent_hold(&mut self) -> bool {
         let Some(hold) = self.hull.hold else { return false };
-        if let Err(refusal) = self.judge_hover(&hold.hover) {
+        if is_on(Check::HoldJudged)
+            && let Err(refusal) = self.judge_hover(&hold.hover)
+        {
             self.end_hold(&refusal.text);
             return false;
         }
@@ -432,7 +438,9 @@ impl Core {
             // One that is not answered needs no second: the vehicle takes its mission up by itself after 2 s (8.1).
             let created = self.stamper.stamp(self.now, "RES");
             let command = self.courtesy("RES", Some(created));
-            self.transmit(&ToVehicle::Resume(Resume { created }), Some(command));
+            if is_on(Check::HoldEndSaid) {
+                self.transmit(&ToVehicle::Resume(Resume { created }), Some(command));
+            }
             self.hull.ending = false;
         }
         let proposed = self
@@ -516,5 +524,14 @@ impl Core {
         if self.hull.holder() == Some(plugin) {
             self.end_hold("its plugin failed");
         }
+    }
+}
+
+/// How long after a refresh the next is due.
+fn refresh_every() -> Duration {
+    if is_on(Check::HoldCadence) {
+        REFRESH_EVERY
+    } else {
+        3 * REFRESH_EVERY
     }
 }

@@ -22,6 +22,7 @@ use crate::plan::Element;
 use crate::plugin::{PluginId, Refusal, Request, RequestState};
 use crate::schedule::Schedule;
 use crate::session::name;
+use crate::switches::{Check, is_on};
 
 /// How many identifiers are reserved on disk at a time.
 const RESERVE: u32 = 32;
@@ -73,13 +74,13 @@ impl Core {
     fn admit_insert(&mut self, plugin: PluginId, tag: u64, insert: &Insert) -> Result<Route, Refusal> {
         let surfaces = insert.surfaces();
         self.admit(plugin, if surfaces { Grant::Surface } else { Grant::Insert })?;
-        if !self.plan.is_complete() {
+        if !self.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(refused(
                 "plan",
                 "the vehicle's plan is not known, nor so where the insert would begin",
             ));
         }
-        if self.ledger.in_doubt() {
+        if self.ledger.in_doubt() && is_on(Check::InsertInDoubt) {
             return Err(refused(
                 "doubt",
                 "the vehicle has not answered for an earlier insert since the link was lost",
@@ -88,20 +89,20 @@ impl Core {
         if self.open_insert(plugin, tag).is_some() {
             return Err(refused("tag", "an insert with this tag is still open"));
         }
-        if insert.interrupt && self.ledger.interrupts() {
+        if insert.interrupt && self.ledger.interrupts() && is_on(Check::InterruptOfInterrupt) {
             return Err(refused(
                 "interrupt",
                 "an insert that interrupts is open, and none may interrupt it (SPI 7.5)",
             ));
         }
         let limits = self.envelope.limits();
-        if self.ledger.open_inserts() + self.inherited() >= limits.inserts_open_max {
+        if self.ledger.open_inserts() + self.inherited() >= limits.inserts_open_max && is_on(Check::InsertsOpen) {
             return Err(refused(
                 "cap",
                 &format!("{} inserts are open, the most there may be", limits.inserts_open_max),
             ));
         }
-        if surfaces && self.gps_hits_sent >= limits.gps_hits_total_max {
+        if surfaces && self.gps_hits_sent >= limits.gps_hits_total_max && is_on(Check::GpsHitsTotal) {
             return Err(refused(
                 "cap",
                 &format!(
@@ -110,7 +111,7 @@ impl Core {
                 ),
             ));
         }
-        if !surfaces && self.inserts_sent >= limits.inserts_total_max {
+        if !surfaces && self.inserts_sent >= limits.inserts_total_max && is_on(Check::InsertsTotal) {
             return Err(refused(
                 "cap",
                 &format!(
@@ -132,7 +133,7 @@ impl Core {
         }
         match self.start.identifiers {
             None => Err(refused("identifier", "the identifiers' state on disk is missing")),
-            Some(identifiers) if identifiers.next >= identifiers.reserved => {
+            Some(identifiers) if identifiers.next >= identifiers.reserved && is_on(Check::IdentifiersReserved) => {
                 Err(refused("identifier", "no identifier is reserved on disk yet"))
             }
             Some(_) => Ok(self.route_of_insert(insert.interrupt)),
@@ -144,7 +145,7 @@ impl Core {
         let duration_s = self.envelope.duration_s(insert, &route.from);
         let open_s = self.ledger.open_duration_s();
         let most_s = self.envelope.limits().inserts_duration_max_s;
-        if open_s + duration_s > most_s {
+        if open_s + duration_s > most_s && is_on(Check::InsertsDuration) {
             return Err(refused(
                 "cap",
                 &format!(
@@ -167,6 +168,9 @@ impl Core {
         let Some(navigation) = self.tracker.fresh(self.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
+        if !is_on(Check::InsertFence) {
+            return Ok(f64::MAX);
+        }
         self.envelope.judge_insert(
             insert,
             navigation.depth,
@@ -426,6 +430,9 @@ impl Core {
     /// How many inserts of the plan an earlier process of ours has left: they count under the cap (safety requirements
     /// 007 and 019).
     fn inherited(&self) -> u32 {
+        if !is_on(Check::InheritedInserts) {
+            return 0;
+        }
         let own = self.start.identifiers.map_or(0, |identifiers| identifiers.next);
         let others = self
             .plan
@@ -502,7 +509,8 @@ impl Core {
         let Some(identifiers) = self.start.identifiers else {
             return;
         };
-        if identifiers.reserved.saturating_sub(identifiers.next) < RESERVE_LOW && !self.reserve_asked {
+        let low = identifiers.reserved.saturating_sub(identifiers.next) < RESERVE_LOW;
+        if low && !self.reserve_asked && is_on(Check::IdentifiersReserved) {
             self.reserve_asked = true;
             self.outputs
                 .push_back(Output::Reserve(identifiers.next.saturating_add(RESERVE)));

@@ -54,6 +54,10 @@ mod settings;
 mod silent;
 mod stamp;
 mod subscriptions;
+#[cfg(feature = "switches")]
+pub mod switches;
+#[cfg(not(feature = "switches"))]
+mod switches;
 mod timer;
 mod topside;
 

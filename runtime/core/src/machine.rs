@@ -28,6 +28,7 @@ use crate::session::Session;
 use crate::settings::{PluginSetup, Settings};
 use crate::silent::Silent;
 use crate::stamp::Stamper;
+use crate::switches::{Check, is_on};
 use crate::timer::{Timer, Timers};
 use crate::topside::Topside;
 
@@ -122,7 +123,7 @@ impl Core {
             start,
             handed_over: None,
             running: None,
-            held: start.held,
+            held: start.held && is_on(Check::OperatorHold),
             stopping: false,
             granted: false,
             late_count: 0,
@@ -147,6 +148,7 @@ impl Core {
         self.now = self.now.max(now);
         if let Some(promised) = promised
             && self.now.since(promised) > LATE
+            && is_on(Check::LateWake)
         {
             self.late_count += 1;
             self.note(Note::Late {
@@ -239,13 +241,13 @@ impl Core {
             "the operator holds"
         } else if self.orders.has_ended_mission() {
             "the operator has ended the mission"
-        } else if self.handed_over.is_none() {
+        } else if self.handed_over.is_none() && is_on(Check::ControlKnown) {
             "the vehicle has not said who has control"
-        } else if self.handed_over == Some(false) {
+        } else if self.handed_over == Some(false) && is_on(Check::ControlGiven) {
             "the vehicle has control"
-        } else if self.running.is_none() {
+        } else if self.running.is_none() && is_on(Check::ControlKnown) {
             "the vehicle has not said whether its mission runs"
-        } else if self.running == Some(false) {
+        } else if self.running == Some(false) && is_on(Check::MissionRuns) {
             "the mission is not running"
         } else if let Some(reason) = self.unlike_expected() {
             reason
@@ -286,7 +288,9 @@ impl Core {
         let granted = lost.is_none();
         if granted != self.granted {
             self.granted = granted;
-            if let Some(reason) = lost {
+            if let Some(reason) = lost
+                && is_on(Check::ControlLossEndsLease)
+            {
                 self.end_lease(reason);
                 self.end_hold(reason);
                 self.end_dvl(reason);
@@ -334,11 +338,13 @@ impl Core {
         match act {
             // It beats every plugin (safety requirement 015).
             Operator::Hold => {
-                self.held = true;
+                self.held = is_on(Check::OperatorHold);
                 self.end_lease("the operator holds");
                 self.end_hold("the operator holds");
                 self.end_dvl("the operator holds");
-                self.cancel_all_of(None);
+                if is_on(Check::HoldCancels) {
+                    self.cancel_all_of(None);
+                }
             }
             Operator::Release => {
                 self.held = false;

@@ -7,6 +7,7 @@ use crate::clock::{VehicleClock, elapsed_nanos};
 use crate::envelope::{APART_MAX, BottomLock, bottom_lock};
 use crate::limits::Limits;
 use crate::plugin::NavigationSample;
+use crate::switches::{Check, is_on};
 
 /// After a jump, navigation must be steady for this long (safety requirement 021).
 const STEADY_AFTER_JUMP: Duration = Duration::from_secs(10);
@@ -109,7 +110,10 @@ impl Tracker {
     pub(crate) fn position(&mut self, now: Timestamp, utc: Utc, message: &Navigation) -> Option<Change> {
         self.clock.observe(now, utc, message.created);
         self.clock.observe(now, utc, message.solution);
-        let age = self.clock.age(now, utc, message.solution).unwrap_or(Duration::MAX);
+        let mut age = self.clock.age(now, utc, message.solution).unwrap_or(Duration::MAX);
+        if !is_on(Check::NavigationAge) {
+            age = Duration::ZERO;
+        }
         let solution = now - age;
         let local = self.frame.to_local(message.position);
         let mut change = Change::Follows;
@@ -120,7 +124,7 @@ impl Tracker {
                 return None;
             }
             let metres = local.distance_m(last.sample.local);
-            if metres > self.farthest_m(elapsed_nanos as f64 / 1e9) {
+            if metres > self.farthest_m(elapsed_nanos as f64 / 1e9) && is_on(Check::Jump) {
                 change = Change::Jumped { metres };
             }
             let sample = &last.sample;
@@ -128,7 +132,7 @@ impl Tracker {
         }
         if let Some((place, at)) = self.before.take() {
             let metres = local.distance_m(place);
-            if metres > self.farthest_m(now.since(at).as_secs_f64()) {
+            if metres > self.farthest_m(now.since(at).as_secs_f64()) && is_on(Check::Jump) {
                 change = Change::Jumped { metres };
             }
         }
@@ -187,7 +191,7 @@ impl Tracker {
     /// The newest sample while it is fresh (safety requirement 008).
     pub(crate) fn fresh(&self, now: Timestamp) -> Option<&NavigationSample> {
         let sample = self.newest()?;
-        (now.since(sample.solution) <= self.age_max).then_some(sample)
+        (now.since(sample.solution) <= self.age_max || !is_on(Check::NavigationFresh)).then_some(sample)
     }
 
     /// Navigation is stale: what comes after it must be steady again before it counts, or control would come and go

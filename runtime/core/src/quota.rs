@@ -3,6 +3,8 @@ use std::time::Duration;
 
 use backseat_units::Timestamp;
 
+use crate::switches::{Check, is_on};
+
 const MINUTE: Duration = Duration::from_secs(60);
 
 /// When something was done in the last minute: for limits of so many a minute, whichever minute it is (safety
@@ -18,7 +20,7 @@ impl LastMinute {
         while self.at.front().is_some_and(|at| now.since(*at) >= MINUTE) {
             self.at.pop_front();
         }
-        u32::try_from(self.at.len()).is_ok_and(|count| count < most)
+        u32::try_from(self.at.len()).is_ok_and(|count| count < most) || !is_on(Check::MinuteRate)
     }
 
     /// It has been done once more. Who asks [`LastMinute::has_room`] first keeps no more than the limit.

@@ -17,6 +17,7 @@ use crate::helm::refused;
 use crate::io::Note;
 use crate::machine::Core;
 use crate::plugin::{PluginId, Refusal, RequestState};
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// How often a cancel is sent on a connection while it is not answered.
@@ -103,7 +104,7 @@ impl Core {
         let Some(at) = chain.iter().position(|(request, _, _)| *request == insert) else {
             return Ok(());
         };
-        if chain.len() <= 1 {
+        if chain.len() <= 1 || !is_on(Check::CancelWay) {
             // What remains is the plan's own.
             return Ok(());
         }

@@ -14,6 +14,7 @@ use crate::orders::Condition;
 use crate::owner::Owner;
 use crate::plugin::{Behavior, CtdSample, Event, PluginId, RequestState, Topic};
 use crate::settings::ControlHook;
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 impl Core {
@@ -59,7 +60,7 @@ impl Core {
             FromVehicle::MissionCommand(message) => self.mission_command(&message),
             FromVehicle::Shutdown(message) => {
                 self.heard(message.created);
-                if self.stopping {
+                if self.stopping || !is_on(Check::Shutdown) {
                     // Said again, it gives us no more time.
                     return;
                 }
@@ -172,7 +173,7 @@ impl Core {
                 self.compared = Compared::default();
                 self.commands.forget_plan();
                 self.ask_for_plan();
-            } else {
+            } else if is_on(Check::MissionRuns) && is_on(Check::ControlLossEndsLease) {
                 self.end_lease("the mission is not running");
             }
         }
@@ -195,8 +196,10 @@ impl Core {
             identifier: message.identifier.map(|identifier| identifier.get()),
             kind: message.kind.as_str().to_owned(),
         });
-        // It modified another one (SPI 7.12).
-        self.end_lease("a behaviour began under it");
+        if is_on(Check::LeaseEndsWithBehavior) {
+            // It modified another one (SPI 7.12).
+            self.end_lease("a behaviour began under it");
+        }
         // A suspended mission begins none: the vehicle has taken it up again. An end says nothing of the kind, for the
         // behaviour that is suspended may be reported so (SPI 8.1 leaves it open), and a hold modifies none.
         self.end_hold("a behaviour began: the mission goes on");
@@ -229,7 +232,9 @@ impl Core {
             identifier: message.identifier.map(|identifier| identifier.get()),
             kind: message.kind.as_str().to_owned(),
         });
-        self.end_lease("a behaviour ended under it");
+        if is_on(Check::LeaseEndsWithBehavior) {
+            self.end_lease("a behaviour ended under it");
+        }
         self.orders.finished(message.identifier);
         if let Some(identifier) = message.identifier {
             self.plan.ended(identifier);

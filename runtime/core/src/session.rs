@@ -13,6 +13,7 @@ use crate::machine::Core;
 use crate::plugin::RequestState;
 use crate::settings::StatusCondition;
 use crate::subscriptions::{self, ACKNOWLEDGEMENTS};
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// The interface that we speak.
@@ -189,7 +190,7 @@ impl Core {
         self.ask_for_plan();
         self.orders_link_up();
         self.recalls_link_up();
-        if self.held {
+        if self.held && is_on(Check::HoldCancels) {
             // The operator may have taken the helm while nothing could be sent.
             self.cancel_all_of(None);
         }

@@ -18,6 +18,7 @@ use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::machine::Core;
 use crate::plugin::{PluginId, Refusal, RequestState, SilentRequest};
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// What is known of the vehicle's silence.
@@ -100,6 +101,7 @@ impl Core {
             }
             State::Normal if silent => self.admit_entry(plugin, request),
             State::Normal => Err(refused("state", "the vehicle is not silent")),
+            State::Silent(_) if silent && !is_on(Check::SilentTerm) => self.admit_entry(plugin, request),
             State::Silent(silence) if silent => Err(refused(
                 "state",
                 &format!(
@@ -116,7 +118,7 @@ impl Core {
 
     fn admit_entry(&self, plugin: PluginId, request: u64) -> Result<State, Refusal> {
         let most = self.envelope.limits().silences_total_max;
-        if self.silent.entered >= most {
+        if self.silent.entered >= most && is_on(Check::SilencesTotal) {
             let text = format!("silent mode has been asked for {most} times, the most of a mission");
             return Err(refused("cap", &text));
         }

@@ -41,7 +41,10 @@ pub(crate) fn hunt(arguments: &Hunt) -> Result<()> {
     let switched = arguments.every_check || arguments.without.is_some();
     let program = build(switched)?;
     if let Some(plan) = &arguments.replay {
-        return ended(&mut command(&program, &["replay"])?.arg(plan), "the plan found something");
+        return ended(
+            &mut command(&program, &["replay"])?.arg(plan),
+            "the plan found something",
+        );
     }
     if arguments.every_check {
         return every_check(&program, arguments);
@@ -82,7 +85,12 @@ fn command(program: &PathBuf, arguments: &[&str]) -> Result<Command> {
 
 fn fly(program: &PathBuf, arguments: &Hunt) -> Result<Command> {
     let mut fly = command(program, &["fly"])?;
-    fly.args(["--runs", &arguments.runs.to_string(), "--first", &arguments.first.to_string()]);
+    fly.args([
+        "--runs",
+        &arguments.runs.to_string(),
+        "--first",
+        &arguments.first.to_string(),
+    ]);
     let options = [
         ("--seconds", arguments.seconds),
         ("--workers", arguments.workers.map(|workers| workers as u64)),
@@ -111,21 +119,26 @@ fn every_check(program: &PathBuf, arguments: &Hunt) -> Result<()> {
     let checks = String::from_utf8_lossy(&listed.stdout).into_owned();
     let mut unfound = Vec::new();
     for line in checks.lines() {
-        let Some((check, what)) = line.split_once('\t') else { continue };
+        let Some((check, what)) = line.split_once('\t') else {
+            continue;
+        };
         let output = fly(program, arguments)?
             .args(["--without", check, "--whole", "--brief"])
             .output()?;
         let text = String::from_utf8_lossy(&output.stdout);
         match output.status.code() {
-            Some(1) => println!("found    {check:32} {what}\n         {}", text.trim().replace('\n', "\n         ")),
+            Some(1) => println!(
+                "found    {check:32} {what}\n         {}",
+                text.trim().replace('\n', "\n         ")
+            ),
             Some(0) => {
-                println!("NOT FOUND {check:31} {what}\n         {}", text.trim().replace('\n', "\n         "));
+                println!(
+                    "NOT FOUND {check:31} {what}\n         {}",
+                    text.trim().replace('\n', "\n         ")
+                );
                 unfound.push(check.to_owned());
             }
-            _ => bail!(
-                "without {check}: {}",
-                String::from_utf8_lossy(&output.stderr).trim()
-            ),
+            _ => bail!("without {check}: {}", String::from_utf8_lossy(&output.stderr).trim()),
         }
     }
     if !unfound.is_empty() {

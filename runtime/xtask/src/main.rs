@@ -5,6 +5,7 @@ mod demo;
 mod hunt;
 mod safety;
 mod seeds;
+mod switches;
 mod tidy;
 
 use std::process::ExitCode;

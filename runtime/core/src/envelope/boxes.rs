@@ -2,6 +2,7 @@
 
 use crate::hull_limits::{BottomBox, HullBox};
 use crate::plugin::Refusal;
+use crate::switches::{Check, is_on};
 
 /// Where a check is made: for the text of a rejection.
 #[derive(Clone, Copy)]
@@ -92,7 +93,7 @@ pub(super) fn contain(stretch: Stretch, key: &str, axes: &[Axis; 3]) -> Result<f
         let room_m = [axis.span_m[0] - axis.bounds_m[0], axis.bounds_m[1] - axis.span_m[1]];
         for (edge, room_m) in room_m.into_iter().enumerate() {
             // A figure that is none is in no box.
-            if room_m.is_nan() || room_m < 0.0 {
+            if (room_m.is_nan() || room_m < 0.0) && is_on(Check::HoldBox) {
                 let text = format!(
                     "{}: {} may come to {:.2} m, {:.2} m beyond {key}'s {} {}",
                     stretch.name(),
@@ -122,7 +123,7 @@ pub(super) fn avoid(stretch: Stretch, key: &str, name: &str, axes: &[Axis; 3]) -
             }
         }
     }
-    if clear_m > 0.0 {
+    if clear_m > 0.0 || !is_on(Check::HoldBox) {
         return Ok(clear_m);
     }
     let text = format!(

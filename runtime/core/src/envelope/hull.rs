@@ -17,6 +17,7 @@ use crate::plugin::{
     CameraRequest, CartesianSample, HoldRequest, HoldTarget, LightRequest, NavigationSample, Refusal, RelativeSample,
     SonarAngleRequest,
 };
+use crate::switches::{Check, is_on};
 
 /// The vehicle stays suspended for this long after the last BPSUS, BPCON, BPGHP or BPGBP that it received (SPI 8.1).
 const HOLD_TIMEOUT: Duration = Duration::from_secs(2);
@@ -171,7 +172,7 @@ impl Envelope {
                         .ok_or_else(|| stale("a move on the hull needs fresh BFRNV"))?,
                     [horizontal_m, vertical_m, distance_m],
                 ];
-                if let Some(suspended) = around.suspended {
+                if let Some(suspended) = around.suspended.filter(|_| is_on(Check::HoldReturn)) {
                     places.push(suspended.hull_m.ok_or_else(unknown_suspension)?);
                 }
                 self.judge_hull(Stretch::Way, &places, speed_mps, around)?
@@ -181,7 +182,7 @@ impl Envelope {
                     here.bottom_m
                         .ok_or_else(|| stale("a move over the bottom needs fresh BFCNV"))?,
                 ];
-                if let Some(suspended) = around.suspended {
+                if let Some(suspended) = around.suspended.filter(|_| is_on(Check::HoldReturn)) {
                     places.push(suspended.bottom_m.ok_or_else(unknown_suspension)?);
                 }
                 let target = Some((x_m, y_m, vertical));
@@ -257,7 +258,7 @@ impl Envelope {
         let mut least_m = contain(stretch, "bottom_box", &bottom_axes(allowed, spans_m))?;
         let above_m = altitude_m - limits.altitude_min_m;
         // A figure that is none is no clearance either.
-        if above_m.is_nan() || above_m < 0.0 {
+        if (above_m.is_nan() || above_m < 0.0) && is_on(Check::HoldBox) {
             let text = format!(
                 "{}: altitude may come to {altitude_m:.2} m, {:.2} m beyond altitude_min_m {}",
                 stretch.name(),

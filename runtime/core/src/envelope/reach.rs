@@ -18,6 +18,7 @@ use backseat_units::{EastNorth, Timestamp, utm_convergence_deg};
 
 use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, turn_radius_m};
 use crate::plugin::{NavigationSample, Refusal};
+use crate::switches::{Check, is_on};
 
 /// The room that depths and altitude are judged with where they have it, metres.
 const ROOM_M: f64 = 2.0;
@@ -184,6 +185,9 @@ impl Envelope {
         route: &Route,
         clocks: Clocks,
     ) -> Result<f64, Refusal> {
+        if !is_on(Check::ModifyFence) {
+            return Ok(f64::MAX);
+        }
         let Reach {
             here,
             ahead,
@@ -205,6 +209,9 @@ impl Envelope {
         };
         let when = clocks.next(lasts_s + back_s.max(route.before_s));
         let mut least_m = self.sweep(Shape::leg(here, ahead), radius_m, extent, when)?;
+        if !is_on(Check::ModifyWayBack) {
+            return Ok(least_m);
+        }
         // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane.
         for &(start, end) in &route.legs {
             least_m =

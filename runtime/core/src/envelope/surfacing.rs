@@ -5,6 +5,7 @@ use backseat_units::Depth;
 
 use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Way, point_and_radius, position, refusal};
 use crate::plugin::{GpsHitRequest, Refusal};
+use crate::switches::{Check, is_on};
 
 impl Envelope {
     pub(crate) fn admit_gps_hit(&self, request: &GpsHitRequest) -> Result<Insert, Refusal> {
@@ -33,17 +34,18 @@ impl Envelope {
         };
         let mut least_m = match self.check_surfacing(&adrift, extent, when) {
             Ok(clearance) => clearance.metres,
-            Err(breach) => return Err(refusal(&breach)),
+            Err(breach) if is_on(Check::Surfacing) => return Err(refusal(&breach)),
+            Err(_) => f64::MAX,
         };
         let way = Way {
             strayed_m,
             extent: *extent,
             when,
         };
-        for from in &route.from {
+        for from in route.checked_from() {
             least_m = least_m.min(self.way_by(true, *from, ends.0, &way)?);
         }
-        for to in &route.to {
+        for to in route.checked_to() {
             least_m = least_m.min(self.way_by(true, ends.1, End::At(*to), &way)?);
         }
         Ok(least_m)

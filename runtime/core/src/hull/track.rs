@@ -11,6 +11,7 @@ use crate::io::Note;
 use crate::limits::Limits;
 use crate::machine::Core;
 use crate::plugin::{CartesianSample, RelativeSample};
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// After a jump, relative navigation must be steady for this long (safety requirement 021).
@@ -103,7 +104,7 @@ impl<S: Placed> Track<S> {
         let elapsed_s = sample.measured().since(last.measured()).as_secs_f64();
         let metres = distance_m(sample.place_m(), last.place_m());
         let follows = metres <= self.speed_max_mps * 1.5 * elapsed_s + allowance_m;
-        if follows {
+        if follows || !is_on(Check::RelativeJump) {
             return None;
         }
         self.jumped_at = Some(now);
@@ -118,7 +119,7 @@ impl<S: Placed> Track<S> {
     /// The newest sample while it is fresh.
     pub(crate) fn fresh(&self, now: Timestamp) -> Option<S> {
         let (sample, _) = self.newest?;
-        (now.since(sample.measured()) <= self.age_max).then_some(sample)
+        (now.since(sample.measured()) <= self.age_max || !is_on(Check::RelativeFresh)).then_some(sample)
     }
 
     /// The same, where it has been steady for long enough to be relied upon.
@@ -205,7 +206,8 @@ impl Core {
     /// A message is about to leave. One that moves the vehicle's idea of where it is ends the hold first, and relative
     /// navigation must be steady again before the next (safety requirement 021).
     pub(crate) fn hull_resets(&mut self, message: &ToVehicle) {
-        if matches!(message, ToVehicle::RelativeReset(_) | ToVehicle::BearingOffset(_)) {
+        let resets = matches!(message, ToVehicle::RelativeReset(_) | ToVehicle::BearingOffset(_));
+        if resets && is_on(Check::FrameReset) {
             self.end_hold("relative navigation is reset");
             self.hull.relative.unsettle(self.now);
             self.hull.cartesian.unsettle(self.now);

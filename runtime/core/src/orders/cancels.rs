@@ -10,6 +10,7 @@ use crate::ledger::RequestKind;
 use crate::machine::Core;
 use crate::plan::Element;
 use crate::plugin::{Refusal, RequestState};
+use crate::switches::{Check, is_on};
 
 impl Core {
     /// BPRCA: it may take another payload's inserts too, which is why nobody but the operator orders it.
@@ -105,7 +106,7 @@ impl Core {
             }
         }
         let when = (self.clocks(), 0.0);
-        for to in to {
+        for to in to.into_iter().filter(|_| is_on(Check::CancelWay)) {
             self.envelope
                 .judge_way((End::At(navigation.local), to), navigation.depth, surfacing, when)?;
         }

@@ -330,11 +330,14 @@ impl Mvc {
     pub fn truth(&self) -> Truth {
         let vehicle = &self.vehicle;
         let position = self.frame().to_position(vehicle.at);
+        let estimate = self.sensors.estimate(vehicle);
         Truth {
             time: self.last_tick,
             position,
             local: vehicle.at,
+            believed: estimate.at,
             depth_m: vehicle.depth_m,
+            believed_depth_m: estimate.depth_m,
             altitude_m: vehicle.water_depth_m - vehicle.depth_m,
             water_depth_m: vehicle.water_depth_m,
             heading_deg: true_heading(vehicle.heading_deg, self.frame(), position).as_deg(),

@@ -10,8 +10,12 @@ pub struct Truth {
     pub position: Position,
     /// Where it is in the world's frame.
     pub local: EastNorth,
+    /// Where it believes to be, in the world's frame: what it steers by.
+    pub believed: EastNorth,
     /// Depth, metres.
     pub depth_m: f64,
+    /// The depth that it believes in, metres.
+    pub believed_depth_m: f64,
     /// Height above the seabed, metres.
     pub altitude_m: f64,
     /// Depth of the water there, metres.

@@ -3,50 +3,19 @@ use backseat_units::{LocalFrame, Position};
 
 use crate::error::OracleError;
 use crate::geojson;
-use crate::plane::{Plane, Point, Vector, between_m, length_m, rim_to_segment_m, to_segment_m};
+use crate::plane::{Plane, Point, to_segment_m};
+use crate::zone::{Kind, Setpoint, Shape, Zone};
 
 /// Legs are judged in pieces of this length, metres: the plane of a piece is true to millimetres.
 const PIECE_M: f64 = 250.0;
 /// A longer leg is out of any fence (the local frame ends at 50 km).
 const LEG_MAX_M: f64 = 100_000.0;
-/// What the wire's resolution and two ways of projecting may differ by, metres.
-const SLACK_M: f64 = 0.05;
-
 /// Where the vehicle may be.
 #[derive(Clone, Debug)]
 pub(crate) struct Area {
     reference_deg: f64,
     frame: LocalFrame,
     zones: Vec<Zone>,
-}
-
-/// One feature of the fence.
-#[derive(Clone, Debug)]
-pub(crate) struct Zone {
-    pub(crate) name: String,
-    pub(crate) kind: Kind,
-    pub(crate) margin_m: f64,
-    pub(crate) depth_min_m: f64,
-    pub(crate) depth_max_m: f64,
-    pub(crate) altitude_min_m: f64,
-    rings: Vec<Vec<Point>>,
-    min: Point,
-    max: Point,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    Inclusion,
-    Exclusion,
-}
-
-/// The vertical setpoint of a request, metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Setpoint {
-    Depth(f64),
-    Altitude(f64),
-    /// A mode that says neither.
-    Unknown,
 }
 
 /// How a request breaks the fence.
@@ -63,12 +32,6 @@ pub(crate) struct Surroundings {
     pub(crate) zones: Vec<usize>,
     /// From it to the nearest edge of any zone, metres.
     pub(crate) edge_m: f64,
-}
-
-/// The shape of a request.
-enum Shape<'a> {
-    Leg(&'a [(Plane, [Vector; 2])]),
-    Rim { plane: Plane, radius_m: f64 },
 }
 
 impl Area {
@@ -109,6 +72,13 @@ impl Area {
         }
     }
 
+    pub(crate) fn point_deg(&self, latitude_deg: f64, longitude_deg: f64) -> Point {
+        Point {
+            x: wrap_180(longitude_deg - self.reference_deg),
+            y: latitude_deg,
+        }
+    }
+
     /// Between two positions, metres.
     pub(crate) fn distance_m(&self, from: Position, to: Position) -> f64 {
         self.frame.to_local(from).distance_m(self.frame.to_local(to))
@@ -128,6 +98,12 @@ impl Area {
             }
         }
         surroundings.edge_m = nearest_m;
+    }
+
+    /// Which zones hold a point; fills what is given, to spare the allocation.
+    pub(crate) fn holding(&self, point: Point, zones: &mut Vec<usize>) {
+        zones.clear();
+        zones.extend((0..self.zones.len()).filter(|index| self.zones[*index].contains(point)));
     }
 
     /// Whether a straight leg and its setpoint keep inside one inclusion zone and clear of exclusions.
@@ -201,7 +177,10 @@ impl Area {
                 (None, None) => Fault::Horizontal("begins in no inclusion zone".to_owned()),
             });
         }
-        let exclusions = self.zones.iter().filter(|zone| zone.kind == Kind::Exclusion);
+        let exclusions = self
+            .zones
+            .iter()
+            .filter(|zone| zone.kind == Kind::Exclusion && !zone.timed);
         for zone in exclusions.filter(|zone| zone.forbids(setpoint)) {
             let (inside, clear_m) = zone.clearance(shape);
             if inside || clear_m < zone.margin_m - shape.slack_m(zone.margin_m) {
@@ -213,117 +192,6 @@ impl Area {
             }
         }
         Ok(())
-    }
-}
-
-impl Zone {
-    pub(crate) fn new(
-        name: String,
-        kind: Kind,
-        margin_m: f64,
-        [depth_min_m, depth_max_m]: [f64; 2],
-        altitude_min_m: f64,
-        rings: Vec<Vec<Point>>,
-    ) -> Self {
-        let (mut min, mut max) = (Point { x: 360.0, y: 90.0 }, Point { x: -360.0, y: -90.0 });
-        for point in rings.iter().flatten() {
-            min = Point {
-                x: min.x.min(point.x),
-                y: min.y.min(point.y),
-            };
-            max = Point {
-                x: max.x.max(point.x),
-                y: max.y.max(point.y),
-            };
-        }
-        Self {
-            name,
-            kind,
-            margin_m,
-            depth_min_m,
-            depth_max_m,
-            altitude_min_m,
-            rings,
-            min,
-            max,
-        }
-    }
-
-    /// Whether a point is inside, by how often a line to the east crosses the edges.
-    pub(crate) fn contains(&self, point: Point) -> bool {
-        if point.x < self.min.x || point.x > self.max.x || point.y < self.min.y || point.y > self.max.y {
-            return false;
-        }
-        let crossings = self.edges().filter(|[a, b]| {
-            (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
-        });
-        crossings.count() % 2 == 1
-    }
-
-    fn edges(&self) -> impl Iterator<Item = [Point; 2]> {
-        self.rings.iter().flat_map(|ring| ring.array_windows::<2>().copied())
-    }
-
-    fn allows(&self, setpoint: Setpoint) -> bool {
-        match setpoint {
-            Setpoint::Depth(depth_m) => (self.depth_min_m - 0.01..=self.depth_max_m + 0.01).contains(&depth_m),
-            Setpoint::Altitude(altitude_m) => altitude_m > 0.0 && altitude_m >= self.altitude_min_m - 0.01,
-            Setpoint::Unknown => true,
-        }
-    }
-
-    /// Whether an exclusion surely holds at the setpoint; one with a band says nothing of an altitude.
-    fn forbids(&self, setpoint: Setpoint) -> bool {
-        match setpoint {
-            Setpoint::Depth(depth_m) => self.depth_min_m < depth_m && depth_m < self.depth_max_m,
-            Setpoint::Altitude(_) | Setpoint::Unknown => {
-                self.depth_min_m == f64::NEG_INFINITY && self.depth_max_m == f64::INFINITY
-            }
-        }
-    }
-
-    /// Whether the shape begins inside, and from it to the nearest edge, metres; zero where they cross.
-    fn clearance(&self, shape: &Shape<'_>) -> (bool, f64) {
-        let mut clear_m = f64::INFINITY;
-        let begin = match shape {
-            Shape::Leg(pieces) => {
-                for (plane, piece) in *pieces {
-                    for edge in self.edges() {
-                        clear_m = clear_m.min(between_m(*piece, edge.map(|end| plane.vector(end))));
-                    }
-                }
-                pieces.first().map(|(plane, piece)| plane.point(piece[0]))
-            }
-            Shape::Rim { plane, radius_m } => {
-                for edge in self.edges() {
-                    clear_m = clear_m.min(rim_to_segment_m(*radius_m, edge.map(|end| plane.vector(end))));
-                }
-                Some(plane.point([0.0, *radius_m]))
-            }
-        };
-        (begin.is_some_and(|begin| self.contains(begin)), clear_m)
-    }
-}
-
-impl Shape<'_> {
-    /// What the judgement of a margin may be wrong by, metres.
-    fn slack_m(&self, margin_m: f64) -> f64 {
-        match self {
-            Self::Leg(pieces) => pieces.first().map_or(SLACK_M, |(plane, piece)| {
-                SLACK_M + plane.error_m(margin_m + length_m(piece[0]))
-            }),
-            Self::Rim { plane, radius_m } => SLACK_M + plane.error_m(margin_m + radius_m),
-        }
-    }
-}
-
-impl std::fmt::Display for Setpoint {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Depth(metres) => write!(f, "depth {metres} m"),
-            Self::Altitude(metres) => write!(f, "altitude {metres} m"),
-            Self::Unknown => f.write_str("an unknown setpoint"),
-        }
     }
 }
 

@@ -2,32 +2,47 @@ use std::time::Duration;
 
 use backseat_units::Timestamp;
 
-use crate::area::{Area, Kind, Surroundings, Zone};
+use crate::area::Area;
+use crate::delivery::Delivery;
 use crate::limits::{Activity, Truth};
 use crate::plan::Plan;
-use crate::plane::{Plane, Point, length_m};
 use crate::rule::Rule;
+use crate::surroundings::Survey;
 use crate::violation::Findings;
+use crate::zone::Kind;
 
 /// How long after our commands the vehicle's whereabouts are still their consequence.
 const CONSEQUENCE: Duration = Duration::from_secs(15);
 /// How far the true depth may be out of the zone's band, metres.
 const DEPTH_SLACK_M: f64 = 1.0;
+/// How long a cancel of ours has consequences.
+const CANCEL_CONSEQUENCE: Duration = Duration::from_secs(60);
 /// When the vehicle must have forgotten a modify (SPI 7.12), and 100 ms.
 const LAPSE: Duration = Duration::from_millis(5100);
+/// When the vehicle must have taken its suspended mission up (SPI 8.1), and 100 ms.
+const HOLD_LAPSE: Duration = Duration::from_millis(2100);
+/// A vehicle that has believed itself elsewhere is back where it should be as fast as this, m/s.
+const CORRECTION_MPS: f64 = 0.5;
 
 /// What the vehicle truly did.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Conduct {
     last: Option<(Timestamp, Activity)>,
     commanded_until: Option<Timestamp>,
-    surroundings: Surroundings,
-    /// Where the surroundings were surveyed.
-    surveyed: Option<(Point, Plane)>,
+    /// When the vehicle took a cancel of ours, under which it may be on its way until it is on its plan again.
+    cancelled: Option<Timestamp>,
+    survey: Survey,
+    /// How far the vehicle is from where it believes to be, metres.
+    error_m: f64,
+    depth_error_m: f64,
+    /// How far the vehicle may be from where it should be because it believes, or has believed, to be elsewhere, metres.
+    astray_m: f64,
+    depth_astray_m: f64,
     outside: Excursion,
     depth: Excursion,
     grounded: Excursion,
     outlived: Excursion,
+    hold_outlived: Excursion,
     reports: u64,
     judged: u64,
     insert: Duration,
@@ -43,8 +58,9 @@ pub(crate) struct Context<'a> {
     pub(crate) area: &'a Area,
     pub(crate) plan: &'a Plan,
     pub(crate) tracking_error_m: f64,
+    /// What may have passed since the vehicle received what was sent last.
+    pub(crate) delivery: &'a Delivery,
     pub(crate) link_delay: Duration,
-    pub(crate) last_modify: Option<Timestamp>,
 }
 
 impl Conduct {
@@ -58,29 +74,33 @@ impl Conduct {
         )
     }
 
+    /// The vehicle took a cancel of ours of what it flew, or of what was to come.
+    pub(crate) fn cancelled(&mut self, at: Timestamp) {
+        self.cancelled = Some(at);
+    }
+
+    /// How far the vehicle is from where it believes to be from now on, and from its depth, metres.
+    pub(crate) fn believed(&mut self, error_m: f64, depth_error_m: f64) {
+        (self.error_m, self.depth_error_m) = (error_m, depth_error_m);
+    }
+
     pub(crate) fn judge(&mut self, truth: &Truth, context: &Context<'_>, findings: &mut Findings) {
         let at = truth.at;
         self.reports += 1;
+        let mut passed = Duration::ZERO;
         if let Some((before, activity)) = self.last {
+            passed = at.since(before);
             match activity {
-                Activity::Insert(_) => self.insert += at.since(before),
-                Activity::Modified => self.modified += at.since(before),
-                Activity::Plan | Activity::Other => {}
+                Activity::Insert(_) => self.insert += passed,
+                Activity::Modified => self.modified += passed,
+                Activity::Plan | Activity::Suspended | Activity::Other => {}
             }
         }
         self.last = Some((at, truth.activity));
-
-        let modified = truth.activity == Activity::Modified;
-        let outlived = modified
-            && context
-                .last_modify
-                .is_none_or(|last| at.since(last) > LAPSE + context.link_delay);
-        self.outlived.tell(outlived, findings, at, Rule::ModifyOutlives, || {
-            match context.last_modify {
-                Some(last) => format!("still modified though the last BPRMB left at {last}"),
-                None => "modified without any BPRMB".to_owned(),
-            }
-        });
+        let corrected_m = CORRECTION_MPS * passed.as_secs_f64();
+        self.astray_m = (self.astray_m - corrected_m).max(self.error_m);
+        self.depth_astray_m = (self.depth_astray_m - corrected_m).max(self.depth_error_m);
+        self.judge_lapses(truth, context, findings);
 
         let commanded = match truth.activity {
             Activity::Insert(_) | Activity::Modified => {
@@ -88,15 +108,26 @@ impl Conduct {
                 true
             }
             Activity::Plan => {
-                let Some(until) = self.commanded_until else { return };
-                if at.since(until) > CONSEQUENCE {
+                let follows = self.commanded_until.is_some_and(|until| at.since(until) <= CONSEQUENCE);
+                if !follows {
                     self.commanded_until = None;
+                }
+                let cancelled = self
+                    .cancelled
+                    .is_some_and(|since| at.since(since) <= CANCEL_CONSEQUENCE);
+                if !cancelled {
+                    self.cancelled = None;
+                }
+                if !follows && !cancelled {
                     return;
                 }
                 false
             }
+            // Its own frame and box are judged there: polygons on the chart say little beside a hull.
+            Activity::Suspended => return,
             Activity::Other => {
                 self.commanded_until = None;
+                self.cancelled = None;
                 return;
             }
         };
@@ -104,37 +135,47 @@ impl Conduct {
         self.judge_whereabouts(truth, commanded, context, findings);
     }
 
+    /// What must have lapsed by the vehicle's own clock.
+    fn judge_lapses(&mut self, truth: &Truth, context: &Context<'_>, findings: &mut Findings) {
+        let at = truth.at;
+        let over = |last: Option<Timestamp>, lapse: Duration| {
+            last.is_none_or(|last| at.since(last) > lapse + context.delivery.delay(context.link_delay))
+        };
+        let last = context.delivery.last_modify();
+        let outlived = truth.activity == Activity::Modified && over(last, LAPSE);
+        self.outlived
+            .tell(outlived, findings, at, Rule::ModifyOutlives, || match last {
+                Some(last) => format!("still modified though the last BPRMB was of {last}"),
+                None => "modified without any BPRMB".to_owned(),
+            });
+        let last = context.delivery.last_hold();
+        let outlived = truth.activity == Activity::Suspended && over(last, HOLD_LAPSE);
+        self.hold_outlived
+            .tell(outlived, findings, at, Rule::HoldOutlives, || match last {
+                Some(last) => format!("still suspended though the last sentence that keeps it was of {last}"),
+                None => "suspended without any BPSUS".to_owned(),
+            });
+    }
+
     fn judge_whereabouts(&mut self, truth: &Truth, commanded: bool, context: &Context<'_>, findings: &mut Findings) {
         let point = context.area.point(truth.position);
-        self.survey(point, context.area);
-        let mut inside = false;
-        let mut depth_allowed = false;
-        let mut excluded: Option<&Zone> = None;
-        for zone in self
-            .surroundings
-            .zones
-            .iter()
-            .filter_map(|index| context.area.zone(*index))
-        {
-            match zone.kind {
-                Kind::Inclusion => {
-                    inside = true;
-                    // What its own plan does with its depth is the vehicle's; only what is too deep can be our doing.
-                    let too_shallow = commanded && truth.depth_m < zone.depth_min_m - DEPTH_SLACK_M;
-                    depth_allowed |= !too_shallow && truth.depth_m <= zone.depth_max_m + DEPTH_SLACK_M;
-                }
-                Kind::Exclusion => {
-                    let min_m = zone.depth_min_m + DEPTH_SLACK_M;
-                    let max_m = zone.depth_max_m - DEPTH_SLACK_M;
-                    if min_m <= truth.depth_m && truth.depth_m <= max_m {
-                        excluded = Some(zone);
-                    }
-                }
-            }
+        self.survey.at(point, context.area);
+        let (mut inside, mut depth_allowed, mut excluded) = self.where_it_is(truth, commanded, context.area);
+        let mut out = !inside || excluded.is_some();
+        // What an error of navigation explains is not held against anyone.
+        if out && self.astray_m > 0.0 {
+            self.survey.anew(point, context.area);
+            (inside, depth_allowed, excluded) = self.where_it_is(truth, commanded, context.area);
+            out = (!inside || excluded.is_some()) && self.survey.spare_m() > self.astray_m;
         }
-        let excused = || !commanded && context.plan.passes(point, context.tracking_error_m);
-        let out = (!inside || excluded.is_some()) && !excused();
-        let edge_m = self.surroundings.edge_m;
+        let planned = || context.plan.passes(point, context.tracking_error_m + self.astray_m);
+        let excused = !commanded && planned();
+        if excused {
+            // It is on its own plan again.
+            self.cancelled = None;
+        }
+        out &= !excused;
+        let edge_m = self.survey.spare_m();
         let place = || {
             format!(
                 "{:.6} {:.6}, {:.1} m deep, {:?}",
@@ -144,12 +185,17 @@ impl Conduct {
                 truth.activity
             )
         };
-        self.outside
-            .tell(out, findings, truth.at, Rule::TruthFence, || match excluded {
-                Some(zone) => format!("in exclusion zone {} at {}", zone.name, place()),
-                None => format!("in no inclusion zone at {}, about {edge_m:.1} m from an edge", place()),
-            });
-        let depth = inside && !depth_allowed && !excused();
+        let rule = if commanded || self.cancelled.is_none() {
+            Rule::TruthFence
+        } else {
+            Rule::TruthCancel
+        };
+        let excluded = excluded.and_then(|index| context.area.zone(index));
+        self.outside.tell(out, findings, truth.at, rule, || match excluded {
+            Some(zone) => format!("in exclusion zone {} at {}", zone.name, place()),
+            None => format!("in no inclusion zone at {}, about {edge_m:.1} m from an edge", place()),
+        });
+        let depth = inside && !depth_allowed && !excused;
         self.depth.tell(depth, findings, truth.at, Rule::TruthDepth, || {
             format!("out of the depths of every inclusion zone at {}", place())
         });
@@ -161,17 +207,28 @@ impl Conduct {
             });
     }
 
-    /// Surveys anew only where an edge could have been crossed since.
-    fn survey(&mut self, point: Point, area: &Area) {
-        if let Some((_, plane)) = self.surveyed {
-            // A metre, and a part of the way, for the error of the plane.
-            let moved_m = length_m(plane.vector(point));
-            if moved_m < 10_000.0 && moved_m * 1.01 + 1.0 < self.surroundings.edge_m {
-                return;
+    /// Whether any inclusion zone holds the vehicle, whether one of those allows its depth, and which exclusion holds it.
+    fn where_it_is(&self, truth: &Truth, commanded: bool, area: &Area) -> (bool, bool, Option<usize>) {
+        let slack_m = DEPTH_SLACK_M + self.depth_astray_m;
+        let (mut inside, mut depth_allowed, mut excluded) = (false, false, None);
+        for index in &self.survey.surroundings().zones {
+            let Some(zone) = area.zone(*index) else { continue };
+            match zone.kind {
+                Kind::Inclusion => {
+                    inside = true;
+                    // What its own plan does with its depth is the vehicle's; only what is too deep can be our doing.
+                    let too_shallow = commanded && truth.depth_m < zone.depth_min_m - slack_m;
+                    depth_allowed |= !too_shallow && truth.depth_m <= zone.depth_max_m + slack_m;
+                }
+                Kind::Exclusion => {
+                    let band = zone.depth_min_m + slack_m..=zone.depth_max_m - slack_m;
+                    if !zone.timed && band.contains(&truth.depth_m) {
+                        excluded = Some(*index);
+                    }
+                }
             }
         }
-        area.survey(point, &mut self.surroundings);
-        self.surveyed = Some((point, Plane::at(point)));
+        (inside, depth_allowed, excluded)
     }
 }
 
@@ -181,42 +238,5 @@ impl Excursion {
             findings.add(at, rule, text);
         }
         self.0 = now;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    const FENCE: &str = r#"{ "type": "FeatureCollection", "features": [
-        { "type": "Feature", "properties": { "name": "a", "kind": "inclusion" },
-          "geometry": { "type": "Polygon", "coordinates": [
-            [[5.0, 60.0], [5.02, 60.0], [5.03, 60.01], [5.01, 60.005], [5.0, 60.02], [5.0, 60.0]],
-            [[5.004, 60.002], [5.006, 60.002], [5.005, 60.004], [5.004, 60.002]] ] } },
-        { "type": "Feature", "properties": { "name": "b", "kind": "exclusion" },
-          "geometry": { "type": "Polygon", "coordinates": [
-            [[5.008, 60.002], [5.012, 60.003], [5.01, 60.0], [5.008, 60.002]] ] } } ] }"#;
-
-    proptest! {
-        /// What is remembered of the surroundings is what a survey on the spot would say.
-        #[test]
-        fn a_remembered_survey_holds(
-            start in (-0.01..0.04f64, -0.01..0.03f64),
-            steps in proptest::collection::vec((-1.0..1.0f64, -1.0..1.0f64, 0..4u8), 1..80),
-        ) {
-            let area = Area::read(FENCE).unwrap();
-            let mut conduct = Conduct::default();
-            let mut fresh = Surroundings::default();
-            let mut point = Point { x: start.0, y: 60.0 + start.1 };
-            for (x, y, size) in steps {
-                let step = [1e-6, 1e-5, 1e-4, 1e-3][usize::from(size)];
-                point = Point { x: point.x + x * step, y: point.y + y * step };
-                conduct.survey(point, &area);
-                area.survey(point, &mut fresh);
-                prop_assert_eq!(&conduct.surroundings.zones, &fresh.zones, "{:?}", point);
-            }
-        }
     }
 }

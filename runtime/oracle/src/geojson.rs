@@ -1,14 +1,17 @@
 use backseat_units::math::wrap_180;
 use serde_json::{Map, Value};
 
-use crate::area::{Kind, Zone};
 use crate::error::OracleError;
 use crate::plane::Point;
+use crate::zone::{Kind, Zone};
 
 /// Far more than a fence has.
 const VERTICES_MAX: usize = 1_000_000;
 /// The plane of a point is of no use nearer to the poles.
 const LATITUDE_MAX_DEG: f64 = 85.0;
+
+/// A property with one of these in its name says when a zone holds.
+const TIMES: [&str; 5] = ["valid", "from", "until", "window", "time"];
 
 /// Reads a feature collection of polygons (RFC 7946): the zones, and the reference of their longitudes.
 pub(crate) fn read(text: &str) -> Result<(f64, Vec<Zone>), OracleError> {
@@ -69,7 +72,7 @@ impl Reader {
             Some("exclusion") => Kind::Exclusion,
             Some(_) | None => return self.fail("property kind", "inclusion or exclusion"),
         };
-        let zone = Zone::new(
+        let mut zone = Zone::new(
             name.to_owned(),
             kind,
             self.metres(properties, "margin_m")?.unwrap_or(0.0),
@@ -80,6 +83,10 @@ impl Reader {
             self.metres(properties, "altitude_min_m")?.unwrap_or(0.0),
             self.rings(feature)?,
         );
+        let names_time = |key: &String| TIMES.iter().any(|part| key.contains(part));
+        zone.timed = properties
+            .iter()
+            .any(|(key, value)| names_time(key) && !value.is_null());
         if zone.depth_min_m > zone.depth_max_m {
             return self.fail("property depth_max_m", "no less than depth_min_m");
         }

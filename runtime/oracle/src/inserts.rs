@@ -247,6 +247,7 @@ impl Inserts {
                 && matches!(insert.state, State::Sent | State::Unknown | State::Accepted(_))
             {
                 self.open.goes(insert, State::Absent);
+                self.of_process = self.of_process.saturating_sub(1);
             }
         }
     }
@@ -268,6 +269,16 @@ impl Inserts {
         self.planned(at, identifier);
         if let Some(insert) = self.known.get_mut(&identifier)
             && !matches!(insert.state, State::Begun(_))
+        {
+            self.open.goes(insert, State::Begun(at));
+            self.begun += 1;
+        }
+    }
+
+    /// The vehicle truly flies an insert. That it was taken must have been said: else nobody could know.
+    pub(crate) fn is_flown(&mut self, at: Timestamp, identifier: u32) {
+        if let Some(insert) = self.known.get_mut(&identifier)
+            && matches!(insert.state, State::Accepted(_))
         {
             self.open.goes(insert, State::Begun(at));
             self.begun += 1;

@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use backseat_units::Timestamp;
+use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::due::Due;
 use crate::rule::Rule;
@@ -24,6 +24,11 @@ pub(crate) struct Lease {
     stale_told: bool,
     /// Something has ended it, and a BPEMB must come.
     due: Option<Due>,
+    /// What the first and the last BPRMB of the lease say of when they were made.
+    created: Option<(TimeOfDay, TimeOfDay)>,
+    /// The first BPRMB that nothing of what came since has answered.
+    unanswered: Option<Timestamp>,
+    unanswered_told: bool,
     opened: u64,
     alive: Duration,
 }
@@ -38,10 +43,6 @@ impl Lease {
         self.unended
     }
 
-    pub(crate) const fn last_modify(&self) -> Option<Timestamp> {
-        self.last_modify
-    }
-
     pub(crate) const fn opened(&self) -> u64 {
         self.opened
     }
@@ -52,8 +53,8 @@ impl Lease {
         (self.alive + open).as_secs_f64()
     }
 
-    /// Judges what silence does.
-    pub(crate) fn check(&mut self, now: Timestamp, findings: &mut Findings) {
+    /// Judges what silence does. `answer_max` is how long an answer may take.
+    pub(crate) fn check(&mut self, now: Timestamp, answer_max: Duration, findings: &mut Findings) {
         if self.alive_since.is_none() {
             return;
         }
@@ -63,6 +64,14 @@ impl Lease {
             due.tell(now, "BPEMB", findings);
             self.close(now);
             return;
+        }
+        if let Some(since) = self.unanswered
+            && now.since(since) > answer_max
+            && !core::mem::replace(&mut self.unanswered_told, true)
+        {
+            findings.add(now, Rule::ModifyUnanswered, || {
+                format!("the lease goes on though nothing has answered the BPRMB at {since}, nor any since")
+            });
         }
         let Some(last) = self.last_modify else { return };
         let idle = now.since(last);
@@ -81,7 +90,14 @@ impl Lease {
     }
 
     /// We wrote a BPRMB. `counts` where the vehicle may take it; `due` where it must end at once.
-    pub(crate) fn modify(&mut self, at: Timestamp, counts: bool, due: Option<Due>, findings: &mut Findings) {
+    pub(crate) fn modify(
+        &mut self,
+        at: Timestamp,
+        created: TimeOfDay,
+        counts: bool,
+        due: Option<Due>,
+        findings: &mut Findings,
+    ) {
         if let Some(last) = self.last_modify
             && at.since(last) < GAP_MIN
         {
@@ -97,7 +113,27 @@ impl Lease {
             self.opened += 1;
             self.stale_told = false;
             self.due = due;
+            self.created = None;
+            self.unanswered = None;
+            self.unanswered_told = false;
         }
+        self.unanswered.get_or_insert(at);
+        let first = self.created.map_or(created, |(first, _)| first);
+        self.created = Some((first, created));
+    }
+
+    /// The vehicle answered a BPRMB, whatever it said.
+    pub(crate) fn answered(&mut self) {
+        self.unanswered = None;
+    }
+
+    /// Whether a BPRMB that was made then is one of the live lease's.
+    pub(crate) fn has(&self, created: TimeOfDay) -> bool {
+        self.alive_since.is_some()
+            && self.created.is_some_and(|(first, last)| {
+                created.nanos_since(first.truncated_to_millis()) >= 0
+                    && created.nanos_since(last.truncated_to_millis()) <= 0
+            })
     }
 
     /// We wrote a BPEMB.

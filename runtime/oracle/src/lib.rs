@@ -6,11 +6,50 @@
 //! [`Statistics`] say how much there was to judge, so that an empty run is not taken for a clean one.
 //!
 //! Where the delay of the link leaves open what the runtime could have known, the oracle gives it the benefit of the
-//! longest delay: a violation stands on any reading.
+//! longest delay: a violation stands on any reading. The vehicle's bytes are those that are let on their way to us, after
+//! the faults of the link, so that what a fault has held back, damaged or swallowed is not held against us; ours are
+//! those that we write, and where a run tells [`Oracle::arrived`], those that the vehicle receives too. What a stopped
+//! runtime was told it has heard when it goes on; what an earlier process knew, a new one does not.
+//!
+//! # Requirements and rules
+//!
+//! | requirement | rules |
+//! |---|---|
+//! | 001 control | `no-control` |
+//! | 002 fence | `request-fence`, `request-vertical`, `request-speed`, `modify-fence`, `plan-unknown`; by truth `truth-fence`, `truth-depth`, `truth-grounded` |
+//! | 003 modifies live and end | `modify-gap`, `modify-abandoned`, `modify-too-fast`, `modify-inherits`, `modify-unanswered`, `lease-outlives`, `lease-after-stop` |
+//! | 004 each refresh | `refresh-fence` |
+//! | 005 hovering holds | `hold-gap`, `hold-dead` |
+//! | 006 faulty plugins | none of its own: what a sibling must keep is judged as 003 and 005 |
+//! | 007 what outlives us | by truth `modify-outlives`, `hold-outlives`; `stale-delivery`; the caps of 019 and the fence of 002 for inserts |
+//! | 008 stale navigation | `stale-navigation` |
+//! | 009 one outcome | `identifier-repeated`, `stamp-repeated`, `insert-in-doubt` |
+//! | 010 interrupts | `interrupt-of-interrupt` |
+//! | 011 shutdown | `after-shutdown` |
+//! | 012 aborts and kills | `operator-only` |
+//! | 013 bad bytes | none: a panic ends the run, and memory is not on the wire |
+//! | 014 without control | `end-missing`, `end-surplus`, `not-allowed-without-control`, `cancel-foreign` |
+//! | 015 operator's hold | `operator-hold`, `hold-cancel-missing` |
+//! | 016 acoustic windows | `packet-window` |
+//! | 017 DVL triggering | `trigger-without-leave`, `trigger-not-ceased` |
+//! | 018 silent mode | `silence-repeated` |
+//! | 019 rates and totals | `inserts-total`, `inserts-open`, `inserts-duration`, `requests-total` |
+//! | 020 recovery | `modify-fence` where a lease begins outside; by truth `truth-cancel` |
+//! | 021 the monitor's truth | `jump-ignored`, `moves-truth` |
+//!
+//! `malformed` is of the interface (SPI 4.2) and of no requirement.
+//!
+//! What bytes and truth cannot show, beside 006 and 013: that plugins and logs were told and closed in time (011), that
+//! an abort was ordered where the mission has an operator's policy at all (012), what a plugin is told of its requests
+//! (009), the rates of each plugin and those of log lines (019), and how a hovering vehicle's moves lie to a hull, which
+//! its own frame says and the chart does not (002, 005). Of 018 no more shows than that silence is not asked for anew:
+//! what else follows from it is the plugin's to know.
 
 mod area;
 mod conduct;
+mod consequence;
 mod control;
+mod delivery;
 mod due;
 mod error;
 mod geojson;
@@ -26,13 +65,16 @@ mod plan;
 mod plane;
 mod process;
 mod rule;
+mod services;
 mod stamps;
 mod state;
 mod statistics;
+mod surroundings;
 mod violation;
+mod zone;
 
 pub use error::OracleError;
-pub use limits::{Activity, ControlHook, Limits, Truth};
+pub use limits::{Activity, Caps, ControlHook, Limits, Truth};
 pub use oracle::Oracle;
 pub use state::State;
 pub use statistics::Statistics;

@@ -23,7 +23,10 @@ pub struct Limits {
     pub inserts_total_max: u32,
     /// How long the open inserts together may still fly, seconds.
     pub inserts_duration_max_s: f64,
-    /// The longest delay of the simulated link, seconds, one way, its faults included.
+    /// How much else may be asked for.
+    pub caps: Caps,
+    /// The longest delay of the undisturbed link, seconds, one way: from when the vehicle's bytes are let on their way to
+    /// us until we have them. What its faults hold back is told when it is let go.
     pub link_delay_s: f64,
     /// Whether the operator's policy may send what no plugin can: aborts, kills, cancels without identifier, and
     /// what moves the vehicle's idea of where it is.
@@ -43,6 +46,7 @@ impl Default for Limits {
             inserts_open_max: 4,
             inserts_total_max: 100,
             inserts_duration_max_s: 3600.0,
+            caps: Caps::default(),
             link_delay_s: 0.0,
             operator_commands: false,
         }
@@ -58,6 +62,7 @@ impl Limits {
             ("navigation_age_max_s", self.navigation_age_max_s),
             ("inserts_duration_max_s", self.inserts_duration_max_s),
             ("link_delay_s", self.link_delay_s),
+            ("silent_term_s", self.caps.silent_term_s),
         ];
         for (what, value) in limits {
             if !(0.0..=1e6).contains(&value) {
@@ -74,6 +79,37 @@ impl Limits {
     /// The longest delay of the link.
     pub(crate) fn link_delay(&self) -> Duration {
         seconds(self.link_delay_s)
+    }
+}
+
+/// How often a process of the runtime may ask for what is no insert of a line or circle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Caps {
+    /// GPS hits that the vehicle did not refuse, in all.
+    pub gps_hits_total_max: u32,
+    /// Trim and buoyancy adjustments that the vehicle took, in all.
+    pub adjustments_total_max: u32,
+    /// Entries into silent mode that the vehicle took, in all.
+    pub silences_total_max: u32,
+    /// How long silent mode stands unless it is ended, seconds.
+    pub silent_term_s: f64,
+    /// Messages to the topside, each minute on the average.
+    pub topside_per_min: u32,
+    /// Acoustic packets, each minute on the average.
+    pub packets_per_min: u32,
+}
+
+impl Default for Caps {
+    /// 10 GPS hits, 10 adjustments, 20 silences of 300 s; 6 messages and 12 packets each minute.
+    fn default() -> Self {
+        Self {
+            gps_hits_total_max: 10,
+            adjustments_total_max: 10,
+            silences_total_max: 20,
+            silent_term_s: 300.0,
+            topside_per_min: 6,
+            packets_per_min: 12,
+        }
     }
 }
 
@@ -123,6 +159,8 @@ pub enum Activity {
     Insert(u32),
     /// Any behavior under our modify.
     Modified,
+    /// A hovering vehicle's mission is suspended: it goes where we send it.
+    Suspended,
     /// No mission runs, or it is being aborted or wrapped up.
     Other,
 }

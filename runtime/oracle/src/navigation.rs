@@ -1,11 +1,29 @@
 use std::time::Duration;
 
+use backseat_units::math::wrap_180;
 use backseat_units::{TimeOfDay, Timestamp};
 
-/// How old the vehicle's newest navigation is, by the time of its solution. Arrival alone makes nothing fresh.
+use crate::plane::{Plane, Point, length_m};
+
+/// How far the vehicle may go in a second at most, metres: twice what the fastest of them do, in a strong current.
+const SPEED_MAX_MPS: f64 = 5.0;
+/// A step that is longer than the way at that speed by this is a jump on any reading, metres.
+const JUMP_M: f64 = 50.0;
+/// A degree has the same length this far to the north or south, to a thousandth.
+const PLANE_DEG: f64 = 0.02;
+
+/// How old the vehicle's newest navigation is, by the time of its solution, and where it says that the vehicle is.
+/// Arrival alone makes nothing fresh.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Navigation {
     newest: Option<Newest>,
+    /// What was said on this connection: the newest, one that is on its way to be heard for sure, one that has been.
+    told: Option<Told>,
+    on_its_way: Option<Told>,
+    heard: Option<Told>,
+    /// The last that was heard on any connection, and the plane at a latitude that was near, degrees.
+    last: Option<(Told, (Plane, f64))>,
+    jump: Option<Jump>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -17,17 +35,76 @@ struct Newest {
     offset_ns: i64,
 }
 
+/// What one BFNVG says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fix {
+    pub(crate) solution: TimeOfDay,
+    /// North, degrees.
+    pub(crate) latitude_deg: f64,
+    /// East, degrees.
+    pub(crate) longitude_deg: f64,
+    /// Metres.
+    pub(crate) depth_m: f64,
+    /// From the north of the grid, degrees.
+    pub(crate) heading_deg: f64,
+}
+
+/// A fix, and when it was said.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Told {
+    pub(crate) at: Timestamp,
+    pub(crate) fix: Fix,
+}
+
+/// A step that no vehicle can have made.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Jump {
+    pub(crate) at: Timestamp,
+    pub(crate) step_m: f64,
+    /// How much solution time has passed since.
+    steady: Duration,
+}
+
+impl Jump {
+    /// How long navigation has been steady since, by the clock that says more.
+    pub(crate) fn steady(&self, now: Timestamp) -> Duration {
+        self.steady.max(now.since(self.at))
+    }
+}
+
 impl Navigation {
     /// A solution that goes back further than this is another clock, nanoseconds.
     const RESTART_NS: i64 = -1_000_000_000;
 
-    /// Forgets all, for a new connection.
-    pub(crate) fn clear(&mut self) {
+    /// Forgets what holds for one connection only.
+    pub(crate) fn cut(&mut self) {
         self.newest = None;
+        self.told = None;
+        self.on_its_way = None;
+        self.heard = None;
     }
 
-    /// The vehicle wrote a BFNVG. Whether its solution time advanced.
-    pub(crate) fn heard(&mut self, at: Timestamp, solution: TimeOfDay) -> bool {
+    /// Forgets all: a new process has heard nothing.
+    pub(crate) fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The vehicle wrote a BFNVG. Whether its solution time advanced. `sure` is how long it takes at most to be heard.
+    pub(crate) fn heard(&mut self, at: Timestamp, fix: Fix, sure: Duration) -> bool {
+        if !self.advances(at, fix.solution) {
+            return false;
+        }
+        let told = Told { at, fix };
+        self.step(told);
+        self.told = Some(told);
+        if let Some(before) = self.on_its_way.take_if(|before| before.at + sure <= at) {
+            self.heard = Some(before);
+        }
+        self.on_its_way.get_or_insert(told);
+        true
+    }
+
+    fn advances(&mut self, at: Timestamp, solution: TimeOfDay) -> bool {
         let at_ns = nanos(at);
         let Some(newest) = &mut self.newest else {
             let solution_ns = nanos_of(solution);
@@ -41,7 +118,7 @@ impl Navigation {
         let step_ns = solution.nanos_since(newest.solution);
         if step_ns < Self::RESTART_NS {
             self.newest = None;
-            return self.heard(at, solution);
+            return self.advances(at, solution);
         }
         if step_ns <= 0 {
             return false;
@@ -52,12 +129,55 @@ impl Navigation {
         true
     }
 
+    /// Looks for a jump since what was heard before, on whatever connection.
+    fn step(&mut self, told: Told) {
+        let plane_at = |fix: &Fix| {
+            let y = fix.latitude_deg;
+            (Plane::at(Point { x: 0.0, y }), y)
+        };
+        let Some((last, (plane, latitude_deg))) = &mut self.last else {
+            self.last = Some((told, plane_at(&told.fix)));
+            return;
+        };
+        let step_m = length_m(plane.vector(Point {
+            x: wrap_180(told.fix.longitude_deg - last.fix.longitude_deg),
+            y: *latitude_deg + told.fix.latitude_deg - last.fix.latitude_deg,
+        }));
+        let solved_ns = told.fix.solution.nanos_since(last.fix.solution);
+        let solved = Duration::from_nanos(u64::try_from(solved_ns).unwrap_or(0));
+        let passed = solved.max(told.at.since(last.at));
+        if step_m > SPEED_MAX_MPS * passed.as_secs_f64() + JUMP_M {
+            self.jump = Some(Jump {
+                at: told.at,
+                step_m,
+                steady: Duration::ZERO,
+            });
+        } else if let Some(jump) = &mut self.jump {
+            jump.steady += solved;
+        }
+        *last = told;
+        if (told.fix.latitude_deg - *latitude_deg).abs() > PLANE_DEG {
+            (*plane, *latitude_deg) = plane_at(&told.fix);
+        }
+    }
+
     /// How old the newest solution is; `None` where there was none on this connection.
     pub(crate) fn age(&self, now: Timestamp) -> Option<Duration> {
         let newest = self.newest?;
         let solved_ns = newest.solution_ns.saturating_add(newest.offset_ns);
         let age_ns = nanos(now).saturating_sub(solved_ns);
         Some(Duration::from_nanos(u64::try_from(age_ns).unwrap_or(0)))
+    }
+
+    /// The newest that the runtime has heard for sure.
+    pub(crate) fn heard_for_sure(&self, now: Timestamp, sure: Duration) -> Option<Told> {
+        let heard = |told: &Told| told.at + sure <= now;
+        self.told.filter(heard).or(self.on_its_way.filter(heard)).or(self.heard)
+    }
+
+    /// The last jump.
+    pub(crate) const fn jump(&self) -> Option<Jump> {
+        self.jump
     }
 }
 
@@ -80,17 +200,17 @@ mod tests {
         let age = |navigation: &Navigation, at| navigation.age(ms(at)).unwrap().as_millis();
         let mut navigation = Navigation::default();
         assert_eq!(navigation.age(ms(0)), None);
-        assert!(navigation.heard(ms(1000), tod(86_399_950)));
-        assert!(navigation.heard(ms(1100), tod(86_400_050 % 86_400_000)));
+        assert!(navigation.advances(ms(1000), tod(86_399_950)));
+        assert!(navigation.advances(ms(1100), tod(86_400_050 % 86_400_000)));
         assert_eq!(age(&navigation, 1150), 50);
-        assert!(!navigation.heard(ms(3000), tod(50)));
+        assert!(!navigation.advances(ms(3000), tod(50)));
         assert_eq!(age(&navigation, 3000), 1900);
         // Written 2 s after it was solved.
-        assert!(navigation.heard(ms(4000), tod(950)));
+        assert!(navigation.advances(ms(4000), tod(950)));
         assert_eq!(age(&navigation, 4000), 2000);
         // Another clock.
-        assert!(navigation.heard(ms(4100), tod(40_000_000)));
-        assert!(navigation.heard(ms(4200), tod(10_000_000)));
+        assert!(navigation.advances(ms(4100), tod(40_000_000)));
+        assert!(navigation.advances(ms(4200), tod(10_000_000)));
         assert_eq!(age(&navigation, 4200), 0);
     }
 }

@@ -1,4 +1,5 @@
 mod ours;
+mod reports;
 mod requests;
 mod vehicle;
 mod wire;
@@ -7,9 +8,12 @@ use std::time::Duration;
 
 use backseat_units::Timestamp;
 
+use self::wire::sentences;
 use crate::area::Area;
 use crate::conduct::{Conduct, Context};
+use crate::consequence::Consequence;
 use crate::control::{Change, Control};
+use crate::delivery::Delivery;
 use crate::due::Due;
 use crate::error::OracleError;
 use crate::hold::Hold;
@@ -17,18 +21,22 @@ use crate::inserts::Inserts;
 use crate::lease::Lease;
 use crate::limits::{Activity, Limits, Truth, seconds};
 use crate::lines::{Lines, Piece};
-use crate::navigation::Navigation;
+use crate::navigation::{Jump, Navigation};
 use crate::operator::Operator;
 use crate::plan::Plan;
 use crate::process::Process;
 use crate::rule::Rule;
+use crate::services::{Acoustic, Quota, Shutdown, Silence, Trigger};
 use crate::stamps::Stamps;
-use crate::state::State;
 use crate::statistics::Statistics;
 use crate::violation::{Findings, Violation};
 
 /// How long after the last moment at which the vehicle's words could arrive a write is no race any more.
 const RACE: Duration = Duration::from_millis(50);
+/// How long a modify may go unanswered, how soon it then ends, and some more for a busy vehicle.
+const ANSWER_MAX: Duration = Duration::from_millis(1500);
+/// How long navigation is steady after a jump before anything steers by it, less what two clocks may differ by.
+const STEADY: Duration = Duration::from_millis(9700);
 /// How soon a lease ends after control is lost.
 const END_WITHIN: Duration = Duration::from_millis(100);
 
@@ -41,11 +49,16 @@ pub struct Oracle {
     area: Area,
     from_vehicle: Lines,
     to_vehicle: Lines,
+    arriving: Lines,
     control: Control,
     control_held: Duration,
     navigation: Navigation,
     lease: Lease,
     hold: Hold,
+    delivery: Delivery,
+    consequence: Consequence,
+    /// When we told the vehicle last where it is (SPI 8.8, 8.9).
+    frame_moved: Option<Timestamp>,
     inserts: Inserts,
     /// The insert that the vehicle truly flies.
     flown: Option<u32>,
@@ -53,6 +66,13 @@ pub struct Oracle {
     operator: Operator,
     stamps: Stamps,
     plan: Plan,
+    /// The vehicle has told this process something of its plan.
+    plan_heard: bool,
+    trigger: Trigger,
+    acoustic: Acoustic,
+    silence: Silence,
+    quota: Quota,
+    shutdown: Shutdown,
     conduct: Conduct,
     findings: Findings,
     counts: Statistics,
@@ -76,17 +96,27 @@ impl Oracle {
             area: Area::read(fence_geojson)?,
             from_vehicle: Lines::default(),
             to_vehicle: Lines::default(),
+            arriving: Lines::default(),
             control: Control::new(limits.control.clone()),
             control_held: Duration::ZERO,
             navigation: Navigation::default(),
             lease: Lease::default(),
             hold: Hold::default(),
+            delivery: Delivery::default(),
+            consequence: Consequence::default(),
+            frame_moved: None,
             inserts: Inserts::default(),
             flown: None,
             process: Process::default(),
             operator: Operator::default(),
             stamps: Stamps::default(),
             plan: Plan::default(),
+            plan_heard: false,
+            trigger: Trigger::default(),
+            acoustic: Acoustic::default(),
+            silence: Silence::default(),
+            quota: Quota::default(),
+            shutdown: Shutdown::default(),
             conduct: Conduct::default(),
             findings: Findings::default(),
             counts: Statistics::default(),
@@ -101,10 +131,14 @@ impl Oracle {
         self.lease.cut(at);
         self.hold.cut(at);
         self.inserts.cut();
+        self.process.link_changed();
         self.operator.cut();
+        self.trigger.cut();
+        self.acoustic.cut();
         self.from_vehicle.clear();
         self.to_vehicle.clear();
-        self.navigation.clear();
+        self.arriving.clear();
+        self.navigation.cut();
         // The old connection is over either way, even where its end was not told.
         let change = self.control.link(at, false);
         self.control_changed(at, change);
@@ -122,6 +156,7 @@ impl Oracle {
         self.lease.cut(at);
         self.hold.pause(at);
         self.operator.cut();
+        self.trigger.cut();
         self.process.stopped(at);
     }
 
@@ -138,6 +173,13 @@ impl Oracle {
         self.pass_time(at);
         self.process.goes_on(at);
         self.inserts.new_process();
+        self.navigation.clear();
+        self.plan_heard = false;
+        self.trigger = Trigger::default();
+        self.silence = Silence::default();
+        self.quota = Quota::default();
+        self.shutdown = Shutdown::default();
+        self.frame_moved = None;
     }
 
     /// The operator holds the runtime, or releases it (requirement 015).
@@ -184,6 +226,26 @@ impl Oracle {
         self.to_vehicle = lines;
     }
 
+    /// Bytes of ours arrive at the vehicle, in any split. Where a run tells this, what the vehicle forgets by its own
+    /// clock counts from here, as it must where faults of the link hold words back; else from the write.
+    pub fn arrived(&mut self, at: Timestamp, bytes: &[u8]) {
+        self.delivery.tells_arrivals();
+        let (delay, delivery, findings) = (self.link_delay, &mut self.delivery, &mut self.findings);
+        self.arriving.push(bytes, |piece| {
+            if let Piece::Line(line) = piece {
+                for (name, created) in sentences(line) {
+                    delivery.arrived(at, name, created, delay, findings);
+                }
+            }
+        });
+    }
+
+    /// How far the vehicle is, from now on, from where it believes to be, and from the depth that it believes in, metres:
+    /// what its sensors have got wrong no payload can know. To be told before [`Oracle::truth`]; nothing where it is not.
+    pub fn believed(&mut self, error_m: f64, depth_error_m: f64) {
+        self.conduct.believed(error_m, depth_error_m);
+    }
+
     /// The vehicle's truth, ten times a second.
     pub fn truth(&mut self, truth: &Truth) {
         self.pass_time(truth.at);
@@ -192,41 +254,10 @@ impl Oracle {
             area: &self.area,
             plan: &self.plan,
             tracking_error_m: self.limits.tracking_error_m,
+            delivery: &self.delivery,
             link_delay: self.link_delay,
-            last_modify: self.lease.last_modify(),
         };
         self.conduct.judge(truth, &context, &mut self.findings);
-    }
-
-    /// Where the run stands. It costs next to nothing.
-    #[must_use]
-    pub const fn state(&self) -> State {
-        if !self.control.is_up() {
-            return State::Down;
-        }
-        if !self.control.is_granted() {
-            return State::NoControl;
-        }
-        if self.hold.is_alive() {
-            return State::Hold;
-        }
-        let open = self.inserts.open();
-        if self.lease.is_alive() {
-            return if open.asked + open.queued + open.flown > 0 {
-                State::LeaseInsert
-            } else {
-                State::Lease
-            };
-        }
-        if open.flown > 0 {
-            State::Insert
-        } else if open.queued > 0 {
-            State::Queued
-        } else if open.asked > 0 {
-            State::Asked
-        } else {
-            State::Idle
-        }
     }
 
     /// The run is over: everything that was found, in the order of time. The first hundred are listed, the rest are a
@@ -241,42 +272,11 @@ impl Oracle {
         self.findings.into_violations()
     }
 
-    /// How much there was to judge until now; to be asked before [`Oracle::finish`].
-    #[must_use]
-    pub fn statistics(&self) -> Statistics {
-        let [
-            inserts_sent,
-            inserts_refused,
-            inserts_accepted,
-            inserts_begun,
-            inserts_cancelled,
-        ] = self.inserts.counts();
-        let (truths, truth_judged, truth_insert_s, truth_modified_s) = self.conduct.counts();
-        Statistics {
-            control_s: self.control_held_at(self.now).as_secs_f64(),
-            leases: self.lease.opened(),
-            lease_s: self.lease.alive_s(self.now),
-            holds: self.hold.opened(),
-            hold_s: self.hold.alive_s(self.now),
-            inserts_sent,
-            inserts_refused,
-            inserts_accepted,
-            inserts_begun,
-            inserts_cancelled,
-            truths,
-            truth_insert_s,
-            truth_modified_s,
-            truth_judged,
-            violations: self.findings.count(),
-            ..self.counts.clone()
-        }
-    }
-
     /// The end of an insert shows in the truth even where BFMBE met a dead link.
     fn follow_inserts(&mut self, truth: &Truth) {
         let flown = match truth.activity {
             Activity::Insert(identifier) => Some(identifier),
-            Activity::Plan | Activity::Other => None,
+            Activity::Plan | Activity::Suspended | Activity::Other => None,
             // It may be the insert still.
             Activity::Modified => return,
         };
@@ -287,7 +287,7 @@ impl Oracle {
             self.inserts.ends(done);
         }
         if let Some(identifier) = flown {
-            self.inserts.begins(truth.at, identifier);
+            self.inserts.is_flown(truth.at, identifier);
         }
         self.flown = flown;
     }
@@ -296,6 +296,7 @@ impl Oracle {
     fn pass_time(&mut self, at: Timestamp) {
         self.now = self.now.max(at);
         self.hold.check(at, &mut self.findings);
+        self.trigger.check(at, &mut self.findings);
         if let Some(by) = self.operator.cancels_due(at)
             && let Some(identifier) = self.inserts.not_taken_back(by)
         {
@@ -306,7 +307,8 @@ impl Oracle {
         if !self.lease.is_alive() {
             return;
         }
-        self.lease.check(at, &mut self.findings);
+        let answer_max = ANSWER_MAX + self.link_delay * 2;
+        self.lease.check(at, answer_max, &mut self.findings);
         if self.lease.is_alive() && self.is_stale(at, END_WITHIN) && self.lease.tell_stale() {
             self.findings.add(at, Rule::StaleNavigation, || {
                 "the lease goes on though navigation is stale".to_owned()
@@ -314,21 +316,40 @@ impl Oracle {
         }
     }
 
-    /// What ends a lease that begins now at once: control that is just being lost, the operator's hold.
+    /// What ends a lease or a hold that begins now at once: control that is just being lost, the operator's hold.
     fn end_due(&self) -> Option<Due> {
         let lost = self.control.denied_since().map(|since| self.lost_due(since));
-        match (lost, self.operator.due(&self.process)) {
-            (lost, Some(held)) => Due::first(lost, held),
-            (lost, None) => lost,
+        match self.operator.due(&self.process) {
+            Some(held) => Due::first(lost, held),
+            None => lost,
         }
     }
 
-    fn lost_due(&self, since: Timestamp) -> Due {
+    /// The last jump of navigation, where it has not been steady for long enough since.
+    fn unsteady(&self, now: Timestamp) -> Option<Jump> {
+        self.navigation.jump().filter(|jump| jump.steady(now) < STEADY)
+    }
+
+    /// Until when a lease must have ended for what the vehicle said at a time.
+    fn due(&self, said: Timestamp, rule: Rule, why: &'static str) -> Due {
         Due {
-            by: self.process.heard(since) + self.link_delay + END_WITHIN,
-            rule: Rule::EndMissing,
-            why: "control was lost under it",
+            by: self.process.heard(said) + self.link_delay + END_WITHIN,
+            rule,
+            why,
         }
+    }
+
+    fn jump_due(&self, said: Timestamp) -> Due {
+        self.due(said, Rule::JumpIgnored, "navigation jumped")
+    }
+
+    fn lost_due(&self, said: Timestamp) -> Due {
+        self.due(said, Rule::EndMissing, "control was lost under it")
+    }
+
+    /// How long after they were let on their way the vehicle's words have been heard for sure.
+    fn sure(&self) -> Duration {
+        self.link_delay + RACE
     }
 
     /// Whether the newest solution is older than allowed on any reading.

@@ -1,16 +1,30 @@
+use std::time::Duration;
+
 use backseat_units::Timestamp;
 
 /// The runtime's process: what it could have heard, and when.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Process {
     stopped: Option<Timestamp>,
+    /// The connection is another one than when it was stopped.
+    reconnected: bool,
     /// When it last went on: what was said while it was stopped it has heard then.
     woken: Timestamp,
+    slept: Duration,
 }
 
 impl Process {
     pub(crate) fn stopped(&mut self, at: Timestamp) {
-        self.stopped.get_or_insert(at);
+        if self.stopped.is_none() {
+            self.stopped = Some(at);
+            self.reconnected = false;
+        }
+    }
+
+    /// The link was lost or made.
+    pub(crate) fn link_changed(&mut self) {
+        self.reconnected = true;
+        self.slept = Duration::ZERO;
     }
 
     pub(crate) const fn is_stopped(&self) -> bool {
@@ -18,9 +32,17 @@ impl Process {
     }
 
     pub(crate) fn goes_on(&mut self, at: Timestamp) {
-        if self.stopped.take().is_some() {
+        if let Some(stopped) = self.stopped.take() {
             self.woken = at;
+            if !self.reconnected {
+                self.slept = at.since(stopped);
+            }
         }
+    }
+
+    /// For how long it stood still on this connection, once.
+    pub(crate) fn slept(&mut self) -> Duration {
+        core::mem::take(&mut self.slept)
     }
 
     /// When the runtime could hear what was said at a time.

@@ -37,6 +37,36 @@ rules! {
     ModifyTooFast = "modify-too-fast", Some(3);
     /// A BPRMB that leaves something to the current behavior.
     ModifyInherits = "modify-inherits", Some(3);
+    /// A lease goes on though the vehicle does not answer.
+    ModifyUnanswered = "modify-unanswered", Some(3);
+    /// A lease outlived its cause: a behavior began or ended under it, or the vehicle refused it.
+    LeaseOutlives = "lease-outlives", Some(3);
+    /// A lease that goes on after the runtime had stood still.
+    LeaseAfterStop = "lease-after-stop", Some(3);
+    /// A modify whose certain consequence leaves the fence.
+    ModifyFence = "modify-fence", Some(2);
+    /// A refresh whose certain consequence leaves the fence.
+    RefreshFence = "refresh-fence", Some(4);
+    /// An insert though no plan was ever told.
+    PlanUnknown = "plan-unknown", Some(2);
+    /// A lease goes on, or begins, within 10 s of a jump of navigation, or of what moves the vehicle's frame.
+    JumpIgnored = "jump-ignored", Some(21);
+    /// A BPRMB came to the vehicle long after it was sent.
+    StaleDelivery = "stale-delivery", Some(7);
+    /// A suspension outlived the last sentence that keeps it.
+    HoldOutlives = "hold-outlives", Some(7);
+    /// A new request after the word that power will go, or anything at all 10 s after.
+    AfterShutdown = "after-shutdown", Some(11);
+    /// A packet outside of the windows that the vehicle gave.
+    PacketWindow = "packet-window", Some(16);
+    /// The DVL is triggered without leave.
+    TriggerWithoutLeave = "trigger-without-leave", Some(17);
+    /// The vehicle's word to cease triggering was not answered.
+    TriggerNotCeased = "trigger-not-ceased", Some(17);
+    /// Silent mode was asked for anew while it stands.
+    SilenceRepeated = "silence-repeated", Some(18);
+    /// More of one kind than the mission allows, in all or in a minute.
+    RequestsTotal = "requests-total", Some(19);
     /// A live hold was neither refreshed nor ended in time.
     HoldGap = "hold-gap", Some(5);
     /// A sentence that needs a suspended mission, without one.
@@ -61,6 +91,8 @@ rules! {
     TruthFence = "truth-fence", Some(2);
     /// The vehicle was truly out of the zone's depths under our commands.
     TruthDepth = "truth-depth", Some(2);
+    /// The vehicle was truly outside after a cancel of ours, on its way to what came next.
+    TruthCancel = "truth-cancel", Some(20);
     /// The vehicle ran aground under our commands.
     TruthGrounded = "truth-grounded", Some(2);
     /// An identifier was used twice.

@@ -146,6 +146,14 @@ impl Simulation {
                 inserts_open_max: limits.inserts_open_max,
                 inserts_total_max: limits.inserts_total_max,
                 inserts_duration_max_s: limits.inserts_duration_max_s,
+                caps: backseat_oracle::Caps {
+                    gps_hits_total_max: limits.gps_hits_total_max,
+                    adjustments_total_max: limits.adjustments_total_max,
+                    silences_total_max: limits.silences_total_max,
+                    silent_term_s: limits.silent_term_s,
+                    topside_per_min: limits.topside_per_min,
+                    packets_per_min: limits.packets_per_min,
+                },
                 link_delay_s: DELAY_MAX.as_secs_f64(),
             },
         )?;

@@ -1,3 +1,4 @@
+use backseat_spi::ToVehicle;
 use backseat_units::Timestamp;
 
 use super::wire::{created_time, our_message};
@@ -29,7 +30,14 @@ impl Oracle {
                 format!("{} has the time {created} twice", String::from_utf8_lossy(&name))
             });
         }
-        let mut denied = self.judge_permission(at, &name);
+        let mut denied = self.judge_permission(at, &name, &message);
+        let is_new = match &name {
+            b"BPRTK" | b"BPRTC" | b"BPRGP" => true,
+            b"BPRMB" => !self.lease.is_alive() && !self.lease.is_unended(),
+            b"BPSUS" => !self.hold.is_alive() && !self.hold.is_unended(),
+            _ => false,
+        };
+        self.shutdown.we_say(at, &name, is_new, &mut self.findings);
         let due = self.operator.due(&self.process);
         if !denied && is_dynamic(&name) && due.is_some_and(|due| due.is_missed(at)) {
             self.findings.add(at, Rule::OperatorHold, || {
@@ -41,7 +49,7 @@ impl Oracle {
     }
 
     /// Whether control surely is not ours, after telling so where the sentence needs it.
-    fn judge_permission(&mut self, at: Timestamp, name: &[u8; 5]) -> bool {
+    fn judge_permission(&mut self, at: Timestamp, name: &[u8; 5], message: &ToVehicle) -> bool {
         if !self.limits.operator_commands {
             match name {
                 b"BPABT" | b"BPKIL" | b"BPRCA" | b"BPRCB" | b"BPRCE" => {
@@ -63,9 +71,16 @@ impl Oracle {
         if self.process.heard(since) > at - (self.link_delay + RACE) {
             return false;
         }
+        let asks_trigger = if let ToVehicle::DvlTriggerRequest(request) = message {
+            self.trigger.asks_anew(request.external)
+        } else {
+            false
+        };
         let rule = match name {
-            b"BPVER" | b"BPLOG" | b"BPSTS" | b"BPMSG" | b"BPRMP" | b"BPRCN" | b"BPABT" | b"BPKIL" | b"BPDVR"
-            | b"BPTMR" => return true,
+            b"BPVER" | b"BPLOG" | b"BPSTS" | b"BPMSG" | b"BPRMP" | b"BPRCN" | b"BPABT" | b"BPKIL" | b"BPTMR" => {
+                return true;
+            }
+            b"BPDVR" if !asks_trigger => return true,
             b"BPEMB" if self.lease.is_unended() => return true,
             b"BPSPD" | b"BPRES" if self.hold.is_unended() => return true,
             b"BPEMB" | b"BPRES" => Rule::EndSurplus,

@@ -6,11 +6,17 @@ use backseat_spi::{
 };
 use backseat_units::Timestamp;
 
-use super::Oracle;
-use crate::area::{Fault, Setpoint};
+use super::{Oracle, STEADY};
+use crate::area::Fault;
 use crate::inserts::Insert;
 use crate::rule::Rule;
+use crate::services::Rated;
+use crate::zone::Setpoint;
 
+/// A standstill that is longer ends every lease: half a second late, and a second for the wake-up that was due next.
+const SLEPT_MAX: Duration = Duration::from_millis(1600);
+/// Navigation that was told so recently says where the vehicle is.
+const RECENT: Duration = Duration::from_millis(500);
 /// What the wire's three decimals may change of a speed, m/s.
 const SPEED_SLACK_MPS: f64 = 0.001;
 
@@ -23,10 +29,12 @@ impl Oracle {
     pub(super) fn we_say(&mut self, at: Timestamp, message: &ToVehicle, denied: bool) {
         match message {
             ToVehicle::Suspend(_) => {
+                self.delivery.sent_hold(at);
                 let (counts, due) = (self.control.is_up() && !denied, self.end_due());
                 self.hold.suspend(at, counts, due);
             }
             ToVehicle::Continue(_) | ToVehicle::HullPosition(_) | ToVehicle::BottomPosition(_) => {
+                self.delivery.sent_hold(at);
                 let (counts, due) = (self.control.is_up() && !denied, self.end_due());
                 if !self.hold.keep(at, counts, due) && !denied {
                     self.findings.add(at, Rule::HoldDead, || {
@@ -55,6 +63,24 @@ impl Oracle {
                 self.plan.asked();
                 self.inserts.plan_asked(at);
             }
+            ToVehicle::RelativeReset(_) | ToVehicle::BearingOffset(_) => self.frame_moves(at),
+            ToVehicle::DvlTriggerRequest(request) => {
+                let (sure, findings) = (self.sure(), &mut self.findings);
+                self.trigger
+                    .we_say(at, request.external, request.triggering, sure, findings);
+            }
+            ToVehicle::SilentMode(mode) => {
+                self.silence.we_say(at, mode.created, mode.silent, &mut self.findings);
+            }
+            ToVehicle::TopsideText(_) => {
+                let caps = &self.limits.caps;
+                self.quota.asked(at, Rated::Topside, caps, &mut self.findings);
+            }
+            ToVehicle::Packet(_) => {
+                self.acoustic.packet(at, self.sure(), &mut self.findings);
+                let caps = &self.limits.caps;
+                self.quota.asked(at, Rated::Packet, caps, &mut self.findings);
+            }
             ToVehicle::GpsHit(hit) => {
                 let insert = Insert {
                     cancellable: false,
@@ -69,9 +95,39 @@ impl Oracle {
     fn judge_modify(&mut self, at: Timestamp, modify: &ModifyBehavior, denied: bool) {
         self.counts.modifies += 1;
         // Where control is just being lost, the lease that this opens ends with it.
-        let due = self.end_due();
+        let opens = !self.lease.is_alive();
+        let slept = self.process.slept();
+        if opens && self.lease.is_unended() && slept > SLEPT_MAX && !denied {
+            self.findings.add(at, Rule::LeaseAfterStop, || {
+                format!("BPRMB goes on after {:.1} s at a standstill", slept.as_secs_f64())
+            });
+        }
+        self.delivery.sent_modify(at, modify.created);
+        let unsteady = self.unsteady(at);
+        let jump_due = unsteady.map(|jump| self.jump_due(jump.at));
+        let due = [self.end_due(), jump_due]
+            .into_iter()
+            .flatten()
+            .min_by_key(|due| due.by);
         let counts = self.control.is_up() && !denied;
-        self.lease.modify(at, counts, due, &mut self.findings);
+        // What is judged as a whole lease already is not told for each of its sentences.
+        let jumped = opens && jump_due.is_some_and(|due| due.is_missed(at));
+        if jumped && !denied {
+            let steps_m = unsteady.map_or(0.0, |jump| jump.step_m);
+            self.findings.add(at, Rule::JumpIgnored, || {
+                format!("BPRMB though navigation jumped by {steps_m:.0} m within the last 10 s")
+            });
+        }
+        if let Some(moved) = self.frame_moved
+            && !denied
+            && at.since(moved) < STEADY
+        {
+            self.findings.add(at, Rule::JumpIgnored, || {
+                format!("BPRMB though the vehicle was told at {moved} that it is elsewhere")
+            });
+        }
+        self.lease
+            .modify(at, modify.created, counts && !jumped, due, &mut self.findings);
         // What the vehicle refuses is judged once, as that.
         if denied {
             return;
@@ -100,6 +156,14 @@ impl Oracle {
         {
             self.findings
                 .add(at, Rule::Malformed, || format!("BPRMB with heading {heading}"));
+        }
+        if let Some(told) = self.navigation.heard_for_sure(at, self.sure())
+            && at.since(told.at) < RECENT
+            && let Some(text) = self.consequence.judge(modify, &told.fix, &self.area)
+        {
+            let rule = if opens { Rule::ModifyFence } else { Rule::RefreshFence };
+            self.findings
+                .add(at, rule, || format!("BPRMB leads out of the fence: {text}"));
         }
         if modify.speed_mode == Some(ModifySpeedMode::MetresPerSecond)
             && let Some(speed) = modify.speed
@@ -153,7 +217,22 @@ impl Oracle {
         self.tell_fault(at, &what, verdict);
     }
 
+    /// We tell the vehicle that it is elsewhere: what steers by where it was has ended before.
+    fn frame_moves(&mut self, at: Timestamp) {
+        if self.lease.is_alive() || self.hold.is_alive() {
+            self.findings.add(at, Rule::JumpIgnored, || {
+                "the vehicle is told that it is elsewhere under a lease or a hold".to_owned()
+            });
+        }
+        self.frame_moved = Some(at);
+    }
+
     fn insert_sent(&mut self, at: Timestamp, identifier: u32, insert: Insert) {
+        if !self.plan_heard && self.control.is_granted() {
+            self.findings.add(at, Rule::PlanUnknown, || {
+                format!("insert {identifier} though the vehicle has told nothing of its plan")
+            });
+        }
         let total_max = self.limits.inserts_total_max;
         self.inserts.sent(at, identifier, insert, total_max, &mut self.findings);
     }

@@ -108,6 +108,20 @@ fn requirement_002_setpoints_keep_to_the_bands() {
 }
 
 #[test]
+fn requirement_002_nothing_is_inserted_into_an_unknown_plan() {
+    Scenario::with_control()
+        .ours(2000, &good(7))
+        .vehicle(2100, &ack(7, 1))
+        .started(3500)
+        .link(3000, false)
+        .link(4000, true)
+        .vehicle(4100, "BFMIS,{t},a.dive,Running,")
+        .vehicle(4100, "BFCTL,{t},1")
+        .ours(5000, &good(8))
+        .finds(&["plan-unknown"]);
+}
+
+#[test]
 fn requirement_009_identifiers_never_repeat_even_after_a_reconnect() {
     Scenario::with_control()
         .ours(2000, &good(7))

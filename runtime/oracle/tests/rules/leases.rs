@@ -51,6 +51,85 @@ fn requirement_003_never_faster_than_five_hertz() {
 }
 
 #[test]
+fn requirement_003_a_lease_that_nobody_answers_ends() {
+    // A second, the 100 ms of the end, and 800 ms for the ways and a busy vehicle.
+    let silent = || {
+        Scenario::with_control()
+            .without_answers()
+            .lease(3000, 4000)
+            .activity(5200, Activity::Plan)
+    };
+    silent().ours(4890, END).finds_nothing();
+    silent().ours(4910, END).finds(&["modify-unanswered"]);
+    // An answer to a later one is an answer.
+    silent()
+        .vehicle(4500, "BFACK,{t},RMB,000003.000,0,2,0,ok")
+        .ours(5000, END)
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_003_a_lease_ends_when_it_is_refused() {
+    let refused = || lease().vehicle(6000, "BFACK,{t},RMB,000004.000,0,1,0,no");
+    refused().ours(6300, END).finds_nothing();
+    refused().ours(6310, END).finds(&["lease-outlives"]);
+    // It is of a lease that was before.
+    Scenario::with_control()
+        .ours(2000, MODIFY)
+        .ours(2500, END)
+        .lease(3000, 6000)
+        .activity(6600, Activity::Plan)
+        .vehicle(4000, "BFACK,{t},RMB,000001.000,0,1,0,no")
+        .ours(6500, END)
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_003_a_lease_ends_with_the_behavior_that_it_modifies() {
+    for words in ["BFMBS,{t},a.dive,3,,trackline", "BFMBE,{t},a.dive,2,,trackline"] {
+        let next = || lease().vehicle(6000, words);
+        next().ours(6300, END).finds_nothing();
+        next().ours(6310, END).finds(&["lease-outlives"]);
+        // It may be asked for again at once.
+        next()
+            .ours(6200, END)
+            .ours(6201, MODIFY)
+            .ours(6500, END)
+            .finds_nothing();
+    }
+}
+
+#[test]
+fn requirement_003_a_standstill_ends_the_lease_before_anything_else() {
+    let stopped = || lease().stopped(6500).continued(8500).activity(9500, Activity::Plan);
+    stopped()
+        .ours(8500, END)
+        .ours(8510, MODIFY)
+        .ours(9000, END)
+        .finds_nothing();
+    stopped()
+        .ours(8500, MODIFY)
+        .ours(9000, END)
+        .finds(&["lease-after-stop"]);
+    // A short one may pass unnoticed.
+    lease()
+        .stopped(6500)
+        .continued(8000)
+        .ours(8000, MODIFY)
+        .ours(8100, END)
+        .activity(8200, Activity::Plan)
+        .finds_nothing();
+    // On another connection it is another lease.
+    lease()
+        .stopped(6500)
+        .reconnects(7000, 8000)
+        .ours(9000, MODIFY)
+        .ours(9500, END)
+        .activity(9600, Activity::Plan)
+        .finds_nothing();
+}
+
+#[test]
 fn requirement_003_nothing_is_inherited() {
     for body in [
         "BPRMB,{t},,10,0,1.5,1,0",
@@ -75,6 +154,107 @@ fn requirement_002_a_modify_keeps_to_the_limits() {
 }
 
 #[test]
+fn requirement_002_a_modify_does_not_certainly_lead_out() {
+    // A minute of longitude is 1379.9 m here: at 1.5 m/s the vehicle goes 6.75 m in 4.5 s, 0.0049 of it.
+    let near = |place| {
+        Scenario::with_control()
+            .believes(0, place)
+            .ours(3000, MODIFY)
+            .ours(3500, END)
+    };
+    near("4200.300,N,07000.0060,W").finds_nothing();
+    near("4200.300,N,07000.0040,W").finds(&["modify-fence"]);
+    // Outside already.
+    near("4159.900,N,07000.5000,W").finds(&["modify-fence"]);
+    // Into the mooring, 9 m before it and 5 m.
+    near("4200.660,N,07000.7265,W").finds_nothing();
+    near("4200.660,N,07000.7236,W").finds(&["modify-fence"]);
+    // The wreck is deeper.
+    near("4200.180,N,07000.7236,W").finds_nothing();
+    // It turns away, which may take longer than there is: who knows.
+    Scenario::with_control()
+        .believes(0, "4200.300,N,07000.0040,W")
+        .ours(3000, "BPRMB,{t},270,10,0,1.5,1,0")
+        .ours(3500, END)
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_004_a_refresh_does_not_certainly_lead_out() {
+    Scenario::with_control()
+        .believes(4500, "4200.300,N,07000.8990,W")
+        .believes(4600, "4200.300,N,07000.8980,W")
+        .ours(3000, MODIFY)
+        .ours(4000, "BPRMB,{t},90,10,0,1.5,1,0")
+        .ours(5000, MODIFY)
+        .ours(5200, END)
+        .finds_nothing();
+    Scenario::with_control()
+        .believes(0, "4200.300,N,07000.0060,W")
+        .believes(3500, "4200.300,N,07000.0040,W")
+        .ours(3000, MODIFY)
+        .ours(4000, MODIFY)
+        .ours(4100, END)
+        .finds(&["refresh-fence"]);
+    // What was said just now may not have been heard.
+    Scenario::with_control()
+        .believes(0, "4200.300,N,07000.0060,W")
+        .believes(3800, "4200.300,N,07000.0040,W")
+        .ours(3000, MODIFY)
+        .ours(4000, MODIFY)
+        .ours(4100, END)
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_021_a_jump_ends_the_lease_until_navigation_has_been_steady() {
+    // 83 m to the west.
+    let jumps = || Scenario::with_control().believes(5000, "4200.300,N,07000.960,W");
+    let leased = || jumps().lease(3000, 4900).activity(5500, Activity::Plan);
+    leased().ours(5300, END).finds_nothing();
+    leased().ours(5310, END).finds(&["jump-ignored"]);
+    let later = |ms| jumps().ours(ms, MODIFY).ours(ms + 100, END);
+    jumps().ours(5250, MODIFY).ours(5300, END).finds_nothing();
+    later(6000).finds(&["jump-ignored"]);
+    later(14_600).finds(&["jump-ignored"]);
+    later(14_800).finds_nothing();
+    // Another 20 m could be a correction.
+    Scenario::with_control()
+        .believes(5000, "4200.300,N,07000.914,W")
+        .ours(6000, MODIFY)
+        .ours(6100, END)
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_021_a_jump_is_seen_over_a_lost_link() {
+    let lost = || {
+        Scenario::with_control()
+            .believes(5000, "4200.300,N,07000.990,W")
+            .reconnects(4000, 5500)
+    };
+    lost().ours(7000, MODIFY).ours(7100, END).finds(&["jump-ignored"]);
+    // A new process has not seen where the vehicle was.
+    lost().started(5000).ours(7000, MODIFY).ours(7100, END).finds_nothing();
+}
+
+#[test]
+fn requirement_021_who_tells_the_vehicle_that_it_is_elsewhere_does_not_steer() {
+    let reset = |body: &str, ms: u64| {
+        Scenario::with_control()
+            .limits(|limits| limits.operator_commands = true)
+            .ours(ms, body)
+            .ours(3000, MODIFY)
+            .ours(3600, END)
+    };
+    for body in ["BPRNS,{t},1,2,3", "BPRBO,{t},3"] {
+        reset(body, 2000).finds(&["jump-ignored"]);
+        reset(body, 3300).finds(&["jump-ignored"]);
+        reset(body, 4000).finds_nothing();
+    }
+}
+
+#[test]
 fn requirement_007_a_modify_lapses_by_the_vehicles_clock() {
     // 5.1 s and 200 ms of delay after the last one.
     let cut = Scenario::with_control().lease(3000, 6000).link(6100, false);
@@ -84,6 +264,48 @@ fn requirement_007_a_modify_lapses_by_the_vehicles_clock() {
         .activity(3000, Activity::Modified)
         .activity(4000, Activity::Plan)
         .finds(&["modify-outlives"]);
+}
+
+#[test]
+fn requirement_007_a_modify_lapses_after_it_was_received() {
+    // Held back for 1.5 s, and then the connection is gone.
+    let late = |last_ms: u64| {
+        let mut run = Scenario::with_control().ours(3000, MODIFY).ours(3100, END);
+        run = run.arrives(3000, 3010, MODIFY).arrives(3100, 3110, END);
+        run.lease(4000, 6000)
+            .arrives(4000, 4010, MODIFY)
+            .arrives(6000, last_ms, MODIFY)
+            .link(7600, false)
+    };
+    late(7500).activity(12_600, Activity::Plan).finds_nothing();
+    late(7500).activity(12_900, Activity::Plan).finds(&["modify-outlives"]);
+    late(6010).activity(11_300, Activity::Plan).finds(&["modify-outlives"]);
+    // One that was damaged on its way may still be taken.
+    let damaged = |body: &str| {
+        Scenario::with_control()
+            .lease(4000, 5000)
+            .arrives(4000, 4010, MODIFY)
+            .link(5100, false)
+            .arrives(4000, 8000, body)
+            .activity(12_900, Activity::Plan)
+    };
+    damaged("BPRMB,{t},90,10,0,1.5,1").finds(&["stale-delivery"]);
+    damaged("BPRXB,{t},90,10,0,1.5,1,0").finds(&["modify-outlives"]);
+}
+
+#[test]
+fn requirement_007_nothing_that_steers_arrives_late() {
+    let arrives = |ms: u64| {
+        lease()
+            .arrives(3000, 3010, MODIFY)
+            .arrives(4000, 4010, MODIFY)
+            .arrives(5000, 5010, MODIFY)
+            .arrives(6000, ms, MODIFY)
+            .ours(6500, END)
+            .activity(10_000, Activity::Plan)
+    };
+    arrives(8650).finds_nothing();
+    arrives(8750).finds(&["stale-delivery"]);
 }
 
 #[test]

@@ -3,10 +3,12 @@
 mod scenario;
 
 mod control;
+mod faults;
 mod holds;
 mod inserts;
 mod leases;
 mod operator;
 mod robustness;
+mod services;
 mod states;
 mod truth;

@@ -156,7 +156,8 @@ fn a_fence_may_lie_across_the_date_line() {
 fn garbage() -> impl Strategy<Value = Vec<u8>> {
     let names = proptest::sample::select(vec![
         "BFNVG", "BFCTL", "BFMIS", "BFMSC", "BFMBS", "BFMBE", "BFACK", "BFPLN", "BPRMB", "BPEMB", "BPRTK", "BPRTC",
-        "BPRGP", "BPRCN", "BPRMP", "BPVER", "BPXYZ",
+        "BPRGP", "BPRCN", "BPRMP", "BPVER", "BPXYZ", "BFSHT", "BFDVT", "BFCMA", "BPDVR", "BPSIL", "BPCPD", "BPTOP",
+        "BPSUS", "BPCON", "BPRES", "BPRNS",
     ]);
     let fields = proptest::sample::select(vec![
         "",
@@ -197,7 +198,7 @@ fn garbage() -> impl Strategy<Value = Vec<u8>> {
 proptest! {
     #[test]
     fn nothing_from_either_side_panics(
-        writes in proptest::collection::vec((0..6u8, garbage(), 0..u64::MAX / 2), 0..60), sorted: bool,
+        writes in proptest::collection::vec((0..9u8, garbage(), 0..u64::MAX / 2), 0..60), sorted: bool,
     ) {
         let mut oracle = Oracle::new(FENCE, Limits::default()).unwrap();
         for (index, (side, bytes, at)) in writes.iter().enumerate() {
@@ -206,17 +207,26 @@ proptest! {
                 0 | 1 => oracle.from_vehicle(at, bytes),
                 2 | 3 => oracle.to_vehicle(at, bytes),
                 4 => oracle.link(at, bytes.len() % 3 > 0),
+                5 => oracle.arrived(at, bytes),
+                6 => oracle.operator(at, bytes.len() % 2 > 0),
+                7 => match bytes.len() % 3 {
+                    0 => oracle.runtime_stopped(at),
+                    1 => oracle.runtime_continued(at),
+                    _ => oracle.runtime_started(at),
+                },
                 _ => {
                     let latitude = bytes.first().map_or(0.0, |byte| f64::from(*byte) / 128.0 * 90.0 - 90.0);
+                    oracle.believed(latitude, latitude / 10.0);
                     oracle.truth(&Truth {
                         at,
                         position: Position::from_deg(latitude, latitude * 2.0).unwrap(),
                         depth_m: latitude,
                         altitude_m: if bytes.len() % 2 == 0 { f64::NAN } else { latitude },
-                        activity: match bytes.len() % 4 {
+                        activity: match bytes.len() % 5 {
                             0 => Activity::Plan,
                             1 => Activity::Insert(7),
                             2 => Activity::Modified,
+                            3 => Activity::Suspended,
                             _ => Activity::Other,
                         },
                     });

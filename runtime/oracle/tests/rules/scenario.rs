@@ -31,17 +31,20 @@ pub(crate) const END: &str = "BPEMB,{t}";
 #[derive(Clone)]
 enum Event {
     Link(bool),
-    Vehicle(String),
+    Vehicle(Vec<u8>),
     Ours(Vec<u8>),
     Activity(Activity),
     Place(f64, f64),
     Depth(f64),
     Altitude(f64),
     Navigation(bool),
+    NavigationDelay(u64),
     Stopped,
     Continued,
     Started,
     Operator(bool),
+    Arrived(Vec<u8>),
+    Error(f64),
 }
 
 /// What happens, and when.
@@ -49,6 +52,10 @@ enum Event {
 pub(crate) struct Scenario {
     events: Vec<(u64, Event)>,
     limits: Limits,
+    /// Whether each BPRMB is answered at once.
+    answers: bool,
+    /// Where BFNVG says that the vehicle is, from when on: latitude and longitude as they are written.
+    believed: Vec<(u64, &'static str)>,
 }
 
 /// What the oracle made of it.
@@ -74,12 +81,27 @@ impl Scenario {
                 link_delay_s: 0.2,
                 ..Limits::default()
             },
+            answers: true,
+            believed: vec![(0, "4200.300,N,07000.900,W")],
         }
         .link(0, true)
+        .vehicle(50, "BFPLN,{t},1,,0,0,4200.300,N,07000.900,W,,,")
     }
 
     pub(crate) fn limits(mut self, change: impl FnOnce(&mut Limits)) -> Self {
         change(&mut self.limits);
+        self
+    }
+
+    /// The vehicle answers no BPRMB.
+    pub(crate) fn without_answers(mut self) -> Self {
+        self.answers = false;
+        self
+    }
+
+    /// Where BFNVG says that the vehicle is.
+    pub(crate) fn believes(mut self, ms: u64, place: &'static str) -> Self {
+        self.believed.push((ms, place));
         self
     }
 
@@ -90,7 +112,12 @@ impl Scenario {
     /// The vehicle writes a sentence; `{t}` is the time.
     pub(crate) fn vehicle(self, ms: u64, body: &str) -> Self {
         let text = sentence(&body.replace("{t}", &stamp(ms)));
-        self.event(ms, Event::Vehicle(text))
+        self.vehicle_bytes(ms, text.as_bytes())
+    }
+
+    /// Bytes of the vehicle are let on their way.
+    pub(crate) fn vehicle_bytes(self, ms: u64, bytes: &[u8]) -> Self {
+        self.event(ms, Event::Vehicle(bytes.to_vec()))
     }
 
     /// We write a sentence; `{t}` is the time.
@@ -132,9 +159,25 @@ impl Scenario {
         self.event(ms, Event::Navigation(on))
     }
 
+    /// How old each BFNVG is when it is let on its way, milliseconds.
+    pub(crate) fn navigation_delay(self, ms: u64, delay_ms: u64) -> Self {
+        self.event(ms, Event::NavigationDelay(delay_ms))
+    }
+
     /// A fault stops the runtime.
     pub(crate) fn stopped(self, ms: u64) -> Self {
         self.event(ms, Event::Stopped)
+    }
+
+    /// A sentence of ours that was made at one time arrives at another.
+    pub(crate) fn arrives(self, made_ms: u64, ms: u64, body: &str) -> Self {
+        let text = sentence(&body.replace("{t}", &stamp(made_ms)));
+        self.event(ms, Event::Arrived(text.into_bytes()))
+    }
+
+    /// How far the vehicle is from where it believes to be.
+    pub(crate) fn error(self, ms: u64, metres: f64) -> Self {
+        self.event(ms, Event::Error(metres))
     }
 
     /// The stopped runtime goes on.
@@ -158,6 +201,7 @@ impl Scenario {
             .link(back_ms, true)
             .vehicle(back_ms + 100, "BFMIS,{t},a.dive,Running,")
             .vehicle(back_ms + 100, "BFCTL,{t},1")
+            .vehicle(back_ms + 100, "BFPLN,{t},1,,0,0,4200.300,N,07000.900,W,,,")
     }
 
     fn event(mut self, ms: u64, event: Event) -> Self {
@@ -177,7 +221,7 @@ impl Scenario {
             activity: Activity::Plan,
         };
         let (mut navigation, mut up) = (true, false);
-        let mut states = Vec::new();
+        let (mut states, mut delay_ms) = (Vec::new(), 0);
         let mut events = self.events.into_iter().peekable();
         for ms in 0..=until_ms {
             let at = Timestamp::from_millis(ms);
@@ -187,8 +231,16 @@ impl Scenario {
                         up = now;
                         oracle.link(at, now);
                     }
-                    Event::Vehicle(text) => oracle.from_vehicle(at, text.as_bytes()),
-                    Event::Ours(bytes) => oracle.to_vehicle(at, &bytes),
+                    Event::Vehicle(bytes) => oracle.from_vehicle(at, &bytes),
+                    Event::Ours(bytes) => {
+                        oracle.to_vehicle(at, &bytes);
+                        if self.answers && bytes.starts_with(b"$BPRMB") && up {
+                            let ack = format!("BFACK,{0},RMB,{0},0,2,0,ok", stamp(ms));
+                            oracle.from_vehicle(at, sentence(&ack).as_bytes());
+                        }
+                    }
+                    Event::Arrived(bytes) => oracle.arrived(at, &bytes),
+                    Event::Error(metres) => oracle.believed(metres, 0.0),
                     Event::Activity(activity) => truth.activity = activity,
                     Event::Place(latitude, longitude) => {
                         truth.position = Position::from_deg(latitude, longitude).unwrap();
@@ -196,6 +248,7 @@ impl Scenario {
                     Event::Depth(metres) => truth.depth_m = metres,
                     Event::Altitude(metres) => truth.altitude_m = metres,
                     Event::Navigation(on) => navigation = on,
+                    Event::NavigationDelay(now) => delay_ms = now,
                     Event::Stopped => oracle.runtime_stopped(at),
                     Event::Continued => oracle.runtime_continued(at),
                     Event::Started => oracle.runtime_started(at),
@@ -206,8 +259,9 @@ impl Scenario {
                 continue;
             }
             if navigation && up {
-                let time = stamp(ms);
-                let text = sentence(&format!("BFNVG,{time},4200.300,N,07000.900,W,1,30,10,90,0,0,{time}"));
+                let time = stamp(ms.saturating_sub(delay_ms));
+                let place = self.believed.iter().rev().find(|(since, _)| *since <= ms).unwrap().1;
+                let text = sentence(&format!("BFNVG,{time},{place},1,30,10,90,0,0,{time}"));
                 let (first, second) = text.as_bytes().split_at(ms as usize / 100 % text.len());
                 oracle.from_vehicle(at, first);
                 oracle.from_vehicle(at, second);

@@ -94,3 +94,58 @@ fn requirement_002_the_vehicle_does_not_run_aground_under_our_commands() {
     insert().altitude(5000, f64::NAN).finds(&["truth-grounded"]);
     insert().altitude(5000, 0.5).finds_nothing();
 }
+
+#[test]
+fn requirement_002_what_navigation_cannot_see_is_nobodys_fault() {
+    // A minute of longitude is 1379.9 m here: 82.8 m beyond the edge.
+    let beyond = || insert().place(5000, 42.005, -70.021).place(6000, 42.005, -70.019);
+    beyond().error(4900, 85.0).finds_nothing();
+    beyond().error(4900, 80.0).finds(&["truth-fence"]);
+    // It takes its time until it is back where it believes to be.
+    beyond().error(3500, 85.0).error(4000, 0.0).finds_nothing();
+    beyond().error(500, 86.0).error(600, 0.0).finds_nothing();
+    beyond().error(0, 82.9).error(100, 0.0).finds(&["truth-fence"]);
+}
+
+#[test]
+fn requirement_020_a_cancel_does_not_lead_out() {
+    let cancelled = |command: &str| {
+        Scenario::with_control()
+            .limits(|limits| limits.operator_commands = true)
+            .vehicle(3000, &format!("BFACK,{{t}},{command},000001.000,0,2,0,done"))
+            .place(10_000, 42.005, -70.021)
+    };
+    for command in ["RCB", "RCE", "RCA"] {
+        cancelled(command).finds(&["truth-cancel"]);
+    }
+    // On its own plan again it goes where that leads.
+    cancelled("RCB")
+        .ours(500, "BPRMP,{t}")
+        .vehicle(600, "BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,")
+        .vehicle(601, "BFPLN,{t},1,,1,2,4200.300,N,07000.700,W,,,")
+        .finds_nothing();
+    cancelled("RCB").activity(9000, Activity::Other).finds_nothing();
+    // A refused one changes nothing.
+    Scenario::with_control()
+        .vehicle(3000, "BFACK,{t},RCB,000001.000,0,1,0,no")
+        .place(10_000, 42.005, -70.021)
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_007_a_suspension_lapses_by_the_vehicles_clock() {
+    let cut = || {
+        Scenario::with_control()
+            .ours(3000, "BPSUS,{t}")
+            .activity(3100, Activity::Suspended)
+            .ours(3500, "BPCON,{t}")
+            .link(3600, false)
+    };
+    // 2.1 s and 200 ms of delay after the last one.
+    cut().activity(5800, Activity::Plan).finds_nothing();
+    cut().activity(6000, Activity::Plan).finds(&["hold-outlives"]);
+    Scenario::with_control()
+        .activity(3000, Activity::Suspended)
+        .activity(4000, Activity::Plan)
+        .finds(&["hold-outlives"]);
+}

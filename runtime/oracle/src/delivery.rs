@@ -1,0 +1,97 @@
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use backseat_units::{TimeOfDay, Timestamp};
+
+use crate::rule::Rule;
+use crate::violation::Findings;
+
+/// What was sent that steers, and what of it the vehicle has received, where the run tells that.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Delivery {
+    sent: Newest,
+    /// Nothing where arrivals are not told.
+    arrived: Option<Newest>,
+    /// The newest BPRMB: when they were made, and when they left.
+    modifies: VecDeque<(TimeOfDay, Timestamp)>,
+}
+
+/// The last of what the vehicle forgets by its own clock.
+#[derive(Clone, Copy, Debug, Default)]
+struct Newest {
+    modify: Option<Timestamp>,
+    hold: Option<Timestamp>,
+}
+
+impl Delivery {
+    /// A BPRMB that arrives so long after it was sent is stale. A write that is not acknowledged for 2 s ends the
+    /// connection, and what it held is lost; half a second more is for how soon that is seen.
+    const STALE: Duration = Duration::from_millis(2500);
+    const MODIFIES_MAX: usize = 256;
+
+    pub(crate) fn sent_modify(&mut self, at: Timestamp, created: TimeOfDay) {
+        self.sent.modify = Some(at);
+        if self.modifies.len() == Self::MODIFIES_MAX {
+            self.modifies.pop_front();
+        }
+        self.modifies.push_back((created.truncated_to_millis(), at));
+    }
+
+    pub(crate) fn sent_hold(&mut self, at: Timestamp) {
+        self.sent.hold = Some(at);
+    }
+
+    /// From now on arrivals are told.
+    pub(crate) fn tells_arrivals(&mut self) {
+        self.arrived.get_or_insert_default();
+    }
+
+    /// A line arrived at the vehicle, perhaps damaged: whatever could be read as one that steers counts. A server takes
+    /// sentences without a checksum, or with one that is not padded.
+    pub(crate) fn arrived(
+        &mut self,
+        at: Timestamp,
+        name: [u8; 5],
+        created: Option<TimeOfDay>,
+        link_delay: Duration,
+        findings: &mut Findings,
+    ) {
+        let newest = self.arrived.get_or_insert_default();
+        match &name {
+            b"BPRMB" => newest.modify = Some(at),
+            b"BPSUS" | b"BPCON" | b"BPGHP" | b"BPGBP" => newest.hold = Some(at),
+            _ => return,
+        }
+        let Some(created) = created.map(TimeOfDay::truncated_to_millis) else {
+            return;
+        };
+        let sent = self.modifies.iter().rev().find(|(made, _)| *made == created);
+        if name == *b"BPRMB"
+            && let Some((_, sent)) = sent
+            && at.since(*sent) > Self::STALE + link_delay
+        {
+            findings.add(at, Rule::StaleDelivery, || {
+                format!("the BPRMB of {sent} came {:.3} s later", at.since(*sent).as_secs_f64())
+            });
+        }
+    }
+
+    /// The last BPRMB that counts.
+    pub(crate) fn last_modify(&self) -> Option<Timestamp> {
+        self.arrived.unwrap_or(self.sent).modify
+    }
+
+    /// The last sentence that counts which keeps a suspension.
+    pub(crate) fn last_hold(&self) -> Option<Timestamp> {
+        self.arrived.unwrap_or(self.sent).hold
+    }
+
+    /// What may pass until what counts has an effect.
+    pub(crate) fn delay(&self, link_delay: Duration) -> Duration {
+        if self.arrived.is_some() {
+            Duration::ZERO
+        } else {
+            link_delay
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! What is no movement: the DVL's triggering, acoustic packets, silent mode, messages, and the word that power will go.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use backseat_units::{TimeOfDay, Timestamp};
+
+use crate::limits::{Caps, seconds};
+use crate::rule::Rule;
+use crate::violation::Findings;
+
+/// How soon the vehicle's word to cease triggering is answered, the plugin's time and some more.
+const CEASE_WITHIN: Duration = Duration::from_millis(1300);
+/// How long after BFSHT anything may be said, and some more.
+const LAST_WORD: Duration = Duration::from_millis(10_500);
+/// Silence that ends so soon may be asked for anew.
+const SILENCE_SLACK: Duration = Duration::from_secs(1);
+
+/// External triggering of the DVL (SPI 5.6, 7.4).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Trigger {
+    leave: bool,
+    /// When the vehicle took the leave back.
+    ceased: Option<Timestamp>,
+    external: bool,
+    triggering: bool,
+    cease_due: Option<Timestamp>,
+}
+
+impl Trigger {
+    /// The vehicle said BFDVT. `hears` where we can answer; `heard` is when we hear it at the latest.
+    pub(crate) fn vehicle_says(&mut self, at: Timestamp, begin: bool, heard: Timestamp, hears: bool) {
+        self.leave = begin;
+        self.ceased = (!begin).then_some(at);
+        if begin {
+            self.cease_due = None;
+        } else if self.triggering && hears {
+            self.cease_due.get_or_insert(heard + CEASE_WITHIN);
+        }
+    }
+
+    /// We said BPDVR. `sure` is how long it takes at most until we have heard the vehicle.
+    pub(crate) fn we_say(
+        &mut self,
+        at: Timestamp,
+        external: bool,
+        triggering: bool,
+        sure: Duration,
+        findings: &mut Findings,
+    ) {
+        if triggering && !self.leave && self.ceased.is_none_or(|ceased| ceased + sure < at) {
+            findings.add(at, Rule::TriggerWithoutLeave, || match self.ceased {
+                Some(ceased) => format!("BPDVR says that we trigger, though BFDVT 0 came at {ceased}"),
+                None => "BPDVR says that we trigger, though no BFDVT 1 has come".to_owned(),
+            });
+        }
+        if !triggering {
+            self.cease_due = None;
+        }
+        (self.external, self.triggering) = (external, triggering);
+    }
+
+    /// Whether BPDVR with this request asks for what was not asked for before.
+    pub(crate) const fn asks_anew(&self, external: bool) -> bool {
+        external && !self.external
+    }
+
+    pub(crate) fn check(&mut self, now: Timestamp, findings: &mut Findings) {
+        if let Some(due) = self.cease_due.take_if(|due| now > *due) {
+            findings.add(now, Rule::TriggerNotCeased, || {
+                format!("no BPDVR by {due} that says that triggering has ceased, as BFDVT 0 wants it")
+            });
+        }
+    }
+
+    /// We cannot say anything any more.
+    pub(crate) fn cut(&mut self) {
+        self.cease_due = None;
+    }
+}
+
+/// The vehicle's windows for acoustic packets (SPI 9.1).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Acoustic {
+    open_until: Option<Timestamp>,
+}
+
+impl Acoustic {
+    /// The vehicle gave a window: it is over when its length has passed since we could hear of it.
+    pub(crate) fn window(&mut self, at: Timestamp, created: TimeOfDay, until: TimeOfDay) {
+        if let Ok(length_ns) = u64::try_from(until.nanos_since(created)) {
+            self.open_until = self.open_until.max(Some(at + Duration::from_nanos(length_ns)));
+        }
+    }
+
+    /// We sent a BPCPD.
+    pub(crate) fn packet(&self, at: Timestamp, sure: Duration, findings: &mut Findings) {
+        if self.open_until.is_none_or(|until| until + sure < at) {
+            findings.add(at, Rule::PacketWindow, || match self.open_until {
+                Some(until) => format!("BPCPD after the window that ended at {until}"),
+                None => "BPCPD without any window on this connection".to_owned(),
+            });
+        }
+    }
+
+    pub(crate) fn cut(&mut self) {
+        self.open_until = None;
+    }
+}
+
+/// Silent mode (SPI 7.22).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Silence {
+    asked: Option<(TimeOfDay, Timestamp)>,
+    stands_until: Option<Timestamp>,
+}
+
+impl Silence {
+    /// We said BPSIL.
+    pub(crate) fn we_say(&mut self, at: Timestamp, created: TimeOfDay, silent: bool, findings: &mut Findings) {
+        if !silent {
+            *self = Self::default();
+            return;
+        }
+        if let Some(until) = self.stands_until
+            && at + SILENCE_SLACK < until
+        {
+            findings.add(at, Rule::SilenceRepeated, || {
+                format!("BPSIL 1 though silence stands until {until}, which it does not prolong")
+            });
+        }
+        self.asked = Some((created.truncated_to_millis(), at));
+    }
+
+    /// The vehicle answered a BPSIL. Whether silence begins with it.
+    pub(crate) fn answered(&mut self, created: TimeOfDay, taken: bool, caps: &Caps) -> bool {
+        let Some((asked, at)) = self.asked else { return false };
+        if asked != created {
+            return false;
+        }
+        let until = at + seconds(caps.silent_term_s);
+        let begins = taken && self.stands_until != Some(until);
+        self.stands_until = taken.then_some(until);
+        begins
+    }
+}
+
+/// How much was asked for, by the runtime's process.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Quota {
+    gps_hits: u32,
+    adjustments: u32,
+    silences: u32,
+    topside: Rate,
+    packets: Rate,
+}
+
+/// The times of the last ones.
+#[derive(Clone, Debug, Default)]
+struct Rate(VecDeque<Timestamp>);
+
+/// What is counted in all.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Counted {
+    GpsHit,
+    Adjustment,
+    Silence,
+}
+
+/// What is counted by the minute.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Rated {
+    Topside,
+    Packet,
+}
+
+impl Quota {
+    /// The vehicle took one.
+    pub(crate) fn taken(&mut self, at: Timestamp, what: Counted, caps: &Caps, findings: &mut Findings) {
+        let (count, max, name) = match what {
+            Counted::GpsHit => (&mut self.gps_hits, caps.gps_hits_total_max, "GPS hits"),
+            Counted::Adjustment => (&mut self.adjustments, caps.adjustments_total_max, "adjustments"),
+            Counted::Silence => (&mut self.silences, caps.silences_total_max, "silences"),
+        };
+        *count += 1;
+        if *count > max {
+            findings.add(at, Rule::RequestsTotal, || {
+                format!("{count} {name} taken, {max} allowed")
+            });
+        }
+    }
+
+    /// We asked for one. An average lets twice as many come in a minute, where none came before.
+    pub(crate) fn asked(&mut self, at: Timestamp, what: Rated, caps: &Caps, findings: &mut Findings) {
+        let (rate, max, name) = match what {
+            Rated::Topside => (&mut self.topside, caps.topside_per_min, "messages to the topside"),
+            Rated::Packet => (&mut self.packets, caps.packets_per_min, "packets"),
+        };
+        let max = max as usize * 2 + 1;
+        rate.0.push_back(at);
+        while rate
+            .0
+            .front()
+            .is_some_and(|first| at.since(*first) > Duration::from_secs(60))
+        {
+            rate.0.pop_front();
+        }
+        if rate.0.len() > max {
+            rate.0.pop_front();
+            findings.add(at, Rule::RequestsTotal, || {
+                format!("more than {max} {name} within a minute")
+            });
+        }
+    }
+}
+
+/// The vehicle's word that power will go (SPI 5.2).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Shutdown {
+    heard: Option<Timestamp>,
+    told: bool,
+}
+
+impl Shutdown {
+    /// The vehicle said BFSHT, and we hear it by then.
+    pub(crate) fn said(&mut self, heard: Timestamp) {
+        self.heard.get_or_insert(heard);
+    }
+
+    /// We said something, perhaps a request that is new.
+    pub(crate) fn we_say(&mut self, at: Timestamp, name: &[u8; 5], is_new: bool, findings: &mut Findings) {
+        let Some(heard) = self.heard else { return };
+        let late = at > heard + LAST_WORD;
+        if (late || is_new && at > heard) && !core::mem::replace(&mut self.told, late) {
+            findings.add(at, Rule::AfterShutdown, || {
+                let name = String::from_utf8_lossy(name);
+                format!("{name}, though BFSHT was heard by {heard}")
+            });
+        }
+    }
+}

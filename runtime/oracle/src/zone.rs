@@ -1,0 +1,153 @@
+use crate::plane::{Plane, Point, Vector, between_m, length_m, rim_to_segment_m};
+
+/// What the wire's resolution and two ways of projecting may differ by, metres.
+const SLACK_M: f64 = 0.05;
+
+/// One feature of the fence.
+#[derive(Clone, Debug)]
+pub(crate) struct Zone {
+    pub(crate) name: String,
+    pub(crate) kind: Kind,
+    pub(crate) margin_m: f64,
+    pub(crate) depth_min_m: f64,
+    pub(crate) depth_max_m: f64,
+    pub(crate) altitude_min_m: f64,
+    /// It holds for a time only, which is not judged: such an exclusion counts for nothing, such an inclusion always.
+    pub(crate) timed: bool,
+    rings: Vec<Vec<Point>>,
+    pub(crate) min: Point,
+    pub(crate) max: Point,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Inclusion,
+    Exclusion,
+}
+
+/// The vertical setpoint of a request, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Setpoint {
+    Depth(f64),
+    Altitude(f64),
+    /// A mode that says neither.
+    Unknown,
+}
+
+/// The shape of a request.
+pub(crate) enum Shape<'a> {
+    Leg(&'a [(Plane, [Vector; 2])]),
+    Rim { plane: Plane, radius_m: f64 },
+}
+
+impl Zone {
+    pub(crate) fn new(
+        name: String,
+        kind: Kind,
+        margin_m: f64,
+        [depth_min_m, depth_max_m]: [f64; 2],
+        altitude_min_m: f64,
+        rings: Vec<Vec<Point>>,
+    ) -> Self {
+        let (mut min, mut max) = (Point { x: 360.0, y: 90.0 }, Point { x: -360.0, y: -90.0 });
+        for point in rings.iter().flatten() {
+            min = Point {
+                x: min.x.min(point.x),
+                y: min.y.min(point.y),
+            };
+            max = Point {
+                x: max.x.max(point.x),
+                y: max.y.max(point.y),
+            };
+        }
+        Self {
+            name,
+            kind,
+            margin_m,
+            depth_min_m,
+            depth_max_m,
+            altitude_min_m,
+            timed: false,
+            rings,
+            min,
+            max,
+        }
+    }
+
+    /// Whether a point is inside, by how often a line to the east crosses the edges.
+    pub(crate) fn contains(&self, point: Point) -> bool {
+        if point.x < self.min.x || point.x > self.max.x || point.y < self.min.y || point.y > self.max.y {
+            return false;
+        }
+        let crossings = self.edges().filter(|[a, b]| {
+            (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+        });
+        crossings.count() % 2 == 1
+    }
+
+    pub(crate) fn edges(&self) -> impl Iterator<Item = [Point; 2]> {
+        self.rings.iter().flat_map(|ring| ring.array_windows::<2>().copied())
+    }
+
+    pub(crate) fn allows(&self, setpoint: Setpoint) -> bool {
+        match setpoint {
+            Setpoint::Depth(depth_m) => (self.depth_min_m - 0.01..=self.depth_max_m + 0.01).contains(&depth_m),
+            Setpoint::Altitude(altitude_m) => altitude_m > 0.0 && altitude_m >= self.altitude_min_m - 0.01,
+            Setpoint::Unknown => true,
+        }
+    }
+
+    /// Whether an exclusion surely holds at the setpoint; one with a band says nothing of an altitude.
+    pub(crate) fn forbids(&self, setpoint: Setpoint) -> bool {
+        match setpoint {
+            Setpoint::Depth(depth_m) => self.depth_min_m < depth_m && depth_m < self.depth_max_m,
+            Setpoint::Altitude(_) | Setpoint::Unknown => {
+                self.depth_min_m == f64::NEG_INFINITY && self.depth_max_m == f64::INFINITY
+            }
+        }
+    }
+
+    /// Whether the shape begins inside, and from it to the nearest edge, metres; zero where they cross.
+    pub(crate) fn clearance(&self, shape: &Shape<'_>) -> (bool, f64) {
+        let mut clear_m = f64::INFINITY;
+        let begin = match shape {
+            Shape::Leg(pieces) => {
+                for (plane, piece) in *pieces {
+                    for edge in self.edges() {
+                        clear_m = clear_m.min(between_m(*piece, edge.map(|end| plane.vector(end))));
+                    }
+                }
+                pieces.first().map(|(plane, piece)| plane.point(piece[0]))
+            }
+            Shape::Rim { plane, radius_m } => {
+                for edge in self.edges() {
+                    clear_m = clear_m.min(rim_to_segment_m(*radius_m, edge.map(|end| plane.vector(end))));
+                }
+                Some(plane.point([0.0, *radius_m]))
+            }
+        };
+        (begin.is_some_and(|begin| self.contains(begin)), clear_m)
+    }
+}
+
+impl Shape<'_> {
+    /// What the judgement of a margin may be wrong by, metres.
+    pub(crate) fn slack_m(&self, margin_m: f64) -> f64 {
+        match self {
+            Self::Leg(pieces) => pieces.first().map_or(SLACK_M, |(plane, piece)| {
+                SLACK_M + plane.error_m(margin_m + length_m(piece[0]))
+            }),
+            Self::Rim { plane, radius_m } => SLACK_M + plane.error_m(margin_m + radius_m),
+        }
+    }
+}
+
+impl std::fmt::Display for Setpoint {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Depth(metres) => write!(f, "depth {metres} m"),
+            Self::Altitude(metres) => write!(f, "altitude {metres} m"),
+            Self::Unknown => f.write_str("an unknown setpoint"),
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! What faults of the link do to the judgement: what they hide from the runtime is not held against it, and what it
+//! should have seen still is.
+
+use backseat_oracle::Activity;
+
+use crate::scenario::{END, MODIFY, Scenario, sentence};
+
+const TRACKLINE: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700,W,0,10,1.5,0,0";
+
+/// The word that takes control away.
+fn taken() -> Vec<u8> {
+    sentence("BFCTL,000004.000,0").into_bytes()
+}
+
+#[test]
+fn a_stall_lets_the_words_go_at_its_end() {
+    // Said at 5 s, let go at 8 s with all that waited.
+    let run = Scenario::with_control()
+        .vehicle_bytes(8000, &sentence("BFMBS,000005.000,a.dive,3,,trackline").into_bytes())
+        .vehicle_bytes(8000, &taken());
+    run.clone().ours(7900, TRACKLINE).finds_nothing();
+    run.ours(8300, TRACKLINE).finds(&["no-control"]);
+}
+
+#[test]
+fn a_delay_makes_navigation_old() {
+    // 1.3 s are allowed on this link, and then there are 100 ms to end the lease.
+    let delayed = |delay_ms: u64| {
+        Scenario::with_control()
+            .lease(3000, 6000)
+            .navigation(4450, false)
+            .navigation(4450 + delay_ms, true)
+            .navigation_delay(4450 + delay_ms, delay_ms)
+            .ours(6500, END)
+            .activity(6600, Activity::Plan)
+    };
+    delayed(1200).finds_nothing();
+    delayed(1600).finds(&["stale-navigation"]);
+}
+
+#[test]
+fn a_half_open_link_lets_navigation_grow_old() {
+    let silent = || {
+        Scenario::with_control()
+            .lease(3000, 4000)
+            .navigation(4050, false)
+            .activity(5600, Activity::Plan)
+    };
+    silent().ours(5300, END).finds_nothing();
+    silent().ours(5500, END).finds(&["stale-navigation"]);
+}
+
+#[test]
+fn a_dropped_word_was_not_said_and_the_next_one_counts() {
+    let run = Scenario::with_control();
+    run.clone().ours(5000, TRACKLINE).finds_nothing();
+    run.vehicle(4000, "BFMIS,{t},a.dive,Aborting,leak")
+        .ours(5000, TRACKLINE)
+        .finds(&["no-control"]);
+}
+
+#[test]
+fn a_corrupt_word_was_not_said() {
+    let mut corrupt = taken();
+    corrupt[10] ^= 4;
+    let run = Scenario::with_control().vehicle_bytes(4000, &corrupt);
+    run.clone().ours(5000, TRACKLINE).finds_nothing();
+    run.vehicle_bytes(4500, &taken())
+        .ours(5000, TRACKLINE)
+        .finds(&["no-control"]);
+    // The end of one line is damaged, and the word behind it is not.
+    let joined = [b"$BFVER,000004.000,1.12*4F\r\x0b".as_slice(), &taken()].concat();
+    Scenario::with_control()
+        .vehicle_bytes(4000, &joined)
+        .ours(5000, TRACKLINE)
+        .finds(&["no-control"]);
+}
+
+#[test]
+fn a_word_that_comes_twice_is_one() {
+    let run = Scenario::with_control()
+        .vehicle(3000, "BFCTL,{t},1")
+        .limits(|limits| limits.inserts_open_max = 1)
+        .ours(3500, TRACKLINE)
+        .vehicle(3600, "BFACK,{t},RTK,000000.000,7,2,0,text")
+        .vehicle(3600, "BFACK,{t},RTK,000000.000,7,2,0,text")
+        .vehicle_bytes(6000, &[taken(), taken()].concat());
+    let statistics = run.clone().finds_nothing().statistics;
+    assert_eq!((statistics.inserts_accepted, statistics.control_spans), (1, 1));
+    run.ours(7000, MODIFY).finds(&["no-control"]);
+}
+
+#[test]
+fn a_word_in_pieces_is_said_with_the_last_of_them() {
+    let word = taken();
+    let mut run = Scenario::with_control();
+    for (index, byte) in word.iter().enumerate() {
+        run = run.vehicle_bytes(4000 + index as u64 * 100, &[*byte]);
+    }
+    let whole = 4000 + (word.len() as u64 - 1) * 100;
+    // Between the pieces nothing else may come.
+    let run = run.navigation(3950, false).navigation(whole + 1, true);
+    run.clone().ours(whole + 200, TRACKLINE).finds_nothing();
+    run.ours(whole + 300, TRACKLINE).finds(&["no-control"]);
+}
+
+#[test]
+fn what_never_arrives_has_no_effect() {
+    // From 5 s on nothing of ours comes through; the vehicle should have forgotten the modify at 10.1 s.
+    let lost = |until: u64| {
+        Scenario::with_control()
+            .lease(3000, 9000)
+            .arrives(3000, 3010, MODIFY)
+            .arrives(4000, 4010, MODIFY)
+            .arrives(5000, 5000, MODIFY)
+            .ours(9500, END)
+            .activity(until, Activity::Plan)
+    };
+    lost(10_100).finds_nothing();
+    lost(10_300).finds(&["modify-outlives"]);
+}
+
+#[test]
+fn what_a_stopped_runtime_was_told_it_hears_when_it_goes_on() {
+    let run = Scenario::with_control()
+        .stopped(3000)
+        .vehicle_bytes(4000, &taken())
+        .continued(8000);
+    run.clone().ours(8200, TRACKLINE).finds_nothing();
+    run.ours(8300, TRACKLINE).finds(&["no-control"]);
+}

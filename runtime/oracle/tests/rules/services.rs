@@ -1,0 +1,178 @@
+//! Requirements 011, 014, 016, 017, 018 and 019: what is no movement.
+
+use crate::scenario::{END, MODIFY, Scenario};
+
+const TRACKLINE: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700,W,0,10,1.5,0,0";
+const PACKET: &str = "BPCPD,{t},1,2,0,1,1,AB,,,,,,,";
+
+#[test]
+fn requirement_011_nothing_new_after_the_word_that_power_will_go() {
+    let shutdown = || Scenario::with_control().vehicle(4000, "BFSHT,{t}");
+    for body in [TRACKLINE, MODIFY, "BPSUS,{t}"] {
+        let end = if body == MODIFY { END } else { "BPRES,{t}" };
+        shutdown().ours(4200, body).ours(4210, end).finds_nothing();
+        shutdown().ours(4300, body).ours(4310, end).finds(&["after-shutdown"]);
+    }
+    // A lease that lives may be ended in order.
+    shutdown()
+        .ours(3500, MODIFY)
+        .ours(4500, MODIFY)
+        .ours(5000, END)
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_011_nothing_at_all_ten_seconds_after() {
+    let shutdown = || Scenario::with_control().vehicle(4000, "BFSHT,{t}");
+    shutdown().ours(14_700, "BPMSG,{t},bye").finds_nothing();
+    shutdown()
+        .ours(14_800, "BPMSG,{t},bye")
+        .ours(14_900, "BPMSG,{t},still here")
+        .finds(&["after-shutdown"]);
+    // A new process was not there.
+    shutdown()
+        .started(12_000)
+        .ours(14_800, "BPMSG,{t},hello")
+        .finds_nothing();
+}
+
+#[test]
+fn requirement_016_packets_keep_to_the_windows() {
+    let window = || Scenario::with_control().vehicle(3000, "BFCMA,{t},000004.000,7,WHOIPSK");
+    window().ours(3100, PACKET).ours(5000, PACKET).finds_nothing();
+    // The run begins a second before midnight: the window ends at 5 s, and 250 ms are for the ways.
+    window().ours(5240, PACKET).finds_nothing();
+    window().ours(5260, PACKET).finds(&["packet-window"]);
+    window().ours(2500, PACKET).finds(&["packet-window"]);
+    window()
+        .reconnects(3500, 4000)
+        .ours(4500, PACKET)
+        .finds(&["packet-window"]);
+    // A damaged one is none.
+    Scenario::with_control().ours(3100, PACKET).finds(&["packet-window"]);
+}
+
+#[test]
+fn requirement_017_the_dvl_is_triggered_with_leave() {
+    let asked = || Scenario::with_control().ours(2000, "BPDVR,{t},1,0");
+    asked()
+        .vehicle(3000, "BFDVT,{t},1")
+        .ours(3100, "BPDVR,{t},1,1")
+        .finds_nothing();
+    asked().ours(3100, "BPDVR,{t},1,1").finds(&["trigger-without-leave"]);
+    let ceased = || asked().vehicle(3000, "BFDVT,{t},1").vehicle(4000, "BFDVT,{t},0");
+    ceased()
+        .ours(4200, "BPDVR,{t},1,1")
+        .ours(4300, "BPDVR,{t},0,0")
+        .finds_nothing();
+    ceased()
+        .ours(4300, "BPDVR,{t},1,1")
+        .ours(4400, "BPDVR,{t},0,0")
+        .finds(&["trigger-without-leave"]);
+}
+
+#[test]
+fn requirement_017_the_word_to_cease_is_answered() {
+    let ceased = || {
+        Scenario::with_control()
+            .ours(2000, "BPDVR,{t},1,0")
+            .vehicle(3000, "BFDVT,{t},1")
+            .ours(3100, "BPDVR,{t},1,1")
+            .vehicle(4000, "BFDVT,{t},0")
+    };
+    ceased().finds(&["trigger-not-ceased"]);
+    ceased().ours(5490, "BPDVR,{t},1,0").finds_nothing();
+    ceased().ours(5510, "BPDVR,{t},1,0").finds(&["trigger-not-ceased"]);
+    // Without control too.
+    ceased().vehicle(4100, "BFCTL,{t},0").finds(&["trigger-not-ceased"]);
+    ceased().link(4500, false).finds_nothing();
+    ceased().stopped(4500).finds_nothing();
+}
+
+#[test]
+fn requirement_014_triggering_is_not_asked_for_without_control() {
+    let lost = || {
+        Scenario::with_control()
+            .ours(2000, "BPDVR,{t},1,0")
+            .vehicle(3000, "BFCTL,{t},0")
+    };
+    lost().ours(4000, "BPDVR,{t},0,0").finds_nothing();
+    lost().ours(4000, "BPDVR,{t},1,0").finds_nothing();
+    Scenario::without_control()
+        .ours(4000, "BPDVR,{t},1,0")
+        .finds(&["not-allowed-without-control"]);
+}
+
+#[test]
+fn requirement_018_silence_is_not_asked_for_while_it_stands() {
+    let silent = || {
+        Scenario::with_control()
+            .limits(|limits| limits.caps.silent_term_s = 10.0)
+            .ours(2000, "BPSIL,{t},1")
+            .vehicle(2100, "BFACK,{t},SIL,000001.000,0,3,0,ok")
+            .vehicle(3500, "BFACK,{t},SIL,000001.000,0,2,0,ok")
+    };
+    silent().ours(8000, "BPSIL,{t},1").finds(&["silence-repeated"]);
+    silent().ours(11_500, "BPSIL,{t},1").finds_nothing();
+    silent()
+        .ours(8000, "BPSIL,{t},0")
+        .ours(9000, "BPSIL,{t},1")
+        .finds_nothing();
+    // It was not entered.
+    Scenario::with_control()
+        .ours(2000, "BPSIL,{t},1")
+        .vehicle(3500, "BFACK,{t},SIL,000001.000,0,1,0,it spins")
+        .ours(8000, "BPSIL,{t},1")
+        .finds_nothing();
+    // A new process cannot know.
+    silent().started(5000).ours(8000, "BPSIL,{t},1").finds_nothing();
+}
+
+#[test]
+fn requirement_019_what_outlives_us_is_capped_in_number() {
+    let taken = |what: &str, status: u32| {
+        let mut run = Scenario::with_control().limits(|limits| {
+            limits.caps.gps_hits_total_max = 2;
+            limits.caps.adjustments_total_max = 2;
+        });
+        for ms in [3000, 4000, 5000] {
+            let ack = format!("BFACK,{{t}},{what},000001.000,0,{status},0,text");
+            run = run.vehicle(ms, &ack);
+        }
+        run
+    };
+    for what in ["RGP", "TRM", "BOY"] {
+        taken(what, 2).finds(&["requests-total"]);
+        taken(what, 1).finds_nothing();
+    }
+    let run = Scenario::with_control().limits(|limits| limits.caps.silences_total_max = 1);
+    let run = run
+        .ours(2000, "BPSIL,{t},1")
+        .vehicle(2100, "BFACK,{t},SIL,000001.000,0,2,0,ok")
+        .vehicle(2200, "BFACK,{t},SIL,000001.000,0,2,0,ok")
+        .ours(3000, "BPSIL,{t},0")
+        .ours(4000, "BPSIL,{t},1");
+    run.clone().finds_nothing();
+    run.vehicle(4100, "BFACK,{t},SIL,000003.000,0,2,0,ok")
+        .finds(&["requests-total"]);
+}
+
+#[test]
+fn requirement_019_messages_and_packets_are_limited_in_their_rate() {
+    let run = |count: u64, body: &str| {
+        let mut run = Scenario::with_control()
+            .limits(|limits| {
+                limits.caps.topside_per_min = 2;
+                limits.caps.packets_per_min = 2;
+            })
+            .vehicle(1000, "BFCMA,{t},000100.000,7,WHOIPSK");
+        for index in 0..count {
+            run = run.ours(2000 + index * 100, body);
+        }
+        run
+    };
+    for body in ["BPTOP,{t},3,text,0", PACKET] {
+        run(5, body).finds_nothing();
+        run(6, body).finds(&["requests-total"]);
+    }
+}

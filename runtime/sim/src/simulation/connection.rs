@@ -81,6 +81,7 @@ impl Simulation {
         let Some(bytes) = self.to_vehicle.take() else {
             return Ok(());
         };
+        self.oracle.arrived(self.now, &bytes);
         self.mvc.receive(self.now, self.client, &bytes);
         self.to_vehicle.recycle(bytes);
         self.drain_mvc()
@@ -144,10 +145,12 @@ impl Simulation {
             Activity::Plan { .. } => backseat_oracle::Activity::Plan,
             Activity::Insert { id } => backseat_oracle::Activity::Insert(id.get()),
             Activity::Modified { .. } => backseat_oracle::Activity::Modified,
-            Activity::Waiting | Activity::Suspended | Activity::WrappingUp | Activity::Stopped => {
-                backseat_oracle::Activity::Other
-            }
+            Activity::Suspended => backseat_oracle::Activity::Suspended,
+            Activity::Waiting | Activity::WrappingUp | Activity::Stopped => backseat_oracle::Activity::Other,
         };
+        let error_m = truth.believed.distance_m(truth.local);
+        self.oracle
+            .believed(error_m, (truth.believed_depth_m - truth.depth_m).abs());
         self.oracle.truth(&backseat_oracle::Truth {
             at: truth.time,
             position: truth.position,

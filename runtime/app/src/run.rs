@@ -7,7 +7,7 @@ use std::pin::Pin;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use backseat_core::{Core, Grant, Input, Note, Operator, Output, Start};
+use backseat_core::{Core, Grant, Input, Note, Operator, Output, Reservation, Start};
 use backseat_mission::Mission;
 use backseat_plugin_host::Host;
 use backseat_recorder::{Header, Rate, Recorder};
@@ -183,7 +183,7 @@ struct Driver {
     recorder: Option<Recorder<BufWriter<File>>>,
     finished: bool,
     reset: bool,
-    reserve: Option<u32>,
+    reserve: Option<Reservation>,
     last_refusal: Option<String>,
     /// Why the link is gone, until it is told with what is done about it.
     link_lost: Option<String>,
@@ -290,8 +290,8 @@ impl Driver {
                 self.carry_out(now, output);
             }
             // What the driver answers at once is an input like any other.
-            let input = if let Some(below) = self.reserve.take() {
-                Input::Reserved(below)
+            let input = if let Some(reservation) = self.reserve.take() {
+                Input::Reserved(reservation)
             } else if std::mem::take(&mut self.reset) {
                 self.link.reset();
                 Input::LinkDown
@@ -316,8 +316,8 @@ impl Driver {
             Output::Invoke(plugin, input) => self.crew.step(plugin, input),
             Output::Restart(plugin) => self.crew.restart(plugin),
             Output::Driver(driver, line) => self.ports.tell(driver, line),
-            Output::Reserve(below) => match self.state.reserve(below) {
-                Ok(()) => self.reserve = Some(below),
+            Output::Reserve(reservation) => match self.state.reserve(&reservation) {
+                Ok(()) => self.reserve = Some(reservation),
                 Err(error) => error!("identifiers cannot be reserved, no more inserts are sent: {error:#}"),
             },
             Output::Finish => self.finished = true,

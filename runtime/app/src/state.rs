@@ -1,11 +1,12 @@
-//! What outlives the process: the SPI identifiers that are reserved, and the operator's hold.
+//! What outlives the process: the SPI identifiers and the inserts of the vehicle's mission that are reserved, and the
+//! operator's hold.
 
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use backseat_core::{Identifiers, Operator};
+use backseat_core::{Identifiers, Operator, Reservation};
 
 pub(crate) struct State {
     folder: PathBuf,
@@ -39,10 +40,15 @@ impl State {
         let path = self.identifiers_path();
         match (fs::read_to_string(&path), first) {
             (Ok(text), None) => {
-                let Some(next) = text.trim().parse().ok().filter(|next| *next > 0) else {
-                    bail!("{}: expected a number above 0, found {:?}", path.display(), text.trim());
+                let Some(identifiers) = identifiers(&text) else {
+                    bail!(
+                        "{}: expected a number above 0, alone or with three more (the mission's first, inserts, GPS hits), \
+                         found {:?}",
+                        path.display(),
+                        text.trim()
+                    );
                 };
-                Ok(Some(Identifiers { next, reserved: next }))
+                Ok(Some(identifiers))
             }
             (Ok(text), Some(first)) => {
                 bail!(
@@ -53,20 +59,44 @@ impl State {
                 );
             }
             (Err(error), Some(first)) if error.kind() == std::io::ErrorKind::NotFound => {
-                self.reserve(first)?;
-                Ok(Some(Identifiers {
+                let identifiers = Identifiers {
                     next: first,
                     reserved: first,
-                }))
+                    first,
+                    ..Identifiers::default()
+                };
+                self.write_identifiers(&identifiers)?;
+                Ok(Some(identifiers))
             }
             (Err(error), None) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
             (Err(error), _) => Err(error).with_context(|| format!("{}", path.display())),
         }
     }
 
-    /// Records that all identifiers below a number may have been used; returns when it is on disk.
-    pub(crate) fn reserve(&self, below: u32) -> Result<()> {
-        self.write("identifiers", below.to_string().as_bytes())
+    /// Records that all of a reservation may have been used; returns when it is on disk.
+    pub(crate) fn reserve(&self, reservation: &Reservation) -> Result<()> {
+        let text = fs::read_to_string(self.identifiers_path())?;
+        self.write_identifiers(&Identifiers {
+            next: reservation.below,
+            reserved: reservation.below,
+            first: identifiers(&text).map_or(1, |recorded| recorded.first),
+            inserts: reservation.inserts,
+            gps_hits: reservation.gps_hits,
+        })
+    }
+
+    fn write_identifiers(&self, identifiers: &Identifiers) -> Result<()> {
+        let Identifiers {
+            next,
+            first,
+            inserts,
+            gps_hits,
+            ..
+        } = identifiers;
+        self.write(
+            "identifiers",
+            format!("{next} {first} {inserts} {gps_hits}\n").as_bytes(),
+        )
     }
 
     pub(crate) fn identifiers_path(&self) -> PathBuf {
@@ -138,6 +168,27 @@ impl HoldWatch {
     pub(crate) fn follow(&mut self, state: &State) {
         self.there = state.hold_file().unwrap_or(self.there);
     }
+}
+
+/// The record: the next identifier, the mission's first one, its inserts and its GPS hits; or a first one alone, which
+/// the operator has written.
+fn identifiers(text: &str) -> Option<Identifiers> {
+    let numbers: Vec<u32> = text
+        .split_whitespace()
+        .map(|word| word.parse().ok())
+        .collect::<Option<_>>()?;
+    let (next, first, inserts, gps_hits) = match numbers[..] {
+        [next] => (next, next, 0, 0),
+        [next, first, inserts, gps_hits] => (next, first, inserts, gps_hits),
+        _ => return None,
+    };
+    (next > 0).then_some(Identifiers {
+        next,
+        reserved: next,
+        first,
+        inserts,
+        gps_hits,
+    })
 }
 
 /// Where the user's programs keep what outlives them.

@@ -88,6 +88,8 @@ fn compile(directory: &Path, packages: &[&str]) -> Result<BTreeMap<String, PathB
     }
     command.current_dir(directory).stderr(Stdio::inherit());
     command.env("CARGO_ENCODED_RUSTFLAGS", flags(directory)?);
+    // It would cut the code another way, and the component would be another one.
+    command.env_remove("CARGO_INCREMENTAL");
     let output = run(command, &cargo.to_string_lossy())?;
     if !output.status.success() {
         return Err(Error::Failed {

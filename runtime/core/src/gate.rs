@@ -160,7 +160,7 @@ impl Core {
 
     fn is_own_insert(&self, message: &ToVehicle) -> bool {
         if let ToVehicle::CancelBehavior(cancel) = message {
-            self.sent_identifiers.contains(&cancel.identifier)
+            self.sent_identifiers.contains(&cancel.identifier) || self.former.includes(cancel.identifier)
         } else {
             false
         }
@@ -250,7 +250,12 @@ mod tests {
         let envelope = Envelope::new(Fence::from_geojson(FENCE).unwrap(), limits());
         let start = Start {
             utc: Utc::from_unix_nanos(1_700_000_000_000_000_000),
-            identifiers: Some(Identifiers { next: 1, reserved: 1 }),
+            identifiers: Some(Identifiers {
+                next: 1,
+                reserved: 1,
+                first: 1,
+                ..Identifiers::default()
+            }),
             armed,
             held: false,
             jitter: 7,

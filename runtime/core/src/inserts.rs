@@ -5,6 +5,7 @@
 //! trackcircles alone.
 
 use std::collections::BTreeSet;
+use std::time::Duration;
 
 use backseat_spi::{
     BehaviorId, CancelBehavior, GpsHit, Interrupt, SpeedMode, SurfaceMode, ToVehicle, Trackcircle, Trackline,
@@ -14,7 +15,7 @@ use backseat_spi::{
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::envelope::{End, Flight, Insert, InsertPath, Route, Vertical};
 use crate::helm::refused;
-use crate::io::Output;
+use crate::io::{Output, Reservation};
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::machine::Core;
@@ -26,6 +27,8 @@ use crate::switches::{Check, is_on};
 
 /// How many identifiers are reserved on disk at a time.
 const RESERVE: u32 = 32;
+/// What was not answered is asked for again after this.
+const ASK_AGAIN: Duration = Duration::from_secs(5);
 /// When so few are left, more are reserved.
 const RESERVE_LOW: u32 = 8;
 
@@ -56,6 +59,7 @@ impl Core {
             | Request::Light(_)
             | Request::Timer { .. } => return,
         };
+        self.reserve();
         let request = self.ledger.propose(plugin, tag, kind);
         let admitted = insert.and_then(|insert| {
             let route = self.admit_insert(plugin, tag, &insert)?;
@@ -93,6 +97,12 @@ impl Core {
             return Err(refused(
                 "interrupt",
                 "an insert that interrupts is open, and none may interrupt it (SPI 7.5)",
+            ));
+        }
+        if insert.interrupt && self.former_may_fly() && is_on(Check::InterruptOfInterrupt) {
+            return Err(refused(
+                "interrupt",
+                "an insert of an earlier process may be flown, and may be one that none may interrupt (SPI 7.5)",
             ));
         }
         let limits = self.envelope.limits();
@@ -135,6 +145,17 @@ impl Core {
             None => Err(refused("identifier", "the identifiers' state on disk is missing")),
             Some(identifiers) if identifiers.next >= identifiers.reserved && is_on(Check::IdentifiersReserved) => {
                 Err(refused("identifier", "no identifier is reserved on disk yet"))
+            }
+            // A process that follows this one must know how many were sent.
+            Some(identifiers)
+                if is_on(Check::IdentifiersReserved)
+                    && (if surfaces {
+                        self.gps_hits_sent >= identifiers.gps_hits
+                    } else {
+                        self.inserts_sent >= identifiers.inserts
+                    }) =>
+            {
+                Err(refused("identifier", "no insert is reserved on disk yet"))
             }
             Some(_) => Ok(self.route_of_insert(insert.interrupt)),
         }
@@ -504,23 +525,43 @@ impl Core {
         route
     }
 
-    /// Asks for more identifiers where few are left.
+    /// Asks for more where few identifiers are left, or not as many inserts as may be open at once.
     pub(crate) fn reserve(&mut self) {
         let Some(identifiers) = self.start.identifiers else {
             return;
         };
+        // A driver that cannot write does not answer: it is asked again, for a disk may have room again.
+        let waits = self
+            .reserve_asked
+            .is_some_and(|asked| self.now.since(asked) < ASK_AGAIN);
+        if waits || !is_on(Check::IdentifiersReserved) {
+            return;
+        }
         let low = identifiers.reserved.saturating_sub(identifiers.next) < RESERVE_LOW;
-        if low && !self.reserve_asked && is_on(Check::IdentifiersReserved) {
-            self.reserve_asked = true;
-            self.outputs
-                .push_back(Output::Reserve(identifiers.next.saturating_add(RESERVE)));
+        let ahead = self.envelope.limits().inserts_open_max.max(1);
+        let inserts = self.inserts_sent.saturating_add(ahead);
+        let gps_hits = self.gps_hits_sent.saturating_add(ahead);
+        if low || inserts > identifiers.inserts || gps_hits > identifiers.gps_hits {
+            self.reserve_asked = Some(self.now);
+            let below = if low {
+                identifiers.next.saturating_add(RESERVE)
+            } else {
+                identifiers.reserved
+            };
+            self.outputs.push_back(Output::Reserve(Reservation {
+                below,
+                inserts,
+                gps_hits,
+            }));
         }
     }
 
-    pub(crate) fn reserved(&mut self, below: u32) {
-        self.reserve_asked = false;
+    pub(crate) fn reserved(&mut self, reservation: Reservation) {
+        self.reserve_asked = None;
         if let Some(identifiers) = &mut self.start.identifiers {
-            identifiers.reserved = identifiers.reserved.max(below);
+            identifiers.reserved = identifiers.reserved.max(reservation.below);
+            identifiers.inserts = identifiers.inserts.max(reservation.inserts);
+            identifiers.gps_hits = identifiers.gps_hits.max(reservation.gps_hits);
         }
     }
 }

@@ -27,8 +27,8 @@ pub enum Input<'a> {
     Operator(Operator),
     /// Bytes from a configured driver, in any split.
     Driver(DriverId, &'a [u8]),
-    /// All SPI identifiers below this are reserved on disk.
-    Reserved(u32),
+    /// What is written on disk of identifiers and inserts.
+    Reserved(Reservation),
     /// The time that `poll_timeout` said has come.
     Timeout,
 }
@@ -80,8 +80,8 @@ pub enum Output {
     Driver(DriverId, Vec<u8>),
     /// Make a new instance of a plugin from its last snapshot.
     Restart(PluginId),
-    /// Reserve all SPI identifiers below this on disk.
-    Reserve(u32),
+    /// Write on disk what may be used of identifiers and inserts, so that a process that follows this one knows.
+    Reserve(Reservation),
     /// Close the logs: power goes, or the operator stopped the run.
     Finish,
     /// For the log and for whoever watches.
@@ -313,13 +313,33 @@ fn write_transition(f: &mut fmt::Formatter<'_>, transition: &Transition, who: &d
     }
 }
 
-/// The SPI identifiers that this run may use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// The SPI identifiers that this run may use, and what earlier processes of the same vehicle mission have sent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identifiers {
     /// The first that has not been used.
     pub next: u32,
     /// All below this are reserved on disk.
     pub reserved: u32,
+    /// The first of the vehicle's mission: those from here to `next` are of earlier processes.
+    #[serde(default)]
+    pub first: u32,
+    /// How many inserts earlier processes have sent at most.
+    #[serde(default)]
+    pub inserts: u32,
+    /// How many GPS hits earlier processes have sent at most.
+    #[serde(default)]
+    pub gps_hits: u32,
+}
+
+/// What may be used until the next reservation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Reservation {
+    /// All SPI identifiers below this.
+    pub below: u32,
+    /// So many inserts of the vehicle's mission, in all.
+    pub inserts: u32,
+    /// So many GPS hits of it, in all.
+    pub gps_hits: u32,
 }
 
 /// What a driver knows when it starts core.

@@ -13,6 +13,7 @@ use crate::drivers::Drivers;
 use crate::dvl::DvlTrigger;
 use crate::envelope::Envelope;
 use crate::expected::Compared;
+use crate::former::Former;
 use crate::helm::Lease;
 use crate::hull::Hull;
 use crate::io::{Input, Note, Operator, Output, Start};
@@ -81,7 +82,8 @@ pub struct Core {
     pub(crate) gps_hits_sent: u32,
     /// Of this process; the mission caps their number.
     pub(crate) sent_identifiers: BTreeSet<BehaviorId>,
-    pub(crate) reserve_asked: bool,
+    pub(crate) reserve_asked: Option<Timestamp>,
+    pub(crate) former: Former,
     pub(crate) recalls: Recalls,
     pub(crate) whereabouts: Whereabouts,
     /// Navigation has come that nothing has been held against.
@@ -128,10 +130,11 @@ impl Core {
             granted: false,
             late_count: 0,
             modify_sent: None,
-            inserts_sent: 0,
-            gps_hits_sent: 0,
+            inserts_sent: start.identifiers.map_or(0, |identifiers| identifiers.inserts),
+            gps_hits_sent: start.identifiers.map_or(0, |identifiers| identifiers.gps_hits),
             sent_identifiers: BTreeSet::new(),
-            reserve_asked: false,
+            reserve_asked: None,
+            former: Former::new(start.identifiers),
             recalls: Recalls::default(),
             whereabouts: Whereabouts::default(),
             unjudged: false,
@@ -165,7 +168,7 @@ impl Core {
             Input::Restarted(plugin, restarted) => self.restarted(plugin, restarted),
             Input::Operator(act) => self.operator(act),
             Input::Driver(driver, bytes) => self.driver_received(driver, bytes),
-            Input::Reserved(below) => self.reserved(below),
+            Input::Reserved(reservation) => self.reserved(reservation),
             Input::Timeout => {}
         }
         while let Some(timer) = self.timers.expired(self.now) {
@@ -344,6 +347,7 @@ impl Core {
                 self.end_dvl("the operator holds");
                 if is_on(Check::HoldCancels) {
                     self.cancel_all_of(None);
+                    self.cancel_former();
                 }
             }
             Operator::Release => {

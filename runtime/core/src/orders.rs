@@ -186,6 +186,11 @@ impl Orders {
         self.current = identifier;
     }
 
+    /// The insert that the newest behaviour to begin is.
+    pub(crate) const fn current(&self) -> Option<BehaviorId> {
+        self.current
+    }
+
     /// A behaviour has ended.
     pub(crate) fn finished(&mut self, identifier: Option<BehaviorId>) {
         if self.current == identifier {

@@ -189,6 +189,7 @@ impl Core {
     }
 
     fn behavior_began(&mut self, message: BehaviorBegin) {
+        self.former.heard_begin();
         self.heard(message.created);
         self.note(Note::Behavior {
             began: true,

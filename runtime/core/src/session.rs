@@ -201,6 +201,7 @@ impl Core {
     pub(crate) fn link_down(&mut self) {
         // No BPEMB reaches the vehicle: its own clock ends the modify (safety requirement 007).
         self.session.up = false;
+        self.former.link_lost();
         self.end_lease("the link is down");
         self.end_hold("the link is down");
         self.handed_over = None;
@@ -348,6 +349,9 @@ impl Core {
                     }
                     self.resolve_by_plan();
                     self.tell_of_plan();
+                    if self.held && is_on(Check::HoldCancels) {
+                        self.cancel_former();
+                    }
                 } else {
                     self.plan_failed();
                 }

@@ -180,6 +180,8 @@ impl Oracle {
         self.quota = Quota::default();
         self.shutdown = Shutdown::default();
         self.frame_moved = None;
+        // The computer's clock may have been set back, and answers are told apart by connection.
+        self.stamps = Stamps::default();
     }
 
     /// The operator holds the runtime, or releases it (requirement 015).

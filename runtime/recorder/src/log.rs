@@ -301,7 +301,7 @@ fn read_record(channel: Channel, data: Vec<u8>) -> Result<Record, serde_json::Er
             InputOwned::Restarted { plugin, restarted } => Record::Input(LoggedInput::Restarted(plugin, restarted)),
             InputOwned::Operator { act } => Record::Input(LoggedInput::Operator(act)),
             InputOwned::Driver { driver, bytes } => Record::Input(LoggedInput::Driver(driver, bytes)),
-            InputOwned::Reserved { below } => Record::Input(LoggedInput::Reserved(below)),
+            InputOwned::Reserved { reservation } => Record::Input(LoggedInput::Reserved(reservation)),
             InputOwned::Timeout => Record::Input(LoggedInput::Timeout),
         },
         Channel::Output => Record::Output(json(&data)?),

@@ -1,7 +1,7 @@
 //! The shapes of the JSON channels' messages. Their schemas are in [`crate::Channel::schema`].
 
 use backseat_core::plugin::{NavigationSample, PluginId, RequestState, Returned, StepInput};
-use backseat_core::{DriverId, Input, Note, Operator, Owner, RequestKind, Restarted, Start, Transition};
+use backseat_core::{DriverId, Input, Note, Operator, Owner, RequestKind, Reservation, Restarted, Start, Transition};
 use serde::{Deserialize, Serialize};
 
 use crate::bytes;
@@ -24,8 +24,8 @@ pub enum LoggedInput {
     Operator(Operator),
     /// Bytes from a configured driver.
     Driver(DriverId, Vec<u8>),
-    /// Identifiers below this were reserved.
-    Reserved(u32),
+    /// Identifiers and inserts were reserved.
+    Reserved(Reservation),
     /// The time that core had asked for had come.
     Timeout,
 }
@@ -42,7 +42,7 @@ impl LoggedInput {
             Self::Restarted(plugin, restarted) => Input::Restarted(*plugin, restarted.clone()),
             Self::Operator(act) => Input::Operator(act.clone()),
             Self::Driver(driver, bytes) => Input::Driver(*driver, bytes),
-            Self::Reserved(below) => Input::Reserved(*below),
+            Self::Reserved(reservation) => Input::Reserved(*reservation),
             Self::Timeout => Input::Timeout,
         }
     }
@@ -74,7 +74,8 @@ pub(crate) enum InputRef<'a> {
         bytes: &'a [u8],
     },
     Reserved {
-        below: u32,
+        #[serde(flatten)]
+        reservation: Reservation,
     },
 }
 
@@ -105,7 +106,8 @@ pub(crate) enum InputOwned {
         bytes: Vec<u8>,
     },
     Reserved {
-        below: u32,
+        #[serde(flatten)]
+        reservation: Reservation,
     },
     Timeout,
 }
@@ -132,7 +134,8 @@ pub(crate) enum OutputRef<'a> {
         plugin: PluginId,
     },
     Reserve {
-        below: u32,
+        #[serde(flatten)]
+        reservation: Reservation,
     },
     Finish,
 }

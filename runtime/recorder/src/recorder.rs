@@ -112,7 +112,9 @@ impl<W: Write + Seek> Recorder<W> {
             },
             Input::Operator(act) => InputRef::Operator { act },
             Input::Driver(driver, bytes) => InputRef::Driver { driver: *driver, bytes },
-            Input::Reserved(below) => InputRef::Reserved { below: *below },
+            Input::Reserved(reservation) => InputRef::Reserved {
+                reservation: *reservation,
+            },
         };
         self.put_json(Channel::Input, now, &message)
     }
@@ -138,7 +140,9 @@ impl<W: Write + Seek> Recorder<W> {
             },
             Output::Driver(driver, bytes) => OutputRef::Driver { driver: *driver, bytes },
             Output::Restart(plugin) => OutputRef::Restart { plugin: *plugin },
-            Output::Reserve(below) => OutputRef::Reserve { below: *below },
+            Output::Reserve(reservation) => OutputRef::Reserve {
+                reservation: *reservation,
+            },
             Output::Finish => OutputRef::Finish,
         };
         self.put_json(Channel::Output, now, &message)

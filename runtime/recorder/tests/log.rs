@@ -12,7 +12,8 @@ use backseat_core::plugin::{
     TracklineRequest, Transport, VerticalRequest,
 };
 use backseat_core::{
-    DriverId, Identifiers, Input, Note, Operator, Order, Output, Owner, RequestKind, Restarted, Start, Transition,
+    DriverId, Identifiers, Input, Note, Operator, Order, Output, Owner, RequestKind, Reservation, Restarted, Start,
+    Transition,
 };
 use backseat_recorder::{COMPONENT_LIMIT, Header, LoggedInput, Rate, Record, Recorder, RecorderError, parse, read};
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
@@ -93,7 +94,11 @@ fn every_input_comes_back_in_handle_order() {
         longitude_deg: -70.123_456_789_012_34,
     };
     let inputs = vec![
-        Input::Reserved(100),
+        Input::Reserved(Reservation {
+            below: 100,
+            inserts: 4,
+            gps_hits: 4,
+        }),
         Input::LinkUp,
         Input::Received(b"$BFNVG,"),
         Input::Timeout,
@@ -219,7 +224,13 @@ fn every_input_comes_back_in_handle_order() {
     ];
     let start = Start {
         utc: Utc::from_unix_nanos(UTC),
-        identifiers: Some(Identifiers { next: 3, reserved: 50 }),
+        identifiers: Some(Identifiers {
+            next: 3,
+            reserved: 50,
+            first: 1,
+            inserts: 2,
+            gps_hits: 1,
+        }),
         armed: true,
         held: false,
         jitter: u64::MAX,
@@ -387,7 +398,11 @@ fn outputs_go_to_their_channels() {
         Output::ResetLink,
         Output::Invoke(PluginId(2), step),
         Output::Restart(PluginId(2)),
-        Output::Reserve(64),
+        Output::Reserve(Reservation {
+            below: 64,
+            inserts: 4,
+            gps_hits: 4,
+        }),
         Output::Finish,
         Output::Note(Note::Plan { elements: 4 }),
         transition(Owner::Operator, RequestState::Sent),

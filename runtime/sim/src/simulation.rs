@@ -9,7 +9,7 @@ use std::io::BufWriter;
 use std::sync::Arc;
 use std::time::Duration;
 
-use backseat_core::{ControlHook, Envelope, FailAction, Identifiers, RequestCounts, Settings, Start};
+use backseat_core::{ControlHook, Envelope, FailAction, Identifiers, RequestCounts, Reservation, Settings, Start};
 use backseat_mission::{Mission, MissionError};
 use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Status, WorldFile};
 use backseat_oracle::{Oracle, OracleError, State, Statistics};
@@ -61,7 +61,7 @@ pub enum Step {
 #[derive(Debug)]
 struct Disk {
     /// All SPI identifiers below this may have been used.
-    reserved: u32,
+    reservation: Reservation,
     /// The operator's hold.
     held: bool,
     /// Nothing more can be written.
@@ -159,7 +159,11 @@ impl Simulation {
         )?;
         let utc_at_start = mvc.utc(Timestamp::ZERO);
         let disk = Disk {
-            reserved: 1,
+            reservation: Reservation {
+                below: 1,
+                inserts: 0,
+                gps_hits: 0,
+            },
             held: false,
             full: false,
         };
@@ -427,8 +431,11 @@ impl Disk {
     /// What a process may use that begins now.
     const fn identifiers(&self) -> Identifiers {
         Identifiers {
-            next: self.reserved,
-            reserved: self.reserved,
+            next: self.reservation.below,
+            reserved: self.reservation.below,
+            first: 1,
+            inserts: self.reservation.inserts,
+            gps_hits: self.reservation.gps_hits,
         }
     }
 }

@@ -95,7 +95,12 @@ impl Dive {
         setup.limits.validate().expect("the test's limits are right");
         let start = Start {
             utc: mvc.utc(Timestamp::ZERO),
-            identifiers: Some(Identifiers { next: 1, reserved: 1 }),
+            identifiers: Some(Identifiers {
+                next: 1,
+                reserved: 1,
+                first: 1,
+                ..Identifiers::default()
+            }),
             armed: true,
             held: false,
             jitter: setup.seed,
@@ -291,7 +296,7 @@ impl Dive {
                     self.answers
                         .push_back((self.now + STEP, plugin, Answer::Restarted(restarted)));
                 }
-                Output::Reserve(below) => self.feed(Input::Reserved(below)),
+                Output::Reserve(reservation) => self.feed(Input::Reserved(reservation)),
                 Output::Driver(..) | Output::Finish => {}
                 Output::Note(note) => self.notes.push((self.now, note)),
             }

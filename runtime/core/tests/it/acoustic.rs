@@ -353,7 +353,12 @@ fn identifiers_are_shared_with_the_inserts_and_reserved_on_disk_first() {
         ..Setup::default().start
     };
     let later = Start {
-        identifiers: Some(Identifiers { next: 70, reserved: 80 }),
+        identifiers: Some(Identifiers {
+            next: 70,
+            reserved: 80,
+            first: 70,
+            ..Identifiers::default()
+        }),
         ..Setup::default().start
     };
     for (start, first) in [(lost, None), (later, Some(70))] {

@@ -1,11 +1,11 @@
 use std::time::Duration;
 
 use backseat_core::plugin::{Event, Request, RequestState, TracklineRequest};
-use backseat_core::{Identifiers, Limits, Start};
+use backseat_core::{Identifiers, Input, Limits, Operator, Start};
 use backseat_spi::{AckStatus, Interrupt, ToVehicle};
 
 use crate::course::{circle, good_line, interrupting, limits, line};
-use crate::trial::{Setup, Trial, shorts};
+use crate::trial::{Seen, Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
 fn begin(trial: &mut Trial, identifier: u32) {
@@ -234,6 +234,8 @@ fn sr_009_a_restarted_process_begins_after_what_was_reserved_and_without_state_s
         identifiers: Some(Identifiers {
             next: 500,
             reserved: 500,
+            first: 500,
+            ..Identifiers::default()
         }),
         ..setup.start
     };
@@ -260,7 +262,12 @@ fn sr_009_a_restarted_process_begins_after_what_was_reserved_and_without_state_s
 fn sr_019_what_a_killed_process_left_in_the_vehicles_plan_counts_under_the_cap_until_it_is_flown() {
     let setup = Setup::default();
     let start = Start {
-        identifiers: Some(Identifiers { next: 10, reserved: 10 }),
+        identifiers: Some(Identifiers {
+            next: 10,
+            reserved: 10,
+            first: 1,
+            ..Identifiers::default()
+        }),
         ..setup.start
     };
     let limits = Limits {
@@ -282,6 +289,95 @@ fn sr_019_what_a_killed_process_left_in_the_vehicles_plan_counts_under_the_cap_u
     trial.ask(0, [good_line(2)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
+}
+
+/// A process that follows one which has used the identifiers 1 to 9 and sent so many inserts.
+fn successor(inserts: u32, limits: impl FnOnce(&mut Limits)) -> Trial {
+    let setup = Setup::default();
+    let start = Start {
+        identifiers: Some(Identifiers {
+            next: 10,
+            reserved: 10,
+            first: 1,
+            inserts,
+            gps_hits: 0,
+        }),
+        ..setup.start
+    };
+    let mut most = setup.limits.clone();
+    limits(&mut most);
+    Trial::with(Setup {
+        start,
+        limits: most,
+        ..setup
+    })
+}
+
+#[test]
+fn sr_019_the_inserts_of_a_killed_process_count_among_those_of_the_mission() {
+    let mut trial = successor(9, |limits| limits.inserts_total_max = 10);
+    trial.run_for(2.0);
+    for tag in [1, 2] {
+        trial.ask(0, [good_line(tag)]);
+        trial.run_for(0.5);
+    }
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+    assert!(
+        trial.rejection(2).contains("10 inserts have been sent"),
+        "{}",
+        trial.rejection(2)
+    );
+    // What may be sent is on disk before it is.
+    let reserved = trial.seen.iter().filter_map(|(_, seen)| match seen {
+        Seen::Reserve(reservation) => Some(reservation.inserts),
+        _ => None,
+    });
+    assert!(reserved.max().is_some_and(|most| most >= 10));
+}
+
+#[test]
+fn sr_010_nothing_interrupts_while_an_insert_of_a_killed_process_may_be_flown() {
+    let mut trial = successor(2, |_| {});
+    trial.run_for(2.0);
+    trial.ask(0, [interrupting(1)]);
+    trial.run_for(0.5);
+    assert!(
+        trial.rejection(1).contains("an earlier process"),
+        "{}",
+        trial.rejection(1)
+    );
+    // Once a behaviour begins it is known what is flown.
+    begin(&mut trial, 7);
+    trial.ask(0, [interrupting(2)]);
+    trial.run_for(0.5);
+    assert!(
+        trial.rejection(2).contains("an earlier process"),
+        "{}",
+        trial.rejection(2)
+    );
+    end(&mut trial, 7);
+    trial.ask(0, [interrupting(3)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
+}
+
+#[test]
+fn sr_015_the_operators_hold_takes_back_what_a_killed_process_left_in_the_plan() {
+    let mut trial = successor(2, |_| {});
+    trial.vehicle.inserted.extend([7, 40]);
+    trial.run_for(2.0);
+    trial.feed(Input::Operator(Operator::Hold));
+    trial.run_for(0.5);
+    let cancelled: Vec<u32> = trial
+        .commands("RCN")
+        .iter()
+        .filter_map(|(_, message)| match message {
+            ToVehicle::CancelBehavior(cancel) => Some(cancel.identifier.get()),
+            _ => None,
+        })
+        .collect();
+    // 40 is another payload's.
+    assert_eq!(cancelled, [7]);
 }
 
 #[test]

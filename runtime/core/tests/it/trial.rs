@@ -8,8 +8,8 @@ use backseat_core::plugin::{
     Event, FaultKind, PluginFault, PluginId, Request, RequestState, Returned, StepInput, Topic,
 };
 use backseat_core::{
-    Core, Grant, Identifiers, Input, Limits, Note, Operator, Order, Output, PluginSetup, RequestKind, Restarted,
-    Settings, Start,
+    Core, Grant, Identifiers, Input, Limits, Note, Operator, Order, Output, PluginSetup, RequestKind, Reservation,
+    Restarted, Settings, Start,
 };
 use backseat_fence::Fence;
 use backseat_spi::{FromVehicle, Sentence, ToVehicle};
@@ -31,7 +31,7 @@ pub(crate) enum Seen {
     Reset,
     Invoke(usize, StepInput),
     Restart(usize),
-    Reserve(u32),
+    Reserve(Reservation),
     Finish,
 }
 
@@ -101,7 +101,12 @@ impl Default for Setup {
             plugins: vec![course::plugin("first"), course::plugin("second")],
             start: Start {
                 utc: Utc::from_unix_nanos(1_700_000_000_000_000_000),
-                identifiers: Some(Identifiers { next: 1, reserved: 1 }),
+                identifiers: Some(Identifiers {
+                    next: 1,
+                    reserved: 1,
+                    first: 1,
+                    ..Identifiers::default()
+                }),
                 armed: true,
                 held: false,
                 jitter: 7,
@@ -389,10 +394,10 @@ impl Trial {
                     ));
                     Seen::Restart(plugin.0)
                 }
-                Output::Reserve(below) => {
-                    self.seen.push((self.now, Seen::Reserve(below)));
-                    self.judge.reserved = below;
-                    self.feed(Input::Reserved(below));
+                Output::Reserve(reservation) => {
+                    self.seen.push((self.now, Seen::Reserve(reservation)));
+                    self.judge.reserved = reservation.below;
+                    self.feed(Input::Reserved(reservation));
                     continue;
                 }
                 Output::Driver(driver, bytes) => Seen::Told(driver.0, bytes),

@@ -50,8 +50,8 @@ impl Simulation {
             let Some(process) = &mut self.process else {
                 return Ok(());
             };
-            let input = if let Some(below) = process.reserved.take() {
-                Input::Reserved(below)
+            let input = if let Some(reservation) = process.reserved.take() {
+                Input::Reserved(reservation)
             } else if std::mem::take(&mut process.reset) {
                 self.disconnect();
                 Input::LinkDown
@@ -84,9 +84,9 @@ impl Simulation {
             Output::Invoke(plugin, input) => process.step(now, plugin, &input),
             Output::Restart(plugin) => process.restart(now, plugin),
             // Unanswered where nothing can be written: the runtime sends no insert without a reserved identifier.
-            Output::Reserve(below) if !self.disk.full => {
-                self.disk.reserved = self.disk.reserved.max(below);
-                process.reserved = Some(below);
+            Output::Reserve(reservation) if !self.disk.full => {
+                self.disk.reservation = reservation;
+                process.reserved = Some(reservation);
             }
             Output::Reserve(_) => {}
             Output::Finish => self.finished = true,

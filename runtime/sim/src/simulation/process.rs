@@ -2,7 +2,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use backseat_core::plugin::{NavigationSample, PluginId, Returned, StepInput};
-use backseat_core::{Core, Envelope, Input, Operator, Restarted, Settings, Start};
+use backseat_core::{Core, Envelope, Input, Operator, Reservation, Restarted, Settings, Start};
 use backseat_plugin_host::Plugin;
 use backseat_units::{Position, Timestamp};
 
@@ -19,7 +19,7 @@ pub(super) struct Process {
     plugins: Vec<Slot>,
     answers: Vec<(Timestamp, PluginId, Answer)>,
     pub(super) connect_at: Option<Timestamp>,
-    pub(super) reserved: Option<u32>,
+    pub(super) reserved: Option<Reservation>,
     pub(super) reset: bool,
     /// Its connection is open, as far as it knows.
     pub(super) linked: bool,

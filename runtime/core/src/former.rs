@@ -1,0 +1,100 @@
+//! What an earlier process of ours has left in the vehicle: inserts of its that may yet be flown (safety requirements 007,
+//! 010 and 015).
+//!
+//! The driver tells which identifiers the vehicle's mission has seen before this process began. The vehicle's plan
+//! (BFPLN) tells which of them wait. Which one is flown now nobody tells whoever connects later, so that until the
+//! vehicle says that a behaviour begins, any of them may be.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::time::Duration;
+
+use backseat_spi::{BehaviorId, CancelBehavior, ToVehicle};
+
+use crate::io::{Identifiers, Note};
+use crate::machine::Core;
+use crate::timer::Timer;
+
+/// How often a cancel is sent on a connection.
+const SENT_MAX: u32 = 5;
+/// How long after a cancel the plan is looked at again.
+const AGAIN_AFTER: Duration = Duration::from_secs(2);
+
+/// The identifiers of earlier processes, and what is known of their inserts.
+#[derive(Debug, Default)]
+pub(crate) struct Former {
+    identifiers: Range<u32>,
+    /// A behaviour has begun on this connection: what is flown is known.
+    heard: bool,
+    /// How often each was taken back on this connection.
+    cancelled: BTreeMap<BehaviorId, u32>,
+}
+
+impl Former {
+    pub(crate) fn new(identifiers: Option<Identifiers>) -> Self {
+        Self {
+            identifiers: identifiers.map_or(0..0, |identifiers| identifiers.first..identifiers.next),
+            ..Self::default()
+        }
+    }
+
+    /// A behaviour begins.
+    pub(crate) fn heard_begin(&mut self) {
+        self.heard = true;
+    }
+
+    /// The link is gone: what begins now is not heard.
+    pub(crate) fn link_lost(&mut self) {
+        self.heard = false;
+        self.cancelled.clear();
+    }
+
+    /// Whether an identifier is an earlier process's.
+    pub(crate) fn includes(&self, identifier: BehaviorId) -> bool {
+        self.identifiers.contains(&identifier.get())
+    }
+}
+
+impl Core {
+    /// Whether the vehicle may yet fly an insert of an earlier process.
+    pub(crate) fn former_may_fly(&self) -> bool {
+        let former = &self.former;
+        !former.identifiers.is_empty()
+            && (!former.heard
+                || self.orders.current().is_some_and(|current| former.includes(current))
+                || self
+                    .plan
+                    .others(|identifier| !former.includes(identifier))
+                    .next()
+                    .is_some())
+    }
+
+    /// The operator holds: what an earlier process has left in the plan is taken back too. What cannot be (a GPS hit) the
+    /// vehicle refuses.
+    pub(crate) fn cancel_former(&mut self) {
+        let former = &self.former;
+        let mut waiting: Vec<BehaviorId> = self
+            .plan
+            .others(|identifier| !former.includes(identifier))
+            .map(|(identifier, _)| identifier)
+            .filter(|identifier| former.cancelled.get(identifier).is_none_or(|sent| *sent < SENT_MAX))
+            .collect();
+        waiting.dedup();
+        for identifier in &waiting {
+            let created = self.stamper.stamp(self.now, "RCN");
+            let command = self.courtesy("RCN", Some(created));
+            let message = ToVehicle::CancelBehavior(CancelBehavior {
+                created,
+                identifier: *identifier,
+            });
+            if self.transmit(&message, Some(command)) {
+                *self.former.cancelled.entry(*identifier).or_default() += 1;
+                let text = format!("insert {identifier} of an earlier process is taken back");
+                self.note(Note::Text { text });
+            }
+        }
+        if !waiting.is_empty() {
+            self.timers.set(Timer::Plan, self.now + AGAIN_AFTER);
+        }
+    }
+}

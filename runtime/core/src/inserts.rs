@@ -207,7 +207,6 @@ impl Core {
         };
         let identifier = BehaviorId::new(identifiers.next);
         identifiers.next += 1;
-        self.reserve();
         let interrupt = if insert.interrupt {
             Interrupt::InterruptCurrent
         } else {
@@ -278,6 +277,7 @@ impl Core {
             pending: false,
         };
         if !self.transmit(&message, Some(command)) {
+            self.reserve();
             return self.reject(request, refused("control", "it could not be sent"));
         }
         if insert.surfaces() {
@@ -288,6 +288,7 @@ impl Core {
                 self.plugins[plugin.0].count_insert();
             }
         }
+        self.reserve();
         self.sent_identifiers.insert(identifier);
         if let Some(entry) = self.ledger.get_mut(request) {
             entry.identifier = Some(identifier);

@@ -219,6 +219,15 @@ impl Core {
         self.ledger.iter().count()
     }
 
+    /// The requests that are not at their end, each in words.
+    #[must_use]
+    pub fn open_request_states(&self) -> Vec<String> {
+        self.ledger
+            .iter()
+            .map(|(request, entry)| format!("{:?} {request} is {:?}", entry.kind, entry.state))
+            .collect()
+    }
+
     /// How often core was called more than half a second late.
     #[must_use]
     pub const fn late_count(&self) -> u64 {

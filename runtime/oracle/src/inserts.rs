@@ -14,8 +14,8 @@ pub(crate) struct Inserts {
     open: Open,
     /// When the plan was asked for that is being told.
     plan_asked: Option<Timestamp>,
-    /// Sent and not refused, since the runtime's process began.
-    of_process: u64,
+    /// Sent and not refused, GPS hits apart, which have a cap of their own.
+    counted: u64,
     sent: u64,
     refused: u64,
     accepted: u64,
@@ -131,7 +131,7 @@ impl Inserts {
         findings: &mut Findings,
     ) {
         self.sent += 1;
-        self.of_process += 1;
+        self.counted += u64::from(insert.cancellable);
         if insert.interrupts
             && let Some((running, _)) = self.known.iter().find(|(_, other)| {
                 other.interrupts
@@ -154,7 +154,7 @@ impl Inserts {
                 )
             });
         }
-        let total = self.of_process;
+        let total = self.counted;
         if total > u64::from(total_max) {
             findings.add(at, Rule::InsertsTotal, || {
                 format!("{total} inserts sent, {total_max} allowed")
@@ -218,7 +218,7 @@ impl Inserts {
         } else {
             self.open.goes(insert, State::Closed);
             self.refused += 1;
-            self.of_process = self.of_process.saturating_sub(1);
+            self.counted = self.counted.saturating_sub(u64::from(insert.cancellable));
         }
     }
 
@@ -247,7 +247,7 @@ impl Inserts {
                 && matches!(insert.state, State::Sent | State::Unknown | State::Accepted(_))
             {
                 self.open.goes(insert, State::Absent);
-                self.of_process = self.of_process.saturating_sub(1);
+                self.counted = self.counted.saturating_sub(u64::from(insert.cancellable));
             }
         }
     }
@@ -315,7 +315,6 @@ impl Inserts {
     /// A new process knows nothing of what another one sent.
     pub(crate) fn new_process(&mut self) {
         self.plan_asked = None;
-        self.of_process = 0;
         for insert in self.known.values_mut() {
             insert.foreign = true;
             insert.inherited = true;

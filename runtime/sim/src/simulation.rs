@@ -281,6 +281,14 @@ impl Simulation {
         self.oracle.state()
     }
 
+    /// The requests that are not at their end, each in words; none while no process runs.
+    #[must_use]
+    pub fn open_request_states(&self) -> Vec<String> {
+        self.process
+            .as_ref()
+            .map_or_else(Vec::new, |process| process.core.open_request_states())
+    }
+
     /// What the oracle has seen so far.
     #[must_use]
     pub fn statistics(&self) -> Statistics {

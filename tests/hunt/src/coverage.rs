@@ -14,6 +14,8 @@ pub struct Coverage {
     pub flights: u64,
     /// Of those, with a lease and an accepted insert.
     pub with_both: u64,
+    /// Of hovering vehicles, and those of them with both.
+    pub hovering: [u64; 2],
     /// Of those, of 20 minutes or more.
     pub long: u64,
     /// Virtual seconds.
@@ -34,6 +36,7 @@ pub struct Coverage {
 #[derive(Clone, Debug, Default)]
 pub struct Sums {
     leases: u64,
+    holds: u64,
     inserts_accepted: u64,
     inserts_begun: u64,
     modifies: u64,
@@ -46,7 +49,12 @@ impl Coverage {
     pub(crate) fn add(&mut self, flight: &Flight) {
         self.flights += 1;
         let seen = &flight.report.seen;
-        self.with_both += u64::from(seen.leases > 0 && seen.inserts_accepted > 0);
+        let both = seen.leases + seen.holds > 0 && seen.inserts_accepted > 0;
+        self.with_both += u64::from(both);
+        if flight.resolved.scenario.hovering {
+            self.hovering[0] += 1;
+            self.hovering[1] += u64::from(both);
+        }
         self.long += u64::from(flight.report.sim_seconds >= 1200.0);
         self.sim_seconds += flight.report.sim_seconds;
         for (kind, state) in &flight.met {
@@ -54,6 +62,7 @@ impl Coverage {
             self.met.entry(kind.clone()).or_default()[*state as usize] += 1;
         }
         self.sums.leases += seen.leases;
+        self.sums.holds += seen.holds;
         self.sums.inserts_accepted += seen.inserts_accepted;
         self.sums.inserts_begun += seen.inserts_begun;
         self.sums.modifies += seen.modifies;
@@ -76,11 +85,14 @@ impl Coverage {
         }
         self.flights += other.flights;
         self.with_both += other.with_both;
+        self.hovering[0] += other.hovering[0];
+        self.hovering[1] += other.hovering[1];
         self.long += other.long;
         self.sim_seconds += other.sim_seconds;
         self.troubles += other.troubles;
         self.failed += other.failed;
         self.sums.leases += other.sums.leases;
+        self.sums.holds += other.sums.holds;
         self.sums.inserts_accepted += other.sums.inserts_accepted;
         self.sums.inserts_begun += other.sums.inserts_begun;
         self.sums.modifies += other.sums.modifies;
@@ -148,7 +160,13 @@ impl Display for Coverage {
             self.sim_seconds / self.flights.max(1) as f64,
             part(self.long)
         )?;
-        writeln!(f, "{:.2} % with a lease and an accepted insert", part(self.with_both))?;
+        let [hovering, hovering_both] = self.hovering;
+        writeln!(
+            f,
+            "{:.2} % with a lease or a hold and an accepted insert; {hovering} of hovering vehicles, {hovering_both} of them \
+             with both",
+            part(self.with_both)
+        )?;
         let ended: Vec<String> = self
             .outcomes
             .iter()
@@ -157,6 +175,7 @@ impl Display for Coverage {
         writeln!(f, "ended: {}", ended.join(", "))?;
         let Sums {
             leases,
+            holds,
             inserts_accepted,
             inserts_begun,
             modifies,
@@ -166,7 +185,7 @@ impl Display for Coverage {
         } = &self.sums;
         writeln!(
             f,
-            "{leases} leases ({modifies} BPRMB), {inserts_accepted} inserts accepted and {inserts_begun} begun, \
+            "{leases} leases ({modifies} BPRMB), {holds} holds, {inserts_accepted} inserts accepted and {inserts_begun} begun, \
              {connections} connections, {:.0} h of control, {judged} positions judged",
             control_s / 3600.0
         )?;

@@ -15,7 +15,7 @@ use backseat_sim::{Components, Report, Simulation, Step};
 use backseat_units::Timestamp;
 use tempfile::TempDir;
 
-use crate::phase::{CALM_S, CHANCE_S, HAND_BACK_S, LINK_WITHIN, LONGEST_S};
+use crate::phase::{CALM_S, CHANCE_S, HAND_BACK_S, LEAST_S, LINK_WITHIN, LONGEST_S, LOOK_EVERY};
 use crate::plan::{Come, Plan, Planned, until_calm};
 use crate::trouble::Trouble;
 
@@ -62,6 +62,8 @@ enum Act {
     LinkIsUp,
     /// The operator takes the helm for good.
     HandBack,
+    /// All of ours may be over.
+    Look,
     Release,
     DiskHasRoom,
 }
@@ -152,6 +154,8 @@ struct Flown<'a> {
     power_goes: bool,
     /// At the begin of the liveness phase: leases so far, and seconds of control.
     at_calm: Option<(u64, f64)>,
+    /// The helm is back, and nothing of ours is open.
+    converged: bool,
 }
 
 impl<'a> Flown<'a> {
@@ -171,6 +175,7 @@ impl<'a> Flown<'a> {
             failures: Vec::new(),
             power_goes: false,
             at_calm: None,
+            converged: false,
         };
         for planned in &plan.troubles {
             if let Come::At(at) = planned.come {
@@ -204,6 +209,9 @@ impl<'a> Flown<'a> {
                     while self.due.first().is_some_and(|(at, _)| *at <= now) {
                         let (_, act) = self.due.remove(0);
                         self.act(act)?;
+                    }
+                    if self.converged {
+                        break;
                     }
                 }
             }
@@ -247,6 +255,12 @@ impl<'a> Flown<'a> {
             Act::HandBack => {
                 self.judge_steering();
                 self.simulation.operate(Operator::Hold);
+                self.later(seconds(LEAST_S), Act::Look);
+            }
+            Act::Look => {
+                self.converged = !self.simulation.is_steering() && self.simulation.open_requests() == 0;
+                let again = self.simulation.now() + LOOK_EVERY;
+                self.later(again, Act::Look);
             }
         }
         Ok(())
@@ -341,35 +355,31 @@ impl<'a> Flown<'a> {
     }
 
     fn finish(mut self) -> Result<Flight> {
-        let truth = self.simulation.truth();
+        let (truth, open) = (self.simulation.truth(), self.simulation.open_request_states());
+        // Silent mode has a term of its own, which outlives the mission.
+        let open: Vec<String> = open.into_iter().filter(|line| !line.starts_with("Silent ")).collect();
+        let over = self.simulation.mission_status() != Status::Running;
+        // A flight that is ended early says nothing of its end, and one without power has none of ours.
+        if self.plan.until.is_none() && !self.power_goes && !self.converged {
+            if !over {
+                self.fail("never-ends", || {
+                    format!("at the end {:?}, open: {}", truth.activity, open.join(", "))
+                });
+            } else if !open.is_empty() {
+                self.fail("ledger-open", || open.join(", "));
+            }
+        }
+        let converged = self.converged;
         let (mut report, _, _) = self.simulation.finish()?;
+        if converged && report.outcome == "overran" {
+            report.outcome = "handed back";
+        }
         for violation in std::mem::take(&mut report.violations) {
             self.failures.push(Failure {
                 rule: violation.rule.to_string(),
                 text: violation.to_string(),
                 at: Some(violation.at),
             });
-        }
-        // A flight that is ended early says nothing of its end.
-        if self.plan.until.is_none() {
-            if report.requests_open > 0 {
-                let open = report.requests_open;
-                self.failures.push(Failure {
-                    rule: "ledger-open".to_owned(),
-                    text: format!("{open} requests without an end"),
-                    at: None,
-                });
-            }
-            if report.outcome == "overran" {
-                self.failures.push(Failure {
-                    rule: "never-ends".to_owned(),
-                    text: format!(
-                        "the mission was not over after {:.0} s: {:?}",
-                        report.sim_seconds, truth.activity
-                    ),
-                    at: None,
-                });
-            }
         }
         Ok(Flight {
             resolved: Plan {

@@ -14,5 +14,8 @@ pub(crate) const LINK_WITHIN: Duration = Duration::from_secs(90);
 pub(crate) const HAND_BACK_S: f64 = 1150.0;
 /// Who had control for so long between the two has had its chance to steer.
 pub(crate) const CHANCE_S: f64 = 200.0;
+/// From here on the flight is over once nothing of ours is open; it is looked at every so often.
+pub(crate) const LEAST_S: f64 = 1201.0;
+pub(crate) const LOOK_EVERY: Duration = Duration::from_secs(5);
 /// A mission that has not ended by now does not end.
 pub(crate) const LONGEST_S: f64 = 5400.0;

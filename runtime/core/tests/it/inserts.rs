@@ -338,6 +338,7 @@ fn sr_019_the_inserts_of_a_killed_process_count_among_those_of_the_mission() {
 #[test]
 fn sr_010_nothing_interrupts_while_an_insert_of_a_killed_process_may_be_flown() {
     let mut trial = successor(2, |_| {});
+    trial.vehicle.inserted.extend([7]);
     trial.run_for(2.0);
     trial.ask(0, [interrupting(1)]);
     trial.run_for(0.5);

@@ -152,7 +152,7 @@ struct Flown<'a> {
     met: Vec<(String, State)>,
     failures: Vec<Failure>,
     power_goes: bool,
-    /// At the begin of the liveness phase: leases so far, and seconds of control.
+    /// At the begin of the liveness phase: requests sent so far, and seconds of control.
     at_calm: Option<(u64, f64)>,
     /// The helm is back, and nothing of ours is open.
     converged: bool,
@@ -249,11 +249,11 @@ impl<'a> Flown<'a> {
             Act::DiskHasRoom => self.simulation.reserve_fails(false),
             Act::Calm => {
                 let seen = self.simulation.statistics();
-                self.at_calm = Some((seen.leases, seen.control_s));
+                self.at_calm = Some((self.simulation.request_counts().sent, seen.control_s));
             }
             Act::LinkIsUp => self.judge_link(),
             Act::HandBack => {
-                self.judge_steering();
+                self.judge_sending();
                 self.simulation.operate(Operator::Hold);
                 self.later(seconds(LEAST_S), Act::Look);
             }
@@ -330,18 +330,18 @@ impl<'a> Flown<'a> {
         }
     }
 
-    /// Whoever had control for long enough after the last trouble has steered, unless its plugins were the trouble.
-    fn judge_steering(&mut self) {
+    /// Whoever had control for long enough after the last trouble has asked and been heard, unless its plugins were the trouble.
+    fn judge_sending(&mut self) {
         let seen = self.simulation.statistics();
         let by_plugin = self.met.iter().any(|(kind, _)| kind.starts_with("plugin "));
-        if let Some((leases, control_s)) = self.at_calm
+        if let Some((sent, control_s)) = self.at_calm
             && !by_plugin
-            && seen.leases == leases
+            && self.simulation.request_counts().sent == sent
             && seen.control_s - control_s > CHANCE_S
         {
             let had_s = seen.control_s - control_s;
-            self.fail("never-steers-again", || {
-                format!("{had_s:.0} s of control after the last trouble, and no lease")
+            self.fail("never-sends-again", || {
+                format!("{had_s:.0} s of control after the last trouble, and nothing was sent")
             });
         }
     }

@@ -205,8 +205,11 @@ fn replay(plugins: &Path, path: &Path) -> Result<bool> {
         "{} after {:.0} s: {} leases, {} inserts accepted, digest {}",
         report.outcome, report.sim_seconds, report.seen.leases, report.seen.inserts_accepted, report.digest
     );
+    for rejection in &report.rejections {
+        println!("rejected {rejection}");
+    }
     for failure in &failures {
-        println!("{}", failure.text);
+        println!("{}: {}", failure.rule, failure.text);
     }
     if failures.is_empty() {
         println!("nothing found");

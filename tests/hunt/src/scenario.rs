@@ -44,10 +44,7 @@ const OPEN: [&str; 20] = [
     "interruption",
 ];
 /// Limits of every mission.
-const LIMITS: &str = "speed_min_mps = 1.0
-speed_max_mps = 2.0
-turn_rate_dps = 8.0
-current_max_mps = 0.4
+const LIMITS: &str = "turn_rate_dps = 8.0
 seabed_slope_max = 0.03
 gps_hits_total_max = 1
 gps_hit_duration_max_s = 300.0
@@ -150,6 +147,12 @@ impl Scenario {
 fn mission(dice: &mut Dice, hovering: bool, area: &Area) -> String {
     let control = if dice.chance(0.85) { "bfctl" } else { "running" };
     let mut text = format!("[session]\ncontrol = \"{control}\"\n\n[limits]\n{LIMITS}");
+    // What the vehicle can do, and the worst current of its water.
+    let ([slowest, fastest], current_mps) = speeds(hovering);
+    text += &format!(
+        "speed_min_mps = {slowest:?}\nspeed_max_mps = {fastest:?}\ncurrent_max_mps = {:?}\n",
+        current_mps + 0.1
+    );
     // Either the chart tells the depths, which are true in every world here, or only bottom lock does.
     if hovering || dice.chance(0.5) {
         text += "water_depth_min_m = 45.0\nwater_depth_max_m = 75.0\n";
@@ -178,7 +181,7 @@ fn mission(dice: &mut Dice, hovering: bool, area: &Area) -> String {
         text += &format!("north_min_m = {:.1}\nnorth_max_m = {reach_m:.1}\n", -reach_m);
         text += &format!("depth_m = [2.0, {:.1}]\n", area.depth_max_m + 4.0);
         text += &format!(
-            "altitude_m = [{:.1}, 40.0]\nspeed_mps = [1.0, 2.0]\n",
+            "altitude_m = [{:.1}, 40.0]\nspeed_mps = [{slowest:?}, {fastest:?}]\n",
             area.altitude_min_m
         );
         text += &format!("boldness = {:?}\n", dice.figure(0.1, 0.8));
@@ -217,7 +220,7 @@ fn world(dice: &mut Dice, hovering: bool, area: &Area) -> String {
     );
     text += &format!(
         "[current]\nspeed_mps = {:?}\ntowards_deg = {:?}\n\n",
-        dice.figure(0.0, 0.3),
+        dice.figure(0.0, speeds(hovering).1),
         dice.figure(0.0, 359.0)
     );
     let hz = dice.one(&[4, 5, 5, 10]);
@@ -243,6 +246,11 @@ fn world(dice: &mut Dice, hovering: bool, area: &Area) -> String {
     text += &format!("control_replay = {replay}\n");
     text += &if hovering { station() } else { lines(dice, area) };
     text
+}
+
+/// The speeds that may be asked for, and the strongest current, m/s.
+const fn speeds(hovering: bool) -> ([f64; 2], f64) {
+    if hovering { ([0.3, 0.7], 0.1) } else { ([1.0, 2.0], 0.3) }
 }
 
 /// A hovering vehicle keeps its station beside the ship.

@@ -7,6 +7,7 @@ mod help;
 mod identifiers;
 mod mvc;
 mod operator;
+mod prober;
 mod refusals;
 mod session;
 mod silence;

@@ -219,6 +219,13 @@ impl Steering {
         if asking.random.chance(0.5) {
             drive.tag = asking.next_tag();
         }
+        if asking.dares(0.05) {
+            // It cannot make up its mind: more changes in a step than a vehicle takes in a second.
+            for _ in 0..8 {
+                drive.heading_deg = wrap_deg(drive.heading_deg + asking.random.within(-10.0, 10.0));
+                self.ask(drive, asking);
+            }
+        }
         self.ask(drive, asking);
     }
 

@@ -10,6 +10,7 @@ mod identifiers;
 mod mvc;
 mod operator;
 mod predive;
+mod prober;
 mod refusals;
 mod service;
 mod session;

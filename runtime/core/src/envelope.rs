@@ -9,12 +9,12 @@ use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Speed, Times
 
 use crate::limits::Limits;
 use crate::plugin::{
-    Judge, ModifyRequest, NavigationSample, PositionRequest, Refusal, Request, StepInput, TrackcircleRequest,
-    TracklineRequest, VerticalRequest,
+    ModifyRequest, NavigationSample, PositionRequest, Refusal, TrackcircleRequest, TracklineRequest, VerticalRequest,
 };
 
 mod boxes;
 mod hull;
+mod judge;
 mod surfacing;
 mod time;
 
@@ -283,14 +283,28 @@ impl Envelope {
             back_m / self.slowest_mps()
         };
         let when = clocks.next(obeyed_s + turn_away_s + back_s.max(route.before_s));
-        let mut least_m = self.sweep(Shape::leg(here, ahead), radius_m, &extent, when)?;
-        // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane.
+        let straight = || self.sweep(Shape::leg(here, ahead), radius_m, &extent, when);
+        if route.legs.is_empty() && route.to.is_empty() {
+            return straight();
+        }
+        // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane. Each
+        // of them covers the way straight ahead, which need not be looked at again, but says best what is wrong.
+        let mut least_m = f64::MAX;
+        let mut judge = |shape: Shape| match self.sweep(shape, radius_m, &extent, when) {
+            Ok(metres) => {
+                least_m = least_m.min(metres);
+                Ok(())
+            }
+            Err(refusal) => Err(straight().err().unwrap_or(refusal)),
+        };
         for &(start, end) in &route.legs {
-            least_m =
-                least_m.min(self.sweep(Shape::quadrilateral([here, ahead, start, end]), radius_m, &extent, when)?);
+            judge(Shape::quadrilateral([here, ahead, start, end]))?;
         }
         for &next in &route.to {
-            least_m = least_m.min(self.sweep(Shape::triangle(here, ahead, next), radius_m, &extent, when)?);
+            // What begins where the leg ends is in the leg's shape.
+            if !route.legs.iter().any(|(start, end)| next == *start || next == *end) {
+                judge(Shape::triangle(here, ahead, next))?;
+            }
         }
         Ok(least_m)
     }
@@ -576,60 +590,6 @@ impl Envelope {
             (None, known_m) => known_m,
         };
         (shallowest_m, deepest_m)
-    }
-}
-
-impl Judge for Envelope {
-    fn judge(&self, request: &Request, input: &StepInput) -> Result<f64, Refusal> {
-        let Some(navigation) = &input.navigation else {
-            return Err(limit("no navigation".to_owned()));
-        };
-        let lock = bottom_lock(navigation);
-        let clocks = Clocks {
-            utc: input.utc,
-            apart: input.clocks_apart,
-        };
-        let alone = Route::default();
-        let from_here = Route {
-            from: vec![End::At(navigation.local)],
-            ..Route::default()
-        };
-        let insert = |insert: &Insert| self.judge_insert(insert, navigation.depth, lock, &from_here, clocks);
-        match request {
-            Request::Modify(modify) => {
-                let setpoint = self.admit_modify(modify)?;
-                self.judge_modify(&setpoint, navigation, lock, &alone, (input.now, clocks))
-            }
-            Request::Trackline(line) => insert(&self.admit_trackline(line)?),
-            Request::Trackcircle(circle) => insert(&self.admit_trackcircle(circle)?),
-            Request::GpsHit(hit) => insert(&self.admit_gps_hit(hit)?),
-            Request::Hold(hold) => {
-                let around = Surroundings {
-                    relative: input.relative.as_ref(),
-                    cartesian: input.cartesian.as_ref(),
-                    navigation,
-                    lock,
-                    suspended: None,
-                    now: input.now,
-                };
-                self.judge_hold(&self.admit_hold(hold)?, &around)
-            }
-            Request::SonarAngle(asked) => self.admit_sonar_angle(asked).map(|()| f64::MAX),
-            Request::Camera(asked) => self.admit_camera(asked).map(|()| f64::MAX),
-            Request::Light(asked) => self.admit_light(asked).map(|()| f64::MAX),
-            // They have no geometry.
-            Request::EndModify
-            | Request::Cancel(_)
-            | Request::Message(_)
-            | Request::Topside(_)
-            | Request::DvlTrigger(_)
-            | Request::Silent(_)
-            | Request::Trim(_)
-            | Request::Buoyancy(_)
-            | Request::Packet(_)
-            | Request::EndHold
-            | Request::Timer { .. } => Ok(f64::MAX),
-        }
     }
 }
 

@@ -1,4 +1,5 @@
-//! The plan that the operator had checked, held against the one that the vehicle says it flies (SPI 6.20).
+//! The plan that the operator had checked, held against the one that the vehicle says it flies (SPI 6.20; safety
+//! requirement 001).
 //!
 //! BFPLN tells of places alone: depths and speeds can be checked ashore only. Inserts bear an identifier, and are no
 //! difference.

@@ -25,6 +25,7 @@ fn main() {
     println!("{HEADER}");
     fence(100);
     fence(10_000);
+    reachable();
     step();
     whole_loop();
 }
@@ -101,6 +102,79 @@ fn fence(vertices: usize) {
         times,
         "plain scan of the edges",
         aim,
+    );
+}
+
+/// What core asks of the fence for a modify: the reachable set with the way back to the planned leg, and with that to
+/// what comes next. The fence is a jagged coast: its radius jumps by up to 20 m from vertex to vertex.
+fn reachable() {
+    let frame = LocalFrame::new(Position::from_deg(42.0, -70.0).expect("a position"));
+    let vertices = 10_000;
+    let points: Vec<EastNorth> = (0..vertices)
+        .map(|vertex| {
+            let jag = f64::from((vertex * 7919) % 101) / 5.0;
+            EastNorth::default().offset(360.0 * f64::from(vertex) / f64::from(vertices), 3000.0 + jag)
+        })
+        .collect();
+    let ring: Vec<String> = points
+        .iter()
+        .chain(points.first())
+        .map(|point| {
+            let position = frame.to_position(*point);
+            format!("[{},{}]", position.longitude.as_deg(), position.latitude.as_deg())
+        })
+        .collect();
+    let fence = Fence::from_geojson(&format!(
+        r#"{{"type":"FeatureCollection","features":[{{"type":"Feature","properties":{{"name":"coast","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3}},"geometry":{{"type":"Polygon","coordinates":[[{}]]}}}}]}}"#,
+        ring.join(",")
+    ))
+    .expect("a coast is a fence");
+    let extent = VerticalExtent {
+        depth_min_m: 10.0,
+        depth_max_m: 20.0,
+        altitude_min_m: 5.0,
+    };
+    let places: Vec<[EastNorth; 5]> = (0..64)
+        .map(|at| {
+            let (at, start) = (
+                f64::from(at),
+                EastNorth::default().offset(f64::from(at) * 37.0, f64::from(at) * 30.0),
+            );
+            let end = start.offset(at * 53.0, 600.0);
+            let here = start + (end - start) * 0.4;
+            [
+                here,
+                here.offset(at * 101.0, 12.0),
+                start,
+                end,
+                end.offset(at * 53.0 + 90.0, 100.0),
+            ]
+        })
+        .collect();
+    let (mut ours, mut floor) = (0, 0);
+    let times = in_turn(
+        5_000,
+        || {
+            let [here, ahead, start, end, next] = places[ours % places.len()];
+            ours += 1;
+            for shape in [
+                Shape::quadrilateral([here, ahead, start, end]),
+                Shape::triangle(here, ahead, next),
+            ] {
+                black_box(fence.check(&Sweep { shape, radius_m: 55.0 }, &extent).is_ok());
+            }
+        },
+        || {
+            let [here, ahead, start, end, _] = places[floor % places.len()];
+            floor += 1;
+            black_box(scan(&points, here, ahead).min(scan(&points, start, end)));
+        },
+    );
+    row(
+        "a modify's reachable set against a coast of 10000 vertices",
+        times,
+        "plain scan of the edges for its corners",
+        "5000 ns",
     );
 }
 

@@ -208,17 +208,28 @@ impl Envelope {
             back_m / self.slowest_mps()
         };
         let when = clocks.next(lasts_s + back_s.max(route.before_s));
-        let mut least_m = self.sweep(Shape::leg(here, ahead), radius_m, extent, when)?;
-        if !is_on(Check::ModifyWayBack) {
-            return Ok(least_m);
+        let straight = || self.sweep(Shape::leg(here, ahead), radius_m, extent, when);
+        if (route.legs.is_empty() && route.to.is_empty()) || !is_on(Check::ModifyWayBack) {
+            return straight();
         }
-        // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane.
+        // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane. Each
+        // of them covers the way straight ahead, which need not be looked at again, but says best what is wrong.
+        let mut least_m = f64::MAX;
+        let mut judge = |shape: Shape| match self.sweep(shape, radius_m, extent, when) {
+            Ok(metres) => {
+                least_m = least_m.min(metres);
+                Ok(())
+            }
+            Err(refusal) => Err(straight().err().unwrap_or(refusal)),
+        };
         for &(start, end) in &route.legs {
-            least_m =
-                least_m.min(self.sweep(Shape::quadrilateral([here, ahead, start, end]), radius_m, extent, when)?);
+            judge(Shape::quadrilateral([here, ahead, start, end]))?;
         }
         for &next in &route.to {
-            least_m = least_m.min(self.sweep(Shape::triangle(here, ahead, next), radius_m, extent, when)?);
+            // What begins where the leg ends is in the leg's shape.
+            if !route.legs.iter().any(|(start, end)| next == *start || next == *end) {
+                judge(Shape::triangle(here, ahead, next))?;
+            }
         }
         Ok(least_m)
     }

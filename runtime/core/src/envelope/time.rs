@@ -1,4 +1,4 @@
-//! When a geometry may be flown, for zones that are valid for a time.
+//! When a geometry may be flown, for zones that are valid for a time (safety requirement 002).
 
 use std::time::Duration;
 

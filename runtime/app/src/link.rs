@@ -186,7 +186,7 @@ mod tests {
 
     #[tokio::test]
     async fn sr_007_what_waited_for_a_second_is_not_written() {
-        let (mut link, mut vehicle) = connected().await;
+        let (mut link, vehicle) = connected().await;
         // More than all buffers of a connection that nobody reads.
         let flood = vec![b'x'; 64 << 20];
         link.send(at(1000), at(1000), &flood).unwrap();

@@ -1,6 +1,7 @@
 //! What the service manager is told of the control loop (the protocol of sd_notify(3)), and how late the loop was.
 //!
-//! Only the loop that serves core calls this: a loop that is stuck feeds no watchdog, and is started anew.
+//! Only the loop that serves core calls this: a loop that is stuck feeds no watchdog, and is started anew (safety
+//! requirement 007: the vehicle has the helm by its own clock meanwhile).
 
 use std::io;
 use std::os::linux::net::SocketAddrExt as _;

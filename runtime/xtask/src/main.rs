@@ -1,7 +1,9 @@
 //! The one door to the project's tasks: `cargo xtask demo`, `cargo xtask test`, and what they are made of.
 
 mod cargo;
+mod cross;
 mod demo;
+mod digest;
 mod safety;
 mod seeds;
 mod tidy;
@@ -30,6 +32,8 @@ enum Task {
     Bench,
     /// Fly a mission with many seeds and tell how many held its expectations
     Seeds(seeds::Seeds),
+    /// Fly the same seeds in several processes and builds, and compare what they tell
+    Digest(digest::Digest),
     /// Check the project's own rules
     Tidy,
 }
@@ -41,6 +45,7 @@ fn main() -> ExitCode {
         Task::Plugins => demo::plugins(),
         Task::Bench => demo::bench(),
         Task::Seeds(arguments) => seeds::seeds(&arguments),
+        Task::Digest(arguments) => digest::digest(&arguments),
         Task::Tidy => tidy::tidy(),
     };
     match result {

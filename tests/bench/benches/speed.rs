@@ -25,6 +25,7 @@ fn main() {
     println!("{HEADER}");
     fence(100);
     fence(10_000);
+    index(10_000);
     step();
     whole_loop();
 }
@@ -101,6 +102,26 @@ fn fence(vertices: usize) {
         times,
         "plain scan of the edges",
         aim,
+    );
+}
+
+/// A fence from its file to its first answer: text, projection, all that makes a polygon refused, and the index.
+fn index(vertices: usize) {
+    let (text, _) = star(vertices);
+    let times = in_turn(
+        5,
+        || {
+            black_box(Fence::from_geojson(black_box(&text)).expect("a star is a fence"));
+        },
+        || {
+            black_box(serde_json::from_str::<serde_json::Value>(black_box(&text)).expect("it is JSON"));
+        },
+    );
+    row(
+        &format!("index built, {vertices} vertices, from the file's text"),
+        times,
+        "the text read as JSON",
+        "10000000 ns",
     );
 }
 

@@ -51,3 +51,21 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
     }
     Ok(())
 }
+
+/// Rustup adds a target's standard library where it is missing. Without rustup the build itself says what is missing.
+pub(crate) fn add_target(target: &str) -> Result<()> {
+    let installed = Command::new("rustup")
+        .args(["target", "list", "--installed"])
+        .current_dir(root()?)
+        .output();
+    let Ok(installed) = installed else { return Ok(()) };
+    if String::from_utf8_lossy(&installed.stdout)
+        .lines()
+        .any(|line| line == target)
+    {
+        return Ok(());
+    }
+    println!("> rustup target add {target}");
+    run(Command::new("rustup").args(["target", "add", target]))
+        .with_context(|| format!("add it by `rustup target add {target}` where the network allows"))
+}

@@ -1,9 +1,9 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
-use crate::cargo::{cargo, cargo_test, root, run, target};
+use crate::cargo::{add_target, cargo, cargo_test, root, run, target};
 use crate::tidy::tidy;
 
 const PLUGINS: [&str; 5] = ["isobath", "plume", "template", "faulty", "prober"];
@@ -47,7 +47,7 @@ pub(crate) fn test() -> Result<()> {
 
 /// Builds the project's plugins and makes components of them.
 pub(crate) fn plugins() -> Result<()> {
-    add_wasm_target()?;
+    add_target("wasm32-unknown-unknown")?;
     let folder = target()?.join("plugins");
     let built = backseat_componentize::build(&root()?, &PLUGINS, &folder)?;
     for component in built {
@@ -66,24 +66,4 @@ pub(crate) fn bench() -> Result<()> {
 pub(crate) fn release() -> Result<PathBuf> {
     cargo(&["build", "--release", "--package", "backseat"])?;
     Ok(target()?.join("release/backseat"))
-}
-
-/// Plugins are built for WebAssembly: rustup adds its standard library where it is missing. Without rustup the build
-/// itself says what is missing.
-fn add_wasm_target() -> Result<()> {
-    const TARGET: &str = "wasm32-unknown-unknown";
-    let installed = Command::new("rustup")
-        .args(["target", "list", "--installed"])
-        .current_dir(root()?)
-        .output();
-    let Ok(installed) = installed else { return Ok(()) };
-    if String::from_utf8_lossy(&installed.stdout)
-        .lines()
-        .any(|line| line == TARGET)
-    {
-        return Ok(());
-    }
-    println!("> rustup target add {TARGET}");
-    run(Command::new("rustup").args(["target", "add", TARGET]))
-        .with_context(|| format!("plugins need it; add it by `rustup target add {TARGET}` where the network allows"))
 }

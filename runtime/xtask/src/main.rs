@@ -1,7 +1,9 @@
 //! The one door to the project's tasks: `cargo xtask demo`, `cargo xtask test`, and what they are made of.
 
 mod cargo;
+mod cross;
 mod demo;
+mod digest;
 mod hunt;
 mod safety;
 mod seeds;
@@ -34,6 +36,8 @@ enum Task {
     Seeds(seeds::Seeds),
     /// Fly drawn missions with drawn troubles on all cores, and look for what must never be
     Hunt(hunt::Hunt),
+    /// Fly the same seeds in several processes and builds, and compare what they tell
+    Digest(digest::Digest),
     /// Check the project's own rules
     Tidy,
 }
@@ -46,6 +50,7 @@ fn main() -> ExitCode {
         Task::Bench => demo::bench(),
         Task::Seeds(arguments) => seeds::seeds(&arguments),
         Task::Hunt(arguments) => hunt::hunt(&arguments),
+        Task::Digest(arguments) => digest::digest(&arguments),
         Task::Tidy => tidy::tidy(),
     };
     match result {

@@ -26,6 +26,7 @@ fn main() {
     fence(100);
     fence(10_000);
     reachable();
+    index(10_000);
     step();
     whole_loop();
 }
@@ -175,6 +176,26 @@ fn reachable() {
         times,
         "plain scan of the edges for its corners",
         "5000 ns",
+    );
+}
+
+/// A fence from its file to its first answer: text, projection, all that makes a polygon refused, and the index.
+fn index(vertices: usize) {
+    let (text, _) = star(vertices);
+    let times = in_turn(
+        5,
+        || {
+            black_box(Fence::from_geojson(black_box(&text)).expect("a star is a fence"));
+        },
+        || {
+            black_box(serde_json::from_str::<serde_json::Value>(black_box(&text)).expect("it is JSON"));
+        },
+    );
+    row(
+        &format!("index built, {vertices} vertices, from the file's text"),
+        times,
+        "the text read as JSON",
+        "10000000 ns",
     );
 }
 

@@ -1,0 +1,93 @@
+use std::env;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::cargo::{add_target, run, target};
+
+/// Linked statically, so that it runs under qemu without a sysroot.
+const TARGET: &str = "aarch64-unknown-linux-musl";
+/// From PyPI: a C compiler and linker for every platform, and what puts it under Cargo.
+const PACKAGES: [&str; 2] = ["ziglang==0.17.1", "cargo-zigbuild==0.24.0"];
+/// Debian's package of emulators, and the names that they go by on a PATH.
+const EMULATORS: &str = "qemu-user-static";
+const EMULATOR: [&str; 2] = ["qemu-aarch64-static", "qemu-aarch64"];
+
+/// The program for aarch64, built for release.
+pub(crate) fn release() -> Result<PathBuf> {
+    let zig = zig()?;
+    add_target(TARGET)?;
+    let mut path = OsString::from(zig);
+    if let Some(rest) = env::var_os("PATH") {
+        path.push(":");
+        path.push(rest);
+    }
+    println!("> cargo zigbuild --release --package backseat --target {TARGET}");
+    run(Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+        .args(["zigbuild", "--release", "--package", "backseat", "--target", TARGET])
+        .env("PATH", path))?;
+    Ok(target()?.join(TARGET).join("release/backseat"))
+}
+
+/// The folder with `cargo-zigbuild` and its Zig, made where it is missing.
+fn zig() -> Result<PathBuf> {
+    let environment = target()?.join("tools/zig");
+    let programs = environment.join("bin");
+    if programs.join("cargo-zigbuild").exists() {
+        return Ok(programs);
+    }
+    println!("> python3 -m venv {}", environment.display());
+    run(Command::new("python3").args(["-m", "venv"]).arg(&environment)).context("Python 3 with its venv is needed")?;
+    println!("> pip install {}", PACKAGES.join(" "));
+    run(Command::new(programs.join("python"))
+        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
+        .args(PACKAGES))
+    .context("a cross build takes its linker from PyPI")?;
+    Ok(programs)
+}
+
+/// The program that runs aarch64's, fetched without root where it is missing.
+pub(crate) fn emulator() -> Result<PathBuf> {
+    let unpacked = target()?.join("tools/qemu");
+    let find = || {
+        let path = env::var_os("PATH").unwrap_or_default();
+        env::split_paths(&path)
+            .chain([unpacked.join("usr/bin")])
+            .flat_map(|folder| EMULATOR.map(|name| folder.join(name)))
+            .find(|program| program.is_file())
+    };
+    if let Some(program) = find() {
+        return Ok(program);
+    }
+    if let Err(error) = fetch(&unpacked)
+        && find().is_none()
+    {
+        bail!(
+            "{error:#}; install {EMULATORS}, or put {} on the PATH",
+            EMULATOR.join(" or ")
+        );
+    }
+    find().with_context(|| format!("{EMULATORS} has no {}", EMULATOR[0]))
+}
+
+/// Unpacks Debian's package into a folder of the build.
+fn fetch(unpacked: &Path) -> Result<()> {
+    let folder = target()?.join("tools/deb");
+    std::fs::create_dir_all(&folder)?;
+    println!("> apt-get download {EMULATORS}");
+    let status = Command::new("apt-get")
+        .args(["download", EMULATORS])
+        .current_dir(&folder)
+        .status()
+        .context("no emulator of aarch64, and no apt-get to fetch one")?;
+    if !status.success() {
+        bail!("no emulator of aarch64, and apt-get ended with {status}");
+    }
+    for package in std::fs::read_dir(&folder)? {
+        run(Command::new("dpkg").arg("-x").arg(package?.path()).arg(unpacked))?;
+    }
+    std::fs::remove_dir_all(&folder)?;
+    Ok(())
+}

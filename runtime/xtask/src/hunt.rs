@@ -1,3 +1,4 @@
+use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -56,21 +57,21 @@ pub(crate) fn hunt(arguments: &Hunt) -> Result<()> {
     ended(&mut fly, "something was found")
 }
 
-/// The hunt's program; with single checks that can be switched off it lies apart, so that neither is taken for the
+/// The hunt's program; with single checks that can be switched off it has another name, so that neither is taken for the
 /// other.
 fn build(switched: bool) -> Result<PathBuf> {
     let mut arguments = vec!["build", "--release", "--package", "backseat-hunt"];
-    let folder = if switched {
-        let folder = target()?.join("switches");
-        let text = folder.display().to_string();
-        arguments.extend(["--features", "switches", "--target-dir"]);
-        cargo(&[&arguments[..], &[text.as_str()]].concat())?;
-        folder
-    } else {
-        cargo(&arguments)?;
-        target()?
-    };
-    Ok(folder.join("release/backseat-hunt"))
+    if switched {
+        arguments.extend(["--features", "switches"]);
+    }
+    cargo(&arguments)?;
+    let program = target()?.join("release/backseat-hunt");
+    if !switched {
+        return Ok(program);
+    }
+    let apart = target()?.join("release/backseat-hunt-switches");
+    fs::copy(&program, &apart).with_context(|| apart.display().to_string())?;
+    Ok(apart)
 }
 
 fn command(program: &PathBuf, arguments: &[&str]) -> Result<Command> {

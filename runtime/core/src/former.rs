@@ -26,6 +26,8 @@ pub(crate) struct Former {
     identifiers: Range<u32>,
     /// A behaviour has begun on this connection: what is flown is known.
     heard: bool,
+    /// An insert of this process that the vehicle flies though its request has come to its end: refused, yet done.
+    revenant: Option<BehaviorId>,
     /// How often each was taken back on this connection.
     cancelled: BTreeMap<BehaviorId, u32>,
 }
@@ -38,9 +40,22 @@ impl Former {
         }
     }
 
-    /// A behaviour begins.
-    pub(crate) fn heard_begin(&mut self) {
+    /// A behaviour begins, which may be one that was held to be over.
+    pub(crate) fn heard_begin(&mut self, revenant: Option<BehaviorId>) {
         self.heard = true;
+        self.revenant = revenant;
+    }
+
+    /// A behaviour has ended.
+    pub(crate) fn heard_end(&mut self, identifier: Option<BehaviorId>) {
+        if self.revenant == identifier {
+            self.revenant = None;
+        }
+    }
+
+    /// Whether an insert is flown that was held to be over.
+    pub(crate) const fn has_revenant(&self) -> bool {
+        self.revenant.is_some()
     }
 
     /// The link is gone: what begins now is not heard.
@@ -56,9 +71,12 @@ impl Former {
 }
 
 impl Core {
-    /// Whether the vehicle may yet fly an insert of an earlier process.
+    /// Whether the vehicle may yet fly an insert of an earlier process, or flies one that was held to be over.
     pub(crate) fn former_may_fly(&self) -> bool {
         let former = &self.former;
+        if former.has_revenant() {
+            return true;
+        }
         !former.identifiers.is_empty()
             && (!former.heard
                 || self.orders.current().is_some_and(|current| former.includes(current))

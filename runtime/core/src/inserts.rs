@@ -380,6 +380,9 @@ impl Core {
                 }
             }
             Answer::Done => {
+                if let Some(identifier) = self.ledger.get(insert).and_then(|entry| entry.identifier) {
+                    self.plan.ended(identifier);
+                }
                 self.transition(insert, RequestState::Cancelled);
                 self.ledger.settle_doubt(insert);
                 if let Some(cancel) = cancel {
@@ -456,14 +459,17 @@ impl Core {
             return 0;
         }
         let own = self.start.identifiers.map_or(0, |identifiers| identifiers.next);
+        // One of this process that was held to be over counts where the plan names it all the same.
         let others = self
             .plan
-            .others(|identifier| self.sent_identifiers.contains(&identifier));
+            .others(|identifier| self.ledger.by_identifier(identifier).is_some());
         let inherited: BTreeSet<BehaviorId> = others
             .map(|(identifier, _)| identifier)
             .filter(|identifier| identifier.get() < own)
             .collect();
-        u32::try_from(inherited.len()).unwrap_or(u32::MAX)
+        u32::try_from(inherited.len())
+            .unwrap_or(u32::MAX)
+            .saturating_add(u32::from(self.former.has_revenant()))
     }
 
     fn open_insert(&self, plugin: PluginId, tag: u64) -> Option<u64> {

@@ -96,6 +96,8 @@ pub(crate) struct Entry {
     pub(crate) duration_s: f64,
     /// By when an insert was judged to be flown, where zones that are valid for a time count.
     pub(crate) schedule: Option<Schedule>,
+    /// The vehicle has ended this insert for one that interrupts it, and may take it up again (SPI 7.5 leaves it open).
+    pub(crate) interrupted: bool,
 }
 
 impl Entry {
@@ -151,6 +153,7 @@ impl Ledger {
             insert: None,
             duration_s: 0.0,
             schedule: None,
+            interrupted: false,
         };
         self.open.insert(self.last, entry);
         self.last
@@ -211,6 +214,15 @@ impl Ledger {
     pub(crate) fn open_duration_s(&self) -> f64 {
         // An empty sum would be -0.
         self.flyable().fold(0.0, |all, entry| all + entry.duration_s)
+    }
+
+    /// Whether another insert waits that interrupts: what ends now may be taken up again after it.
+    pub(crate) fn awaits_interrupter(&self, ended: u64) -> bool {
+        self.iter().any(|(request, entry)| {
+            request != ended
+                && entry.insert.is_some_and(|insert| insert.interrupt)
+                && entry.state != RequestState::Started
+        })
     }
 
     /// Whether the vehicle may yet fly an insert that interrupts.

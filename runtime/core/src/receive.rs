@@ -189,7 +189,11 @@ impl Core {
     }
 
     fn behavior_began(&mut self, message: BehaviorBegin) {
-        self.former.heard_begin();
+        let revenant = message
+            .identifier
+            .filter(|identifier| self.sent_identifiers.contains(identifier))
+            .filter(|identifier| self.ledger.by_identifier(*identifier).is_none());
+        self.former.heard_begin(revenant);
         self.heard(message.created);
         self.note(Note::Behavior {
             began: true,
@@ -211,6 +215,9 @@ impl Core {
             (Some(identifier), _) => {
                 if let Some(request) = self.ledger.by_identifier(identifier) {
                     own = self.ledger.get(request).map(|entry| (entry.owner, entry.tag));
+                    if let Some(entry) = self.ledger.get_mut(request) {
+                        entry.interrupted = false;
+                    }
                     self.transition(request, RequestState::Started);
                 }
             }
@@ -237,6 +244,7 @@ impl Core {
             self.end_lease("a behaviour ended under it");
         }
         self.orders.finished(message.identifier);
+        self.former.heard_end(message.identifier);
         if let Some(identifier) = message.identifier {
             self.plan.ended(identifier);
             self.ledger.settle_doubt_of(identifier);
@@ -249,7 +257,11 @@ impl Core {
             .and_then(|identifier| self.ledger.by_identifier(identifier))
         {
             own = self.ledger.get(request).map(|entry| (entry.owner, entry.tag));
-            self.transition(request, RequestState::Ended("flown".to_owned()));
+            let interrupted = self.ledger.awaits_interrupter(request);
+            match self.ledger.get_mut(request) {
+                Some(entry) if interrupted && entry.state == RequestState::Started => entry.interrupted = true,
+                _ => self.transition(request, RequestState::Ended("flown".to_owned())),
+            }
         }
         self.tell_of_behavior(false, own, message.kind.as_str());
     }
@@ -257,15 +269,25 @@ impl Core {
     /// The vehicle flies one behaviour at a time: an insert that had begun is over where another one begins, though its
     /// BFMBE was lost with a connection.
     fn end_overtaken(&mut self, begun: Option<BehaviorId>) {
-        let overtaken: Vec<u64> = self
+        let interrupts = begun
+            .and_then(|begun| self.ledger.get(self.ledger.by_identifier(begun)?)?.insert)
+            .is_some_and(|insert| insert.interrupt);
+        let overtaken: Vec<(u64, &str)> = self
             .ledger
             .iter()
             .filter(|(_, entry)| entry.is_open_insert() && entry.state == RequestState::Started)
-            .filter(|(_, entry)| entry.identifier != begun)
-            .map(|(request, _)| request)
+            .filter(|(_, entry)| entry.identifier != begun && !(entry.interrupted && interrupts))
+            .map(|(request, entry)| {
+                let why = if entry.interrupted {
+                    "interrupted, and not taken up again"
+                } else {
+                    "another behaviour has begun"
+                };
+                (request, why)
+            })
             .collect();
-        for request in overtaken {
-            self.transition(request, RequestState::Ended("another behaviour has begun".to_owned()));
+        for (request, why) in overtaken {
+            self.transition(request, RequestState::Ended(why.to_owned()));
         }
     }
 

@@ -8,9 +8,10 @@ use anyhow::{Context, Result};
 use backseat_core::Operator;
 use backseat_core::plugin::PluginId;
 use backseat_mission::{Layers, Mission, PluginTable};
-use backseat_mvc::Status;
+use backseat_mvc::{FaultKind, Status};
 use backseat_oracle::State;
 use backseat_plugin_host::Host;
+use backseat_recorder::{Header, Rate, Recorder};
 use backseat_sim::{Components, Report, Simulation, Step};
 use backseat_units::Timestamp;
 use tempfile::TempDir;
@@ -107,13 +108,27 @@ impl Range {
     /// # Errors
     /// Where the plan's mission is none; what goes wrong in flight, a panic too, is a [`Failure`].
     pub fn fly(&self, plan: &Plan) -> Result<Flight> {
+        self.fly_with(plan, None)
+    }
+
+    /// As [`Range::fly`], with its whole log in a file.
+    ///
+    /// # Errors
+    /// As [`Range::fly`], and where the file cannot be written.
+    pub fn fly_logged(&self, plan: &Plan, log: &Path) -> Result<Flight> {
+        self.fly_with(plan, Some(log))
+    }
+
+    fn fly_with(&self, plan: &Plan, log: Option<&Path>) -> Result<Flight> {
         let folder = self.folder.path();
         let scenario = &plan.scenario;
         fs::write(folder.join("mission.toml"), &scenario.mission)?;
         fs::write(folder.join("fence.geojson"), &scenario.fence)?;
         fs::write(folder.join("world.toml"), &scenario.world)?;
         let mission = Mission::load(folder, &Layers::default())?;
-        let flown = catch_unwind(AssertUnwindSafe(|| Flown::new(&self.components, &mission, plan)?.fly()));
+        let flown = catch_unwind(AssertUnwindSafe(|| {
+            Flown::new(&self.components, &mission, plan, log)?.fly()
+        }));
         match flown {
             Ok(flight) => flight,
             Err(panic) => {
@@ -156,12 +171,30 @@ struct Flown<'a> {
     at_calm: Option<(u64, f64)>,
     /// The helm is back, and nothing of ours is open.
     converged: bool,
+    /// Until then the runtime is away, and what it missed is not known to it.
+    away_until: Timestamp,
 }
 
 impl<'a> Flown<'a> {
-    fn new(components: &'a Components, mission: &'a Mission, plan: &'a Plan) -> Result<Self> {
+    fn new(components: &'a Components, mission: &'a Mission, plan: &'a Plan, log: Option<&Path>) -> Result<Self> {
         let loaded = components.start(mission)?;
-        let simulation = Simulation::new(mission, plan.seed, loaded, None)?;
+        let recorder = match log {
+            Some(path) => Some(Recorder::create(
+                path,
+                &Header {
+                    utc_at_start: mission.world()?.start.utc,
+                    rate: Rate::Simulation,
+                    mission: &mission.name,
+                    seed: Some(plan.seed),
+                    resolved_mission: &mission.resolved,
+                    fence: &mission.fence_text,
+                    components: &loaded.components,
+                    version: env!("CARGO_PKG_VERSION"),
+                },
+            )?),
+            None => None,
+        };
+        let simulation = Simulation::new(mission, plan.seed, loaded, recorder)?;
         let mut flown = Self {
             components,
             mission,
@@ -176,6 +209,7 @@ impl<'a> Flown<'a> {
             power_goes: false,
             at_calm: None,
             converged: false,
+            away_until: Timestamp::ZERO,
         };
         for planned in &plan.troubles {
             if let Come::At(at) = planned.come {
@@ -273,6 +307,9 @@ impl<'a> Flown<'a> {
             return Ok(());
         }
         let trouble = trouble.at_most(left);
+        if matches!(trouble, Trouble::Kill { .. } | Trouble::Stop { .. }) || is_of_link(&trouble) {
+            self.away_until = self.away_until.max(now + trouble.lasts() + LINK_WITHIN);
+        }
         self.met.push((trouble.kind(), self.simulation.state()));
         self.resolved.push(Planned {
             come: Come::At(now),
@@ -280,7 +317,7 @@ impl<'a> Flown<'a> {
         });
         match trouble {
             Trouble::Vehicle(fault) => {
-                self.power_goes |= matches!(fault.kind, backseat_mvc::FaultKind::Shutdown);
+                self.power_goes |= matches!(fault.kind, FaultKind::Shutdown);
                 self.simulation.inject(fault);
             }
             Trouble::Plugin { slot, fault, lasts } => {
@@ -365,7 +402,7 @@ impl<'a> Flown<'a> {
                 self.fail("never-ends", || {
                     format!("at the end {:?}, open: {}", truth.activity, open.join(", "))
                 });
-            } else if !open.is_empty() {
+            } else if !open.is_empty() && self.simulation.now() > self.away_until {
                 self.fail("ledger-open", || open.join(", "));
             }
         }
@@ -391,6 +428,11 @@ impl<'a> Flown<'a> {
             failures: self.failures,
         })
     }
+}
+
+/// Whether the runtime may not hear the vehicle for it.
+fn is_of_link(trouble: &Trouble) -> bool {
+    matches!(trouble, Trouble::Vehicle(fault) if matches!(fault.kind, FaultKind::Link(_)))
 }
 
 fn seconds(seconds: f64) -> Timestamp {

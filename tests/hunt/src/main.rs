@@ -30,6 +30,9 @@ enum Task {
     Replay {
         /// The plan
         plan: PathBuf,
+        /// Write the whole log of the flight here
+        #[arg(long)]
+        log: Option<PathBuf>,
     },
     /// The checks of the monitor that this build can switch off, one a line
     Checks,
@@ -92,7 +95,7 @@ fn run() -> Result<bool> {
     let cli = Cli::parse();
     match cli.task {
         Task::Fly(arguments) => fly(&cli.plugins, &arguments),
-        Task::Replay { plan } => replay(&cli.plugins, &plan),
+        Task::Replay { plan, log } => replay(&cli.plugins, &plan, log.as_deref()),
         Task::Checks => {
             checks();
             Ok(true)
@@ -194,13 +197,17 @@ fn keep(plugins: &Path, arguments: &Fly, campaign: &Campaign) -> Result<()> {
     Ok(())
 }
 
-fn replay(plugins: &Path, path: &Path) -> Result<bool> {
+fn replay(plugins: &Path, path: &Path, log: Option<&Path>) -> Result<bool> {
     let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
     let plan = Plan::from_toml(&text).with_context(|| path.display().to_string())?;
     for line in plan.lines() {
         println!("{line}");
     }
-    let Flight { report, failures, .. } = Range::new(plugins)?.fly(&plan)?;
+    let range = Range::new(plugins)?;
+    let Flight { report, failures, .. } = match log {
+        Some(log) => range.fly_logged(&plan, log)?,
+        None => range.fly(&plan)?,
+    };
     println!(
         "{} after {:.0} s: {} leases, {} inserts accepted, digest {}",
         report.outcome, report.sim_seconds, report.seen.leases, report.seen.inserts_accepted, report.digest

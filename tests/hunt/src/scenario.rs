@@ -100,12 +100,14 @@ impl Scenario {
     pub fn draw(seed: u64) -> Self {
         let mut dice = Dice::new(seed, "scenario");
         let hovering = dice.chance(HOVERING_SHARE);
+        // Beside a ship there is no room for lines and circles.
+        let ship = hovering && dice.chance(0.25);
         let area = Area::draw(&mut dice, hovering);
         Self {
             hovering,
-            mission: mission(&mut dice, hovering, &area),
+            mission: mission(&mut dice, (hovering, ship), &area),
             fence: area.fence(),
-            world: world(&mut dice, hovering, &area),
+            world: world(&mut dice, (hovering, ship), &area),
         }
     }
 
@@ -144,7 +146,7 @@ impl Scenario {
     }
 }
 
-fn mission(dice: &mut Dice, hovering: bool, area: &Area) -> String {
+fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> String {
     let control = if dice.chance(0.85) { "bfctl" } else { "running" };
     let mut text = format!("[session]\ncontrol = \"{control}\"\n\n[limits]\n{LIMITS}");
     // What the vehicle can do, and the worst current of its water.
@@ -165,7 +167,9 @@ fn mission(dice: &mut Dice, hovering: bool, area: &Area) -> String {
     if hovering {
         text += HULL_LIMITS;
     }
-    let grants = if hovering {
+    let grants = if ship {
+        r#"["message", "topside", "hull", "devices", "silent"]"#
+    } else if hovering {
         r#"["modify", "insert", "message", "topside", "hull", "devices", "silent"]"#
     } else {
         r#"["modify", "insert", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy", "acoustic"]"#
@@ -191,7 +195,7 @@ fn mission(dice: &mut Dice, hovering: bool, area: &Area) -> String {
     text
 }
 
-fn world(dice: &mut Dice, hovering: bool, area: &Area) -> String {
+fn world(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> String {
     let class = if hovering {
         "hovering"
     } else {
@@ -236,7 +240,11 @@ fn world(dice: &mut Dice, hovering: bool, area: &Area) -> String {
         dice.one(&["pending", "pending", "immediate"]),
         dice.figure(0.1, 1.5)
     );
-    text += if hovering { SHIP } else { MODEM };
+    text += match (ship, hovering) {
+        (true, _) => SHIP,
+        (false, true) => "[hovering]\nrelative_hz = 5\n\n",
+        (false, false) => MODEM,
+    };
     text += "[interpretation]\n";
     for key in OPEN {
         text += &format!("{key} = \"seed\"\n");

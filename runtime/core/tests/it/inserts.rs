@@ -291,6 +291,62 @@ fn sr_019_what_a_killed_process_left_in_the_vehicles_plan_counts_under_the_cap_u
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
 }
 
+/// The identifiers of the lines that were sent, in their order.
+fn identifiers(trial: &Trial) -> Vec<u32> {
+    let of = |(_, message): &(_, ToVehicle)| match message {
+        ToVehicle::Trackline(line) => Some(line.identifier.get()),
+        _ => None,
+    };
+    trial.commands("RTK").iter().filter_map(of).collect()
+}
+
+#[test]
+fn sr_009_sr_019_an_interrupted_insert_stays_open_until_it_is_known_whether_it_is_taken_up_again() {
+    for resumed in [true, false] {
+        let mut trial = Trial::under_way();
+        trial.ask(0, [good_line(1)]);
+        trial.run_for(0.5);
+        let first = identifiers(&trial)[0];
+        begin(&mut trial, first);
+        trial.ask(0, [interrupting(2)]);
+        trial.run_for(0.5);
+        let second = identifiers(&trial)[1];
+        end(&mut trial, first);
+        begin(&mut trial, second);
+        assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"), "{:?}", trial.states(1));
+        end(&mut trial, second);
+        let now = trial.now;
+        if resumed {
+            begin(&mut trial, first);
+            assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"), "{:?}", trial.states(1));
+            end(&mut trial, first);
+        } else {
+            trial.vehicle.begin(now, Some(2), None);
+            trial.run_for(0.3);
+        }
+        assert_eq!(shorts(&trial.states(1)).last(), Some(&"ended"), "{:?}", trial.states(1));
+        assert_eq!(trial.core.open_requests(), 0);
+    }
+}
+
+#[test]
+fn sr_010_an_insert_that_was_refused_and_is_flown_all_the_same_is_not_interrupted() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.replies.insert("RTK", Reply::Refuse);
+    trial.ask(0, [interrupting(1)]);
+    trial.run_for(0.5);
+    let first = identifiers(&trial)[0];
+    trial.vehicle.replies.remove("RTK");
+    begin(&mut trial, first);
+    trial.ask(0, [interrupting(2)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(2).contains("may be one that none may interrupt"), "{}", trial.rejection(2));
+    end(&mut trial, first);
+    trial.ask(0, [interrupting(3)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
+}
+
 /// A process that follows one which has used the identifiers 1 to 9 and sent so many inserts.
 fn successor(inserts: u32, limits: impl FnOnce(&mut Limits)) -> Trial {
     let setup = Setup::default();

@@ -13,6 +13,18 @@ use crate::simulation::{SimError, Simulation};
 const UNACKNOWLEDGED_MAX: Duration = Duration::from_secs(2);
 
 impl Simulation {
+    /// When a write that is not acknowledged ends the connection.
+    fn gives_up(&self) -> Option<Timestamp> {
+        #[cfg(feature = "switches")]
+        {
+            use backseat_core::switches::{Check, is_on};
+            if !is_on(Check::StaleSends) {
+                return None;
+            }
+        }
+        self.to_vehicle.gives_up(UNACKNOWLEDGED_MAX)
+    }
+
     pub(super) fn connect(&mut self) -> Result<(), SimError> {
         if let Some(process) = &mut self.process {
             process.connect_at = None;
@@ -57,7 +69,7 @@ impl Simulation {
         [
             self.to_vehicle.next_fault(),
             self.to_payload.next_fault(),
-            self.to_vehicle.gives_up(UNACKNOWLEDGED_MAX),
+            self.gives_up(),
         ]
         .into_iter()
         .flatten()
@@ -67,7 +79,7 @@ impl Simulation {
     /// What faults have held back goes on its way, or the connection is gone.
     pub(super) fn link_fault(&mut self) -> Result<(), SimError> {
         let now = self.now;
-        let unacknowledged = self.to_vehicle.gives_up(UNACKNOWLEDGED_MAX).is_some_and(|at| now >= at);
+        let unacknowledged = self.gives_up().is_some_and(|at| now >= at);
         if unacknowledged || self.to_vehicle.is_cut(now) || self.to_payload.is_cut(now) {
             return self.lose_link();
         }

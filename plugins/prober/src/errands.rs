@@ -13,7 +13,7 @@ const SECOND_NS: u64 = 1_000_000_000;
 const PERIODS_S: [(Kind, f64); 9] = [
     (Kind::Packet, 15.0),
     (Kind::GpsHit, 150.0),
-    (Kind::Cancel, 90.0),
+    (Kind::Cancel, 240.0),
     (Kind::Message, 20.0),
     (Kind::Topside, 30.0),
     (Kind::Silent, 120.0),

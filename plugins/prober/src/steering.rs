@@ -72,7 +72,7 @@ impl Steering {
         }
         let takes_off = flying && !self.flying;
         self.flying = flying;
-        if asking.now_ns >= self.until_ns || self.leasing && takes_off && asking.random.chance(0.6) {
+        if asking.now_ns >= self.until_ns || self.leasing && takes_off && asking.random.chance(0.8) {
             self.change_phase(asking);
         }
         if !self.leasing {
@@ -126,7 +126,7 @@ impl Steering {
     fn change_phase(&mut self, asking: &mut Asking<'_>) {
         let share = asking.config.modify_share;
         // An insert under a lease is never done: it is modified too.
-        let lets_fly = self.flying && share < 1.0 && asking.random.chance(0.5);
+        let lets_fly = self.flying && share < 1.0 && asking.random.chance(0.7);
         self.leasing = (!self.leasing && share > 0.0 || share >= 1.0) && !lets_fly;
         if !self.leasing && self.drive.take().is_some() && asking.random.chance(0.5) {
             // Or it lapses.

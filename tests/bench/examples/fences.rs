@@ -64,7 +64,7 @@ fn fences(random: &mut Stream) -> Vec<(&'static str, Vec<Value>)> {
         small(random)
             .iter()
             .zip(0..)
-            .map(|(ring, index)| exclusion(index, &[ring.clone()])),
+            .map(|(ring, index)| exclusion(index, core::slice::from_ref(ring))),
     );
     fences.push(("exclusions", islands));
     // Two bays that overlap, and a reef with a lagoon: a leg may be in either bay, and in the lagoon.

@@ -58,7 +58,7 @@ impl Area {
         });
         let turn_deg = dice.between(100.0, 200.0);
         let bearing_deg = dice.between(0.0, 360.0);
-        let points = (0..4)
+        let points = (0..6)
             .map(|leg| {
                 let point = MIDDLE.offset(bearing_deg + turn_deg * f64::from(leg), dice.between(120.0, 320.0));
                 EastNorth::new(tenths(point.east_m), tenths(point.north_m))

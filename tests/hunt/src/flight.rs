@@ -393,8 +393,9 @@ impl<'a> Flown<'a> {
 
     fn finish(mut self) -> Result<Flight> {
         let (truth, open) = (self.simulation.truth(), self.simulation.open_request_states());
-        // Silent mode has a term of its own, which outlives the mission.
-        let open: Vec<String> = open.into_iter().filter(|line| !line.starts_with("Silent ")).collect();
+        // Silent mode and the report of a packet have terms of their own, which may outlive the mission.
+        let has_term = |line: &String| line.starts_with("Silent ") || line.starts_with("Packet ");
+        let open: Vec<String> = open.into_iter().filter(|line| !has_term(line)).collect();
         let over = self.simulation.mission_status() != Status::Running;
         // A flight that is ended early says nothing of its end, and one without power has none of ours.
         if self.plan.until.is_none() && !self.power_goes && !self.converged {

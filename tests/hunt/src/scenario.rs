@@ -177,7 +177,9 @@ fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> Stri
     // Some of what is asked for lies outside.
     let reach_m = 1.1 * area.reach_m();
     for name in ["first", "second"] {
-        let failure = dice.one(&["yield", "cancel", "yield", "cancel", "yield", "cancel", "abort"]);
+        let failure = dice.one(&[
+            "yield", "cancel", "yield", "cancel", "yield", "cancel", "yield", "cancel", "yield", "cancel", "abort",
+        ]);
         text += &format!("\n[[plugin]]\nname = \"{name}\"\ncomponent = \"prober\"\n");
         text += &format!("grants = {grants}\non_failure = \"{failure}\"\n\n[plugin.config]\n");
         text += &format!("seed = {}\nhovering = {hovering}\n", dice.seed() >> 16);
@@ -227,7 +229,7 @@ fn world(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> String
         dice.figure(0.0, speeds(hovering).1),
         dice.figure(0.0, 359.0)
     );
-    let hz = dice.one(&[4, 5, 5, 10]);
+    let hz = dice.one(&[4, 4, 4, 5, 10]);
     text += &format!("[vehicle]\nclass = \"{class}\"\naltitude_min_m = 2\ntick_hz = {hz}\n\n");
     text += &format!(
         "[mission]\nstarts_after_s = {:?}\nwrap_up = \"{}\"\ngps_fix_s = 30\n\n",
@@ -264,7 +266,7 @@ const fn speeds(hovering: bool) -> ([f64; 2], f64) {
 /// A hovering vehicle keeps its station beside the ship.
 fn station() -> String {
     let mut text = String::new();
-    for (duration_s, dynamic) in [(380, true), (380, true), (380, true), (120, false)] {
+    for (duration_s, dynamic) in [(380, true), (380, true), (380, true), (380, false)] {
         text += &format!(
             "\n[[plan]]\nkind = \"setpoint\"\nheading_deg = 0\nduration_s = {duration_s}\ndepth_m = 3\nspeed_mps = 0\n\
              dynamic = {dynamic}\n"

@@ -313,12 +313,22 @@ fn sr_009_sr_019_an_interrupted_insert_stays_open_until_it_is_known_whether_it_i
         let second = identifiers(&trial)[1];
         end(&mut trial, first);
         begin(&mut trial, second);
-        assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"), "{:?}", trial.states(1));
+        assert_eq!(
+            shorts(&trial.states(1)).last(),
+            Some(&"started"),
+            "{:?}",
+            trial.states(1)
+        );
         end(&mut trial, second);
         let now = trial.now;
         if resumed {
             begin(&mut trial, first);
-            assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"), "{:?}", trial.states(1));
+            assert_eq!(
+                shorts(&trial.states(1)).last(),
+                Some(&"started"),
+                "{:?}",
+                trial.states(1)
+            );
             end(&mut trial, first);
         } else {
             trial.vehicle.begin(now, Some(2), None);
@@ -340,7 +350,11 @@ fn sr_010_an_insert_that_was_refused_and_is_flown_all_the_same_is_not_interrupte
     begin(&mut trial, first);
     trial.ask(0, [interrupting(2)]);
     trial.run_for(0.5);
-    assert!(trial.rejection(2).contains("may be one that none may interrupt"), "{}", trial.rejection(2));
+    assert!(
+        trial.rejection(2).contains("may be one that none may interrupt"),
+        "{}",
+        trial.rejection(2)
+    );
     end(&mut trial, first);
     trial.ask(0, [interrupting(3)]);
     trial.run_for(0.5);

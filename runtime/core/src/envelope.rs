@@ -284,29 +284,22 @@ impl Envelope {
         };
         let when = clocks.next(obeyed_s + turn_away_s + back_s.max(route.before_s));
         let straight = || self.sweep(Shape::leg(here, ahead), radius_m, &extent, when);
-        if route.legs.is_empty() && route.to.is_empty() {
-            return straight();
-        }
         // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane. Each
         // of them covers the way straight ahead, which need not be looked at again, but says best what is wrong.
-        let mut least_m = f64::MAX;
-        let mut judge = |shape: Shape| match self.sweep(shape, radius_m, &extent, when) {
-            Ok(metres) => {
-                least_m = least_m.min(metres);
-                Ok(())
-            }
-            Err(refusal) => Err(straight().err().unwrap_or(refusal)),
-        };
-        for &(start, end) in &route.legs {
-            judge(Shape::quadrilateral([here, ahead, start, end]))?;
+        let legs = route
+            .legs
+            .iter()
+            .map(|(start, end)| Shape::quadrilateral([here, ahead, *start, *end]));
+        // What begins where a leg ends is in the leg's shape.
+        let ends_a_leg = |next: &&EastNorth| route.legs.iter().any(|(start, end)| *next == start || *next == end);
+        let to = route.to.iter().filter(|next| !ends_a_leg(next));
+        let ways: Vec<Shape> = legs.chain(to.map(|next| Shape::triangle(here, ahead, *next))).collect();
+        if ways.is_empty() {
+            return straight();
         }
-        for &next in &route.to {
-            // What begins where the leg ends is in the leg's shape.
-            if !route.legs.iter().any(|(start, end)| next == *start || next == *end) {
-                judge(Shape::triangle(here, ahead, next))?;
-            }
-        }
-        Ok(least_m)
+        self.check_all(&ways, radius_m, &extent, when)
+            .map(|clearance| clearance.metres)
+            .map_err(|breach| straight().err().unwrap_or_else(|| refusal(&breach)))
     }
 
     /// Safety requirement 002 for an insert: the transit to it, its lead-in and lead-out, its whole geometry, and the

@@ -84,6 +84,7 @@ mod outline;
 mod polygon;
 mod question;
 mod save;
+mod several;
 mod strips;
 mod sweep;
 mod terms;

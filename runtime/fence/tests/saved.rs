@@ -1,5 +1,4 @@
 //! Written out as GeoJSON and read again, a fence of any file judges as it did.
-#![expect(clippy::unwrap_used, reason = "a test may fail so")]
 
 use backseat_fence::{Fence, Kind, Shape, Span, Sweep, Terms, VerticalExtent};
 use backseat_units::{EastNorth, Utc};

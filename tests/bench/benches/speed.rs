@@ -158,12 +158,11 @@ fn reachable() {
         || {
             let [here, ahead, start, end, next] = places[ours % places.len()];
             ours += 1;
-            for shape in [
+            let ways = [
                 Shape::quadrilateral([here, ahead, start, end]),
                 Shape::triangle(here, ahead, next),
-            ] {
-                black_box(fence.check(&Sweep { shape, radius_m: 55.0 }, &extent).is_ok());
-            }
+            ];
+            black_box(fence.check_all(&ways, 55.0, &extent).is_ok());
         },
         || {
             let [here, ahead, start, end, _] = places[floor % places.len()];

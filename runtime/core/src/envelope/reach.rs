@@ -16,7 +16,7 @@ use backseat_fence::{Shape, VerticalExtent};
 use backseat_units::math::{cos, hypot};
 use backseat_units::{EastNorth, Timestamp, utm_convergence_deg};
 
-use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, turn_radius_m};
+use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, refusal, turn_radius_m};
 use crate::plugin::{NavigationSample, Refusal};
 use crate::switches::{Check, is_on};
 
@@ -214,24 +214,17 @@ impl Envelope {
         }
         // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane. Each
         // of them covers the way straight ahead, which need not be looked at again, but says best what is wrong.
-        let mut least_m = f64::MAX;
-        let mut judge = |shape: Shape| match self.sweep(shape, radius_m, extent, when) {
-            Ok(metres) => {
-                least_m = least_m.min(metres);
-                Ok(())
-            }
-            Err(refusal) => Err(straight().err().unwrap_or(refusal)),
-        };
-        for &(start, end) in &route.legs {
-            judge(Shape::quadrilateral([here, ahead, start, end]))?;
-        }
-        for &next in &route.to {
-            // What begins where the leg ends is in the leg's shape.
-            if !route.legs.iter().any(|(start, end)| next == *start || next == *end) {
-                judge(Shape::triangle(here, ahead, next))?;
-            }
-        }
-        Ok(least_m)
+        let legs = route
+            .legs
+            .iter()
+            .map(|(start, end)| Shape::quadrilateral([here, ahead, *start, *end]));
+        // What begins where a leg ends is in the leg's shape.
+        let ends_a_leg = |next: &&EastNorth| route.legs.iter().any(|(start, end)| *next == start || *next == end);
+        let to = route.to.iter().filter(|next| !ends_a_leg(next));
+        let ways: Vec<Shape> = legs.chain(to.map(|next| Shape::triangle(here, ahead, *next))).collect();
+        self.check_all(&ways, radius_m, extent, when)
+            .map(|clearance| clearance.metres)
+            .map_err(|breach| straight().err().unwrap_or_else(|| refusal(&breach)))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use backseat_fence::{Breach, Clearance, Span, Sweep, VerticalExtent};
+use backseat_fence::{Breach, Clearance, Shape, Span, Sweep, VerticalExtent};
 use backseat_units::Utc;
 
 use super::Envelope;
@@ -53,6 +53,20 @@ impl Envelope {
         match when {
             Some(span) => self.fence.during(span).check(sweep, extent),
             None => self.fence.check(sweep, extent),
+        }
+    }
+
+    /// As [`Envelope::check`], of several shapes with one radius.
+    pub(super) fn check_all(
+        &self,
+        shapes: &[Shape],
+        radius_m: f64,
+        extent: &VerticalExtent,
+        when: Option<Span>,
+    ) -> Result<Clearance, Breach> {
+        match when {
+            Some(span) => self.fence.during(span).check_all(shapes, radius_m, extent),
+            None => self.fence.check_all(shapes, radius_m, extent),
         }
     }
 

@@ -1,0 +1,92 @@
+//! Several shapes at once: what they all lie in first, and one by one only where that does not hold.
+
+use backseat_units::EastNorth;
+
+use crate::distance::{point_d2, vector};
+use crate::fence::{Fence, FenceDuring};
+use crate::question::LIMIT_M;
+use crate::sweep::{Shape, Sweep, VerticalExtent};
+use crate::verdict::{Breach, Clearance};
+
+impl Fence {
+    /// As [`Fence::check`] of each of some shapes with one radius. Where all of them lie well inside one question is enough;
+    /// the clearance is then told of a shape around them, and theirs may be more.
+    ///
+    /// # Errors
+    /// The [`Breach`] of the first shape that does not hold.
+    ///
+    /// # Panics
+    /// Where there is no shape.
+    pub fn check_all(&self, shapes: &[Shape], radius_m: f64, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
+        each(shapes, radius_m, |sweep| self.check(sweep, vertical))
+    }
+}
+
+impl FenceDuring<'_> {
+    /// As [`Fence::check_all`], with the zones that are valid then.
+    ///
+    /// # Errors
+    /// The [`Breach`] of the first shape that does not hold.
+    ///
+    /// # Panics
+    /// Where there is no shape.
+    pub fn check_all(&self, shapes: &[Shape], radius_m: f64, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
+        each(shapes, radius_m, |sweep| self.check(sweep, vertical))
+    }
+}
+
+fn each(
+    shapes: &[Shape],
+    radius_m: f64,
+    check: impl Fn(&Sweep) -> Result<Clearance, Breach>,
+) -> Result<Clearance, Breach> {
+    if let Some(around) = around(shapes, radius_m)
+        && let Ok(clearance) = check(&around)
+    {
+        return Ok(clearance);
+    }
+    let clearances = shapes.iter().map(|shape| check(&Sweep::new(*shape, radius_m)));
+    let least = clearances.reduce(|least, clearance| {
+        let (least, clearance) = (least?, clearance?);
+        Ok(if clearance.metres < least.metres {
+            clearance
+        } else {
+            least
+        })
+    });
+    least.expect("the caller gives one shape at least")
+}
+
+/// The leg between the two points that are farthest apart, with a radius within which all the others lie: a convex
+/// shape, so that it has the hulls of them in it too. None for a single leg or point, which it would not be cheaper than,
+/// and where a rim or what is no number is among them.
+fn around(shapes: &[Shape], radius_m: f64) -> Option<Sweep> {
+    let points = || {
+        shapes.iter().flat_map(|shape| match shape {
+            Shape::Hull(hull) => hull.points(),
+            Shape::Rim { .. } => &[],
+        })
+    };
+    let hulls = shapes.iter().all(|shape| match shape {
+        Shape::Hull(_) => true,
+        Shape::Rim { .. } => false,
+    });
+    let usable = |point: &EastNorth| point.east_m.abs() <= LIMIT_M && point.north_m.abs() <= LIMIT_M;
+    if !hulls || points().count() < 3 || !points().all(usable) {
+        return None;
+    }
+    let (mut ends, mut longest_m2) = ([EastNorth::default(); 2], -1.0);
+    for (index, a) in points().enumerate() {
+        for b in points().skip(index + 1) {
+            let length_m2 = (vector(*b) - vector(*a)).length_squared();
+            if length_m2 > longest_m2 {
+                (ends, longest_m2) = ([*a, *b], length_m2);
+            }
+        }
+    }
+    let [from, to] = ends;
+    let off_m2 = points().map(|point| point_d2(vector(*point), vector(from), vector(to)));
+    // The roots' rounding is far below a micrometre.
+    let off_m = off_m2.fold(0.0, f64::max).sqrt() + 1e-6;
+    Some(Sweep::new(Shape::leg(from, to), radius_m + off_m))
+}

@@ -1,0 +1,71 @@
+//! Several shapes at once are judged as one by one.
+
+use backseat_fence::{Fence, Shape, Sweep, VerticalExtent};
+use backseat_units::EastNorth;
+use proptest::prelude::*;
+
+const GEOJSON: &str = r#"{"type": "FeatureCollection", "features": [
+    {"type": "Feature", "properties": {"name": "box", "kind": "inclusion", "margin_m": 10, "depth_max_m": 30,
+        "altitude_min_m": 3},
+     "geometry": {"type": "Polygon", "coordinates": [
+        [[-70.0, 42.0], [-69.98, 42.0], [-69.984, 42.01], [-69.98, 42.02], [-70.0, 42.02], [-70.0, 42.0]]]}},
+    {"type": "Feature", "properties": {"name": "wreck", "kind": "exclusion", "margin_m": 5, "radius_m": 60},
+     "geometry": {"type": "Point", "coordinates": [-69.991, 42.012]}}]}"#;
+
+const VERTICAL: VerticalExtent = VerticalExtent {
+    depth_min_m: 5.0,
+    depth_max_m: 20.0,
+    altitude_min_m: 10.0,
+};
+
+fn point() -> impl Strategy<Value = EastNorth> {
+    (-900.0..900.0, -1200.0..1200.0).prop_map(|(east_m, north_m)| EastNorth::new(east_m, north_m))
+}
+
+fn shapes() -> impl Strategy<Value = Vec<Shape>> {
+    let near = (point(), prop::collection::vec((-150.0..150.0, -150.0..150.0), 6));
+    near.prop_map(|(at, offs): (EastNorth, Vec<(f64, f64)>)| {
+        let p: Vec<EastNorth> = offs
+            .into_iter()
+            .map(|(east_m, north_m)| at + EastNorth::new(east_m, north_m))
+            .collect();
+        vec![
+            Shape::quadrilateral([at, p[0], p[1], p[2]]),
+            Shape::triangle(at, p[0], p[3]),
+            Shape::leg(p[4], p[5]),
+        ]
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4000))]
+    #[test]
+    fn several_shapes_hold_where_each_of_them_does(shapes in shapes(), radius_m in 0.0..40.0) {
+        let fence = Fence::from_geojson(GEOJSON).unwrap();
+        let each: Vec<_> = shapes.iter().map(|shape| fence.check(&Sweep::new(*shape, radius_m), &VERTICAL)).collect();
+        match fence.check_all(&shapes, radius_m, &VERTICAL) {
+            Ok(clearance) => {
+                let least_m = each.iter().map(|checked| checked.as_ref().unwrap().metres).fold(f64::MAX, f64::min);
+                prop_assert!(clearance.metres <= least_m + 1e-6, "{} {least_m}", clearance.metres);
+            }
+            Err(breach) => {
+                let first = each.iter().find_map(|checked| checked.as_ref().err()).unwrap();
+                prop_assert_eq!(breach.to_string(), first.to_string());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_rim_and_what_is_no_number_are_judged_as_ever() {
+    let fence = Fence::from_geojson(GEOJSON).unwrap();
+    let middle = EastNorth::new(-300.0, -500.0);
+    let rim = Shape::rim(middle, 50.0);
+    let wide = Shape::rim(middle, 5000.0);
+    let leg = Shape::leg(middle, middle + EastNorth::new(30.0, 0.0));
+    assert!(fence.check_all(&[leg, rim], 5.0, &VERTICAL).is_ok());
+    assert!(fence.check_all(&[leg, leg, wide], 5.0, &VERTICAL).is_err());
+    let nowhere = Shape::triangle(middle, middle, EastNorth::new(f64::NAN, 0.0));
+    assert!(fence.check_all(&[leg, nowhere], 5.0, &VERTICAL).is_err());
+    assert!(fence.check_all(&[leg, leg], f64::NAN, &VERTICAL).is_err());
+}

@@ -8,6 +8,7 @@ use crate::acoustic::AcousticEvent;
 use crate::adjustment::AdjustmentEvent;
 use crate::dvl_trigger::DvlTriggerEvent;
 use crate::faults::FaultEvent;
+use crate::fixed::Fixed;
 use crate::hovering::HoveringEvent;
 use crate::mission_event::MissionEvent;
 use crate::silence::SilenceEvent;
@@ -352,7 +353,7 @@ pub(crate) const MODIFY_LASTS: Duration = Duration::from_secs(5);
 
 impl fmt::Display for MvcEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.at, self.kind)
+        write!(f, "{} s: {}", Fixed::<3>(self.at.as_secs_f64()), self.kind)
     }
 }
 
@@ -463,20 +464,20 @@ impl fmt::Display for EndReason {
 impl fmt::Display for ModifyValues {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.horizontal {
-            Some(ModifyHorizontal::Heading(heading)) => write!(f, "heading {heading:.1} deg")?,
-            Some(ModifyHorizontal::Rudder(rudder)) => write!(f, "rudder {rudder:.1} deg")?,
+            Some(ModifyHorizontal::Heading(heading)) => write!(f, "heading {} deg", Fixed::<1>(heading))?,
+            Some(ModifyHorizontal::Rudder(rudder)) => write!(f, "rudder {} deg", Fixed::<1>(rudder))?,
             None => f.write_str("heading its own")?,
         }
         match self.vertical {
-            Some(ModifyVertical::Depth(depth)) => write!(f, ", depth {depth:.2} m")?,
-            Some(ModifyVertical::Altitude(altitude)) => write!(f, ", altitude {altitude:.2} m")?,
-            Some(ModifyVertical::Pitch(pitch)) => write!(f, ", pitch {pitch:.1} deg")?,
-            Some(ModifyVertical::Elevator(elevator)) => write!(f, ", elevator {elevator:.1} deg")?,
+            Some(ModifyVertical::Depth(depth)) => write!(f, ", depth {} m", Fixed::<2>(depth))?,
+            Some(ModifyVertical::Altitude(altitude)) => write!(f, ", altitude {} m", Fixed::<2>(altitude))?,
+            Some(ModifyVertical::Pitch(pitch)) => write!(f, ", pitch {} deg", Fixed::<1>(pitch))?,
+            Some(ModifyVertical::Elevator(elevator)) => write!(f, ", elevator {} deg", Fixed::<1>(elevator))?,
             None => f.write_str(", depth its own")?,
         }
         match self.speed {
-            Some(ModifySpeed::MetresPerSecond(speed)) => write!(f, ", speed {speed:.2} m/s"),
-            Some(ModifySpeed::Rpm(rpm)) => write!(f, ", {rpm:.0} rpm"),
+            Some(ModifySpeed::MetresPerSecond(speed)) => write!(f, ", speed {} m/s", Fixed::<2>(speed)),
+            Some(ModifySpeed::Rpm(rpm)) => write!(f, ", {} rpm", Fixed::<0>(rpm)),
             None => f.write_str(", speed its own"),
         }
     }

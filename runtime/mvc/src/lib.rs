@@ -31,6 +31,7 @@ mod event;
 mod executive;
 mod faults;
 mod file;
+mod fixed;
 mod hovering;
 mod hull;
 mod insert;

@@ -7,4 +7,4 @@
 pub mod by_hand;
 mod measure;
 
-pub use measure::{HEADER, in_turn, row};
+pub use measure::{HEADER, Stages, best_stages, in_turn, row};

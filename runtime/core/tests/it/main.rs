@@ -34,6 +34,7 @@ mod random;
 mod recovery;
 mod session;
 mod silent;
+mod successor;
 mod topside;
 mod trial;
 mod vehicle;

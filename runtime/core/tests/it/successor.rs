@@ -1,0 +1,178 @@
+use backseat_core::{Identifiers, Input, Limits, Operator, Start};
+use backseat_spi::ToVehicle;
+
+use crate::course::{good_line, interrupting};
+use crate::trial::{Seen, Setup, Trial, shorts};
+use crate::vehicle::Reply;
+
+fn begin(trial: &mut Trial, identifier: u32) {
+    let now = trial.now;
+    trial.vehicle.begin(now, None, Some(identifier));
+    trial.run_for(0.3);
+}
+
+fn end(trial: &mut Trial, identifier: u32) {
+    let now = trial.now;
+    trial.vehicle.end(now, None, Some(identifier));
+    trial.run_for(0.3);
+}
+
+/// The identifiers of the lines that were sent, in their order.
+fn identifiers(trial: &Trial) -> Vec<u32> {
+    let of = |(_, message): &(_, ToVehicle)| match message {
+        ToVehicle::Trackline(line) => Some(line.identifier.get()),
+        _ => None,
+    };
+    trial.commands("RTK").iter().filter_map(of).collect()
+}
+
+#[test]
+fn sr_009_sr_019_an_interrupted_insert_stays_open_until_it_is_known_whether_it_is_taken_up_again() {
+    for resumed in [true, false] {
+        let mut trial = Trial::under_way();
+        trial.ask(0, [good_line(1)]);
+        trial.run_for(0.5);
+        let first = identifiers(&trial)[0];
+        begin(&mut trial, first);
+        trial.ask(0, [interrupting(2)]);
+        trial.run_for(0.5);
+        let second = identifiers(&trial)[1];
+        end(&mut trial, first);
+        begin(&mut trial, second);
+        assert_eq!(
+            shorts(&trial.states(1)).last(),
+            Some(&"started"),
+            "{:?}",
+            trial.states(1)
+        );
+        end(&mut trial, second);
+        let now = trial.now;
+        if resumed {
+            begin(&mut trial, first);
+            assert_eq!(
+                shorts(&trial.states(1)).last(),
+                Some(&"started"),
+                "{:?}",
+                trial.states(1)
+            );
+            end(&mut trial, first);
+        } else {
+            trial.vehicle.begin(now, Some(2), None);
+            trial.run_for(0.3);
+        }
+        assert_eq!(shorts(&trial.states(1)).last(), Some(&"ended"), "{:?}", trial.states(1));
+        assert_eq!(trial.core.open_requests(), 0);
+    }
+}
+
+#[test]
+fn sr_010_an_insert_that_was_refused_and_is_flown_all_the_same_is_not_interrupted() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.replies.insert("RTK", Reply::Refuse);
+    trial.ask(0, [interrupting(1)]);
+    trial.run_for(0.5);
+    let first = identifiers(&trial)[0];
+    trial.vehicle.replies.remove("RTK");
+    begin(&mut trial, first);
+    trial.ask(0, [interrupting(2)]);
+    trial.run_for(0.5);
+    assert!(
+        trial.rejection(2).contains("may be one that none may interrupt"),
+        "{}",
+        trial.rejection(2)
+    );
+    end(&mut trial, first);
+    trial.ask(0, [interrupting(3)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
+}
+
+/// A process that follows one which has used the identifiers 1 to 9 and sent so many inserts.
+fn successor(inserts: u32, limits: impl FnOnce(&mut Limits)) -> Trial {
+    let setup = Setup::default();
+    let start = Start {
+        identifiers: Some(Identifiers {
+            next: 10,
+            reserved: 10,
+            first: 1,
+            inserts,
+            gps_hits: 0,
+        }),
+        ..setup.start
+    };
+    let mut most = setup.limits.clone();
+    limits(&mut most);
+    Trial::with(Setup {
+        start,
+        limits: most,
+        ..setup
+    })
+}
+
+#[test]
+fn sr_019_the_inserts_of_a_killed_process_count_among_those_of_the_mission() {
+    let mut trial = successor(9, |limits| limits.inserts_total_max = 10);
+    trial.run_for(2.0);
+    for tag in [1, 2] {
+        trial.ask(0, [good_line(tag)]);
+        trial.run_for(0.5);
+    }
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+    assert!(
+        trial.rejection(2).contains("10 inserts have been sent"),
+        "{}",
+        trial.rejection(2)
+    );
+    // What may be sent is on disk before it is.
+    let reserved = trial.seen.iter().filter_map(|(_, seen)| match seen {
+        Seen::Reserve(reservation) => Some(reservation.inserts),
+        _ => None,
+    });
+    assert!(reserved.max().is_some_and(|most| most >= 10));
+}
+
+#[test]
+fn sr_010_nothing_interrupts_while_an_insert_of_a_killed_process_may_be_flown() {
+    let mut trial = successor(2, |_| {});
+    trial.vehicle.inserted.extend([7]);
+    trial.run_for(2.0);
+    trial.ask(0, [interrupting(1)]);
+    trial.run_for(0.5);
+    assert!(
+        trial.rejection(1).contains("an earlier process"),
+        "{}",
+        trial.rejection(1)
+    );
+    // Once a behaviour begins it is known what is flown.
+    begin(&mut trial, 7);
+    trial.ask(0, [interrupting(2)]);
+    trial.run_for(0.5);
+    assert!(
+        trial.rejection(2).contains("an earlier process"),
+        "{}",
+        trial.rejection(2)
+    );
+    end(&mut trial, 7);
+    trial.ask(0, [interrupting(3)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
+}
+
+#[test]
+fn sr_015_the_operators_hold_takes_back_what_a_killed_process_left_in_the_plan() {
+    let mut trial = successor(2, |_| {});
+    trial.vehicle.inserted.extend([7, 40]);
+    trial.run_for(2.0);
+    trial.feed(Input::Operator(Operator::Hold));
+    trial.run_for(0.5);
+    let cancelled: Vec<u32> = trial
+        .commands("RCN")
+        .iter()
+        .filter_map(|(_, message)| match message {
+            ToVehicle::CancelBehavior(cancel) => Some(cancel.identifier.get()),
+            _ => None,
+        })
+        .collect();
+    // 40 is another payload's.
+    assert_eq!(cancelled, [7]);
+}

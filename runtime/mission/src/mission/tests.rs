@@ -1,0 +1,366 @@
+
+use backseat_core::Recovery;
+
+use super::*;
+
+const MISSION: &str = r#"
+[limits]
+speed_min_mps = 1.0
+speed_max_mps = 2.0
+turn_rate_dps = 8.0
+current_max_mps = 0.3
+
+[[plugin]]
+name = "isobath"
+component = "isobath"
+grants = ["modify"]
+config = { contour_m = 30.0 }
+"#;
+const FENCE: &str = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3},"geometry":{"type":"Polygon","coordinates":[[[-70.9,42.3],[-70.89,42.3],[-70.89,42.31],[-70.9,42.31],[-70.9,42.3]]]}}]}"#;
+
+fn folder(mission: &str, fence: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("mission.toml"), mission).unwrap();
+    std::fs::write(folder.path().join("fence.geojson"), fence).unwrap();
+    folder
+}
+
+fn load(mission: &str, fence: &str, set: &[&str]) -> Result<Mission, MissionError> {
+    let folder = folder(mission, fence);
+    let layers = Layers {
+        set: set.iter().map(|set| (*set).to_owned()).collect(),
+        environment: false,
+    };
+    Mission::load(folder.path(), &layers)
+}
+
+fn fault(mission: &str, set: &[&str]) -> String {
+    let message = load(mission, FENCE, set).err().expect("a fault").to_string();
+    assert!(!message.contains('\n'), "{message}");
+    message
+}
+
+#[test]
+fn flags_lie_over_the_file() {
+    let mission = load(
+        MISSION,
+        FENCE,
+        &["limits.speed_max_mps=1.8", "vehicle.address=10.0.0.1:29500"],
+    )
+    .unwrap();
+    assert_eq!(mission.file.limits.speed_max_mps, 1.8);
+    assert_eq!(mission.file.vehicle.address, "10.0.0.1:29500");
+    assert_eq!(mission.file.plugins[0].config["contour_m"].as_float(), Some(30.0));
+    assert!(
+        mission.resolved.contains("navigation_age_max_s = 1.0"),
+        "defaults are in the resolved whole"
+    );
+    assert_eq!(mission.hash().len(), 64);
+}
+
+#[test]
+fn faults_name_file_line_and_what_was_expected() {
+    let unknown = fault(&MISSION.replace("turn_rate_dps", "turn_rate"), &[]);
+    assert!(
+        unknown.contains("mission.toml:5: unknown field `turn_rate`, expected one of"),
+        "{unknown}"
+    );
+    let wrong = fault(&MISSION.replace("= 2.0", "= \"fast\""), &[]);
+    assert!(
+        wrong.contains("mission.toml:4:") && wrong.contains("expected f64"),
+        "{wrong}"
+    );
+    let range = fault(&MISSION.replace("= 2.0", "= 0.5"), &[]);
+    assert!(
+        range.contains("limits.speed_max_mps is 0.5: expected at least speed_min_mps"),
+        "{range}"
+    );
+    let flag = fault(MISSION, &["limits.speed=1"]);
+    assert!(
+        flag.contains("--set limits.speed=1") && flag.contains("unknown field"),
+        "{flag}"
+    );
+    assert!(fault(MISSION, &["nonsense"]).contains("expected KEY=VALUE"));
+    let twice = fault(
+        &format!("{MISSION}\n[[plugin]]\nname = \"isobath\"\ncomponent = \"x\"\ngrants = []\n"),
+        &[],
+    );
+    assert!(twice.contains("not used twice"), "{twice}");
+}
+
+const POLICIES: &str = r#"
+[[policy]]
+when = { mission-command = "payload abort" }
+order = { abort = { text = "the plan says so" } }
+
+[[policy]]
+when = "plugin-quarantined"
+order = "hold"
+
+[[policy]]
+when = { navigation-stale-for-s = 60.0 }
+order = { abort = { text = "blind", errors = false } }
+
+[[policy]]
+when = { topside-message = "start over" }
+order = { start-empty-mission = { duration_s = 600 } }
+"#;
+
+#[test]
+fn policies_are_read_in_order_and_are_the_sessions() {
+    for set in [&[][..], &["limits.speed_max_mps=1.8"][..]] {
+        let mission = load(&format!("{MISSION}{POLICIES}"), FENCE, set).unwrap();
+        let policies = &mission.file.session.policies;
+        assert_eq!(policies, &mission.file.policies);
+        let expected = [
+            (
+                Condition::MissionCommand("payload abort".to_owned()),
+                Order::Abort {
+                    text: "the plan says so".to_owned(),
+                    errors: true,
+                },
+            ),
+            (Condition::PluginQuarantined, Order::Hold),
+            (
+                Condition::NavigationStaleForS(60.0),
+                Order::Abort {
+                    text: "blind".to_owned(),
+                    errors: false,
+                },
+            ),
+            (
+                Condition::TopsideMessage("start over".to_owned()),
+                Order::StartEmptyMission { duration_s: 600 },
+            ),
+        ]
+        .map(|(when, order)| Policy { when, order });
+        assert_eq!(policies[..], expected);
+        // The resolved whole, which is hashed and logged, holds them and reads back as the same.
+        let again = load(&mission.resolved, FENCE, &[]).unwrap();
+        assert_eq!(again.file, mission.file);
+    }
+    assert!(load(MISSION, FENCE, &[]).unwrap().file.session.policies.is_empty());
+}
+
+#[test]
+fn a_policy_that_makes_no_sense_is_named() {
+    let with = |when: &str, order: &str| {
+        fault(
+            &format!("{MISSION}{POLICIES}\n[[policy]]\nwhen = {when}\norder = {order}\n"),
+            &[],
+        )
+    };
+    for (when, order, said) in [
+        (
+            r#"{ mission-command = "" }"#,
+            r#""hold""#,
+            "policy 5: when.mission-command is \"\"",
+        ),
+        (
+            r#"{ topside-message = "a,b" }"#,
+            r#""hold""#,
+            "policy 5: when.topside-message is \"a,b\"",
+        ),
+        (r#"{ mission-command = " x" }"#, r#""hold""#, "no blank around them"),
+        (
+            "{ navigation-stale-for-s = 0.0 }",
+            r#""hold""#,
+            "navigation-stale-for-s is 0",
+        ),
+        (
+            "{ navigation-stale-for-s = nan }",
+            r#""hold""#,
+            "navigation-stale-for-s is NaN",
+        ),
+        (
+            r#""plugin-quarantined""#,
+            r#"{ abort = { text = "*" } }"#,
+            "order.abort.text is \"*\"",
+        ),
+        (
+            r#""plugin-quarantined""#,
+            r#"{ kill = { text = "" } }"#,
+            "order.kill.text is \"\"",
+        ),
+        (
+            r#""plugin-quarantined""#,
+            "{ start-empty-mission = { duration_s = 0 } }",
+            "duration_s is 0",
+        ),
+        (r#""plugin-quarantined""#, r#""sink""#, "unknown variant `sink`"),
+        (r#""plugin-gone""#, r#""hold""#, "unknown variant `plugin-gone`"),
+        (
+            r#""plugin-quarantined""#,
+            r#"{ abort = { text = "x", why = 1 } }"#,
+            "unexpected keys in table: why",
+        ),
+    ] {
+        let message = with(when, order);
+        assert!(message.contains(said), "{message}");
+    }
+}
+
+#[test]
+fn recovery_and_the_operators_texts_are_the_sessions_and_what_makes_no_sense_is_named() {
+    assert_eq!(
+        load(MISSION, FENCE, &[]).unwrap().file.session.recovery,
+        Recovery::default()
+    );
+    let with = |tables: &str| format!("[session]\n{tables}\n{MISSION}");
+    let whole = with(
+        "hold_text = \"backseat hold\"\nrelease_text = \"backseat go\"\n[recovery]\ncancel_after_s = 3.0\nabort_after_s = 30.0",
+    );
+    let mission = load(&whole, FENCE, &[]).unwrap();
+    let Settings {
+        hold_text,
+        release_text,
+        recovery,
+        ..
+    } = &mission.file.session;
+    assert_eq!(hold_text.as_deref(), Some("backseat hold"));
+    assert_eq!(release_text.as_deref(), Some("backseat go"));
+    assert_eq!((recovery.cancel_after_s, recovery.abort_after_s), (3.0, Some(30.0)));
+    assert_eq!(recovery, &mission.file.recovery);
+    // The resolved whole, which is hashed and logged, holds them and reads back as the same.
+    assert_eq!(load(&mission.resolved, FENCE, &[]).unwrap().file, mission.file);
+    for (tables, said) in [
+        ("[recovery]\nouside_for_s = 1.0", "unknown field `ouside_for_s`"),
+        (
+            "[recovery]\ncancel_after_s = 1.0",
+            "recovery.cancel_after_s is 1: expected at least outside_for_s",
+        ),
+        (
+            "[recovery]\nback_by_m = nan",
+            "recovery.back_by_m is NaN: expected within 0 to 1000 m",
+        ),
+        ("hold_text = \"\"", "session.hold_text is \"\": expected 1 to"),
+        ("release_text = \"a,b\"", "session.release_text is \"a,b\""),
+        (
+            "hold_text = \"x\"\nrelease_text = \"x\"",
+            "session.release_text is session.hold_text too",
+        ),
+    ] {
+        let message = fault(&with(tables), &[]);
+        assert!(message.contains(said), "{message}");
+    }
+}
+
+#[test]
+fn the_limits_of_a_plugin_stand_beside_its_grants() {
+    let with = |table: &str| format!("{MISSION}\n[plugin.limits]\n{table}\n");
+    let mission = load(&with("inserts_open_max = 1\nsteering_max_s = 600.0"), FENCE, &[]).unwrap();
+    let limits = &mission.file.plugins[0].limits;
+    assert_eq!((limits.inserts_open_max, limits.steering_max_s), (Some(1), Some(600.0)));
+    assert_eq!(load(&mission.resolved, FENCE, &[]).unwrap().file, mission.file);
+    for (table, said) in [
+        ("inserts = 1", "unknown field `inserts`"),
+        (
+            "requests_per_s = 0",
+            "plugin `isobath`: limits.requests_per_s is 0: expected at least 1",
+        ),
+        ("steering_max_s = -1.0", "plugin `isobath`: limits.steering_max_s is -1"),
+    ] {
+        let message = fault(&with(table), &[]);
+        assert!(message.contains(said), "{message}");
+    }
+}
+
+const DRIVERS: &str = r#"
+[[driver]]
+name = "usbl"
+sends = ["BPNPU"]
+
+[driver.bounds]
+fix_distance_max_m = 200.0
+
+[[driver]]
+name = "pod"
+sends = ["BPCTD", "BPTMR"]
+listen = "127.0.0.1:29511"
+bounds = { rate_max_hz = 10.0, conductivity_out = "S/m" }
+"#;
+
+#[test]
+fn drivers_are_read_and_are_the_sessions() {
+    let mission = load(&format!("{MISSION}{DRIVERS}"), FENCE, &[]).unwrap();
+    let drivers = &mission.file.drivers;
+    assert_eq!(drivers[0].listen, "127.0.0.1:29510");
+    assert_eq!(drivers[0].bounds.fix_distance_max_m, 200.0);
+    assert_eq!(
+        (drivers[0].bounds.rate_max_hz, drivers[0].bounds.fix_force),
+        (2.0, false)
+    );
+    assert_eq!(
+        drivers[1].sends,
+        [
+            backseat_core::DriverSentence::PayloadCtd,
+            backseat_core::DriverSentence::Relay
+        ]
+    );
+    let setups: Vec<_> = drivers.iter().map(DriverTable::setup).collect();
+    assert_eq!(mission.file.session.drivers, setups);
+    // The resolved whole, which is hashed and logged, holds them and reads back as the same.
+    assert!(mission.resolved.contains("conductivity_out = \"S/m\""));
+    assert_eq!(load(&mission.resolved, FENCE, &[]).unwrap().file, mission.file);
+}
+
+#[test]
+fn a_driver_that_makes_no_sense_is_named() {
+    let with = |from: &str, to: &str| {
+        let drivers = DRIVERS.replace(from, to);
+        assert_ne!(drivers, DRIVERS);
+        fault(&format!("{MISSION}{drivers}"), &[])
+    };
+    for (from, to, said) in [
+        (
+            "\"pod\"",
+            "\"usbl\"",
+            "driver name `usbl`: expected one that is not empty and not used twice",
+        ),
+        ("\"pod\"", "\"\"", "driver name ``"),
+        ("[\"BPNPU\"]", "[]", "driver `usbl`: sends needs one sentence at least"),
+        (
+            "\"BPTMR\"]",
+            "\"BPCTD\"]",
+            "driver `pod`: sends needs one sentence at least, and none twice",
+        ),
+        ("\"BPTMR\"]", "\"BPABT\"]", "unknown variant `BPABT`, expected one of"),
+        ("127.0.0.1:29511", "", "driver `pod`: listen is \"\""),
+        ("127.0.0.1:29511", "127.0.0.1:0", "expected an IP address and a port"),
+        (
+            "127.0.0.1:29511",
+            "127.0.0.1:29510",
+            "where another driver is listened for",
+        ),
+        (
+            "= 200.0",
+            "= nan",
+            "driver `usbl`: bounds.fix_distance_max_m is NaN: expected above 0",
+        ),
+        ("rate_max_hz = 10.0", "rate_max_hz = 0.0", "bounds.rate_max_hz is 0"),
+        ("\"S/m\"", "\"mS/cm\"", "unknown variant `mS/cm`"),
+        ("fix_distance_max_m", "fix_distance", "unknown field `fix_distance`"),
+    ] {
+        let message = with(from, to);
+        assert!(message.contains(said), "{message}");
+    }
+}
+
+#[test]
+fn a_missing_file_or_component_is_named() {
+    let empty = tempfile::tempdir().unwrap();
+    let error = Mission::load(empty.path(), &Layers::default())
+        .err()
+        .expect("no mission")
+        .to_string();
+    assert!(error.contains("expected a folder with mission.toml"), "{error}");
+    let broken = load(MISSION, "{", &[]).err().expect("no fence").to_string();
+    assert!(broken.contains("fence.geojson"), "{broken}");
+    let error = find_component(empty.path(), "x", "nowhere", Some(empty.path()))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("nowhere.wasm") && error.contains("cargo xtask plugins"),
+        "{error}"
+    );
+}

@@ -1,4 +1,3 @@
-
 use backseat_core::Recovery;
 
 use super::*;

@@ -42,10 +42,7 @@ pub(crate) fn hunt(arguments: &Hunt) -> Result<()> {
     let switched = arguments.every_check || arguments.without.is_some();
     let program = build(switched)?;
     if let Some(plan) = &arguments.replay {
-        return ended(
-            &mut command(&program, &["replay"])?.arg(plan),
-            "the plan found something",
-        );
+        return ended(command(&program, &["replay"])?.arg(plan), "the plan found something");
     }
     if arguments.every_check {
         return every_check(&program, arguments);

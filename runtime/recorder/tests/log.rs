@@ -436,7 +436,10 @@ fn outputs_go_to_their_channels() {
     };
     assert_eq!(json(1), json!({"output": "connect", "after_s": 1.5}));
     assert_eq!(json(3), json!({"output": "invoke", "plugin": 2}));
-    assert_eq!(json(5), json!({"output": "reserve", "below": 64}));
+    assert_eq!(
+        json(5),
+        json!({"output": "reserve", "below": 64, "inserts": 4, "gps_hits": 4})
+    );
     assert_eq!(
         json(7),
         json!({"text": "the vehicle's plan has 4 elements", "note": "plan", "elements": 4})

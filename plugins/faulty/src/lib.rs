@@ -43,6 +43,9 @@ pub struct Config {
     /// Where `cross_fence` goes, metres north in the mission's local frame.
     #[serde(default = "default_target_m")]
     pub target_north_m: f64,
+    /// Its tracklines are flown after the current behavior and do not interrupt it.
+    #[serde(default)]
+    pub after_current: bool,
 }
 
 fn default_depth_m() -> f64 {
@@ -292,7 +295,7 @@ impl Faulty {
             end,
             vertical: Vertical::Depth(self.config.depth_m),
             speed: self.config.speed_mps,
-            interrupt: true,
+            interrupt: !self.config.after_current,
         })
     }
 
@@ -370,6 +373,7 @@ mod tests {
             speed_mps: 1.5,
             target_east_m: 0.0,
             target_north_m: 0.0,
+            after_current: false,
         };
         let mut plugin = Faulty::new(config).unwrap();
         let at = |second: u64| StepInput {

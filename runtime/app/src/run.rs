@@ -109,6 +109,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         finished: false,
         reset: false,
         reserve: None,
+        cannot_reserve: false,
         last_refusal: None,
         link_lost: None,
         recorded_navigation: None,
@@ -184,6 +185,8 @@ struct Driver {
     finished: bool,
     reset: bool,
     reserve: Option<Reservation>,
+    /// The disk did not take the last reservation.
+    cannot_reserve: bool,
     last_refusal: Option<String>,
     /// Why the link is gone, until it is told with what is done about it.
     link_lost: Option<String>,
@@ -317,8 +320,18 @@ impl Driver {
             Output::Restart(plugin) => self.crew.restart(plugin),
             Output::Driver(driver, line) => self.ports.tell(driver, line),
             Output::Reserve(reservation) => match self.state.reserve(&reservation) {
-                Ok(()) => self.reserve = Some(reservation),
-                Err(error) => error!("identifiers cannot be reserved, no more inserts are sent: {error:#}"),
+                Ok(()) => {
+                    if std::mem::take(&mut self.cannot_reserve) {
+                        info!("identifiers can be reserved again, inserts are sent again");
+                    }
+                    self.reserve = Some(reservation);
+                }
+                // It is asked for again and again; the words are for the first time.
+                Err(_) if self.cannot_reserve => {}
+                Err(error) => {
+                    self.cannot_reserve = true;
+                    error!("identifiers cannot be reserved, no more inserts are sent: {error:#}");
+                }
             },
             Output::Finish => self.finished = true,
             Output::Note(note) => {

@@ -153,11 +153,11 @@ impl Oracle {
     /// any more, and the vehicle's clock alone must do so (requirement 007). Until it goes on it hears nothing.
     pub fn runtime_stopped(&mut self, at: Timestamp) {
         self.pass_time(at);
+        self.process.stopped(at, self.lease.is_alive());
         self.lease.cut(at);
         self.hold.pause(at);
         self.operator.cut();
         self.trigger.cut();
-        self.process.stopped(at);
     }
 
     /// The runtime goes on after it was stopped, and hears now what was said meanwhile. Where this is not told, its
@@ -171,7 +171,7 @@ impl Oracle {
     /// else of what was said before.
     pub fn runtime_started(&mut self, at: Timestamp) {
         self.pass_time(at);
-        self.process.goes_on(at);
+        self.process.begins(at);
         self.inserts.new_process();
         self.navigation.clear();
         self.plan_heard = false;

@@ -8,15 +8,19 @@ pub(crate) struct Process {
     stopped: Option<Timestamp>,
     /// The connection is another one than when it was stopped.
     reconnected: bool,
+    /// When it was stopped, a lease of its own was alive on this connection.
+    steered: bool,
     /// When it last went on: what was said while it was stopped it has heard then.
     woken: Timestamp,
     slept: Duration,
 }
 
 impl Process {
-    pub(crate) fn stopped(&mut self, at: Timestamp) {
+    /// It stands still. `steers` where a lease of its own is alive.
+    pub(crate) fn stopped(&mut self, at: Timestamp, steers: bool) {
         if self.stopped.is_none() {
             self.stopped = Some(at);
+            self.steered = steers;
             self.reconnected = false;
         }
     }
@@ -34,13 +38,21 @@ impl Process {
     pub(crate) fn goes_on(&mut self, at: Timestamp) {
         if let Some(stopped) = self.stopped.take() {
             self.woken = at;
-            if !self.reconnected {
+            if self.steered && !self.reconnected {
                 self.slept = at.since(stopped);
             }
         }
     }
 
-    /// For how long it stood still on this connection, once.
+    /// A new process begins: it has left nothing behind.
+    pub(crate) fn begins(&mut self, at: Timestamp) {
+        *self = Self {
+            woken: at,
+            ..Self::default()
+        };
+    }
+
+    /// For how long it stood still with a lease of this connection, once.
     pub(crate) fn slept(&mut self) -> Duration {
         core::mem::take(&mut self.slept)
     }

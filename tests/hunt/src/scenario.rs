@@ -232,7 +232,7 @@ fn world(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> String
     let hz = dice.one(&[4, 4, 4, 5, 10]);
     text += &format!("[vehicle]\nclass = \"{class}\"\naltitude_min_m = 2\ntick_hz = {hz}\n\n");
     text += &format!(
-        "[mission]\nstarts_after_s = {:?}\nwrap_up = \"{}\"\ngps_fix_s = 30\n\n",
+        "[mission]\nstarts_after_s = {:?}\nwrap_up = \"{}\"\ngps_fix_s = 30\ngps_within_s = 240\n\n",
         dice.figure(1.0, 15.0),
         dice.one(&["none", "surface"])
     );

@@ -33,35 +33,54 @@ fn checked(line: &[u8]) -> Option<&[u8]> {
     (digit(star + 1)? * 16 + digit(star + 2)? == u32::from(sum)).then_some(body)
 }
 
-/// What BFNVG says (SPI 6.1). Nothing where the checksum is wrong or a field cannot be read.
+/// What BFNVG says (SPI 6.1). Nothing where the checksum is wrong or any of its fields is not what the specification
+/// writes: damage that the checksum does not show is seldom in one field alone.
 pub(super) fn fix(line: &[u8]) -> Option<Fix> {
-    let body = checked(line)?;
-    // Where each field begins, the name being the first.
-    let mut starts = [0; 13];
-    for (start, comma) in starts.get_mut(1..)?.iter_mut().zip(memchr_iter(b',', body)) {
-        *start = comma + 1;
+    let mut fields = Fields(checked(line)?.strip_prefix(b"$BFNVG,")?);
+    let _created = whole_time(fields.take())?;
+    let latitude_deg = angle(&mut fields, 2, [b"N", b"S"]).filter(|deg| deg.abs() <= 90.0)?;
+    let longitude_deg = angle(&mut fields, 3, [b"E", b"W"]).filter(|deg| deg.abs() <= 180.0)?;
+    let _quality = Some(fields.take()).filter(|text| matches!(text, [b'0' | b'1']))?;
+    let altitude = fields.take();
+    if !altitude.is_empty() {
+        number(altitude).filter(|metres| *metres >= 0.0)?;
     }
-    let field = |index: usize| {
-        let start = *starts.get(index)?;
-        let end = match starts.get(index + 1) {
-            Some(next) if *next > 0 => next - 1,
-            Some(_) | None => body.len(),
-        };
-        body.get(start..end).filter(|_| start > 0)
-    };
-    let angle = |index: usize, digits: usize, negative: &[u8]| {
-        let text = field(index)?;
-        let deg = number(text.get(..digits)?)? + number(text.get(digits..)?)? / 60.0;
-        let side = field(index + 1)?;
-        Some(if side == negative { -deg } else { deg })
-    };
+    let depth_m = number(fields.take())?;
+    let heading_deg = number(fields.take()).filter(|deg| (0.0..=360.0).contains(deg))?;
+    let (_roll, _pitch) = (number(fields.take())?, number(fields.take())?);
     Some(Fix {
-        solution: time(field(12)?)?,
-        latitude_deg: angle(2, 2, b"S").filter(|deg| deg.abs() <= 90.0)?,
-        longitude_deg: angle(4, 3, b"W").filter(|deg| deg.abs() <= 180.0)?,
-        depth_m: number(field(8)?)?,
-        heading_deg: number(field(9)?)?,
+        solution: whole_time(fields.take())?,
+        latitude_deg,
+        longitude_deg,
+        depth_m,
+        heading_deg,
     })
+}
+
+/// Degrees of so many digits and minutes, then the side on which they count as positive or as negative.
+fn angle(fields: &mut Fields<'_>, digits: usize, [positive, negative]: [&[u8]; 2]) -> Option<f64> {
+    let (degrees, minutes) = fields.take().split_at_checked(digits)?;
+    let minutes = number(minutes).filter(|minutes| (0.0..=60.0).contains(minutes))?;
+    let degrees = number(degrees).filter(|_| degrees.iter().all(u8::is_ascii_digit))?;
+    let deg = degrees + minutes / 60.0;
+    match fields.take() {
+        side if side == positive => Some(deg),
+        side if side == negative => Some(-deg),
+        _ => None,
+    }
+}
+
+/// What is left of a sentence's fields.
+struct Fields<'a>(&'a [u8]);
+
+impl<'a> Fields<'a> {
+    /// The next one, which is empty where there is none.
+    fn take(&mut self) -> &'a [u8] {
+        let end = self.0.iter().position(|byte| *byte == b',');
+        let (field, rest) = self.0.split_at(end.unwrap_or(self.0.len()));
+        self.0 = rest.get(1..).unwrap_or_default();
+        field
+    }
 }
 
 /// A decimal number without an exponent.
@@ -108,6 +127,16 @@ pub(super) fn created_time(line: &[u8]) -> Option<TimeOfDay> {
     time(line.get(7..)?)
 }
 
+/// The time of day that a field is.
+fn whole_time(text: &[u8]) -> Option<TimeOfDay> {
+    let decimals = text.get(6..)?;
+    let whole = match decimals.split_first() {
+        None => true,
+        Some((point, digits)) => *point == b'.' && digits.iter().all(u8::is_ascii_digit),
+    };
+    time(text).filter(|_| whole)
+}
+
 /// The time of day at the start of a text: hhmmss, a point, decimals to the nanosecond.
 fn time(text: &[u8]) -> Option<TimeOfDay> {
     let digit = |at: usize| {
@@ -144,10 +173,34 @@ mod tests {
         assert_eq!((told.depth_m, told.heading_deg), (20.1, 203.1));
         assert_eq!(read(&line.replace("*4E", "*4F")), None);
         assert_eq!(read(&line.replace("N,", "N")), None);
+        assert!(read(&with_checksum(&line.replace(",45.3,", ",,"))).is_some());
+        // Whatever field is damaged, and the checksum right all the same.
+        for (right, damaged) in [
+            ("081025.987", "0810:5.987"),
+            ("4221.81092", "4271.81092"),
+            (",N,", ",F,"),
+            (",W,", ",G,"),
+            (",1,", ",3,"),
+            ("45.3", "4u.3"),
+            ("20.1", "2>.1"),
+            ("203.1", "403.1"),
+            ("-3.4", "-3&4"),
+            (",4.5", ",t.5"),
+            ("081025.980", "081025.9x0"),
+        ] {
+            let line = line.replacen(right, damaged, 1);
+            assert_eq!(read(&with_checksum(&line)), None, "{line}");
+        }
         assert_eq!(number(b"-0.50"), Some(-0.5));
         assert_eq!(number(b" 7 "), Some(7.0));
         for text in ["", "-", "1e3", "nan", "1.2.3"] {
             assert_eq!(number(text.as_bytes()), None, "{text}");
         }
+    }
+
+    fn with_checksum(line: &str) -> String {
+        let body = line.split('*').next().unwrap();
+        let sum = body.bytes().skip(1).fold(0, |sum, byte| sum ^ byte);
+        format!("{body}*{sum:02X}")
     }
 }

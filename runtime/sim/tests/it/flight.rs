@@ -52,10 +52,20 @@ pub(crate) const SECOND: PluginId = PluginId(1);
 
 /// The faulty plugin with a fault, or with `cross_fence` one that asks each second for a line inside the fence.
 pub(crate) fn understudy(fault: &str) -> Plugin {
+    started(fault, false)
+}
+
+/// One whose tracklines do not interrupt.
+pub(crate) fn patient_understudy(fault: &str) -> Plugin {
+    started(fault, true)
+}
+
+fn started(fault: &str, after_current: bool) -> Plugin {
     let mut table: PluginTable = mission().file.plugins[0].clone();
     table.config.insert("fault".into(), fault.into());
     table.config.insert("target_east_m".into(), 600.0.into());
     table.config.insert("target_north_m".into(), 100.0.into());
+    table.config.insert("after_current".into(), after_current.into());
     components().start_one("faulty", &table, mission()).unwrap()
 }
 

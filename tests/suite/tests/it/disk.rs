@@ -13,7 +13,8 @@ fn steering_and_inserting() -> Mission {
     Mission::steady().append(
         "mission.toml",
         "[[plugin]]\nname = \"inserter\"\ncomponent = \"faulty\"\ngrants = [\"insert\"]\n\
-         [plugin.config]\nfault = \"cross_fence\"\ntarget_east_m = -500.0\ntarget_north_m = 0.0",
+         [plugin.config]\nfault = \"cross_fence\"\ntarget_east_m = -500.0\ntarget_north_m = 0.0\n\
+         after_current = true",
     )
 }
 
@@ -46,6 +47,15 @@ fn sr_009_no_insert_is_sent_whose_identifier_could_not_be_reserved_and_the_lease
     assert!(vehicle.received("BPRTK").is_empty(), "{}", vehicle.story());
     let record = fs::read_to_string(mission.beside("state/identifiers")).expect("the record is as it was");
     assert_eq!(record, "70");
+    // Once there is room again, inserts go out again.
+    fs::remove_file(mission.beside("state/identifiers.new")).expect("the link is ours");
+    runtime.says("inserts are sent again", SOON);
+    let sent = vehicle.receives("BPRTK", 1, SOON);
+    assert!(
+        sent.field(2).parse::<u32>().expect("an identifier") >= 70,
+        "{}",
+        vehicle.story()
+    );
     let said = ends_in_order(runtime);
     assert_eq!(said.matches("cannot be reserved").count(), 1, "told once\n{said}");
 }

@@ -7,20 +7,25 @@ use backseat_suite::{Backseat, Mission, Vehicle, free_address, settle};
 
 use crate::session::{SOON, runtime};
 
-/// Asks each second for a trackline of 70 m that interrupts.
+/// Asks each second for a trackline that is flown after the current behavior.
 fn inserting() -> Mission {
     Mission::steady()
+        .edit("mission.toml", "[limits]", "[limits]\ninserts_open_max = 16")
         .edit("mission.toml", "[\"modify\"]", "[\"insert\"]")
         .edit(
             "mission.toml",
             "fault = \"none\"",
-            "fault = \"cross_fence\"\ntarget_east_m = -520\ntarget_north_m = 0",
+            "fault = \"cross_fence\"\ntarget_east_m = -520\ntarget_north_m = 0\nafter_current = true",
         )
 }
 
 fn recorded(mission: &Mission) -> u32 {
     let text = std::fs::read_to_string(mission.beside("state/identifiers")).expect("there is a record");
-    text.split_whitespace().next().unwrap_or("").parse().expect("it is a number")
+    text.split_whitespace()
+        .next()
+        .unwrap_or("")
+        .parse()
+        .expect("it is a number")
 }
 
 #[test]
@@ -51,7 +56,7 @@ fn a_killed_runtimes_identifiers_are_never_used_again() {
             &["--arm"]
         };
         let mut runtime = runtime(&mission, &vehicle.address, first);
-        let line = vehicle.receives("BPRTK", round, SOON);
+        let line = vehicle.receives("BPRTK", vehicle.received("BPRTK").len() + 1, SOON);
         used.push(line.field(2).parse::<u32>().unwrap());
         assert!(
             recorded(&mission) > used[round - 1],

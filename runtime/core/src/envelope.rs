@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use backseat_fence::{Breach, Fence, Rule, Shape, Span, Sweep, VerticalExtent, Window};
-use backseat_units::math::PI;
+use backseat_units::math::{PI, SQRT_2};
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Speed};
 
 use crate::limits::Limits;
@@ -16,6 +16,7 @@ use crate::switches::{Check, is_on};
 mod boxes;
 mod hull;
 mod judge;
+mod onto;
 mod place;
 mod reach;
 mod surfacing;
@@ -87,6 +88,14 @@ impl Insert {
         }
     }
 
+    /// Whether it is a trackline.
+    pub(crate) const fn is_line(&self) -> bool {
+        match self.path {
+            InsertPath::Line { .. } => true,
+            InsertPath::Surface { .. } | InsertPath::Circle { .. } => false,
+        }
+    }
+
     const fn flight(&self) -> Option<Flight> {
         match self.path {
             InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. } => Some(flight),
@@ -129,7 +138,9 @@ pub(crate) struct Route {
     pub(crate) deepest_m: f64,
     /// The first points of what may come next.
     pub(crate) to: Vec<EastNorth>,
-    /// The planned legs that it may be on now, to which a lapsed modify returns.
+    /// The lines that it may take up again after it.
+    pub(crate) onto: Vec<(EastNorth, EastNorth)>,
+    /// The lines that it may be on now, to which a lapsed modify returns, and the ways to them.
     pub(crate) legs: Vec<(EastNorth, EastNorth)>,
     /// How long all that may be flown before it takes at most, or an insert that it modifies, seconds; infinite where
     /// nobody knows.
@@ -148,6 +159,17 @@ impl Route {
     /// Where it may come from, as far as the ways from there are judged.
     fn checked_from(&self) -> impl Iterator<Item = &End> {
         self.from.iter().filter(|_| is_on(Check::InsertWayTo))
+    }
+
+    /// The lines that it may take up again, as far as the ways there are judged.
+    fn checked_onto(&self) -> impl Iterator<Item = &(EastNorth, EastNorth)> {
+        self.onto.iter().filter(|_| is_on(Check::InsertWayOn))
+    }
+
+    /// Every point to which it may go on.
+    fn goes_on_to(&self) -> impl Iterator<Item = EastNorth> {
+        let lines = self.onto.iter().flat_map(|(start, end)| [*start, *end]);
+        self.to.iter().copied().chain(lines)
     }
 
     /// What may come next, as far as the ways there are judged.
@@ -288,7 +310,7 @@ impl Envelope {
         let ends = self.ends(insert);
         let when = clocks.next(route.before_s + self.lasts_s(insert, route));
         let to_it = route.from.iter().map(|from| farthest_m(*from, ends.0));
-        let from_it = route.to.iter().map(|to| farthest_m(ends.1, End::At(*to)));
+        let from_it = route.goes_on_to().map(|to| farthest_m(ends.1, End::At(to)));
         let ways_m = to_it.chain(from_it).fold(0.0, f64::max);
         // What a bottom lock tells must hold for the ways too.
         let reach_m = reach_m + ways_m + strayed_m;
@@ -315,6 +337,9 @@ impl Envelope {
         }
         for to in route.checked_to() {
             least_m = least_m.min(self.way_by(route.to_surface, ends.1, End::At(*to), &way)?);
+        }
+        for line in route.checked_onto() {
+            least_m = least_m.min(self.way_onto(route.to_surface, ends.1, *line, &way)?);
         }
         Ok(least_m)
     }
@@ -434,12 +459,12 @@ impl Envelope {
     /// mission's plugins may ask for.
     pub(crate) fn lasts_s(&self, insert: &Insert, route: &Route) -> f64 {
         let end = self.ends(insert).1;
-        let on_m = route
-            .to
-            .iter()
-            .map(|to| farthest_m(end, End::At(*to)))
-            .fold(0.0, f64::max);
-        self.duration_s(insert, &route.from) + on_m / self.slowest_mps()
+        let on_m = |to: &EastNorth| farthest_m(end, End::At(*to));
+        let straight_m = route.to.iter().map(on_m).fold(0.0, f64::max);
+        // By way of the line at most.
+        let ends = route.onto.iter().flat_map(|(start, end)| [*start, *end]);
+        let onto_m = SQRT_2 * ends.map(|to| on_m(&to)).fold(0.0, f64::max);
+        self.duration_s(insert, &route.from) + straight_m.max(onto_m) / self.slowest_mps()
     }
 
     /// How far the vehicle goes on an insert itself, metres.

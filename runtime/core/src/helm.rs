@@ -46,6 +46,7 @@ struct Kept {
     judgement: Judgement,
     plan: u64,
     ledger: u64,
+    courses: u64,
 }
 
 impl Core {
@@ -139,6 +140,7 @@ impl Core {
             judgement,
             plan: self.plan.revision(),
             ledger: self.ledger.revision(),
+            courses: self.courses.revision(),
         })
     }
 
@@ -172,8 +174,10 @@ impl Core {
             judgement,
             plan,
             ledger,
+            courses,
         } = &lease.kept;
-        let known = *plan == self.plan.revision() && *ledger == self.ledger.revision();
+        let known =
+            *plan == self.plan.revision() && *ledger == self.ledger.revision() && *courses == self.courses.revision();
         let lock = self.tracker.bottom_lock(self.now);
         known
             && self.tracker.fresh(self.now).is_some_and(|navigation| {
@@ -343,6 +347,9 @@ impl Core {
                 .legs
                 .extend(self.plan.current().flat_map(crate::plan::Element::legs));
         }
+        // On the way to where its path begins it comes back to that way.
+        let ways = self.ways_to(&route.legs);
+        route.legs.extend(ways);
         route
     }
 }

@@ -485,6 +485,7 @@ impl Core {
         let mut route = Route {
             to: self.plan.next_points(),
             before_s: self.before_insert_s(interrupt),
+            onto: self.taken_up_after(interrupt),
             ..Route::default()
         };
         let here = self.tracker.newest().map(|navigation| End::At(navigation.local));

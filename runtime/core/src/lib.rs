@@ -23,6 +23,7 @@ mod answers;
 mod clock;
 mod commands;
 mod conductor;
+mod course;
 mod devices;
 mod drivers;
 mod dvl;

@@ -9,6 +9,7 @@ use crate::acoustic::Acoustic;
 use crate::adjustment::Adjustments;
 use crate::commands::{Answer, Commands};
 use crate::conductor::Slot;
+use crate::course::Courses;
 use crate::drivers::Drivers;
 use crate::dvl::DvlTrigger;
 use crate::envelope::Envelope;
@@ -84,6 +85,7 @@ pub struct Core {
     pub(crate) sent_identifiers: BTreeSet<BehaviorId>,
     pub(crate) reserve_asked: Option<Timestamp>,
     pub(crate) former: Former,
+    pub(crate) courses: Courses,
     pub(crate) recalls: Recalls,
     pub(crate) whereabouts: Whereabouts,
     /// Navigation has come that nothing has been held against.
@@ -135,6 +137,7 @@ impl Core {
             sent_identifiers: BTreeSet::new(),
             reserve_asked: None,
             former: Former::new(start.identifiers),
+            courses: Courses::default(),
             recalls: Recalls::default(),
             whereabouts: Whereabouts::default(),
             unjudged: false,

@@ -155,6 +155,7 @@ impl Core {
     /// them by the end of an input.
     pub(crate) fn follow_navigation(&mut self) {
         if core::mem::take(&mut self.unjudged) {
+            self.watch_course();
             self.prevent();
             self.prevent_hold();
         }
@@ -180,6 +181,7 @@ impl Core {
         self.orders_mission_status(message.status.as_str());
         if is_over(message.status.as_str()) {
             self.end_inserts("the mission is over");
+            self.courses.forget();
             self.end_adjustments("the mission is over");
         }
         if self.settings.control == ControlHook::Running {
@@ -194,6 +196,7 @@ impl Core {
             .filter(|identifier| self.sent_identifiers.contains(identifier))
             .filter(|identifier| self.ledger.by_identifier(*identifier).is_none());
         self.former.heard_begin(revenant);
+        self.course_began(message.number, message.identifier);
         self.heard(message.created);
         self.note(Note::Behavior {
             began: true,
@@ -263,6 +266,7 @@ impl Core {
                 _ => self.transition(request, RequestState::Ended("flown".to_owned())),
             }
         }
+        self.course_ended(message.identifier);
         self.tell_of_behavior(false, own, message.kind.as_str());
     }
 

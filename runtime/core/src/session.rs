@@ -202,6 +202,7 @@ impl Core {
         // No BPEMB reaches the vehicle: its own clock ends the modify (safety requirement 007).
         self.session.up = false;
         self.former.link_lost();
+        self.courses.link_lost();
         self.end_lease("the link is down");
         self.end_hold("the link is down");
         self.handed_over = None;

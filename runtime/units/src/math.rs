@@ -2,7 +2,7 @@
 //!
 //! The standard library's come from the platform's C library and differ in the last place between systems.
 
-pub use core::f64::consts::{PI, TAU};
+pub use core::f64::consts::{PI, SQRT_2, TAU};
 
 /// Sine of an angle in radians.
 #[must_use]

@@ -13,9 +13,10 @@
 //! judged in full at every sample; where that room is not there, without it.
 
 use backseat_fence::{Shape, VerticalExtent};
-use backseat_units::math::{cos, hypot};
+use backseat_units::math::{SQRT_2, cos, hypot};
 use backseat_units::{EastNorth, Timestamp, utm_convergence_deg};
 
+use super::onto::onto;
 use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, refusal, turn_radius_m};
 use crate::plugin::{NavigationSample, Refusal};
 use crate::switches::{Check, is_on};
@@ -195,18 +196,15 @@ impl Envelope {
             lasts_s,
             ..
         } = *reach;
-        // It takes no longer back than from the farthest that it can come to the farthest that it may return to.
-        let back_to = route
+        // It takes no longer back than from the farthest that it can come to the farthest that it may return to, straight
+        // or by way of a line.
+        let legs_m = route
             .legs
             .iter()
             .flat_map(|(start, end)| [*start, *end])
-            .chain(route.to.iter().copied());
-        let back_s = if route.legs.is_empty() && route.to.is_empty() {
-            0.0
-        } else {
-            let back_m = back_to.map(|to| here.distance_m(to)).fold(0.0, f64::max) + reach.farthest_m();
-            back_m / self.slowest_mps()
-        };
+            .map(|end| SQRT_2 * (here.distance_m(end) + reach.farthest_m()));
+        let to_m = route.to.iter().map(|to| here.distance_m(*to) + reach.farthest_m());
+        let back_s = legs_m.chain(to_m).fold(0.0, f64::max) / self.slowest_mps();
         let when = clocks.next(lasts_s + back_s.max(route.before_s));
         let straight = || self.sweep(Shape::leg(here, ahead), radius_m, extent, when);
         if (route.legs.is_empty() && route.to.is_empty()) || !is_on(Check::ModifyWayBack) {
@@ -214,10 +212,7 @@ impl Envelope {
         }
         // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane. Each
         // of them covers the way straight ahead, which need not be looked at again, but says best what is wrong.
-        let legs = route
-            .legs
-            .iter()
-            .map(|(start, end)| Shape::quadrilateral([here, ahead, *start, *end]));
+        let legs = route.legs.iter().map(|line| onto([here, ahead], *line));
         // What begins where a leg ends is in the leg's shape.
         let ends_a_leg = |next: &&EastNorth| route.legs.iter().any(|(start, end)| *next == start || *next == end);
         let to = route.to.iter().filter(|next| !ends_a_leg(next));

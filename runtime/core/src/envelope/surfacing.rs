@@ -1,8 +1,9 @@
 //! The judgement of what brings the vehicle to the surface: GPS hits, and the ways to and from them (SPI 7.7).
 
 use backseat_fence::{Shape, Span, Sweep, VerticalExtent};
-use backseat_units::Depth;
+use backseat_units::{Depth, EastNorth};
 
+use super::onto::onto;
 use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Way, point_and_radius, position, refusal};
 use crate::plugin::{GpsHitRequest, Refusal};
 use crate::switches::{Check, is_on};
@@ -48,6 +49,9 @@ impl Envelope {
         for to in route.checked_to() {
             least_m = least_m.min(self.way_by(true, ends.1, End::At(*to), &way)?);
         }
+        for line in route.checked_onto() {
+            least_m = least_m.min(self.way_onto(true, ends.1, *line, &way)?);
+        }
         Ok(least_m)
     }
 
@@ -67,6 +71,26 @@ impl Envelope {
         extent.ok().map(|extent| extent.depth_max_m)
     }
 
+    /// As [`Envelope::way_by`], from an end onto a line that the vehicle takes up again.
+    pub(super) fn way_onto(
+        &self,
+        any_depth: bool,
+        from: End,
+        line: (EastNorth, EastNorth),
+        way: &Way,
+    ) -> Result<f64, Refusal> {
+        let (from, from_m) = point_and_radius(from);
+        let sweep = Sweep {
+            shape: onto([from, from], line),
+            radius_m: way.strayed_m + from_m,
+        };
+        if any_depth {
+            self.of_any_depth(&sweep, way)
+        } else {
+            self.sweep(sweep.shape, sweep.radius_m, &way.extent, way.when)
+        }
+    }
+
     /// A way within the extent, or one on which the vehicle may be at any depth down to the extent's deepest.
     pub(super) fn way_by(&self, any_depth: bool, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
         if any_depth {
@@ -84,13 +108,17 @@ impl Envelope {
             shape: Shape::leg(from, to),
             radius_m: way.strayed_m + from_m.max(to_m),
         };
+        self.of_any_depth(&sweep, way)
+    }
+
+    fn of_any_depth(&self, sweep: &Sweep, way: &Way) -> Result<f64, Refusal> {
         let from_surface = VerticalExtent {
             depth_min_m: way.extent.depth_min_m.min(0.0),
             ..way.extent
         };
         let checked = self
-            .check(&sweep, &from_surface, way.when)
-            .or_else(|breach| self.check_surfacing(&sweep, &way.extent, way.when).map_err(|_| breach));
+            .check(sweep, &from_surface, way.when)
+            .or_else(|breach| self.check_surfacing(sweep, &way.extent, way.when).map_err(|_| breach));
         match checked {
             Ok(clearance) => Ok(clearance.metres),
             Err(breach) => Err(refusal(&breach)),

@@ -205,6 +205,69 @@ fn sr_002_the_way_back_from_a_modify_to_any_part_of_the_planned_leg_is_checked()
     names_edge_and_metres(&trial.rejection(1), "inside exclusion 'wreck'");
 }
 
+/// A vehicle that steers to a line meets it abeam, behind its start too: there the wreck lies.
+fn with_a_leg_east_of_the_wreck(start: EastNorth) -> Trial {
+    let mut trial = Trial::new();
+    trial.vehicle.moved = Some((1, EastNorth::new(1300.0, -1000.0)));
+    trial.vehicle.start = start;
+    trial.run_for(2.0);
+    trial
+}
+
+#[test]
+fn sr_002_the_way_back_from_a_modify_to_the_line_behind_the_start_of_a_leg_is_checked() {
+    let mut trial = with_a_leg_east_of_the_wreck(EastNorth::new(0.0, -500.0));
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(0.5);
+    names_edge_and_metres(&trial.rejection(1), "inside exclusion 'wreck'");
+    // Farther east nothing is in that way.
+    let mut trial = with_a_leg_east_of_the_wreck(EastNorth::new(300.0, -500.0));
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+}
+
+#[test]
+fn sr_002_the_way_from_an_interrupting_insert_onto_the_line_that_it_interrupts_is_checked() {
+    let insert = |interrupt, end| {
+        let mut trial = with_a_leg_east_of_the_wreck(EastNorth::new(-700.0, -500.0));
+        let line = line(1, (-500.0, -500.0), end);
+        trial.ask(0, [Request::Trackline(TracklineRequest { interrupt, ..line })]);
+        trial.run_for(0.5);
+        trial
+    };
+    let text = insert(true, (0.0, -500.0)).rejection(1);
+    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+    for (interrupt, end) in [(false, (0.0, -500.0)), (true, (300.0, -500.0))] {
+        let trial = insert(interrupt, end);
+        assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+    }
+}
+
+#[test]
+fn sr_002_the_way_back_from_a_modify_to_the_way_to_the_leg_is_checked() {
+    let led_off = |began: EastNorth| {
+        let mut trial = Trial::new();
+        trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
+        trial.vehicle.start = began;
+        trial.run_for(2.0);
+        let now = trial.now;
+        trial.vehicle.begin(now, Some(1), None);
+        trial.run_for(1.0);
+        trial.vehicle.start = EastNorth::new(500.0, -1200.0);
+        trial.run_for(12.0);
+        trial.ask(0, [Request::Modify(modify(1))]);
+        trial.run_for(0.5);
+        trial
+    };
+    // Between where the behaviour began and where the leg begins lies the wreck, and the vehicle would come back to that
+    // way.
+    let text = led_off(EastNorth::new(-300.0, -1400.0)).rejection(1);
+    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+    let trial = led_off(EastNorth::new(500.0, -1400.0));
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+}
+
 #[test]
 fn the_answer_that_plugins_get_for_their_question_is_the_judgement_of_the_geometry() {
     let mut trial = Trial::under_way();

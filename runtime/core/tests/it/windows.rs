@@ -76,15 +76,15 @@ fn ask(trial: &mut Trial, tag: u64, request: Request) -> Option<String> {
 
 #[test]
 fn sr_002_an_insert_that_may_still_fly_when_an_exclusion_opens_is_rejected_and_one_that_is_over_before_is_not() {
-    // With its transit and its way on the insert takes some 40 min at most.
+    // With its transit and its way on the insert takes some 55 min at most.
     let refusal = ask(&mut trial(opens_after(ON_THE_LINE, 600)), 1, interrupting(1)).unwrap();
     assert!(refusal.starts_with("exclusion: inside exclusion 'convoy'"), "{refusal}");
     assert_eq!(
-        ask(&mut trial(opens_after(ON_THE_LINE, 3000)), 1, interrupting(1)),
+        ask(&mut trial(opens_after(ON_THE_LINE, 3600)), 1, interrupting(1)),
         None
     );
     // The same, asked for a quarter of an hour later.
-    let mut later = trial(opens_after(ON_THE_LINE, 3000));
+    let mut later = trial(opens_after(ON_THE_LINE, 3600));
     later.run_for(900.0);
     let refusal = ask(&mut later, 1, interrupting(1)).unwrap();
     assert!(refusal.starts_with("exclusion: inside exclusion 'convoy'"), "{refusal}");
@@ -94,7 +94,7 @@ fn sr_002_an_insert_that_may_still_fly_when_an_exclusion_opens_is_rejected_and_o
 #[test]
 fn sr_002_what_is_flown_before_an_insert_delays_it() {
     // An interruption would be over in time; after the planned leg it is not.
-    let fence = || opens_after(ON_THE_LINE, 3000);
+    let fence = || opens_after(ON_THE_LINE, 3300);
     assert_eq!(ask(&mut trial(fence()), 1, interrupting(1)), None);
     assert!(ask(&mut trial(fence()), 1, good_line(1)).is_some());
     // Nor after another insert.
@@ -191,14 +191,14 @@ fn sr_002_a_zone_that_opens_between_the_two_clocks_is_open() {
 
 #[test]
 fn sr_004_a_lease_ends_before_a_zone_opens_on_its_way_back() {
-    let mut trial = trial(opens_after(ON_THE_LEG, 1900));
+    let mut trial = trial(opens_after(ON_THE_LEG, 2400));
     trial.script(0, |_| (Duration::from_millis(1), Ok(vec![Request::Modify(modify(1))])));
     trial.run_for(100.0);
     assert!(trial.core.is_steering() && trial.lease_ends().is_empty());
     trial.run_for(700.0);
     assert!(!trial.core.is_steering());
     let (ended, _) = trial.lease_ends().pop().unwrap();
-    assert!(ended.as_secs_f64() < 1900.0 - 30.0, "{ended}");
+    assert!(ended.as_secs_f64() < 2400.0 - 30.0, "{ended}");
     let refusal = trial.rejection(1);
     assert!(refusal.contains("inside exclusion 'convoy'"), "{refusal}");
     assert_eq!(trial.sent_since("RMB", ended).len(), 0);

@@ -1,0 +1,264 @@
+//! The way that the vehicle keeps to: from where a behaviour began to where its path begins.
+//!
+//! A vehicle that has been led off its way, or takes up again what was interrupted, does not head for the nearest of its
+//! ends: it steers to the line itself (line-of-sight steering, Fossen, *Handbook of Marine Craft Hydrodynamics and Motion
+//! Control*, 2011, section 10.3). To know where that may lead to, the places are kept where the behaviours began that it
+//! may fly on. Of one whose begin was not heard, the first place at which the vehicle was seen stands for it.
+
+use std::collections::BTreeMap;
+
+use backseat_spi::BehaviorId;
+use backseat_units::EastNorth;
+use backseat_units::math::hypot;
+
+use crate::ledger::Entry;
+use crate::machine::Core;
+use crate::plugin::RequestState;
+
+/// How often one behaviour can begin until a later begin takes the place of the last.
+const BEGINS_MAX: usize = 4;
+/// On its line a vehicle goes along it to less than this: the cosine of 30 degrees.
+const ALONG: f64 = 0.866;
+
+/// Whose path is flown: an element of the plan by its number, or an insert.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Flown {
+    Planned(u32),
+    Inserted(BehaviorId),
+}
+
+/// Where the behaviours began that the vehicle may fly on.
+#[derive(Debug, Default)]
+pub(crate) struct Courses {
+    begun: BTreeMap<Flown, Vec<EastNorth>>,
+    current: Option<Flown>,
+    /// Where the vehicle was when this connection first told of it.
+    seen: Option<EastNorth>,
+    revision: u64,
+}
+
+impl Courses {
+    /// Another number for each thing that was known.
+    pub(crate) const fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// A behaviour has begun, at a place where that is known.
+    fn began(&mut self, flown: Flown, here: Option<EastNorth>) {
+        if matches!(flown, Flown::Planned(_)) {
+            self.begun.retain(|other, _| *other == flown);
+        }
+        let begins = self.begun.entry(flown).or_default();
+        begins.truncate(BEGINS_MAX - 1);
+        begins.extend(here);
+        self.current = Some(flown);
+        self.seen = None;
+        self.revision += 1;
+    }
+
+    /// An insert will not be flown on.
+    fn ended(&mut self, insert: BehaviorId) {
+        self.begun.remove(&Flown::Inserted(insert));
+        self.revision += 1;
+    }
+
+    /// The link is gone: what begins now is not heard.
+    pub(crate) fn link_lost(&mut self) {
+        self.current = None;
+        self.seen = None;
+        self.revision += 1;
+    }
+
+    /// The mission is over.
+    pub(crate) fn forget(&mut self) {
+        self.begun.clear();
+        self.link_lost();
+    }
+
+    /// Where what is flown now may have begun.
+    fn of_current(&self) -> Vec<EastNorth> {
+        match self.current {
+            Some(current) => self.of(current),
+            None => self.begun.values().flatten().copied().chain(self.seen).collect(),
+        }
+    }
+
+    /// Where a behaviour may have begun.
+    fn of(&self, flown: Flown) -> Vec<EastNorth> {
+        self.begun.get(&flown).cloned().unwrap_or_default()
+    }
+}
+
+impl Core {
+    /// A behaviour has begun here.
+    pub(crate) fn course_began(&mut self, number: Option<u32>, identifier: Option<BehaviorId>) {
+        let planned = number.map(Flown::Planned);
+        let Some(flown) = identifier.map(Flown::Inserted).or(planned) else {
+            return;
+        };
+        let here = self.tracker.newest().map(|navigation| navigation.local);
+        self.courses.began(flown, here);
+    }
+
+    /// A behaviour has ended, for good or for one that interrupts it.
+    pub(crate) fn course_ended(&mut self, identifier: Option<BehaviorId>) {
+        let Some(identifier) = identifier else { return };
+        let entry = self.ledger.by_identifier(identifier);
+        if !entry.is_some_and(|request| self.ledger.get(request).is_some_and(|entry| entry.interrupted)) {
+            self.courses.ended(identifier);
+        }
+    }
+
+    /// Where the vehicle is while nobody of ours steers: seen for the first time, or on its line, from where on the way to
+    /// it is behind it.
+    pub(crate) fn watch_course(&mut self) {
+        if self.lease.is_some() {
+            return;
+        }
+        let Some(navigation) = self.tracker.newest() else {
+            return;
+        };
+        let here = navigation.local;
+        let Some(current) = self.courses.current else {
+            if self.courses.seen.is_none() {
+                self.courses.seen = Some(here);
+                self.courses.revision += 1;
+            }
+            return;
+        };
+        if self.courses.begun.get(&current).is_none_or(Vec::is_empty) {
+            return;
+        }
+        let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
+        let within_m = self.envelope.limits().tracking_error_m;
+        if self
+            .lines_of(current)
+            .iter()
+            .any(|line| is_on(*line, here, velocity, within_m))
+        {
+            self.courses.begun.insert(current, Vec::new());
+            self.courses.revision += 1;
+        }
+    }
+
+    /// The lines of a behaviour that is one line or several.
+    fn lines_of(&self, flown: Flown) -> Vec<(EastNorth, EastNorth)> {
+        match flown {
+            Flown::Planned(_) => self.plan.flown().flat_map(crate::plan::Element::legs).collect(),
+            Flown::Inserted(identifier) => self
+                .ledger
+                .by_identifier(identifier)
+                .and_then(|request| self.ledger.get(request)?.insert)
+                .filter(|insert| insert.is_line())
+                .map(|insert| self.envelope.legs(&insert))
+                .unwrap_or_default(),
+        }
+    }
+
+    /// The ways from where what is flown now began to where its lines begin.
+    pub(crate) fn ways_to(&self, lines: &[(EastNorth, EastNorth)]) -> Vec<(EastNorth, EastNorth)> {
+        ways(&self.courses.of_current(), lines)
+    }
+
+    /// The lines, and the ways to them, that the vehicle may take up again after an insert: what is interrupted already,
+    /// and where the insert interrupts, what is flown now (SPI 7.5; vehicles differ).
+    pub(crate) fn taken_up_after(&self, interrupts: bool) -> Vec<(EastNorth, EastNorth)> {
+        let mut lines = Vec::new();
+        if interrupts || self.ledger.interrupts() || self.former_may_fly() {
+            let planned: Vec<_> = self.plan.current().flat_map(crate::plan::Element::legs).collect();
+            let begun: Vec<EastNorth> = self
+                .courses
+                .begun
+                .iter()
+                .filter(|(flown, _)| matches!(flown, Flown::Planned(_)))
+                .flat_map(|(_, begun)| begun.iter().copied())
+                .chain(self.courses.seen)
+                .collect();
+            lines.extend(ways(&begun, &planned));
+            lines.extend(planned);
+        }
+        let may_resume = |entry: &Entry| entry.interrupted || (interrupts && entry.state == RequestState::Started);
+        for (_, entry) in self.ledger.iter().filter(|(_, entry)| may_resume(entry)) {
+            let Some(insert) = entry.insert else { continue };
+            let own = self.envelope.legs(&insert);
+            let begun = entry
+                .identifier
+                .map(|identifier| self.courses.of(Flown::Inserted(identifier)));
+            lines.extend(ways(&begun.unwrap_or_default(), &own));
+            lines.extend(own);
+        }
+        lines
+    }
+}
+
+/// From each place to where each line begins.
+fn ways(from: &[EastNorth], lines: &[(EastNorth, EastNorth)]) -> Vec<(EastNorth, EastNorth)> {
+    let mut starts: Vec<EastNorth> = Vec::new();
+    for (start, _) in lines {
+        if !starts.contains(start) {
+            starts.push(*start);
+        }
+    }
+    starts
+        .iter()
+        .flat_map(|start| from.iter().map(|from| (*from, *start)))
+        .collect()
+}
+
+/// Whether the vehicle goes along a line that it is on.
+fn is_on((start, end): (EastNorth, EastNorth), here: EastNorth, velocity: EastNorth, within_m: f64) -> bool {
+    let length_m = start.distance_m(end);
+    let along = (end - start) * (1.0 / length_m);
+    let from = here - start;
+    let dot = |a: EastNorth, b: EastNorth| a.east_m * b.east_m + a.north_m * b.north_m;
+    let (along_m, right_m) = (
+        dot(from, along),
+        from.east_m * along.north_m - from.north_m * along.east_m,
+    );
+    let speed_mps = hypot(velocity.east_m, velocity.north_m);
+    // Written so that a figure that is none is not on it.
+    (0.0..=length_m).contains(&along_m) && right_m.abs() <= within_m && dot(velocity, along) >= ALONG * speed_mps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(east_m: f64, north_m: f64) -> EastNorth {
+        EastNorth::new(east_m, north_m)
+    }
+
+    #[test]
+    fn where_what_is_flown_began_is_known_until_its_line_or_another_behaviour() {
+        let insert = BehaviorId::new(7);
+        let mut courses = Courses::default();
+        courses.seen = Some(at(1.0, 0.0));
+        assert_eq!(courses.of_current(), [at(1.0, 0.0)]);
+        courses.began(Flown::Planned(1), Some(at(2.0, 0.0)));
+        assert_eq!(courses.of_current(), [at(2.0, 0.0)]);
+        courses.began(Flown::Inserted(insert), Some(at(3.0, 0.0)));
+        assert_eq!(courses.of_current(), [at(3.0, 0.0)]);
+        assert_eq!(courses.of(Flown::Planned(1)), [at(2.0, 0.0)]);
+        // Interrupted and taken up again: it may fly on from either place.
+        courses.began(Flown::Inserted(insert), Some(at(4.0, 0.0)));
+        assert_eq!(courses.of_current(), [at(3.0, 0.0), at(4.0, 0.0)]);
+        courses.ended(insert);
+        courses.began(Flown::Planned(2), Some(at(5.0, 0.0)));
+        assert_eq!(courses.of(Flown::Planned(1)), []);
+        // What began while nothing was heard, nobody knows.
+        courses.link_lost();
+        courses.seen = Some(at(6.0, 0.0));
+        assert_eq!(courses.of_current(), [at(5.0, 0.0), at(6.0, 0.0)]);
+    }
+
+    #[test]
+    fn a_vehicle_that_crosses_a_line_is_not_on_it() {
+        let line = (at(0.0, 0.0), at(100.0, 0.0));
+        assert!(is_on(line, at(50.0, 4.0), at(1.5, -0.3), 5.0));
+        assert!(!is_on(line, at(50.0, 4.0), at(0.3, -1.5), 5.0));
+        assert!(!is_on(line, at(50.0, 4.0), at(-1.5, 0.0), 5.0));
+        assert!(!is_on(line, at(50.0, 6.0), at(1.5, 0.0), 5.0));
+        assert!(!is_on(line, at(-1.0, 0.0), at(1.5, 0.0), 5.0));
+        assert!(!is_on((at(0.0, 0.0), at(0.0, 0.0)), at(0.0, 0.0), at(1.5, 0.0), 5.0));
+    }
+}

@@ -5,7 +5,7 @@
 //! (BFPLN) tells which of them wait. Which one is flown now nobody tells whoever connects later, so that until the
 //! vehicle says that a behaviour begins, any of them may be.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::time::Duration;
 
@@ -28,6 +28,8 @@ pub(crate) struct Former {
     heard: bool,
     /// An insert of this process that the vehicle flies though its request has come to its end: refused, yet done.
     revenant: Option<BehaviorId>,
+    /// What was in the vehicle's plan when it last came whole, and has not begun or ended since, on whatever connection.
+    left: BTreeSet<BehaviorId>,
     /// How often each was taken back on this connection.
     cancelled: BTreeMap<BehaviorId, u32>,
 }
@@ -41,15 +43,23 @@ impl Former {
     }
 
     /// A behaviour begins, which may be one that was held to be over.
-    pub(crate) fn heard_begin(&mut self, revenant: Option<BehaviorId>) {
+    pub(crate) fn heard_begin(&mut self, begun: Option<BehaviorId>, revenant: Option<BehaviorId>) {
         self.heard = true;
         self.revenant = revenant;
+        self.forget(begun);
     }
 
     /// A behaviour has ended.
     pub(crate) fn heard_end(&mut self, identifier: Option<BehaviorId>) {
         if self.revenant == identifier {
             self.revenant = None;
+        }
+        self.forget(identifier);
+    }
+
+    fn forget(&mut self, identifier: Option<BehaviorId>) {
+        if let Some(identifier) = identifier {
+            self.left.remove(&identifier);
         }
     }
 
@@ -87,17 +97,20 @@ impl Core {
                     .is_some())
     }
 
+    /// The vehicle's plan has come whole: it says what is left.
+    pub(crate) fn former_in_plan(&mut self) {
+        let former = &self.former;
+        let left = self.plan.others(|identifier| !former.includes(identifier));
+        self.former.left = left.map(|(identifier, _)| identifier).collect();
+    }
+
     /// The operator holds: what an earlier process has left in the plan is taken back too. What cannot be (a GPS hit) the
     /// vehicle refuses.
     pub(crate) fn cancel_former(&mut self) {
         let former = &self.former;
-        let mut waiting: Vec<BehaviorId> = self
-            .plan
-            .others(|identifier| !former.includes(identifier))
-            .map(|(identifier, _)| identifier)
-            .filter(|identifier| former.cancelled.get(identifier).is_none_or(|sent| *sent < SENT_MAX))
-            .collect();
-        waiting.dedup();
+        let may_be_sent =
+            |identifier: &&BehaviorId| former.cancelled.get(identifier).is_none_or(|sent| *sent < SENT_MAX);
+        let waiting: Vec<BehaviorId> = former.left.iter().filter(may_be_sent).copied().collect();
         for identifier in &waiting {
             let created = self.stamper.stamp(self.now, "RCN");
             let command = self.courtesy("RCN", Some(created));

@@ -195,7 +195,7 @@ impl Core {
             .identifier
             .filter(|identifier| self.sent_identifiers.contains(identifier))
             .filter(|identifier| self.ledger.by_identifier(*identifier).is_none());
-        self.former.heard_begin(revenant);
+        self.former.heard_begin(message.identifier, revenant);
         self.course_began(message.number, message.identifier);
         self.heard(message.created);
         self.note(Note::Behavior {

@@ -193,6 +193,7 @@ impl Core {
         if self.held && is_on(Check::HoldCancels) {
             // The operator may have taken the helm while nothing could be sent.
             self.cancel_all_of(None);
+            self.cancel_former();
         }
         self.timers.set(Timer::Silence, self.now + SILENT);
         self.timers.set(Timer::Status, self.now + STATUS_EVERY);
@@ -349,6 +350,7 @@ impl Core {
                         self.timers.set(Timer::Plan, self.now + PLAN_RETRY);
                     }
                     self.resolve_by_plan();
+                    self.former_in_plan();
                     self.tell_of_plan();
                     if self.held && is_on(Check::HoldCancels) {
                         self.cancel_former();

@@ -52,7 +52,9 @@ pub enum Come {
 /// The least and the most troubles of a drawn plan.
 const TROUBLES: (usize, usize) = (3, 9);
 /// One mission in so many is ended from outside.
-const FATAL_SHARE: f64 = 0.04;
+const FATAL_SHARE: f64 = 0.05;
+/// How often what waits for a state waits for an insert to be asked for.
+const ASKED_SHARE: f64 = 0.2;
 
 impl Plan {
     /// What a seed draws.
@@ -71,11 +73,7 @@ impl Plan {
             .collect();
         if dice.chance(FATAL_SHARE) {
             let trouble = Trouble::draw_fatal(&mut dice);
-            let mut come = draw_come(&mut dice, states);
-            // Late, so that most of a mission is flown.
-            if let Come::In { nth, .. } = &mut come {
-                *nth += 2;
-            }
+            let come = draw_come(&mut dice, states);
             troubles.push(Planned { come, trouble });
         }
         // A trouble while the link is down needs one that takes it down.
@@ -160,11 +158,16 @@ fn draw_come(dice: &mut Dice, states: &[State]) -> Come {
     if dice.chance(0.35) {
         return Come::At(Timestamp::ZERO + dice.millis(FIRST_S, SAFETY_S));
     }
-    let state = dice.one(states);
-    let nth = 1 + dice.below(4) as u32;
+    // The shortest is hard to meet.
+    let state = if dice.chance(ASKED_SHARE) {
+        State::Asked
+    } else {
+        dice.one(states)
+    };
+    let nth = 1 + dice.below(if state == State::Asked { 2 } else { 4 }) as u32;
     // Short states are over soon.
     let most_s = match state {
-        State::Asked => 0.6,
+        State::Asked => 0.05,
         State::Down => 1.0,
         State::NoControl | State::Idle | State::Queued | State::Lease | State::LeaseInsert => 8.0,
         State::Insert | State::Hold => 15.0,

@@ -26,6 +26,15 @@ fn identifiers(trial: &Trial) -> Vec<u32> {
     trial.commands("RTK").iter().filter_map(of).collect()
 }
 
+/// The identifiers of the inserts that were cancelled, in their order.
+fn cancelled(trial: &Trial) -> Vec<u32> {
+    let of = |(_, message): &(_, ToVehicle)| match message {
+        ToVehicle::CancelBehavior(cancel) => Some(cancel.identifier.get()),
+        _ => None,
+    };
+    trial.commands("RCN").iter().filter_map(of).collect()
+}
+
 #[test]
 fn sr_009_sr_019_an_interrupted_insert_stays_open_until_it_is_known_whether_it_is_taken_up_again() {
     for resumed in [true, false] {
@@ -165,14 +174,29 @@ fn sr_015_the_operators_hold_takes_back_what_a_killed_process_left_in_the_plan()
     trial.run_for(2.0);
     trial.feed(Input::Operator(Operator::Hold));
     trial.run_for(0.5);
-    let cancelled: Vec<u32> = trial
-        .commands("RCN")
-        .iter()
-        .filter_map(|(_, message)| match message {
-            ToVehicle::CancelBehavior(cancel) => Some(cancel.identifier.get()),
-            _ => None,
-        })
-        .collect();
     // 40 is another payload's.
-    assert_eq!(cancelled, [7]);
+    assert_eq!(cancelled(&trial), [7]);
+}
+
+#[test]
+fn sr_015_a_successor_takes_back_what_is_left_though_the_plan_does_not_come_again() {
+    let mut trial = successor(2, |_| {});
+    trial.vehicle.inserted.extend([7]);
+    trial.run_for(2.0);
+    trial.cut();
+    trial.vehicle.replies.insert("RMP", Reply::Silent);
+    trial.feed(Input::Operator(Operator::Hold));
+    trial.run_for(2.0);
+    assert!(trial.is_connected());
+    assert_eq!(cancelled(&trial), [7]);
+    // What has ended meanwhile is not.
+    let mut trial = successor(2, |_| {});
+    trial.vehicle.inserted.extend([7]);
+    trial.run_for(2.0);
+    begin(&mut trial, 7);
+    trial.cut();
+    trial.vehicle.replies.insert("RMP", Reply::Silent);
+    trial.feed(Input::Operator(Operator::Hold));
+    trial.run_for(2.0);
+    assert!(cancelled(&trial).is_empty());
 }

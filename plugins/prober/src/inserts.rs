@@ -247,7 +247,7 @@ impl Inserts {
     fn bold_line(&mut self, asking: &mut Asking<'_>) {
         let here = asking.fix.local();
         let near = here.offset(asking.random.within(0.0, 360.0), asking.random.within(0.0, 200.0));
-        let ends = match asking.random.below(5) {
+        let ends = match asking.random.below(7) {
             0 => [asking.anywhere(), asking.anywhere()],
             // Along an edge, or across a corner.
             1 => [asking.corner(120.0), asking.corner(120.0)],
@@ -257,6 +257,14 @@ impl Inserts {
                 let far = asking.anywhere();
                 let end = self.creep(near, far, asking);
                 [near, end]
+            }
+            // Short and far away: the way there and the way back are the most of it.
+            4 | 5 => {
+                let start = asking.anywhere();
+                [
+                    start,
+                    start.offset(asking.random.within(0.0, 360.0), asking.random.within(20.0, 60.0)),
+                ]
             }
             _ => [near, asking.anywhere()],
         };
@@ -287,6 +295,9 @@ impl Inserts {
     fn bold_circle(&mut self, asking: &mut Asking<'_>) {
         let radius_m = asking.random.within(8.0, 400.0);
         let orbits = asking.random.pick([0.25, 1.0, 3.0, 20.0, 120.0]);
+        if asking.random.chance(0.3) {
+            return self.ring_at_the_border(asking);
+        }
         let centre = match asking.random.below(3) {
             0 => asking.anywhere(),
             1 => asking.corner(1.5 * radius_m),
@@ -307,6 +318,24 @@ impl Inserts {
         let bold = asking.random.chance(0.4);
         let vertical = asking.vertical(bold);
         let circle = self.circle(ring, vertical, bold, asking);
+        self.ask(circle, asking);
+    }
+
+    /// Entered and left well inside, and on its far side near the border or beyond it.
+    fn ring_at_the_border(&mut self, asking: &mut Asking<'_>) {
+        let radius_m = asking.random.within(18.0, 45.0);
+        let middle = asking.middle();
+        let reach_m = middle.distance_m(asking.nearest_edge());
+        let outwards_deg = asking.random.within(0.0, 360.0);
+        let centre = middle.offset(outwards_deg, reach_m * asking.random.within(0.6, 0.95) - radius_m);
+        let ring = Ring {
+            centre,
+            radius_m,
+            orbits: asking.random.sign(),
+            entry_deg: Some((outwards_deg + 180.0).rem_euclid(360.0)),
+        };
+        let vertical = asking.level();
+        let circle = self.circle(ring, vertical, false, asking);
         self.ask(circle, asking);
     }
 

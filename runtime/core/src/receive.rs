@@ -191,12 +191,16 @@ impl Core {
     }
 
     fn behavior_began(&mut self, message: BehaviorBegin) {
-        let revenant = message
-            .identifier
-            .filter(|identifier| self.sent_identifiers.contains(identifier))
-            .filter(|identifier| self.ledger.by_identifier(*identifier).is_none());
-        self.former.heard_begin(message.identifier, revenant);
-        self.course_began(message.number, message.identifier);
+        // One of neither number nor identifier (an adjustment) comes beside what is flown and says nothing of it.
+        let is_flown = message.number.is_some() || message.identifier.is_some();
+        if is_flown {
+            let revenant = message
+                .identifier
+                .filter(|identifier| self.sent_identifiers.contains(identifier))
+                .filter(|identifier| self.ledger.by_identifier(*identifier).is_none());
+            self.former.heard_begin(message.identifier, revenant);
+            self.course_began(message.number, message.identifier);
+        }
         self.heard(message.created);
         self.note(Note::Behavior {
             began: true,
@@ -211,8 +215,10 @@ impl Core {
         // A suspended mission begins none: the vehicle has taken it up again. An end says nothing of the kind, for the
         // behaviour that is suspended may be reported so (SPI 8.1 leaves it open), and a hold modifies none.
         self.end_hold("a behaviour began: the mission goes on");
-        self.end_overtaken(message.identifier);
-        self.orders.began(message.identifier);
+        if is_flown {
+            self.end_overtaken(message.identifier);
+            self.orders.began(message.identifier);
+        }
         let mut own = None;
         match (message.identifier, message.number) {
             (Some(identifier), _) => {

@@ -79,8 +79,8 @@ checks! {
     LateWake "late-wake" 3 "a wake-up that is late ends the leases before anything is handled, and one that has waited too long is not refreshed";
     LeaseAcknowledged "lease-acknowledged" 3 "a refresh that is not acknowledged ends its lease";
     LeaseEndsWithBehavior "lease-ends-with-behavior" 3 "a lease ends where a behaviour begins or ends under it";
-    RefreshJudged "refresh-judged" 4 "each refresh of a lease is judged anew";
-    HoldJudged "hold-judged" 4 "each refresh of a hold is judged anew";
+    RefreshJudged "refresh-judged" 4 "a lease is judged anew at each refresh and each sample of navigation";
+    HoldJudged "hold-judged" 4 "a hold is judged anew at each refresh and each sample of navigation";
     HoldCadence "hold-cadence" 5 "a hold is refreshed each half second; without it, each one and a half";
     HoldEndSaid "hold-end-said" 5 "the end of a hold is said by BPRES";
     PluginFailure "plugin-failure" 6 "a plugin's failure ends its leases";

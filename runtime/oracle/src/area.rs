@@ -138,6 +138,13 @@ impl Area {
         self.judge(&Shape::Rim { plane, radius_m }, setpoint)
     }
 
+    /// Whether a zone that lets the vehicle surface holds a position.
+    pub(crate) fn may_surface(&self, position: Position) -> bool {
+        let point = self.point(position);
+        let surfacing = |zone: &&Zone| zone.kind == Kind::Inclusion && zone.surfacing;
+        self.zones.iter().filter(surfacing).any(|zone| zone.contains(point))
+    }
+
     /// Whether a setpoint is within the bands of any inclusion zone.
     pub(crate) fn judge_setpoint(&self, setpoint: Setpoint) -> Result<(), Fault> {
         let mut inclusions = self.zones.iter().filter(|zone| zone.kind == Kind::Inclusion);

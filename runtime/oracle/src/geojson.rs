@@ -87,6 +87,7 @@ impl Reader {
         zone.timed = properties
             .iter()
             .any(|(key, value)| names_time(key) && !value.is_null());
+        zone.surfacing = properties.get("surfacing").and_then(Value::as_bool) == Some(true);
         if zone.depth_min_m > zone.depth_max_m {
             return self.fail("property depth_max_m", "no less than depth_min_m");
         }

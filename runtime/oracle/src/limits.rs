@@ -25,6 +25,13 @@ pub struct Limits {
     pub inserts_duration_max_s: f64,
     /// How much else may be asked for.
     pub caps: Caps,
+    /// Whether the mission says how deep the water is at most: without it a height above the seabed may be asked for under
+    /// bottom lock alone.
+    pub water_depth_known: bool,
+    /// Where a hovering vehicle may be moved to relative to a hull: horizontal, vertical, distance, from and to, metres.
+    pub hull_box: Option<[[f64; 2]; 3]>,
+    /// Where a hovering vehicle may be moved to over the bottom: x, y, depth, from and to, metres.
+    pub bottom_box: Option<[[f64; 2]; 3]>,
     /// The longest delay of the undisturbed link, seconds, one way: from when the vehicle's bytes are let on their way to
     /// us until we have them. What its faults hold back is told when it is let go.
     pub link_delay_s: f64,
@@ -35,7 +42,8 @@ pub struct Limits {
 
 impl Default for Limits {
     /// Speeds from 0.5 to 2.5 m/s, 5 m of tracking error, 1 s of navigation age; 4 inserts open, 100 in all, 3600 s of
-    /// them; a link that delays nothing; no operator commands.
+    /// them; a link that delays nothing; no operator commands; a
+    /// known depth of the water and no boxes.
     fn default() -> Self {
         Self {
             control: ControlHook::BackseatControl,
@@ -47,6 +55,9 @@ impl Default for Limits {
             inserts_total_max: 100,
             inserts_duration_max_s: 3600.0,
             caps: Caps::default(),
+            water_depth_known: true,
+            hull_box: None,
+            bottom_box: None,
             link_delay_s: 0.0,
             operator_commands: false,
         }
@@ -97,10 +108,15 @@ pub struct Caps {
     pub topside_per_min: u32,
     /// Acoustic packets, each minute on the average.
     pub packets_per_min: u32,
+    /// Lines in the vehicle's log, each second on the average.
+    pub messages_per_s: u32,
+    /// Commands to a hovering vehicle's sonar, camera and lights, each second on the average.
+    pub device_commands_per_s: u32,
 }
 
 impl Default for Caps {
-    /// 10 GPS hits, 10 adjustments, 20 silences of 300 s; 6 messages and 12 packets each minute.
+    /// 10 GPS hits, 10 adjustments, 20 silences of 300 s; 6 messages and 12 packets each minute;
+    /// 10 lines in the log and 100 commands to devices each second.
     fn default() -> Self {
         Self {
             gps_hits_total_max: 10,
@@ -109,6 +125,8 @@ impl Default for Caps {
             silent_term_s: 300.0,
             topside_per_min: 6,
             packets_per_min: 12,
+            messages_per_s: 10,
+            device_commands_per_s: 100,
         }
     }
 }

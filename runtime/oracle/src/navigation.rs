@@ -20,6 +20,8 @@ pub(crate) struct Navigation {
     /// What was said on this connection: the newest, one that is on its way to be heard for sure, one that has been.
     told: Option<Told>,
     on_its_way: Option<Told>,
+    /// When bottom lock was last told on this connection.
+    locked: Option<Timestamp>,
     heard: Option<Told>,
     /// The last that was heard on any connection, and the plane at a latitude that was near, degrees.
     last: Option<(Told, (Plane, f64))>,
@@ -45,6 +47,8 @@ pub(crate) struct Fix {
     pub(crate) longitude_deg: f64,
     /// Metres.
     pub(crate) depth_m: f64,
+    /// It says a height above the seabed.
+    pub(crate) locked: bool,
     /// From the north of the grid, degrees.
     pub(crate) heading_deg: f64,
 }
@@ -80,6 +84,7 @@ impl Navigation {
     pub(crate) fn cut(&mut self) {
         self.newest = None;
         self.told = None;
+        self.locked = None;
         self.on_its_way = None;
         self.heard = None;
     }
@@ -95,6 +100,9 @@ impl Navigation {
             return false;
         }
         let told = Told { at, fix };
+        if fix.locked {
+            self.locked = Some(at);
+        }
         self.step(told);
         self.told = Some(told);
         if let Some(before) = self.on_its_way.take_if(|before| before.at + sure <= at) {
@@ -173,6 +181,11 @@ impl Navigation {
     pub(crate) fn heard_for_sure(&self, now: Timestamp, sure: Duration) -> Option<Told> {
         let heard = |told: &Told| told.at + sure <= now;
         self.told.filter(heard).or(self.on_its_way.filter(heard)).or(self.heard)
+    }
+
+    /// When bottom lock was last told on this connection.
+    pub(crate) const fn locked(&self) -> Option<Timestamp> {
+        self.locked
     }
 
     /// The last jump.

@@ -85,6 +85,12 @@ rules! {
     RequestFence = "request-fence", Some(2);
     /// A setpoint of depth or altitude is in no band that applies.
     RequestVertical = "request-vertical", Some(2);
+    /// A height above the seabed was asked for without bottom lock and without a known depth of the water.
+    BottomUnknown = "bottom-unknown", Some(2);
+    /// A hovering vehicle was told to move out of the mission's box.
+    RequestBox = "request-box", Some(2);
+    /// A GPS hit where no zone lets the vehicle surface.
+    RequestSurfacing = "request-surfacing", Some(2);
     /// A speed is out of limits.
     RequestSpeed = "request-speed", Some(2);
     /// The vehicle was truly outside under our commands, or because of them.

@@ -153,6 +153,8 @@ pub(crate) struct Quota {
     silences: u32,
     topside: Rate,
     packets: Rate,
+    messages: Rate,
+    devices: Rate,
 }
 
 /// The times of the last ones.
@@ -167,11 +169,13 @@ pub(crate) enum Counted {
     Silence,
 }
 
-/// What is counted by the minute.
+/// What is counted by the minute or the second.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Rated {
     Topside,
     Packet,
+    Message,
+    Device,
 }
 
 impl Quota {
@@ -190,25 +194,35 @@ impl Quota {
         }
     }
 
-    /// We asked for one. An average lets twice as many come in a minute, where none came before.
+    /// We asked for one. An average lets twice as many come in its time, where none came before.
     pub(crate) fn asked(&mut self, at: Timestamp, what: Rated, caps: &Caps, findings: &mut Findings) {
-        let (rate, max, name) = match what {
-            Rated::Topside => (&mut self.topside, caps.topside_per_min, "messages to the topside"),
-            Rated::Packet => (&mut self.packets, caps.packets_per_min, "packets"),
+        const MINUTE: (Duration, &str) = (Duration::from_secs(60), "a minute");
+        const SECOND: (Duration, &str) = (Duration::from_secs(1), "a second");
+        let (rate, max, name, (within, while_)) = match what {
+            Rated::Topside => (
+                &mut self.topside,
+                caps.topside_per_min,
+                "messages to the topside",
+                MINUTE,
+            ),
+            Rated::Packet => (&mut self.packets, caps.packets_per_min, "packets", MINUTE),
+            Rated::Message => (&mut self.messages, caps.messages_per_s, "lines in the log", SECOND),
+            Rated::Device => (
+                &mut self.devices,
+                caps.device_commands_per_s,
+                "commands to devices",
+                SECOND,
+            ),
         };
         let max = max as usize * 2 + 1;
         rate.0.push_back(at);
-        while rate
-            .0
-            .front()
-            .is_some_and(|first| at.since(*first) > Duration::from_secs(60))
-        {
+        while rate.0.front().is_some_and(|first| at.since(*first) > within) {
             rate.0.pop_front();
         }
         if rate.0.len() > max {
             rate.0.pop_front();
             findings.add(at, Rule::RequestsTotal, || {
-                format!("more than {max} {name} within a minute")
+                format!("more than {max} {name} within {while_}")
             });
         }
     }

@@ -14,6 +14,8 @@ pub(crate) struct Zone {
     pub(crate) altitude_min_m: f64,
     /// It holds for a time only, which is not judged: such an exclusion counts for nothing, such an inclusion always.
     pub(crate) timed: bool,
+    /// The vehicle may surface in it.
+    pub(crate) surfacing: bool,
     rings: Vec<Vec<Point>>,
     pub(crate) min: Point,
     pub(crate) max: Point,
@@ -68,6 +70,7 @@ impl Zone {
             depth_max_m,
             altitude_min_m,
             timed: false,
+            surfacing: false,
             rings,
             min,
             max,

@@ -127,6 +127,8 @@ impl Simulation {
         let world: &WorldFile = mission.world()?;
         let mvc = mission.vehicle(world, seed)?;
         let limits = &mission.file.limits;
+        let hull = limits.hull.as_ref();
+        let plugins = u32::try_from(mission.file.plugins.len()).unwrap_or(u32::MAX);
         let oracle = Oracle::new(
             &mission.fence_text,
             backseat_oracle::Limits {
@@ -153,7 +155,24 @@ impl Simulation {
                     silent_term_s: limits.silent_term_s,
                     topside_per_min: limits.topside_per_min,
                     packets_per_min: limits.packets_per_min,
+                    messages_per_s: plugins,
+                    device_commands_per_s: plugins.saturating_mul(limits.requests_per_s),
                 },
+                water_depth_known: limits.water_depth_max_m.is_some(),
+                hull_box: hull.and_then(|hull| hull.hull_box.as_ref()).map(|bounds| {
+                    [
+                        [bounds.horizontal_min_m, bounds.horizontal_max_m],
+                        [bounds.vertical_min_m, bounds.vertical_max_m],
+                        [bounds.distance_min_m, bounds.distance_max_m],
+                    ]
+                }),
+                bottom_box: hull.and_then(|hull| hull.bottom_box.as_ref()).map(|bounds| {
+                    [
+                        [bounds.x_min_m, bounds.x_max_m],
+                        [bounds.y_min_m, bounds.y_max_m],
+                        [bounds.depth_min_m, bounds.depth_max_m],
+                    ]
+                }),
                 link_delay_s: DELAY_MAX.as_secs_f64(),
             },
         )?;

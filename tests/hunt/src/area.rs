@@ -26,11 +26,13 @@ struct Exclusion {
     depths_m: Option<(f64, f64)>,
 }
 
+/// What lies between the legs keeps so far from them, and its margin: a turn's width, and what the vehicle strays.
+const ASIDE_M: f64 = 50.0;
 const MIDDLE: EastNorth = EastNorth::new(0.0, 0.0);
 
 impl Area {
-    /// The plan in the middle, what is kept out around it, the border beyond: so that there is room to fly, and
-    /// something to run into on every side.
+    /// The plan in the middle, what is kept out around it and between its legs, the border beyond: so that there is room
+    /// to fly, and something to run into on every side and on many a way back.
     pub(crate) fn draw(dice: &mut Dice, hovering: bool) -> Self {
         let origin = Position::from_deg(dice.figure(-60.0, 65.0), dice.figure(-179.0, 179.0))
             .expect("both are within their ranges");
@@ -39,29 +41,34 @@ impl Area {
         let rough = if vertices < 8 { 0.02 } else { 0.12 };
         let ring = star(dice, MIDDLE, vertices, base_m, rough);
         let kept_out = if hovering { 0 } else { dice.below(4) };
-        let exclusions = (0..kept_out)
-            .map(|_| {
-                let at = MIDDLE.offset(dice.between(0.0, 360.0), dice.between(480.0, 540.0));
-                let size_m = dice.between(20.0, 50.0);
-                let corners = dice.one(&[3, 5, 12]);
-                Exclusion {
-                    ring: star(dice, at, corners, size_m, 0.2),
-                    depths_m: dice
-                        .chance(0.3)
-                        .then(|| (dice.figure(0.0, 5.0), dice.figure(15.0, 40.0))),
-                }
-            })
-            .collect();
         let hole = (!hovering && dice.chance(0.2)).then(|| {
             let at = MIDDLE.offset(dice.between(0.0, 360.0), dice.between(490.0, 530.0));
             star(dice, at, 6, 30.0, 0.2)
         });
         let turn_deg = dice.between(100.0, 200.0);
         let bearing_deg = dice.between(0.0, 360.0);
-        let points = (0..6)
+        let points: Vec<EastNorth> = (0..6)
             .map(|leg| {
                 let point = MIDDLE.offset(bearing_deg + turn_deg * f64::from(leg), dice.between(120.0, 320.0));
                 EastNorth::new(tenths(point.east_m), tenths(point.north_m))
+            })
+            .collect();
+        let margin_m = dice.figure(2.0, 20.0);
+        let exclusions = (0..kept_out)
+            .filter_map(|_| {
+                let size_m = dice.between(20.0, 50.0);
+                let at = if dice.chance(0.5) {
+                    MIDDLE.offset(dice.between(0.0, 360.0), dice.between(480.0, 540.0))
+                } else {
+                    beside(dice, &points, 1.7 * size_m + margin_m + ASIDE_M)?
+                };
+                let corners = dice.one(&[3, 5, 12]);
+                Some(Exclusion {
+                    ring: star(dice, at, corners, size_m, 0.2),
+                    depths_m: dice
+                        .chance(0.3)
+                        .then(|| (dice.figure(0.0, 5.0), dice.figure(15.0, 40.0))),
+                })
             })
             .collect();
         Self {
@@ -72,7 +79,7 @@ impl Area {
             surfacing: dice.chance(0.5),
             depth_max_m: dice.figure(28.0, 45.0),
             altitude_min_m: dice.figure(2.0, 6.0),
-            margin_m: dice.figure(2.0, 20.0),
+            margin_m,
             points,
             depth_m: tenths(dice.between(6.0, 18.0)),
             speed_mps: dice.figure(1.2, 1.9),
@@ -133,6 +140,31 @@ impl Area {
         coordinates.extend(coordinates.first().cloned());
         Value::Array(coordinates)
     }
+}
+
+/// A place between the legs of a plan, not nearer to any of them; there may be none.
+fn beside(dice: &mut Dice, points: &[EastNorth], clear_m: f64) -> Option<EastNorth> {
+    let home = [points[points.len() - 1], points[0]];
+    for _ in 0..30 {
+        let at = MIDDLE.offset(dice.between(0.0, 360.0), dice.between(0.0, 460.0));
+        let legs = points.windows(2).chain([home.as_slice()]);
+        if legs
+            .map(|leg| to_leg_m(at, leg[0], leg[1]))
+            .fold(f64::INFINITY, f64::min)
+            > clear_m
+        {
+            return Some(at);
+        }
+    }
+    None
+}
+
+/// From a point to a leg, metres.
+fn to_leg_m(point: EastNorth, start: EastNorth, end: EastNorth) -> f64 {
+    let (leg, from) = (end - start, point - start);
+    let square_m2 = (leg.east_m * leg.east_m + leg.north_m * leg.north_m).max(1e-6);
+    let share = ((from.east_m * leg.east_m + from.north_m * leg.north_m) / square_m2).clamp(0.0, 1.0);
+    point.distance_m(start + leg * share)
 }
 
 fn feature(properties: &Value, rings: Vec<Value>) -> Value {

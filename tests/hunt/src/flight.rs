@@ -16,7 +16,7 @@ use backseat_sim::{Components, Report, Simulation, Step};
 use backseat_units::Timestamp;
 use tempfile::TempDir;
 
-use crate::phase::{CALM_S, CHANCE_S, HAND_BACK_S, LEAST_S, LINK_WITHIN, LONGEST_S, LOOK_EVERY};
+use crate::phase::{CALM_S, CHANCE_S, HAND_BACK_S, LEAST_S, LINK_WITHIN, LONGEST_S, LOOK_EVERY, NONE_WITHIN};
 use crate::plan::{Come, Plan, Planned, until_calm};
 use crate::trouble::Trouble;
 
@@ -57,6 +57,8 @@ enum Act {
     Begin(Trouble),
     /// A plugin is itself again.
     Own(usize),
+    /// Nobody has been there to steer for long enough.
+    NoneSteers,
     /// The liveness phase begins.
     Calm,
     /// The link must be up.
@@ -171,6 +173,8 @@ struct Flown<'a> {
     at_calm: Option<(u64, f64)>,
     /// The helm is back, and nothing of ours is open.
     converged: bool,
+    /// When a plugin last became another.
+    none_since: Timestamp,
     /// Until then the runtime is away, and what it missed is not known to it.
     away_until: Timestamp,
 }
@@ -209,6 +213,7 @@ impl<'a> Flown<'a> {
             power_goes: false,
             at_calm: None,
             converged: false,
+            none_since: Timestamp::ZERO,
             away_until: Timestamp::ZERO,
         };
         for planned in &plan.troubles {
@@ -278,7 +283,11 @@ impl<'a> Flown<'a> {
     fn act(&mut self, act: Act) -> Result<()> {
         match act {
             Act::Begin(trouble) => self.begin(trouble)?,
-            Act::Own(slot) => self.simulation.substitute(PluginId(slot), None),
+            Act::Own(slot) => {
+                self.simulation.substitute(PluginId(slot), None);
+                self.none_since = self.simulation.now();
+            }
+            Act::NoneSteers => self.judge_none(),
             Act::Release => self.simulation.operate(Operator::Release),
             Act::DiskHasRoom => self.simulation.reserve_fails(false),
             Act::Calm => {
@@ -325,6 +334,19 @@ impl<'a> Flown<'a> {
                 let understudy = self.components.start_one("faulty", &table, self.mission)?;
                 self.simulation.substitute(PluginId(slot), Some(understudy));
                 self.later(now + lasts, Act::Own(slot));
+                self.none_since = now;
+            }
+            Trouble::AllTrap { lasts } => {
+                for slot in 0..self.mission.file.plugins.len() {
+                    let table = self.bad(slot, "trap")?;
+                    let understudy = self.components.start_one("faulty", &table, self.mission)?;
+                    self.simulation.substitute(PluginId(slot), Some(understudy));
+                    self.later(now + lasts, Act::Own(slot));
+                }
+                if lasts > NONE_WITHIN {
+                    self.later(now + NONE_WITHIN, Act::NoneSteers);
+                }
+                self.none_since = now;
             }
             Trouble::Kill { away, clock_s } => {
                 let loaded = self.components.start(self.mission)?;
@@ -358,6 +380,21 @@ impl<'a> Flown<'a> {
         Ok(table)
     }
 
+    /// A plugin that is gone steers no more (safety requirement 006). Where one of them was itself again meanwhile, or the
+    /// runtime was away, nothing can be said.
+    fn judge_none(&mut self) {
+        let steered = matches!(self.simulation.state(), State::Lease | State::LeaseInsert | State::Hold);
+        if steered && self.simulation.now() > self.away_until && self.none_since + NONE_WITHIN <= self.simulation.now()
+        {
+            self.fail("dead-plugin-steers", || {
+                format!(
+                    "a lease or a hold lives {} s after all plugins have trapped",
+                    NONE_WITHIN.as_secs()
+                )
+            });
+        }
+    }
+
     fn judge_link(&mut self) {
         let runs = self.simulation.mission_status() == Status::Running;
         if runs && !self.power_goes && self.simulation.state() == State::Down {
@@ -370,7 +407,7 @@ impl<'a> Flown<'a> {
     /// Whoever had control for long enough after the last trouble has asked and been heard, unless its plugins were the trouble.
     fn judge_sending(&mut self) {
         let seen = self.simulation.statistics();
-        let by_plugin = self.met.iter().any(|(kind, _)| kind.starts_with("plugin "));
+        let by_plugin = self.met.iter().any(|(kind, _)| kind.contains("plugin"));
         if let Some((sent, control_s)) = self.at_calm
             && !by_plugin
             && self.simulation.request_counts().sent == sent

@@ -19,3 +19,5 @@ pub(crate) const LEAST_S: f64 = 1201.0;
 pub(crate) const LOOK_EVERY: Duration = Duration::from_secs(5);
 /// A mission that has not ended by now does not end.
 pub(crate) const LONGEST_S: f64 = 5400.0;
+/// So long after all plugins have trapped none of them steers: a step of each, and the longest that one may take.
+pub(crate) const NONE_WITHIN: Duration = Duration::from_secs(4);

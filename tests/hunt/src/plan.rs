@@ -74,6 +74,14 @@ impl Plan {
         if dice.chance(FATAL_SHARE) {
             let trouble = Trouble::draw_fatal(&mut dice);
             let come = draw_come(&mut dice, states);
+            if trouble.ends_mission() && dice.chance(0.5) {
+                // And some of what is said of it is not heard.
+                let lasts = Duration::from_secs(2);
+                troubles.push(Planned {
+                    come,
+                    trouble: Trouble::dropping(&mut dice).at_most(lasts),
+                });
+            }
             troubles.push(Planned { come, trouble });
         }
         // A trouble while the link is down needs one that takes it down.
@@ -223,6 +231,7 @@ impl Entry {
             | Trouble::Kill { .. }
             | Trouble::Stop { .. }
             | Trouble::Hold { .. }
+            | Trouble::AllTrap { .. }
             | Trouble::DiskFull { .. } => None,
         };
         let mut entry = Self {

@@ -50,6 +50,7 @@ gps_hits_total_max = 1
 gps_hit_duration_max_s = 300.0
 silences_total_max = 3
 silent_term_s = 300.0
+adjustments_total_max = 1
 ";
 const HULL_LIMITS: &str = "
 [limits.hull]
@@ -170,7 +171,7 @@ fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> Stri
     let grants = if ship {
         r#"["message", "topside", "hull", "devices", "silent"]"#
     } else if hovering {
-        r#"["modify", "insert", "message", "topside", "hull", "devices", "silent"]"#
+        r#"["modify", "insert", "message", "topside", "hull", "devices", "silent", "trim", "buoyancy"]"#
     } else {
         r#"["modify", "insert", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy", "acoustic"]"#
     };

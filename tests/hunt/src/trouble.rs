@@ -67,6 +67,11 @@ pub enum Trouble {
         /// Until the release.
         lasts: Duration,
     },
+    /// All plugins trap in each step.
+    AllTrap {
+        /// Until they are themselves again.
+        lasts: Duration,
+    },
     /// Nothing can be written to disk.
     DiskFull {
         /// How long.
@@ -75,7 +80,15 @@ pub enum Trouble {
 }
 
 /// Troubles of our own computer.
-const COMPUTER: [&str; 6] = ["kill", "kill_clock", "stop", "stop_short", "hold", "disk_full"];
+const COMPUTER: [&str; 7] = [
+    "kill",
+    "kill_clock",
+    "stop",
+    "stop_short",
+    "hold",
+    "disk_full",
+    "all_trap",
+];
 
 impl Trouble {
     /// A trouble of any kind: half of the time the vehicle's, then a plugin's, then the computer's.
@@ -106,6 +119,21 @@ impl Trouble {
             lasts,
             kind,
         })
+    }
+
+    /// The link loses what the vehicle says.
+    pub(crate) fn dropping(dice: &mut Dice) -> Self {
+        loop {
+            let drawn = Self::draw_vehicle(dice);
+            if drawn.kind() == "link dropping" {
+                return drawn;
+            }
+        }
+    }
+
+    /// Whether the vehicle's mission is over with it.
+    pub(crate) fn ends_mission(&self) -> bool {
+        matches!(self, Self::Vehicle(fault) if matches!(fault.kind, FaultKind::MissionAbort))
     }
 
     fn draw_vehicle(dice: &mut Dice) -> Self {
@@ -142,6 +170,9 @@ impl Trouble {
             "hold" => Self::Hold {
                 lasts: dice.millis(1.0, 60.0),
             },
+            "all_trap" => Self::AllTrap {
+                lasts: dice.millis(5.0, 60.0),
+            },
             _ => Self::DiskFull {
                 lasts: dice.millis(5.0, 120.0),
             },
@@ -159,6 +190,7 @@ impl Trouble {
             Self::Stop { lasts } if *lasts < Duration::from_secs(1) => "runtime stopped under 1 s".to_owned(),
             Self::Stop { .. } => "runtime stopped".to_owned(),
             Self::Hold { .. } => "operator's hold".to_owned(),
+            Self::AllTrap { .. } => "all plugins trap".to_owned(),
             Self::DiskFull { .. } => "disk full".to_owned(),
         }
     }
@@ -171,6 +203,7 @@ impl Trouble {
             Self::Plugin { lasts, .. }
             | Self::Stop { lasts }
             | Self::Hold { lasts }
+            | Self::AllTrap { lasts }
             | Self::DiskFull { lasts }
             | Self::Kill { away: lasts, .. } => *lasts,
         }
@@ -185,6 +218,7 @@ impl Trouble {
             Self::Plugin { lasts, .. }
             | Self::Stop { lasts }
             | Self::Hold { lasts }
+            | Self::AllTrap { lasts }
             | Self::DiskFull { lasts }
             | Self::Kill { away: lasts, .. } => *lasts = (*lasts).min(most),
         }
@@ -229,6 +263,7 @@ impl Trouble {
             "runtime stopped",
             "runtime stopped under 1 s",
             "operator's hold",
+            "all plugins trap",
             "disk full",
         ];
         vehicle
@@ -280,6 +315,7 @@ pub(crate) enum Written {
     Kill { for_s: f64, clock_s: f64 },
     Stop { for_s: f64 },
     Hold { for_s: f64 },
+    AllTrap { for_s: f64 },
     DiskFull { for_s: f64 },
 }
 
@@ -300,6 +336,7 @@ impl Written {
             },
             Trouble::Stop { .. } => Self::Stop { for_s },
             Trouble::Hold { .. } => Self::Hold { for_s },
+            Trouble::AllTrap { .. } => Self::AllTrap { for_s },
             Trouble::DiskFull { .. } => Self::DiskFull { for_s },
         })
     }
@@ -340,6 +377,7 @@ impl Written {
             }
             Self::Stop { for_s } => Trouble::Stop { lasts: span(for_s)? },
             Self::Hold { for_s } => Trouble::Hold { lasts: span(for_s)? },
+            Self::AllTrap { for_s } => Trouble::AllTrap { lasts: span(for_s)? },
             Self::DiskFull { for_s } => Trouble::DiskFull { lasts: span(for_s)? },
         })
     }

@@ -9,7 +9,7 @@ use backseat_spi::{
     TrimStatus,
 };
 
-use crate::course::{self, limits};
+use crate::course::{self, interrupting, limits};
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
@@ -440,4 +440,24 @@ fn a_flood_of_requests_sends_one() {
     }
     assert_eq!(trial.commands("TRM").len(), 1);
     assert_eq!(trial.core.open_requests(), 1);
+}
+
+#[test]
+fn sr_010_an_adjustment_beside_an_interrupting_insert_does_not_end_it() {
+    let mut plugins = setup();
+    plugins.plugins[0].grants.push(Grant::Insert);
+    let mut trial = Trial::with_under_way(plugins);
+    trial.ask(0, [interrupting(1)]);
+    trial.run_for(0.5);
+    let now = trial.now;
+    trial.vehicle.begin(now, None, Some(1));
+    trial.run_for(0.3);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "started"]);
+    behavior(&mut trial, true, "trim");
+    behavior(&mut trial, false, "trim");
+    trial.run_for(0.3);
+    trial.ask(0, [interrupting(2)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(2).starts_with("interrupt: "), "{}", trial.rejection(2));
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "started"]);
 }

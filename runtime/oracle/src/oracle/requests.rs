@@ -2,7 +2,7 @@ use std::time::Duration;
 
 use backseat_spi::{
     HorizontalMode, Interrupt, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode, SpeedMode, ToVehicle, Trackcircle,
-    Trackline, VerticalMode,
+    Trackline, VerticalMode, VerticalReference,
 };
 use backseat_units::Timestamp;
 
@@ -17,6 +17,10 @@ use crate::zone::Setpoint;
 const SLEPT_MAX: Duration = Duration::from_millis(1600);
 /// Navigation that was told so recently says where the vehicle is.
 const RECENT: Duration = Duration::from_millis(500);
+/// A bottom lock tells the depth of the water for so long.
+const LOCK_LASTS: Duration = Duration::from_secs(5);
+/// What the wire's three decimals may change of a place, metres.
+const PLACE_SLACK_M: f64 = 0.001;
 /// What the wire's three decimals may change of a speed, m/s.
 const SPEED_SLACK_MPS: f64 = 0.001;
 
@@ -34,6 +38,7 @@ impl Oracle {
                 self.hold.suspend(at, counts, due);
             }
             ToVehicle::Continue(_) | ToVehicle::HullPosition(_) | ToVehicle::BottomPosition(_) => {
+                self.judge_move(at, message);
                 self.delivery.sent_hold(at);
                 let (counts, due) = (self.control.is_up() && !denied, self.end_due());
                 if !self.hold.keep(at, counts, due) && !denied {
@@ -76,6 +81,14 @@ impl Oracle {
                 let caps = &self.limits.caps;
                 self.quota.asked(at, Rated::Topside, caps, &mut self.findings);
             }
+            ToVehicle::LogMessage(_) => {
+                let caps = &self.limits.caps;
+                self.quota.asked(at, Rated::Message, caps, &mut self.findings);
+            }
+            ToVehicle::SonarAngle(_) | ToVehicle::Camera(_) | ToVehicle::Light(_) => {
+                let caps = &self.limits.caps;
+                self.quota.asked(at, Rated::Device, caps, &mut self.findings);
+            }
             ToVehicle::Packet(_) => {
                 self.acoustic.packet(at, self.sure(), &mut self.findings);
                 let caps = &self.limits.caps;
@@ -87,6 +100,11 @@ impl Oracle {
                     ..Insert::new(at, hit.created, 0.0)
                 };
                 self.insert_sent(at, hit.identifier.get(), insert);
+                if !self.area.may_surface(hit.position) {
+                    self.findings.add(at, Rule::RequestSurfacing, || {
+                        format!("BPRGP {} where no zone lets the vehicle surface", hit.identifier.get())
+                    });
+                }
             }
             _ => {}
         }
@@ -175,6 +193,7 @@ impl Oracle {
             (Some(ModifyVerticalMode::Altitude), Some(metres)) => Setpoint::Altitude(metres),
             (Some(_) | None, Some(_) | None) => return,
         };
+        self.judge_bottom(at, "BPRMB", setpoint);
         let verdict = self.area.judge_setpoint(setpoint);
         self.tell_fault(at, "BPRMB", verdict);
     }
@@ -192,6 +211,7 @@ impl Oracle {
             self.judge_speed(at, &what, line.speed);
         }
         let setpoint = setpoint(line.vertical_mode, line.vertical_m);
+        self.judge_bottom(at, &what, setpoint);
         let verdict = self.area.judge_leg(line.start, line.end, setpoint);
         self.tell_fault(at, &what, verdict);
     }
@@ -213,6 +233,7 @@ impl Oracle {
             self.judge_speed(at, &what, circle.speed);
         }
         let setpoint = setpoint(circle.vertical_mode, circle.vertical_m);
+        self.judge_bottom(at, &what, setpoint);
         let verdict = self.area.judge_circle(circle.centre, circle.radius_m, setpoint);
         self.tell_fault(at, &what, verdict);
     }
@@ -244,6 +265,51 @@ impl Oracle {
             SpeedMode::Rpm | SpeedMode::Other(_) => self.limits.speed_min_mps,
         };
         length_m / speed_mps.max(0.1)
+    }
+
+    /// A height above the seabed is a depth only where the water's is known.
+    fn judge_bottom(&mut self, at: Timestamp, what: &str, setpoint: Setpoint) {
+        if self.limits.water_depth_known || !matches!(setpoint, Setpoint::Altitude(_)) {
+            return;
+        }
+        let heard = self
+            .navigation
+            .locked()
+            .map(|locked| self.process.heard(locked) + self.sure());
+        if heard.is_none_or(|heard| at.since(heard) > LOCK_LASTS) {
+            self.findings.add(at, Rule::BottomUnknown, || {
+                format!("{what}: {setpoint}, and the vehicle has told of no bottom for over 5 s")
+            });
+        }
+    }
+
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "sentences that move no vehicle, those of later versions included"
+    )]
+    /// Where a suspended vehicle is told to go.
+    fn judge_move(&mut self, at: Timestamp, message: &ToVehicle) {
+        let (name, bounds_m, place_m) = match message {
+            ToVehicle::HullPosition(to) => {
+                let place_m = [Some(to.horizontal_m), Some(to.vertical_m), Some(to.distance_m)];
+                ("BPGHP", self.limits.hull_box, place_m)
+            }
+            ToVehicle::BottomPosition(to) => {
+                let depth_m = (to.reference == VerticalReference::Depth).then_some(to.vertical_m);
+                ("BPGBP", self.limits.bottom_box, [Some(to.x_m), Some(to.y_m), depth_m])
+            }
+            _ => return,
+        };
+        let Some(bounds_m) = bounds_m else { return };
+        for ([from_m, to_m], metres) in bounds_m.into_iter().zip(place_m) {
+            if let Some(metres) = metres
+                && !(from_m - PLACE_SLACK_M..=to_m + PLACE_SLACK_M).contains(&metres)
+            {
+                self.findings.add(at, Rule::RequestBox, || {
+                    format!("{name} to {metres} m, which is not within {from_m} to {to_m} m")
+                });
+            }
+        }
     }
 
     fn judge_speed(&mut self, at: Timestamp, what: &str, speed_mps: f64) {

@@ -42,9 +42,10 @@ pub(super) fn fix(line: &[u8]) -> Option<Fix> {
     let longitude_deg = angle(&mut fields, 3, [b"E", b"W"]).filter(|deg| deg.abs() <= 180.0)?;
     let _quality = Some(fields.take()).filter(|text| matches!(text, [b'0' | b'1']))?;
     let altitude = fields.take();
-    if !altitude.is_empty() {
-        number(altitude).filter(|metres| *metres >= 0.0)?;
-    }
+    let altitude_m = match altitude {
+        b"" => 0.0,
+        altitude => number(altitude).filter(|metres| *metres >= 0.0)?,
+    };
     let depth_m = number(fields.take())?;
     let heading_deg = number(fields.take()).filter(|deg| (0.0..=360.0).contains(deg))?;
     let (_roll, _pitch) = (number(fields.take())?, number(fields.take())?);
@@ -53,6 +54,7 @@ pub(super) fn fix(line: &[u8]) -> Option<Fix> {
         latitude_deg,
         longitude_deg,
         depth_m,
+        locked: altitude_m > 0.0,
         heading_deg,
     })
 }

@@ -165,29 +165,36 @@ impl Simulation {
         }
     }
 
-    /// In the order of the driver at sea: core's timers, the operator, the connection.
+    /// Core's timers, the operator, the connection, in the order of the driver at sea; or the connection first, as another
+    /// driver may have it.
     fn go_on(&mut self) -> Result<(), SimError> {
         let now = self.now;
         let Some(process) = &mut self.process else {
             return Ok(());
         };
-        let Some(stopped) = process.stopped.take() else {
+        let Some(mut stopped) = process.stopped.take() else {
             return Ok(());
         };
         let due = process.is_due(now);
         self.oracle.runtime_continued(now);
         self.remark("the runtime goes on")?;
-        if due {
+        let connection_first = ((now.as_nanos() / 1_000_000) ^ self.seed) & 1 == 1;
+        if due && !connection_first {
             self.feed(Input::Timeout)?;
         }
-        for act in stopped.acts {
-            self.feed(Input::Operator(act))?;
+        if !connection_first {
+            for act in stopped.acts.drain(..) {
+                self.feed(Input::Operator(act))?;
+            }
         }
         for read in stopped.piled.chunks(READ) {
             // It may have reset the connection by itself meanwhile: what waited is thrown away with it.
             if self.is_linked() {
                 self.feed(Input::Received(read))?;
             }
+        }
+        for act in stopped.acts {
+            self.feed(Input::Operator(act))?;
         }
         if stopped.reset && self.is_linked() {
             return self.feed(Input::LinkDown);

@@ -72,3 +72,28 @@ fn requirement_001_nobody_holds_without_control() {
         Scenario::without_control().ours(3000, body).finds(&["no-control"]);
     }
 }
+
+#[test]
+fn requirement_002_a_move_keeps_to_its_box() {
+    let moved = |body: &str| {
+        Scenario::with_control()
+            .limits(|limits| {
+                limits.hull_box = Some([[-5.0, 5.0], [-2.0, 2.0], [1.0, 4.0]]);
+                limits.bottom_box = Some([[-5.0, 5.0], [-5.0, 5.0], [1.0, 9.0]]);
+            })
+            .ours(3000, SUSPEND)
+            .ours(3250, body)
+            .ours(3500, RESUME)
+    };
+    for body in ["BPGHP,{t},5,-2,1", "BPGBP,{t},5,-5,D,9", "BPGBP,{t},5,-5,A,40"] {
+        moved(body).finds_nothing();
+    }
+    for body in [
+        "BPGHP,{t},5.1,-1,2",
+        "BPGHP,{t},2,-1,0.9",
+        "BPGBP,{t},5,-5.1,D,5",
+        "BPGBP,{t},5,-5,D,9.1",
+    ] {
+        moved(body).finds(&["request-box"]);
+    }
+}

@@ -10,7 +10,7 @@ use backseat_units::{Position, TimeOfDay, Timestamp};
 /// 2.2 km by 1.7 km with a hole of 220 m by 170 m that is forbidden, and a wreck that is at 30 to 40 m only.
 pub(crate) const FENCE: &str = r#"{ "type": "FeatureCollection", "features": [
     { "type": "Feature",
-      "properties": { "name": "site", "kind": "inclusion", "margin_m": 20, "depth_min_m": 2, "depth_max_m": 40,
+      "properties": { "name": "site", "kind": "inclusion", "margin_m": 20, "surfacing": true, "depth_min_m": 2, "depth_max_m": 40,
                       "altitude_min_m": 3 },
       "geometry": { "type": "Polygon", "coordinates": [[
         [-70.02, 42.0], [-70.0, 42.0], [-70.0, 42.02], [-70.02, 42.02], [-70.02, 42.0]]] } },
@@ -38,6 +38,7 @@ enum Event {
     Depth(f64),
     Altitude(f64),
     Navigation(bool),
+    Lock(bool),
     NavigationDelay(u64),
     Stopped,
     Continued,
@@ -159,6 +160,11 @@ impl Scenario {
         self.event(ms, Event::Navigation(on))
     }
 
+    /// Whether BFNVG says a height above the seabed.
+    pub(crate) fn lock(self, ms: u64, on: bool) -> Self {
+        self.event(ms, Event::Lock(on))
+    }
+
     /// How old each BFNVG is when it is let on its way, milliseconds.
     pub(crate) fn navigation_delay(self, ms: u64, delay_ms: u64) -> Self {
         self.event(ms, Event::NavigationDelay(delay_ms))
@@ -223,6 +229,7 @@ impl Scenario {
         let (mut navigation, mut up) = (true, false);
         let (mut states, mut delay_ms) = (Vec::new(), 0);
         let mut events = self.events.into_iter().peekable();
+        let mut lock_m = 30;
         for ms in 0..=until_ms {
             let at = Timestamp::from_millis(ms);
             while let Some((_, event)) = events.next_if(|(due, _)| *due <= ms) {
@@ -248,6 +255,7 @@ impl Scenario {
                     Event::Depth(metres) => truth.depth_m = metres,
                     Event::Altitude(metres) => truth.altitude_m = metres,
                     Event::Navigation(on) => navigation = on,
+                    Event::Lock(on) => lock_m = if on { 30 } else { 0 },
                     Event::NavigationDelay(now) => delay_ms = now,
                     Event::Stopped => oracle.runtime_stopped(at),
                     Event::Continued => oracle.runtime_continued(at),
@@ -261,7 +269,7 @@ impl Scenario {
             if navigation && up {
                 let time = stamp(ms.saturating_sub(delay_ms));
                 let place = self.believed.iter().rev().find(|(since, _)| *since <= ms).unwrap().1;
-                let text = sentence(&format!("BFNVG,{time},{place},1,30,10,90,0,0,{time}"));
+                let text = sentence(&format!("BFNVG,{time},{place},1,{lock_m},10,90,0,0,{time}"));
                 let (first, second) = text.as_bytes().split_at(ms as usize / 100 % text.len());
                 oracle.from_vehicle(at, first);
                 oracle.from_vehicle(at, second);

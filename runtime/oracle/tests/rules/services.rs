@@ -176,3 +176,60 @@ fn requirement_019_messages_and_packets_are_limited_in_their_rate() {
         run(6, body).finds(&["requests-total"]);
     }
 }
+
+#[test]
+fn requirement_002_the_vehicle_surfaces_where_a_zone_lets_it() {
+    let hit = |longitude: &str| {
+        let body = format!("BPRGP,{{t}},7,4200.300,N,{longitude},W,,,0");
+        Scenario::with_control().ours(3000, &body)
+    };
+    hit("07000.900").finds_nothing();
+    hit("07001.900").finds(&["request-surfacing"]);
+}
+
+#[test]
+fn requirement_002_a_height_above_the_seabed_needs_a_seabed() {
+    let at_altitude = |made_ms| {
+        Scenario::with_control()
+            .limits(|limits| limits.water_depth_known = false)
+            .lock(4000, false)
+            .ours(made_ms, "BPRMB,{t},90,20,1,1.5,1,0")
+            .ours(made_ms + 10, END)
+    };
+    // The last lock is of 3.9 s, and 250 ms are for its way.
+    at_altitude(9100).finds_nothing();
+    at_altitude(9200).finds(&["bottom-unknown"]);
+    at_altitude(9200)
+        .limits(|limits| limits.water_depth_known = true)
+        .finds_nothing();
+    let line = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700,W,1,20,1.5,0,0";
+    Scenario::with_control()
+        .limits(|limits| limits.water_depth_known = false)
+        .lock(0, false)
+        .ours(3000, line)
+        .finds(&["bottom-unknown"]);
+    // Another connection has told of none.
+    Scenario::with_control()
+        .limits(|limits| limits.water_depth_known = false)
+        .reconnects(3500, 4000)
+        .lock(3400, false)
+        .ours(5000, line)
+        .finds(&["bottom-unknown"]);
+}
+
+#[test]
+fn requirement_019_lines_and_commands_to_devices_keep_to_their_seconds() {
+    let burst = |body: &str, count: u64| {
+        (0..count).fold(
+            Scenario::with_control().limits(|limits| {
+                limits.caps.messages_per_s = 2;
+                limits.caps.device_commands_per_s = 2;
+            }),
+            |run, index| run.ours(3000 + 100 * index, body),
+        )
+    };
+    for body in ["BPMSG,{t},on the way", "BPLIT,{t},0,1"] {
+        burst(body, 5).finds_nothing();
+        burst(body, 6).finds(&["requests-total"]);
+    }
+}

@@ -6,10 +6,11 @@
 //! may fly on. Of one whose begin was not heard, the first place at which the vehicle was seen stands for it.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use backseat_spi::BehaviorId;
-use backseat_units::EastNorth;
 use backseat_units::math::hypot;
+use backseat_units::{EastNorth, Timestamp};
 
 use crate::ledger::Entry;
 use crate::machine::Core;
@@ -17,6 +18,11 @@ use crate::plugin::RequestState;
 
 /// How often one behaviour can begin until a later begin takes the place of the last.
 const BEGINS_MAX: usize = 4;
+/// A vehicle that neither climbs nor dives by more, metres a second, for so long has settled.
+const LEVEL_MPS: f64 = 0.15;
+const LEVEL_FOR: Duration = Duration::from_secs(5);
+/// From above the surface to the deepest sea.
+const ALL_DEPTHS_M: [f64; 2] = [-100.0, 12_000.0];
 /// On its line a vehicle goes along it to less than this: the cosine of 30 degrees.
 const ALONG: f64 = 0.866;
 
@@ -34,6 +40,12 @@ pub(crate) struct Courses {
     current: Option<Flown>,
     /// Where the vehicle was when this connection first told of it.
     seen: Option<EastNorth>,
+    /// Since when it neither climbs nor dives, while nobody of ours steers.
+    level_since: Option<Timestamp>,
+    /// It has come to the depth of what is flown now.
+    settled: bool,
+    /// The depths that it has settled at in this mission, from and to, metres.
+    depths_m: Option<[f64; 2]>,
     revision: u64,
 }
 
@@ -53,6 +65,7 @@ impl Courses {
         begins.extend(here);
         self.current = Some(flown);
         self.seen = None;
+        (self.settled, self.level_since) = (false, None);
         self.revision += 1;
     }
 
@@ -66,12 +79,26 @@ impl Courses {
     pub(crate) fn link_lost(&mut self) {
         self.current = None;
         self.seen = None;
+        (self.settled, self.level_since) = (false, None);
         self.revision += 1;
+    }
+
+    /// Where it is and how fast it dives, while nobody of ours steers.
+    fn levels(&mut self, now: Timestamp, depth_m: f64, down_mps: f64) {
+        // A figure that is none is not level.
+        let level = down_mps.abs() <= LEVEL_MPS;
+        self.level_since = level.then(|| self.level_since.unwrap_or(now));
+        if self.level_since.is_some_and(|since| now.since(since) >= LEVEL_FOR) {
+            self.settled = true;
+            let [from_m, to_m] = self.depths_m.unwrap_or([depth_m, depth_m]);
+            self.depths_m = Some([from_m.min(depth_m), to_m.max(depth_m)]);
+        }
     }
 
     /// The mission is over.
     pub(crate) fn forget(&mut self) {
         self.begun.clear();
+        self.depths_m = None;
         self.link_lost();
     }
 
@@ -113,12 +140,15 @@ impl Core {
     /// it is behind it.
     pub(crate) fn watch_course(&mut self) {
         if self.lease.is_some() {
+            self.courses.level_since = None;
             return;
         }
         let Some(navigation) = self.tracker.newest() else {
             return;
         };
         let here = navigation.local;
+        self.courses
+            .levels(self.now, navigation.depth.as_m(), navigation.down_mps);
         let Some(current) = self.courses.current else {
             if self.courses.seen.is_none() {
                 self.courses.seen = Some(here);
@@ -139,6 +169,26 @@ impl Core {
             self.courses.begun.insert(current, Vec::new());
             self.courses.revision += 1;
         }
+    }
+
+    /// The depths on the ways to what the vehicle flies before or after a request, from and to, metres. Those of our own
+    /// inserts are known. What the front seat flies at no sentence says: it is taken for what the vehicle has settled at in
+    /// this mission, once it has settled on what is flown now, and for all depths before.
+    pub(crate) fn depths_of_ways(&self) -> Option<[f64; 2]> {
+        let Some([from_m, to_m]) = self.courses.depths_m.filter(|_| self.courses.settled) else {
+            return Some(ALL_DEPTHS_M);
+        };
+        let navigation = self.tracker.newest()?;
+        let lock = self.tracker.bottom_lock(self.now);
+        let (mut from_m, mut to_m) = (from_m.min(navigation.depth.as_m()), to_m.max(navigation.depth.as_m()));
+        for (_, insert, _) in self.chain() {
+            let Some([least_m, most_m]) = self.envelope.depths_m(&insert, navigation.depth, lock) else {
+                return Some(ALL_DEPTHS_M);
+            };
+            (from_m, to_m) = (from_m.min(least_m), to_m.max(most_m));
+        }
+        let error_m = self.envelope.limits().vertical_error_m;
+        Some([from_m - error_m, to_m + error_m])
     }
 
     /// The lines of a behaviour that is one line or several.
@@ -231,8 +281,10 @@ mod tests {
     #[test]
     fn where_what_is_flown_began_is_known_until_its_line_or_another_behaviour() {
         let insert = BehaviorId::new(7);
-        let mut courses = Courses::default();
-        courses.seen = Some(at(1.0, 0.0));
+        let mut courses = Courses {
+            seen: Some(at(1.0, 0.0)),
+            ..Courses::default()
+        };
         assert_eq!(courses.of_current(), [at(1.0, 0.0)]);
         courses.began(Flown::Planned(1), Some(at(2.0, 0.0)));
         assert_eq!(courses.of_current(), [at(2.0, 0.0)]);

@@ -142,6 +142,8 @@ pub(crate) struct Route {
     pub(crate) onto: Vec<(EastNorth, EastNorth)>,
     /// The lines that it may be on now, to which a lapsed modify returns, and the ways to them.
     pub(crate) legs: Vec<(EastNorth, EastNorth)>,
+    /// The depths of what is flown before it and after it, from and to, metres; `None` where they count for nothing.
+    pub(crate) depths_m: Option<[f64; 2]>,
     /// How long all that may be flown before it takes at most, or an insert that it modifies, seconds; infinite where
     /// nobody knows.
     pub(crate) before_s: f64,
@@ -152,6 +154,7 @@ pub(crate) struct Route {
 struct Way {
     strayed_m: f64,
     extent: VerticalExtent,
+    depths_m: [f64; 2],
     when: Option<Span>,
 }
 
@@ -164,6 +167,11 @@ impl Route {
     /// The lines that it may take up again, as far as the ways there are judged.
     fn checked_onto(&self) -> impl Iterator<Item = &(EastNorth, EastNorth)> {
         self.onto.iter().filter(|_| is_on(Check::InsertWayOn))
+    }
+
+    /// The depths that may be passed on the ways.
+    fn passed_m(&self, extent: &VerticalExtent) -> [f64; 2] {
+        self.depths_m.unwrap_or([extent.depth_min_m, extent.depth_max_m])
     }
 
     /// Every point to which it may go on.
@@ -326,6 +334,7 @@ impl Envelope {
         let way = Way {
             strayed_m,
             extent,
+            depths_m: route.passed_m(&extent),
             when,
         };
         let mut least_m = f64::MAX;
@@ -352,6 +361,7 @@ impl Envelope {
         (from, to): (End, End),
         depth: Depth,
         surfacing: bool,
+        depths_m: Option<[f64; 2]>,
         (clocks, before_s): (Clocks, f64),
     ) -> Result<f64, Refusal> {
         let limits = &self.limits;
@@ -368,6 +378,7 @@ impl Envelope {
         let way = Way {
             strayed_m,
             extent,
+            depths_m: depths_m.unwrap_or([depth_m, depth_m]),
             when,
         };
         self.way_by(surfacing, from, to, &way)
@@ -483,7 +494,14 @@ impl Envelope {
         let (from, from_m) = point_and_radius(from);
         let (to, to_m) = point_and_radius(to);
         let radius_m = way.strayed_m + from_m.max(to_m);
-        self.sweep(Shape::leg(from, to), radius_m, &way.extent, way.when)
+        self.sweep_way(&Sweep::new(Shape::leg(from, to), radius_m), way)
+    }
+
+    fn sweep_way(&self, sweep: &Sweep, way: &Way) -> Result<f64, Refusal> {
+        match self.check_passing(sweep, &way.extent, (way.depths_m, way.when)) {
+            Ok(clearance) => Ok(clearance.metres),
+            Err(breach) => Err(refusal(&breach)),
+        }
     }
 
     fn sweep(&self, shape: Shape, radius_m: f64, extent: &VerticalExtent, when: Option<Span>) -> Result<f64, Refusal> {

@@ -326,6 +326,7 @@ impl Core {
         let mut route = Route {
             to: self.plan.next_points(),
             before_s: self.flown_insert_s(),
+            depths_m: self.depths_of_ways(),
             ..Route::default()
         };
         let mut flying = false;

@@ -486,6 +486,7 @@ impl Core {
             to: self.plan.next_points(),
             before_s: self.before_insert_s(interrupt),
             onto: self.taken_up_after(interrupt),
+            depths_m: self.depths_of_ways(),
             ..Route::default()
         };
         let here = self.tracker.newest().map(|navigation| End::At(navigation.local));

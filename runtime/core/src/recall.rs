@@ -129,7 +129,7 @@ impl Core {
         for from in &from {
             for to in &to {
                 self.envelope
-                    .judge_way((*from, *to), navigation.depth, surfacing, when)?;
+                    .judge_way((*from, *to), navigation.depth, surfacing, self.depths_of_ways(), when)?;
             }
         }
         Ok(())

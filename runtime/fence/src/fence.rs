@@ -108,7 +108,7 @@ impl Fence {
     /// The [`Breach`]: what does not hold, by how many metres, and where. Where no inclusion zone holds, it is told of
     /// the one whose worst fault is the smallest.
     pub fn check(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
-        self.ask(sweep, vertical, false, None)
+        self.ask(sweep, vertical, None, false, None)
     }
 
     /// Whether any zone is valid for a time only, so that the answers depend on when.
@@ -139,16 +139,34 @@ impl Fence {
     /// # Errors
     /// The [`Breach`]; [`Rule::Surfacing`] where no zone that allows surfacing holds the sweep.
     pub fn check_surfacing(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
-        self.ask(sweep, vertical, true, None)
+        self.ask(sweep, vertical, None, true, None)
+    }
+
+    /// As [`Fence::check`], of a way on which the vehicle may come to other depths than those of the extent, which are not
+    /// the asker's affair: from and to, metres. Exclusion zones count at all of them, inclusion zones by the extent alone.
+    ///
+    /// # Errors
+    /// As [`Fence::check`]; [`Rule::NotFinite`] too where a depth is no number.
+    pub fn check_passing(
+        &self,
+        sweep: &Sweep,
+        vertical: &VerticalExtent,
+        depths_m: [f64; 2],
+    ) -> Result<Clearance, Breach> {
+        self.ask(sweep, vertical, Some(depths_m), false, None)
     }
 
     fn ask(
         &self,
         sweep: &Sweep,
         vertical: &VerticalExtent,
+        depths_m: Option<[f64; 2]>,
         surfacing: bool,
         span: Option<Span>,
     ) -> Result<Clearance, Breach> {
+        if depths_m.is_some_and(|depths_m| !depths_m.iter().all(|metres| metres.abs() <= LIMIT_M)) {
+            return Err(self.map.unusable("depth that may be passed"));
+        }
         if let Some(time) = unusable_span(span) {
             return Err(self.map.unusable(time));
         }
@@ -160,8 +178,10 @@ impl Fence {
             passed.depth_min_m = passed.depth_min_m.min(0.0);
             passed.depth_max_m = passed.depth_max_m.max(0.0);
         }
+        let [from_m, to_m] = depths_m.unwrap_or([passed.depth_min_m, passed.depth_max_m]);
         let question = Question {
             radius_m: sweep.radius_m,
+            passed_m: [passed.depth_min_m.min(from_m), passed.depth_max_m.max(to_m)],
             vertical: Some(passed),
             surfacing,
             span,
@@ -194,6 +214,7 @@ impl Fence {
             Question {
                 radius_m: 0.0,
                 vertical: None,
+                passed_m: [0.0; 2],
                 surfacing: false,
                 span,
             },
@@ -214,7 +235,20 @@ impl FenceDuring<'_> {
     /// # Errors
     /// The [`Breach`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
     pub fn check(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
-        self.fence.ask(sweep, vertical, false, Some(self.span))
+        self.fence.ask(sweep, vertical, None, false, Some(self.span))
+    }
+
+    /// As [`Fence::check_passing`], with the zones that are valid then.
+    ///
+    /// # Errors
+    /// As [`Fence::check_passing`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
+    pub fn check_passing(
+        &self,
+        sweep: &Sweep,
+        vertical: &VerticalExtent,
+        depths_m: [f64; 2],
+    ) -> Result<Clearance, Breach> {
+        self.fence.ask(sweep, vertical, Some(depths_m), false, Some(self.span))
     }
 
     /// As [`Fence::check_surfacing`], with the zones that are valid then.
@@ -222,7 +256,7 @@ impl FenceDuring<'_> {
     /// # Errors
     /// The [`Breach`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
     pub fn check_surfacing(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
-        self.fence.ask(sweep, vertical, true, Some(self.span))
+        self.fence.ask(sweep, vertical, None, true, Some(self.span))
     }
 
     /// As [`Fence::contains`], with the zones that are valid then.

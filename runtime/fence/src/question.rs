@@ -19,6 +19,8 @@ pub(crate) const LIMIT_M: f64 = 1e9;
 pub(crate) struct Question {
     pub(crate) radius_m: f64,
     pub(crate) vertical: Option<VerticalExtent>,
+    /// The depths that may be passed, from and to, metres: those at which exclusions count.
+    pub(crate) passed_m: [f64; 2],
     /// The vehicle surfaces: only zones that allow it count, and there the shallowest depth does not.
     pub(crate) surfacing: bool,
     /// When it happens; none where that is unknown.
@@ -75,11 +77,11 @@ impl Question {
     fn meets_depths(&self, zone: &Zone) -> bool {
         match (self.vertical, zone.kind) {
             (
-                Some(vertical),
+                Some(_),
                 Kind::Exclusion {
                     depth: Some(Band { min_m, max_m }),
                 },
-            ) => vertical.depth_min_m <= max_m && vertical.depth_max_m >= min_m,
+            ) => self.passed_m[0] <= max_m && self.passed_m[1] >= min_m,
             (None, _) | (Some(_), Kind::Exclusion { depth: None } | Kind::Inclusion { .. }) => true,
         }
     }

@@ -17,8 +17,14 @@ impl Fence {
     ///
     /// # Panics
     /// Where there is no shape.
-    pub fn check_all(&self, shapes: &[Shape], radius_m: f64, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
-        each(shapes, radius_m, |sweep| self.check(sweep, vertical))
+    pub fn check_all(
+        &self,
+        shapes: &[Shape],
+        radius_m: f64,
+        vertical: &VerticalExtent,
+        depths_m: [f64; 2],
+    ) -> Result<Clearance, Breach> {
+        each(shapes, radius_m, |sweep| self.check_passing(sweep, vertical, depths_m))
     }
 }
 
@@ -30,8 +36,14 @@ impl FenceDuring<'_> {
     ///
     /// # Panics
     /// Where there is no shape.
-    pub fn check_all(&self, shapes: &[Shape], radius_m: f64, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
-        each(shapes, radius_m, |sweep| self.check(sweep, vertical))
+    pub fn check_all(
+        &self,
+        shapes: &[Shape],
+        radius_m: f64,
+        vertical: &VerticalExtent,
+        depths_m: [f64; 2],
+    ) -> Result<Clearance, Breach> {
+        each(shapes, radius_m, |sweep| self.check_passing(sweep, vertical, depths_m))
     }
 }
 

@@ -162,7 +162,11 @@ fn reachable() {
                 Shape::quadrilateral([here, ahead, start, end]),
                 Shape::triangle(here, ahead, next),
             ];
-            black_box(fence.check_all(&ways, 55.0, &extent).is_ok());
+            black_box(
+                fence
+                    .check_all(&ways, 55.0, &extent, [extent.depth_min_m, extent.depth_max_m])
+                    .is_ok(),
+            );
         },
         || {
             let [here, ahead, start, end, _] = places[floor % places.len()];

@@ -52,7 +52,7 @@ pub enum Come {
 /// The least and the most troubles of a drawn plan.
 const TROUBLES: (usize, usize) = (3, 9);
 /// One mission in so many is ended from outside.
-const FATAL_SHARE: f64 = 0.05;
+const FATAL_SHARE: f64 = 0.04;
 /// How often what waits for a state waits for an insert to be asked for.
 const ASKED_SHARE: f64 = 0.2;
 

@@ -19,7 +19,7 @@ pub struct Scenario {
 }
 
 /// One mission in so many is of a hovering vehicle.
-const HOVERING_SHARE: f64 = 0.12;
+const HOVERING_SHARE: f64 = 0.1;
 /// What the specification leaves open, drawn in every world (the keys of `[interpretation]`).
 const OPEN: [&str; 20] = [
     "inserts_after_control",
@@ -102,7 +102,7 @@ impl Scenario {
         let mut dice = Dice::new(seed, "scenario");
         let hovering = dice.chance(HOVERING_SHARE);
         // Beside a ship there is no room for lines and circles.
-        let ship = hovering && dice.chance(0.25);
+        let ship = hovering && dice.chance(0.2);
         let area = Area::draw(&mut dice, hovering);
         Self {
             hovering,

@@ -210,14 +210,14 @@ impl Envelope {
         if (route.legs.is_empty() && route.to.is_empty()) || !is_on(Check::ModifyWayBack) {
             return straight();
         }
-        // Back to the plan its own depths hold, which are the front seat's affair: the ways are checked in the plane. Each
-        // of them covers the way straight ahead, which need not be looked at again, but says best what is wrong.
+        // Back to the plan its own depths hold, which are the front seat's affair, but for what is to be kept out of. Each
+        // of the ways covers the way straight ahead, which need not be looked at again, but says best what is wrong.
         let legs = route.legs.iter().map(|line| onto([here, ahead], *line));
         // What begins where a leg ends is in the leg's shape.
         let ends_a_leg = |next: &&EastNorth| route.legs.iter().any(|(start, end)| *next == start || *next == end);
         let to = route.to.iter().filter(|next| !ends_a_leg(next));
         let ways: Vec<Shape> = legs.chain(to.map(|next| Shape::triangle(here, ahead, *next))).collect();
-        self.check_all(&ways, radius_m, extent, when)
+        self.check_all(&ways, radius_m, extent, (route.passed_m(extent), when))
             .map(|clearance| clearance.metres)
             .map_err(|breach| straight().err().unwrap_or_else(|| refusal(&breach)))
     }

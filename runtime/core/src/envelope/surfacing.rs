@@ -41,6 +41,7 @@ impl Envelope {
         let way = Way {
             strayed_m,
             extent: *extent,
+            depths_m: route.passed_m(extent),
             when,
         };
         for from in route.checked_from() {
@@ -58,6 +59,16 @@ impl Envelope {
     /// How far the current carries a vehicle that waits at the surface for GPS.
     pub(super) fn drift_m(&self) -> f64 {
         self.limits.current_max_mps * self.limits.gps_hit_duration_max_s
+    }
+
+    /// The least and the greatest depth of an insert's flight, metres; `None` where they cannot be known.
+    pub(crate) fn depths_m(&self, insert: &Insert, depth: Depth, lock: Option<BottomLock>) -> Option<[f64; 2]> {
+        let (InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. }) = insert.path else {
+            return None;
+        };
+        let around = self.ends(insert).0.point();
+        let extent = self.extent(flight.vertical, depth, lock, around, self.length_m(insert));
+        extent.ok().map(|extent| [extent.depth_min_m, extent.depth_max_m])
     }
 
     /// The greatest depth that an insert leads to, metres; `None` where an altitude's depth cannot be known.
@@ -87,7 +98,7 @@ impl Envelope {
         if any_depth {
             self.of_any_depth(&sweep, way)
         } else {
-            self.sweep(sweep.shape, sweep.radius_m, &way.extent, way.when)
+            self.sweep_way(&sweep, way)
         }
     }
 

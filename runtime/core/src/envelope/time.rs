@@ -62,11 +62,24 @@ impl Envelope {
         shapes: &[Shape],
         radius_m: f64,
         extent: &VerticalExtent,
-        when: Option<Span>,
+        (depths_m, when): ([f64; 2], Option<Span>),
     ) -> Result<Clearance, Breach> {
         match when {
-            Some(span) => self.fence.during(span).check_all(shapes, radius_m, extent),
-            None => self.fence.check_all(shapes, radius_m, extent),
+            Some(span) => self.fence.during(span).check_all(shapes, radius_m, extent, depths_m),
+            None => self.fence.check_all(shapes, radius_m, extent, depths_m),
+        }
+    }
+
+    /// As [`Envelope::check`], of a way on which the vehicle may be at other depths too.
+    pub(super) fn check_passing(
+        &self,
+        sweep: &Sweep,
+        extent: &VerticalExtent,
+        (depths_m, when): ([f64; 2], Option<Span>),
+    ) -> Result<Clearance, Breach> {
+        match when {
+            Some(span) => self.fence.during(span).check_passing(sweep, extent, depths_m),
+            None => self.fence.check_passing(sweep, extent, depths_m),
         }
     }
 

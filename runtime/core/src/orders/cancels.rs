@@ -107,8 +107,13 @@ impl Core {
         }
         let when = (self.clocks(), 0.0);
         for to in to.into_iter().filter(|_| is_on(Check::CancelWay)) {
-            self.envelope
-                .judge_way((End::At(navigation.local), to), navigation.depth, surfacing, when)?;
+            self.envelope.judge_way(
+                (End::At(navigation.local), to),
+                navigation.depth,
+                surfacing,
+                self.depths_of_ways(),
+                when,
+            )?;
         }
         Ok(())
     }

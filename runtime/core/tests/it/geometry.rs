@@ -2,7 +2,7 @@ use backseat_core::plugin::{ModifyRequest, Request, TrackcircleRequest, Tracklin
 use backseat_core::{Limits, plugin::Judge};
 use backseat_units::EastNorth;
 
-use crate::course::{circle, limits, line, modify};
+use crate::course::{circle, harbour, limits, line, modify};
 use crate::trial::{Setup, Trial, shorts};
 
 /// The rejection of a request that the vehicle must never hear of.
@@ -266,6 +266,31 @@ fn sr_002_the_way_back_from_a_modify_to_the_way_to_the_leg_is_checked() {
     names_edge_and_metres(&text, "inside exclusion 'wreck'");
     let trial = led_off(EastNorth::new(500.0, -1400.0));
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+}
+
+#[test]
+fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_at() {
+    // East of the planned leg lie shoals that are to be kept out of above 5 m, and the modify is flown at 20 m.
+    let asked_after = |seconds: f64, flown_at_m: f64| {
+        let mut trial = Trial::with(Setup {
+            fence: harbour(),
+            ..Setup::default()
+        });
+        trial.vehicle.moved = Some((1, EastNorth::new(600.0, 0.0)));
+        trial.vehicle.start = EastNorth::new(1000.0, 600.0);
+        trial.vehicle.depth_m = flown_at_m;
+        trial.run_for(seconds);
+        trial.vehicle.depth_m = 20.0;
+        trial.run_for(1.0);
+        trial.ask(0, [Request::Modify(modify(1))]);
+        trial.run_for(0.5);
+        trial
+    };
+    let trial = asked_after(9.0, 20.0);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+    names_edge_and_metres(&asked_after(9.0, 4.0).rejection(1), "inside exclusion 'shoals'");
+    // What it is flown at is not known yet.
+    names_edge_and_metres(&asked_after(2.0, 20.0).rejection(1), "inside exclusion 'shoals'");
 }
 
 #[test]

@@ -30,6 +30,13 @@ fn under_way() -> Trial {
     Trial::with_under_way(setup())
 }
 
+/// Under way for long enough to know at what depth the plan is flown.
+fn settled() -> Trial {
+    let mut trial = under_way();
+    trial.run_for(5.0);
+    trial
+}
+
 /// In the harbour, with clear ways to it and on.
 fn hit(tag: u64) -> Request {
     hit_at(tag, (0.0, 500.0))
@@ -183,7 +190,7 @@ fn sr_002_it_surfaces_only_where_the_fence_allows_it_drift_and_all() {
 fn sr_002_the_ways_to_and_from_the_surface_are_judged_at_every_depth_that_is_passed() {
     // The plan's leg ends at (600, 0). The way from there leads over the shoals: a line at 20 m passes under them, the way
     // to the surface may not.
-    let mut trial = under_way();
+    let mut trial = settled();
     let text = rejected(&mut trial, hit_at(1, (1450.0, 500.0)));
     assert!(text.starts_with("exclusion: inside exclusion 'shoals'"), "{text}");
     trial.ask(0, [Request::Trackline(line(2, (1400.0, 470.0), (1500.0, 530.0)))]);
@@ -194,7 +201,7 @@ fn sr_002_the_ways_to_and_from_the_surface_are_judged_at_every_depth_that_is_pas
 #[test]
 fn sr_002_what_follows_a_gps_hit_comes_from_the_surface_and_from_where_it_has_drifted() {
     let beyond = |tag| Request::Trackline(line(tag, (1300.0, 270.0), (1400.0, 270.0)));
-    let mut trial = under_way();
+    let mut trial = settled();
     trial.ask(0, [beyond(1)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "alone it is good");
@@ -214,7 +221,7 @@ fn sr_002_what_interrupts_before_a_gps_hit_goes_on_to_the_surface() {
         beyond.interrupt = true;
         Request::Trackline(beyond)
     };
-    let mut trial = under_way();
+    let mut trial = settled();
     trial.ask(0, [beyond(1)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "alone it is good");

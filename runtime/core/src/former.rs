@@ -13,6 +13,7 @@ use backseat_spi::{BehaviorId, CancelBehavior, ToVehicle};
 
 use crate::io::{Identifiers, Note};
 use crate::machine::Core;
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// How often a cancel is sent on a connection.
@@ -112,20 +113,34 @@ impl Core {
             |identifier: &&BehaviorId| former.cancelled.get(identifier).is_none_or(|sent| *sent < SENT_MAX);
         let waiting: Vec<BehaviorId> = former.left.iter().filter(may_be_sent).copied().collect();
         for identifier in &waiting {
-            let created = self.stamper.stamp(self.now, "RCN");
-            let command = self.courtesy("RCN", Some(created));
-            let message = ToVehicle::CancelBehavior(CancelBehavior {
-                created,
-                identifier: *identifier,
-            });
-            if self.transmit(&message, Some(command)) {
-                *self.former.cancelled.entry(*identifier).or_default() += 1;
-                let text = format!("insert {identifier} of an earlier process is taken back");
-                self.note(Note::Text { text });
-            }
+            self.take_back(*identifier);
         }
         if !waiting.is_empty() {
             self.timers.set(Timer::Plan, self.now + AGAIN_AFTER);
+        }
+    }
+
+    /// The vehicle's plan names an insert, before the plan has come whole: under the operator's hold it is taken back at
+    /// once.
+    pub(crate) fn former_named(&mut self, identifier: Option<BehaviorId>) {
+        let Some(identifier) = identifier.filter(|identifier| self.former.includes(*identifier)) else {
+            return;
+        };
+        let is_new = self.former.left.insert(identifier) && !self.former.cancelled.contains_key(&identifier);
+        if is_new && self.held && is_on(Check::HoldCancels) {
+            self.take_back(identifier);
+            self.timers.set(Timer::Plan, self.now + AGAIN_AFTER);
+        }
+    }
+
+    fn take_back(&mut self, identifier: BehaviorId) {
+        let created = self.stamper.stamp(self.now, "RCN");
+        let command = self.courtesy("RCN", Some(created));
+        let message = ToVehicle::CancelBehavior(CancelBehavior { created, identifier });
+        if self.transmit(&message, Some(command)) {
+            *self.former.cancelled.entry(identifier).or_default() += 1;
+            let text = format!("insert {identifier} of an earlier process is taken back");
+            self.note(Note::Text { text });
         }
     }
 }

@@ -79,6 +79,7 @@ impl Core {
                 self.heard(message.created);
                 let frame = *self.envelope.fence().frame();
                 self.plan.collect(&frame, &message);
+                self.former_named(message.identifier);
             }
             FromVehicle::VehicleVersion(message) => {
                 self.heard(message.created);

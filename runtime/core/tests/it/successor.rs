@@ -200,3 +200,22 @@ fn sr_015_a_successor_takes_back_what_is_left_though_the_plan_does_not_come_agai
     trial.run_for(2.0);
     assert!(cancelled(&trial).is_empty());
 }
+
+#[test]
+fn sr_015_under_the_hold_what_is_left_is_taken_back_as_soon_as_the_plan_names_it() {
+    let mut trial = successor(2, |_| {});
+    trial.vehicle.replies.insert("RMP", Reply::Silent);
+    trial.run_for(2.0);
+    trial.feed(Input::Operator(Operator::Hold));
+    for index in 0..2 {
+        let now = trial.now;
+        for (identifier, east_m) in [(7, 0.0), (40, 100.0)] {
+            trial
+                .vehicle
+                .say_element(now, None, Some(identifier), index, (east_m, 500.0));
+        }
+        trial.run_for(0.2);
+    }
+    // 40 is another payload's, and the plan is not whole.
+    assert_eq!(cancelled(&trial), [7]);
+}

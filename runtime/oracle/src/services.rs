@@ -148,9 +148,8 @@ impl Silence {
 /// How much was asked for, by the runtime's process.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Quota {
-    gps_hits: u32,
-    adjustments: u32,
-    silences: u32,
+    /// What the vehicle took, by when it was asked: an answer may come twice.
+    taken: Vec<(Counted, TimeOfDay)>,
     topside: Rate,
     packets: Rate,
     messages: Rate,
@@ -162,7 +161,7 @@ pub(crate) struct Quota {
 struct Rate(VecDeque<Timestamp>);
 
 /// What is counted in all.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Counted {
     GpsHit,
     Adjustment,
@@ -180,14 +179,24 @@ pub(crate) enum Rated {
 
 impl Quota {
     /// The vehicle took one.
-    pub(crate) fn taken(&mut self, at: Timestamp, what: Counted, caps: &Caps, findings: &mut Findings) {
-        let (count, max, name) = match what {
-            Counted::GpsHit => (&mut self.gps_hits, caps.gps_hits_total_max, "GPS hits"),
-            Counted::Adjustment => (&mut self.adjustments, caps.adjustments_total_max, "adjustments"),
-            Counted::Silence => (&mut self.silences, caps.silences_total_max, "silences"),
+    pub(crate) fn taken(
+        &mut self,
+        at: Timestamp,
+        (what, created): (Counted, TimeOfDay),
+        caps: &Caps,
+        findings: &mut Findings,
+    ) {
+        let (max, name) = match what {
+            Counted::GpsHit => (caps.gps_hits_total_max, "GPS hits"),
+            Counted::Adjustment => (caps.adjustments_total_max, "adjustments"),
+            Counted::Silence => (caps.silences_total_max, "silences"),
         };
-        *count += 1;
-        if *count > max {
+        if self.taken.contains(&(what, created)) {
+            return;
+        }
+        self.taken.push((what, created));
+        let count = self.taken.iter().filter(|(other, _)| *other == what).count();
+        if count > max as usize {
             findings.add(at, Rule::RequestsTotal, || {
                 format!("{count} {name} taken, {max} allowed")
             });

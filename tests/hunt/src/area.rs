@@ -27,7 +27,7 @@ struct Exclusion {
 }
 
 /// What lies between the legs keeps so far from them, and its margin: a turn's width, and what the vehicle strays.
-const ASIDE_M: f64 = 50.0;
+const ASIDE_M: f64 = 35.0;
 const MIDDLE: EastNorth = EastNorth::new(0.0, 0.0);
 
 impl Area {
@@ -36,20 +36,29 @@ impl Area {
     pub(crate) fn draw(dice: &mut Dice, hovering: bool) -> Self {
         let origin = Position::from_deg(dice.figure(-60.0, 65.0), dice.figure(-179.0, 179.0))
             .expect("both are within their ranges");
-        let base_m = dice.between(640.0, 950.0);
+        let base_m = if dice.chance(0.3) {
+            dice.between(420.0, 640.0)
+        } else {
+            dice.between(640.0, 950.0)
+        };
         let vertices = dice.one(&[4, 5, 8, 40, 200]);
         let rough = if vertices < 8 { 0.02 } else { 0.12 };
         let ring = star(dice, MIDDLE, vertices, base_m, rough);
+        // Between the plan and the border.
+        let ring_m = (0.81 * base_m - 45.0).min(540.0);
         let kept_out = if hovering { 0 } else { dice.below(4) };
         let hole = (!hovering && dice.chance(0.2)).then(|| {
-            let at = MIDDLE.offset(dice.between(0.0, 360.0), dice.between(490.0, 530.0));
+            let at = MIDDLE.offset(dice.between(0.0, 360.0), ring_m * dice.between(0.9, 1.0));
             star(dice, at, 6, 30.0, 0.2)
         });
         let turn_deg = dice.between(100.0, 200.0);
         let bearing_deg = dice.between(0.0, 360.0);
         let points: Vec<EastNorth> = (0..6)
             .map(|leg| {
-                let point = MIDDLE.offset(bearing_deg + turn_deg * f64::from(leg), dice.between(120.0, 320.0));
+                let point = MIDDLE.offset(
+                    bearing_deg + turn_deg * f64::from(leg),
+                    dice.between(120.0, (0.5 * base_m).min(320.0)),
+                );
                 EastNorth::new(tenths(point.east_m), tenths(point.north_m))
             })
             .collect();
@@ -58,7 +67,7 @@ impl Area {
             .filter_map(|_| {
                 let size_m = dice.between(20.0, 50.0);
                 let at = if dice.chance(0.5) {
-                    MIDDLE.offset(dice.between(0.0, 360.0), dice.between(480.0, 540.0))
+                    MIDDLE.offset(dice.between(0.0, 360.0), ring_m * dice.between(0.9, 1.0))
                 } else {
                     beside(dice, &points, 1.7 * size_m + margin_m + ASIDE_M)?
                 };

@@ -124,8 +124,12 @@ impl Trouble {
     /// The link loses what the vehicle says.
     pub(crate) fn dropping(dice: &mut Dice) -> Self {
         loop {
-            let drawn = Self::draw_vehicle(dice);
-            if drawn.kind() == "link dropping" {
+            let mut drawn = Self::draw_vehicle(dice);
+            if let Self::Vehicle(fault) = &mut drawn
+                && let FaultKind::Link(link) = &mut fault.kind
+                && let LinkFaultKind::Drop { chance } = &mut link.kind
+            {
+                *chance = 0.5;
                 return drawn;
             }
         }
@@ -162,7 +166,12 @@ impl Trouble {
                 clock_s: dice.one(&[-86_400.0, -3600.0, -70.0, -2.5, 0.2, 30.0, 61.0, 4000.0]),
             },
             "stop" => Self::Stop {
-                lasts: dice.millis(1.0, 30.0),
+                // The shorter ones are those after which most looks as before.
+                lasts: if dice.chance(0.5) {
+                    dice.millis(1.0, 4.0)
+                } else {
+                    dice.millis(1.0, 30.0)
+                },
             },
             "stop_short" => Self::Stop {
                 lasts: dice.millis(0.05, 1.0),

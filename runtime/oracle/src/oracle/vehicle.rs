@@ -132,7 +132,8 @@ impl Oracle {
                     self.inserts.check_open(at, open_max, duration_s, &mut self.findings);
                 }
                 if taken && command == "RGP" {
-                    self.quota.taken(at, Counted::GpsHit, caps, &mut self.findings);
+                    self.quota
+                        .taken(at, (Counted::GpsHit, created), caps, &mut self.findings);
                 }
             }
             "RCN" if taken => {
@@ -144,9 +145,12 @@ impl Oracle {
                 self.plan_heard = true;
                 self.inserts.plan_told();
             }
-            "TRM" | "BOY" if taken => self.quota.taken(at, Counted::Adjustment, caps, &mut self.findings),
+            "TRM" | "BOY" if taken => self
+                .quota
+                .taken(at, (Counted::Adjustment, created), caps, &mut self.findings),
             "SIL" if self.silence.answered(created, taken, caps) => {
-                self.quota.taken(at, Counted::Silence, caps, &mut self.findings);
+                self.quota
+                    .taken(at, (Counted::Silence, created), caps, &mut self.findings);
             }
             _ => {}
         }

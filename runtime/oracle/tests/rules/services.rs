@@ -130,20 +130,23 @@ fn requirement_018_silence_is_not_asked_for_while_it_stands() {
 
 #[test]
 fn requirement_019_what_outlives_us_is_capped_in_number() {
-    let taken = |what: &str, status: u32| {
+    let answered = |what: &str, status: u32, asked_s: [u32; 3]| {
         let mut run = Scenario::with_control().limits(|limits| {
             limits.caps.gps_hits_total_max = 2;
             limits.caps.adjustments_total_max = 2;
         });
-        for ms in [3000, 4000, 5000] {
-            let ack = format!("BFACK,{{t}},{what},000001.000,0,{status},0,text");
+        for (ms, asked_s) in [3000, 4000, 5000].into_iter().zip(asked_s) {
+            let ack = format!("BFACK,{{t}},{what},00000{asked_s}.000,0,{status},0,text");
             run = run.vehicle(ms, &ack);
         }
         run
     };
+    let taken = |what: &str, status: u32| answered(what, status, [1, 2, 3]);
     for what in ["RGP", "TRM", "BOY"] {
         taken(what, 2).finds(&["requests-total"]);
         taken(what, 1).finds_nothing();
+        // An answer that comes twice is of one that was asked once.
+        answered(what, 2, [1, 2, 2]).finds_nothing();
     }
     let run = Scenario::with_control().limits(|limits| limits.caps.silences_total_max = 1);
     let run = run

@@ -3,7 +3,8 @@
 //! A vehicle that has been led off its way, or takes up again what was interrupted, does not head for the nearest of its
 //! ends: it steers to the line itself (line-of-sight steering, Fossen, *Handbook of Marine Craft Hydrodynamics and Motion
 //! Control*, 2011, section 10.3). To know where that may lead to, the places are kept where the behaviours began that it
-//! may fly on. Of one whose begin was not heard, the first place at which the vehicle was seen stands for it.
+//! may fly on. Of one whose begin was not heard, the first place at which the vehicle was seen stands for it. All that is
+//! judged by it belongs to safety requirement 002.
 
 use std::collections::BTreeMap;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! Ways onto a line by a vehicle that steers to the line rather than to one of its ends.
+//! Ways onto a line by a vehicle that steers to the line rather than to one of its ends (safety requirement 002).
 
 use backseat_fence::Shape;
 use backseat_units::EastNorth;

@@ -24,6 +24,8 @@ const LEVEL_MPS: f64 = 0.15;
 const LEVEL_FOR: Duration = Duration::from_secs(5);
 /// From above the surface to the deepest sea.
 const ALL_DEPTHS_M: [f64; 2] = [-100.0, 12_000.0];
+/// Places that are nearer to each other count as one, metres.
+const SAME_M: f64 = 1.0;
 /// On its line a vehicle goes along it to less than this: the cosine of 30 degrees.
 const ALONG: f64 = 0.866;
 
@@ -250,10 +252,19 @@ fn ways(from: &[EastNorth], lines: &[(EastNorth, EastNorth)]) -> Vec<(EastNorth,
             starts.push(*start);
         }
     }
-    starts
-        .iter()
-        .flat_map(|start| from.iter().map(|from| (*from, *start)))
-        .collect()
+    let mut ways: Vec<(EastNorth, EastNorth)> = Vec::new();
+    for start in &starts {
+        // Places that are one for every purpose: what is judged is far wider.
+        for from in from {
+            if !ways
+                .iter()
+                .any(|(known, to)| to == start && known.distance_m(*from) < SAME_M)
+            {
+                ways.push((*from, *start));
+            }
+        }
+    }
+    ways
 }
 
 /// Whether the vehicle goes along a line that it is on.

@@ -69,7 +69,7 @@ fn each(
     least.expect("the caller gives one shape at least")
 }
 
-/// The leg between the two points that are farthest apart, with a radius within which all the others lie: a convex
+/// The leg between two points that are about as far apart as any, with a radius within which all the others lie: a convex
 /// shape, so that it has the hulls of them in it too. None for a single leg or point, which it would not be cheaper than,
 /// and where a rim or what is no number is among them.
 fn around(shapes: &[Shape], radius_m: f64) -> Option<Sweep> {
@@ -87,16 +87,15 @@ fn around(shapes: &[Shape], radius_m: f64) -> Option<Sweep> {
     if !hulls || points().count() < 3 || !points().all(usable) {
         return None;
     }
-    let (mut ends, mut longest_m2) = ([EastNorth::default(); 2], -1.0);
-    for (index, a) in points().enumerate() {
-        for b in points().skip(index + 1) {
-            let length_m2 = (vector(*b) - vector(*a)).length_squared();
-            if length_m2 > longest_m2 {
-                (ends, longest_m2) = ([*a, *b], length_m2);
-            }
-        }
-    }
-    let [from, to] = ends;
+    // The farthest from any point, and the farthest from that: seldom much nearer to each other than the two that are
+    // farthest apart, and found in one pass each.
+    let farthest = |from: EastNorth| {
+        let squared_m2 = |point: &EastNorth| (vector(*point) - vector(from)).length_squared();
+        points().max_by(|a, b| squared_m2(a).total_cmp(&squared_m2(b)))
+    };
+    let from = farthest(*points().next()?)?;
+    let to = farthest(*from)?;
+    let (from, to) = (*from, *to);
     let off_m2 = points().map(|point| point_d2(vector(*point), vector(from), vector(to)));
     // The roots' rounding is far below a micrometre.
     let off_m = off_m2.fold(0.0, f64::max).sqrt() + 1e-6;

@@ -75,7 +75,7 @@ fn a_rim_and_what_is_no_number_are_judged_as_ever() {
 fn an_exclusion_counts_at_all_depths_that_are_passed_and_an_inclusion_at_the_extents_alone() {
     let fence = Fence::from_geojson(
         r#"{"type":"FeatureCollection","features":[
-        {"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":1,"depth_min_m":5,"depth_max_m":40},
+        {"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":1,"depth_min_m":5,"depth_max_m":40,"altitude_min_m":2},
          "geometry":{"type":"Polygon","coordinates":[[[-70.01,41.99],[-69.99,41.99],[-69.99,42.01],[-70.01,42.01],[-70.01,41.99]]]}},
         {"type":"Feature","properties":{"name":"shoal","kind":"exclusion","margin_m":1,"depth_max_m":10},
          "geometry":{"type":"Polygon","coordinates":[[[-70.001,41.999],[-69.999,41.999],[-69.999,42.001],[-70.001,42.001],[-70.001,41.999]]]}}]}"#,

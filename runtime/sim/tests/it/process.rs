@@ -54,7 +54,7 @@ fn sr_009_a_new_process_uses_no_identifier_of_the_old_ones() {
         sent.is_sorted_by(|before, after| before < after),
         "each has sent some: {sent:?}"
     );
-    let (report, trace) = flight.land();
+    let (report, trace) = flight.end();
     let identifiers = identifiers(&trace);
     assert_eq!(identifiers.len() as u64, sent[3]);
     let mut once = identifiers.clone();
@@ -72,7 +72,8 @@ fn sr_010_a_new_process_interrupts_nothing_while_an_insert_of_an_old_one_may_be_
     flight.until(40.0).sim.kill(seconds(2), crew(), 0);
     flight.until(42.0);
     flight.sim.substitute(SECOND, Some(understudy("cross_fence")));
-    let (_, trace) = flight.land();
+    flight.until(100.0);
+    let (_, trace) = flight.end();
     assert_eq!(identifiers(&trace), [1]);
 }
 

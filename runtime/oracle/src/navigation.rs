@@ -22,6 +22,8 @@ pub(crate) struct Navigation {
     on_its_way: Option<Told>,
     /// When bottom lock was last told on this connection.
     locked: Option<Timestamp>,
+    /// When the solutions' time last went back on this connection.
+    went_back: Option<Timestamp>,
     heard: Option<Told>,
     /// The last that was heard on any connection, and the plane at a latitude that was near, degrees.
     last: Option<(Told, (Plane, f64))>,
@@ -85,6 +87,7 @@ impl Navigation {
         self.newest = None;
         self.told = None;
         self.locked = None;
+        self.went_back = None;
         self.on_its_way = None;
         self.heard = None;
     }
@@ -126,6 +129,7 @@ impl Navigation {
         let step_ns = solution.nanos_since(newest.solution);
         if step_ns < Self::RESTART_NS {
             self.newest = None;
+            self.went_back = Some(at);
             return self.advances(at, solution);
         }
         if step_ns <= 0 {
@@ -186,6 +190,12 @@ impl Navigation {
     /// When bottom lock was last told on this connection.
     pub(crate) const fn locked(&self) -> Option<Timestamp> {
         self.locked
+    }
+
+    /// When the solutions' time last went back: whoever takes what comes then for old hears of no jump in it, and has no
+    /// navigation before long.
+    pub(crate) const fn went_back(&self) -> Option<Timestamp> {
+        self.went_back
     }
 
     /// The last jump.

@@ -342,7 +342,9 @@ impl Oracle {
     }
 
     fn jump_due(&self, said: Timestamp) -> Due {
-        self.due(said, Rule::JumpIgnored, "navigation jumped")
+        let went_back = self.navigation.went_back();
+        let stale = went_back.map_or(said, |at| at + self.navigation_age_max);
+        self.due(said.max(stale), Rule::JumpIgnored, "navigation jumped")
     }
 
     fn lost_due(&self, said: Timestamp) -> Due {

@@ -71,7 +71,8 @@ impl Plan {
                 Planned { come, trouble }
             })
             .collect();
-        if dice.chance(FATAL_SHARE) {
+        let fatal_share = if scenario.hovering { 3.0 } else { 1.0 } * FATAL_SHARE;
+        if dice.chance(fatal_share) {
             let trouble = Trouble::draw_fatal(&mut dice);
             let come = draw_come(&mut dice, states);
             if trouble.ends_mission() && dice.chance(0.5) {

@@ -227,6 +227,21 @@ fn requirement_021_a_jump_ends_the_lease_until_navigation_has_been_steady() {
 }
 
 #[test]
+fn requirement_021_whoever_takes_navigation_for_old_hears_of_no_jump_until_it_has_none() {
+    // The vehicle's clock goes back by 3 s at 4.5 s.
+    let leased = |end_ms| {
+        Scenario::with_control()
+            .navigation_delay(4500, 3000)
+            .believes(5000, "4200.300,N,07000.960,W")
+            .lease(3000, 4900)
+            .activity(5900, Activity::Plan)
+            .ours(end_ms, END)
+    };
+    leased(5700).finds_nothing();
+    leased(5900).finds(&["jump-ignored"]);
+}
+
+#[test]
 fn requirement_021_a_jump_is_seen_over_a_lost_link() {
     let lost = || {
         Scenario::with_control()

@@ -160,6 +160,8 @@ fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> Stri
     if hovering || dice.chance(0.5) {
         text += "water_depth_min_m = 45.0\nwater_depth_max_m = 75.0\n";
     }
+    // A standstill that makes no navigation stale must end the lease all the same.
+    text += &format!("navigation_age_max_s = {:?}\n", dice.one(&[1.0, 1.0, 2.5]));
     text += &format!("modify_term_max_s = {:?}\n", dice.figure(15.0, 60.0));
     text += &format!("inserts_open_max = {}\n", dice.one(&[1, 2, 3]));
     text += &format!("inserts_total_max = {}\n", dice.one(&[8, 12, 16]));

@@ -245,6 +245,11 @@ impl Commands {
         })
     }
 
+    /// What the commands under way are for, oldest first.
+    pub(crate) fn purposes(&self) -> impl Iterator<Item = Purpose> + '_ {
+        self.sent.iter().map(|sent| sent.purpose)
+    }
+
     /// Takes a command whose answer is late.
     pub(crate) fn late(&mut self, now: Timestamp) -> Option<Command> {
         let index = self.sent.iter().position(|command| command.deadline <= now)?;

@@ -22,6 +22,9 @@ const BEGINS_MAX: usize = 4;
 /// A vehicle that neither climbs nor dives by more, metres a second, for so long has settled.
 const LEVEL_MPS: f64 = 0.15;
 const LEVEL_FOR: Duration = Duration::from_secs(5);
+/// The same where a process before this one may have left a modify, that this is over and the way back from its depth
+/// has begun.
+const LEVEL_AFTER_ANOTHER_FOR: Duration = Duration::from_secs(15);
 /// From above the surface to the deepest sea.
 const ALL_DEPTHS_M: [f64; 2] = [-100.0, 12_000.0];
 /// Places that are nearer to each other count as one, metres.
@@ -87,11 +90,11 @@ impl Courses {
     }
 
     /// Where it is and how fast it dives, while nobody of ours steers.
-    fn levels(&mut self, now: Timestamp, depth_m: f64, down_mps: f64) {
+    fn levels(&mut self, now: Timestamp, [depth_m, down_mps]: [f64; 2], level_for: Duration) {
         // A figure that is none is not level.
         let level = down_mps.abs() <= LEVEL_MPS;
         self.level_since = level.then(|| self.level_since.unwrap_or(now));
-        if self.level_since.is_some_and(|since| now.since(since) >= LEVEL_FOR) {
+        if self.level_since.is_some_and(|since| now.since(since) >= level_for) {
             self.settled = true;
             let [from_m, to_m] = self.depths_m.unwrap_or([depth_m, depth_m]);
             self.depths_m = Some([from_m.min(depth_m), to_m.max(depth_m)]);
@@ -150,8 +153,13 @@ impl Core {
             return;
         };
         let here = navigation.local;
-        self.courses
-            .levels(self.now, navigation.depth.as_m(), navigation.down_mps);
+        let level_for = if self.former.is_none() {
+            LEVEL_FOR
+        } else {
+            LEVEL_AFTER_ANOTHER_FOR
+        };
+        let vertical = [navigation.depth.as_m(), navigation.down_mps];
+        self.courses.levels(self.now, vertical, level_for);
         let Some(current) = self.courses.current else {
             if self.courses.seen.is_none() {
                 self.courses.seen = Some(here);

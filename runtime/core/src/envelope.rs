@@ -108,13 +108,30 @@ impl Insert {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum End {
     At(EastNorth),
-    Anywhere { centre: EastNorth, radius_m: f64 },
+    Anywhere {
+        centre: EastNorth,
+        radius_m: f64,
+    },
+    /// On a line, or between it and a place or what is around that.
+    Within {
+        corners: [EastNorth; 3],
+        radius_m: f64,
+    },
 }
 
 impl End {
     /// The point itself, or the middle of where it may be.
     pub(crate) fn point(self) -> EastNorth {
         point_and_radius(self).0
+    }
+
+    /// On a line, or between it and another end.
+    pub(crate) fn on_or_beside((start, end): (EastNorth, EastNorth), aside: Option<Self>) -> Self {
+        let (aside, radius_m) = aside.map_or((start, 0.0), point_and_radius);
+        Self::Within {
+            corners: [aside, start, end],
+            radius_m,
+        }
     }
 }
 
@@ -491,10 +508,7 @@ impl Envelope {
     }
 
     fn way(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
-        let (from, from_m) = point_and_radius(from);
-        let (to, to_m) = point_and_radius(to);
-        let radius_m = way.strayed_m + from_m.max(to_m);
-        self.sweep_way(&Sweep::new(Shape::leg(from, to), radius_m), way)
+        self.sweep_way(&between(from, to, way.strayed_m), way)
     }
 
     fn sweep_way(&self, sweep: &Sweep, way: &Way) -> Result<f64, Refusal> {
@@ -602,17 +616,47 @@ fn turn_radius_m(speed_mps: f64, turn_rate_dps: f64) -> f64 {
     speed_mps / turn_rate_dps.to_radians()
 }
 
+/// The middle of where an end may be, and how far it may be from there.
 fn point_and_radius(end: End) -> (EastNorth, f64) {
     match end {
         End::At(point) => (point, 0.0),
         End::Anywhere { centre, radius_m } => (centre, radius_m),
+        End::Within { corners, radius_m } => {
+            let [a, b, c] = corners;
+            let centre = (a + b + c) * (1.0 / 3.0);
+            let around_m = corners.map(|corner| centre.distance_m(corner));
+            (centre, around_m.into_iter().fold(0.0, f64::max) + radius_m)
+        }
+    }
+}
+
+/// Every way from one end to another, so far beside it.
+fn between(from: End, to: End, strayed_m: f64) -> Sweep {
+    let (to, to_m) = point_and_radius(to);
+    match from {
+        End::At(_) | End::Anywhere { .. } => {
+            let (from, from_m) = point_and_radius(from);
+            Sweep::new(Shape::leg(from, to), strayed_m + from_m.max(to_m))
+        }
+        End::Within { corners, radius_m } => {
+            let [a, b, c] = corners;
+            Sweep::new(Shape::quadrilateral([a, b, c, to]), strayed_m + radius_m.max(to_m))
+        }
     }
 }
 
 fn farthest_m(from: End, to: End) -> f64 {
-    let (from, from_m) = point_and_radius(from);
     let (to, to_m) = point_and_radius(to);
-    from.distance_m(to) + from_m + to_m
+    match from {
+        End::At(_) | End::Anywhere { .. } => {
+            let (from, from_m) = point_and_radius(from);
+            from.distance_m(to) + from_m + to_m
+        }
+        End::Within { corners, radius_m } => {
+            let farthest_m = corners.map(|corner| corner.distance_m(to));
+            farthest_m.into_iter().fold(0.0, f64::max) + radius_m + to_m
+        }
+    }
 }
 
 fn vertical(request: VerticalRequest) -> Result<Vertical, Refusal> {

@@ -43,6 +43,11 @@ impl Former {
         }
     }
 
+    /// Whether this process is the first of the vehicle's mission.
+    pub(crate) fn is_none(&self) -> bool {
+        self.identifiers.is_empty()
+    }
+
     /// A behaviour begins, which may be one that was held to be over.
     pub(crate) fn heard_begin(&mut self, begun: Option<BehaviorId>, revenant: Option<BehaviorId>) {
         self.heard = true;
@@ -88,7 +93,7 @@ impl Core {
         if former.has_revenant() {
             return true;
         }
-        !former.identifiers.is_empty()
+        !former.is_none()
             && (!former.heard
                 || self.orders.current().is_some_and(|current| former.includes(current))
                 || self

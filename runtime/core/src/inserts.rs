@@ -19,7 +19,6 @@ use crate::io::{Output, Reservation};
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::machine::Core;
-use crate::plan::Element;
 use crate::plugin::{PluginId, Refusal, Request, RequestState};
 use crate::schedule::Schedule;
 use crate::session::name;
@@ -518,19 +517,7 @@ impl Core {
         route
             .from
             .extend(doubtful.iter().map(|insert| self.envelope.ends(insert).1));
-        if let Some((_, last, _)) = chain.last() {
-            route.from.push(self.envelope.ends(last).1);
-        } else {
-            route.from.extend(self.plan.current().map(Element::last).map(End::At));
-            // Inserts that are not ours come before it too (SPI 7.5: appended at the end of the set).
-            let others = self
-                .plan
-                .others(|identifier| self.sent_identifiers.contains(&identifier));
-            route.from.extend(others.map(|(_, element)| End::At(element.last())));
-            if route.from.is_empty() {
-                route.from.extend(here);
-            }
-        }
+        route.from.extend(self.comes_from(&chain));
         route
     }
 

@@ -45,6 +45,7 @@ mod owner;
 mod plan;
 pub mod plugin;
 mod plugin_limits;
+mod queue;
 mod quota;
 mod recall;
 mod receive;

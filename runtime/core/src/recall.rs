@@ -117,10 +117,7 @@ impl Core {
             .into_iter()
             .flatten()
             .any(|(_, next, _)| next.surfaces());
-        let from: Vec<End> = match before {
-            Some(before) => vec![self.envelope.ends(&before.1).1],
-            None => self.plan.current().map(|element| End::At(element.last())).collect(),
-        };
+        let from = self.comes_from(chain.get(..at).unwrap_or_default());
         let to: Vec<End> = match after {
             Some(after) => vec![self.envelope.ends(&after.1).0],
             None => self.plan.next_points().into_iter().map(End::At).collect(),
@@ -140,7 +137,7 @@ impl Core {
         let Some(identifier) = self.ledger.get(insert).and_then(|entry| entry.identifier) else {
             return;
         };
-        if self.recalls.open.contains_key(&insert) {
+        if self.is_recalled(insert) {
             return;
         }
         let recall = Recall {
@@ -240,6 +237,11 @@ impl Core {
                 self.recalls.open.remove(&insert);
             }
         }
+    }
+
+    /// Whether an insert is being taken back.
+    pub(crate) fn is_recalled(&self, insert: u64) -> bool {
+        self.recalls.open.contains_key(&insert)
     }
 
     /// Whether the vehicle may have an insert yet that it has not begun.

@@ -236,6 +236,7 @@ impl Core {
                     self.plan.invalidate();
                     self.ask_for_plan();
                 }
+                self.judge_waiting();
             }
             (None, None) => self.adjustment_behavior(true, message.kind.as_str()),
         }

@@ -171,7 +171,8 @@ impl Core {
         })
     }
 
-    fn call_back(&mut self, request: u64, why: &str) {
+    /// Takes an insert back, where that can be done, and says why.
+    pub(crate) fn call_back(&mut self, request: u64, why: &str) {
         if self.ledger.is_gps_hit(Some(request)) {
             let text = format!("GPS hit {request}: {why}, and it cannot be cancelled (SPI 7.8)");
             return self.note(Note::Text { text });

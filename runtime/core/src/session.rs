@@ -352,6 +352,7 @@ impl Core {
                     self.resolve_by_plan();
                     self.former_in_plan();
                     self.tell_of_plan();
+                    self.judge_waiting();
                     if self.held && is_on(Check::HoldCancels) {
                         self.cancel_former();
                     }

@@ -1,9 +1,13 @@
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::rule::Rule;
 use crate::violation::Findings;
+
+/// A plan that was not told to its end by then will not be.
+const PLAN_TOLD_WITHIN: Duration = Duration::from_secs(10);
 
 /// What we asked the vehicle to fly by itself, and what it said of it.
 #[derive(Clone, Debug, Default)]
@@ -12,8 +16,8 @@ pub(crate) struct Inserts {
     /// Our BPRCN, by their times: the acknowledgement may leave the identifier out.
     cancels: BTreeMap<TimeOfDay, u32>,
     open: Open,
-    /// When the plan was asked for that is being told.
-    plan_asked: Option<Timestamp>,
+    /// When the plans were asked for that are not told to their ends, by their BPRMP, oldest first.
+    plans_asked: Vec<(TimeOfDay, Timestamp)>,
     /// Sent and not refused, GPS hits apart, which have a cap of their own.
     counted: u64,
     sent: u64,
@@ -112,6 +116,8 @@ impl Insert {
 impl Inserts {
     /// More are not followed: the memory is bounded, and the total cap was broken long before.
     const KNOWN_MAX: usize = 65_536;
+    /// How many plans that were asked for are remembered.
+    const PLANS_MAX: usize = 64;
 
     pub(crate) const fn counts(&self) -> [u64; 5] {
         [self.sent, self.refused, self.accepted, self.begun, self.cancelled]
@@ -222,9 +228,19 @@ impl Inserts {
         }
     }
 
-    /// We asked for the plan.
-    pub(crate) fn plan_asked(&mut self, at: Timestamp) {
-        self.plan_asked = Some(at);
+    /// We asked for the plan. Where it is asked for again before it was told, it comes twice.
+    pub(crate) fn plan_asked(&mut self, at: Timestamp, created: TimeOfDay) {
+        self.plans_asked
+            .retain(|(_, asked)| at.since(*asked) < PLAN_TOLD_WITHIN);
+        if self.plans_asked.is_empty() {
+            self.unlist();
+        }
+        if self.plans_asked.len() < Self::PLANS_MAX {
+            self.plans_asked.push((created.truncated_to_millis(), at));
+        }
+    }
+
+    fn unlist(&mut self) {
         for insert in self.known.values_mut() {
             insert.listed = false;
         }
@@ -238,10 +254,15 @@ impl Inserts {
         }
     }
 
-    /// The plan was told to its end: what it does not hold does not wait.
-    pub(crate) fn plan_told(&mut self) {
-        let Some(asked) = self.plan_asked.take() else { return };
-        for insert in self.known.values_mut() {
+    /// A plan was told to its end, or will not be: what it does not hold does not wait.
+    pub(crate) fn plan_told(&mut self, created: TimeOfDay, whole: bool) {
+        let Some(told) = self.plans_asked.iter().position(|(asked, _)| *asked == created) else {
+            return;
+        };
+        let Some((_, asked)) = self.plans_asked.drain(..=told).next_back() else {
+            return;
+        };
+        for insert in self.known.values_mut().filter(|_| whole) {
             if insert.sent < asked
                 && !insert.listed
                 && matches!(insert.state, State::Sent | State::Unknown | State::Accepted(_))
@@ -250,6 +271,7 @@ impl Inserts {
                 self.counted = self.counted.saturating_sub(u64::from(insert.cancellable));
             }
         }
+        self.unlist();
     }
 
     /// The vehicle acknowledged a cancel.
@@ -301,7 +323,7 @@ impl Inserts {
 
     /// The link was lost: what was not answered stays open.
     pub(crate) fn cut(&mut self) {
-        self.plan_asked = None;
+        self.plans_asked.clear();
         if self.open.asked == 0 {
             return;
         }
@@ -314,7 +336,7 @@ impl Inserts {
 
     /// A new process knows nothing of what another one sent.
     pub(crate) fn new_process(&mut self) {
-        self.plan_asked = None;
+        self.plans_asked.clear();
         for insert in self.known.values_mut() {
             insert.foreign = true;
             insert.inherited = true;

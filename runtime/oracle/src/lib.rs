@@ -41,8 +41,8 @@
 //!
 //! What bytes and truth cannot show, beside 006 and 013: that plugins and logs were told and closed in time (011), that
 //! an abort was ordered where the mission has an operator's policy at all (012), what a plugin is told of its requests
-//! (009), the rates of each plugin and those of log lines (019), and how a hovering vehicle's moves lie to a hull, which
-//! its own frame says and the chart does not (002, 005). Of 018 no more shows than that silence is not asked for anew:
+//! (009), the rates of each plugin and those of log lines (019), and on which path a hovering vehicle comes to the place that
+//! it is sent to: that place is judged by the boxes, in the vehicle's own frame (002, 005). Of 018 no more shows than that silence is not asked for anew:
 //! what else follows from it is the plugin's to know.
 
 mod area;

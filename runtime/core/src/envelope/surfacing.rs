@@ -4,7 +4,7 @@ use backseat_fence::{Shape, Span, Sweep, VerticalExtent};
 use backseat_units::{Depth, EastNorth};
 
 use super::onto::onto;
-use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Way, point_and_radius, position, refusal};
+use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Way, between, point_and_radius, position, refusal};
 use crate::plugin::{GpsHitRequest, Refusal};
 use crate::switches::{Check, is_on};
 
@@ -113,13 +113,7 @@ impl Envelope {
 
     /// All depths must be allowed, by the zone's depths or because it may surface on the whole way.
     fn way_of_any_depth(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
-        let (from, from_m) = point_and_radius(from);
-        let (to, to_m) = point_and_radius(to);
-        let sweep = Sweep {
-            shape: Shape::leg(from, to),
-            radius_m: way.strayed_m + from_m.max(to_m),
-        };
-        self.of_any_depth(&sweep, way)
+        self.of_any_depth(&between(from, to, way.strayed_m), way)
     }
 
     fn of_any_depth(&self, sweep: &Sweep, way: &Way) -> Result<f64, Refusal> {

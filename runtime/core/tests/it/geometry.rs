@@ -1,5 +1,5 @@
 use backseat_core::plugin::{ModifyRequest, Request, TrackcircleRequest, TracklineRequest, VerticalRequest};
-use backseat_core::{Limits, plugin::Judge};
+use backseat_core::{Limits, Start, plugin::Judge};
 use backseat_units::EastNorth;
 
 use crate::course::{circle, harbour, limits, line, modify};
@@ -271,9 +271,10 @@ fn sr_002_the_way_back_from_a_modify_to_the_way_to_the_leg_is_checked() {
 #[test]
 fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_at() {
     // East of the planned leg lie shoals that are to be kept out of above 5 m, and the modify is flown at 20 m.
-    let asked_after = |seconds: f64, flown_at_m: f64| {
+    let started_and_asked_after = |start: Start, seconds: f64, flown_at_m: f64| {
         let mut trial = Trial::with(Setup {
             fence: harbour(),
+            start,
             ..Setup::default()
         });
         trial.vehicle.moved = Some((1, EastNorth::new(600.0, 0.0)));
@@ -286,11 +287,21 @@ fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_
         trial.run_for(0.5);
         trial
     };
+    let asked_after = |seconds, flown_at_m| started_and_asked_after(Setup::default().start, seconds, flown_at_m);
     let trial = asked_after(9.0, 20.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
     names_edge_and_metres(&asked_after(9.0, 4.0).rejection(1), "inside exclusion 'shoals'");
     // What it is flown at is not known yet.
     names_edge_and_metres(&asked_after(2.0, 20.0).rejection(1), "inside exclusion 'shoals'");
+    // What a process before this one has left the vehicle at is not the plan's depth.
+    let mut second = Setup::default().start;
+    if let Some(identifiers) = &mut second.identifiers {
+        (identifiers.next, identifiers.reserved) = (40, 40);
+    }
+    let trial = started_and_asked_after(second.clone(), 9.0, 20.0);
+    names_edge_and_metres(&trial.rejection(1), "inside exclusion 'shoals'");
+    let trial = started_and_asked_after(second, 20.0, 20.0);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
 }
 
 #[test]

@@ -3,6 +3,7 @@ use std::time::Duration;
 use backseat_core::plugin::{Event, Request, RequestState, TracklineRequest};
 use backseat_core::{Identifiers, Limits, Start};
 use backseat_spi::{AckStatus, Interrupt, ToVehicle};
+use backseat_units::EastNorth;
 
 use crate::course::{circle, good_line, interrupting, limits, line};
 use crate::trial::{Setup, Trial, shorts};
@@ -321,6 +322,75 @@ fn sr_002_the_transit_from_an_insert_that_was_not_answered_is_judged() {
         "{:?}",
         trial.states(2)
     );
+}
+
+/// From the planned line's end the way to its start is free, from the line's west it leads over the wreck.
+fn beyond_the_wreck(tag: u64) -> Request {
+    Request::Trackline(line(tag, (300.0, -1300.0), (600.0, -1300.0)))
+}
+
+/// In the east, clear of the wreck all the way, as is the way from its end to [`beyond_the_wreck`].
+fn in_the_east(tag: u64) -> Request {
+    Request::Trackline(line(tag, (900.0, -600.0), (900.0, -1300.0)))
+}
+
+fn is_over_the_wreck(trial: &Trial, tag: u64) {
+    let refused = trial.rejection(tag);
+    assert!(
+        refused.contains("exclusion 'wreck'"),
+        "{refused} {:?}",
+        trial.states(tag)
+    );
+}
+
+#[test]
+fn sr_002_the_transit_to_an_insert_is_judged_from_the_whole_planned_line_that_may_end_by_its_time_limit() {
+    let mut trial = Trial::under_way();
+    trial.ask(0, [beyond_the_wreck(1), in_the_east(2)]);
+    trial.run_for(0.5);
+    is_over_the_wreck(&trial, 1);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
+    // After that one it does not come from the line any more.
+    trial.ask(0, [beyond_the_wreck(3)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
+    // Without it, it would.
+    trial.ask(0, [Request::Cancel(2)]);
+    trial.run_for(0.5);
+    let states = trial.cancel_states(2);
+    assert_eq!(shorts(&states), ["rejected"], "{states:?}");
+}
+
+#[test]
+fn sr_002_the_transit_to_an_insert_is_judged_from_what_comes_before_one_that_may_be_refused_yet() {
+    let mut trial = Trial::under_way();
+    trial.ask(0, [in_the_east(1), beyond_the_wreck(2)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
+    is_over_the_wreck(&trial, 2);
+}
+
+#[test]
+fn sr_002_an_insert_that_another_planned_behaviour_comes_before_is_judged_from_there_or_called_back() {
+    let mut trial = Trial::new();
+    trial.vehicle.start = EastNorth::new(100.0, 200.0);
+    trial.run_for(2.0);
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(3), None);
+    trial.run_for(0.3);
+    trial.ask(0, [beyond_the_wreck(1)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+    // This vehicle flies it after the next behaviour.
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(2), None);
+    trial.run_for(0.3);
+    assert_eq!(trial.sent("RCN").len(), 0, "from there the way is free too");
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(1), None);
+    trial.run_for(0.5);
+    assert_eq!(trial.sent("RCN").len(), 1, "{:#?}", trial.notes());
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "cancelled"]);
 }
 
 #[test]

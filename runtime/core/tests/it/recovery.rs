@@ -144,14 +144,14 @@ fn sr_020_the_flown_insert_is_ended_where_the_table_says_so_and_its_way_holds() 
 #[test]
 fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_is_left_and_the_next_step_taken_at_once() {
     let mut trial = Trial::with(setup(ladder()));
-    trial.vehicle.moved = Some((3, EastNorth::new(-500.0, -1300.0)));
+    trial.vehicle.moved = Some((3, EastNorth::new(-500.0, -1000.0)));
     trial.run_for(2.0);
     trial.ask(
         0,
         [
             interrupting(21),
-            Request::Trackline(line(22, (500.0, -1300.0), (500.0, -1150.0))),
-            Request::Trackline(line(23, (400.0, -1000.0), (600.0, -1000.0))),
+            Request::Trackline(line(22, (800.0, -1300.0), (800.0, -1150.0))),
+            Request::Trackline(line(23, (700.0, -1000.0), (900.0, -1000.0))),
         ],
     );
     trial.run_for(0.5);

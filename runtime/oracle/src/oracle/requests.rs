@@ -64,9 +64,9 @@ impl Oracle {
                 }
                 self.inserts.cancel_sent(cancel.created, identifier);
             }
-            ToVehicle::RequestPlan(_) => {
+            ToVehicle::RequestPlan(request) => {
                 self.plan.asked();
-                self.inserts.plan_asked(at);
+                self.inserts.plan_asked(at, request.created);
             }
             ToVehicle::RelativeReset(_) | ToVehicle::BearingOffset(_) => self.frame_moves(at),
             ToVehicle::DvlTriggerRequest(request) => {

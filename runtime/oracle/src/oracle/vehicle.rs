@@ -141,9 +141,9 @@ impl Oracle {
                 self.conduct.cancelled(at);
             }
             "RCA" | "RCB" | "RCE" if taken => self.conduct.cancelled(at),
-            "RMP" if taken => {
-                self.plan_heard = true;
-                self.inserts.plan_told();
+            "RMP" => {
+                self.plan_heard |= taken;
+                self.inserts.plan_told(created, taken);
             }
             "TRM" | "BOY" if taken => self
                 .quota

@@ -155,7 +155,7 @@ fn requirement_009_nothing_is_asked_for_while_another_is_in_doubt() {
         .ours(5000, "BPRMP,{t}")
         .vehicle(5100, "BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,");
     told.clone().ours(6000, &good(8)).finds(&["insert-in-doubt"]);
-    told.vehicle(5200, "BFACK,{t},RMP,000000.000,,2,0,text")
+    told.vehicle(5200, "BFACK,{t},RMP,000004.000,,2,0,text")
         .ours(6000, &good(8))
         .finds_nothing();
     // A new process cannot know of it, but neither may it use the identifier.
@@ -186,6 +186,35 @@ fn requirement_019_the_number_is_counted_through_all_processes() {
         .ours(6000, &good(8))
         .vehicle(6100, &ack(8, 2))
         .finds(&["inserts-open"]);
+}
+
+/// Inherited by a second process, and asked for in its plan twice before that was told once: then the first plan has it.
+fn inherited_and_asked_twice() -> Scenario {
+    Scenario::with_control()
+        .limits(|limits| limits.inserts_open_max = 1)
+        .ours(2000, &good(7))
+        .vehicle(2100, &ack(7, 2))
+        .started(3500)
+        .reconnects(3000, 4000)
+        .ours(5000, "BPRMP,{t}")
+        .ours(5010, "BPRMP,{t}")
+        .vehicle(5100, "BFPLN,{t},,7,0,1,4200.300,N,07000.900,W,,,")
+        .vehicle(5200, "BFACK,{t},RMP,000004.000,,2,0,text")
+}
+
+#[test]
+fn requirement_019_each_plan_that_is_told_says_what_waits() {
+    let again = |run: Scenario| run.ours(6000, &good(8)).vehicle(6100, &ack(8, 2));
+    again(inherited_and_asked_twice()).finds(&["inserts-open"]);
+    // The vehicle has dropped it meanwhile: the second plan is without it.
+    let whole = |answer: &str| {
+        let second = inherited_and_asked_twice().vehicle(5300, "BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,");
+        again(second.vehicle(5400, answer))
+    };
+    whole("BFACK,{t},RMP,000004.010,,2,0,text").finds_nothing();
+    // Not where it was not told to its end, or it is the first one's answer once more.
+    whole("BFACK,{t},RMP,000004.010,,1,0,text").finds(&["inserts-open"]);
+    whole("BFACK,{t},RMP,000004.000,,2,0,text").finds(&["inserts-open"]);
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn what_the_plan_does_not_hold_is_not_open() {
             .vehicle(2300, "BFACK,{t},RTK,000000.000,7,2,0,text")
             .ours(3000, "BPRMP,{t}")
             .vehicle(3100, elements)
-            .vehicle(3200, "BFACK,{t},RMP,000000.000,,2,0,text")
+            .vehicle(3200, "BFACK,{t},RMP,000002.000,,2,0,text")
             .finds_nothing()
             .states
     };

@@ -1,0 +1,95 @@
+//! What the vehicle flies before an insert that waits its turn, and whether the way from there still holds (safety
+//! requirement 002).
+//!
+//! An insert that interrupts nothing is flown after the current behaviour. That may be over sooner than its path is: a
+//! behaviour of the plan has a time limit that no sentence tells, and a lease delays it. And it may be another one by
+//! the time that the insert arrives, or than the insert was judged for, where vehicles differ in the place that they give
+//! it (SPI 7.5).
+
+use crate::commands::Purpose;
+use crate::envelope::{End, Insert};
+use crate::machine::Core;
+use crate::plan::Element;
+use crate::plugin::{Refusal, RequestState};
+use crate::switches::{Check, is_on};
+
+impl Core {
+    /// Where the vehicle may be when it goes on to what comes after these inserts, which are in the order that they are
+    /// flown: at the end of the last that it surely flies, or of one after that. Where none is sure, anywhere on what it
+    /// flies of its plan, or between that and where it comes back from: where it is now, or the end of what interrupts it.
+    pub(crate) fn comes_from(&self, before: &[(u64, Insert, bool)]) -> Vec<End> {
+        let mut from = Vec::new();
+        for (request, insert, begun) in before.iter().rev() {
+            from.push(self.envelope.ends(insert).1);
+            // After one that interrupts it may take up again what it left.
+            if !insert.interrupt && (*begun || self.is_surely_flown(*request)) {
+                return from;
+            }
+        }
+        let here = self.tracker.newest().map(|navigation| End::At(navigation.local));
+        let flown = before.iter().find(|(_, _, begun)| *begun);
+        let aside = flown.map(|(_, insert, _)| self.envelope.ends(insert).1).or(here);
+        let mut lines: Vec<_> = self.plan.current().flat_map(Element::legs).collect();
+        lines.extend(self.ways_to(&lines));
+        from.extend(lines.into_iter().map(|line| End::on_or_beside(line, aside)));
+        // Inserts that are not ours come before it too (SPI 7.5: appended at the end of the set).
+        let others = self
+            .plan
+            .others(|identifier| self.sent_identifiers.contains(&identifier));
+        from.extend(others.map(|(_, element)| End::At(element.last())));
+        if from.is_empty() {
+            from.extend(here);
+        }
+        from
+    }
+
+    /// The vehicle has taken it, and it is not being taken back.
+    fn is_surely_flown(&self, request: u64) -> bool {
+        let accepted = |state: &RequestState| *state == RequestState::Accepted;
+        self.ledger.get(request).is_some_and(|entry| accepted(&entry.state))
+            && !self.is_recalled(request)
+            && !self.commands.purposes().any(|purpose| match purpose {
+                Purpose::Cancel { insert, .. } => insert == request,
+                _ => false,
+            })
+    }
+
+    /// The plan is flown on, or is known anew: an insert that waits and whose way does not hold from there is called
+    /// back. What comes after it has then another way.
+    pub(crate) fn judge_waiting(&mut self) {
+        if !self.plan.is_complete() || !is_on(Check::InsertWayTo) {
+            return;
+        }
+        let mut before = Vec::new();
+        for (request, insert, begun) in self.chain() {
+            let waits = !begun && !insert.interrupt && !self.is_recalled(request);
+            if !waits {
+                before.push((request, insert, begun));
+                continue;
+            }
+            let Err(refusal) = self.judge_way_to(&before, &insert) else {
+                // The rest comes after it.
+                return;
+            };
+            self.call_back(request, &format!("its way no longer holds: {}", refusal.text));
+            if insert.surfaces() {
+                return;
+            }
+        }
+    }
+
+    fn judge_way_to(&self, before: &[(u64, Insert, bool)], insert: &Insert) -> Result<(), Refusal> {
+        // Where nothing was ever heard, nothing was ever inserted.
+        let Some(navigation) = self.tracker.newest() else {
+            return Ok(());
+        };
+        let surfacing = insert.surfaces() || before.iter().any(|(_, before, _)| before.surfaces());
+        let when = (self.clocks(), self.before_insert_s(false));
+        for from in self.comes_from(before) {
+            let way = (from, self.envelope.ends(insert).0);
+            self.envelope
+                .judge_way(way, navigation.depth, surfacing, self.depths_of_ways(), when)?;
+        }
+        Ok(())
+    }
+}

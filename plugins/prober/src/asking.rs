@@ -111,6 +111,15 @@ impl Asking<'_> {
         )
     }
 
+    /// A place towards the middle or past it, as far as the vehicle is from there at most: east and north, metres.
+    pub(crate) fn across(&mut self) -> [f64; 2] {
+        let (here, middle) = (self.fix.local(), self.middle());
+        let reach_m = here.distance_m(middle).max(80.0);
+        let towards_deg = here.bearing_deg(middle) + self.random.within(-70.0, 70.0);
+        let there = here.offset(towards_deg, self.random.within(60.0, 2.0 * reach_m));
+        [there.east_m, there.north_m]
+    }
+
     /// A corner of the box, moved by up to `inset_m` towards the middle on each axis, or past it.
     pub(crate) fn corner(&mut self, inset_m: f64) -> EastNorth {
         let config = self.config;

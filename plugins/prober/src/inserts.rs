@@ -25,6 +25,8 @@ pub(crate) struct Inserts {
     accepted: bool,
     /// The vehicle has refused the last one.
     failed: bool,
+    /// The first of two, which is taken back so that only the second is left; and when.
+    detour: Option<(u64, u64)>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,6 +38,9 @@ struct Open {
 
 impl Inserts {
     pub(crate) fn step(&mut self, asking: &mut Asking<'_>) {
+        if let Some((tag, _)) = self.detour.take_if(|(_, due_ns)| asking.now_ns >= *due_ns) {
+            asking.ask(Request::Cancel(tag));
+        }
         if asking.now_ns < self.next_ns {
             return;
         }
@@ -54,6 +59,7 @@ impl Inserts {
         }
         match (bold, line) {
             (true, _) if asking.random.chance(0.15) => self.burst(line, asking),
+            (true, true) if asking.random.chance(0.2) => self.detour(asking),
             (true, true) => self.bold_line(asking),
             (true, false) => self.bold_circle(asking),
             (false, true) => self.modest_line(asking),
@@ -258,13 +264,15 @@ impl Inserts {
                 let end = self.creep(near, far, asking);
                 [near, end]
             }
-            // Short and far away: the way there and the way back are the most of it.
+            // Hidden behind something: the way there, or the way back, is the most of it.
             4 | 5 => {
-                let start = asking.anywhere();
-                [
-                    start,
-                    start.offset(asking.random.within(0.0, 360.0), asking.random.within(20.0, 60.0)),
-                ]
+                if let Some([start, end]) = self.behind_something(asking) {
+                    let ends = asking.random.pick([[start, end], [end, start]]);
+                    let level = asking.level();
+                    let line = self.line(ends, level, false, asking);
+                    return self.ask(line, asking);
+                }
+                [near, asking.anywhere()]
             }
             _ => [near, asking.anywhere()],
         };
@@ -276,6 +284,50 @@ impl Inserts {
             return self.modest_line(asking);
         }
         self.ask(line, asking);
+    }
+
+    /// A line beside the vehicle's way to whose start no straight way leads, as far as the fence can be asked, though one
+    /// leads to its end: there is something between.
+    fn behind_something(&mut self, asking: &mut Asking<'_>) -> Option<[EastNorth; 2]> {
+        let level = asking.level();
+        for _ in 0..8 {
+            let (here, ahead_deg) = (asking.fix.local(), asking.fix.heading_deg);
+            let aside_deg = ahead_deg + asking.random.sign() * 90.0;
+            let beside = here.offset(aside_deg, asking.random.within(40.0, 250.0));
+            let one = beside.offset(ahead_deg, asking.random.within(-100.0, 250.0));
+            let along_deg = ahead_deg + asking.random.within(-30.0, 30.0);
+            let other = one.offset(along_deg, asking.random.sign() * asking.random.within(80.0, 300.0));
+            for [start, end] in [[one, other], [other, one]] {
+                let (there, back) = (
+                    self.line([start, end], level, false, asking),
+                    self.line([end, start], level, false, asking),
+                );
+                if !asking.fits(&there) && asking.fits(&back) {
+                    return Some([start, end]);
+                }
+            }
+        }
+        None
+    }
+
+    /// Two lines, one after the other: the first leads to the start of the second, which no other way leads to. In the end
+    /// only the second may be left.
+    fn detour(&mut self, asking: &mut Asking<'_>) {
+        let Some([start, end]) = self.behind_something(asking) else {
+            return self.modest_line(asking);
+        };
+        let level = asking.level();
+        let after_ns = asking.random.nanos(2.0, 15.0);
+        for (at, ends) in [[end, start], [start, end]].into_iter().enumerate() {
+            let mut line = self.line(ends, level, false, asking);
+            if let Request::Trackline(line) = &mut line {
+                line.interrupt = false;
+                if at == 0 {
+                    self.detour = Some((line.tag, asking.now_ns + after_ns));
+                }
+            }
+            self.ask(line, asking);
+        }
     }
 
     /// The end of a line from one point towards another that is as far as the fence lets it be.

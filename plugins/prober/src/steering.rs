@@ -1,5 +1,6 @@
 //! Leases: phases in which it steers alternate with phases in which its inserts are flown.
 
+use backseat_sdk::units::EastNorth;
 use backseat_sdk::{Modify, Request, State, Vertical};
 use serde::{Deserialize, Serialize};
 
@@ -7,6 +8,8 @@ use crate::asking::Asking;
 use crate::config::Kind;
 
 const SECOND_NS: u64 = 1_000_000_000;
+/// Who roams and is so near to its goal is there, metres.
+const NEAR_M: f64 = 30.0;
 
 /// Whether it steers, and where to.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -33,6 +36,8 @@ struct Drive {
     depth_m: Option<f64>,
     altitude_m: f64,
     speed_mps: f64,
+    /// Where it wants to be, east and north in metres, round what is in its way.
+    goal_m: Option<[f64; 2]>,
     bold: bool,
     /// When it is renewed.
     renew_ns: u64,
@@ -72,7 +77,8 @@ impl Steering {
         }
         let takes_off = flying && !self.flying;
         self.flying = flying;
-        if asking.now_ns >= self.until_ns || self.leasing && takes_off && asking.random.chance(0.8) {
+        let roams = self.drive.is_some_and(|drive| drive.goal_m.is_some());
+        if asking.now_ns >= self.until_ns && !roams || self.leasing && takes_off && asking.random.chance(0.8) {
             self.change_phase(asking);
         }
         if !self.leasing {
@@ -107,8 +113,11 @@ impl Steering {
                 if matches!(state, State::Rejected(_)) {
                     self.refused += 1;
                 }
-                // Who is stopped at the fence tries it again.
-                if drive.bold && asking.random.chance(0.3) {
+                // Who is stopped at the fence tries it again, and who roams another way.
+                if drive.goal_m.is_some() && asking.now_ns < drive.until_ns {
+                    self.drive = Some(drive);
+                    self.refused = 0;
+                } else if drive.bold && asking.random.chance(0.3) {
                     let tag = asking.next_tag();
                     self.ask(Drive { tag, ..drive }, asking);
                 } else {
@@ -140,7 +149,9 @@ impl Steering {
     fn begin(&mut self, asking: &mut Asking<'_>) {
         // Until something has been accepted, every second one is modest whatever else.
         let bold = asking.is_bold() && (self.steered || self.refused % 2 == 1);
-        let drive = if bold {
+        let drive = if asking.random.chance(0.1) {
+            self.draw_roaming(asking)
+        } else if bold {
             self.draw_bold(asking)
         } else {
             self.draw_modest(asking)
@@ -156,6 +167,7 @@ impl Steering {
             depth_m: None,
             altitude_m: 0.0,
             speed_mps: asking.config.speed_mps[0],
+            goal_m: None,
             bold: false,
             renew_ns: 0,
             until_ns: asking.now_ns + asking.random.nanos(3.0, 60.0),
@@ -194,6 +206,7 @@ impl Steering {
             depth_m: None,
             altitude_m: 0.0,
             speed_mps: asking.speed(true),
+            goal_m: None,
             bold: true,
             renew_ns: 0,
             until_ns: asking.now_ns + asking.random.nanos(20.0, 600.0),
@@ -202,7 +215,35 @@ impl Steering {
         drive.with(asking.vertical(bold))
     }
 
+    /// To a place on the other side of the middle, and on to another, for minutes.
+    fn draw_roaming(&self, asking: &mut Asking<'_>) -> Drive {
+        let tag = asking.next_tag();
+        let drive = Drive {
+            tag,
+            heading_deg: asking.fix.heading_deg,
+            depth_m: None,
+            altitude_m: 0.0,
+            speed_mps: asking.speed(false),
+            goal_m: Some(asking.across()),
+            bold: false,
+            renew_ns: 0,
+            until_ns: asking.now_ns + asking.random.nanos(60.0, 300.0),
+        }
+        .with(asking.level());
+        round(drive, asking)
+    }
+
     fn go_on(&mut self, mut drive: Drive, asking: &mut Asking<'_>) {
+        if drive.goal_m.is_some() {
+            if asking.now_ns >= drive.renew_ns {
+                drive.tag = asking.next_tag();
+                self.ask(round(drive, asking), asking);
+                if let Some(drive) = &mut self.drive {
+                    drive.renew_ns = asking.now_ns + asking.random.nanos(1.0, 6.0);
+                }
+            }
+            return;
+        }
         // Some turn, dive or hurry on the way.
         let turns = asking.random.chance(0.06);
         if asking.now_ns < drive.renew_ns && !turns {
@@ -256,6 +297,24 @@ impl Steering {
             _ => {}
         }
     }
+}
+
+/// The course nearest to that of the goal that the fence holds for, and a new goal where it is there.
+fn round(mut drive: Drive, asking: &mut Asking<'_>) -> Drive {
+    let here = asking.fix.local();
+    let mut goal_m = drive.goal_m.unwrap_or_default();
+    if here.distance_m(EastNorth::new(goal_m[0], goal_m[1])) < NEAR_M {
+        goal_m = asking.across();
+        drive.goal_m = Some(goal_m);
+    }
+    let straight_deg = here.bearing_deg(EastNorth::new(goal_m[0], goal_m[1]));
+    for turn_deg in [0.0, 25.0, -25.0, 50.0, -50.0, 80.0, -80.0, 120.0, -120.0] {
+        drive.heading_deg = wrap_deg(straight_deg + turn_deg);
+        if asking.fits(&drive.request(5 * SECOND_NS)) {
+            break;
+        }
+    }
+    drive
 }
 
 fn wrap_deg(heading_deg: f64) -> f64 {

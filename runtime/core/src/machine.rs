@@ -344,7 +344,10 @@ impl Core {
             Timer::Recall => self.recalls_expired(),
             Timer::Recovery => self.climb(),
             Timer::Plugins => self.step_due(false),
-            Timer::Shutdown => self.outputs.push_back(Output::Finish),
+            Timer::Shutdown => {
+                self.timers.stop_all();
+                self.outputs.push_back(Output::Finish);
+            }
         }
     }
 

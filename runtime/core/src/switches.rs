@@ -127,8 +127,15 @@ pub(crate) const fn is_on(_: Check) -> bool {
     true
 }
 
+/// What a plugin is told, with every check on.
+#[cfg(not(feature = "switches"))]
+pub(crate) fn whole<T>(answer: impl FnOnce() -> T) -> T {
+    answer()
+}
+
 #[cfg(feature = "switches")]
 mod switch {
+    use std::cell::Cell;
     use std::sync::atomic::{AtomicU64, Ordering};
 
     use super::Check;
@@ -141,10 +148,23 @@ mod switch {
         1 << check as u32
     }
 
+    thread_local! {
+        /// This thread answers a plugin's question.
+        static ANSWERS: Cell<bool> = const { Cell::new(false) };
+    }
+
     /// Whether a check is made.
     #[must_use]
     pub fn is_on(check: Check) -> bool {
-        OFF.load(Ordering::Relaxed) & bit(check) == 0
+        OFF.load(Ordering::Relaxed) & bit(check) == 0 || ANSWERS.get()
+    }
+
+    /// What a plugin is told whatever is switched off: the monitor's own check is, not the plugin's knowledge.
+    pub fn whole<T>(answer: impl FnOnce() -> T) -> T {
+        let before = ANSWERS.replace(true);
+        let answer = answer();
+        ANSWERS.set(before);
+        answer
     }
 
     /// Turns a check off, in the whole process.
@@ -159,7 +179,7 @@ mod switch {
 }
 
 #[cfg(feature = "switches")]
-pub use switch::{is_on, switch_all_on, switch_off};
+pub use switch::{is_on, switch_all_on, switch_off, whole};
 
 #[cfg(all(test, feature = "switches"))]
 mod tests {

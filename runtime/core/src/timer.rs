@@ -3,6 +3,8 @@ use backseat_units::Timestamp;
 /// Why core wants to be called again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Timer {
+    /// The logs must be closed: power goes. Nothing comes before it, nor after.
+    Shutdown,
     /// The lease's term is over. What ends a lease comes before what refreshes it.
     Term,
     /// A hold's term is over.
@@ -41,12 +43,11 @@ pub(crate) enum Timer {
     Recovery,
     /// A plugin is due: a step, one of its timers, or its restart.
     Plugins,
-    /// The logs must be closed: power goes.
-    Shutdown,
 }
 
 impl Timer {
     const ALL: [Self; 20] = [
+        Self::Shutdown,
         Self::Term,
         Self::HoldTerm,
         Self::Acknowledgement,
@@ -66,7 +67,6 @@ impl Timer {
         Self::Recall,
         Self::Recovery,
         Self::Plugins,
-        Self::Shutdown,
     ];
 }
 
@@ -87,6 +87,10 @@ impl Timers {
 
     pub(crate) fn stop(&mut self, timer: Timer) {
         self.at[timer as usize] = None;
+    }
+
+    pub(crate) fn stop_all(&mut self) {
+        *self = Self::default();
     }
 
     pub(crate) fn next(&self) -> Option<Timestamp> {

@@ -165,6 +165,7 @@ impl Oracle {
     pub fn runtime_continued(&mut self, at: Timestamp) {
         self.pass_time(at);
         self.process.goes_on(at);
+        self.shutdown.goes_on(at + self.sure());
     }
 
     /// A new process of the runtime begins: it knows the identifiers that were used and the operator's hold, and nothing

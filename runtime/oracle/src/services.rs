@@ -241,13 +241,26 @@ impl Quota {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Shutdown {
     heard: Option<Timestamp>,
+    /// It was said while the runtime stood still.
+    unheard: bool,
     told: bool,
 }
 
 impl Shutdown {
-    /// The vehicle said BFSHT, and we hear it by then.
-    pub(crate) fn said(&mut self, heard: Timestamp) {
-        self.heard.get_or_insert(heard);
+    /// The vehicle said BFSHT, and we hear it by then; or, standing still, when we go on.
+    pub(crate) fn said(&mut self, heard: Timestamp, stopped: bool) {
+        if stopped {
+            self.unheard = true;
+        } else {
+            self.heard.get_or_insert(heard);
+        }
+    }
+
+    /// The runtime goes on, and hears by then what was said meanwhile.
+    pub(crate) fn goes_on(&mut self, heard: Timestamp) {
+        if core::mem::take(&mut self.unheard) {
+            self.heard.get_or_insert(heard);
+        }
     }
 
     /// We said something, perhaps a request that is new.

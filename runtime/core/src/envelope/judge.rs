@@ -2,6 +2,7 @@
 
 use super::{Clocks, End, Envelope, Insert, Route, Surroundings, bottom_lock, limit};
 use crate::plugin::{Judge, Refusal, Request, StepInput};
+use crate::switches::whole;
 
 impl Judge for Envelope {
     fn judge(&self, request: &Request, input: &StepInput) -> Result<f64, Refusal> {
@@ -18,7 +19,7 @@ impl Judge for Envelope {
             from: vec![End::At(navigation.local)],
             ..Route::default()
         };
-        let insert = |insert: &Insert| self.judge_insert(insert, navigation.depth, lock, &from_here, clocks);
+        let insert = |insert: &Insert| whole(|| self.judge_insert(insert, navigation.depth, lock, &from_here, clocks));
         match request {
             Request::Modify(modify) => {
                 let setpoint = self.admit_modify(modify)?;

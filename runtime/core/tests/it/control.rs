@@ -243,3 +243,19 @@ fn sr_011_before_power_goes_plugins_are_told_and_the_logs_closed_within_ten_seco
     }
     assert!(!trial.core.has_control() && trial.sent_since("EMB", told).len() == 1);
 }
+
+#[test]
+fn sr_011_a_runtime_that_wakes_after_its_time_was_over_says_nothing_more() {
+    let mut trial = Trial::under_way();
+    let created = trial.vehicle.clock(trial.now);
+    tell(&mut trial, |vehicle, now| {
+        vehicle.say(now, backseat_spi::Shutdown { created })
+    });
+    trial.run_for(3.0);
+    let asleep = trial.now;
+    trial.asleep_until = asleep + Duration::from_secs(9);
+    trial.run_for(9.5);
+    let finish = trial.seen.iter().find(|(_, seen)| *seen == Seen::Finish);
+    assert!(finish.is_some_and(|(at, _)| at.since(asleep) < Duration::from_secs(10)));
+    assert_eq!(trial.names_since(asleep), Vec::<&str>::new(), "{:#?}", trial.notes());
+}

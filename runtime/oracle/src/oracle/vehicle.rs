@@ -68,7 +68,7 @@ impl Oracle {
             }
             FromVehicle::Shutdown(_) => {
                 let heard = self.process.heard(at) + self.sure();
-                self.shutdown.said(heard);
+                self.shutdown.said(heard, self.process.is_stopped());
             }
             FromVehicle::DvlTriggering(triggering) => {
                 let heard = self.process.heard(at) + self.link_delay;

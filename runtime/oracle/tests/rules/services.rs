@@ -37,6 +37,26 @@ fn requirement_011_nothing_at_all_ten_seconds_after() {
 }
 
 #[test]
+fn requirement_011_a_runtime_that_stands_still_hears_the_word_when_it_goes_on() {
+    let woken = || {
+        Scenario::with_control()
+            .stopped(1000)
+            .vehicle(2000, "BFSHT,{t}")
+            .continued(6000)
+    };
+    woken()
+        .ours(6000, "BPMSG,{t},late")
+        .ours(6010, TRACKLINE)
+        .ours(16_700, "BPMSG,{t},bye")
+        .finds_nothing();
+    woken().ours(6300, TRACKLINE).finds(&["after-shutdown"]);
+    woken()
+        .ours(16_800, "BPMSG,{t},bye")
+        .ours(16_900, "BPMSG,{t},still here")
+        .finds(&["after-shutdown"]);
+}
+
+#[test]
 fn requirement_016_packets_keep_to_the_windows() {
     let window = || Scenario::with_control().vehicle(3000, "BFCMA,{t},000004.000,7,WHOIPSK");
     window().ours(3100, PACKET).ours(5000, PACKET).finds_nothing();

@@ -1,5 +1,5 @@
 use backseat_sdk::units::{EastNorth, LocalFrame, Position};
-use backseat_sdk::{Navigation, Request, StepInput, Vertical};
+use backseat_sdk::{Navigation, Request, StepInput, Trackline, Vertical};
 use serde::{Deserialize, Serialize};
 
 use crate::config::Config;
@@ -111,13 +111,35 @@ impl Asking<'_> {
         )
     }
 
-    /// A place towards the middle or past it, as far as the vehicle is from there at most: east and north, metres.
-    pub(crate) fn across(&mut self) -> [f64; 2] {
-        let (here, middle) = (self.fix.local(), self.middle());
-        let reach_m = here.distance_m(middle).max(80.0);
-        let towards_deg = here.bearing_deg(middle) + self.random.within(-70.0, 70.0);
-        let there = here.offset(towards_deg, self.random.within(60.0, 2.0 * reach_m));
-        [there.east_m, there.north_m]
+    /// Two places: to the first no straight way leads, as far as the fence can be asked, though one leads to the second,
+    /// which is near to where the vehicle goes, and on from there to the first. There is something between.
+    pub(crate) fn behind_something(&mut self) -> Option<[EastNorth; 2]> {
+        let (here, ahead_deg, vertical) = (self.fix.local(), self.fix.heading_deg, self.level());
+        for _ in 0..8 {
+            let side_deg = ahead_deg + 90.0 * self.random.sign();
+            let ahead = here.offset(ahead_deg, self.random.within(-150.0, 250.0));
+            let seen = ahead.offset(side_deg, self.random.within(5.0, 90.0));
+            let hidden = seen.offset(
+                side_deg + self.random.within(-90.0, 90.0),
+                self.random.within(60.0, 250.0),
+            );
+            if self.fits_line([seen, hidden], vertical) && !self.fits_line([hidden, seen], vertical) {
+                return Some([hidden, seen]);
+            }
+        }
+        None
+    }
+
+    /// Whether the fence holds for a line at modest speed, and for the way to its start.
+    fn fits_line(&self, [start, end]: [EastNorth; 2], vertical: Vertical) -> bool {
+        self.fits(&Request::Trackline(Trackline {
+            tag: 0,
+            start: self.fix.position_of(start),
+            end: self.fix.position_of(end),
+            vertical,
+            speed: self.config.speed_mps[0],
+            interrupt: false,
+        }))
     }
 
     /// A corner of the box, moved by up to `inset_m` towards the middle on each axis, or past it.

@@ -108,6 +108,11 @@ impl Inserts {
         self.open.iter().any(|open| open.started)
     }
 
+    /// Whether the vehicle has taken any.
+    pub(crate) const fn is_accepted(&self) -> bool {
+        self.accepted
+    }
+
     /// A new instance hears which are open.
     pub(crate) fn restart(&mut self, open: &[u64]) {
         self.open.retain(|known| open.contains(&known.tag));
@@ -193,6 +198,9 @@ impl Inserts {
     }
 
     fn modest_line(&mut self, asking: &mut Asking<'_>) {
+        if self.accepted && asking.random.chance(0.25) && self.hidden_line(asking) {
+            return;
+        }
         let mut request = None;
         for _ in 0..4 {
             let here = asking.fix.local();
@@ -264,16 +272,7 @@ impl Inserts {
                 let end = self.creep(near, far, asking);
                 [near, end]
             }
-            // Hidden behind something: the way there, or the way back, is the most of it.
-            4 | 5 => {
-                if let Some([start, end]) = self.behind_something(asking) {
-                    let ends = asking.random.pick([[start, end], [end, start]]);
-                    let level = asking.level();
-                    let line = self.line(ends, level, false, asking);
-                    return self.ask(line, asking);
-                }
-                [near, asking.anywhere()]
-            }
+            4 | 5 if self.hidden_line(asking) => return,
             _ => [near, asking.anywhere()],
         };
         let bold = asking.random.chance(0.4);
@@ -286,39 +285,16 @@ impl Inserts {
         self.ask(line, asking);
     }
 
-    /// A line beside the vehicle's way to whose start no straight way leads, as far as the fence can be asked, though one
-    /// leads to its end: there is something between.
-    fn behind_something(&mut self, asking: &mut Asking<'_>) -> Option<[EastNorth; 2]> {
-        let level = asking.level();
-        for _ in 0..8 {
-            let (here, ahead_deg) = (asking.fix.local(), asking.fix.heading_deg);
-            let aside_deg = ahead_deg + asking.random.sign() * 90.0;
-            let beside = here.offset(aside_deg, asking.random.within(40.0, 250.0));
-            let one = beside.offset(ahead_deg, asking.random.within(-100.0, 250.0));
-            let along_deg = ahead_deg + asking.random.within(-30.0, 30.0);
-            let other = one.offset(along_deg, asking.random.sign() * asking.random.within(80.0, 300.0));
-            for [start, end] in [[one, other], [other, one]] {
-                let (there, back) = (
-                    self.line([start, end], level, false, asking),
-                    self.line([end, start], level, false, asking),
-                );
-                if !asking.fits(&there) && asking.fits(&back) {
-                    return Some([start, end]);
-                }
-            }
-        }
-        None
-    }
-
-    /// Two lines, one after the other: the first leads to the start of the second, which no other way leads to. In the end
-    /// only the second may be left.
+    /// Two lines, one after the other: from the end of the first a way leads to the start of the second, and from nowhere
+    /// else. In the end only the second may be left.
     fn detour(&mut self, asking: &mut Asking<'_>) {
-        let Some([start, end]) = self.behind_something(asking) else {
+        let Some([hidden, seen]) = asking.behind_something() else {
             return self.modest_line(asking);
         };
         let level = asking.level();
         let after_ns = asking.random.nanos(2.0, 15.0);
-        for (at, ends) in [[end, start], [start, end]].into_iter().enumerate() {
+        let near = seen.offset(asking.random.within(0.0, 360.0), asking.random.within(40.0, 80.0));
+        for (at, ends) in [[near, seen], [hidden, seen]].into_iter().enumerate() {
             let mut line = self.line(ends, level, false, asking);
             if let Request::Trackline(line) = &mut line {
                 line.interrupt = false;
@@ -328,6 +304,18 @@ impl Inserts {
             }
             self.ask(line, asking);
         }
+    }
+
+    /// To behind something, or from there: the way there or the way back is the most of it. False where there is nothing.
+    fn hidden_line(&mut self, asking: &mut Asking<'_>) -> bool {
+        let Some([hidden, seen]) = asking.behind_something() else {
+            return false;
+        };
+        let ends = asking.random.pick([[hidden, seen], [seen, hidden]]);
+        let level = asking.level();
+        let line = self.line(ends, level, false, asking);
+        self.ask(line, asking);
+        true
     }
 
     /// The end of a line from one point towards another that is as far as the fence lets it be.

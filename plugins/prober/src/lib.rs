@@ -144,7 +144,8 @@ impl Plugin for Prober {
         state.control = input.control;
         let blind = state.shut_down || !input.control || input.navigation.is_none();
         if !blind || asking.dares(BLIND_SHARE) {
-            state.steering.step(state.inserts.is_flying(), &mut asking);
+            let (flying, settled) = (state.inserts.is_flying(), state.inserts.is_accepted());
+            state.steering.step(flying, settled, &mut asking);
             state.holding.step(&mut asking);
             state.inserts.step(&mut asking);
             state.errands.step(&state.inserts, &mut asking);

@@ -36,8 +36,8 @@ struct Drive {
     depth_m: Option<f64>,
     altitude_m: f64,
     speed_mps: f64,
-    /// Where it wants to be, east and north in metres, round what is in its way.
-    goal_m: Option<[f64; 2]>,
+    /// Where it wants to be, and then, east and north in metres.
+    goals_m: [Option<[f64; 2]>; 2],
     bold: bool,
     /// When it is renewed.
     renew_ns: u64,
@@ -70,14 +70,14 @@ impl Drive {
 }
 
 impl Steering {
-    /// `flying`: the vehicle flies an insert of its own.
-    pub(crate) fn step(&mut self, flying: bool, asking: &mut Asking<'_>) {
+    /// `flying`: the vehicle flies an insert of its own. `settled`: it has taken one, so that there is time to roam.
+    pub(crate) fn step(&mut self, flying: bool, settled: bool, asking: &mut Asking<'_>) {
         if !asking.config.asks_for(Kind::Modify) {
             return;
         }
         let takes_off = flying && !self.flying;
         self.flying = flying;
-        let roams = self.drive.is_some_and(|drive| drive.goal_m.is_some());
+        let roams = self.drive.is_some_and(|drive| drive.goals_m[0].is_some());
         if asking.now_ns >= self.until_ns && !roams || self.leasing && takes_off && asking.random.chance(0.8) {
             self.change_phase(asking);
         }
@@ -85,7 +85,13 @@ impl Steering {
             return;
         }
         match self.drive {
-            None if asking.now_ns >= self.next_ns => self.begin(asking),
+            None if asking.now_ns >= self.next_ns => {
+                let roams = settled && asking.random.chance(0.2);
+                match roams.then(|| draw_roaming(asking)).flatten() {
+                    Some(drive) => self.ask(drive, asking),
+                    None => self.begin(asking),
+                }
+            }
             None => {}
             Some(drive) if asking.now_ns >= drive.until_ns => self.end(asking),
             Some(drive) => self.go_on(drive, asking),
@@ -114,7 +120,7 @@ impl Steering {
                     self.refused += 1;
                 }
                 // Who is stopped at the fence tries it again, and who roams another way.
-                if drive.goal_m.is_some() && asking.now_ns < drive.until_ns {
+                if drive.goals_m[0].is_some() && asking.now_ns < drive.until_ns {
                     self.drive = Some(drive);
                     self.refused = 0;
                 } else if drive.bold && asking.random.chance(0.3) {
@@ -149,9 +155,7 @@ impl Steering {
     fn begin(&mut self, asking: &mut Asking<'_>) {
         // Until something has been accepted, every second one is modest whatever else.
         let bold = asking.is_bold() && (self.steered || self.refused % 2 == 1);
-        let drive = if asking.random.chance(0.1) {
-            self.draw_roaming(asking)
-        } else if bold {
+        let drive = if bold {
             self.draw_bold(asking)
         } else {
             self.draw_modest(asking)
@@ -167,7 +171,7 @@ impl Steering {
             depth_m: None,
             altitude_m: 0.0,
             speed_mps: asking.config.speed_mps[0],
-            goal_m: None,
+            goals_m: [None; 2],
             bold: false,
             renew_ns: 0,
             until_ns: asking.now_ns + asking.random.nanos(3.0, 60.0),
@@ -206,7 +210,7 @@ impl Steering {
             depth_m: None,
             altitude_m: 0.0,
             speed_mps: asking.speed(true),
-            goal_m: None,
+            goals_m: [None; 2],
             bold: true,
             renew_ns: 0,
             until_ns: asking.now_ns + asking.random.nanos(20.0, 600.0),
@@ -215,29 +219,18 @@ impl Steering {
         drive.with(asking.vertical(bold))
     }
 
-    /// To a place on the other side of the middle, and on to another, for minutes.
-    fn draw_roaming(&self, asking: &mut Asking<'_>) -> Drive {
-        let tag = asking.next_tag();
-        let drive = Drive {
-            tag,
-            heading_deg: asking.fix.heading_deg,
-            depth_m: None,
-            altitude_m: 0.0,
-            speed_mps: asking.speed(false),
-            goal_m: Some(asking.across()),
-            bold: false,
-            renew_ns: 0,
-            until_ns: asking.now_ns + asking.random.nanos(60.0, 300.0),
-        }
-        .with(asking.level());
-        round(drive, asking)
-    }
-
     fn go_on(&mut self, mut drive: Drive, asking: &mut Asking<'_>) {
-        if drive.goal_m.is_some() {
+        if drive.goals_m[0].is_some() {
             if asking.now_ns >= drive.renew_ns {
                 drive.tag = asking.next_tag();
-                self.ask(round(drive, asking), asking);
+                let drive = turned(drive, asking);
+                if drive.until_ns == 0 {
+                    // It is there, and lets the vehicle go.
+                    self.drive = None;
+                    self.next_ns = asking.now_ns + asking.random.nanos(5.0, 40.0);
+                    return;
+                }
+                self.ask(drive, asking);
                 if let Some(drive) = &mut self.drive {
                     drive.renew_ns = asking.now_ns + asking.random.nanos(1.0, 6.0);
                 }
@@ -299,15 +292,36 @@ impl Steering {
     }
 }
 
-/// The course nearest to that of the goal that the fence holds for, and a new goal where it is there.
-fn round(mut drive: Drive, asking: &mut Asking<'_>) -> Drive {
+/// To where it can look behind something, and there.
+fn draw_roaming(asking: &mut Asking<'_>) -> Option<Drive> {
+    let [hidden, seen] = asking.behind_something()?;
+    let goal = |at: EastNorth| Some([at.east_m, at.north_m]);
+    let drive = Drive {
+        tag: asking.next_tag(),
+        heading_deg: asking.fix.heading_deg,
+        depth_m: None,
+        altitude_m: 0.0,
+        speed_mps: asking.speed(false),
+        goals_m: [goal(seen), goal(hidden)],
+        bold: false,
+        renew_ns: 0,
+        until_ns: asking.now_ns + asking.random.nanos(60.0, 300.0),
+    };
+    Some(turned(drive.with(asking.level()), asking))
+}
+
+/// On to the next goal where it is at one, on the course nearest to it that the fence holds for. Done where there is none.
+fn turned(mut drive: Drive, asking: &Asking<'_>) -> Drive {
     let here = asking.fix.local();
-    let mut goal_m = drive.goal_m.unwrap_or_default();
-    if here.distance_m(EastNorth::new(goal_m[0], goal_m[1])) < NEAR_M {
-        goal_m = asking.across();
-        drive.goal_m = Some(goal_m);
+    let at = |[east_m, north_m]: [f64; 2]| EastNorth::new(east_m, north_m);
+    if drive.goals_m[0].is_some_and(|goal_m| here.distance_m(at(goal_m)) < NEAR_M) {
+        drive.goals_m = [drive.goals_m[1], None];
     }
-    let straight_deg = here.bearing_deg(EastNorth::new(goal_m[0], goal_m[1]));
+    let Some(goal_m) = drive.goals_m[0] else {
+        drive.until_ns = 0;
+        return drive;
+    };
+    let straight_deg = here.bearing_deg(at(goal_m));
     for turn_deg in [0.0, 25.0, -25.0, 50.0, -50.0, 80.0, -80.0, 120.0, -120.0] {
         drive.heading_deg = wrap_deg(straight_deg + turn_deg);
         if asking.fits(&drive.request(5 * SECOND_NS)) {

@@ -46,6 +46,9 @@ pub(crate) struct Courses {
     current: Option<Flown>,
     /// Where the vehicle was when this connection first told of it.
     seen: Option<EastNorth>,
+    /// It may have left a behaviour of its plan that is not done: for an insert that interrupts, and no planned behaviour
+    /// has begun since. Other inserts may be flown first (SPI 7.5).
+    left_plan: bool,
     /// Since when it neither climbs nor dives, while nobody of ours steers.
     level_since: Option<Timestamp>,
     /// It has come to the depth of what is flown now.
@@ -61,10 +64,16 @@ impl Courses {
         self.revision
     }
 
+    /// The vehicle may have been led away from its plan.
+    pub(crate) const fn leave_plan(&mut self) {
+        self.left_plan = true;
+    }
+
     /// A behaviour has begun, at a place where that is known.
     fn began(&mut self, flown: Flown, here: Option<EastNorth>) {
         if matches!(flown, Flown::Planned(_)) {
             self.begun.retain(|other, _| *other == flown);
+            self.left_plan = false;
         }
         let begins = self.begun.entry(flown).or_default();
         begins.truncate(BEGINS_MAX - 1);
@@ -105,6 +114,7 @@ impl Courses {
     pub(crate) fn forget(&mut self) {
         self.begun.clear();
         self.depths_m = None;
+        self.left_plan = false;
         self.link_lost();
     }
 
@@ -131,6 +141,11 @@ impl Core {
         };
         let here = self.tracker.newest().map(|navigation| navigation.local);
         self.courses.began(flown, here);
+        let insert = |identifier| self.ledger.get(self.ledger.by_identifier(identifier)?)?.insert;
+        // One that is not known here may have interrupted too.
+        if identifier.is_some_and(|identifier| insert(identifier).is_none_or(|insert| insert.interrupt)) {
+            self.courses.leave_plan();
+        }
     }
 
     /// A behaviour has ended, for good or for one that interrupts it.
@@ -225,7 +240,7 @@ impl Core {
     /// and where the insert interrupts, what is flown now (SPI 7.5; vehicles differ).
     pub(crate) fn taken_up_after(&self, interrupts: bool) -> Vec<(EastNorth, EastNorth)> {
         let mut lines = Vec::new();
-        if interrupts || self.ledger.interrupts() || self.former_may_fly() {
+        if interrupts || self.ledger.interrupts() || self.former_may_fly() || self.courses.left_plan {
             let planned: Vec<_> = self.plan.current().flat_map(crate::plan::Element::legs).collect();
             let begun: Vec<EastNorth> = self
                 .courses

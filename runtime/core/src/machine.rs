@@ -142,6 +142,9 @@ impl Core {
             whereabouts: Whereabouts::default(),
             unjudged: false,
         };
+        if !core.former.is_none() {
+            core.courses.leave_plan();
+        }
         core.outputs.push_back(Output::Connect { after: Duration::ZERO });
         core.reserve();
         core.settle();

@@ -120,7 +120,10 @@ impl Core {
         let from = self.comes_from(chain.get(..at).unwrap_or_default());
         let to: Vec<End> = match after {
             Some(after) => vec![self.envelope.ends(&after.1).0],
-            None => self.plan.next_points().into_iter().map(End::At).collect(),
+            None => {
+                let onto = self.taken_up_after(false).into_iter().flat_map(<[_; 2]>::from);
+                self.plan.next_points().into_iter().chain(onto).map(End::At).collect()
+            }
         };
         let when = (self.clocks(), self.before_insert_s(false));
         for from in &from {

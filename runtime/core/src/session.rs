@@ -203,6 +203,9 @@ impl Core {
         // No BPEMB reaches the vehicle: its own clock ends the modify (safety requirement 007).
         self.session.up = false;
         self.former.link_lost();
+        if self.ledger.interrupts() {
+            self.courses.leave_plan();
+        }
         self.courses.link_lost();
         self.end_lease("the link is down");
         self.end_hold("the link is down");

@@ -11,8 +11,10 @@ use crate::surroundings::Survey;
 use crate::violation::Findings;
 use crate::zone::Kind;
 
-/// How long after our commands the vehicle's whereabouts are still their consequence.
+/// How long after our commands the vehicle's whereabouts are still their consequence whatever it does.
 const CONSEQUENCE: Duration = Duration::from_secs(15);
+/// And how long at most while it is on its way to its plan.
+const WAY_BACK: Duration = Duration::from_secs(300);
 /// How far the true depth may be out of the zone's band, metres.
 const DEPTH_SLACK_M: f64 = 1.0;
 /// How long a cancel of ours has consequences.
@@ -29,6 +31,8 @@ const CORRECTION_MPS: f64 = 0.5;
 pub(crate) struct Conduct {
     last: Option<(Timestamp, Activity)>,
     commanded_until: Option<Timestamp>,
+    /// Since then it has been on its plan, or has been led elsewhere by others.
+    is_back: bool,
     /// When the vehicle took a cancel of ours, under which it may be on its way until it is on its plan again.
     cancelled: Option<Timestamp>,
     survey: Survey,
@@ -79,6 +83,11 @@ impl Conduct {
         self.cancelled = Some(at);
     }
 
+    /// The vehicle has control again, or ends its mission: what it does from now on is its own.
+    pub(crate) const fn taken(&mut self) {
+        self.is_back = true;
+    }
+
     /// How far the vehicle is from where it believes to be from now on, and from its depth, metres.
     pub(crate) fn believed(&mut self, error_m: f64, depth_error_m: f64) {
         (self.error_m, self.depth_error_m) = (error_m, depth_error_m);
@@ -105,10 +114,12 @@ impl Conduct {
         let commanded = match truth.activity {
             Activity::Insert(_) | Activity::Modified => {
                 self.commanded_until = Some(at);
+                self.is_back = false;
                 true
             }
             Activity::Plan => {
-                let follows = self.commanded_until.is_some_and(|until| at.since(until) <= CONSEQUENCE);
+                let since = self.commanded_until.map(|until| at.since(until));
+                let follows = since.is_some_and(|since| since <= CONSEQUENCE || since <= WAY_BACK && !self.is_back);
                 if !follows {
                     self.commanded_until = None;
                 }
@@ -173,6 +184,7 @@ impl Conduct {
         if excused {
             // It is on its own plan again.
             self.cancelled = None;
+            self.is_back = true;
         }
         out &= !excused;
         let edge_m = self.survey.spare_m();

@@ -378,6 +378,7 @@ impl Oracle {
             Change::Lost { held } => {
                 self.control_held += held;
                 if self.control.is_up() {
+                    self.conduct.taken();
                     let due = self.lost_due(at);
                     self.lease.must_end(due);
                     self.hold.must_end(due);

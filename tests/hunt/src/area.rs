@@ -65,6 +65,12 @@ impl Area {
         let margin_m = dice.figure(2.0, 20.0);
         let exclusions = (0..kept_out)
             .filter_map(|_| {
+                if dice.chance(0.4) {
+                    return Some(Exclusion {
+                        ring: wall(dice, &points, margin_m + ASIDE_M)?,
+                        depths_m: None,
+                    });
+                }
                 let size_m = dice.between(20.0, 50.0);
                 let at = if dice.chance(0.5) {
                     MIDDLE.offset(dice.between(0.0, 360.0), ring_m * dice.between(0.9, 1.0))
@@ -154,15 +160,36 @@ impl Area {
 /// A place between the legs of a plan, not nearer to any of them; there may be none.
 fn beside(dice: &mut Dice, points: &[EastNorth], clear_m: f64) -> Option<EastNorth> {
     let home = [points[points.len() - 1], points[0]];
-    for _ in 0..30 {
-        let at = MIDDLE.offset(dice.between(0.0, 360.0), dice.between(0.0, 460.0));
-        let legs = points.windows(2).chain([home.as_slice()]);
-        if legs
-            .map(|leg| to_leg_m(at, leg[0], leg[1]))
-            .fold(f64::INFINITY, f64::min)
-            > clear_m
+    let legs = || points.windows(2).chain([home.as_slice()]);
+    let is_clear = |at: &EastNorth| legs().all(|leg| to_leg_m(*at, leg[0], leg[1]) > clear_m);
+    (0..30)
+        .map(|_| MIDDLE.offset(dice.between(0.0, 360.0), dice.between(0.0, 460.0)))
+        .find(is_clear)
+}
+
+/// Narrow and long, between the legs of a plan and not nearer to any of them: no straight way leads from one of its sides
+/// to the other. There may be no place for one.
+fn wall(dice: &mut Dice, points: &[EastNorth], clear_m: f64) -> Option<Vec<EastNorth>> {
+    const HALF_WIDTH_M: f64 = 8.0;
+    let home = [points[points.len() - 1], points[0]];
+    let legs = || points.windows(2).chain([home.as_slice()]);
+    for _ in 0..40 {
+        let at = MIDDLE.offset(dice.between(0.0, 360.0), dice.between(0.0, 420.0));
+        let along_deg = dice.between(0.0, 360.0);
+        let half_m = dice.between(50.0, 140.0);
+        let on_it = |share: f64| at.offset(along_deg, share * half_m);
+        let is_clear = |place: EastNorth| legs().all(|leg| to_leg_m(place, leg[0], leg[1]) > clear_m + HALF_WIDTH_M);
+        if [-1.0, -0.6, -0.2, 0.2, 0.6, 1.0]
+            .into_iter()
+            .all(|share| is_clear(on_it(share)))
         {
-            return Some(at);
+            let corner = |share: f64, side_deg: f64| on_it(share).offset(along_deg + side_deg, HALF_WIDTH_M);
+            return Some(vec![
+                corner(-1.0, -90.0),
+                corner(1.0, -90.0),
+                corner(1.0, 90.0),
+                corner(-1.0, 90.0),
+            ]);
         }
     }
     None

@@ -394,6 +394,33 @@ fn sr_002_an_insert_that_another_planned_behaviour_comes_before_is_judged_from_t
 }
 
 #[test]
+fn sr_002_the_way_onto_an_interrupted_line_is_judged_for_what_is_flown_first() {
+    let mut trial = Trial::under_way();
+    trial.ask(0, [interrupting(1)]);
+    trial.run_for(0.5);
+    begin(&mut trial, 1);
+    trial.ask(0, [Request::Trackline(line(2, (0.0, 600.0), (300.0, 600.0)))]);
+    trial.run_for(0.5);
+    end(&mut trial, 1);
+    begin(&mut trial, 2);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted", "started"]);
+    // From its end the way to the next behaviour is free, and onto the line that was left for the first it is not.
+    let behind = |tag| Request::Trackline(line(tag, (400.0, -1100.0), (400.0, -1300.0)));
+    trial.ask(0, [behind(3)]);
+    trial.run_for(0.5);
+    is_over_the_wreck(&trial, 3);
+    end(&mut trial, 2);
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(3), None);
+    trial.run_for(0.3);
+    trial.ask(0, [Request::Trackline(line(4, (0.0, 600.0), (300.0, 600.0)))]);
+    trial.run_for(0.5);
+    trial.ask(0, [behind(5)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(5)), ["sent", "accepted"], "{:?}", trial.states(5));
+}
+
+#[test]
 fn sr_002_the_transit_from_an_insert_that_is_not_ours_is_judged() {
     let mut trial = Trial::under_way();
     let good = || Request::Trackline(line(1, (0.0, 500.0), (300.0, 500.0)));

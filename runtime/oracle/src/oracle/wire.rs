@@ -40,7 +40,8 @@ pub(super) fn fix(line: &[u8]) -> Option<Fix> {
     let _created = whole_time(fields.take())?;
     let latitude_deg = angle(&mut fields, 2, [b"N", b"S"]).filter(|deg| deg.abs() <= 90.0)?;
     let longitude_deg = angle(&mut fields, 3, [b"E", b"W"]).filter(|deg| deg.abs() <= 180.0)?;
-    let _quality = Some(fields.take()).filter(|text| matches!(text, [b'0' | b'1']))?;
+    // A code that the specification does not know says nothing against the place.
+    let _quality = Some(fields.take()).filter(|text| matches!(text, [b'0'..=b'9']))?;
     let altitude = fields.take();
     let altitude_m = match altitude {
         b"" => 0.0,
@@ -176,13 +177,17 @@ mod tests {
         assert_eq!(read(&line.replace("*4E", "*4F")), None);
         assert_eq!(read(&line.replace("N,", "N")), None);
         assert!(read(&with_checksum(&line.replace(",45.3,", ",,"))).is_some());
+        assert!(
+            read(&with_checksum(&line.replace(",1,45", ",4,45"))).is_some(),
+            "a code"
+        );
         // Whatever field is damaged, and the checksum right all the same.
         for (right, damaged) in [
             ("081025.987", "0810:5.987"),
             ("4221.81092", "4271.81092"),
             (",N,", ",F,"),
             (",W,", ",G,"),
-            (",1,", ",3,"),
+            (",1,", ",q,"),
             ("45.3", "4u.3"),
             ("20.1", "2>.1"),
             ("203.1", "403.1"),

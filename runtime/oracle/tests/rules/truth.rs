@@ -42,10 +42,23 @@ fn requirement_002_the_plan_may_lead_where_it_likes() {
 }
 
 #[test]
-fn requirement_002_what_follows_within_15_s_is_our_doing() {
+fn requirement_002_the_way_back_to_the_plan_is_our_doing() {
     insert().place(10_000, 42.005, -70.021).finds(&["truth-fence"]);
-    let outcome = insert().place(23_200, 42.005, -70.021).run(30_000);
+    // However long it takes, until the vehicle has been on its plan.
+    let outcome = insert().place(40_000, 42.005, -70.021).run(50_000);
+    let found: Vec<_> = outcome.violations.iter().map(|violation| violation.rule).collect();
+    assert_eq!(found, ["truth-fence"]);
+    let back = || insert().vehicle(60, "BFPLN,{t},1,,1,0,4200.300,N,07001.000,W,,,");
+    let outcome = back().place(23_200, 42.005, -70.021).run(30_000);
     assert_eq!(outcome.violations, []);
+    // What it does then has not become its own at once.
+    back().place(15_000, 42.005, -70.021).finds(&["truth-fence"]);
+    // Who has taken control again leads it elsewhere.
+    let taken = insert()
+        .vehicle(8100, "BFCTL,{t},0")
+        .place(23_200, 42.005, -70.021)
+        .run(30_000);
+    assert_eq!(taken.violations, []);
     // An abort is not.
     insert()
         .activity(9000, Activity::Other)

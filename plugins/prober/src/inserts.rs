@@ -59,7 +59,6 @@ impl Inserts {
         }
         match (bold, line) {
             (true, _) if asking.random.chance(0.15) => self.burst(line, asking),
-            (true, true) if asking.random.chance(0.2) => self.detour(asking),
             (true, true) => self.bold_line(asking),
             (true, false) => self.bold_circle(asking),
             (false, true) => self.modest_line(asking),
@@ -198,7 +197,7 @@ impl Inserts {
     }
 
     fn modest_line(&mut self, asking: &mut Asking<'_>) {
-        if self.accepted && asking.random.chance(0.25) && self.hidden_line(asking) {
+        if self.accepted && asking.random.chance(0.3) && (self.detour(asking) || self.hidden_line(asking)) {
             return;
         }
         let mut request = None;
@@ -286,10 +285,13 @@ impl Inserts {
     }
 
     /// Two lines, one after the other: from the end of the first a way leads to the start of the second, and from nowhere
-    /// else. In the end only the second may be left.
-    fn detour(&mut self, asking: &mut Asking<'_>) {
+    /// else. In the end only the second may be left. False where there is no such place, or no mind for it.
+    fn detour(&mut self, asking: &mut Asking<'_>) -> bool {
+        if asking.random.chance(0.5) {
+            return false;
+        }
         let Some([hidden, seen]) = asking.behind_something() else {
-            return self.modest_line(asking);
+            return false;
         };
         let level = asking.level();
         let after_ns = asking.random.nanos(2.0, 15.0);
@@ -304,6 +306,7 @@ impl Inserts {
             }
             self.ask(line, asking);
         }
+        true
     }
 
     /// To behind something, or from there: the way there or the way back is the most of it. False where there is nothing.

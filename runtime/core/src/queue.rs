@@ -48,10 +48,10 @@ impl Core {
         let accepted = |state: &RequestState| *state == RequestState::Accepted;
         self.ledger.get(request).is_some_and(|entry| accepted(&entry.state))
             && !self.is_recalled(request)
-            && !self.commands.purposes().any(|purpose| match purpose {
-                Purpose::Cancel { insert, .. } => insert == request,
-                _ => false,
-            })
+            && !self
+                .commands
+                .purposes()
+                .any(|purpose| matches!(purpose, Purpose::Cancel { insert, .. } if insert == request))
     }
 
     /// The plan is flown on, or is known anew: an insert that waits and whose way does not hold from there is called

@@ -298,7 +298,7 @@ fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_
     if let Some(identifiers) = &mut second.identifiers {
         (identifiers.next, identifiers.reserved) = (40, 40);
     }
-    let trial = started_and_asked_after(second.clone(), 9.0, 20.0);
+    let trial = started_and_asked_after(second, 9.0, 20.0);
     names_edge_and_metres(&trial.rejection(1), "inside exclusion 'shoals'");
     let trial = started_and_asked_after(second, 20.0, 20.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));

@@ -25,8 +25,20 @@ pub(crate) struct Inserts {
     accepted: bool,
     /// The vehicle has refused the last one.
     failed: bool,
-    /// The first of two, which is taken back so that only the second is left; and when.
-    detour: Option<(u64, u64)>,
+    detour: Option<Detour>,
+}
+
+/// Two lines, one after the other: from the end of the first a way leads to the start of the second, and from nowhere
+/// else. In the end the first is taken back.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Detour {
+    first: u64,
+    /// The ends of the second, east and north in metres, until it is asked for.
+    then_m: Option<[[f64; 2]; 2]>,
+    /// The second.
+    second: Option<u64>,
+    /// When the first is taken back; 0 while the second is not accepted.
+    due_ns: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,8 +50,11 @@ struct Open {
 
 impl Inserts {
     pub(crate) fn step(&mut self, asking: &mut Asking<'_>) {
-        if let Some((tag, _)) = self.detour.take_if(|(_, due_ns)| asking.now_ns >= *due_ns) {
-            asking.ask(Request::Cancel(tag));
+        if let Some(detour) = self
+            .detour
+            .take_if(|detour| (1..=asking.now_ns).contains(&detour.due_ns))
+        {
+            asking.ask(Request::Cancel(detour.first));
         }
         if asking.now_ns < self.next_ns {
             return;
@@ -71,6 +86,7 @@ impl Inserts {
         let Some(at) = self.open.iter().position(|open| open.tag == tag) else {
             return;
         };
+        self.lead(tag, state, asking);
         match state {
             State::Sent | State::Pending | State::Unknown => {}
             State::Accepted => {
@@ -284,29 +300,62 @@ impl Inserts {
         self.ask(line, asking);
     }
 
-    /// Two lines, one after the other: from the end of the first a way leads to the start of the second, and from nowhere
-    /// else. In the end only the second may be left. False where there is no such place, or no mind for it.
+    /// False where there is nothing to lead round, or no mind for it.
     fn detour(&mut self, asking: &mut Asking<'_>) -> bool {
-        if asking.random.chance(0.5) {
+        if self.detour.is_some() || asking.random.chance(0.5) {
             return false;
         }
         let Some([hidden, seen]) = asking.behind_something() else {
             return false;
         };
-        let level = asking.level();
-        let after_ns = asking.random.nanos(2.0, 15.0);
         let near = seen.offset(asking.random.within(0.0, 360.0), asking.random.within(40.0, 80.0));
-        for (at, ends) in [[near, seen], [hidden, seen]].into_iter().enumerate() {
-            let mut line = self.line(ends, level, false, asking);
-            if let Request::Trackline(line) = &mut line {
-                line.interrupt = false;
-                if at == 0 {
-                    self.detour = Some((line.tag, asking.now_ns + after_ns));
-                }
-            }
-            self.ask(line, asking);
-        }
+        self.detour = Some(Detour {
+            first: self.queue([near, seen], asking),
+            then_m: Some([hidden, seen].map(|end| [end.east_m, end.north_m])),
+            second: None,
+            due_ns: 0,
+        });
         true
+    }
+
+    /// Goes on with a detour once the vehicle has taken what was asked for of it.
+    fn lead(&mut self, tag: u64, state: &State, asking: &mut Asking<'_>) {
+        let Some(mut detour) = self
+            .detour
+            .filter(|detour| detour.first == tag || detour.second == Some(tag))
+        else {
+            return;
+        };
+        match state {
+            State::Sent | State::Pending | State::Unknown => {}
+            State::Accepted => {
+                if detour.second == Some(tag) {
+                    detour.due_ns = asking.now_ns + asking.random.nanos(2.0, 15.0);
+                } else if let Some(ends_m) = detour.then_m.take() {
+                    let ends = ends_m.map(|[east_m, north_m]| EastNorth::new(east_m, north_m));
+                    detour.second = Some(self.queue(ends, asking));
+                }
+                self.detour = Some(detour);
+            }
+            State::Started
+            | State::Rejected(_)
+            | State::Failed(_)
+            | State::TimedOut
+            | State::Ended(_)
+            | State::Cancelled => self.detour = None,
+        }
+    }
+
+    /// Asks for a line that waits its turn, as deep as the vehicle is; its tag.
+    fn queue(&mut self, ends: [EastNorth; 2], asking: &mut Asking<'_>) -> u64 {
+        let level = asking.level();
+        let mut line = self.line(ends, level, false, asking);
+        if let Request::Trackline(line) = &mut line {
+            line.interrupt = false;
+        }
+        let tag = line.tag().unwrap_or_default();
+        self.ask(line, asking);
+        tag
     }
 
     /// To behind something, or from there: the way there or the way back is the most of it. False where there is nothing.

@@ -166,6 +166,21 @@ pub(crate) struct Route {
     pub(crate) before_s: f64,
 }
 
+/// How a way is flown that belongs to no request.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Passage {
+    /// The vehicle's depth now.
+    pub(crate) depth: Depth,
+    pub(crate) lock: Option<BottomLock>,
+    /// A GPS hit is at one of its ends, and it goes through all depths down to this one.
+    pub(crate) surfacing: bool,
+    /// As a route's.
+    pub(crate) depths_m: Option<[f64; 2]>,
+    pub(crate) clocks: Clocks,
+    /// It begins by then at the latest, seconds.
+    pub(crate) before_s: f64,
+}
+
 /// How a way is flown: how far beside it, how deep, and when.
 #[derive(Clone, Copy)]
 struct Way {
@@ -370,35 +385,26 @@ impl Envelope {
         Ok(least_m)
     }
 
-    /// The way from one end to another alone: what remains when an insert between them is cancelled. `surfacing`: a GPS
-    /// hit is at one of its ends, and the way goes through all depths down to this one. It is flown after `before_s` at
-    /// the latest.
-    pub(crate) fn judge_way(
-        &self,
-        (from, to): (End, End),
-        depth: Depth,
-        surfacing: bool,
-        depths_m: Option<[f64; 2]>,
-        (clocks, before_s): (Clocks, f64),
-    ) -> Result<f64, Refusal> {
+    /// The way from one end to another alone: what remains when an insert between them is cancelled.
+    pub(crate) fn judge_way(&self, (from, to): (End, End), passage: &Passage) -> Result<f64, Refusal> {
         let limits = &self.limits;
         let strayed_m = limits.tracking_error_m
             + limits.navigation_error_m
             + turn_radius_m(limits.speed_max_mps, limits.turn_rate_dps);
-        let depth_m = depth.as_m();
+        let (depth_m, way_m) = (passage.depth.as_m(), farthest_m(from, to));
+        let (shallowest_m, _) = self.water_depths(passage.lock, to.point(), way_m + strayed_m);
         let extent = VerticalExtent {
             depth_min_m: depth_m,
             depth_max_m: depth_m,
-            altitude_min_m: limits.water_depth_min_m.unwrap_or(0.0) - depth_m,
+            altitude_min_m: shallowest_m.unwrap_or(0.0) - depth_m,
         };
-        let when = clocks.next(before_s + farthest_m(from, to) / self.slowest_mps());
         let way = Way {
             strayed_m,
             extent,
-            depths_m: depths_m.unwrap_or([depth_m, depth_m]),
-            when,
+            depths_m: passage.depths_m.unwrap_or([depth_m, depth_m]),
+            when: passage.clocks.next(passage.before_s + way_m / self.slowest_mps()),
         };
-        self.way_by(surfacing, from, to, &way)
+        self.way_by(passage.surfacing, from, to, &way)
     }
 
     /// Where an insert begins and ends, leads included.

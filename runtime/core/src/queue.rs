@@ -6,8 +6,10 @@
 //! the time that the insert arrives, or than the insert was judged for, where vehicles differ in the place that they give
 //! it (SPI 7.5).
 
+use backseat_units::Depth;
+
 use crate::commands::Purpose;
-use crate::envelope::{End, Insert};
+use crate::envelope::{End, Insert, Passage};
 use crate::machine::Core;
 use crate::plan::Element;
 use crate::plugin::{Refusal, RequestState};
@@ -84,12 +86,23 @@ impl Core {
             return Ok(());
         };
         let surfacing = insert.surfaces() || before.iter().any(|(_, before, _)| before.surfaces());
-        let when = (self.clocks(), self.before_insert_s(false));
+        let passage = self.passage(navigation.depth, surfacing, self.before_insert_s(false));
         for from in self.comes_from(before) {
-            let way = (from, self.envelope.ends(insert).0);
             self.envelope
-                .judge_way(way, navigation.depth, surfacing, self.depths_of_ways(), when)?;
+                .judge_way((from, self.envelope.ends(insert).0), &passage)?;
         }
         Ok(())
+    }
+
+    /// How a way is flown from this depth that begins after so many seconds at the latest.
+    pub(crate) fn passage(&self, depth: Depth, surfacing: bool, before_s: f64) -> Passage {
+        Passage {
+            depth,
+            lock: self.tracker.bottom_lock(self.now),
+            surfacing,
+            depths_m: self.depths_of_ways(),
+            clocks: self.clocks(),
+            before_s,
+        }
     }
 }

@@ -125,11 +125,10 @@ impl Core {
                 self.plan.next_points().into_iter().chain(onto).map(End::At).collect()
             }
         };
-        let when = (self.clocks(), self.before_insert_s(false));
+        let passage = self.passage(navigation.depth, surfacing, self.before_insert_s(false));
         for from in &from {
             for to in &to {
-                self.envelope
-                    .judge_way((*from, *to), navigation.depth, surfacing, self.depths_of_ways(), when)?;
+                self.envelope.judge_way((*from, *to), &passage)?;
             }
         }
         Ok(())

@@ -105,15 +105,12 @@ impl Core {
                 to.extend(left.flat_map(|element: &Element| [End::At(element.first()), End::At(element.last())]));
             }
         }
-        let when = (self.clocks(), 0.0);
+        let (here, passage) = (
+            End::At(navigation.local),
+            self.passage(navigation.depth, surfacing, 0.0),
+        );
         for to in to.into_iter().filter(|_| is_on(Check::CancelWay)) {
-            self.envelope.judge_way(
-                (End::At(navigation.local), to),
-                navigation.depth,
-                surfacing,
-                self.depths_of_ways(),
-                when,
-            )?;
+            self.envelope.judge_way((here, to), &passage)?;
         }
         Ok(())
     }

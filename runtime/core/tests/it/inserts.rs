@@ -394,6 +394,42 @@ fn sr_002_an_insert_that_another_planned_behaviour_comes_before_is_judged_from_t
 }
 
 #[test]
+fn sr_002_sr_020_bottom_lock_tells_how_high_the_ways_are_that_remain() {
+    let waiting = |altitude_m| {
+        let mut trial = Trial::with_under_way(Setup {
+            limits: Limits {
+                water_depth_min_m: None,
+                seabed_slope_max: 0.01,
+                ..limits()
+            },
+            ..Setup::default()
+        });
+        trial.ask(0, [good_line(1)]);
+        trial.run_for(0.5);
+        trial.ask(0, [Request::Trackline(line(2, (0.0, 600.0), (300.0, 600.0)))]);
+        trial.run_for(0.5);
+        assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
+        trial.vehicle.altitude_m = altitude_m;
+        // Longer than a lock that is lost still counts.
+        trial.run_for(60.0);
+        trial
+    };
+    let mut trial = waiting(Some(70.0));
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(2), None);
+    trial.run_for(0.5);
+    assert_eq!(trial.sent("RCN").len(), 0, "{:#?}", trial.notes());
+    trial.ask(0, [Request::Cancel(1)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.cancel_states(1)), ["sent", "accepted", "ended"]);
+    // Nobody knows how high.
+    let mut trial = waiting(None);
+    trial.ask(0, [Request::Cancel(1)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.cancel_states(1)), ["rejected"]);
+}
+
+#[test]
 fn sr_002_the_way_onto_an_interrupted_line_is_judged_for_what_is_flown_first() {
     let mut trial = Trial::under_way();
     trial.ask(0, [interrupting(1)]);

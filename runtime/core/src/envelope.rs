@@ -335,8 +335,7 @@ impl Envelope {
         let speed_mps = insert
             .flight()
             .map_or(limits.speed_max_mps, |flight| flight.speed.as_mps());
-        let strayed_m =
-            limits.tracking_error_m + limits.navigation_error_m + turn_radius_m(speed_mps, limits.turn_rate_dps);
+        let strayed_m = self.strayed_m(speed_mps);
         let (shape, reach_m) = match insert.path {
             InsertPath::Line { start, end, .. } => {
                 let (start, end) = self.with_leads(frame.to_local(start), frame.to_local(end));
@@ -388,9 +387,7 @@ impl Envelope {
     /// The way from one end to another alone: what remains when an insert between them is cancelled.
     pub(crate) fn judge_way(&self, (from, to): (End, End), passage: &Passage) -> Result<f64, Refusal> {
         let limits = &self.limits;
-        let strayed_m = limits.tracking_error_m
-            + limits.navigation_error_m
-            + turn_radius_m(limits.speed_max_mps, limits.turn_rate_dps);
+        let strayed_m = self.strayed_m(limits.speed_max_mps);
         let (depth_m, way_m) = (passage.depth.as_m(), farthest_m(from, to));
         let (shallowest_m, _) = self.water_depths(passage.lock, to.point(), way_m + strayed_m);
         let extent = VerticalExtent {
@@ -511,6 +508,16 @@ impl Envelope {
             InsertPath::Circle { radius_m, orbits, .. } => 2.0 * PI * radius_m * orbits.abs(),
             InsertPath::Surface { .. } => 0.0,
         }
+    }
+
+    /// How far the vehicle may be beside a way or a line, metres: the errors, and a whole turn's width with the current's
+    /// part in it, for what it goes to may be behind it or abeam.
+    fn strayed_m(&self, speed_mps: f64) -> f64 {
+        let limits = &self.limits;
+        limits.tracking_error_m
+            + limits.navigation_error_m
+            + 2.0 * turn_radius_m(speed_mps, limits.turn_rate_dps)
+            + limits.current_max_mps * 180.0 / limits.turn_rate_dps
     }
 
     fn way(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {

@@ -12,6 +12,7 @@ use std::time::Duration;
 use backseat_spi::{BehaviorId, CancelBehavior, ToVehicle};
 
 use crate::io::{Identifiers, Note};
+use crate::ledger::Entry;
 use crate::machine::Core;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -101,6 +102,18 @@ impl Core {
                     .others(|identifier| !former.includes(identifier))
                     .next()
                     .is_some())
+    }
+
+    /// Whether the vehicle may be on its way to the surface by a GPS hit that is not open: one of an earlier process, while
+    /// no behaviour has been heard to begin, or one that was held to be over.
+    pub(crate) fn former_may_surface(&self) -> bool {
+        let former = &self.former;
+        let sent = self
+            .start
+            .identifiers
+            .is_some_and(|identifiers| identifiers.gps_hits > 0);
+        let doubtful = |entry: &Entry| entry.insert.is_some_and(|insert| insert.surfaces());
+        (!former.is_none() && !former.heard && sent) || (former.has_revenant() && self.ledger.doubtful().any(doubtful))
     }
 
     /// The vehicle's plan has come whole: it says what is left.

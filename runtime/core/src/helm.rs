@@ -114,6 +114,7 @@ impl Core {
         if self.hull.holder().is_some_and(|holder| holder < plugin) {
             return Err(refused("priority", "a plugin of higher priority holds the vehicle"));
         }
+        self.admit_beside_gps_hit()?;
         let setpoint = self.envelope.admit_modify(modify)?;
         self.cap_steering(plugin, modify.duration)?;
         let kept = self.judge(&setpoint)?;

@@ -16,7 +16,7 @@ use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::envelope::{End, Flight, Insert, InsertPath, Route, Vertical};
 use crate::helm::refused;
 use crate::io::{Output, Reservation};
-use crate::ledger::RequestKind;
+use crate::ledger::{Entry, RequestKind};
 use crate::limits::Grant;
 use crate::machine::Core;
 use crate::plugin::{PluginId, Refusal, Request, RequestState};
@@ -92,6 +92,9 @@ impl Core {
         if self.open_insert(plugin, tag).is_some() {
             return Err(refused("tag", "an insert with this tag is still open"));
         }
+        if insert.interrupt {
+            self.admit_beside_gps_hit()?;
+        }
         if insert.interrupt && self.ledger.interrupts() && is_on(Check::InterruptOfInterrupt) {
             return Err(refused(
                 "interrupt",
@@ -158,6 +161,20 @@ impl Core {
             }
             Some(_) => Ok(self.route_of_insert(insert.interrupt)),
         }
+    }
+
+    /// Safety requirement 002: a vehicle that is led away from a GPS hit comes up wherever it is then.
+    pub(crate) fn admit_beside_gps_hit(&self) -> Result<(), Refusal> {
+        let begun = |entry: &Entry| entry.state == RequestState::Started;
+        let flown = self
+            .ledger
+            .iter()
+            .any(|(request, entry)| begun(entry) && self.ledger.is_gps_hit(Some(request)));
+        if (flown || self.former_may_surface()) && is_on(Check::Surfacing) {
+            let text = "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
+            return Err(refused("surface", text));
+        }
+        Ok(())
     }
 
     /// How long an insert flies at most, where that and what is open stay under the cap.

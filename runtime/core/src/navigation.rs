@@ -40,7 +40,7 @@ pub(crate) struct Tracker {
     lock: Option<(BottomLock, Timestamp)>,
     /// Since when it has been steady; `None` before the first sample of this connection.
     steady_since: Option<Timestamp>,
-    /// Where it was when the last connection was lost, and when.
+    /// Where it was when it was last heard of on the connection before, and when that was.
     before: Option<(EastNorth, Timestamp)>,
     jumped_at: Option<Timestamp>,
 }
@@ -48,6 +48,8 @@ pub(crate) struct Tracker {
 #[derive(Clone, Copy, Debug)]
 struct Newest {
     sample: NavigationSample,
+    /// When it came.
+    received: Timestamp,
     written: TimeOfDay,
     solution: TimeOfDay,
 }
@@ -76,9 +78,8 @@ impl Tracker {
             self.clock = VehicleClock::default();
         }
         let last = self.newest.take();
-        self.before = last
-            .map(|last| (last.sample.local, last.sample.solution))
-            .or(self.before);
+        // The time of its solution hangs on the vehicle's clock, which may have been set.
+        self.before = last.map(|last| (last.sample.local, last.received)).or(self.before);
         self.lock = None;
         self.steady_since = None;
     }
@@ -162,6 +163,7 @@ impl Tracker {
         }
         self.newest = Some(Newest {
             sample,
+            received: now,
             written: message.created,
             solution: message.solution,
         });

@@ -18,6 +18,8 @@ pub(crate) struct Inserts {
     open: Open,
     /// When the plans were asked for that are not told to their ends, by their BPRMP, oldest first.
     plans_asked: Vec<(TimeOfDay, Timestamp)>,
+    /// What the plan that is being told begins with: an element, and its place in it.
+    plan_begins: Option<(PlanPlace, u32)>,
     /// Sent and not refused, GPS hits apart, which have a cap of their own.
     counted: u64,
     sent: u64,
@@ -26,6 +28,9 @@ pub(crate) struct Inserts {
     begun: u64,
     cancelled: u64,
 }
+
+/// The number and the identifier of an element of the plan.
+type PlanPlace = (Option<u32>, Option<u32>);
 
 /// One BPRTK, BPRTC or BPRGP.
 #[derive(Clone, Copy, Debug)]
@@ -240,14 +245,27 @@ impl Inserts {
         }
     }
 
+    /// The vehicle tells an element of its plan. Where the first comes again, so does the plan, and what was told of it
+    /// before was not told to its end.
+    pub(crate) fn element(&mut self, at: Timestamp, place: PlanPlace, index: u32) {
+        if self.plan_begins == Some((place, index)) {
+            self.unlist();
+        }
+        self.plan_begins.get_or_insert((place, index));
+        if let (_, Some(identifier)) = place {
+            self.planned(at, identifier);
+        }
+    }
+
     fn unlist(&mut self) {
+        self.plan_begins = None;
         for insert in self.known.values_mut() {
             insert.listed = false;
         }
     }
 
     /// The vehicle's plan holds an insert: it was accepted, whatever became of the acknowledgement.
-    pub(crate) fn planned(&mut self, at: Timestamp, identifier: u32) {
+    fn planned(&mut self, at: Timestamp, identifier: u32) {
         self.answered(at, Some(identifier), TimeOfDay::MIDNIGHT, true);
         if let Some(insert) = self.known.get_mut(&identifier) {
             insert.listed = true;

@@ -135,6 +135,7 @@ impl Oracle {
         self.operator.cut();
         self.trigger.cut();
         self.acoustic.cut();
+        self.shutdown.cut(at);
         self.from_vehicle.clear();
         self.to_vehicle.clear();
         self.arriving.clear();

@@ -256,6 +256,12 @@ impl Shutdown {
         }
     }
 
+    /// The link is lost, and what was not surely heard by now with it.
+    pub(crate) fn cut(&mut self, now: Timestamp) {
+        self.heard = self.heard.filter(|heard| *heard <= now);
+        self.unheard = false;
+    }
+
     /// The runtime goes on, and hears by then what was said meanwhile.
     pub(crate) fn goes_on(&mut self, heard: Timestamp) {
         if core::mem::take(&mut self.unheard) {

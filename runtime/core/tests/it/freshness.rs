@@ -250,6 +250,19 @@ fn sr_021_a_jump_while_the_link_was_lost_is_seen() {
 }
 
 #[test]
+fn sr_021_a_jump_over_a_lost_link_is_seen_though_the_vehicles_clock_was_set_before() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.clock_nanos -= 20_000_000_000;
+    // What comes then was solved 20 s ago, by all that is known.
+    trial.run_for(24.0);
+    trial.cut();
+    trial.vehicle.jump = EastNorth::new(0.0, 100.0);
+    trial.run_for(3.0);
+    let jumped = |(_, note)| matches!(note, Note::Navigation { .. });
+    assert!(trial.notes().into_iter().any(jumped), "{:#?}", trial.notes());
+}
+
+#[test]
 fn a_vehicle_that_has_gone_on_while_the_link_was_lost_has_not_jumped() {
     let mut trial = Trial::steering();
     trial.cut();

@@ -76,6 +76,22 @@ fn sr_002_the_transit_to_the_line_is_checked() {
 }
 
 #[test]
+fn sr_002_the_way_to_what_is_abeam_is_a_turns_width_wide() {
+    // The straight way leads by the wreck, some 12 m or 33 m from its margin and the errors: a turn takes 22 m at 1.5 m/s,
+    // and the current its part of 7 m.
+    let asked = |east_m: f64| {
+        let mut trial = Trial::under_way();
+        let by = line(1, (east_m, -1400.0), (east_m + 300.0, -1400.0));
+        trial.ask(0, [Request::Trackline(TracklineRequest { interrupt: true, ..by })]);
+        trial.run_for(0.5);
+        trial
+    };
+    names_edge_and_metres(&asked(565.0).rejection(1), "inside exclusion 'wreck'");
+    let trial = asked(610.0);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+}
+
+#[test]
 fn sr_002_the_way_on_to_what_comes_next_is_checked() {
     // From its end the way to the waypoint 2 at 600 east 300 north leads over the wreck.
     let line = line(1, (600.0, -1700.0), (-500.0, -1700.0));

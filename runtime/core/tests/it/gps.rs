@@ -231,6 +231,33 @@ fn sr_002_what_interrupts_before_a_gps_hit_goes_on_to_the_surface() {
 }
 
 #[test]
+fn sr_002_nothing_is_modified_or_interrupted_while_the_vehicle_is_on_its_way_to_the_surface() {
+    let mut trial = accepted();
+    let modify = |tag| Request::Modify(course::modify(tag));
+    let asks = |trial: &mut Trial, tag| {
+        trial.ask(0, [modify(tag), course::interrupting(tag + 1)]);
+        trial.run_for(0.5);
+        [tag, tag + 1].map(|tag| trial.states(tag))
+    };
+    let now = trial.now;
+    trial.vehicle.begin(now, None, Some(1));
+    trial.run_for(0.5);
+    for states in asks(&mut trial, 2) {
+        assert!(
+            matches!(&states[..], [RequestState::Rejected(refusal)] if refusal.starts_with("surface: ")),
+            "{states:?}"
+        );
+    }
+    let now = trial.now;
+    trial.vehicle.end(now, None, Some(1));
+    trial.vehicle.begin(now, Some(2), None);
+    trial.run_for(0.5);
+    for states in asks(&mut trial, 4) {
+        assert_eq!(shorts(&states)[..2], ["sent", "accepted"], "{states:?}");
+    }
+}
+
+#[test]
 fn sr_002_a_depth_of_what_is_flown_before_it_counts() {
     let deep = |tag| {
         let mut deep = line(tag, (0.0, 500.0), (300.0, 500.0));

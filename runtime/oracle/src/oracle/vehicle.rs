@@ -92,9 +92,8 @@ impl Oracle {
                 self.plan_heard = true;
                 let own = element.identifier.is_none();
                 self.plan.told(own.then(|| self.area.point(element.position)));
-                if let Some(identifier) = element.identifier {
-                    self.inserts.planned(at, identifier.get());
-                }
+                let place = (element.number, element.identifier.map(backseat_spi::BehaviorId::get));
+                self.inserts.element(at, place, element.index);
             }
             FromVehicle::Acknowledgement(ack) => self.answered(at, ack),
             _ => {}

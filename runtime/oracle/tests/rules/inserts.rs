@@ -212,6 +212,25 @@ fn requirement_019_each_plan_that_is_told_says_what_waits() {
         again(second.vehicle(5400, answer))
     };
     whole("BFACK,{t},RMP,000004.010,,2,0,text").finds_nothing();
+    // Where the end of the first is not heard, the second begins where its first element comes again.
+    let unanswered = |first: &str| {
+        let elements = "BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,";
+        let told = Scenario::with_control()
+            .limits(|limits| limits.inserts_open_max = 1)
+            .ours(2000, &good(7))
+            .vehicle(2100, &ack(7, 2))
+            .started(3500)
+            .reconnects(3000, 4000)
+            .ours(5000, "BPRMP,{t}")
+            .vehicle(5100, elements)
+            .vehicle(5100, "BFPLN,{t},,7,0,1,4200.300,N,07000.900,W,,,")
+            .ours(5200, "BPRMP,{t}")
+            .vehicle(5300, first)
+            .vehicle(5400, "BFACK,{t},RMP,000004.200,,2,0,text");
+        again(told)
+    };
+    unanswered("BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,").finds_nothing();
+    unanswered("BFPLN,{t},1,,1,1,4200.300,N,07000.900,W,,,").finds(&["inserts-open"]);
     // Not where it was not told to its end, or it is the first one's answer once more.
     whole("BFACK,{t},RMP,000004.010,,1,0,text").finds(&["inserts-open"]);
     whole("BFACK,{t},RMP,000004.000,,2,0,text").finds(&["inserts-open"]);

@@ -57,6 +57,18 @@ fn requirement_011_a_runtime_that_stands_still_hears_the_word_when_it_goes_on() 
 }
 
 #[test]
+fn requirement_011_a_word_that_may_be_lost_with_the_link_was_not_heard() {
+    let lost = |ms| {
+        Scenario::with_control()
+            .vehicle(2000, "BFSHT,{t}")
+            .reconnects(ms, 3000)
+            .ours(13_000, "BPMSG,{t},still here")
+    };
+    lost(2200).finds_nothing();
+    lost(2300).finds(&["after-shutdown"]);
+}
+
+#[test]
 fn requirement_016_packets_keep_to_the_windows() {
     let window = || Scenario::with_control().vehicle(3000, "BFCMA,{t},000004.000,7,WHOIPSK");
     window().ours(3100, PACKET).ours(5000, PACKET).finds_nothing();

@@ -479,10 +479,13 @@ impl Core {
         let others = self
             .plan
             .others(|identifier| self.ledger.by_identifier(identifier).is_some());
-        let inherited: BTreeSet<BehaviorId> = others
+        let mut inherited: BTreeSet<BehaviorId> = others
             .map(|(identifier, _)| identifier)
             .filter(|identifier| identifier.get() < own)
             .collect();
+        // One that has begun is flown, though the plan that came did not name it.
+        let current = self.orders.current();
+        inherited.extend(current.filter(|identifier| self.former.includes(*identifier)));
         u32::try_from(inherited.len())
             .unwrap_or(u32::MAX)
             .saturating_add(u32::from(self.former.has_revenant()))

@@ -119,6 +119,25 @@ fn successor(inserts: u32, limits: impl FnOnce(&mut Limits)) -> Trial {
 }
 
 #[test]
+fn sr_019_an_insert_of_a_killed_process_that_is_flown_counts_though_the_plan_does_not_name_it() {
+    let mut trial = successor(9, |limits| limits.inserts_open_max = 1);
+    trial.run_for(2.0);
+    let now = trial.now;
+    trial.vehicle.begin(now, None, Some(4));
+    trial.run_for(0.5);
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(1).starts_with("cap: "), "{:?}", trial.states(1));
+    let now = trial.now;
+    trial.vehicle.end(now, None, Some(4));
+    trial.vehicle.begin(now, Some(1), None);
+    trial.run_for(0.5);
+    trial.ask(0, [good_line(2)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
+}
+
+#[test]
 fn sr_019_the_inserts_of_a_killed_process_count_among_those_of_the_mission() {
     let mut trial = successor(9, |limits| limits.inserts_total_max = 10);
     trial.run_for(2.0);

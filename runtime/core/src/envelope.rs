@@ -14,6 +14,7 @@ use crate::plugin::{
 use crate::switches::{Check, is_on};
 
 mod boxes;
+mod ends;
 mod hull;
 mod judge;
 mod onto;
@@ -22,6 +23,8 @@ mod reach;
 mod surfacing;
 mod time;
 
+pub(crate) use ends::End;
+use ends::{between, farthest_m, point_and_radius};
 pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
 pub(crate) use reach::Judgement;
 pub(crate) use time::{APART_MAX, Clocks};
@@ -100,37 +103,6 @@ impl Insert {
         match self.path {
             InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. } => Some(flight),
             InsertPath::Surface { .. } => None,
-        }
-    }
-}
-
-/// The ends of an insert in the fence's frame; `None` where the vehicle chooses it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum End {
-    At(EastNorth),
-    Anywhere {
-        centre: EastNorth,
-        radius_m: f64,
-    },
-    /// On a line, or between it and a place or what is around that.
-    Within {
-        corners: [EastNorth; 3],
-        radius_m: f64,
-    },
-}
-
-impl End {
-    /// The point itself, or the middle of where it may be.
-    pub(crate) fn point(self) -> EastNorth {
-        point_and_radius(self).0
-    }
-
-    /// On a line, or between it and another end.
-    pub(crate) fn on_or_beside((start, end): (EastNorth, EastNorth), aside: Option<Self>) -> Self {
-        let (aside, radius_m) = aside.map_or((start, 0.0), point_and_radius);
-        Self::Within {
-            corners: [aside, start, end],
-            radius_m,
         }
     }
 }
@@ -627,49 +599,6 @@ pub(crate) fn bottom_lock(navigation: &NavigationSample) -> Option<BottomLock> {
 
 fn turn_radius_m(speed_mps: f64, turn_rate_dps: f64) -> f64 {
     speed_mps / turn_rate_dps.to_radians()
-}
-
-/// The middle of where an end may be, and how far it may be from there.
-fn point_and_radius(end: End) -> (EastNorth, f64) {
-    match end {
-        End::At(point) => (point, 0.0),
-        End::Anywhere { centre, radius_m } => (centre, radius_m),
-        End::Within { corners, radius_m } => {
-            let [a, b, c] = corners;
-            let centre = (a + b + c) * (1.0 / 3.0);
-            let around_m = corners.map(|corner| centre.distance_m(corner));
-            (centre, around_m.into_iter().fold(0.0, f64::max) + radius_m)
-        }
-    }
-}
-
-/// Every way from one end to another, so far beside it.
-fn between(from: End, to: End, strayed_m: f64) -> Sweep {
-    let (to, to_m) = point_and_radius(to);
-    match from {
-        End::At(_) | End::Anywhere { .. } => {
-            let (from, from_m) = point_and_radius(from);
-            Sweep::new(Shape::leg(from, to), strayed_m + from_m.max(to_m))
-        }
-        End::Within { corners, radius_m } => {
-            let [a, b, c] = corners;
-            Sweep::new(Shape::quadrilateral([a, b, c, to]), strayed_m + radius_m.max(to_m))
-        }
-    }
-}
-
-fn farthest_m(from: End, to: End) -> f64 {
-    let (to, to_m) = point_and_radius(to);
-    match from {
-        End::At(_) | End::Anywhere { .. } => {
-            let (from, from_m) = point_and_radius(from);
-            from.distance_m(to) + from_m + to_m
-        }
-        End::Within { corners, radius_m } => {
-            let farthest_m = corners.map(|corner| corner.distance_m(to));
-            farthest_m.into_iter().fold(0.0, f64::max) + radius_m + to_m
-        }
-    }
 }
 
 fn vertical(request: VerticalRequest) -> Result<Vertical, Refusal> {

@@ -104,16 +104,11 @@ impl Core {
                     .is_some())
     }
 
-    /// Whether the vehicle may be on its way to the surface by a GPS hit that is not open: one of an earlier process, while
-    /// no behaviour has been heard to begin, or one that was held to be over.
-    pub(crate) fn former_may_surface(&self) -> bool {
-        let former = &self.former;
-        let sent = self
-            .start
-            .identifiers
-            .is_some_and(|identifiers| identifiers.gps_hits > 0);
+    /// Whether the vehicle may be on its way to the surface by a GPS hit that was held to be over. One that an earlier
+    /// process has sent nobody can tell: BFPLN names none (SPI 6.20).
+    pub(crate) fn revenant_may_surface(&self) -> bool {
         let doubtful = |entry: &Entry| entry.insert.is_some_and(|insert| insert.surfaces());
-        (!former.is_none() && !former.heard && sent) || (former.has_revenant() && self.ledger.doubtful().any(doubtful))
+        self.former.has_revenant() && self.ledger.doubtful().any(doubtful)
     }
 
     /// The vehicle's plan has come whole: it says what is left.

@@ -170,7 +170,7 @@ impl Core {
             .ledger
             .iter()
             .any(|(request, entry)| begun(entry) && self.ledger.is_gps_hit(Some(request)));
-        if (flown || self.former_may_surface()) && is_on(Check::Surfacing) {
+        if (flown || self.revenant_may_surface()) && is_on(Check::Surfacing) {
             let text = "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
             return Err(refused("surface", text));
         }

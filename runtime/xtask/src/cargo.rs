@@ -7,7 +7,8 @@ use anyhow::{Context, Result, bail};
 /// The workspace's folder.
 pub(crate) fn root() -> Result<PathBuf> {
     // As Cargo runs it: two checkouts that share a target folder share the program too.
-    let here = env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
+    let here =
+        env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
     let root = here
         .ancestors()
         .nth(2)

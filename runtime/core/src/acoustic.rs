@@ -37,6 +37,8 @@ const WINDOW_MAX: Duration = Duration::from_secs(3600);
 pub(crate) struct Acoustic {
     /// A packet may leave before this, to arrive before the window's end.
     open_until: Option<Timestamp>,
+    /// When the window was said by the vehicle's clock, and for how long.
+    said: Option<(TimeOfDay, Duration)>,
     /// The packets without a report.
     packets: Vec<Unreported>,
     sent: LastMinute,
@@ -74,6 +76,7 @@ impl Core {
                 return Err(refused("window", &text));
             }
         }
+        self.narrow_window();
         if !self.acoustic.is_open(self.now) && is_on(Check::ModemWindow) {
             return Err(refused("window", "no window is open, or it ends too soon (SPI 9.1)"));
         }
@@ -162,6 +165,7 @@ impl Core {
         match self.ends_of(message) {
             Ok((until, open_until)) => {
                 self.acoustic.open_until = Some(open_until);
+                self.acoustic.said = Some((message.created, length_of(message)));
                 let window = Window {
                     until,
                     address: message.address,
@@ -178,22 +182,35 @@ impl Core {
 
     /// When a window ends on our clock, and until when a packet may leave.
     fn ends_of(&self, message: &MediumAccess) -> Result<(Timestamp, Timestamp), &'static str> {
-        let nanos = u64::try_from(elapsed_nanos(message.created, message.until)).unwrap_or(0);
-        let length = Duration::from_nanos(nanos);
+        let length = length_of(message);
         if length.is_zero() {
             return Err("it ends before it begins");
         }
         if length > WINDOW_MAX {
             return Err("it ends more than an hour after it begins");
         }
-        let until = (self.now - self.age(message.created)) + length;
-        // Once for the delay that the clocks' offset hides, once for the packet's own way.
-        let open_until = until - 2 * self.envelope.limits().link_delay_max();
+        let until = self.now + length - self.age(message.created);
+        let open_until = until - self.before_its_end();
         if open_until > self.now {
             Ok((until, open_until))
         } else {
             Err("nothing that leaves now would arrive in it")
         }
+    }
+
+    /// How long before a window's end the last packet may leave: once for the delay that the clocks' offset hides, once
+    /// for the packet's own way.
+    fn before_its_end(&self) -> Duration {
+        2 * self.envelope.limits().link_delay_max()
+    }
+
+    /// What is known of the vehicle's clock by now may bring the window's end nearer, and never farther.
+    fn narrow_window(&mut self) {
+        let Some((created, length)) = self.acoustic.said else {
+            return;
+        };
+        let until = self.now + length - self.age(created) - self.before_its_end();
+        self.acoustic.open_until = self.acoustic.open_until.map(|open_until| open_until.min(until));
     }
 
     /// BFCPS: of our packets and of everybody's else.
@@ -294,4 +311,10 @@ fn report(message: &PacketSent) -> String {
         }
     }
     text
+}
+
+/// How long a window lasts; nothing where it ends before it begins.
+fn length_of(message: &MediumAccess) -> Duration {
+    let nanos = u64::try_from(elapsed_nanos(message.created, message.until)).unwrap_or(0);
+    Duration::from_nanos(nanos)
 }

@@ -550,3 +550,21 @@ fn sr_001_a_packet_needs_the_grant() {
     assert!(trial.rejection(1).contains("does not grant it Acoustic"));
     assert_eq!(windows(&trial).len(), 1, "it may listen all the same");
 }
+
+#[test]
+fn sr_016_a_clock_that_is_found_to_be_ahead_brings_the_windows_end_nearer() {
+    let mut trial = Trial::with(setup());
+    trial.vehicle.clock_nanos -= 6_000_000_000;
+    trial.run_for(3.0);
+    open_window(&mut trial, 20.0);
+    // What came late had made it look behind.
+    trial.vehicle.clock_nanos += 6_000_000_000;
+    trial.run_for(8.0);
+    trial.ask(0, [small(1)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1))[..1], ["sent"], "{:?}", trial.states(1));
+    trial.run_for(5.0);
+    trial.ask(0, [small(2)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(2).starts_with("window: "), "{:?}", trial.states(2));
+}

@@ -176,26 +176,26 @@ fn requirement_019_the_number_is_counted_through_all_processes() {
         .ours(6000, &good(8))
         .finds(&["inserts-total"]);
     // What the plan says that the old one left counts as open.
-    Scenario::with_control()
-        .limits(|limits| limits.inserts_open_max = 1)
-        .ours(2000, &good(7))
-        .vehicle(2100, &ack(7, 2))
-        .started(3500)
-        .reconnects(3000, 4000)
+    inherited()
         .vehicle(5000, "BFPLN,{t},,7,0,1,4200.300,N,07000.900,W,,,")
         .ours(6000, &good(8))
         .vehicle(6100, &ack(8, 2))
         .finds(&["inserts-open"]);
 }
 
-/// Inherited by a second process, and asked for in its plan twice before that was told once: then the first plan has it.
-fn inherited_and_asked_twice() -> Scenario {
+/// One insert may be open, and an earlier process has left one that was accepted.
+fn inherited() -> Scenario {
     Scenario::with_control()
         .limits(|limits| limits.inserts_open_max = 1)
         .ours(2000, &good(7))
         .vehicle(2100, &ack(7, 2))
         .started(3500)
         .reconnects(3000, 4000)
+}
+
+/// Inherited by a second process, and asked for in its plan twice before that was told once: then the first plan has it.
+fn inherited_and_asked_twice() -> Scenario {
+    inherited()
         .ours(5000, "BPRMP,{t}")
         .ours(5010, "BPRMP,{t}")
         .vehicle(5100, "BFPLN,{t},,7,0,1,4200.300,N,07000.900,W,,,")
@@ -215,12 +215,7 @@ fn requirement_019_each_plan_that_is_told_says_what_waits() {
     // Where the end of the first is not heard, the second begins where its first element comes again.
     let unanswered = |first: &str| {
         let elements = "BFPLN,{t},1,,0,1,4200.300,N,07000.900,W,,,";
-        let told = Scenario::with_control()
-            .limits(|limits| limits.inserts_open_max = 1)
-            .ours(2000, &good(7))
-            .vehicle(2100, &ack(7, 2))
-            .started(3500)
-            .reconnects(3000, 4000)
+        let told = inherited()
             .ours(5000, "BPRMP,{t}")
             .vehicle(5100, elements)
             .vehicle(5100, "BFPLN,{t},,7,0,1,4200.300,N,07000.900,W,,,")

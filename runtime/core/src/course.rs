@@ -13,6 +13,7 @@ use backseat_spi::BehaviorId;
 use backseat_units::math::hypot;
 use backseat_units::{EastNorth, Timestamp};
 
+use crate::envelope::{Approach, Insert, Track};
 use crate::ledger::Entry;
 use crate::machine::Core;
 use crate::plugin::RequestState;
@@ -27,6 +28,8 @@ const LEVEL_FOR: Duration = Duration::from_secs(5);
 const LEVEL_AFTER_ANOTHER_FOR: Duration = Duration::from_secs(15);
 /// From above the surface to the deepest sea.
 const ALL_DEPTHS_M: [f64; 2] = [-100.0, 12_000.0];
+/// So long on its line it is not merely passing where the line is.
+const ON_LINE_FOR: Duration = Duration::from_secs(10);
 /// Places that are nearer to each other count as one, metres.
 const SAME_M: f64 = 1.0;
 /// On its line a vehicle goes along it to less than this: the cosine of 30 degrees.
@@ -39,13 +42,22 @@ pub(crate) enum Flown {
     Inserted(BehaviorId),
 }
 
+/// Where a behaviour began, as well as navigation knows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Begin {
+    pub(crate) at: EastNorth,
+    within_m: f64,
+}
+
 /// Where the behaviours began that the vehicle may fly on.
 #[derive(Debug, Default)]
 pub(crate) struct Courses {
-    begun: BTreeMap<Flown, Vec<EastNorth>>,
+    begun: BTreeMap<Flown, Vec<Begin>>,
     current: Option<Flown>,
     /// Where the vehicle was when this connection first told of it.
-    seen: Option<EastNorth>,
+    seen: Option<Begin>,
+    /// Since when it goes along the line of what is flown now.
+    on_line_since: Option<Timestamp>,
     /// It may have left a behaviour of its plan that is not done: for an insert that interrupts, and no planned behaviour
     /// has begun since. Other inserts may be flown first (SPI 7.5).
     left_plan: bool,
@@ -70,7 +82,7 @@ impl Courses {
     }
 
     /// A behaviour has begun, at a place where that is known.
-    fn began(&mut self, flown: Flown, here: Option<EastNorth>) {
+    fn began(&mut self, flown: Flown, here: Option<Begin>) {
         if matches!(flown, Flown::Planned(_)) {
             self.begun.retain(|other, _| *other == flown);
             self.left_plan = false;
@@ -80,6 +92,7 @@ impl Courses {
         begins.extend(here);
         self.current = Some(flown);
         self.seen = None;
+        self.on_line_since = None;
         (self.settled, self.level_since) = (false, None);
         self.revision += 1;
     }
@@ -94,6 +107,7 @@ impl Courses {
     pub(crate) fn link_lost(&mut self) {
         self.current = None;
         self.seen = None;
+        self.on_line_since = None;
         (self.settled, self.level_since) = (false, None);
         self.revision += 1;
     }
@@ -119,7 +133,7 @@ impl Courses {
     }
 
     /// Where what is flown now may have begun.
-    fn of_current(&self) -> Vec<EastNorth> {
+    pub(crate) fn of_current(&self) -> Vec<Begin> {
         match self.current {
             Some(current) => self.of(current),
             None => self.begun.values().flatten().copied().chain(self.seen).collect(),
@@ -127,7 +141,7 @@ impl Courses {
     }
 
     /// Where a behaviour may have begun.
-    fn of(&self, flown: Flown) -> Vec<EastNorth> {
+    fn of(&self, flown: Flown) -> Vec<Begin> {
         self.begun.get(&flown).cloned().unwrap_or_default()
     }
 }
@@ -139,13 +153,23 @@ impl Core {
         let Some(flown) = identifier.map(Flown::Inserted).or(planned) else {
             return;
         };
-        let here = self.tracker.newest().map(|navigation| navigation.local);
-        self.courses.began(flown, here);
+        self.courses.began(flown, self.begins_here());
         let insert = |identifier| self.ledger.get(self.ledger.by_identifier(identifier)?)?.insert;
         // One that is not known here may have interrupted too.
         if identifier.is_some_and(|identifier| insert(identifier).is_none_or(|insert| insert.interrupt)) {
             self.courses.leave_plan();
         }
+    }
+
+    /// Where the vehicle is, and how far it may have gone since it was there.
+    fn begins_here(&self) -> Option<Begin> {
+        let navigation = self.tracker.newest()?;
+        let limits = self.envelope.limits();
+        let age_s = self.now.since(navigation.solution).as_secs_f64() + limits.link_delay_max_s;
+        Some(Begin {
+            at: navigation.local,
+            within_m: limits.speed_max_mps * age_s,
+        })
     }
 
     /// A behaviour has ended, for good or for one that interrupts it.
@@ -177,7 +201,7 @@ impl Core {
         self.courses.levels(self.now, vertical, level_for);
         let Some(current) = self.courses.current else {
             if self.courses.seen.is_none() {
-                self.courses.seen = Some(here);
+                self.courses.seen = self.begins_here();
                 self.courses.revision += 1;
             }
             return;
@@ -187,11 +211,11 @@ impl Core {
         }
         let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
         let within_m = self.envelope.limits().tracking_error_m;
-        if self
-            .lines_of(current)
-            .iter()
-            .any(|line| is_on(*line, here, velocity, within_m))
-        {
+        let lines = self.lines_of(current);
+        let on_line = lines.iter().any(|line| is_on(*line, here, velocity, within_m));
+        let since = self.courses.on_line_since.filter(|_| on_line);
+        self.courses.on_line_since = on_line.then(|| since.unwrap_or(self.now));
+        if since.is_some_and(|since| self.now.since(since) >= ON_LINE_FOR) {
             self.courses.begun.insert(current, Vec::new());
             self.courses.revision += 1;
         }
@@ -217,7 +241,7 @@ impl Core {
         Some([from_m - error_m, to_m + error_m])
     }
 
-    /// The lines of a behaviour that is one line or several.
+    /// The lines of a behaviour that is one line or several, as they were given.
     fn lines_of(&self, flown: Flown) -> Vec<(EastNorth, EastNorth)> {
         match flown {
             Flown::Planned(_) => self.plan.flown().flat_map(crate::plan::Element::legs).collect(),
@@ -225,24 +249,33 @@ impl Core {
                 .ledger
                 .by_identifier(identifier)
                 .and_then(|request| self.ledger.get(request)?.insert)
-                .filter(|insert| insert.is_line())
-                .map(|insert| self.envelope.legs(&insert))
-                .unwrap_or_default(),
+                .and_then(|insert| self.envelope.line_given(&insert))
+                .into_iter()
+                .collect(),
         }
     }
 
-    /// The ways from where what is flown now began to where its lines begin.
-    pub(crate) fn ways_to(&self, lines: &[(EastNorth, EastNorth)]) -> Vec<(EastNorth, EastNorth)> {
-        ways(&self.courses.of_current(), lines)
+    /// What the vehicle may be on where it flies an insert, from where that may have begun on.
+    pub(crate) fn tracks_of_insert(&self, insert: &Insert, begun: &[Begin]) -> Vec<Track> {
+        let approach = |begin: &Begin| {
+            Track::Approach(Approach {
+                begun: begin.at,
+                within_m: begin.within_m,
+                to: self.envelope.path_begins(insert, begin.at),
+            })
+        };
+        let lines = self.envelope.legs(insert).into_iter();
+        let lines = lines.map(|(start, end)| Track::Line(start, end));
+        begun.iter().map(approach).chain(lines).collect()
     }
 
-    /// The lines, and the ways to them, that the vehicle may take up again after an insert: what is interrupted already,
+    /// What the vehicle may take up again, lines and the ways to them, that the vehicle may take up again after an insert: what is interrupted already,
     /// and where the insert interrupts, what is flown now (SPI 7.5; vehicles differ).
-    pub(crate) fn taken_up_after(&self, interrupts: bool) -> Vec<(EastNorth, EastNorth)> {
-        let mut lines = Vec::new();
+    pub(crate) fn taken_up_after(&self, interrupts: bool) -> Vec<Track> {
+        let mut tracks = Vec::new();
         if interrupts || self.ledger.interrupts() || self.former_may_fly() || self.courses.left_plan {
             let planned: Vec<_> = self.plan.current().flat_map(crate::plan::Element::legs).collect();
-            let begun: Vec<EastNorth> = self
+            let begun: Vec<Begin> = self
                 .courses
                 .begun
                 .iter()
@@ -250,44 +283,48 @@ impl Core {
                 .flat_map(|(_, begun)| begun.iter().copied())
                 .chain(self.courses.seen)
                 .collect();
-            lines.extend(ways(&begun, &planned));
-            lines.extend(planned);
+            tracks.extend(tracks_of_lines(&begun, &planned));
         }
         let may_resume = |entry: &Entry| entry.interrupted || (interrupts && entry.state == RequestState::Started);
         for (_, entry) in self.ledger.iter().filter(|(_, entry)| may_resume(entry)) {
             let Some(insert) = entry.insert else { continue };
-            let own = self.envelope.legs(&insert);
             let begun = entry
                 .identifier
                 .map(|identifier| self.courses.of(Flown::Inserted(identifier)));
-            lines.extend(ways(&begun.unwrap_or_default(), &own));
-            lines.extend(own);
+            tracks.extend(self.tracks_of_insert(&insert, &begun.unwrap_or_default()));
         }
-        lines
+        tracks
     }
 }
 
-/// From each place to where each line begins.
-fn ways(from: &[EastNorth], lines: &[(EastNorth, EastNorth)]) -> Vec<(EastNorth, EastNorth)> {
+/// Lines, and the ways to where each begins.
+pub(crate) fn tracks_of_lines(begun: &[Begin], lines: &[(EastNorth, EastNorth)]) -> Vec<Track> {
     let mut starts: Vec<EastNorth> = Vec::new();
     for (start, _) in lines {
         if !starts.contains(start) {
             starts.push(*start);
         }
     }
-    let mut ways: Vec<(EastNorth, EastNorth)> = Vec::new();
-    for start in &starts {
-        // Places that are one for every purpose: what is judged is far wider.
-        for from in from {
-            if !ways
-                .iter()
-                .any(|(known, to)| to == start && known.distance_m(*from) < SAME_M)
-            {
-                ways.push((*from, *start));
-            }
+    // Places that are one for every purpose: what is judged is far wider.
+    let mut places: Vec<Begin> = Vec::new();
+    for begin in begun {
+        match places.iter_mut().find(|known| known.at.distance_m(begin.at) < SAME_M) {
+            Some(known) => known.within_m = known.within_m.max(begin.within_m),
+            None => places.push(*begin),
         }
     }
-    ways
+    let mut tracks = Vec::new();
+    for start in &starts {
+        tracks.extend(places.iter().map(|begin| {
+            Track::Approach(Approach {
+                begun: begin.at,
+                within_m: begin.within_m,
+                to: [*start; 2],
+            })
+        }));
+    }
+    tracks.extend(lines.iter().map(|(start, end)| Track::Line(*start, *end)));
+    tracks
 }
 
 /// Whether the vehicle goes along a line that it is on.
@@ -313,29 +350,36 @@ mod tests {
         EastNorth::new(east_m, north_m)
     }
 
+    fn begin(east_m: f64) -> Begin {
+        Begin {
+            at: at(east_m, 0.0),
+            within_m: 3.0,
+        }
+    }
+
     #[test]
     fn where_what_is_flown_began_is_known_until_its_line_or_another_behaviour() {
         let insert = BehaviorId::new(7);
         let mut courses = Courses {
-            seen: Some(at(1.0, 0.0)),
+            seen: Some(begin(1.0)),
             ..Courses::default()
         };
-        assert_eq!(courses.of_current(), [at(1.0, 0.0)]);
-        courses.began(Flown::Planned(1), Some(at(2.0, 0.0)));
-        assert_eq!(courses.of_current(), [at(2.0, 0.0)]);
-        courses.began(Flown::Inserted(insert), Some(at(3.0, 0.0)));
-        assert_eq!(courses.of_current(), [at(3.0, 0.0)]);
-        assert_eq!(courses.of(Flown::Planned(1)), [at(2.0, 0.0)]);
+        assert_eq!(courses.of_current(), [begin(1.0)]);
+        courses.began(Flown::Planned(1), Some(begin(2.0)));
+        assert_eq!(courses.of_current(), [begin(2.0)]);
+        courses.began(Flown::Inserted(insert), Some(begin(3.0)));
+        assert_eq!(courses.of_current(), [begin(3.0)]);
+        assert_eq!(courses.of(Flown::Planned(1)), [begin(2.0)]);
         // Interrupted and taken up again: it may fly on from either place.
-        courses.began(Flown::Inserted(insert), Some(at(4.0, 0.0)));
-        assert_eq!(courses.of_current(), [at(3.0, 0.0), at(4.0, 0.0)]);
+        courses.began(Flown::Inserted(insert), Some(begin(4.0)));
+        assert_eq!(courses.of_current(), [begin(3.0), begin(4.0)]);
         courses.ended(insert);
-        courses.began(Flown::Planned(2), Some(at(5.0, 0.0)));
+        courses.began(Flown::Planned(2), Some(begin(5.0)));
         assert_eq!(courses.of(Flown::Planned(1)), []);
         // What began while nothing was heard, nobody knows.
         courses.link_lost();
-        courses.seen = Some(at(6.0, 0.0));
-        assert_eq!(courses.of_current(), [at(5.0, 0.0), at(6.0, 0.0)]);
+        courses.seen = Some(begin(6.0));
+        assert_eq!(courses.of_current(), [begin(5.0), begin(6.0)]);
     }
 
     #[test]

@@ -26,6 +26,7 @@ mod time;
 pub(crate) use ends::End;
 use ends::{between, farthest_m, point_and_radius};
 pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
+pub(crate) use onto::{Approach, Track};
 pub(crate) use reach::Judgement;
 pub(crate) use time::{APART_MAX, Clocks};
 
@@ -91,14 +92,6 @@ impl Insert {
         }
     }
 
-    /// Whether it is a trackline.
-    pub(crate) const fn is_line(&self) -> bool {
-        match self.path {
-            InsertPath::Line { .. } => true,
-            InsertPath::Surface { .. } | InsertPath::Circle { .. } => false,
-        }
-    }
-
     const fn flight(&self) -> Option<Flight> {
         match self.path {
             InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. } => Some(flight),
@@ -127,10 +120,10 @@ pub(crate) struct Route {
     pub(crate) deepest_m: f64,
     /// The first points of what may come next.
     pub(crate) to: Vec<EastNorth>,
-    /// The lines that it may take up again after it.
-    pub(crate) onto: Vec<(EastNorth, EastNorth)>,
-    /// The lines that it may be on now, to which a lapsed modify returns, and the ways to them.
-    pub(crate) legs: Vec<(EastNorth, EastNorth)>,
+    /// What it may take up again after it.
+    pub(crate) onto: Vec<Track>,
+    /// What it may be on now, to which a lapsed modify returns.
+    pub(crate) legs: Vec<Track>,
     /// The depths of what is flown before it and after it, from and to, metres; `None` where they count for nothing.
     pub(crate) depths_m: Option<[f64; 2]>,
     /// How long all that may be flown before it takes at most, or an insert that it modifies, seconds; infinite where
@@ -169,7 +162,7 @@ impl Route {
     }
 
     /// The lines that it may take up again, as far as the ways there are judged.
-    fn checked_onto(&self) -> impl Iterator<Item = &(EastNorth, EastNorth)> {
+    fn checked_onto(&self) -> impl Iterator<Item = &Track> {
         self.onto.iter().filter(|_| is_on(Check::InsertWayOn))
     }
 
@@ -180,8 +173,7 @@ impl Route {
 
     /// Every point to which it may go on.
     fn goes_on_to(&self) -> impl Iterator<Item = EastNorth> {
-        let lines = self.onto.iter().flat_map(|(start, end)| [*start, *end]);
-        self.to.iter().copied().chain(lines)
+        self.to.iter().copied().chain(self.onto.iter().flat_map(Track::points))
     }
 
     /// What may come next, as far as the ways there are judged.
@@ -350,8 +342,8 @@ impl Envelope {
         for to in route.checked_to() {
             least_m = least_m.min(self.way_by(route.to_surface, ends.1, End::At(*to), &way)?);
         }
-        for line in route.checked_onto() {
-            least_m = least_m.min(self.way_onto(route.to_surface, ends.1, *line, &way)?);
+        for track in route.checked_onto() {
+            least_m = least_m.min(self.way_onto(route.to_surface, ends.1, track, &way)?);
         }
         Ok(least_m)
     }
@@ -420,6 +412,38 @@ impl Envelope {
         }
     }
 
+    /// The line of a trackline as it was given, without leads.
+    pub(crate) fn line_given(&self, insert: &Insert) -> Option<(EastNorth, EastNorth)> {
+        let frame = self.fence.frame();
+        match insert.path {
+            InsertPath::Line { start, end, .. } => Some((frame.to_local(start), frame.to_local(end))),
+            InsertPath::Surface { .. } | InsertPath::Circle { .. } => None,
+        }
+    }
+
+    /// Between which two points the path of an insert begins that the vehicle has begun on its way to: nobody knows how long
+    /// its lead-in is, nor where on a circle without an entry angle it goes.
+    pub(crate) fn path_begins(&self, insert: &Insert, begun: EastNorth) -> [EastNorth; 2] {
+        let frame = self.fence.frame();
+        match insert.path {
+            InsertPath::Line { start, .. } => [self.ends(insert).0.point(), frame.to_local(start)],
+            InsertPath::Circle {
+                centre,
+                radius_m,
+                entry_angle_deg: None,
+                ..
+            } => {
+                let centre = frame.to_local(centre);
+                let bearing_deg = begun.bearing_deg(centre);
+                // From within a circle every direction leads to it: it has begun between the two.
+                let inside = begun.distance_m(centre) <= radius_m;
+                let across_deg = if inside { bearing_deg } else { bearing_deg + 90.0 };
+                [radius_m, -radius_m].map(|off_m| centre.offset(across_deg, off_m))
+            }
+            InsertPath::Circle { .. } | InsertPath::Surface { .. } => [self.ends(insert).0.point(); 2],
+        }
+    }
+
     /// The lines between which a vehicle lies that flies an insert: the line itself, or the sides of the box around a
     /// circle or around where it drifts.
     pub(crate) fn legs(&self, insert: &Insert) -> Vec<(EastNorth, EastNorth)> {
@@ -465,8 +489,8 @@ impl Envelope {
         let on_m = |to: &EastNorth| farthest_m(end, End::At(*to));
         let straight_m = route.to.iter().map(on_m).fold(0.0, f64::max);
         // By way of the line at most.
-        let ends = route.onto.iter().flat_map(|(start, end)| [*start, *end]);
-        let onto_m = SQRT_2 * ends.map(|to| on_m(&to)).fold(0.0, f64::max);
+        let points = route.onto.iter().flat_map(Track::points);
+        let onto_m = SQRT_2 * points.map(|to| on_m(&to)).fold(0.0, f64::max);
         self.duration_s(insert, &route.from) + straight_m.max(onto_m) / self.slowest_mps()
     }
 

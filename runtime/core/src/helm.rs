@@ -6,6 +6,7 @@ use backseat_spi::{EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, M
 use backseat_units::{Timestamp, utm_convergence_deg};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
+use crate::course::tracks_of_lines;
 use crate::envelope::{Judgement, Route, Setpoint, Vertical};
 use crate::io::Note;
 use crate::ledger::RequestKind;
@@ -331,10 +332,12 @@ impl Core {
             ..Route::default()
         };
         let mut flying = false;
+        // On the way to where its path begins it comes back to that way.
+        let begun = self.courses.of_current();
         for (_, insert, started) in self.chain() {
             if started {
                 flying = true;
-                route.legs.extend(self.envelope.legs(&insert));
+                route.legs.extend(self.tracks_of_insert(&insert, &begun));
             } else {
                 route.to.push(self.envelope.ends(&insert).0.point());
             }
@@ -343,15 +346,11 @@ impl Core {
         let others = self
             .plan
             .others(|identifier| self.sent_identifiers.contains(&identifier));
-        route.legs.extend(others.flat_map(|(_, element)| element.legs()));
+        let mut lines: Vec<_> = others.flat_map(|(_, element)| element.legs()).collect();
         if !flying {
-            route
-                .legs
-                .extend(self.plan.current().flat_map(crate::plan::Element::legs));
+            lines.extend(self.plan.current().flat_map(crate::plan::Element::legs));
         }
-        // On the way to where its path begins it comes back to that way.
-        let ways = self.ways_to(&route.legs);
-        route.legs.extend(ways);
+        route.legs.extend(tracks_of_lines(&begun, &lines));
         route
     }
 }

@@ -9,6 +9,7 @@
 use backseat_units::Depth;
 
 use crate::commands::Purpose;
+use crate::course::tracks_of_lines;
 use crate::envelope::{End, Insert, Passage};
 use crate::machine::Core;
 use crate::plan::Element;
@@ -31,9 +32,10 @@ impl Core {
         let here = self.tracker.newest().map(|navigation| End::At(navigation.local));
         let flown = before.iter().find(|(_, _, begun)| *begun);
         let aside = flown.map(|(_, insert, _)| self.envelope.ends(insert).1).or(here);
-        let mut lines: Vec<_> = self.plan.current().flat_map(Element::legs).collect();
-        lines.extend(self.ways_to(&lines));
-        from.extend(lines.into_iter().map(|line| End::on_or_beside(line, aside)));
+        let lines: Vec<_> = self.plan.current().flat_map(Element::legs).collect();
+        let begun = self.courses.of_current();
+        let tracks = tracks_of_lines(&begun, &lines);
+        from.extend(tracks.iter().map(|track| End::on_or_beside(track, aside)));
         // Inserts that are not ours come before it too (SPI 7.5: appended at the end of the set).
         let others = self
             .plan

@@ -12,7 +12,7 @@ use backseat_spi::BehaviorId;
 use backseat_units::Timestamp;
 
 use crate::commands::Answer;
-use crate::envelope::{End, Insert};
+use crate::envelope::{End, Insert, Track};
 use crate::helm::refused;
 use crate::io::Note;
 use crate::machine::Core;
@@ -121,7 +121,8 @@ impl Core {
         let to: Vec<End> = match after {
             Some(after) => vec![self.envelope.ends(&after.1).0],
             None => {
-                let onto = self.taken_up_after(false).into_iter().flat_map(<[_; 2]>::from);
+                let tracks = self.taken_up_after(false);
+                let onto = tracks.iter().flat_map(Track::points);
                 self.plan.next_points().into_iter().chain(onto).map(End::At).collect()
             }
         };

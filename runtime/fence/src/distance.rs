@@ -18,6 +18,7 @@ pub(crate) use leg::LegProbe;
 pub(crate) use rim::RimProbe;
 pub(crate) use solid::SolidProbe;
 
+pub(crate) use solid::chain_of;
 use solid::convex_hull;
 
 /// Nearer than this a contact counts as being at a vertex, metres. Edges of a polygon that do not share a vertex are

@@ -1,5 +1,7 @@
 use backseat_units::EastNorth;
 
+use crate::distance::{chain_of, east_north, vector};
+
 /// Everything within `radius_m` of a shape: where the vehicle may come while it does what was asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
@@ -78,6 +80,29 @@ impl Shape {
     #[must_use]
     pub const fn quadrilateral(points: [EastNorth; 4]) -> Self {
         Self::Hull(Hull { points, len: 4 })
+    }
+
+    /// Solids that together are the convex hull of any number of points, and nothing else.
+    #[must_use]
+    pub fn hulls(points: &[EastNorth]) -> Vec<Self> {
+        let mut given: Vec<_> = points.iter().map(|point| vector(*point)).collect();
+        // What is no number turns no way, and then nothing is left out.
+        let mut chain = vec![vector(EastNorth::default()); 2 * points.len() + 2];
+        let len = chain_of(&mut given, &mut chain);
+        let corners: Vec<EastNorth> = chain[..len].iter().map(|corner| east_north(*corner)).collect();
+        match corners[..] {
+            [] => Vec::new(),
+            [a] => vec![Self::point(a)],
+            [a, b] => vec![Self::leg(a, b)],
+            [a, ref rest @ ..] => {
+                // A fan from one corner, two triangles at a time.
+                let quarters = (0..rest.len() - 1).step_by(2);
+                let third = |index: usize| rest.get(index + 2).copied().unwrap_or(rest[index + 1]);
+                quarters
+                    .map(|index| Self::quadrilateral([a, rest[index], rest[index + 1], third(index)]))
+                    .collect()
+            }
+        }
     }
 
     /// A circle's line.

@@ -3,6 +3,8 @@
 use backseat_fence::{Shape, Sweep};
 use backseat_units::EastNorth;
 
+use super::{Approach, Track};
+
 /// Where a way begins or ends, in the fence's frame: a point, or anywhere where the vehicle chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum End {
@@ -24,12 +26,16 @@ impl End {
         point_and_radius(self).0
     }
 
-    /// On a line, or between it and another end.
-    pub(crate) fn on_or_beside((start, end): (EastNorth, EastNorth), aside: Option<Self>) -> Self {
+    /// On a track of the plan's, or between it and another end.
+    pub(crate) fn on_or_beside(track: &Track, aside: Option<Self>) -> Self {
+        let (start, end) = match *track {
+            Track::Line(start, end) => (start, end),
+            Track::Approach(Approach { begun, to: [to, _], .. }) => (begun, to),
+        };
         let (aside, radius_m) = aside.map_or((start, 0.0), point_and_radius);
         Self::Within {
             corners: [aside, start, end],
-            radius_m,
+            radius_m: radius_m + track.within_m(),
         }
     }
 }

@@ -1,11 +1,126 @@
-//! Ways onto a line by a vehicle that steers to the line rather than to one of its ends (safety requirement 002).
+//! What a vehicle that has been led away steers back to: not to one of the ends of a line, but to the line (safety
+//! requirement 002).
 
 use backseat_fence::Shape;
 use backseat_units::EastNorth;
+use backseat_units::math::{asin, atan2, cos, sin_cos};
 
-/// The solid that holds every such way from between two points onto a line and on to its end. Abeam of a point behind
-/// the start, the vehicle comes to where the line would be there.
-pub(super) fn onto([here, ahead]: [EastNorth; 2], (start, end): (EastNorth, EastNorth)) -> Shape {
+/// No fan of directions is wider that one solid is to hold, degrees.
+const FAN_MAX_DEG: f64 = 20.0;
+/// By how much farther than the vehicle a point of such a solid can move, times: 1/cos of [`FAN_MAX_DEG`], and half of what
+/// that is over one for the middle of the circle.
+pub(super) const FAN_STRETCH: f64 = 1.1;
+
+/// A line that a vehicle keeps to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Track {
+    /// From one point to another.
+    Line(EastNorth, EastNorth),
+    Approach(Approach),
+}
+
+/// The way from where a behaviour began to where its path begins. Both are the vehicle's own: the one is known as well as
+/// navigation is, and the other lies between two points where nobody knows how long a lead-in is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Approach {
+    pub(crate) begun: EastNorth,
+    /// How far from there it may have begun, metres.
+    pub(crate) within_m: f64,
+    pub(crate) to: [EastNorth; 2],
+}
+
+impl Track {
+    /// The points that it lies between.
+    pub(crate) fn points(&self) -> impl Iterator<Item = EastNorth> + use<> {
+        let [a, b, c] = match *self {
+            Self::Line(start, end) => [start, end, end],
+            Self::Approach(Approach { begun, to: [a, b], .. }) => [begun, a, b],
+        };
+        [a, b, c].into_iter()
+    }
+
+    /// How far from its points it may begin, metres.
+    pub(crate) const fn within_m(&self) -> f64 {
+        match self {
+            Self::Line(..) => 0.0,
+            Self::Approach(approach) => approach.within_m,
+        }
+    }
+
+    /// Solids that hold every way from between two points onto it and on to its end. Abeam of a point behind the start, the
+    /// vehicle comes to where the line would be there.
+    pub(super) fn onto(&self, vehicle: [EastNorth; 2]) -> Vec<Shape> {
+        match self {
+            Self::Line(start, end) => vec![onto_line(vehicle, (*start, *end))],
+            Self::Approach(approach) => approach.onto(vehicle),
+        }
+    }
+}
+
+impl Approach {
+    /// The directions in which it may lead, degrees, and how many: from the first on to the right.
+    fn directions_deg(&self) -> (f64, f64) {
+        let [a, b] = self.to.map(|to| to - self.begun);
+        let square_m2 = |to: EastNorth| to.east_m * to.east_m + to.north_m * to.north_m;
+        // The nearest of the points between the two.
+        let along = b - a;
+        let share = -(a.east_m * along.east_m + a.north_m * along.north_m) / square_m2(along);
+        let nearest_m2 = if share > 0.0 && share < 1.0 {
+            square_m2(a + along * share)
+        } else {
+            square_m2(a).min(square_m2(b))
+        };
+        let sine = self.within_m / nearest_m2.sqrt();
+        // From so near every direction is possible, as where a figure is none.
+        if sine.is_nan() || sine > 0.7 {
+            return (0.0, 360.0);
+        }
+        let around_deg = asin(sine).to_degrees();
+        let bearing_deg = |to: EastNorth| atan2(to.east_m, to.north_m).to_degrees();
+        let right = a.north_m * b.east_m - a.east_m * b.north_m >= 0.0;
+        let (left, right) = if right { (a, b) } else { (b, a) };
+        let span_deg = (bearing_deg(right) - bearing_deg(left)).rem_euclid(360.0);
+        // Rounding may put the same direction a turn apart.
+        let span_deg = if span_deg > 359.0 { 0.0 } else { span_deg };
+        (bearing_deg(left) - around_deg, span_deg + 2.0 * around_deg)
+    }
+
+    /// The feet of a vehicle's place on all lines through one point lie on the circle that has the way between the two for its
+    /// diameter (Thales), twice as many degrees apart there as the lines are. So the solid around the feet on two of the
+    /// lines, taken so far outwards that what joins them touches the circle, holds those on every line between.
+    fn onto(&self, vehicle: [EastNorth; 2]) -> Vec<Shape> {
+        let (first_deg, span_deg) = self.directions_deg();
+        let count = (span_deg / FAN_MAX_DEG).ceil().max(1.0);
+        let step_deg = span_deg / count;
+        let outwards = 1.0 / cos(step_deg.to_radians());
+        let mut solids = Vec::new();
+        let mut fan = 0.0;
+        while fan < count {
+            let sides = [first_deg + fan * step_deg, first_deg + (fan + 1.0) * step_deg].map(|deg| {
+                let (east, north) = sin_cos(deg.to_radians());
+                EastNorth::new(east, north)
+            });
+            let feet = |place: EastNorth| {
+                let off = place - self.begun;
+                let along_m = sides.map(|side| (off.east_m * side.east_m + off.north_m * side.north_m).min(0.0));
+                if along_m == [0.0, 0.0] {
+                    return [self.begun; 2];
+                }
+                let middle = (place + self.begun) * 0.5;
+                let taken_out =
+                    |side: EastNorth, along_m: f64| middle + (self.begun + side * along_m - middle) * outwards;
+                [taken_out(sides[0], along_m[0]), taken_out(sides[1], along_m[1])]
+            };
+            let ([here, ahead], [from, to]) = (vehicle, self.to);
+            let ([a, b], [c, d]) = (feet(here), feet(ahead));
+            solids.extend(Shape::hulls(&[here, ahead, self.begun, a, b, c, d, from, to]));
+            fan += 1.0;
+        }
+        solids
+    }
+}
+
+fn onto_line([here, ahead]: [EastNorth; 2], (start, end): (EastNorth, EastNorth)) -> Shape {
     let line = end - start;
     let square_m2 = line.east_m * line.east_m + line.north_m * line.north_m;
     let along = |point: EastNorth| {
@@ -19,6 +134,8 @@ pub(super) fn onto([here, ahead]: [EastNorth; 2], (start, end): (EastNorth, East
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn at(east_m: f64, north_m: f64) -> EastNorth {
@@ -30,13 +147,81 @@ mod tests {
         let line = (at(0.0, 0.0), at(100.0, 0.0));
         let solid = |here, ahead, first| Shape::quadrilateral([here, ahead, first, line.1]);
         let (beside, behind, farther) = (at(50.0, 30.0), at(-40.0, 30.0), at(-60.0, 20.0));
-        assert_eq!(onto([beside, beside], line), solid(beside, beside, at(0.0, 0.0)));
-        assert_eq!(onto([beside, behind], line), solid(beside, behind, at(-40.0, 0.0)));
-        assert_eq!(onto([farther, behind], line), solid(farther, behind, at(-60.0, 0.0)));
+        assert_eq!(onto_line([beside, beside], line), solid(beside, beside, at(0.0, 0.0)));
+        assert_eq!(onto_line([beside, behind], line), solid(beside, behind, at(-40.0, 0.0)));
+        assert_eq!(
+            onto_line([farther, behind], line),
+            solid(farther, behind, at(-60.0, 0.0))
+        );
         let point = (at(5.0, 5.0), at(5.0, 5.0));
         assert_eq!(
-            onto([beside, behind], point),
+            onto_line([beside, behind], point),
             Shape::quadrilateral([beside, behind, point.0, point.1])
         );
+    }
+
+    /// How far a point is outside of the nearest of the solids, metres.
+    fn outside_m(solids: &[Shape], point: EastNorth) -> f64 {
+        let cross = |a: EastNorth, b: EastNorth| a.east_m * b.north_m - a.north_m * b.east_m;
+        let from_line = |a: EastNorth, b: EastNorth| {
+            let (way, off) = (b - a, point - a);
+            let square_m2 = way.east_m * way.east_m + way.north_m * way.north_m;
+            let share = (off.east_m * way.east_m + off.north_m * way.north_m) / square_m2.max(1e-12);
+            point.distance_m(a + way * share.clamp(0.0, 1.0))
+        };
+        let from_solid = |solid: &Shape| {
+            let Shape::Hull(hull) = solid else { panic!("{solid:?}") };
+            let corners = hull.points();
+            let triangles = (2..corners.len()).map(|third| [corners[0], corners[third - 1], corners[third]]);
+            let within = |[a, b, c]: [EastNorth; 3]| {
+                let turns = [
+                    cross(b - a, point - a),
+                    cross(c - b, point - b),
+                    cross(a - c, point - c),
+                ];
+                turns.iter().all(|turn| *turn >= 0.0) || turns.iter().all(|turn| *turn <= 0.0)
+            };
+            if triangles.into_iter().any(within) {
+                return 0.0;
+            }
+            let sides = (0..corners.len()).map(|side| from_line(corners[side], corners[(side + 1) % corners.len()]));
+            sides.fold(f64::INFINITY, f64::min)
+        };
+        solids.iter().map(from_solid).fold(f64::INFINITY, f64::min)
+    }
+
+    fn place(metres: f64) -> impl Strategy<Value = EastNorth> {
+        (-metres..metres, -metres..metres).prop_map(|(east, north)| at(east, north))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4_000))]
+
+        #[test]
+        fn every_way_onto_an_approach_is_held(
+            vehicle in [place(800.0), place(800.0)],
+            begun in place(50.0),
+            to in [place(80.0), place(80.0)],
+            within_m in 0.0..4.0f64,
+            (share, between) in (0.0..=1.0f64, 0.0..=1.0f64),
+            (bearing_deg, off) in (0.0..360.0f64, 0.0..=1.0f64),
+        ) {
+            let approach = Approach { begun, within_m, to };
+            let solids = approach.onto(vehicle);
+            // One of the ways that it may be, and from somewhere between the two places.
+            let begun = begun.offset(bearing_deg, off * within_m);
+            let target = to[0] + (to[1] - to[0]) * share;
+            let from = vehicle[0] + (vehicle[1] - vehicle[0]) * between;
+            let way = target - begun;
+            let length_m = begun.distance_m(target);
+            prop_assume!(length_m > 1e-3);
+            let along_m = ((from - begun).east_m * way.east_m + (from - begun).north_m * way.north_m) / length_m;
+            let first = begun + way * (along_m.min(0.0) / length_m);
+            for (a, b, c) in [(0.0, 0.0, 1.0), (0.5, 0.5, 0.0), (0.4, 0.2, 0.4), (0.0, 0.5, 0.5), (0.3, 0.0, 0.7)] {
+                let passed = from * a + target * b + first * c;
+                let outside_m = outside_m(&solids, passed);
+                prop_assert!(outside_m <= within_m + 1e-6, "{outside_m} at {passed:?} of {solids:?}");
+            }
+        }
     }
 }

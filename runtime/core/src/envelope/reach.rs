@@ -2,10 +2,11 @@
 //! 002 and 004).
 //!
 //! A judgement says by how many metres the fence holds: no edge comes nearer than that to anything that was judged. All
-//! that was judged are convex hulls of the vehicle's place, of the end of what it can reach, and of points of the plan,
-//! each grown by one radius. Where those two places have moved by no more than `d` and the radius has grown by no more
-//! than `g`, no point of the new hulls is further than `d + g` from a point of the old ones, and the whole judgement made
-//! anew would still find at least the old clearance less `d + g`. So as long as that is not negative, the depths and the
+//! that was judged are convex hulls of the vehicle's place, of the end of what it can reach, of the points of lines abeam
+//! of the two and of points of the plan, each grown by one radius. Where those two places have moved by no more than `d`,
+//! the points abeam by no more than `s d`, where `s` is [`FAN_STRETCH`], and the radius has grown by no more than `g`, no
+//! point of the new hulls is further than `s d + g` from a point of the old ones, and the whole judgement made anew would
+//! still find at least the old clearance less `s d + g`. So as long as that is not negative, the depths and the
 //! altitude are within what was judged, and plan and inserts are the same, there is nothing to find; in every other case
 //! the whole judgement is made.
 //!
@@ -16,8 +17,8 @@ use backseat_fence::{Shape, VerticalExtent};
 use backseat_units::math::{SQRT_2, cos, hypot};
 use backseat_units::{EastNorth, Timestamp, utm_convergence_deg};
 
-use super::onto::onto;
-use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, refusal, turn_radius_m};
+use super::onto::FAN_STRETCH;
+use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, Track, refusal, turn_radius_m};
 use crate::plugin::{NavigationSample, Refusal};
 use crate::switches::{Check, is_on};
 
@@ -173,7 +174,7 @@ impl Envelope {
             .max(reach.ahead.distance_m(judged.reach.ahead));
         let grown_m = (reach.radius_m - judged.reach.radius_m).max(0.0);
         // Written so that a figure that is none fails.
-        moved_m + grown_m + SLACK_M <= judged.clearance_m
+        FAN_STRETCH * moved_m + grown_m + SLACK_M <= judged.clearance_m
             && extent.depth_min_m >= judged.extent.depth_min_m
             && extent.depth_max_m <= judged.extent.depth_max_m
             && extent.altitude_min_m >= judged.extent.altitude_min_m
@@ -201,7 +202,7 @@ impl Envelope {
         let legs_m = route
             .legs
             .iter()
-            .flat_map(|(start, end)| [*start, *end])
+            .flat_map(Track::points)
             .map(|end| SQRT_2 * (here.distance_m(end) + reach.farthest_m()));
         let to_m = route.to.iter().map(|to| here.distance_m(*to) + reach.farthest_m());
         let back_s = legs_m.chain(to_m).fold(0.0, f64::max) / self.slowest_mps();
@@ -212,12 +213,16 @@ impl Envelope {
         }
         // Back to the plan its own depths hold, which are the front seat's affair, but for what is to be kept out of. Each
         // of the ways covers the way straight ahead, which need not be looked at again, but says best what is wrong.
-        let legs = route.legs.iter().map(|line| onto([here, ahead], *line));
+        let legs = route.legs.iter().flat_map(|track| track.onto([here, ahead]));
         // What begins where a leg ends is in the leg's shape.
-        let ends_a_leg = |next: &&EastNorth| route.legs.iter().any(|(start, end)| *next == start || *next == end);
+        let ends_a_leg = |next: &&EastNorth| {
+            let mut legs = route.legs.iter();
+            legs.any(|track| matches!(track, Track::Line(start, end) if *next == start || *next == end))
+        };
         let to = route.to.iter().filter(|next| !ends_a_leg(next));
         let ways: Vec<Shape> = legs.chain(to.map(|next| Shape::triangle(here, ahead, *next))).collect();
-        self.check_all(&ways, radius_m, extent, (route.passed_m(extent), when))
+        let within_m = route.legs.iter().map(Track::within_m).fold(0.0, f64::max);
+        self.check_all(&ways, radius_m + within_m, extent, (route.passed_m(extent), when))
             .map(|clearance| clearance.metres)
             .map_err(|breach| straight().err().unwrap_or_else(|| refusal(&breach)))
     }
@@ -229,7 +234,7 @@ mod tests {
     use backseat_units::{Altitude, Depth, Heading, Speed, Utc};
 
     use super::*;
-    use crate::envelope::{Vertical, bottom_lock};
+    use crate::envelope::{Approach, Vertical, bottom_lock};
     use crate::limits::Limits;
     use crate::limits::tests::limits;
 
@@ -306,9 +311,14 @@ mod tests {
             };
             let to = EastNorth::new(draw.within(-700.0, 700.0), draw.within(-900.0, 900.0));
             let leg = (EastNorth::new(-300.0, -600.0), EastNorth::new(300.0, -600.0));
+            let approach = Approach {
+                begun: EastNorth::new(-260.0, -610.0),
+                within_m: 3.0,
+                to: [leg.0, leg.0 + EastNorth::new(50.0, 0.0)],
+            };
             let route = Route {
                 to: vec![to],
-                legs: vec![leg],
+                legs: vec![Track::Line(leg.0, leg.1), Track::Approach(approach)],
                 ..Route::default()
             };
             let mut judged: Option<Judgement> = None;

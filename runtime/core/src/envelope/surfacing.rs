@@ -1,10 +1,11 @@
 //! The judgement of what brings the vehicle to the surface: GPS hits, and the ways to and from them (SPI 7.7).
 
 use backseat_fence::{Shape, Span, Sweep, VerticalExtent};
-use backseat_units::{Depth, EastNorth};
+use backseat_units::Depth;
 
-use super::onto::onto;
-use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Way, between, point_and_radius, position, refusal};
+use super::{
+    BottomLock, End, Envelope, Insert, InsertPath, Route, Track, Way, between, point_and_radius, position, refusal,
+};
 use crate::plugin::{GpsHitRequest, Refusal};
 use crate::switches::{Check, is_on};
 
@@ -50,8 +51,8 @@ impl Envelope {
         for to in route.checked_to() {
             least_m = least_m.min(self.way_by(true, ends.1, End::At(*to), &way)?);
         }
-        for line in route.checked_onto() {
-            least_m = least_m.min(self.way_onto(true, ends.1, *line, &way)?);
+        for track in route.checked_onto() {
+            least_m = least_m.min(self.way_onto(true, ends.1, track, &way)?);
         }
         Ok(least_m)
     }
@@ -82,24 +83,20 @@ impl Envelope {
         extent.ok().map(|extent| extent.depth_max_m)
     }
 
-    /// As [`Envelope::way_by`], from an end onto a line that the vehicle takes up again.
-    pub(super) fn way_onto(
-        &self,
-        any_depth: bool,
-        from: End,
-        line: (EastNorth, EastNorth),
-        way: &Way,
-    ) -> Result<f64, Refusal> {
+    /// As [`Envelope::way_by`], from an end onto what the vehicle takes up again.
+    pub(super) fn way_onto(&self, any_depth: bool, from: End, track: &Track, way: &Way) -> Result<f64, Refusal> {
         let (from, from_m) = point_and_radius(from);
-        let sweep = Sweep {
-            shape: onto([from, from], line),
-            radius_m: way.strayed_m + from_m,
-        };
-        if any_depth {
-            self.of_any_depth(&sweep, way)
-        } else {
-            self.sweep_way(&sweep, way)
+        let mut least_m = f64::MAX;
+        for shape in track.onto([from, from]) {
+            let radius_m = way.strayed_m + from_m + track.within_m();
+            let sweep = Sweep { shape, radius_m };
+            least_m = least_m.min(if any_depth {
+                self.of_any_depth(&sweep, way)?
+            } else {
+                self.sweep_way(&sweep, way)?
+            });
         }
+        Ok(least_m)
     }
 
     /// A way within the extent, or one on which the vehicle may be at any depth down to the extent's deepest.

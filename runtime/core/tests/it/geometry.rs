@@ -285,6 +285,37 @@ fn sr_002_the_way_back_from_a_modify_to_the_way_to_the_leg_is_checked() {
 }
 
 #[test]
+fn sr_002_where_the_lead_in_of_an_insert_begins_only_the_vehicle_knows_and_so_the_way_to_it() {
+    let led_off = |start: (f64, f64)| {
+        let mut trial = Trial::new();
+        trial.vehicle.start = EastNorth::new(300.0, -400.0);
+        trial.run_for(2.0);
+        let end = (start.0 + 300.0, start.1);
+        let line = TracklineRequest {
+            interrupt: true,
+            ..line(1, start, end)
+        };
+        trial.ask(0, [Request::Trackline(line)]);
+        trial.run_for(1.0);
+        let now = trial.now;
+        trial.vehicle.end(now, Some(1), None);
+        trial.vehicle.begin(now, None, Some(1));
+        trial.run_for(1.0);
+        trial.vehicle.start = EastNorth::new(-400.0, -900.0);
+        trial.run_for(12.0);
+        trial.ask(0, [Request::Modify(modify(2))]);
+        trial.run_for(0.5);
+        trial
+    };
+    // The insert began 20 m south of where its line does: without a lead-in the way to it leads north, and back on that
+    // way the vehicle would come past the wreck. With the longest it leads to the west.
+    let text = led_off((300.0, -380.0)).rejection(2);
+    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+    let trial = led_off((500.0, -350.0));
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
+}
+
+#[test]
 fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_at() {
     // East of the planned leg lie shoals that are to be kept out of above 5 m, and the modify is flown at 20 m.
     let started_and_asked_after = |start: Start, seconds: f64, flown_at_m: f64| {

@@ -169,11 +169,20 @@ impl Probe for SolidProbe {
     }
 }
 
-/// The corners of the convex hull, counterclockwise, by Andrew's monotone chain.
+/// The corners of the convex hull of the first `len` points, counterclockwise.
 pub(super) fn convex_hull(mut points: [Vector; 4], len: usize) -> ([Vector; 4], usize) {
-    points[..len].sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     // The first corner is met again at the end: at most five entries.
     let mut chain = [Vector::ZERO; 6];
+    let distinct = chain_of(&mut points[..len], &mut chain);
+    let mut corners = [Vector::ZERO; 4];
+    corners[..distinct].copy_from_slice(&chain[..distinct]);
+    (corners, distinct)
+}
+
+/// Andrew's monotone chain: how many of the entries that the chain then begins with are the corners of the convex hull,
+/// counterclockwise. It has room for two more than there are points, where those are numbers.
+pub(crate) fn chain_of(points: &mut [Vector], chain: &mut [Vector]) -> usize {
+    points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let mut count = 0;
     let mut push = |point: Vector, floor: usize, count: &mut usize| {
         while *count >= floor + 2 && (chain[*count - 1] - chain[*count - 2]).perp_dot(point - chain[*count - 1]) <= 0.0
@@ -185,15 +194,12 @@ pub(super) fn convex_hull(mut points: [Vector; 4], len: usize) -> ([Vector; 4], 
             *count += 1;
         }
     };
-    for &point in &points[..len] {
+    for &point in points.iter() {
         push(point, 0, &mut count);
     }
     let lower = count.saturating_sub(1);
-    for &point in points[..len].iter().rev() {
+    for &point in points.iter().rev() {
         push(point, lower, &mut count);
     }
-    let mut corners = [Vector::ZERO; 4];
-    let distinct = if count > 1 { count - 1 } else { count };
-    corners[..distinct].copy_from_slice(&chain[..distinct]);
-    (corners, distinct)
+    if count > 1 { count - 1 } else { count }
 }

@@ -1,7 +1,9 @@
 //! Random fences and sweeps against two judges that share nothing with the engine: the `geo` crate, and a plain scan
 //! that measures by searching along the shapes.
 
-use geo::{Contains, ConvexHull, Distance, Euclidean, Geometry, LineString, MultiPoint, Point, Polygon as GeoPolygon};
+use geo::{
+    Area, Contains, ConvexHull, Distance, Euclidean, Geometry, LineString, MultiPoint, Point, Polygon as GeoPolygon,
+};
 use proptest::prelude::*;
 
 use super::*;
@@ -413,6 +415,48 @@ proptest! {
             let hull = geo_hull(&points);
             let expected_m = verdict(&case, radius_m, |plan| by_geo(plan, &hull, points[0]));
             agree(&check(&fence, shape, radius_m), expected_m)?;
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn the_solids_of_a_hull_are_the_hull(
+        points in prop::collection::vec((-500.0..500.0f64, -500.0..500.0f64), 0..=12),
+        flat in any::<bool>(),
+    ) {
+        let points: Vec<_> = points
+            .iter()
+            .map(|(east, north)| EastNorth::new(*east, if flat { 0.0 } else { *north }))
+            .collect();
+        let solids = Shape::hulls(&points);
+        prop_assert_eq!(solids.is_empty(), points.is_empty());
+        let area = |points: &[EastNorth]| match geo_hull(points) {
+            Geometry::Polygon(polygon) => polygon.unsigned_area(),
+            _ => 0.0,
+        };
+        let mut sum_m2 = 0.0;
+        for solid in &solids {
+            let Shape::Hull(hull) = solid else { panic!("{solid:?}") };
+            prop_assert!(hull.points().iter().all(|corner| points.contains(corner)));
+            sum_m2 += area(hull.points());
+        }
+        if !points.is_empty() {
+            prop_assert!((sum_m2 - area(&points)).abs() < 1e-6, "{solids:?}");
+            let farthest_m = |points: &[EastNorth], east, north| {
+                let along = |point: &EastNorth| east * point.east_m + north * point.north_m;
+                points.iter().map(along).fold(f64::NEG_INFINITY, f64::max)
+            };
+            let corners: Vec<_> = solids
+                .iter()
+                .flat_map(|solid| match solid {
+                    Shape::Hull(hull) => hull.points().to_vec(),
+                    Shape::Rim { .. } => Vec::new(),
+                })
+                .collect();
+            for (east, north) in [(1.0, 0.0), (-1.0, 0.0), (0.6, 0.8), (0.6, -0.8)] {
+                prop_assert_eq!(farthest_m(&corners, east, north), farthest_m(&points, east, north));
+            }
         }
     }
 }

@@ -431,10 +431,7 @@ proptest! {
             .collect();
         let solids = Shape::hulls(&points);
         prop_assert_eq!(solids.is_empty(), points.is_empty());
-        let area = |points: &[EastNorth]| match geo_hull(points) {
-            Geometry::Polygon(polygon) => polygon.unsigned_area(),
-            _ => 0.0,
-        };
+        let area = |points: &[EastNorth]| geo_hull(points).unsigned_area();
         let mut sum_m2 = 0.0;
         for solid in &solids {
             let Shape::Hull(hull) = solid else { panic!("{solid:?}") };

@@ -257,16 +257,46 @@ impl Core {
 
     /// What the vehicle may be on where it flies an insert, from where that may have begun on.
     pub(crate) fn tracks_of_insert(&self, insert: &Insert, begun: &[Begin]) -> Vec<Track> {
-        let approach = |begin: &Begin| {
-            Track::Approach(Approach {
-                begun: begin.at,
-                within_m: begin.within_m,
-                to: self.envelope.path_begins(insert, begin.at),
-            })
-        };
+        let approach = |begin: &Begin| self.approach(begin, self.envelope.path_begins(insert, begin.at));
         let lines = self.envelope.legs(insert).into_iter();
         let lines = lines.map(|(start, end)| Track::Line(start, end));
-        begun.iter().map(approach).chain(lines).collect()
+        begun.iter().filter_map(approach).chain(lines).collect()
+    }
+
+    /// Lines, and the ways to where each begins.
+    pub(crate) fn tracks_of_lines(&self, begun: &[Begin], lines: &[(EastNorth, EastNorth)]) -> Vec<Track> {
+        let mut starts: Vec<EastNorth> = Vec::new();
+        for (start, _) in lines {
+            if !starts.contains(start) {
+                starts.push(*start);
+            }
+        }
+        // Places that are one for every purpose: what is judged is far wider.
+        let mut places: Vec<Begin> = Vec::new();
+        for begin in begun {
+            match places.iter_mut().find(|known| known.at.distance_m(begin.at) < SAME_M) {
+                Some(known) => known.within_m = known.within_m.max(begin.within_m),
+                None => places.push(*begin),
+            }
+        }
+        let mut tracks = Vec::new();
+        for start in &starts {
+            tracks.extend(places.iter().filter_map(|begin| self.approach(begin, [*start; 2])));
+        }
+        tracks.extend(lines.iter().map(|(start, end)| Track::Line(*start, *end)));
+        tracks
+    }
+
+    /// The way from a begin to where the path begins; none from as near as the vehicle tracks, which is there.
+    fn approach(&self, begin: &Begin, to: [EastNorth; 2]) -> Option<Track> {
+        let there_m = self.envelope.limits().tracking_error_m;
+        let there = to.iter().all(|to| begin.at.distance_m(*to) <= there_m);
+        let approach = Approach {
+            begun: begin.at,
+            within_m: begin.within_m,
+            to,
+        };
+        (!there).then_some(Track::Approach(approach))
     }
 
     /// What the vehicle may take up again, lines and the ways to them, that the vehicle may take up again after an insert: what is interrupted already,
@@ -283,7 +313,7 @@ impl Core {
                 .flat_map(|(_, begun)| begun.iter().copied())
                 .chain(self.courses.seen)
                 .collect();
-            tracks.extend(tracks_of_lines(&begun, &planned));
+            tracks.extend(self.tracks_of_lines(&begun, &planned));
         }
         let may_resume = |entry: &Entry| entry.interrupted || (interrupts && entry.state == RequestState::Started);
         for (_, entry) in self.ledger.iter().filter(|(_, entry)| may_resume(entry)) {
@@ -295,36 +325,6 @@ impl Core {
         }
         tracks
     }
-}
-
-/// Lines, and the ways to where each begins.
-pub(crate) fn tracks_of_lines(begun: &[Begin], lines: &[(EastNorth, EastNorth)]) -> Vec<Track> {
-    let mut starts: Vec<EastNorth> = Vec::new();
-    for (start, _) in lines {
-        if !starts.contains(start) {
-            starts.push(*start);
-        }
-    }
-    // Places that are one for every purpose: what is judged is far wider.
-    let mut places: Vec<Begin> = Vec::new();
-    for begin in begun {
-        match places.iter_mut().find(|known| known.at.distance_m(begin.at) < SAME_M) {
-            Some(known) => known.within_m = known.within_m.max(begin.within_m),
-            None => places.push(*begin),
-        }
-    }
-    let mut tracks = Vec::new();
-    for start in &starts {
-        tracks.extend(places.iter().map(|begin| {
-            Track::Approach(Approach {
-                begun: begin.at,
-                within_m: begin.within_m,
-                to: [*start; 2],
-            })
-        }));
-    }
-    tracks.extend(lines.iter().map(|(start, end)| Track::Line(*start, *end)));
-    tracks
 }
 
 /// Whether the vehicle goes along a line that it is on.

@@ -24,7 +24,7 @@ mod surfacing;
 mod time;
 
 pub(crate) use ends::End;
-use ends::{between, farthest_m, point_and_radius};
+use ends::{farthest_m, ways};
 pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
 pub(crate) use onto::{Approach, Track};
 pub(crate) use reach::Judgement;
@@ -118,8 +118,8 @@ pub(crate) struct Route {
     pub(crate) to_surface: bool,
     /// The depth of what may be flown before it, where that is deeper than the vehicle is now, metres.
     pub(crate) deepest_m: f64,
-    /// The first points of what may come next.
-    pub(crate) to: Vec<EastNorth>,
+    /// Where what may come next begins.
+    pub(crate) to: Vec<End>,
     /// What it may take up again after it.
     pub(crate) onto: Vec<Track>,
     /// What it may be on now, to which a lapsed modify returns.
@@ -173,11 +173,12 @@ impl Route {
 
     /// Every point to which it may go on.
     fn goes_on_to(&self) -> impl Iterator<Item = EastNorth> {
-        self.to.iter().copied().chain(self.onto.iter().flat_map(Track::points))
+        let next = self.to.iter().flat_map(|to| to.corners());
+        next.chain(self.onto.iter().flat_map(Track::points))
     }
 
     /// What may come next, as far as the ways there are judged.
-    fn checked_to(&self) -> impl Iterator<Item = &EastNorth> {
+    fn checked_to(&self) -> impl Iterator<Item = &End> {
         self.to.iter().filter(|_| is_on(Check::InsertWayOn))
     }
 }
@@ -317,7 +318,7 @@ impl Envelope {
         let ways_m = to_it.chain(from_it).fold(0.0, f64::max);
         // What a bottom lock tells must hold for the ways too.
         let reach_m = reach_m + ways_m + strayed_m;
-        let around = ends.0.point();
+        let around = ends.0.middle();
         let Some(flight) = insert.flight() else {
             // It goes there, up, and on as it likes: at every depth between the surface and where it comes from.
             let deepest_m = depth.as_m().max(route.deepest_m).max(0.0);
@@ -340,7 +341,7 @@ impl Envelope {
             least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, &way)?);
         }
         for to in route.checked_to() {
-            least_m = least_m.min(self.way_by(route.to_surface, ends.1, End::At(*to), &way)?);
+            least_m = least_m.min(self.way_by(route.to_surface, ends.1, *to, &way)?);
         }
         for track in route.checked_onto() {
             least_m = least_m.min(self.way_onto(route.to_surface, ends.1, track, &way)?);
@@ -353,7 +354,7 @@ impl Envelope {
         let limits = &self.limits;
         let strayed_m = self.strayed_m(limits.speed_max_mps);
         let (depth_m, way_m) = (passage.depth.as_m(), farthest_m(from, to));
-        let (shallowest_m, _) = self.water_depths(passage.lock, to.point(), way_m + strayed_m);
+        let (shallowest_m, _) = self.water_depths(passage.lock, to.middle(), way_m + strayed_m);
         let extent = VerticalExtent {
             depth_min_m: depth_m,
             depth_max_m: depth_m,
@@ -368,13 +369,14 @@ impl Envelope {
         self.way_by(passage.surfacing, from, to, &way)
     }
 
-    /// Where an insert begins and ends, leads included.
+    /// Where an insert begins and ends: a line with a lead of any length up to the longest.
     pub(crate) fn ends(&self, insert: &Insert) -> (End, End) {
         let frame = self.fence.frame();
         match insert.path {
             InsertPath::Line { start, end, .. } => {
-                let (start, end) = self.with_leads(frame.to_local(start), frame.to_local(end));
-                (End::At(start), End::At(end))
+                let (start, end) = (frame.to_local(start), frame.to_local(end));
+                let (led_in, led_out) = self.with_leads(start, end);
+                (End::between(led_in, start), End::between(led_out, end))
             }
             InsertPath::Surface { at } => {
                 let centre = frame.to_local(at);
@@ -426,7 +428,10 @@ impl Envelope {
     pub(crate) fn path_begins(&self, insert: &Insert, begun: EastNorth) -> [EastNorth; 2] {
         let frame = self.fence.frame();
         match insert.path {
-            InsertPath::Line { start, .. } => [self.ends(insert).0.point(), frame.to_local(start)],
+            InsertPath::Line { start, end, .. } => {
+                let (start, end) = (frame.to_local(start), frame.to_local(end));
+                [self.with_leads(start, end).0, start]
+            }
             InsertPath::Circle {
                 centre,
                 radius_m,
@@ -440,7 +445,7 @@ impl Envelope {
                 let across_deg = if inside { bearing_deg } else { bearing_deg + 90.0 };
                 [radius_m, -radius_m].map(|off_m| centre.offset(across_deg, off_m))
             }
-            InsertPath::Circle { .. } | InsertPath::Surface { .. } => [self.ends(insert).0.point(); 2],
+            InsertPath::Circle { .. } | InsertPath::Surface { .. } => [self.ends(insert).0.middle(); 2],
         }
     }
 
@@ -448,9 +453,9 @@ impl Envelope {
     /// circle or around where it drifts.
     pub(crate) fn legs(&self, insert: &Insert) -> Vec<(EastNorth, EastNorth)> {
         let (centre, radius_m) = match insert.path {
-            InsertPath::Line { .. } => {
-                let (start, end) = self.ends(insert);
-                return vec![(start.point(), end.point())];
+            InsertPath::Line { start, end, .. } => {
+                let frame = self.fence.frame();
+                return vec![self.with_leads(frame.to_local(start), frame.to_local(end))];
             }
             InsertPath::Circle { centre, radius_m, .. } => (centre, radius_m),
             InsertPath::Surface { at } => (at, self.drift_m()),
@@ -486,11 +491,10 @@ impl Envelope {
     /// mission's plugins may ask for.
     pub(crate) fn lasts_s(&self, insert: &Insert, route: &Route) -> f64 {
         let end = self.ends(insert).1;
-        let on_m = |to: &EastNorth| farthest_m(end, End::At(*to));
-        let straight_m = route.to.iter().map(on_m).fold(0.0, f64::max);
+        let straight_m = route.to.iter().map(|to| farthest_m(end, *to)).fold(0.0, f64::max);
         // By way of the line at most.
         let points = route.onto.iter().flat_map(Track::points);
-        let onto_m = SQRT_2 * points.map(|to| on_m(&to)).fold(0.0, f64::max);
+        let onto_m = SQRT_2 * points.map(|to| farthest_m(end, End::At(to))).fold(0.0, f64::max);
         self.duration_s(insert, &route.from) + straight_m.max(onto_m) / self.slowest_mps()
     }
 
@@ -517,7 +521,21 @@ impl Envelope {
     }
 
     fn way(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
-        self.sweep_way(&between(from, to, way.strayed_m), way)
+        self.least(ways(from, to), way.strayed_m, |sweep| self.sweep_way(sweep, way))
+    }
+
+    /// What holds of all of some shapes, each so far around.
+    fn least(
+        &self,
+        shapes: Vec<Shape>,
+        radius_m: f64,
+        judge: impl Fn(&Sweep) -> Result<f64, Refusal>,
+    ) -> Result<f64, Refusal> {
+        let mut least_m = f64::MAX;
+        for shape in shapes {
+            least_m = least_m.min(judge(&Sweep { shape, radius_m })?);
+        }
+        Ok(least_m)
     }
 
     fn sweep_way(&self, sweep: &Sweep, way: &Way) -> Result<f64, Refusal> {

@@ -6,8 +6,7 @@ use backseat_spi::{EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, M
 use backseat_units::{Timestamp, utm_convergence_deg};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
-use crate::course::tracks_of_lines;
-use crate::envelope::{Judgement, Route, Setpoint, Vertical};
+use crate::envelope::{End, Judgement, Route, Setpoint, Vertical};
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::{Grant, HeadingFrame};
@@ -326,7 +325,7 @@ impl Core {
     /// Where a lapsed modify leads back to: the leg that is flown, and what comes after it.
     fn route_of_modify(&self) -> Route {
         let mut route = Route {
-            to: self.plan.next_points(),
+            to: self.plan.next_points().into_iter().map(End::At).collect(),
             before_s: self.flown_insert_s(),
             depths_m: self.depths_of_ways(),
             ..Route::default()
@@ -339,7 +338,7 @@ impl Core {
                 flying = true;
                 route.legs.extend(self.tracks_of_insert(&insert, &begun));
             } else {
-                route.to.push(self.envelope.ends(&insert).0.point());
+                route.to.push(self.envelope.ends(&insert).0);
             }
         }
         // An insert that is not ours may be the one that is flown.
@@ -350,7 +349,7 @@ impl Core {
         if !flying {
             lines.extend(self.plan.current().flat_map(crate::plan::Element::legs));
         }
-        route.legs.extend(tracks_of_lines(&begun, &lines));
+        route.legs.extend(self.tracks_of_lines(&begun, &lines));
         route
     }
 }

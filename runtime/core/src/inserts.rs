@@ -502,7 +502,7 @@ impl Core {
     fn route_of_insert(&self, interrupt: bool) -> Route {
         let chain = self.chain();
         let mut route = Route {
-            to: self.plan.next_points(),
+            to: self.plan.next_points().into_iter().map(End::At).collect(),
             before_s: self.before_insert_s(interrupt),
             onto: self.taken_up_after(interrupt),
             depths_m: self.depths_of_ways(),
@@ -515,11 +515,11 @@ impl Core {
             route.to.extend(
                 self.plan
                     .current()
-                    .flat_map(|element| [element.first(), element.last()]),
+                    .flat_map(|element| [element.first(), element.last()].map(End::At)),
             );
             route
                 .to
-                .extend(chain.iter().map(|(_, insert, _)| self.envelope.ends(insert).0.point()));
+                .extend(chain.iter().map(|(_, insert, _)| self.envelope.ends(insert).0));
             route.to_surface = chain.iter().any(|(_, insert, _)| insert.surfaces());
             return route;
         }

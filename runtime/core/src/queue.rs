@@ -9,7 +9,6 @@
 use backseat_units::Depth;
 
 use crate::commands::Purpose;
-use crate::course::tracks_of_lines;
 use crate::envelope::{End, Insert, Passage};
 use crate::machine::Core;
 use crate::plan::Element;
@@ -34,7 +33,7 @@ impl Core {
         let aside = flown.map(|(_, insert, _)| self.envelope.ends(insert).1).or(here);
         let lines: Vec<_> = self.plan.current().flat_map(Element::legs).collect();
         let begun = self.courses.of_current();
-        let tracks = tracks_of_lines(&begun, &lines);
+        let tracks = self.tracks_of_lines(&begun, &lines);
         from.extend(tracks.iter().map(|track| End::on_or_beside(track, aside)));
         // Inserts that are not ours come before it too (SPI 7.5: appended at the end of the set).
         let others = self

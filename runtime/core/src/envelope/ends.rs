@@ -1,7 +1,8 @@
 //! Where the ways that belong to a request begin and end, and what lies between (safety requirement 002).
 
-use backseat_fence::{Shape, Sweep};
+use backseat_fence::Shape;
 use backseat_units::EastNorth;
+use backseat_units::math::{PI, cos};
 
 use super::{Approach, Track};
 
@@ -13,7 +14,7 @@ pub(crate) enum End {
         centre: EastNorth,
         radius_m: f64,
     },
-    /// On a line, or between it and a place or what is around that.
+    /// Between three points, and so far around.
     Within {
         corners: [EastNorth; 3],
         radius_m: f64,
@@ -21,9 +22,12 @@ pub(crate) enum End {
 }
 
 impl End {
-    /// The point itself, or the middle of where it may be.
-    pub(crate) fn point(self) -> EastNorth {
-        point_and_radius(self).0
+    /// Anywhere on the straight way from one point to another.
+    pub(crate) const fn between(a: EastNorth, b: EastNorth) -> Self {
+        Self::Within {
+            corners: [a, b, b],
+            radius_m: 0.0,
+        }
     }
 
     /// On a track of the plan's, or between it and another end.
@@ -32,54 +36,68 @@ impl End {
             Track::Line(start, end) => (start, end),
             Track::Approach(Approach { begun, to: [to, _], .. }) => (begun, to),
         };
-        let (aside, radius_m) = aside.map_or((start, 0.0), point_and_radius);
+        let (aside, radius_m) = aside.map_or((start, 0.0), Self::middle_and_radius);
         Self::Within {
             corners: [aside, start, end],
             radius_m: radius_m + track.within_m(),
         }
     }
-}
 
-/// The middle of where an end may be, and how far it may be from there.
-pub(super) fn point_and_radius(end: End) -> (EastNorth, f64) {
-    match end {
-        End::At(point) => (point, 0.0),
-        End::Anywhere { centre, radius_m } => (centre, radius_m),
-        End::Within { corners, radius_m } => {
-            let [a, b, c] = corners;
-            let centre = (a + b + c) * (1.0 / 3.0);
-            let around_m = corners.map(|corner| centre.distance_m(corner));
-            (centre, around_m.into_iter().fold(0.0, f64::max) + radius_m)
+    /// The point itself, or the middle of where it may be.
+    pub(crate) fn middle(self) -> EastNorth {
+        self.middle_and_radius().0
+    }
+
+    /// The middle of where it may be, and how far it may be from there.
+    fn middle_and_radius(self) -> (EastNorth, f64) {
+        match self {
+            Self::At(point) => (point, 0.0),
+            Self::Anywhere { centre, radius_m } => (centre, radius_m),
+            Self::Within { corners, radius_m } => {
+                let [a, b, c] = corners;
+                let centre = (a + b + c) * (1.0 / 3.0);
+                let around_m = corners.map(|corner| centre.distance_m(corner));
+                (centre, around_m.into_iter().fold(0.0, f64::max) + radius_m)
+            }
+        }
+    }
+
+    /// Points that have all of where it may be between them.
+    pub(crate) fn corners(self) -> Vec<EastNorth> {
+        match self {
+            Self::At(point) => vec![point],
+            Self::Anywhere { centre, radius_m } => around(centre, radius_m).collect(),
+            Self::Within { corners, radius_m: 0.0 } => corners.to_vec(),
+            Self::Within { corners, radius_m } => corners
+                .into_iter()
+                .flat_map(|corner| around(corner, radius_m))
+                .collect(),
         }
     }
 }
 
-/// Every way from one end to another, so far beside it.
-pub(super) fn between(from: End, to: End, strayed_m: f64) -> Sweep {
-    let (to, to_m) = point_and_radius(to);
-    match from {
-        End::At(_) | End::Anywhere { .. } => {
-            let (from, from_m) = point_and_radius(from);
-            Sweep::new(Shape::leg(from, to), strayed_m + from_m.max(to_m))
-        }
-        End::Within { corners, radius_m } => {
-            let [a, b, c] = corners;
-            Sweep::new(Shape::quadrilateral([a, b, c, to]), strayed_m + radius_m.max(to_m))
+/// The corners of an octagon whose sides touch a circle.
+fn around(centre: EastNorth, radius_m: f64) -> impl Iterator<Item = EastNorth> {
+    let corner_m = radius_m / cos(PI / 8.0);
+    (0..8).map(move |eighth| centre.offset(45.0 * f64::from(eighth), corner_m))
+}
+
+/// Every way from one end to another.
+pub(super) fn ways(from: End, to: End) -> Vec<Shape> {
+    match (from, to) {
+        (End::At(from), End::At(to)) => vec![Shape::leg(from, to)],
+        (End::At(_) | End::Anywhere { .. } | End::Within { .. }, _) => {
+            let mut corners = from.corners();
+            corners.extend(to.corners());
+            Shape::hulls(&corners)
         }
     }
 }
 
 /// How far it is from one end to another at most, metres.
 pub(super) fn farthest_m(from: End, to: End) -> f64 {
-    let (to, to_m) = point_and_radius(to);
-    match from {
-        End::At(_) | End::Anywhere { .. } => {
-            let (from, from_m) = point_and_radius(from);
-            from.distance_m(to) + from_m + to_m
-        }
-        End::Within { corners, radius_m } => {
-            let farthest_m = corners.map(|corner| corner.distance_m(to));
-            farthest_m.into_iter().fold(0.0, f64::max) + radius_m + to_m
-        }
-    }
+    let to = to.corners();
+    let from = from.corners().into_iter();
+    from.flat_map(|from| to.iter().map(move |to| from.distance_m(*to)))
+        .fold(0.0, f64::max)
 }

@@ -47,11 +47,11 @@ impl Track {
         }
     }
 
-    /// Solids that hold every way from between two points onto it and on to its end. Abeam of a point behind the start, the
+    /// Solids that hold every way from between some points onto it and on to its end. Abeam of a point behind the start, the
     /// vehicle comes to where the line would be there.
-    pub(super) fn onto(&self, vehicle: [EastNorth; 2]) -> Vec<Shape> {
+    pub(super) fn onto(&self, vehicle: &[EastNorth]) -> Vec<Shape> {
         match self {
-            Self::Line(start, end) => vec![onto_line(vehicle, (*start, *end))],
+            Self::Line(start, end) => onto_line(vehicle, (*start, *end)),
             Self::Approach(approach) => approach.onto(vehicle),
         }
     }
@@ -88,7 +88,7 @@ impl Approach {
     /// The feet of a vehicle's place on all lines through one point lie on the circle that has the way between the two for its
     /// diameter (Thales), twice as many degrees apart there as the lines are. So the solid around the feet on two of the
     /// lines, taken so far outwards that what joins them touches the circle, holds those on every line between.
-    fn onto(&self, vehicle: [EastNorth; 2]) -> Vec<Shape> {
+    fn onto(&self, vehicle: &[EastNorth]) -> Vec<Shape> {
         let (first_deg, span_deg) = self.directions_deg();
         let count = (span_deg / FAN_MAX_DEG).ceil().max(1.0);
         let step_deg = span_deg / count;
@@ -111,25 +111,32 @@ impl Approach {
                     |side: EastNorth, along_m: f64| middle + (self.begun + side * along_m - middle) * outwards;
                 [taken_out(sides[0], along_m[0]), taken_out(sides[1], along_m[1])]
             };
-            let ([here, ahead], [from, to]) = (vehicle, self.to);
-            let ([a, b], [c, d]) = (feet(here), feet(ahead));
-            solids.extend(Shape::hulls(&[here, ahead, self.begun, a, b, c, d, from, to]));
+            let mut points = vec![self.begun, self.to[0], self.to[1]];
+            points.extend(vehicle.iter().flat_map(|place| {
+                let [left, right] = feet(*place);
+                [*place, left, right]
+            }));
+            solids.extend(Shape::hulls(&points));
             fan += 1.0;
         }
         solids
     }
 }
 
-fn onto_line([here, ahead]: [EastNorth; 2], (start, end): (EastNorth, EastNorth)) -> Shape {
+fn onto_line(vehicle: &[EastNorth], (start, end): (EastNorth, EastNorth)) -> Vec<Shape> {
     let line = end - start;
     let square_m2 = line.east_m * line.east_m + line.north_m * line.north_m;
-    let along = |point: EastNorth| {
-        let from = point - start;
+    let along = |point: &EastNorth| {
+        let from = *point - start;
         (from.east_m * line.east_m + from.north_m * line.north_m) / square_m2
     };
-    let behind = along(here).min(along(ahead));
-    let first = if behind < 0.0 { start + line * behind } else { start };
-    Shape::quadrilateral([here, ahead, first, end])
+    let behind = vehicle.iter().map(along).fold(0.0, f64::min);
+    let first = start + line * behind;
+    if let [here, ahead] = *vehicle {
+        return vec![Shape::quadrilateral([here, ahead, first, end])];
+    }
+    let points = vehicle.iter().copied().chain([first, end]);
+    Shape::hulls(&points.collect::<Vec<_>>())
 }
 
 #[cfg(test)]
@@ -145,18 +152,21 @@ mod tests {
     #[test]
     fn behind_the_start_the_way_leads_to_the_line_abeam() {
         let line = (at(0.0, 0.0), at(100.0, 0.0));
-        let solid = |here, ahead, first| Shape::quadrilateral([here, ahead, first, line.1]);
+        let solid = |here, ahead, first| vec![Shape::quadrilateral([here, ahead, first, line.1])];
         let (beside, behind, farther) = (at(50.0, 30.0), at(-40.0, 30.0), at(-60.0, 20.0));
-        assert_eq!(onto_line([beside, beside], line), solid(beside, beside, at(0.0, 0.0)));
-        assert_eq!(onto_line([beside, behind], line), solid(beside, behind, at(-40.0, 0.0)));
+        assert_eq!(onto_line(&[beside, beside], line), solid(beside, beside, at(0.0, 0.0)));
         assert_eq!(
-            onto_line([farther, behind], line),
+            onto_line(&[beside, behind], line),
+            solid(beside, behind, at(-40.0, 0.0))
+        );
+        assert_eq!(
+            onto_line(&[farther, behind], line),
             solid(farther, behind, at(-60.0, 0.0))
         );
         let point = (at(5.0, 5.0), at(5.0, 5.0));
         assert_eq!(
-            onto_line([beside, behind], point),
-            Shape::quadrilateral([beside, behind, point.0, point.1])
+            onto_line(&[beside, behind], point),
+            [Shape::quadrilateral([beside, behind, point.0, point.1])]
         );
     }
 
@@ -207,7 +217,7 @@ mod tests {
             (bearing_deg, off) in (0.0..360.0f64, 0.0..=1.0f64),
         ) {
             let approach = Approach { begun, within_m, to };
-            let solids = approach.onto(vehicle);
+            let solids = approach.onto(&vehicle);
             // One of the ways that it may be, and from somewhere between the two places.
             let begun = begun.offset(bearing_deg, off * within_m);
             let target = to[0] + (to[1] - to[0]) * share;

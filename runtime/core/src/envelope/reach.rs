@@ -17,6 +17,7 @@ use backseat_fence::{Shape, VerticalExtent};
 use backseat_units::math::{SQRT_2, cos, hypot};
 use backseat_units::{EastNorth, Timestamp, utm_convergence_deg};
 
+use super::ends::{End, farthest_m};
 use super::onto::FAN_STRETCH;
 use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, Track, refusal, turn_radius_m};
 use crate::plugin::{NavigationSample, Refusal};
@@ -204,7 +205,10 @@ impl Envelope {
             .iter()
             .flat_map(Track::points)
             .map(|end| SQRT_2 * (here.distance_m(end) + reach.farthest_m()));
-        let to_m = route.to.iter().map(|to| here.distance_m(*to) + reach.farthest_m());
+        let to_m = route
+            .to
+            .iter()
+            .map(|to| farthest_m(End::At(here), *to) + reach.farthest_m());
         let back_s = legs_m.chain(to_m).fold(0.0, f64::max) / self.slowest_mps();
         let when = clocks.next(lasts_s + back_s.max(route.before_s));
         let straight = || self.sweep(Shape::leg(here, ahead), radius_m, extent, when);
@@ -213,14 +217,22 @@ impl Envelope {
         }
         // Back to the plan its own depths hold, which are the front seat's affair, but for what is to be kept out of. Each
         // of the ways covers the way straight ahead, which need not be looked at again, but says best what is wrong.
-        let legs = route.legs.iter().flat_map(|track| track.onto([here, ahead]));
+        let legs = route.legs.iter().flat_map(|track| track.onto(&[here, ahead]));
         // What begins where a leg ends is in the leg's shape.
-        let ends_a_leg = |next: &&EastNorth| {
+        let ends_a_leg = |next: &&End| {
+            let at = |point| **next == End::At(point);
             let mut legs = route.legs.iter();
-            legs.any(|track| matches!(track, Track::Line(start, end) if *next == start || *next == end))
+            legs.any(|track| matches!(track, Track::Line(start, end) if at(*start) || at(*end)))
         };
         let to = route.to.iter().filter(|next| !ends_a_leg(next));
-        let ways: Vec<Shape> = legs.chain(to.map(|next| Shape::triangle(here, ahead, *next))).collect();
+        let on = to.flat_map(|next| match next {
+            End::At(next) => vec![Shape::triangle(here, ahead, *next)],
+            End::Anywhere { .. } | End::Within { .. } => {
+                let corners = next.corners().into_iter();
+                Shape::hulls(&corners.chain([here, ahead]).collect::<Vec<_>>())
+            }
+        });
+        let ways: Vec<Shape> = legs.chain(on).collect();
         let within_m = route.legs.iter().map(Track::within_m).fold(0.0, f64::max);
         self.check_all(&ways, radius_m + within_m, extent, (route.passed_m(extent), when))
             .map(|clearance| clearance.metres)
@@ -317,7 +329,7 @@ mod tests {
                 to: [leg.0, leg.0 + EastNorth::new(50.0, 0.0)],
             };
             let route = Route {
-                to: vec![to],
+                to: vec![End::At(to)],
                 legs: vec![Track::Line(leg.0, leg.1), Track::Approach(approach)],
                 ..Route::default()
             };

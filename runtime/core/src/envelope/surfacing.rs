@@ -3,9 +3,7 @@
 use backseat_fence::{Shape, Span, Sweep, VerticalExtent};
 use backseat_units::Depth;
 
-use super::{
-    BottomLock, End, Envelope, Insert, InsertPath, Route, Track, Way, between, point_and_radius, position, refusal,
-};
+use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Track, Way, position, refusal, ways};
 use crate::plugin::{GpsHitRequest, Refusal};
 use crate::switches::{Check, is_on};
 
@@ -49,7 +47,7 @@ impl Envelope {
             least_m = least_m.min(self.way_by(true, *from, ends.0, &way)?);
         }
         for to in route.checked_to() {
-            least_m = least_m.min(self.way_by(true, ends.1, End::At(*to), &way)?);
+            least_m = least_m.min(self.way_by(true, ends.1, *to, &way)?);
         }
         for track in route.checked_onto() {
             least_m = least_m.min(self.way_onto(true, ends.1, track, &way)?);
@@ -67,7 +65,7 @@ impl Envelope {
         let (InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. }) = insert.path else {
             return None;
         };
-        let around = self.ends(insert).0.point();
+        let around = self.ends(insert).0.middle();
         let extent = self.extent(flight.vertical, depth, lock, around, self.length_m(insert));
         extent.ok().map(|extent| [extent.depth_min_m, extent.depth_max_m])
     }
@@ -78,25 +76,21 @@ impl Envelope {
             InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. } => flight.vertical,
             InsertPath::Surface { .. } => return Some(depth.as_m()),
         };
-        let around = self.ends(insert).0.point();
+        let around = self.ends(insert).0.middle();
         let extent = self.extent(vertical, depth, lock, around, self.length_m(insert));
         extent.ok().map(|extent| extent.depth_max_m)
     }
 
     /// As [`Envelope::way_by`], from an end onto what the vehicle takes up again.
     pub(super) fn way_onto(&self, any_depth: bool, from: End, track: &Track, way: &Way) -> Result<f64, Refusal> {
-        let (from, from_m) = point_and_radius(from);
-        let mut least_m = f64::MAX;
-        for shape in track.onto([from, from]) {
-            let radius_m = way.strayed_m + from_m + track.within_m();
-            let sweep = Sweep { shape, radius_m };
-            least_m = least_m.min(if any_depth {
-                self.of_any_depth(&sweep, way)?
+        let radius_m = way.strayed_m + track.within_m();
+        self.least(track.onto(&from.corners()), radius_m, |sweep| {
+            if any_depth {
+                self.of_any_depth(sweep, way)
             } else {
-                self.sweep_way(&sweep, way)?
-            });
-        }
-        Ok(least_m)
+                self.sweep_way(sweep, way)
+            }
+        })
     }
 
     /// A way within the extent, or one on which the vehicle may be at any depth down to the extent's deepest.
@@ -110,7 +104,7 @@ impl Envelope {
 
     /// All depths must be allowed, by the zone's depths or because it may surface on the whole way.
     fn way_of_any_depth(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
-        self.of_any_depth(&between(from, to, way.strayed_m), way)
+        self.least(ways(from, to), way.strayed_m, |sweep| self.of_any_depth(sweep, way))
     }
 
     fn of_any_depth(&self, sweep: &Sweep, way: &Way) -> Result<f64, Refusal> {

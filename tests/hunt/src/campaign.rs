@@ -32,6 +32,16 @@ pub struct Order {
     pub stop_at_failure: bool,
 }
 
+/// A mission that has been flown, and how far the hunt is with it.
+pub struct Flown<'a> {
+    /// How many are flown.
+    pub flown: u64,
+    /// How many of them failed.
+    pub failed: u64,
+    /// What this one failed by first, and its plan as it was flown.
+    pub failure: Option<(&'a Plan, &'a Failure)>,
+}
+
 /// What was flown.
 pub struct Campaign {
     /// What was exercised.
@@ -41,12 +51,12 @@ pub struct Campaign {
 }
 
 impl Campaign {
-    /// Flies all seeds on so many threads. `tick` is called after each mission with how many are flown and failed; no
-    /// further one begins once it says false.
+    /// Flies all seeds on so many threads. `tick` is called after each mission, on its thread; no further one begins once it
+    /// says false.
     ///
     /// # Errors
     /// Where a plan's mission cannot be made: the hunt itself is wrong then.
-    pub fn fly(order: &Order, tick: impl Fn(u64, u64) -> bool + Sync) -> Result<Self> {
+    pub fn fly(order: &Order, tick: impl Fn(&Flown<'_>) -> bool + Sync) -> Result<Self> {
         let range = Range::new(&order.plugins)?;
         let next = AtomicU64::new(order.first);
         let end = order.first.saturating_add(order.runs);
@@ -79,8 +89,12 @@ impl Campaign {
                         kept.push((flight.resolved.clone(), failure.clone()));
                     }
                 }
-                let flown = flown.fetch_add(1, Ordering::Relaxed) + 1;
-                if !tick(flown, failed.load(Ordering::Relaxed)) {
+                let done = Flown {
+                    flown: flown.fetch_add(1, Ordering::Relaxed) + 1,
+                    failed: failed.load(Ordering::Relaxed),
+                    failure: flight.failures.first().map(|failure| (&flight.resolved, failure)),
+                };
+                if !tick(&done) {
                     stop.store(true, Ordering::Relaxed);
                 }
             };

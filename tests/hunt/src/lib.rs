@@ -21,7 +21,7 @@ mod scenario;
 mod shrink;
 mod trouble;
 
-pub use campaign::{Campaign, Order};
+pub use campaign::{Campaign, Flown, Order};
 pub use coverage::Coverage;
 pub use flight::{Failure, Flight, Range};
 pub use plan::{Come, Plan, Planned};

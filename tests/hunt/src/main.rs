@@ -131,10 +131,14 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
             .unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from)),
         stop_at_failure: arguments.stop,
     };
-    let campaign = Campaign::fly(&order, |flown, failed| {
-        bar.set_position(flown);
-        if failed > 0 {
-            bar.set_message(format!("{failed} failed"));
+    let campaign = Campaign::fly(&order, |done| {
+        bar.set_position(done.flown);
+        if done.failed > 0 {
+            bar.set_message(format!("{} failed", done.failed));
+        }
+        // At once: a long hunt may be broken off. With a check off it is what is expected.
+        if let Some((plan, failure)) = done.failure.filter(|_| arguments.without.is_none()) {
+            bar.suspend(|| eprintln!("seed {}: {}", plan.seed, failure.text));
         }
         limit.is_none_or(|limit| now().duration_since(begun) < limit)
     })?;

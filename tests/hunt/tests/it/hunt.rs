@@ -11,7 +11,7 @@ fn drawn_missions_with_drawn_troubles_do_nothing_unsafe_and_converge() {
         workers: 2,
         stop_at_failure: false,
     };
-    let campaign = Campaign::fly(&order, |_, _| true).unwrap();
+    let campaign = Campaign::fly(&order, |_| true).unwrap();
     let found: Vec<String> = campaign
         .failed
         .values()

@@ -28,6 +28,8 @@ pub(crate) struct Navigation {
     /// The last that was heard on any connection, and the plane at a latitude that was near, degrees.
     last: Option<(Told, (Plane, f64))>,
     jump: Option<Jump>,
+    /// All this before the solutions' time went back with the newest, which may be a damaged one.
+    before: Option<Box<Self>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +83,8 @@ impl Jump {
 impl Navigation {
     /// A solution that goes back further than this is another clock, nanoseconds.
     const RESTART_NS: i64 = -1_000_000_000;
+    /// By so much more than the run's time the solutions' may go on, nanoseconds.
+    const AHEAD_NS: i64 = 1_000_000_000;
 
     /// Forgets what holds for one connection only.
     pub(crate) fn cut(&mut self) {
@@ -90,6 +94,7 @@ impl Navigation {
         self.went_back = None;
         self.on_its_way = None;
         self.heard = None;
+        self.before = None;
     }
 
     /// Forgets all: a new process has heard nothing.
@@ -99,9 +104,12 @@ impl Navigation {
 
     /// The vehicle wrote a BFNVG. Whether its solution time advanced. `sure` is how long it takes at most to be heard.
     pub(crate) fn heard(&mut self, at: Timestamp, fix: Fix, sure: Duration) -> bool {
+        self.pass_over_stray(at, fix.solution);
+        let before = self.goes_back_to(fix.solution).then(|| Box::new(self.clone()));
         if !self.advances(at, fix.solution) {
             return false;
         }
+        self.before = before;
         let told = Told { at, fix };
         if fix.locked {
             self.locked = Some(at);
@@ -113,6 +121,25 @@ impl Navigation {
         }
         self.on_its_way.get_or_insert(told);
         true
+    }
+
+    /// Whether a solution's time is another clock's.
+    fn goes_back_to(&self, solution: TimeOfDay) -> bool {
+        self.newest
+            .is_some_and(|newest| solution.nanos_since(newest.solution) < Self::RESTART_NS)
+    }
+
+    /// Where the last was the only one whose time had gone back, whoever takes what is old for nothing has not heard it.
+    fn pass_over_stray(&mut self, at: Timestamp, solution: TimeOfDay) {
+        let Some(before) = self.before.take() else { return };
+        let Some((told, newest)) = before.told.zip(before.newest) else {
+            return;
+        };
+        let passed_ns = nanos(at).saturating_sub(nanos(told.at));
+        let solved_ns = solution.nanos_since(newest.solution);
+        if solved_ns > 0 && solved_ns <= passed_ns.saturating_add(Self::AHEAD_NS) {
+            *self = *before;
+        }
     }
 
     fn advances(&mut self, at: Timestamp, solution: TimeOfDay) -> bool {

@@ -242,6 +242,25 @@ fn requirement_021_whoever_takes_navigation_for_old_hears_of_no_jump_until_it_ha
 }
 
 #[test]
+fn requirement_021_one_that_is_old_and_elsewhere_and_alone_is_no_jump() {
+    // Damaged in both, and right by chance.
+    let elsewhere = || {
+        Scenario::with_control()
+            .navigation_delay(5000, 5000)
+            .believes(5000, "4200.300,N,07000.960,W")
+            .ours(8000, MODIFY)
+            .ours(8100, END)
+    };
+    let back = "4200.300,N,07000.900,W";
+    let alone = |place| elsewhere().navigation_delay(5100, 0).believes(5100, place);
+    alone(back).finds_nothing();
+    // It was elsewhere before.
+    alone("4200.300,N,07000.960,W").finds(&["jump-ignored"]);
+    // Two are a clock that was set.
+    elsewhere().believes(5200, back).finds(&["jump-ignored"]);
+}
+
+#[test]
 fn requirement_021_a_jump_is_seen_over_a_lost_link() {
     let lost = || {
         Scenario::with_control()

@@ -19,6 +19,8 @@ use crate::timer::Timer;
 
 /// How often a cancel is sent on a connection.
 const SENT_MAX: u32 = 5;
+/// What the vehicle calls an insert that keeps to its depth (SPI 6.9).
+const PATHS: [&str; 2] = ["trackline", "trackcircle"];
 /// How long after a cancel the plan is looked at again.
 const AGAIN_AFTER: Duration = Duration::from_secs(2);
 
@@ -32,6 +34,12 @@ pub(crate) struct Former {
     revenant: Option<BehaviorId>,
     /// What was in the vehicle's plan when it last came whole, and has not begun or ended since, on whatever connection.
     left: BTreeSet<BehaviorId>,
+    /// One of them may have been a GPS hit.
+    gps_hits: bool,
+    /// Of theirs, what is flown and is no line and no circle by its name.
+    surfacing: Option<BehaviorId>,
+    /// All of theirs are over: the plan went on, and had none of them.
+    over: bool,
     /// How often each was taken back on this connection.
     cancelled: BTreeMap<BehaviorId, u32>,
 }
@@ -40,6 +48,7 @@ impl Former {
     pub(crate) fn new(identifiers: Option<Identifiers>) -> Self {
         Self {
             identifiers: identifiers.map_or(0..0, |identifiers| identifiers.first..identifiers.next),
+            gps_hits: identifiers.is_some_and(|identifiers| identifiers.gps_hits > 0),
             ..Self::default()
         }
     }
@@ -50,8 +59,10 @@ impl Former {
     }
 
     /// A behaviour begins, which may be one that was held to be over.
-    pub(crate) fn heard_begin(&mut self, begun: Option<BehaviorId>, revenant: Option<BehaviorId>) {
+    pub(crate) fn heard_begin(&mut self, begun: Option<BehaviorId>, kind: &str, revenant: Option<BehaviorId>) {
         self.heard = true;
+        let keeps_down = PATHS.iter().any(|path| path.eq_ignore_ascii_case(kind));
+        self.surfacing = begun.filter(|identifier| self.includes(*identifier) && !keeps_down);
         self.revenant = revenant;
         self.forget(begun);
     }
@@ -60,6 +71,9 @@ impl Former {
     pub(crate) fn heard_end(&mut self, identifier: Option<BehaviorId>) {
         if self.revenant == identifier {
             self.revenant = None;
+        }
+        if self.surfacing == identifier {
+            self.surfacing = None;
         }
         self.forget(identifier);
     }
@@ -75,9 +89,15 @@ impl Former {
         self.revenant.is_some()
     }
 
+    /// The vehicle's mission is over, and what was in it.
+    pub(crate) const fn mission_over(&mut self) {
+        self.over = true;
+    }
+
     /// The link is gone: what begins now is not heard.
     pub(crate) fn link_lost(&mut self) {
         self.heard = false;
+        self.surfacing = None;
         self.cancelled.clear();
     }
 
@@ -104,11 +124,31 @@ impl Core {
                     .is_some())
     }
 
-    /// Whether the vehicle may be on its way to the surface by a GPS hit that was held to be over. One that an earlier
-    /// process has sent nobody can tell: BFPLN names none (SPI 6.20).
-    pub(crate) fn revenant_may_surface(&self) -> bool {
+    /// Whether the vehicle may be on its way to the surface by a GPS hit that was held to be over, or that an earlier process
+    /// has sent: BFPLN does not tell one from a waypoint (SPI 6.20), BFMBS gives it a name that the specification does not
+    /// say (6.9), and what had begun before nobody says.
+    pub(crate) fn former_may_surface(&self) -> bool {
+        let former = &self.former;
         let doubtful = |entry: &Entry| entry.insert.is_some_and(|insert| insert.surfaces());
-        self.former.has_revenant() && self.ledger.doubtful().any(doubtful)
+        if former.has_revenant() && self.ledger.doubtful().any(doubtful) {
+            return true;
+        }
+        let any = !former.is_none() && former.gps_hits && !former.over;
+        any && (former.surfacing.is_some() || !former.heard)
+    }
+
+    /// The plan goes on: where it is known and has nothing of an earlier process, all that was is over.
+    pub(crate) fn plan_goes_on(&mut self) {
+        let former = &self.former;
+        let waits = !former.left.is_empty()
+            || self
+                .plan
+                .others(|identifier| !former.includes(identifier))
+                .next()
+                .is_some();
+        if self.plan.is_complete() && !waits {
+            self.former.over = true;
+        }
     }
 
     /// The vehicle's plan has come whole: it says what is left.

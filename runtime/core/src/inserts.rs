@@ -170,7 +170,7 @@ impl Core {
             .ledger
             .iter()
             .any(|(request, entry)| begun(entry) && self.ledger.is_gps_hit(Some(request)));
-        if (flown || self.revenant_may_surface()) && is_on(Check::Surfacing) {
+        if (flown || self.former_may_surface()) && is_on(Check::Surfacing) {
             let text = "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
             return Err(refused("surface", text));
         }
@@ -556,7 +556,10 @@ impl Core {
         let low = identifiers.reserved.saturating_sub(identifiers.next) < RESERVE_LOW;
         let ahead = self.envelope.limits().inserts_open_max.max(1);
         let inserts = self.inserts_sent.saturating_add(ahead);
-        let gps_hits = self.gps_hits_sent.saturating_add(ahead);
+        // None where none may be sent: a process that follows would have to reckon with one.
+        let surfaces = self.plugins.iter().any(|slot| slot.grants().contains(&Grant::Surface));
+        let gps_ahead = if surfaces { ahead } else { 0 };
+        let gps_hits = self.gps_hits_sent.saturating_add(gps_ahead);
         if low || inserts > identifiers.inserts || gps_hits > identifiers.gps_hits {
             self.reserve_asked = Some(self.now);
             let below = if low {

@@ -183,6 +183,7 @@ impl Core {
         if is_over(message.status.as_str()) {
             self.end_inserts("the mission is over");
             self.courses.forget();
+            self.former.mission_over();
             self.end_adjustments("the mission is over");
         }
         if self.settings.control == ControlHook::Running {
@@ -199,7 +200,8 @@ impl Core {
                 .identifier
                 .filter(|identifier| self.sent_identifiers.contains(identifier))
                 .filter(|identifier| self.ledger.by_identifier(*identifier).is_none());
-            self.former.heard_begin(message.identifier, revenant);
+            self.former
+                .heard_begin(message.identifier, message.kind.as_str(), revenant);
             self.course_began(message.number, message.identifier);
         }
         self.heard(message.created);
@@ -236,6 +238,7 @@ impl Core {
                     self.plan.invalidate();
                     self.ask_for_plan();
                 }
+                self.plan_goes_on();
                 self.judge_waiting();
             }
             (None, None) => self.adjustment_behavior(true, message.kind.as_str()),

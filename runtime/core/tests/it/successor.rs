@@ -1,8 +1,8 @@
-use backseat_core::{Identifiers, Input, Limits, Operator, Start};
-use backseat_spi::ToVehicle;
+use backseat_core::{Grant, Identifiers, Input, Limits, Operator, Start};
+use backseat_spi::{BehaviorBegin, BehaviorId, FromVehicle, Text, ToVehicle};
 
-use crate::course::{good_line, interrupting};
-use crate::trial::{Seen, Setup, Trial, shorts};
+use crate::course::{good_line, interrupting, turn};
+use crate::trial::{Seen, Setup, Trial, granted, short, shorts};
 use crate::vehicle::Reply;
 
 fn begin(trial: &mut Trial, identifier: u32) {
@@ -135,6 +135,99 @@ fn sr_019_an_insert_of_a_killed_process_that_is_flown_counts_though_the_plan_doe
     trial.ask(0, [good_line(2)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
+}
+
+#[test]
+fn sr_002_what_a_killed_process_may_have_sent_to_the_surface_nobody_modifies() {
+    let successor = |gps_hits| {
+        let setup = granted(&[Grant::Modify, Grant::Insert, Grant::Surface], &[]);
+        let start = Start {
+            identifiers: Some(Identifiers {
+                next: 10,
+                reserved: 10,
+                first: 1,
+                inserts: 3,
+                gps_hits,
+            }),
+            ..setup.start
+        };
+        let mut trial = Trial::with(Setup { start, ..setup });
+        // What is flown it says as it begins, and not to who asks later.
+        trial.vehicle.replays = false;
+        trial.run_for(1.0);
+        trial
+    };
+    let in_control = |trial: &mut Trial| {
+        let now = trial.now;
+        trial.vehicle.set_status(now, "Running");
+        trial.vehicle.set_control(now, true);
+        trial.run_for(12.0);
+    };
+    let refused = |trial: &mut Trial, tag| {
+        in_control(trial);
+        trial.ask(0, [turn(tag, 90.0)]);
+        trial.run_for(0.5);
+        let refused = trial.states(tag).iter().any(|state| short(state) == "rejected");
+        assert!(
+            !refused || trial.rejection(tag).starts_with("surface: "),
+            "{:?}",
+            trial.states(tag)
+        );
+        refused
+    };
+    let begins = |trial: &mut Trial, identifier, kind| {
+        let created = trial.vehicle.clock(trial.now);
+        trial.hear_now([FromVehicle::BehaviorBegin(BehaviorBegin {
+            created,
+            dive_file: Text::cleaned(""),
+            number: None,
+            identifier: Some(BehaviorId::new(identifier)),
+            kind: Text::cleaned(kind),
+        })]);
+        trial.run_for(0.5);
+    };
+    // It has sent none, for none was reserved.
+    assert!(!refused(&mut successor(0), 1));
+    let mut trial = successor(2);
+    assert!(refused(&mut trial, 1), "one may be flown");
+    begins(&mut trial, 4, "trackline");
+    assert!(!refused(&mut trial, 2), "a line is flown");
+    begins(&mut trial, 5, "gps");
+    assert!(refused(&mut trial, 3), "what it calls so may be one");
+    // Over a lost link another may have begun.
+    let mut trial = successor(2);
+    begins(&mut trial, 4, "trackline");
+    trial.cut();
+    trial.run_for(20.0);
+    assert!(refused(&mut trial, 4));
+    // But none is left where the plan goes on.
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(1), None);
+    trial.run_for(0.5);
+    assert!(!refused(&mut trial, 5));
+    trial.cut();
+    trial.run_for(20.0);
+    assert!(!refused(&mut trial, 6), "{:?}", trial.states(6));
+}
+
+#[test]
+fn sr_019_what_may_be_sent_to_the_surface_is_reserved_where_something_may() {
+    let reserved = |grants: &[Grant]| {
+        let setup = granted(grants, &[]);
+        let start = Start {
+            identifiers: Some(Identifiers::default()),
+            ..setup.start
+        };
+        let mut trial = Trial::with(Setup { start, ..setup });
+        trial.run_for(2.0);
+        let hits = trial.seen.iter().filter_map(|(_, seen)| match seen {
+            Seen::Reserve(reservation) => Some(reservation.gps_hits),
+            _ => None,
+        });
+        hits.max().unwrap()
+    };
+    assert_eq!(reserved(&[Grant::Modify, Grant::Insert]), 0);
+    assert!(reserved(&[Grant::Insert, Grant::Surface]) > 0);
 }
 
 #[test]

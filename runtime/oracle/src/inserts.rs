@@ -332,6 +332,15 @@ impl Inserts {
         }
     }
 
+    /// A behaviour of the plan begins: what was flown of ours is over, though its end may not have been told.
+    pub(crate) fn plan_goes_on(&mut self) {
+        for insert in self.known.values_mut() {
+            if matches!(insert.state, State::Begun(_)) {
+                self.open.goes(insert, State::Closed);
+            }
+        }
+    }
+
     /// The mission is over, and all inserts with it.
     pub(crate) fn all_end(&mut self) {
         for insert in self.known.values_mut() {

@@ -26,6 +26,12 @@ pub(crate) struct Hunt {
     /// Say which pairs of trouble and state were met less often
     #[arg(long)]
     least: Option<u64>,
+    /// Write what was exercised here too; `--sum` adds such files up
+    #[arg(long)]
+    coverage: Option<PathBuf>,
+    /// Fly none, but add up what these hunts have exercised
+    #[arg(long, num_args = 1.., conflicts_with_all = ["without", "every_check", "replay", "coverage"])]
+    sum: Vec<PathBuf>,
     /// Fly this plan instead, as the hunt keeps them
     #[arg(long, conflicts_with_all = ["without", "every_check"])]
     replay: Option<PathBuf>,
@@ -43,6 +49,15 @@ pub(crate) fn hunt(arguments: &Hunt) -> Result<()> {
     let program = build(switched)?;
     if let Some(plan) = &arguments.replay {
         return ended(command(&program, &["replay"])?.arg(plan), "the plan found something");
+    }
+    if !arguments.sum.is_empty() {
+        let mut sum = command(&program, &["sum"])?;
+        for file in &arguments.sum {
+            // The program runs in the checkout's folder, and not in the user's.
+            sum.arg(std::path::absolute(file)?);
+        }
+        sum.args(["--least", &arguments.least.unwrap_or(0).to_string()]);
+        return ended(&mut sum, "something was found");
     }
     if arguments.every_check {
         return every_check(&program, arguments);
@@ -98,6 +113,9 @@ fn fly(program: &PathBuf, arguments: &Hunt) -> Result<Command> {
         if let Some(value) = value {
             fly.args([option, &value.to_string()]);
         }
+    }
+    if let Some(coverage) = &arguments.coverage {
+        fly.arg("--coverage").arg(std::path::absolute(coverage)?);
     }
     Ok(fly)
 }

@@ -2,12 +2,13 @@ use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
 
 use backseat_oracle::State;
+use serde::{Deserialize, Serialize};
 
 use crate::flight::Flight;
 use crate::trouble::Trouble;
 
 /// What a hunt has exercised, so that an empty victory is seen.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Coverage {
     met: BTreeMap<String, [u64; State::ALL.len()]>,
     /// Missions flown.
@@ -29,11 +30,11 @@ pub struct Coverage {
     /// Missions with a failure.
     pub failed: u64,
     /// How missions ended.
-    pub outcomes: BTreeMap<&'static str, u64>,
+    pub outcomes: BTreeMap<String, u64>,
 }
 
 /// What the oracle saw, summed.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Sums {
     leases: u64,
     holds: u64,
@@ -73,10 +74,11 @@ impl Coverage {
         for failure in &flight.failures {
             *self.failures.entry(failure.rule.clone()).or_default() += 1;
         }
-        *self.outcomes.entry(flight.report.outcome).or_default() += 1;
+        *self.outcomes.entry(flight.report.outcome.to_owned()).or_default() += 1;
     }
 
-    pub(crate) fn merge(&mut self, other: &Self) {
+    /// Adds what other missions have exercised.
+    pub fn merge(&mut self, other: &Self) {
         for (kind, counts) in &other.met {
             let row = self.met.entry(kind.clone()).or_default();
             for (count, more) in row.iter_mut().zip(counts) {
@@ -103,7 +105,7 @@ impl Coverage {
             *self.failures.entry(rule.clone()).or_default() += count;
         }
         for (outcome, count) in &other.outcomes {
-            *self.outcomes.entry(outcome).or_default() += count;
+            *self.outcomes.entry(outcome.clone()).or_default() += count;
         }
     }
 

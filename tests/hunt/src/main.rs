@@ -7,9 +7,10 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use backseat_hunt::{Campaign, Flight, Order, Plan, Range, shrink};
+use backseat_hunt::{Campaign, Coverage, Flight, Order, Plan, Range, shrink};
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::{Deserialize, Serialize};
 
 /// Hunts for a mission in which something unsafe is sent, or in which the helm does not come back
 #[derive(Parser)]
@@ -33,6 +34,15 @@ enum Task {
         /// Write the whole log of the flight here
         #[arg(long)]
         log: Option<PathBuf>,
+    },
+    /// Add up what several hunts have exercised, by the files that `fly --coverage` wrote
+    Sum {
+        /// The files
+        #[arg(required = true)]
+        files: Vec<PathBuf>,
+        /// Say which pairs of trouble and state were met less often
+        #[arg(long, default_value_t = 0)]
+        least: u64,
     },
     /// The checks of the monitor that this build can switch off, one a line
     Checks,
@@ -63,6 +73,9 @@ struct Fly {
     /// Fail where a smaller share of the missions had a lease and an accepted insert, percent
     #[arg(long, default_value_t = 0.0)]
     both: f64,
+    /// Write what was exercised here too, for `sum`
+    #[arg(long)]
+    coverage: Option<PathBuf>,
     /// Shrunk plans of what is found are kept here
     #[arg(long, default_value = "target/hunt")]
     save: PathBuf,
@@ -96,6 +109,7 @@ fn run() -> Result<bool> {
     match cli.task {
         Task::Fly(arguments) => fly(&cli.plugins, &arguments),
         Task::Replay { plan, log } => replay(&cli.plugins, &plan, log.as_deref()),
+        Task::Sum { files, least } => sum(&files, least),
         Task::Checks => {
             checks();
             Ok(true)
@@ -145,6 +159,13 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
     bar.finish_and_clear();
     let wall_s = now().duration_since(begun).as_secs_f64();
     let coverage = &campaign.coverage;
+    if let Some(path) = &arguments.coverage {
+        let flown = Flights {
+            first: arguments.first,
+            coverage: coverage.clone(),
+        };
+        fs::write(path, serde_json::to_string(&flown)?).with_context(|| path.display().to_string())?;
+    }
     if arguments.brief {
         println!("{}", coverage.brief());
         return Ok(campaign.failed.is_empty());
@@ -155,11 +176,7 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
         order.workers,
         coverage.sim_seconds / wall_s / order.workers as f64
     );
-    if arguments.least > 0 {
-        for (kind, state, count) in coverage.rare(arguments.least) {
-            println!("rare: {kind} in {}: {count}", state.name());
-        }
-    }
+    tell_rare(coverage, arguments.least);
     if campaign.failed.is_empty() {
         let share = 100.0 * coverage.with_both as f64 / coverage.flights.max(1) as f64;
         let empty = share < arguments.both;
@@ -173,6 +190,44 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
     }
     keep(plugins, arguments, &campaign)?;
     Ok(false)
+}
+
+/// What a hunt exercised, by the seeds that it drew.
+#[derive(Serialize, Deserialize)]
+struct Flights {
+    first: u64,
+    coverage: Coverage,
+}
+
+fn tell_rare(coverage: &Coverage, least: u64) {
+    for (kind, state, count) in coverage.rare(least) {
+        println!("rare: {kind} in {}: {count}", state.name());
+    }
+}
+
+/// Several hunts as one. No mission counts twice.
+fn sum(files: &[PathBuf], least: u64) -> Result<bool> {
+    let mut hunts: Vec<(&Path, Flights)> = Vec::new();
+    for path in files {
+        let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        let flights: Flights = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
+        hunts.push((path, flights));
+    }
+    hunts.sort_by_key(|(_, flights)| flights.first);
+    let mut all = Coverage::default();
+    let mut next = (0, Path::new(""));
+    for (path, flights) in &hunts {
+        if flights.first < next.0 {
+            let (path, other) = (path.display(), next.1.display());
+            bail!("{path} and {other} have flown some of the same seeds, which would count twice: leave one out");
+        }
+        next = (flights.first.saturating_add(flights.coverage.flights), *path);
+        all.merge(&flights.coverage);
+    }
+    println!("{all}");
+    println!("{}", all.brief());
+    tell_rare(&all, least);
+    Ok(all.failed == 0)
 }
 
 /// Shrinks a failure of each rule and keeps its plan.

@@ -80,6 +80,8 @@ impl Oracle {
                 self.behavior_changed(at);
                 if let Some(identifier) = begin.identifier {
                     self.inserts.begins(at, identifier.get());
+                } else if begin.number.is_some() {
+                    self.inserts.plan_goes_on();
                 }
             }
             FromVehicle::BehaviorEnd(end) => {

@@ -266,6 +266,17 @@ fn requirement_010_an_interrupt_is_not_interrupted() {
         .vehicle(2200, &ack(7, 1))
         .ours(5000, &interrupting(8))
         .finds_nothing();
+    // The end was lost, and the plan goes on.
+    run.clone()
+        .vehicle(2500, "BFMBS,{t},,,7,trackline")
+        .vehicle(4000, "BFMBS,{t},a.dive,2,,trackline")
+        .ours(5000, &interrupting(8))
+        .finds_nothing();
+    run.clone()
+        .vehicle(2500, "BFMBS,{t},,,7,trackline")
+        .vehicle(4000, "BFMBS,{t},,,,trim")
+        .ours(5000, &interrupting(8))
+        .finds(&["interrupt-of-interrupt"]);
     // The end met a dead link; the truth tells it.
     run.activity(2500, Activity::Insert(7))
         .link(3000, false)

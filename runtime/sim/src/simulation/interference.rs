@@ -39,7 +39,8 @@ impl Simulation {
 
     /// The runtime's process is killed now, without a last word: the system resets its connection. After `away` another
     /// begins, with `loaded` as its plugins and nothing in memory. What is on the disk it finds: the SPI identifiers that
-    /// were reserved, all of which may have been used, and the operator's hold. Its clock's UTC is wrong by
+    /// were reserved, all of which may have been used, and the operator's hold, but not one that was said while the process
+    /// was stopped. Its clock's UTC is wrong by
     /// `clock_step_ns`, and its attempts to connect are spread by another chance.
     ///
     /// A process that is not there again is not begun before `away` is over.
@@ -53,6 +54,10 @@ impl Simulation {
         self.oracle.runtime_stopped(self.now);
         if let Some(process) = self.process.take() {
             add(&mut self.counts_before, process.core.request_counts());
+            // A signal that it has not handled goes with it.
+            if process.stopped.is_some_and(|stopped| !stopped.acts.is_empty()) {
+                self.oracle.operator(self.now, self.disk.held);
+            }
         }
         self.successor = Some(Successor {
             at: self.now + away,
@@ -76,7 +81,7 @@ impl Simulation {
         self.or_later(told);
     }
 
-    /// The operator acts. A process that is stopped hears of it when it goes on; while there is none, a hold or a
+    /// The operator acts. A process that is stopped hears of it when it goes on, and not if it is killed before; while there is none, a hold or a
     /// release is kept for the next one, and the rest is lost. [`Operator::Stop`] ends the run.
     pub fn operate(&mut self, act: Operator) {
         if self.finished {

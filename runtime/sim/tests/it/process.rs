@@ -206,6 +206,16 @@ fn sr_015_a_hold_outlives_the_process_and_reaches_one_that_is_stopped() {
 }
 
 #[test]
+fn a_signal_to_a_process_that_is_killed_before_it_hears_is_lost_and_nobody_holds_that_against_the_next() {
+    let mut flight = Flight::new(1);
+    flight.until(60.0).sim.stop_for(seconds(1000));
+    flight.sim.operate(Operator::Hold);
+    flight.until(61.0).sim.kill(seconds(1), crew(), 0);
+    flight.until_it(|sim| sim.is_steering());
+    assert_eq!(flight.land().0.violations, NO_VIOLATION);
+}
+
+#[test]
 fn sr_009_on_a_full_disk_no_insert_is_sent_until_there_is_room_and_the_lease_stands() {
     let mut flight = Flight::new(1);
     flight.sim.reserve_fails(true);

@@ -13,7 +13,7 @@ fn hunt(arguments: &[&str]) -> Output {
 }
 
 fn fly(folder: &Path, first: u64, runs: u64) -> String {
-    let path = folder.join(format!("{first}.json")).display().to_string();
+    let path = folder.join(format!("{first}-{runs}.json")).display().to_string();
     let (first, runs) = (first.to_string(), runs.to_string());
     let flown = hunt(&["fly", "--first", &first, "--runs", &runs, "--coverage", &path]);
     assert!(flown.status.success(), "{}", String::from_utf8_lossy(&flown.stderr));

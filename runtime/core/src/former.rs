@@ -1,4 +1,4 @@
-//! What an earlier process of ours has left in the vehicle: inserts of its that may yet be flown (safety requirements 007,
+//! What an earlier process of ours has left in the vehicle: inserts of its that may yet be flown (safety requirements 002, 007,
 //! 010 and 015).
 //!
 //! The driver tells which identifiers the vehicle's mission has seen before this process began. The vehicle's plan

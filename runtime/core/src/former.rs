@@ -1,5 +1,5 @@
-//! What an earlier process of ours has left in the vehicle: inserts of its that may yet be flown (safety requirements 002, 007,
-//! 010 and 015).
+//! What an earlier process of ours has left in the vehicle: inserts of its that may yet be flown (safety requirements 002,
+//! 007, 010 and 015).
 //!
 //! The driver tells which identifiers the vehicle's mission has seen before this process began. The vehicle's plan
 //! (BFPLN) tells which of them wait. Which one is flown now nobody tells whoever connects later, so that until the

@@ -69,6 +69,9 @@ pub(crate) enum State {
     Closed,
 }
 
+/// What the vehicle tells as it does it, and what it truly does, are no further apart.
+const APART: Duration = Duration::from_millis(100);
+
 /// How many inserts stand where.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Open {
@@ -332,10 +335,13 @@ impl Inserts {
         }
     }
 
-    /// A behaviour of the plan begins: what was flown of ours is over, though its end may not have been told.
-    pub(crate) fn plan_goes_on(&mut self) {
+    /// A behaviour of the plan is flown: what had begun of ours is over, though its end may not have been told.
+    pub(crate) fn plan_goes_on(&mut self, at: Timestamp) {
+        if self.open.flown == 0 {
+            return;
+        }
         for insert in self.known.values_mut() {
-            if matches!(insert.state, State::Begun(_)) {
+            if matches!(insert.state, State::Begun(since) if since + APART < at) {
                 self.open.goes(insert, State::Closed);
             }
         }

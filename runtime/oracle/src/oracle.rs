@@ -280,7 +280,11 @@ impl Oracle {
     fn follow_inserts(&mut self, truth: &Truth) {
         let flown = match truth.activity {
             Activity::Insert(identifier) => Some(identifier),
-            Activity::Plan | Activity::Suspended | Activity::Other => None,
+            Activity::Plan => {
+                self.inserts.plan_goes_on(truth.at);
+                None
+            }
+            Activity::Suspended | Activity::Other => None,
             // It may be the insert still.
             Activity::Modified => return,
         };

@@ -81,7 +81,7 @@ impl Oracle {
                 if let Some(identifier) = begin.identifier {
                     self.inserts.begins(at, identifier.get());
                 } else if begin.number.is_some() {
-                    self.inserts.plan_goes_on();
+                    self.inserts.plan_goes_on(at);
                 }
             }
             FromVehicle::BehaviorEnd(end) => {

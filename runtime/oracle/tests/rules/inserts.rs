@@ -274,9 +274,21 @@ fn requirement_010_an_interrupt_is_not_interrupted() {
         .finds_nothing();
     run.clone()
         .vehicle(2500, "BFMBS,{t},,,7,trackline")
+        .activity(2500, Activity::Insert(7))
         .vehicle(4000, "BFMBS,{t},,,,trim")
         .ours(5000, &interrupting(8))
         .finds(&["interrupt-of-interrupt"]);
+    // It was modified from its begin on.
+    run.clone()
+        .vehicle(2400, "BFMBS,{t},,,7,trackline")
+        .activity(2400, Activity::Modified)
+        .link(2450, false)
+        .activity(3000, Activity::Plan)
+        .link(4500, true)
+        .vehicle(4600, "BFMIS,{t},a.dive,Running,")
+        .vehicle(4600, "BFCTL,{t},1")
+        .ours(6000, &interrupting(8))
+        .finds_nothing();
     // The end met a dead link; the truth tells it.
     run.activity(2500, Activity::Insert(7))
         .link(3000, false)

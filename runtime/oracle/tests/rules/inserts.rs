@@ -2,7 +2,7 @@
 
 use backseat_oracle::Activity;
 
-use crate::scenario::Scenario;
+use crate::scenario::{MODIFY, Scenario};
 
 /// A line of 1.65 km less 2 times the distance from the east and west edges, at a latitude of 42 N and some minutes.
 fn trackline(identifier: u32, minutes: f64, west: f64, east: f64, rest: &str) -> String {
@@ -281,6 +281,7 @@ fn requirement_010_an_interrupt_is_not_interrupted() {
     // It was modified from its begin on.
     run.clone()
         .vehicle(2400, "BFMBS,{t},,,7,trackline")
+        .ours(2400, MODIFY)
         .activity(2400, Activity::Modified)
         .link(2450, false)
         .activity(3000, Activity::Plan)

@@ -40,8 +40,7 @@ impl Simulation {
     /// The runtime's process is killed now, without a last word: the system resets its connection. After `away` another
     /// begins, with `loaded` as its plugins and nothing in memory. What is on the disk it finds: the SPI identifiers that
     /// were reserved, all of which may have been used, and the operator's hold, but not one that was said while the process
-    /// was stopped. Its clock's UTC is wrong by
-    /// `clock_step_ns`, and its attempts to connect are spread by another chance.
+    /// was stopped. Its clock's UTC is wrong by `clock_step_ns`, and its attempts to connect are spread by another chance.
     ///
     /// A process that is not there again is not begun before `away` is over.
     pub fn kill(&mut self, away: Duration, loaded: Loaded, clock_step_ns: i64) {
@@ -81,8 +80,8 @@ impl Simulation {
         self.or_later(told);
     }
 
-    /// The operator acts. A process that is stopped hears of it when it goes on, and not if it is killed before; while there is none, a hold or a
-    /// release is kept for the next one, and the rest is lost. [`Operator::Stop`] ends the run.
+    /// The operator acts. A process that is stopped hears of it when it goes on, and not if it is killed before; while there
+    /// is none, a hold or a release is kept for the next one, and the rest is lost. [`Operator::Stop`] ends the run.
     pub fn operate(&mut self, act: Operator) {
         if self.finished {
             return;

@@ -16,6 +16,7 @@ use backseat_units::{EastNorth, Timestamp};
 use crate::envelope::{Approach, Insert, Track};
 use crate::ledger::Entry;
 use crate::machine::Core;
+use crate::navigation::Jump;
 use crate::plugin::RequestState;
 
 /// How often one behaviour can begin until a later begin takes the place of the last.
@@ -54,8 +55,13 @@ pub(crate) struct Begin {
 pub(crate) struct Courses {
     begun: BTreeMap<Flown, Vec<Begin>>,
     current: Option<Flown>,
-    /// Where the vehicle was when this connection first told of it.
-    seen: Option<Begin>,
+    /// When it was heard that this began, until navigation tells of a time after that.
+    begun_at: Option<Timestamp>,
+    /// No navigation had been heard by then.
+    unplaced: bool,
+    /// Where the vehicle was when this connection first told of it, and where the one before told of it last if that is
+    /// too far away to be true.
+    seen: Vec<Begin>,
     /// Since when it goes along the line of what is flown now.
     on_line_since: Option<Timestamp>,
     /// It may have left a behaviour of its plan that is not done: for an insert that interrupts, and no planned behaviour
@@ -82,7 +88,7 @@ impl Courses {
     }
 
     /// A behaviour has begun, at a place where that is known.
-    fn began(&mut self, flown: Flown, here: Option<Begin>) {
+    fn began(&mut self, now: Timestamp, flown: Flown, here: Option<Begin>) {
         if matches!(flown, Flown::Planned(_)) {
             self.begun.retain(|other, _| *other == flown);
             self.left_plan = false;
@@ -91,7 +97,9 @@ impl Courses {
         begins.truncate(BEGINS_MAX - 1);
         begins.extend(here);
         self.current = Some(flown);
-        self.seen = None;
+        self.begun_at = Some(now);
+        self.unplaced = here.is_none();
+        self.seen.clear();
         self.on_line_since = None;
         (self.settled, self.level_since) = (false, None);
         self.revision += 1;
@@ -106,7 +114,8 @@ impl Courses {
     /// The link is gone: what begins now is not heard.
     pub(crate) fn link_lost(&mut self) {
         self.current = None;
-        self.seen = None;
+        self.begun_at = None;
+        self.seen.clear();
         self.on_line_since = None;
         (self.settled, self.level_since) = (false, None);
         self.revision += 1;
@@ -136,7 +145,7 @@ impl Courses {
     pub(crate) fn of_current(&self) -> Vec<Begin> {
         match self.current {
             Some(current) => self.of(current),
-            None => self.begun.values().flatten().copied().chain(self.seen).collect(),
+            None => self.begun.values().flatten().chain(&self.seen).copied().collect(),
         }
     }
 
@@ -153,7 +162,7 @@ impl Core {
         let Some(flown) = identifier.map(Flown::Inserted).or(planned) else {
             return;
         };
-        self.courses.began(flown, self.begins_here());
+        self.courses.began(self.now, flown, self.begins_here());
         let insert = |identifier| self.ledger.get(self.ledger.by_identifier(identifier)?)?.insert;
         // One that is not known here may have interrupted too.
         if identifier.is_some_and(|identifier| insert(identifier).is_none_or(|insert| insert.interrupt)) {
@@ -172,6 +181,33 @@ impl Core {
         })
     }
 
+    /// Navigation has come, and has jumped perhaps. Where it did so around a begin, the vehicle knew itself at the one place
+    /// or at the other.
+    pub(crate) fn course_navigated(&mut self, jump: Option<Jump>) {
+        let Some(mut here) = self.begins_here() else { return };
+        let solution = self.tracker.newest().map(|newest| newest.solution);
+        let before = jump.map(|jump| Begin {
+            at: jump.from,
+            within_m: self.envelope.limits().speed_max_mps * jump.elapsed_s,
+        });
+        here.within_m += before.map_or(0.0, |before| before.within_m);
+        let courses = &mut self.courses;
+        let places = match courses.current {
+            Some(current) if courses.begun_at.is_some() => courses.begun.entry(current).or_default(),
+            None if courses.seen.is_empty() => &mut courses.seen,
+            _ => return,
+        };
+        if before.is_some() || courses.current.is_none() || courses.unplaced {
+            places.extend(before);
+            places.push(here);
+            courses.unplaced = false;
+            courses.revision += 1;
+        }
+        courses.begun_at = courses
+            .begun_at
+            .filter(|begun| solution.is_none_or(|solution| solution <= *begun));
+    }
+
     /// A behaviour has ended, for good or for one that interrupts it.
     pub(crate) fn course_ended(&mut self, identifier: Option<BehaviorId>) {
         let Some(identifier) = identifier else { return };
@@ -181,8 +217,7 @@ impl Core {
         }
     }
 
-    /// Where the vehicle is while nobody of ours steers: seen for the first time, or on its line, from where on the way to
-    /// it is behind it.
+    /// Where the vehicle is while nobody of ours steers: on its line, from where on the way to it is behind it.
     pub(crate) fn watch_course(&mut self) {
         if self.lease.is_some() {
             self.courses.level_since = None;
@@ -200,10 +235,6 @@ impl Core {
         let vertical = [navigation.depth.as_m(), navigation.down_mps];
         self.courses.levels(self.now, vertical, level_for);
         let Some(current) = self.courses.current else {
-            if self.courses.seen.is_none() {
-                self.courses.seen = self.begins_here();
-                self.courses.revision += 1;
-            }
             return;
         };
         if self.courses.begun.get(&current).is_none_or(Vec::is_empty) {
@@ -299,7 +330,7 @@ impl Core {
         (!there).then_some(Track::Approach(approach))
     }
 
-    /// What the vehicle may take up again, lines and the ways to them, that the vehicle may take up again after an insert: what is interrupted already,
+    /// What the vehicle may take up again after an insert, lines and the ways to them: what is interrupted already,
     /// and where the insert interrupts, what is flown now (SPI 7.5; vehicles differ).
     pub(crate) fn taken_up_after(&self, interrupts: bool) -> Vec<Track> {
         let mut tracks = Vec::new();
@@ -311,7 +342,7 @@ impl Core {
                 .iter()
                 .filter(|(flown, _)| matches!(flown, Flown::Planned(_)))
                 .flat_map(|(_, begun)| begun.iter().copied())
-                .chain(self.courses.seen)
+                .chain(self.courses.seen.iter().copied())
                 .collect();
             tracks.extend(self.tracks_of_lines(&begun, &planned));
         }
@@ -361,24 +392,25 @@ mod tests {
     fn where_what_is_flown_began_is_known_until_its_line_or_another_behaviour() {
         let insert = BehaviorId::new(7);
         let mut courses = Courses {
-            seen: Some(begin(1.0)),
+            seen: vec![begin(1.0)],
             ..Courses::default()
         };
+        let now = Timestamp::default();
         assert_eq!(courses.of_current(), [begin(1.0)]);
-        courses.began(Flown::Planned(1), Some(begin(2.0)));
+        courses.began(now, Flown::Planned(1), Some(begin(2.0)));
         assert_eq!(courses.of_current(), [begin(2.0)]);
-        courses.began(Flown::Inserted(insert), Some(begin(3.0)));
+        courses.began(now, Flown::Inserted(insert), Some(begin(3.0)));
         assert_eq!(courses.of_current(), [begin(3.0)]);
         assert_eq!(courses.of(Flown::Planned(1)), [begin(2.0)]);
         // Interrupted and taken up again: it may fly on from either place.
-        courses.began(Flown::Inserted(insert), Some(begin(4.0)));
+        courses.began(now, Flown::Inserted(insert), Some(begin(4.0)));
         assert_eq!(courses.of_current(), [begin(3.0), begin(4.0)]);
         courses.ended(insert);
-        courses.began(Flown::Planned(2), Some(begin(5.0)));
+        courses.began(now, Flown::Planned(2), Some(begin(5.0)));
         assert_eq!(courses.of(Flown::Planned(1)), []);
         // What began while nothing was heard, nobody knows.
         courses.link_lost();
-        courses.seen = Some(begin(6.0));
+        courses.seen = vec![begin(6.0)];
         assert_eq!(courses.of_current(), [begin(5.0), begin(6.0)]);
     }
 

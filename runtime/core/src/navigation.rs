@@ -24,8 +24,18 @@ const LOCK_LASTS: Duration = Duration::from_secs(5);
 pub(crate) enum Change {
     /// It follows from the last one.
     Follows,
-    /// It is further from the last one than the vehicle can have come, metres.
-    Jumped { metres: f64 },
+    /// It is further from the last one than the vehicle can have come.
+    Jumped(Jump),
+}
+
+/// How navigation jumped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Jump {
+    pub(crate) metres: f64,
+    /// Where the vehicle was before.
+    pub(crate) from: EastNorth,
+    /// How long that was ago.
+    pub(crate) elapsed_s: f64,
 }
 
 /// Follows the vehicle's navigation: pairs BFNVG with its BFNVR, counts its age, and sees it jump.
@@ -117,27 +127,21 @@ impl Tracker {
         }
         let solution = now - age;
         let local = self.frame.to_local(message.position);
-        let mut change = Change::Follows;
+        let mut jump = None;
         let mut velocity = (0.0, 0.0, 0.0, 0.0);
         if let Some(last) = &self.newest {
             let elapsed_nanos = elapsed_nanos(last.solution, message.solution);
             if elapsed_nanos <= 0 {
                 return None;
             }
-            let metres = local.distance_m(last.sample.local);
-            if metres > self.farthest_m(elapsed_nanos as f64 / 1e9) && is_on(Check::Jump) {
-                change = Change::Jumped { metres };
-            }
+            jump = self.jump(last.sample.local, elapsed_nanos as f64 / 1e9, local);
             let sample = &last.sample;
             velocity = (sample.east_mps, sample.north_mps, sample.down_mps, sample.yaw_rate_dps);
         }
         if let Some((place, at)) = self.before.take() {
-            let metres = local.distance_m(place);
-            if metres > self.farthest_m(now.since(at).as_secs_f64()) && is_on(Check::Jump) {
-                change = Change::Jumped { metres };
-            }
+            jump = self.jump(place, now.since(at).as_secs_f64(), local).or(jump);
         }
-        if let Change::Jumped { .. } = change {
+        if jump.is_some() {
             self.jumped_at = Some(now);
         }
         if self.steady_since.is_none() {
@@ -167,7 +171,7 @@ impl Tracker {
             written: message.created,
             solution: message.solution,
         });
-        Some(change)
+        Some(jump.map_or(Change::Follows, Change::Jumped))
     }
 
     /// A BFNVR. True where it completes the newest BFNVG.
@@ -223,9 +227,15 @@ impl Tracker {
                 .is_none_or(|jumped| now.since(jumped) >= STEADY_AFTER_JUMP)
     }
 
-    /// How far the vehicle can have come in that time, metres.
-    fn farthest_m(&self, seconds: f64) -> f64 {
-        self.speed_max_mps * 1.5 * seconds + JUMP_ALLOWANCE_M
+    /// Whether the vehicle cannot have come from one place to another in that time.
+    fn jump(&self, from: EastNorth, elapsed_s: f64, here: EastNorth) -> Option<Jump> {
+        let metres = here.distance_m(from);
+        let farthest_m = self.speed_max_mps * 1.5 * elapsed_s + JUMP_ALLOWANCE_M;
+        (metres > farthest_m && is_on(Check::Jump)).then_some(Jump {
+            metres,
+            from,
+            elapsed_s,
+        })
     }
 
     /// The last bottom lock, while it is young.

@@ -131,13 +131,18 @@ impl Core {
             return;
         };
         self.navigation_came();
-        if let Change::Jumped { metres } = change {
+        let jump = match change {
+            Change::Follows => None,
+            Change::Jumped(jump) => Some(jump),
+        };
+        if let Some(jump) = jump {
             // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
             self.note(Note::Navigation {
-                text: format!("navigation jumped by {metres:.1} m"),
+                text: format!("navigation jumped by {:.1} m", jump.metres),
             });
             self.end_lease("navigation jumped");
         }
+        self.course_navigated(jump);
         self.unjudged = true;
         self.watch_place();
     }

@@ -285,6 +285,48 @@ fn sr_002_the_way_back_from_a_modify_to_the_way_to_the_leg_is_checked() {
 }
 
 #[test]
+fn sr_002_a_behaviour_that_begins_as_navigation_jumps_may_have_begun_before_or_after() {
+    const AWAY: EastNorth = EastNorth::new(-800.0, 0.0);
+    let led_off = |east_m, jumps: fn(&mut Trial)| {
+        let mut trial = Trial::new();
+        trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
+        trial.vehicle.start = EastNorth::new(east_m, -1400.0);
+        trial.run_for(2.0);
+        jumps(&mut trial);
+        trial.vehicle.start = EastNorth::new(500.0, -1200.0);
+        trial.vehicle.jump = EastNorth::default();
+        trial.run_for(15.0);
+        trial.ask(0, [Request::Modify(modify(1))]);
+        trial.run_for(0.5);
+        trial
+    };
+    // On the way back to the way from the other place lies the wreck.
+    let at_once = led_off(500.0, |trial| {
+        trial.vehicle.begin(trial.now, Some(1), None);
+        trial.vehicle.jump = AWAY;
+        trial.run_for(1.0);
+    });
+    names_edge_and_metres(&at_once.rejection(1), "inside exclusion 'wreck'");
+    let unheard = led_off(500.0, |trial| {
+        trial.vehicle.jump = AWAY;
+        trial.run_for(1.0);
+        trial.cut();
+        trial.vehicle.jump = EastNorth::default();
+    });
+    names_edge_and_metres(&unheard.rejection(1), "inside exclusion 'wreck'");
+    // The begin that a new connection tells of comes before all navigation.
+    let unplaced = led_off(-300.0, |_| ());
+    names_edge_and_metres(&unplaced.rejection(1), "inside exclusion 'wreck'");
+    let later = led_off(500.0, |trial| {
+        trial.vehicle.begin(trial.now, Some(1), None);
+        trial.run_for(1.0);
+        trial.vehicle.jump = AWAY;
+        trial.run_for(1.0);
+    });
+    assert_eq!(shorts(&later.states(1)), ["sent", "accepted"], "{:?}", later.states(1));
+}
+
+#[test]
 fn sr_002_where_the_lead_in_of_an_insert_begins_only_the_vehicle_knows_and_so_the_way_to_it() {
     let led_off = |start: (f64, f64)| {
         let mut trial = Trial::new();

@@ -1,4 +1,5 @@
-//! Several shapes at once: what they all lie in first, and one by one only where that does not hold.
+//! Several shapes at once: what they all lie in first, then what each half of them lies in, and one by one only where
+//! that does not hold.
 
 use backseat_units::EastNorth;
 
@@ -9,8 +10,8 @@ use crate::sweep::{Shape, Sweep, VerticalExtent};
 use crate::verdict::{Breach, Clearance};
 
 impl Fence {
-    /// As [`Fence::check`] of each of some shapes with one radius. Where all of them lie well inside one question is enough;
-    /// the clearance is then told of a shape around them, and theirs may be more.
+    /// As [`Fence::check`] of each of some shapes with one radius. Where all of them, or half of them and so on, lie
+    /// well inside one question is enough; the clearance is then told of a shape around them, and theirs may be more.
     ///
     /// # Errors
     /// The [`Breach`] of the first shape that does not hold.
@@ -50,23 +51,19 @@ impl FenceDuring<'_> {
 fn each(
     shapes: &[Shape],
     radius_m: f64,
-    check: impl Fn(&Sweep) -> Result<Clearance, Breach>,
+    check: impl Fn(&Sweep) -> Result<Clearance, Breach> + Copy,
 ) -> Result<Clearance, Breach> {
+    if let [shape] = shapes {
+        return check(&Sweep::new(*shape, radius_m));
+    }
     if let Some(around) = around(shapes, radius_m)
         && let Ok(clearance) = check(&around)
     {
         return Ok(clearance);
     }
-    let clearances = shapes.iter().map(|shape| check(&Sweep::new(*shape, radius_m)));
-    let least = clearances.reduce(|least, clearance| {
-        let (least, clearance) = (least?, clearance?);
-        Ok(if clearance.metres < least.metres {
-            clearance
-        } else {
-            least
-        })
-    });
-    least.expect("the caller gives one shape at least")
+    let (first, second) = shapes.split_at(shapes.len() / 2);
+    let (first, second) = (each(first, radius_m, check)?, each(second, radius_m, check)?);
+    Ok(if second.metres < first.metres { second } else { first })
 }
 
 /// The leg between two points that are about as far apart as any, with a radius within which all the others lie: a convex

@@ -59,6 +59,9 @@ pub(crate) struct Plan {
     elements: Vec<Element>,
     collecting: Option<Vec<Element>>,
     points_collected: usize,
+    /// What had been lost on the link when the series began, and whether any of its own messages could not be read.
+    lost: u64,
+    unreadable: bool,
     /// What the first message of the series was of, and its index.
     first: Option<(Option<u32>, Option<BehaviorId>, u32)>,
     complete: bool,
@@ -87,10 +90,12 @@ impl Plan {
         self.revision += 1;
     }
 
-    /// BPRMP has been sent: what comes now is a new plan.
-    pub(crate) fn begin(&mut self) {
+    /// BPRMP has been sent: what comes now is a new plan. So much had been lost on the link until then.
+    pub(crate) fn begin(&mut self, lost: u64) {
         self.collecting = Some(Vec::new());
         self.points_collected = 0;
+        self.lost = lost;
+        self.unreadable = false;
         self.first = None;
     }
 
@@ -126,16 +131,29 @@ impl Plan {
         }
     }
 
-    /// The final acknowledgement of BPRMP: the series is whole, or it failed.
-    pub(crate) fn end(&mut self, whole: bool) {
-        match self.collecting.take() {
-            Some(elements) if whole && !elements.is_empty() => {
-                self.elements = elements;
-                self.complete = true;
-                self.revision += 1;
-            }
-            _ => {}
-        }
+    /// A BFPLN that cannot be read.
+    pub(crate) fn unreadable(&mut self) {
+        self.unreadable = true;
+    }
+
+    /// The vehicle has told the whole series, and so much has been lost on the link until now. True where the plan is
+    /// known now: not where anything was lost since the series began, which may have been one of its messages. A series
+    /// does not tell how many it has (SPI 6.20).
+    pub(crate) fn end(&mut self, lost: u64) -> bool {
+        let whole = lost == self.lost && !self.unreadable;
+        let collected = self.collecting.take();
+        let Some(elements) = collected.filter(|elements| whole && !elements.is_empty()) else {
+            return false;
+        };
+        self.elements = elements;
+        self.complete = true;
+        self.revision += 1;
+        true
+    }
+
+    /// The series has failed.
+    pub(crate) fn fail(&mut self) {
+        self.collecting = None;
     }
 
     pub(crate) fn is_complete(&self) -> bool {
@@ -246,7 +264,7 @@ mod tests {
 
     fn plan() -> Plan {
         let mut plan = Plan::default();
-        plan.begin();
+        plan.begin(3);
         collect(&mut plan, Some(1), None, 0, 0.0);
         collect(&mut plan, Some(2), None, 0, 100.0);
         collect(&mut plan, Some(2), None, 1, 200.0);
@@ -259,11 +277,15 @@ mod tests {
     fn a_plan_counts_only_when_its_series_is_whole() {
         let mut whole = plan();
         assert!(!whole.is_complete());
-        whole.end(true);
-        assert!(whole.is_complete() && whole.has(BehaviorId::new(7)));
+        assert!(whole.end(3) && whole.is_complete() && whole.has(BehaviorId::new(7)));
         let mut cut = plan();
-        cut.end(false);
-        assert!(!cut.is_complete());
+        cut.fail();
+        assert!(!cut.end(3) && !cut.is_complete());
+        let mut damaged = plan();
+        assert!(!damaged.end(4) && !damaged.is_complete());
+        let mut unreadable = plan();
+        unreadable.unreadable();
+        assert!(!unreadable.end(3) && !unreadable.is_complete());
     }
 
     #[test]
@@ -281,7 +303,7 @@ mod tests {
             };
             plan.collect(&frame, &message);
         }
-        plan.end(true);
+        assert!(plan.end(3));
         let points: Vec<usize> = plan.planned().map(|element| element.points.len()).collect();
         assert_eq!(points, [1, 2, 1]);
         assert!(!plan.has(BehaviorId::new(7)), "the newer series counts");
@@ -290,7 +312,7 @@ mod tests {
     #[test]
     fn what_comes_next_is_the_front_seats_next_element_or_any_where_the_current_is_unknown() {
         let mut plan = plan();
-        plan.end(true);
+        assert!(plan.end(3));
         assert_eq!(plan.next_points().len(), 3);
         assert!(plan.began(2));
         let next = plan.next_points();

@@ -26,7 +26,12 @@ impl Core {
         while let Some(sentence) = self.framer.next_sentence() {
             match FromVehicle::decode(&sentence) {
                 Ok(message) => self.message(message),
-                Err(error) => self.malformed(&error),
+                Err(error) => {
+                    if sentence.name() == "BFPLN" {
+                        self.plan.unreadable();
+                    }
+                    self.malformed(&error);
+                }
             }
         }
     }

@@ -334,17 +334,20 @@ impl Core {
             pending: false,
         };
         if self.transmit(&ToVehicle::RequestPlan(RequestPlan { created }), Some(command)) {
-            self.plan.begin();
+            self.begin_plan();
         }
+    }
+
+    fn begin_plan(&mut self) {
+        self.plan.begin(self.framer.counts().lost());
     }
 
     pub(crate) fn plan_answered(&mut self, answer: Answer<'_>) {
         match answer {
             // The series follows its own pending acknowledgement; what came before is of an earlier asking.
-            Answer::Pending => self.plan.begin(),
+            Answer::Pending => self.begin_plan(),
             Answer::Done => {
-                self.plan.end(true);
-                if self.plan.is_complete() {
+                if self.plan.end(self.framer.counts().lost()) {
                     self.note(Note::Plan {
                         elements: self.plan.len(),
                     });
@@ -369,7 +372,7 @@ impl Core {
 
     /// The plan did not come: it is asked for again.
     pub(crate) fn plan_failed(&mut self) {
-        self.plan.end(false);
+        self.plan.fail();
         self.timers.set(Timer::Plan, self.now + PLAN_RETRY);
     }
 

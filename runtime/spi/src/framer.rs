@@ -49,6 +49,25 @@ pub struct FrameCounts {
     pub noise_bytes: u64,
 }
 
+impl FrameCounts {
+    /// Whatever was no sentence to give out, counted up: where it stays the same, nothing has been lost.
+    #[must_use]
+    pub const fn lost(&self) -> u64 {
+        let Self {
+            sentences: _,
+            checksum_invalid,
+            checksum_absent,
+            malformed,
+            too_long,
+            not_utf8,
+            cut_short,
+            overflowed,
+            noise_bytes,
+        } = *self;
+        checksum_invalid + checksum_absent + malformed + too_long + not_utf8 + cut_short + overflowed + noise_bytes
+    }
+}
+
 /// Where reading stands in the buffer.
 #[derive(Clone, Copy, Debug, Default)]
 struct Cursor {

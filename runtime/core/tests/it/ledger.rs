@@ -92,3 +92,45 @@ fn sr_002_a_plan_whose_series_ended_in_a_refusal_is_not_taken_for_whole() {
     trial.run_for(0.5);
     assert!(trial.rejection(1).contains("plan is not known"));
 }
+
+#[test]
+fn sr_002_a_plan_of_whose_series_anything_was_lost_is_not_taken_for_whole() {
+    let told = |between: &[u8]| {
+        let mut trial = Trial::new();
+        trial.vehicle.replies.insert("RMP", Reply::Silent);
+        trial.run_for(1.0);
+        let asked = trial.commands("RMP").pop().unwrap().1.created().unwrap();
+        let now = trial.now;
+        trial.vehicle.acknowledge(now, ("RMP", asked, None, AckStatus::Pending));
+        trial.run_for(0.01);
+        trial.hear_bytes(between);
+        let now = trial.now;
+        trial.vehicle.say_plan(now);
+        trial
+            .vehicle
+            .acknowledge(now, ("RMP", asked, None, AckStatus::Succeeded));
+        trial.run_for(0.5);
+        trial.ask(0, [good_line(1)]);
+        trial.run_for(0.5);
+        trial
+    };
+    let good = told(b"$BFXYZ,1*42\r\n");
+    assert_eq!(shorts(&good.states(1)), ["sent", "accepted"], "{:?}", good.states(1));
+    for lost in [
+        &b"$BFPLN,120000.000,,14,0,0,4200.000000,N,07000.000000,W,,,*00\r\n"[..],
+        b"%BFPLN,120000.000,,14,0,0,4200.000000,N,07000.000000,W,,,*00\r\n",
+        b"$BFPLN,x,,14*07\r\n",
+    ] {
+        let mut trial = told(lost);
+        assert!(
+            trial.rejection(1).contains("plan is not known"),
+            "{:?}",
+            trial.states(1)
+        );
+        trial.vehicle.replies.clear();
+        trial.run_for(20.0);
+        trial.ask(0, [good_line(2)]);
+        trial.run_for(0.5);
+        assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
+    }
+}

@@ -130,6 +130,33 @@ impl Asking<'_> {
         None
     }
 
+    /// Three lines, to be flown one after the other: the first ends where no straight way leads to the start of the third,
+    /// and the second leads round what is between.
+    pub(crate) fn round_something(&mut self) -> Option<[[EastNorth; 2]; 3]> {
+        let (here, ahead_deg, vertical) = (self.fix.local(), self.fix.heading_deg, self.level());
+        for _ in 0..12 {
+            let start = here.offset(
+                ahead_deg + self.random.within(-40.0, 40.0),
+                self.random.within(20.0, 60.0),
+            );
+            let end = start.offset(
+                ahead_deg + self.random.within(-60.0, 60.0),
+                self.random.within(50.0, 120.0),
+            );
+            let on_deg = ahead_deg + self.random.within(-100.0, 100.0);
+            let hidden = end.offset(on_deg, self.random.within(60.0, 300.0));
+            let aside_deg = on_deg + 90.0 * self.random.sign();
+            let [before, after] = [0.4, 0.6].map(|share| end + (hidden - end) * share);
+            let seen = before.offset(aside_deg, self.random.within(30.0, 200.0));
+            let fits = |ends| self.fits_line(ends, vertical);
+            if !fits([before, after]) && fits([start, end]) && fits([end, seen]) && fits([seen, hidden]) {
+                let half = end + (seen - end) * 0.5;
+                return Some([[start, end], [half, seen], [hidden, seen]]);
+            }
+        }
+        None
+    }
+
     /// Whether the fence holds for a line at modest speed, and for the way to its start.
     fn fits_line(&self, [start, end]: [EastNorth; 2], vertical: Vertical) -> bool {
         self.fits(&Request::Trackline(Trackline {

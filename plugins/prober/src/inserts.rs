@@ -28,17 +28,29 @@ pub(crate) struct Inserts {
     detour: Option<Detour>,
 }
 
-/// Two lines, one after the other: from the end of the first a way leads to the start of the second, and from nowhere
-/// else. In the end the first is taken back.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Lines, one after the other: from the end of the last but one a way leads to the start of the last, and not from what is
+/// flown before. In the end the last but one is taken back.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Detour {
-    first: u64,
-    /// The ends of the second, east and north in metres, until it is asked for.
-    then_m: Option<[[f64; 2]; 2]>,
-    /// The second.
-    second: Option<u64>,
-    /// When the first is taken back; 0 while the second is not accepted.
+    /// What has been asked for, in the order in which it is flown.
+    tags: Vec<u64>,
+    /// The ends of those that are yet to be asked for, east and north in metres, the last first.
+    left_m: Vec<[[f64; 2]; 2]>,
+    /// When the last but one is taken back; 0 while not all of them are accepted.
     due_ns: u64,
+}
+
+impl Detour {
+    /// Whether one of them is flown before the one that is to be taken back.
+    fn is_before(&self, tag: u64) -> bool {
+        let to_come = self.left_m.len();
+        let at = self.tags.iter().position(|known| *known == tag);
+        at.is_some_and(|at| at + 2 < self.tags.len() + to_come)
+    }
+
+    fn taken_back(&self) -> Option<u64> {
+        self.tags.iter().rev().nth(1).copied()
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,8 +65,9 @@ impl Inserts {
         if let Some(detour) = self
             .detour
             .take_if(|detour| (1..=asking.now_ns).contains(&detour.due_ns))
+            && let Some(tag) = detour.taken_back()
         {
-            asking.ask(Request::Cancel(detour.first));
+            asking.ask(Request::Cancel(tag));
         }
         if asking.now_ns < self.next_ns {
             return;
@@ -302,17 +315,24 @@ impl Inserts {
 
     /// False where there is nothing to lead round, or no mind for it.
     fn detour(&mut self, asking: &mut Asking<'_>) -> bool {
-        if self.detour.is_some() || asking.random.chance(0.5) {
+        if self.detour.is_some() || asking.random.chance(0.3) {
             return false;
         }
-        let Some([hidden, seen]) = asking.behind_something() else {
-            return false;
+        let lines = match asking.round_something() {
+            // What is flown at once has an end that the vehicle comes from.
+            Some(lines) => lines.to_vec(),
+            None => {
+                let Some([hidden, seen]) = asking.behind_something() else {
+                    return false;
+                };
+                let near = seen.offset(asking.random.within(0.0, 360.0), asking.random.within(40.0, 80.0));
+                vec![[near, seen], [hidden, seen]]
+            }
         };
-        let near = seen.offset(asking.random.within(0.0, 360.0), asking.random.within(40.0, 80.0));
+        let ends_m = |line: &[EastNorth; 2]| line.map(|end| [end.east_m, end.north_m]);
         self.detour = Some(Detour {
-            first: self.queue([near, seen], asking),
-            then_m: Some([hidden, seen].map(|end| [end.east_m, end.north_m])),
-            second: None,
+            tags: vec![self.queue(lines[0], lines.len() > 2, asking)],
+            left_m: lines[1..].iter().rev().map(ends_m).collect(),
             due_ns: 0,
         });
         true
@@ -320,38 +340,35 @@ impl Inserts {
 
     /// Goes on with a detour once the vehicle has taken what was asked for of it.
     fn lead(&mut self, tag: u64, state: &State, asking: &mut Asking<'_>) {
-        let Some(mut detour) = self
-            .detour
-            .filter(|detour| detour.first == tag || detour.second == Some(tag))
-        else {
+        let Some(mut detour) = self.detour.take_if(|detour| detour.tags.contains(&tag)) else {
             return;
         };
         match state {
             State::Sent | State::Pending | State::Unknown => {}
-            State::Accepted => {
-                if detour.second == Some(tag) {
-                    detour.due_ns = asking.now_ns + asking.random.nanos(2.0, 15.0);
-                } else if let Some(ends_m) = detour.then_m.take() {
+            State::Accepted => match detour.left_m.pop() {
+                Some(ends_m) => {
                     let ends = ends_m.map(|[east_m, north_m]| EastNorth::new(east_m, north_m));
-                    detour.second = Some(self.queue(ends, asking));
+                    detour.tags.push(self.queue(ends, false, asking));
                 }
-                self.detour = Some(detour);
-            }
+                None => detour.due_ns = asking.now_ns + asking.random.nanos(2.0, 15.0),
+            },
+            State::Started if detour.is_before(tag) => {}
             State::Started
             | State::Rejected(_)
             | State::Failed(_)
             | State::TimedOut
             | State::Ended(_)
-            | State::Cancelled => self.detour = None,
+            | State::Cancelled => return,
         }
+        self.detour = Some(detour);
     }
 
-    /// Asks for a line that waits its turn, as deep as the vehicle is; its tag.
-    fn queue(&mut self, ends: [EastNorth; 2], asking: &mut Asking<'_>) -> u64 {
+    /// Asks for a line that waits its turn, or for one at once, as deep as the vehicle is; its tag.
+    fn queue(&mut self, ends: [EastNorth; 2], at_once: bool, asking: &mut Asking<'_>) -> u64 {
         let level = asking.level();
         let mut line = self.line(ends, level, false, asking);
         if let Request::Trackline(line) = &mut line {
-            line.interrupt = false;
+            line.interrupt = at_once;
         }
         let tag = line.tag().unwrap_or_default();
         self.ask(line, asking);

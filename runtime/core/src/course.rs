@@ -69,6 +69,9 @@ pub(crate) struct Courses {
     left_plan: bool,
     /// Since when it neither climbs nor dives, while nobody of ours steers.
     level_since: Option<Timestamp>,
+    /// What is flown is known, or it went along a line since this process began: where a process before this one may have
+    /// led it away to, it has come back from.
+    placed: bool,
     /// It has come to the depth of what is flown now.
     settled: bool,
     /// The depths that it has settled at in this mission, from and to, metres.
@@ -97,6 +100,7 @@ impl Courses {
         begins.truncate(BEGINS_MAX - 1);
         begins.extend(here);
         self.current = Some(flown);
+        self.placed = true;
         self.begun_at = Some(now);
         self.unplaced = here.is_none();
         self.seen.clear();
@@ -111,8 +115,8 @@ impl Courses {
         self.revision += 1;
     }
 
-    /// The link is gone: what begins now is not heard.
-    pub(crate) fn link_lost(&mut self) {
+    /// What is flown is not known: the link is gone, or it has ended and nothing has begun.
+    pub(crate) fn lose(&mut self) {
         self.current = None;
         self.begun_at = None;
         self.seen.clear();
@@ -127,6 +131,11 @@ impl Courses {
         let level = down_mps.abs() <= LEVEL_MPS;
         self.level_since = level.then(|| self.level_since.unwrap_or(now));
         if self.level_since.is_some_and(|since| now.since(since) >= level_for) {
+            // What an insert is flown at is not the plan's depth.
+            if matches!(self.current, Some(Flown::Inserted(_))) {
+                self.settled = self.depths_m.is_some();
+                return;
+            }
             self.settled = true;
             let [from_m, to_m] = self.depths_m.unwrap_or([depth_m, depth_m]);
             self.depths_m = Some([from_m.min(depth_m), to_m.max(depth_m)]);
@@ -138,7 +147,7 @@ impl Courses {
         self.begun.clear();
         self.depths_m = None;
         self.left_plan = false;
-        self.link_lost();
+        self.lose();
     }
 
     /// Where what is flown now may have begun.
@@ -147,6 +156,11 @@ impl Courses {
             Some(current) => self.of(current),
             None => self.begun.values().flatten().chain(&self.seen).copied().collect(),
         }
+    }
+
+    /// What is flown now, where that was heard.
+    pub(crate) const fn current(&self) -> Option<Flown> {
+        self.current
     }
 
     /// Where a behaviour may have begun.
@@ -208,8 +222,26 @@ impl Core {
             .filter(|begun| solution.is_none_or(|solution| solution <= *begun));
     }
 
-    /// A behaviour has ended, for good or for one that interrupts it.
-    pub(crate) fn course_ended(&mut self, identifier: Option<BehaviorId>) {
+    /// Whether it is known what the vehicle flies, or at least that it is one of the things that are judged: its plan and our
+    /// inserts. What a process before this one has led it away from it may yet be on its way back to, from where nobody
+    /// knows to what, until it goes along a line.
+    pub(crate) fn knows_what_is_flown(&self) -> bool {
+        match self.courses.current {
+            None => self.former.is_none() || self.courses.placed,
+            Some(Flown::Planned(number)) => self.plan.names(number) || !self.plan.is_complete(),
+            Some(Flown::Inserted(identifier)) => {
+                self.ledger.by_identifier(identifier).is_some()
+                    || (self.plan.has(identifier) && !self.sent_identifiers.contains(&identifier))
+            }
+        }
+    }
+
+    /// A behaviour has ended, for good or for one that interrupts it. Until another begins what is flown is not known.
+    pub(crate) fn course_ended(&mut self, number: Option<u32>, identifier: Option<BehaviorId>) {
+        let ended = identifier.map(Flown::Inserted).or(number.map(Flown::Planned));
+        if ended.is_some() && ended == self.courses.current {
+            self.courses.lose();
+        }
         let Some(identifier) = identifier else { return };
         let entry = self.ledger.by_identifier(identifier);
         if !entry.is_some_and(|request| self.ledger.get(request).is_some_and(|entry| entry.interrupted)) {
@@ -234,21 +266,26 @@ impl Core {
         };
         let vertical = [navigation.depth.as_m(), navigation.down_mps];
         self.courses.levels(self.now, vertical, level_for);
-        let Some(current) = self.courses.current else {
-            return;
+        let lines: Vec<_> = match self.courses.current {
+            None if self.courses.placed => return,
+            None => self.plan.elements().flat_map(crate::plan::Element::legs).collect(),
+            Some(current) if self.courses.begun.get(&current).is_none_or(Vec::is_empty) => return,
+            Some(current) => self.first_line_of(current).into_iter().collect(),
         };
-        if self.courses.begun.get(&current).is_none_or(Vec::is_empty) {
-            return;
-        }
         let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
         let within_m = self.envelope.limits().tracking_error_m;
-        let lines = self.lines_of(current);
         let on_line = lines.iter().any(|line| is_on(*line, here, velocity, within_m));
         let since = self.courses.on_line_since.filter(|_| on_line);
         self.courses.on_line_since = on_line.then(|| since.unwrap_or(self.now));
-        if since.is_some_and(|since| self.now.since(since) >= ON_LINE_FOR) {
-            self.courses.begun.insert(current, Vec::new());
-            self.courses.revision += 1;
+        if since.is_none_or(|since| self.now.since(since) < ON_LINE_FOR) {
+            return;
+        }
+        match self.courses.current {
+            None => self.courses.placed = true,
+            Some(current) => {
+                self.courses.begun.insert(current, Vec::new());
+                self.courses.revision += 1;
+            }
         }
     }
 
@@ -259,6 +296,13 @@ impl Core {
         let Some([from_m, to_m]) = self.courses.depths_m.filter(|_| self.courses.settled) else {
             return Some(ALL_DEPTHS_M);
         };
+        // At what an insert is flown that is not ours no sentence says (6.20).
+        let mut others = self
+            .plan
+            .others(|identifier| self.sent_identifiers.contains(&identifier));
+        if others.next().is_some() {
+            return Some(ALL_DEPTHS_M);
+        }
         let navigation = self.tracker.newest()?;
         let lock = self.tracker.bottom_lock(self.now);
         let (mut from_m, mut to_m) = (from_m.min(navigation.depth.as_m()), to_m.max(navigation.depth.as_m()));
@@ -272,17 +316,15 @@ impl Core {
         Some([from_m - error_m, to_m + error_m])
     }
 
-    /// The lines of a behaviour that is one line or several, as they were given.
-    fn lines_of(&self, flown: Flown) -> Vec<(EastNorth, EastNorth)> {
+    /// The line of a behaviour that is one line, or the first of several, as it was given: the way to it may lead along any
+    /// other.
+    fn first_line_of(&self, flown: Flown) -> Option<(EastNorth, EastNorth)> {
         match flown {
-            Flown::Planned(_) => self.plan.flown().flat_map(crate::plan::Element::legs).collect(),
-            Flown::Inserted(identifier) => self
-                .ledger
-                .by_identifier(identifier)
-                .and_then(|request| self.ledger.get(request)?.insert)
-                .and_then(|insert| self.envelope.line_given(&insert))
-                .into_iter()
-                .collect(),
+            Flown::Planned(_) => self.plan.flown().flat_map(crate::plan::Element::legs).next(),
+            Flown::Inserted(identifier) => {
+                let insert = self.ledger.get(self.ledger.by_identifier(identifier)?)?.insert?;
+                self.envelope.line_given(&insert)
+            }
         }
     }
 
@@ -369,8 +411,11 @@ fn is_on((start, end): (EastNorth, EastNorth), here: EastNorth, velocity: EastNo
         from.east_m * along.north_m - from.north_m * along.east_m,
     );
     let speed_mps = hypot(velocity.east_m, velocity.north_m);
-    // Written so that a figure that is none is not on it.
-    (0.0..=length_m).contains(&along_m) && right_m.abs() <= within_m && dot(velocity, along) >= ALONG * speed_mps
+    // Written so that a figure that is none is not on it, nor one that stands still.
+    (0.0..=length_m).contains(&along_m)
+        && right_m.abs() <= within_m
+        && speed_mps > 0.0
+        && dot(velocity, along) >= ALONG * speed_mps
 }
 
 #[cfg(test)]
@@ -409,7 +454,7 @@ mod tests {
         courses.began(now, Flown::Planned(2), Some(begin(5.0)));
         assert_eq!(courses.of(Flown::Planned(1)), []);
         // What began while nothing was heard, nobody knows.
-        courses.link_lost();
+        courses.lose();
         courses.seen = vec![begin(6.0)];
         assert_eq!(courses.of_current(), [begin(5.0), begin(6.0)]);
     }
@@ -421,6 +466,7 @@ mod tests {
         assert!(!is_on(line, at(50.0, 4.0), at(0.3, -1.5), 5.0));
         assert!(!is_on(line, at(50.0, 4.0), at(-1.5, 0.0), 5.0));
         assert!(!is_on(line, at(50.0, 6.0), at(1.5, 0.0), 5.0));
+        assert!(!is_on(line, at(50.0, 4.0), at(0.0, 0.0), 5.0));
         assert!(!is_on(line, at(-1.0, 0.0), at(1.5, 0.0), 5.0));
         assert!(!is_on((at(0.0, 0.0), at(0.0, 0.0)), at(0.0, 0.0), at(1.5, 0.0), 5.0));
     }

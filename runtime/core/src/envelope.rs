@@ -327,8 +327,9 @@ impl Envelope {
             return self.judge_surfacing((shape, strayed_m), ends, &extent, route, when);
         };
         let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
+        // What comes before it and after it may be flown faster.
         let way = Way {
-            strayed_m,
+            strayed_m: self.strayed_m(limits.speed_max_mps),
             extent,
             depths_m: route.passed_m(&extent),
             when,
@@ -440,9 +441,15 @@ impl Envelope {
             } => {
                 let centre = frame.to_local(centre);
                 let bearing_deg = begun.bearing_deg(centre);
-                // From within a circle every direction leads to it: it has begun between the two.
-                let inside = begun.distance_m(centre) <= radius_m;
-                let across_deg = if inside { bearing_deg } else { bearing_deg + 90.0 };
+                let away_m = begun.distance_m(centre);
+                // From within a circle, or as near to it as navigation tells, every direction leads to it: it has begun
+                // between the two.
+                if away_m <= radius_m + self.limits.navigation_error_m {
+                    return [2.0 * radius_m, -2.0 * radius_m].map(|off_m| begun.offset(bearing_deg, off_m));
+                }
+                // Abreast of the middle, on the two lines that touch it.
+                let radius_m = radius_m * away_m / (away_m * away_m - radius_m * radius_m).sqrt();
+                let across_deg = bearing_deg + 90.0;
                 [radius_m, -radius_m].map(|off_m| centre.offset(across_deg, off_m))
             }
             InsertPath::Circle { .. } | InsertPath::Surface { .. } => [self.ends(insert).0.middle(); 2],

@@ -133,8 +133,8 @@ impl Core {
         if former.has_revenant() && self.ledger.doubtful().any(doubtful) {
             return true;
         }
-        let any = !former.is_none() && former.gps_hits && !former.over;
-        any && (former.surfacing.is_some() || !former.heard)
+        let any = !former.is_none() && former.gps_hits;
+        any && (former.surfacing.is_some() || (!former.over && !former.heard))
     }
 
     /// The plan goes on: where it is known and has nothing of an earlier process, all that was is over.

@@ -115,6 +115,10 @@ impl Core {
             return Err(refused("priority", "a plugin of higher priority holds the vehicle"));
         }
         self.admit_beside_gps_hit()?;
+        if !self.knows_what_is_flown() && is_on(Check::PlanKnown) {
+            let text = "what the vehicle flies is not in its plan, or not known yet, nor so the way back to it";
+            return Err(refused("plan", text));
+        }
         let setpoint = self.envelope.admit_modify(modify)?;
         self.cap_steering(plugin, modify.duration)?;
         let kept = self.judge(&setpoint)?;
@@ -330,17 +334,26 @@ impl Core {
             depths_m: self.depths_of_ways(),
             ..Route::default()
         };
-        let mut flying = false;
-        // On the way to where its path begins it comes back to that way.
+        // On the way to where its path begins it comes back to that way. Where it was not heard what is flown, any of the
+        // inserts may be, or none.
         let begun = self.courses.of_current();
-        for (_, insert, started) in self.chain() {
-            if started {
-                flying = true;
+        let heard = self.courses.current().is_some();
+        let mut flying = false;
+        let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
+        let open = self.chain().into_iter().map(|(_, insert, started)| (insert, started));
+        for (insert, started) in open.chain(doubtful.map(|insert| (insert, false))) {
+            if started || !heard {
                 route.legs.extend(self.tracks_of_insert(&insert, &begun));
+            }
+            if started && heard {
+                flying = true;
             } else {
                 route.to.push(self.envelope.ends(&insert).0);
             }
         }
+        route.to.extend(self.returns_to().map(End::At));
+        // The vehicle may end an insert that it is led away from (SPI 7.12), and take up what that has interrupted.
+        route.legs.extend(self.taken_up_after(false));
         // An insert that is not ours may be the one that is flown.
         let others = self
             .plan

@@ -9,7 +9,7 @@ use std::time::Duration;
 use backseat_spi::{
     BottomPosition, CommandName, Continue, HullPosition, HullSpeedLimit, Resume, Suspend, ToVehicle, VerticalReference,
 };
-use backseat_units::Timestamp;
+use backseat_units::{EastNorth, Timestamp};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::envelope::{Aim, Hover, Surroundings, Suspended, Vertical, aim_at_here};
@@ -36,12 +36,18 @@ const REFRESH_AT_MOST: Duration = Duration::from_secs(1);
 /// A hold that begins or changes is sent at once, at 5 Hz at most.
 const REFRESH_AT_LEAST: Duration = Duration::from_millis(200);
 
+/// So many places are kept where the mission may stand suspended.
+const LEFT_MAX: usize = 16;
+
 /// Where the hold stands, and where the vehicle is relative to its target.
 #[derive(Debug)]
 pub(crate) struct Hull {
     relative: Track<RelativeSample>,
     cartesian: Track<CartesianSample>,
     hold: Option<Hold>,
+    /// Where the mission was suspended by holds that are over: it may not have gone on yet, for the vehicle may return there
+    /// first, and one that is suspended meanwhile stands where it stood (8.3).
+    left: Vec<Suspended>,
     limit: SpeedLimit,
     /// When the last BPSUS, or the last BPSPD, BPGHP or BPGBP of a hold left, of any hold.
     steered: Option<Timestamp>,
@@ -93,6 +99,7 @@ impl Hull {
             relative: Track::new(limits, hull.is_some_and(|hull| hull.hull_box.is_some())),
             cartesian: Track::new(limits, hull.is_some_and(|hull| hull.bottom_box.is_some())),
             hold: None,
+            left: Vec::new(),
             limit: SpeedLimit::default(),
             steered: None,
             ending: false,
@@ -197,6 +204,11 @@ impl Core {
         if self.lease.is_some_and(|lease| lease.plugin < plugin) {
             return Err(refused("priority", "a plugin of higher priority steers"));
         }
+        self.admit_beside_gps_hit()?;
+        if self.hull.left.len() >= LEFT_MAX {
+            let text = format!("the mission may stand suspended at {LEFT_MAX} places, the most that are kept");
+            return Err(refused("cap", &text));
+        }
         let mut hover = self.envelope.admit_hold(asked)?;
         self.cap_steering(plugin, asked.duration)?;
         // There is no command to stop: a vehicle that has been sent somewhere is sent to where it is.
@@ -231,12 +243,19 @@ impl Core {
             self.hull.relative.steady(self.now),
             self.hull.cartesian.steady(self.now),
         );
+        let suspended: Vec<Suspended> = self
+            .hull
+            .left
+            .iter()
+            .copied()
+            .chain(self.hull.hold.and_then(|hold| hold.suspended))
+            .collect();
         ask(&Surroundings {
             relative: relative.as_ref(),
             cartesian: cartesian.as_ref(),
             navigation,
             lock: self.tracker.bottom_lock(self.now),
-            suspended: self.hull.hold.and_then(|hold| hold.suspended),
+            suspended: &suspended,
             now: self.now,
         })
     }
@@ -420,6 +439,30 @@ impl Core {
         }
     }
 
+    /// The mission has gone on, for a behaviour has begun or it is over.
+    pub(crate) fn mission_goes_on(&mut self) {
+        self.hull.left.clear();
+    }
+
+    /// Where the vehicle may return to before its mission goes on.
+    pub(crate) fn returns_to(&self) -> impl Iterator<Item = EastNorth> + '_ {
+        self.hull.left.iter().filter_map(|suspended| suspended.local)
+    }
+
+    /// The vehicle is where it may have returned to. One without a hold is.
+    fn watch_return(&mut self) {
+        if self.hull.hold.is_some() || self.hull.left.is_empty() {
+            return;
+        }
+        let Some(limits) = &self.envelope.limits().hull else {
+            return;
+        };
+        let within_m = 2.0 * limits.position_error_m;
+        if let Ok(here) = self.here() {
+            self.hull.left.retain(|suspended| !suspended.is_near(&here, within_m));
+        }
+    }
+
     /// Ends the hold, if there is one: the vehicle's own speed limit and BPRES where the link is up, then silence.
     pub(crate) fn end_hold(&mut self, reason: &str) {
         self.close_hold(reason, RequestState::Ended(reason.to_owned()));
@@ -427,6 +470,7 @@ impl Core {
 
     fn close_hold(&mut self, reason: &str, state: RequestState) {
         let Some(hold) = self.hull.hold.take() else { return };
+        self.hull.left.extend(hold.suspended);
         self.has_steered(hold.plugin, hold.since);
         for timer in [Timer::Hold, Timer::HoldTerm, Timer::Relative] {
             self.timers.stop(timer);

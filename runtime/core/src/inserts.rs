@@ -11,8 +11,9 @@ use backseat_spi::{
     BehaviorId, CancelBehavior, GpsHit, Interrupt, SpeedMode, SurfaceMode, ToVehicle, Trackcircle, Trackline,
     VerticalMode,
 };
+use backseat_units::Timestamp;
 
-use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
+use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose, SETTLED_WITHIN};
 use crate::envelope::{End, Flight, Insert, InsertPath, Route, Vertical};
 use crate::helm::refused;
 use crate::io::{Output, Reservation};
@@ -23,6 +24,7 @@ use crate::plugin::{PluginId, Refusal, Request, RequestState};
 use crate::schedule::Schedule;
 use crate::session::name;
 use crate::switches::{Check, is_on};
+use crate::timer::Timer;
 
 /// How many identifiers are reserved on disk at a time.
 const RESERVE: u32 = 32;
@@ -107,6 +109,16 @@ impl Core {
                 "an insert of an earlier process may be flown, and may be one that none may interrupt (SPI 7.5)",
             ));
         }
+        let current = self.orders.current();
+        if insert.interrupt
+            && current.is_some_and(|current| !self.sent_identifiers.contains(&current))
+            && is_on(Check::InterruptOfInterrupt)
+        {
+            return Err(refused(
+                "interrupt",
+                "an insert that is not ours is flown, and may be one that none may interrupt (SPI 7.5)",
+            ));
+        }
         let limits = self.envelope.limits();
         if self.ledger.open_inserts() + self.inherited() >= limits.inserts_open_max && is_on(Check::InsertsOpen) {
             return Err(refused(
@@ -170,7 +182,9 @@ impl Core {
             .ledger
             .iter()
             .any(|(request, entry)| begun(entry) && self.ledger.is_gps_hit(Some(request)));
-        if (flown || self.former_may_surface()) && is_on(Check::Surfacing) {
+        // Where it was not heard what is flown, one that waited may be.
+        let unheard = self.courses.current().is_none() && self.ledger.surfaces();
+        if (flown || unheard || self.former_may_surface()) && is_on(Check::Surfacing) {
             let text = "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
             return Err(refused("surface", text));
         }
@@ -311,6 +325,7 @@ impl Core {
             entry.insert = Some(insert);
             entry.duration_s = duration_s;
             entry.schedule = schedule;
+            entry.sent_at = self.now;
         }
         self.transition(request, RequestState::Sent);
     }
@@ -424,26 +439,30 @@ impl Core {
 
     /// The plan has come whole: inserts in doubt are in it or are not.
     pub(crate) fn resolve_by_plan(&mut self) {
-        let open: Vec<(u64, BehaviorId, RequestState)> = self
+        let open: Vec<(u64, BehaviorId, Timestamp)> = self
             .ledger
             .iter()
-            .filter_map(|(request, entry)| Some((request, entry.identifier?, entry.state.clone())))
+            .filter(|(_, entry)| entry.state == RequestState::Unknown)
+            .filter_map(|(request, entry)| Some((request, entry.identifier?, entry.sent_at + SETTLED_WITHIN)))
             .collect();
-        for (request, identifier, state) in open {
-            if state != RequestState::Unknown {
-                continue;
-            }
-            let to = if self.plan.has(identifier) {
-                RequestState::Accepted
-            } else if self.ledger.is_gps_hit(Some(request)) {
-                // BFPLN has no code for a GPS hit (6.20): a plan without it proves nothing. The vehicle may fly it yet,
-                // and so it stays under the caps.
-                RequestState::TimedOut
+        let asked_at = self.plan.asked_at();
+        for (request, identifier, decided_at) in open {
+            if self.plan.has(identifier) {
+                self.transition(request, RequestState::Accepted);
+            } else if asked_at < decided_at {
+                // The vehicle may not have decided on it yet.
+                self.timers.set(Timer::Plan, decided_at.max(self.now));
+            } else if self.courses.current().is_some() && !self.ledger.is_gps_hit(Some(request)) {
+                let text = "it is not in the vehicle's plan".to_owned();
+                self.transition(request, RequestState::Failed(text));
             } else {
-                RequestState::Failed("it is not in the vehicle's plan".to_owned())
-            };
-            self.transition(request, to);
+                // It may be flown; and BFPLN has no code for a GPS hit (6.20), so that a plan without it proves nothing. It
+                // stays under the caps.
+                self.transition(request, RequestState::TimedOut);
+            }
         }
+        let plan = &self.plan;
+        self.ledger.told_plan(asked_at, |identifier| plan.has(identifier));
     }
 
     /// The mission no longer runs: what it held is over.
@@ -521,6 +540,15 @@ impl Core {
                 .to
                 .extend(chain.iter().map(|(_, insert, _)| self.envelope.ends(insert).0));
             route.to_surface = chain.iter().any(|(_, insert, _)| insert.surfaces());
+            // The rest of the set is flown before the plan goes on (7.5), whoever has asked for it.
+            for doubtful in self.ledger.doubtful().filter_map(|entry| entry.insert) {
+                route.to.push(self.envelope.ends(&doubtful).0);
+                route.to_surface |= doubtful.surfaces();
+            }
+            let others = self
+                .plan
+                .others(|identifier| self.sent_identifiers.contains(&identifier));
+            route.to.extend(others.map(|(_, element)| End::At(element.first())));
             return route;
         }
         // One that was not answered may be flown before this one all the same.

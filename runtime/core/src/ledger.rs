@@ -1,8 +1,10 @@
 use std::collections::BTreeMap;
 
 use backseat_spi::BehaviorId;
+use backseat_units::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use crate::commands::SETTLED_WITHIN;
 use crate::envelope::Insert;
 use crate::owner::Owner;
 use crate::plugin::{PluginId, RequestState};
@@ -98,6 +100,10 @@ pub(crate) struct Entry {
     pub(crate) schedule: Option<Schedule>,
     /// The vehicle has ended this insert for one that interrupts it, and may take it up again (SPI 7.5 leaves it open).
     pub(crate) interrupted: bool,
+    /// When an insert was sent.
+    pub(crate) sent_at: Timestamp,
+    /// The vehicle's plan, asked for when it had decided on this insert at the latest, does not name it: it does not wait.
+    pub(crate) waits_not: bool,
 }
 
 impl Entry {
@@ -154,6 +160,8 @@ impl Ledger {
             duration_s: 0.0,
             schedule: None,
             interrupted: false,
+            sent_at: Timestamp::ZERO,
+            waits_not: false,
         };
         self.open.insert(self.last, entry);
         self.last
@@ -225,10 +233,27 @@ impl Ledger {
         })
     }
 
+    /// An insert begins that interrupts what was flown.
+    pub(crate) fn interrupt_all_but(&mut self, begun: Option<BehaviorId>) {
+        for entry in self.open.values_mut() {
+            let was_flown = entry.is_open_insert() && entry.state == RequestState::Started;
+            if was_flown && entry.identifier != begun {
+                entry.interrupted = true;
+                self.revision += 1;
+            }
+        }
+    }
+
     /// Whether the vehicle may yet fly an insert that interrupts.
     pub(crate) fn interrupts(&self) -> bool {
         self.flyable()
             .any(|entry| entry.insert.is_some_and(|insert| insert.interrupt))
+    }
+
+    /// Whether the vehicle may yet fly a GPS hit.
+    pub(crate) fn surfaces(&self) -> bool {
+        self.flyable()
+            .any(|entry| entry.insert.is_some_and(|insert| insert.surfaces()))
     }
 
     /// The inserts that the vehicle may yet fly, as far as is known.
@@ -257,6 +282,15 @@ impl Ledger {
     /// The vehicle has said that a behaviour with this identifier has ended.
     pub(crate) fn settle_doubt_of(&mut self, identifier: BehaviorId) {
         self.doubtful.retain(|_, entry| entry.identifier != Some(identifier));
+    }
+
+    /// The vehicle has told a plan that was asked for then: inserts without its word that are not in it do not wait, where
+    /// it had decided on them.
+    pub(crate) fn told_plan(&mut self, asked_at: Timestamp, has: impl Fn(BehaviorId) -> bool) {
+        for entry in self.doubtful.values_mut() {
+            let named = entry.identifier.is_none_or(&has);
+            entry.waits_not = !named && asked_at >= entry.sent_at + SETTLED_WITHIN;
+        }
     }
 
     /// The vehicle has said that it has none of these any more.

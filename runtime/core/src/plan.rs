@@ -1,5 +1,5 @@
 use backseat_spi::{BehaviorId, PlanElement, PlanElementKind};
-use backseat_units::{EastNorth, LocalFrame};
+use backseat_units::{EastNorth, LocalFrame, Timestamp};
 
 /// How many points a plan may have before it is taken for nonsense.
 const POINTS_MAX: usize = 10_000;
@@ -59,6 +59,8 @@ pub(crate) struct Plan {
     elements: Vec<Element>,
     collecting: Option<Vec<Element>>,
     points_collected: usize,
+    /// When the vehicle was asked for it.
+    asked_at: Timestamp,
     /// What had been lost on the link when the series began, and whether any of its own messages could not be read.
     lost: u64,
     unreadable: bool,
@@ -66,6 +68,8 @@ pub(crate) struct Plan {
     first: Option<(Option<u32>, Option<BehaviorId>, u32)>,
     complete: bool,
     current: Option<u32>,
+    /// It has ended, and nothing has begun since.
+    between: bool,
     /// How often what is known of it has changed.
     revision: u64,
 }
@@ -131,6 +135,15 @@ impl Plan {
         }
     }
 
+    /// BPRMP leaves now.
+    pub(crate) const fn asked(&mut self, now: Timestamp) {
+        self.asked_at = now;
+    }
+
+    pub(crate) const fn asked_at(&self) -> Timestamp {
+        self.asked_at
+    }
+
     /// A BFPLN that cannot be read.
     pub(crate) fn unreadable(&mut self) {
         self.unreadable = true;
@@ -167,11 +180,32 @@ impl Plan {
     /// A planned behaviour has begun. False where the plan does not have it, so that it is not the current plan.
     pub(crate) fn began(&mut self, number: u32) -> bool {
         self.current = Some(number);
+        self.between = false;
         self.revision += 1;
-        !self.complete || self.planned().any(|element| element.number == Some(number))
+        !self.complete || self.names(number)
     }
 
-    /// Whether the plan names one of our inserts.
+    /// A planned behaviour has ended: until something begins it is not known which is flown.
+    pub(crate) fn finished(&mut self, number: u32) {
+        if self.current == Some(number) {
+            self.between = true;
+            self.revision += 1;
+        }
+    }
+
+    /// An insert has begun: what has ended before it is what it was inserted after, and may have been left for it.
+    pub(crate) fn left_for_insert(&mut self) {
+        if core::mem::take(&mut self.between) {
+            self.revision += 1;
+        }
+    }
+
+    /// The planned behaviour that is flown, or was when an insert began, where the plan has it.
+    fn at(&self) -> Option<u32> {
+        self.current.filter(|number| !self.between && self.names(*number))
+    }
+
+    /// Whether the plan names an insert.
     pub(crate) fn has(&self, identifier: BehaviorId) -> bool {
         self.elements
             .iter()
@@ -199,21 +233,26 @@ impl Plan {
 
     /// The elements that the vehicle may be on now: the current one, or every one where that is not known.
     pub(crate) fn current(&self) -> impl Iterator<Item = &Element> {
-        let current = self.current;
+        let current = self.at();
         self.planned()
             .filter(move |element| current.is_none() || element.number == current)
     }
 
+    /// Whether it tells of a planned behaviour.
+    pub(crate) fn names(&self, number: u32) -> bool {
+        self.planned().any(|element| element.number == Some(number))
+    }
+
     /// The elements of the planned behaviour that is flown; none where that is not known.
     pub(crate) fn flown(&self) -> impl Iterator<Item = &Element> {
-        let current = self.current;
+        let current = self.at();
         self.planned()
             .filter(move |element| current.is_some() && element.number == current)
     }
 
     /// The first points of what may come after the current element.
     pub(crate) fn next_points(&self) -> Vec<EastNorth> {
-        let Some(current) = self.current else {
+        let Some(current) = self.at() else {
             return self.planned().map(Element::first).collect();
         };
         let mut after = self.planned().skip_while(|element| element.number != Some(current));

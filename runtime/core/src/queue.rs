@@ -24,7 +24,7 @@ impl Core {
         for (request, insert, begun) in before.iter().rev() {
             from.push(self.envelope.ends(insert).1);
             // After one that interrupts it may take up again what it left.
-            if !insert.interrupt && (*begun || self.is_surely_flown(*request)) {
+            if !insert.interrupt && self.courses.current().is_some() && (*begun || self.is_surely_flown(*request)) {
                 return from;
             }
         }
@@ -64,20 +64,34 @@ impl Core {
             return;
         }
         let mut before = Vec::new();
-        for (request, insert, begun) in self.chain() {
-            let waits = !begun && !insert.interrupt && !self.is_recalled(request);
-            if !waits {
-                before.push((request, insert, begun));
+        let chain = self.chain();
+        let waits = |core: &Self, (request, insert, begun): &(u64, Insert, bool)| {
+            !begun && !insert.interrupt && !core.is_recalled(*request)
+        };
+        for open in &chain {
+            let (request, insert, _) = open;
+            if !waits(self, open) {
+                before.push(*open);
                 continue;
             }
-            let Err(refusal) = self.judge_way_to(&before, &insert) else {
+            let Err(refusal) = self.judge_way_to(&before, insert) else {
                 // The rest comes after it.
-                return;
+                break;
             };
-            self.call_back(request, &format!("its way no longer holds: {}", refusal.text));
+            self.call_back(*request, &format!("its way no longer holds: {}", refusal.text));
             if insert.surfaces() {
                 return;
             }
+        }
+        for open in chain.iter().rev() {
+            if !waits(self, open) {
+                return;
+            }
+            let Err(refusal) = self.judge_way_on(&open.1) else {
+                return;
+            };
+            let text = format!("its way on no longer holds: {}", refusal.text);
+            self.call_back(open.0, &text);
         }
     }
 
@@ -91,6 +105,19 @@ impl Core {
         for from in self.comes_from(before) {
             self.envelope
                 .judge_way((from, self.envelope.ends(insert).0), &passage)?;
+        }
+        Ok(())
+    }
+
+    /// The way on from the last of our inserts: what it goes on to may be another element by now.
+    fn judge_way_on(&self, insert: &Insert) -> Result<(), Refusal> {
+        let Some(navigation) = self.tracker.newest() else {
+            return Ok(());
+        };
+        let from = self.envelope.ends(insert).1;
+        let passage = self.passage(navigation.depth, insert.surfaces(), self.before_insert_s(false));
+        for to in self.plan.next_points() {
+            self.envelope.judge_way((from, End::At(to)), &passage)?;
         }
         Ok(())
     }

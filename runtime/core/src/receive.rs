@@ -195,6 +195,7 @@ impl Core {
             self.courses.forget();
             self.former.mission_over();
             self.end_adjustments("the mission is over");
+            self.mission_goes_on();
         }
         if self.settings.control == ControlHook::Running {
             self.handed_over = Some(running);
@@ -228,6 +229,7 @@ impl Core {
         // A suspended mission begins none: the vehicle has taken it up again. An end says nothing of the kind, for the
         // behaviour that is suspended may be reported so (SPI 8.1 leaves it open), and a hold modifies none.
         self.end_hold("a behaviour began: the mission goes on");
+        self.mission_goes_on();
         if is_flown {
             self.end_overtaken(message.identifier);
             self.orders.began(message.identifier);
@@ -235,12 +237,16 @@ impl Core {
         let mut own = None;
         match (message.identifier, message.number) {
             (Some(identifier), _) => {
+                self.plan.left_for_insert();
                 if let Some(request) = self.ledger.by_identifier(identifier) {
                     own = self.ledger.get(request).map(|entry| (entry.owner, entry.tag));
                     if let Some(entry) = self.ledger.get_mut(request) {
                         entry.interrupted = false;
                     }
                     self.transition(request, RequestState::Started);
+                } else if !self.plan.has(identifier) {
+                    // Another payload's that came after the plan was asked for, perhaps.
+                    self.ask_for_plan();
                 }
             }
             (None, Some(number)) => {
@@ -248,6 +254,9 @@ impl Core {
                     self.plan.invalidate();
                     self.ask_for_plan();
                 }
+                // An insert without the vehicle's word is not flown, and where it does not wait either it is over.
+                self.ledger
+                    .settle_doubt_if(|entry| entry.waits_not && entry.insert.is_some_and(|insert| !insert.surfaces()));
                 self.plan_goes_on();
                 self.judge_waiting();
             }
@@ -272,7 +281,9 @@ impl Core {
         if let Some(identifier) = message.identifier {
             self.plan.ended(identifier);
             self.ledger.settle_doubt_of(identifier);
-        } else if message.number.is_none() {
+        } else if let Some(number) = message.number {
+            self.plan.finished(number);
+        } else {
             self.adjustment_behavior(false, message.kind.as_str());
         }
         let mut own = None;
@@ -287,21 +298,25 @@ impl Core {
                 _ => self.transition(request, RequestState::Ended("flown".to_owned())),
             }
         }
-        self.course_ended(message.identifier);
+        self.course_ended(message.number, message.identifier);
         self.tell_of_behavior(false, own, message.kind.as_str());
     }
 
     /// The vehicle flies one behaviour at a time: an insert that had begun is over where another one begins, though its
-    /// BFMBE was lost with a connection.
+    /// BFMBE was lost with a connection; but where what begins interrupts, it may be taken up again.
     fn end_overtaken(&mut self, begun: Option<BehaviorId>) {
         let interrupts = begun
             .and_then(|begun| self.ledger.get(self.ledger.by_identifier(begun)?)?.insert)
             .is_some_and(|insert| insert.interrupt);
+        if interrupts {
+            self.ledger.interrupt_all_but(begun);
+            return;
+        }
         let overtaken: Vec<(u64, &str)> = self
             .ledger
             .iter()
             .filter(|(_, entry)| entry.is_open_insert() && entry.state == RequestState::Started)
-            .filter(|(_, entry)| entry.identifier != begun && !(entry.interrupted && interrupts))
+            .filter(|(_, entry)| entry.identifier != begun)
             .map(|(request, entry)| {
                 let why = if entry.interrupted {
                     "interrupted, and not taken up again"

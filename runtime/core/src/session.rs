@@ -206,7 +206,7 @@ impl Core {
         if self.ledger.interrupts() {
             self.courses.leave_plan();
         }
-        self.courses.link_lost();
+        self.courses.lose();
         self.end_lease("the link is down");
         self.end_hold("the link is down");
         self.handed_over = None;
@@ -334,6 +334,7 @@ impl Core {
             pending: false,
         };
         if self.transmit(&ToVehicle::RequestPlan(RequestPlan { created }), Some(command)) {
+            self.plan.asked(self.now);
             self.begin_plan();
         }
     }

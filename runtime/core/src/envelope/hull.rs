@@ -8,7 +8,7 @@
 use std::time::Duration;
 
 use backseat_units::math::hypot;
-use backseat_units::{Depth, Timestamp};
+use backseat_units::{Depth, EastNorth, Timestamp};
 
 use super::boxes::{Stretch, avoid, bottom_axes, breach, contain, hull_axes, span};
 use super::{BottomLock, Envelope, Vertical, limit, vertical};
@@ -55,6 +55,20 @@ pub(crate) struct Suspended {
     pub(crate) hull_m: Option<[f64; 3]>,
     /// X, y, depth.
     pub(crate) bottom_m: Option<[f64; 3]>,
+    /// In the fence's plane.
+    pub(crate) local: Option<EastNorth>,
+}
+
+impl Suspended {
+    /// Whether another place is as near as that, in every frame that this one is known in, and there is one.
+    pub(crate) fn is_near(&self, other: &Self, within_m: f64) -> bool {
+        let apart_m = |a: [f64; 3], b: [f64; 3]| hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+        let near = |own: Option<[f64; 3]>, other: Option<[f64; 3]>| {
+            own.is_none_or(|own| other.is_some_and(|other| apart_m(own, other) <= within_m))
+        };
+        let known = self.hull_m.is_some() || self.bottom_m.is_some();
+        known && near(self.hull_m, other.hull_m) && near(self.bottom_m, other.bottom_m)
+    }
 }
 
 /// What is known of a hovering vehicle at this moment; relative navigation only while it is fresh.
@@ -64,8 +78,8 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) cartesian: Option<&'a CartesianSample>,
     pub(crate) navigation: &'a NavigationSample,
     pub(crate) lock: Option<BottomLock>,
-    /// `None` while the mission runs: it would be suspended here.
-    pub(crate) suspended: Option<Suspended>,
+    /// Where the mission may stand suspended; nowhere else than here where there is none.
+    pub(crate) suspended: &'a [Suspended],
     pub(crate) now: Timestamp,
 }
 
@@ -75,6 +89,7 @@ impl Surroundings<'_> {
         Suspended {
             hull_m: self.relative.map(hull_place),
             bottom_m: self.cartesian.map(|sample| bottom_place(sample, self.navigation)),
+            local: Some(self.navigation.local),
         }
     }
 
@@ -172,7 +187,7 @@ impl Envelope {
                         .ok_or_else(|| stale("a move on the hull needs fresh BFRNV"))?,
                     [horizontal_m, vertical_m, distance_m],
                 ];
-                if let Some(suspended) = around.suspended.filter(|_| is_on(Check::HoldReturn)) {
+                for suspended in around.suspended.iter().filter(|_| is_on(Check::HoldReturn)) {
                     places.push(suspended.hull_m.ok_or_else(unknown_suspension)?);
                 }
                 self.judge_hull(Stretch::Way, &places, speed_mps, around)?
@@ -182,7 +197,7 @@ impl Envelope {
                     here.bottom_m
                         .ok_or_else(|| stale("a move over the bottom needs fresh BFCNV"))?,
                 ];
-                if let Some(suspended) = around.suspended.filter(|_| is_on(Check::HoldReturn)) {
+                for suspended in around.suspended.iter().filter(|_| is_on(Check::HoldReturn)) {
                     places.push(suspended.bottom_m.ok_or_else(unknown_suspension)?);
                 }
                 let target = Some((x_m, y_m, vertical));

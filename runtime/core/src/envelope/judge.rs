@@ -34,7 +34,7 @@ impl Judge for Envelope {
                     cartesian: input.cartesian.as_ref(),
                     navigation,
                     lock,
-                    suspended: None,
+                    suspended: &[],
                     now: input.now,
                 };
                 self.judge_hold(&self.admit_hold(hold)?, &around)

@@ -64,7 +64,7 @@ impl Envelope {
         let limits = &self.limits;
         let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
         let speed_mps = setpoint.speed.as_mps().max(ground_mps);
-        let turn_radius_m = turn_radius_m(speed_mps, limits.turn_rate_dps);
+        let radius_of_turn_m = turn_radius_m(speed_mps, limits.turn_rate_dps);
         let turn_deg = navigation.heading.turn_to_deg(setpoint.heading).abs();
         let obeyed_s =
             MODIFY_TIMEOUT.as_secs_f64() + now.since(navigation.solution).as_secs_f64() + limits.link_delay_max_s;
@@ -75,9 +75,11 @@ impl Envelope {
         let ahead = here.offset(setpoint.heading.as_deg() - convergence_deg, along_m);
         // The specification does not say which north the vehicle counts from, so the set covers both.
         let other_north_m = along_m * utm_convergence_deg(navigation.position).to_radians().abs();
-        // Sideways in the turn onto the heading, a whole turn's width in the turn away from it, and the current's part.
-        let radius_m = turn_radius_m * (1.0 - cos(turn_deg.to_radians()))
-            + 2.0 * turn_radius_m
+        // Sideways in the turn onto the heading, a whole turn's width in the turn away from it, where the vehicle may go as
+        // fast again as it is let, and the current's part.
+        let fastest_mps = speed_mps.max(limits.speed_max_mps);
+        let radius_m = radius_of_turn_m * (1.0 - cos(turn_deg.to_radians()))
+            + 2.0 * turn_radius_m(fastest_mps, limits.turn_rate_dps)
             + limits.current_max_mps * (obeyed_s + turn_away_s)
             + limits.navigation_error_m
             + other_north_m;

@@ -184,6 +184,7 @@ impl Core {
             self.end_hold(&text);
             self.note(Note::Navigation { text });
         }
+        self.watch_return();
         self.prevent_hold();
         self.watch_relative();
     }

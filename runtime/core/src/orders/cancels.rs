@@ -3,7 +3,7 @@
 use backseat_spi::{CancelAll, CancelCurrent, CancelElement, ToVehicle};
 
 use crate::commands::{Answer, Purpose};
-use crate::envelope::End;
+use crate::envelope::{End, Track};
 use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
@@ -109,6 +109,9 @@ impl Core {
             End::At(navigation.local),
             self.passage(navigation.depth, surfacing, 0.0),
         );
+        // Or it takes up an insert that this one has interrupted.
+        let onto = self.taken_up_after(false);
+        to.extend(onto.iter().flat_map(Track::points).map(End::At));
         for to in to.into_iter().filter(|_| is_on(Check::CancelWay)) {
             self.envelope.judge_way((here, to), &passage)?;
         }

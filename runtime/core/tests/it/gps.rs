@@ -146,7 +146,7 @@ fn sr_009_a_gps_hit_in_doubt_is_resolved_by_the_vehicles_plan_which_proves_nothi
             trial.vehicle.inserted.insert(1);
         }
         trial.cut();
-        trial.run_for(3.0);
+        trial.run_for(8.0);
         let end = if named { "accepted" } else { "timed out" };
         assert_eq!(shorts(&trial.states(1)), ["sent", "unknown", end]);
         assert_eq!(trial.commands("RGP").len(), 1, "never sent twice");

@@ -80,10 +80,16 @@ fn sr_002_the_way_back_to_where_the_mission_was_suspended_is_part_of_a_move() {
     let rejection = ask(&mut trial, to_hull(3, 40.0, 5.0, 9.0)).unwrap_err();
     assert!(rejection.contains("screw"), "{rejection}");
     assert!(trial.core.is_steering(), "the move that was good stands");
-    // A mission that is suspended there may go on from there.
+    // A mission that has not gone on yet stands where it was suspended first.
     trial.ask(0, [Request::EndHold]);
     trial.run_for(0.5);
-    assert_eq!(ask(&mut trial, to_hull(4, 40.0, 5.0, 9.0)), Ok(()));
+    let rejection = ask(&mut trial, to_hull(4, 40.0, 5.0, 9.0)).unwrap_err();
+    assert!(rejection.contains("screw"), "{rejection}");
+    // One that has and is suspended there may go on from there.
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(2), None);
+    trial.run_for(0.5);
+    assert_eq!(ask(&mut trial, to_hull(5, 40.0, 5.0, 9.0)), Ok(()));
 }
 
 #[test]

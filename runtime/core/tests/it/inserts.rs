@@ -154,7 +154,7 @@ fn in_doubt(vehicle_has_it: bool) -> Trial {
 fn sr_009_an_insert_in_doubt_is_resolved_by_the_vehicles_plan() {
     for has in [true, false] {
         let mut trial = in_doubt(has);
-        trial.run_for(3.0);
+        trial.run_for(8.0);
         let end = if has { "accepted" } else { "failed" };
         assert_eq!(shorts(&trial.states(1)), ["sent", "unknown", end]);
         trial.ask(0, [good_line(2)]);

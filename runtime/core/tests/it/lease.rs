@@ -285,7 +285,7 @@ fn sr_004_an_insert_that_is_asked_for_under_a_lease_is_a_way_back_from_it_at_onc
     assert!(trial.core.is_steering(), "{:?}", trial.states(1));
     let before = trial.now;
     // Good for itself, for the way there is clear of the wreck; but in its turn the lease may come nearer to it.
-    trial.ask(1, [Request::Trackline(line(2, (687.0, -1400.0), (990.0, -1400.0)))]);
+    trial.ask(1, [Request::Trackline(line(2, (705.0, -1400.0), (990.0, -1400.0)))]);
     trial.run_for(0.35);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
     let (ended, reason) = trial.lease_ends().pop().expect("an end");

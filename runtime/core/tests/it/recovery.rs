@@ -151,7 +151,7 @@ fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_is_left_and_the_next_st
         [
             interrupting(21),
             Request::Trackline(line(22, (800.0, -1300.0), (800.0, -1150.0))),
-            Request::Trackline(line(23, (700.0, -1000.0), (900.0, -1000.0))),
+            Request::Trackline(line(23, (700.0, -900.0), (900.0, -900.0))),
         ],
     );
     trial.run_for(0.5);

@@ -1,0 +1,72 @@
+//! What several tests do to a vehicle, and ask of it.
+
+use backseat_core::plugin::{Request, TracklineRequest};
+use backseat_units::EastNorth;
+
+use crate::trial::{Trial, short, shorts};
+
+/// In 12 s, with navigation steady again, the vehicle is there.
+pub(crate) fn led_to(trial: &mut Trial, east_m: f64, north_m: f64) {
+    let then_s = trial.now.as_nanos() as f64 / 1e9 + 12.0;
+    trial.vehicle.start = EastNorth::new(east_m - trial.vehicle.speed_mps * then_s, north_m);
+    trial.run_for(12.0);
+}
+
+pub(crate) fn begins(trial: &mut Trial, number: Option<u32>, identifier: Option<u32>) {
+    let now = trial.now;
+    trial.vehicle.begin(now, number, identifier);
+    trial.run_for(1.0);
+}
+
+pub(crate) fn ends(trial: &mut Trial, number: Option<u32>, identifier: Option<u32>) {
+    let now = trial.now;
+    trial.vehicle.end(now, number, identifier);
+    trial.run_for(0.3);
+}
+
+/// The link is lost and comes back; of what is flown the vehicle says nothing (SPI 6.9: a BFMBS is sent as it begins).
+pub(crate) fn outage(trial: &mut Trial) {
+    trial.vehicle.replays = false;
+    trial.cut();
+    trial.run_for(3.0);
+    assert!(trial.is_connected());
+    let now = trial.now;
+    trial.vehicle.set_status(now, "Running");
+    trial.vehicle.set_control(now, true);
+    trial.run_for(2.0);
+    assert!(trial.core.has_control(), "{:#?}", trial.notes());
+}
+
+pub(crate) fn at_once(line: TracklineRequest) -> Request {
+    Request::Trackline(TracklineRequest {
+        interrupt: true,
+        ..line
+    })
+}
+
+pub(crate) fn accepted(trial: &mut Trial, request: Request, tag: u64) {
+    trial.ask(0, [request]);
+    trial.run_for(0.5);
+    assert_eq!(
+        shorts(&trial.states(tag)),
+        ["sent", "accepted"],
+        "{:?}",
+        trial.states(tag)
+    );
+}
+
+#[track_caller]
+pub(crate) fn refused_for(trial: &mut Trial, request: Request, tag: u64, why: &str) {
+    trial.ask(0, [request]);
+    trial.run_for(0.5);
+    let states = trial.states(tag);
+    assert!(
+        states.iter().any(|state| short(state) == "rejected"),
+        "it was sent: {states:?}"
+    );
+    assert!(trial.rejection(tag).contains(why), "{}", trial.rejection(tag));
+}
+
+pub(crate) const WEST: ((f64, f64), (f64, f64)) = ((-900.0, -1500.0), (-1200.0, -1500.0));
+
+pub(crate) const EAST: ((f64, f64), (f64, f64)) = ((900.0, -1500.0), (1200.0, -1500.0));

@@ -94,6 +94,11 @@ impl Former {
         self.over = true;
     }
 
+    /// Something was not heard, which may have been a begin.
+    pub(crate) const fn lose(&mut self) {
+        self.heard = false;
+    }
+
     /// The link is gone: what begins now is not heard.
     pub(crate) fn link_lost(&mut self) {
         self.heard = false;

@@ -70,6 +70,8 @@ pub(crate) struct Plan {
     current: Option<u32>,
     /// It has ended, and nothing has begun since.
     between: bool,
+    /// Another may have begun since.
+    unheard: bool,
     /// How often what is known of it has changed.
     revision: u64,
 }
@@ -180,7 +182,7 @@ impl Plan {
     /// A planned behaviour has begun. False where the plan does not have it, so that it is not the current plan.
     pub(crate) fn began(&mut self, number: u32) -> bool {
         self.current = Some(number);
-        self.between = false;
+        (self.between, self.unheard) = (false, false);
         self.revision += 1;
         !self.complete || self.names(number)
     }
@@ -189,6 +191,13 @@ impl Plan {
     pub(crate) fn finished(&mut self, number: u32) {
         if self.current == Some(number) {
             self.between = true;
+            self.revision += 1;
+        }
+    }
+
+    /// Something was not heard: which planned behaviour is flown is not known until one begins.
+    pub(crate) fn lose(&mut self) {
+        if !core::mem::replace(&mut self.unheard, true) {
             self.revision += 1;
         }
     }
@@ -202,7 +211,8 @@ impl Plan {
 
     /// The planned behaviour that is flown, or was when an insert began, where the plan has it.
     fn at(&self) -> Option<u32> {
-        self.current.filter(|number| !self.between && self.names(*number))
+        let current = self.current.filter(|_| !self.between && !self.unheard);
+        current.filter(|number| self.names(*number))
     }
 
     /// Whether the plan names an insert.

@@ -22,17 +22,32 @@ impl Core {
         if !self.session.is_up() {
             return;
         }
+        let mut lost = self.framer.counts().lost();
         self.framer.push(bytes);
         while let Some(sentence) = self.framer.next_sentence() {
-            match FromVehicle::decode(&sentence) {
+            let is_of_plan = sentence.name() == "BFPLN";
+            let decoded = FromVehicle::decode(&sentence);
+            self.mind_what_is_lost(&mut lost);
+            match decoded {
                 Ok(message) => self.message(message),
                 Err(error) => {
-                    if sentence.name() == "BFPLN" {
+                    if is_of_plan {
                         self.plan.unreadable();
                     }
                     self.malformed(&error);
                 }
             }
+        }
+        self.mind_what_is_lost(&mut lost);
+    }
+
+    /// What was lost on the link may have been a BFMBS or a BFMBE (safety requirement 002).
+    fn mind_what_is_lost(&mut self, before: &mut u64) {
+        let lost = self.framer.counts().lost();
+        if core::mem::replace(before, lost) != lost {
+            self.plan.lose();
+            self.courses.lose();
+            self.former.lose();
         }
     }
 

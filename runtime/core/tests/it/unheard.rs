@@ -190,6 +190,19 @@ fn sr_002_after_a_planned_behaviour_has_ended_it_is_not_known_which_is_flown_unt
     refused_for(&mut trial, Request::Modify(modify(9)), 9, "wreck");
 }
 
+#[test]
+fn sr_002_of_what_was_lost_on_the_link_any_may_have_been_a_begin() {
+    let mut trial = Trial::new();
+    trial.vehicle.moved = Some((3, EastNorth::new(-300.0, -2000.0)));
+    trial.run_for(2.0);
+    trial.way = Some(Box::new(damage("BFMB", "")));
+    ends(&mut trial, Some(1), None);
+    begins(&mut trial, Some(2), None);
+    trial.way = None;
+    led_to(&mut trial, 600.0, -100.0);
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "wreck");
+}
+
 /// Noise on the line: a bit of each such sentence is turned.
 fn damage(name: &'static str, part: &'static str) -> impl FnMut(Vec<u8>) -> Vec<u8> {
     move |bytes| {

@@ -310,10 +310,15 @@ fn around(
         .min(60.0);
     let inward_deg = 90.0 + atan(out_m / lookahead_m).to_degrees() + lead_deg;
     let side = orbits.signum();
+    let wanted_deg = orbits.abs() * 360.0;
+    // Round a circle that is as narrow as its own turn a vehicle may go the wrong way, and for ever: it is done at the same
+    // place a lap or two later.
+    let wrong_deg = (orbits.abs() + 1.0).ceil() * 360.0 - wanted_deg;
+    let done = swept_deg * side >= wanted_deg || -swept_deg * side >= wrong_deg;
     Steer {
         way: Way::Course(bearing_deg + side * inward_deg),
         off_line_m: out_m.abs(),
-        end: (swept_deg * side >= orbits.abs() * 360.0).then_some(EndReason::Done),
+        end: done.then_some(EndReason::Done),
     }
 }
 

@@ -189,7 +189,9 @@ impl Core {
         if length > WINDOW_MAX {
             return Err("it ends more than an hour after it begins");
         }
-        let until = self.now + length - self.age(message.created);
+        // It may have waited for us, and the vehicle's clock may have been set meanwhile.
+        let age = self.age(message.created).max(self.session.reads.waited());
+        let until = self.now + length - age;
         let open_until = until - self.before_its_end();
         if open_until > self.now {
             Ok((until, open_until))

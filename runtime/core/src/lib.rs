@@ -47,6 +47,7 @@ pub mod plugin;
 mod plugin_limits;
 mod queue;
 mod quota;
+mod reads;
 mod recall;
 mod receive;
 mod recovery;

@@ -22,6 +22,7 @@ impl Core {
         if !self.session.is_up() {
             return;
         }
+        self.session.reads.read(self.now);
         let mut lost = self.framer.counts().lost();
         self.framer.push(bytes);
         while let Some(sentence) = self.framer.next_sentence() {

@@ -11,6 +11,7 @@ use crate::expected::Compared;
 use crate::io::{Note, Output};
 use crate::machine::Core;
 use crate::plugin::RequestState;
+use crate::reads::Reads;
 use crate::settings::StatusCondition;
 use crate::subscriptions::{self, ACKNOWLEDGEMENTS};
 use crate::switches::{Check, is_on};
@@ -45,6 +46,7 @@ const CLOCK_NOTE_EVERY: Duration = Duration::from_secs(10);
 #[derive(Debug)]
 pub(crate) struct Session {
     up: bool,
+    pub(crate) reads: Reads,
     /// Connections tried since navigation last came.
     attempts: u32,
     /// How often in a row navigation has not come.
@@ -82,6 +84,7 @@ impl Session {
         let subscriptions = subscriptions::of(plugins);
         Self {
             up: false,
+            reads: Reads::default(),
             attempts: 0,
             silences: 0,
             confirmed: vec![false; subscriptions.len()],
@@ -178,6 +181,7 @@ impl Core {
         self.handed_over = None;
         self.running = None;
         self.session.begin();
+        self.session.reads.begin(self.now);
         self.note(Note::LinkUp);
         let created = self.stamper.stamp(self.now, "VER");
         let version = ToVehicle::PayloadVersion(PayloadVersion {

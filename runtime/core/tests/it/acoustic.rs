@@ -270,6 +270,26 @@ fn sr_016_a_window_that_makes_no_sense_is_none_and_the_newest_holds() {
 }
 
 #[test]
+fn sr_016_a_window_that_was_said_while_nobody_read_may_be_as_old_as_that() {
+    let mut trial = Trial::with_under_way(setup());
+    trial.run_for(1.0);
+    trial.asleep_until = trial.now + Duration::from_secs(18);
+    trial.run_for(1.0);
+    // The vehicle's clock is ahead for a while, and what it says then looks younger than it is.
+    trial.vehicle.clock_nanos += 30_000_000_000;
+    trial.run_for(1.0);
+    let said = window(&trial, 30.0);
+    let true_end = trial.now + Duration::from_secs(30);
+    let now = trial.now;
+    trial.vehicle.say(now, said);
+    trial.run_for(1.0);
+    trial.vehicle.clock_nanos -= 30_000_000_000;
+    trial.run_for(20.0);
+    let until = windows(&trial)[0].until;
+    assert!(until <= true_end, "{until} for {true_end}");
+}
+
+#[test]
 fn sr_016_a_window_closes_with_the_link() {
     let mut trial = in_window();
     trial.cut();

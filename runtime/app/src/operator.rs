@@ -26,8 +26,10 @@ impl Signals {
 
     pub(crate) async fn next(&mut self) -> Operator {
         tokio::select! {
-            _ = self.hold.recv() => Operator::Hold,
+            // Where both wait, for the process stood still, their order is not known: the hold is taken last, and stands.
+            biased;
             _ = self.release.recv() => Operator::Release,
+            _ = self.hold.recv() => Operator::Hold,
             _ = self.interrupt.recv() => Operator::Stop,
             _ = self.terminate.recv() => Operator::Stop,
             _ = self.hang_up.recv() => Operator::Stop,

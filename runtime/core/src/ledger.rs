@@ -269,6 +269,11 @@ impl Ledger {
         self.doubtful.values()
     }
 
+    /// The same, with their requests.
+    pub(crate) fn doubtful_requests(&self) -> impl Iterator<Item = (u64, &Entry)> + '_ {
+        self.doubtful.iter().map(|(request, entry)| (*request, entry))
+    }
+
     /// Whether an insert ended without the vehicle's word.
     pub(crate) fn is_doubtful(&self, request: u64) -> bool {
         self.doubtful.contains_key(&request)

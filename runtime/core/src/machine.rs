@@ -355,7 +355,9 @@ impl Core {
     }
 
     pub(crate) fn operator(&mut self, act: Operator) {
-        self.note(Note::Operator { act: act.clone() });
+        if act != Operator::Hold {
+            self.note(Note::Operator { act: act.clone() });
+        }
         match act {
             // It beats every plugin (safety requirement 015).
             Operator::Hold => {
@@ -367,6 +369,8 @@ impl Core {
                     self.cancel_all_of(None);
                     self.cancel_former();
                 }
+                // Last: who keeps it waits for a disk, and what ends by it does not wait for that.
+                self.note(Note::Operator { act: Operator::Hold });
             }
             Operator::Release => {
                 self.held = false;

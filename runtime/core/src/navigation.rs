@@ -134,7 +134,9 @@ impl Tracker {
             if elapsed_nanos <= 0 {
                 return None;
             }
-            jump = self.jump(last.sample.local, elapsed_nanos as f64 / 1e9, local);
+            // By our own clock too: the vehicle's may have been set by the fix that moved its position (SPI 2).
+            let elapsed_s = solution.since(last.sample.solution).as_secs_f64();
+            jump = self.jump(last.sample.local, elapsed_s.min(elapsed_nanos as f64 / 1e9), local);
             let sample = &last.sample;
             velocity = (sample.east_mps, sample.north_mps, sample.down_mps, sample.yaw_rate_dps);
         }

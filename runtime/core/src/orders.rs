@@ -158,6 +158,8 @@ pub(crate) struct Orders {
     ended: bool,
     /// The insert that the newest BFMBS named, until its BFMBE.
     current: Option<BehaviorId>,
+    /// Another may have begun since: nothing has since the link, or something on it, was lost.
+    unheard: bool,
     phase: Phase,
     /// There has been a connection.
     connected: bool,
@@ -184,11 +186,23 @@ impl Orders {
     /// A behaviour has begun: an insert's, or another.
     pub(crate) fn began(&mut self, identifier: Option<BehaviorId>) {
         self.current = identifier;
+        self.unheard = false;
+    }
+
+    /// Whether a behaviour may have begun that was not heard.
+    pub(crate) const fn is_unheard(&self) -> bool {
+        self.unheard
     }
 
     /// The insert that the newest behaviour to begin is.
     pub(crate) const fn current(&self) -> Option<BehaviorId> {
         self.current
+    }
+
+    /// Something was not heard, which may have been a begin: what is flown may be another's.
+    pub(crate) fn lose(&mut self) {
+        self.current = None;
+        self.unheard = true;
     }
 
     /// A behaviour has ended.
@@ -249,7 +263,7 @@ impl Core {
     /// The link is gone. An abort or kill is kept to be sent again, a started mission may yet show itself; the cancels are
     /// not: what they would take back may be another thing by then.
     pub(crate) fn orders_link_lost(&mut self) {
-        self.orders.current = None;
+        self.orders.lose();
         self.orders.phase = Phase::Unknown;
         self.endings_link_lost();
         self.empty_mission_link_lost();
@@ -271,6 +285,7 @@ impl Core {
             Phase::Running => self.empty_mission_runs(),
             Phase::Ending | Phase::Over => {
                 self.orders.current = None;
+                self.orders.unheard &= phase != Phase::Over;
                 self.orders.ended = false;
             }
             Phase::Unknown => {}

@@ -50,6 +50,17 @@ impl Core {
                 self.recall(insert);
             }
         }
+        // What ended without the vehicle's word may be in its plan all the same.
+        let doubtful: Vec<(u64, BehaviorId)> = self
+            .ledger
+            .doubtful_requests()
+            .filter(|(_, entry)| plugin.is_none_or(|plugin| entry.owner == plugin))
+            .filter(|(_, entry)| entry.insert.is_some_and(|insert| !insert.surfaces()))
+            .filter_map(|(request, entry)| Some((request, entry.identifier?)))
+            .collect();
+        for (insert, identifier) in doubtful {
+            self.recall_as(insert, identifier);
+        }
     }
 
     /// As [`Core::cancel_all_of`], where the way that remains holds (safety requirement 020): from the last insert to the
@@ -137,9 +148,12 @@ impl Core {
 
     /// Takes an insert back, and sees to it that the vehicle answers.
     pub(crate) fn recall(&mut self, insert: u64) {
-        let Some(identifier) = self.ledger.get(insert).and_then(|entry| entry.identifier) else {
-            return;
-        };
+        if let Some(identifier) = self.ledger.get(insert).and_then(|entry| entry.identifier) {
+            self.recall_as(insert, identifier);
+        }
+    }
+
+    fn recall_as(&mut self, insert: u64, identifier: BehaviorId) {
         if self.is_recalled(insert) {
             return;
         }
@@ -177,6 +191,8 @@ impl Core {
             Answer::Done => {
                 self.recalls.open.remove(&insert);
             }
+            // The vehicle had not decided on the insert, and may yet accept it.
+            Answer::Refused(_) if self.is_undecided(insert) => self.again_later(insert),
             Answer::Refused(text) => {
                 if self.recalls.open.remove(&insert).is_some() {
                     self.note(Note::Text {
@@ -186,6 +202,15 @@ impl Core {
             }
         }
         self.set_recall_timer();
+    }
+
+    fn is_undecided(&self, insert: u64) -> bool {
+        self.ledger.get(insert).is_some_and(|entry| {
+            matches!(
+                entry.state,
+                RequestState::Sent | RequestState::Pending | RequestState::Unknown
+            )
+        })
     }
 
     fn again_later(&mut self, insert: u64) {

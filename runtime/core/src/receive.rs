@@ -35,11 +35,22 @@ impl Core {
                     if is_of_plan {
                         self.plan.unreadable();
                     }
+                    self.doubt_control(error.message);
                     self.malformed(&error);
                 }
             }
         }
         self.mind_what_is_lost(&mut lost);
+    }
+
+    /// What cannot be read may have taken control (safety requirement 001).
+    fn doubt_control(&mut self, message: &str) {
+        match message {
+            "BFCTL" if self.settings.control == ControlHook::Bfctl => self.handed_over = None,
+            "BFMIS" => self.running = None,
+            _ => return,
+        }
+        self.settle_control();
     }
 
     /// What was lost on the link may have been a BFMBS or a BFMBE (safety requirement 002).
@@ -49,6 +60,7 @@ impl Core {
             self.plan.lose();
             self.courses.lose();
             self.former.lose();
+            self.orders.lose();
         }
     }
 

@@ -26,6 +26,7 @@ mod hull_left;
 mod hull_random;
 mod inserts;
 mod judge;
+mod kept;
 mod lease;
 mod led;
 mod ledger;

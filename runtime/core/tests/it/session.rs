@@ -141,7 +141,7 @@ fn sr_013_garbage_unknown_and_malformed_sentences_are_counted_and_harm_nothing()
     trial.hear_bytes(b"$BFXYZ,1,2,3*5B\r\n$BFNVG,abc*41\r\n");
     let mut many = Vec::new();
     for number in 0..15 {
-        let body = format!("BFCTL,{number}");
+        let body = format!("BFCTD,{number}");
         let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
         many.extend_from_slice(format!("${body}*{sum:02X}\r\n").as_bytes());
     }

@@ -120,7 +120,12 @@ impl State {
 
     pub(crate) fn set_held(&self, held: bool) -> Result<()> {
         if held {
-            return self.write("hold", b"held by the operator\n");
+            return self.write("hold", b"held by the operator\n").or_else(|full| {
+                // That the file is there is all that counts, and an empty one has room on a full disk.
+                let empty = fs::File::create(self.hold_path()).and_then(|file| file.sync_all());
+                let kept = empty.and_then(|()| fs::File::open(&self.folder)?.sync_all());
+                kept.map_err(|_| full)
+            });
         }
         match fs::remove_file(self.hold_path()) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(error.into()),
@@ -233,12 +238,23 @@ mod tests {
     }
 
     #[test]
+    fn sr_015_a_hold_is_kept_as_an_empty_file_where_nothing_can_be_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let state = State::open(Some(folder.path()), "mission").unwrap();
+        // A folder where the draft would be: as a full disk, it cannot be written.
+        fs::create_dir(folder.path().join("hold.new")).unwrap();
+        state.set_held(true).unwrap();
+        assert!(state.held());
+        state.set_held(false).unwrap();
+        assert!(!state.held());
+    }
+
+    #[test]
     fn sr_015_a_hold_that_could_not_be_kept_is_not_released_for_want_of_its_file() {
         let folder = tempfile::tempdir().unwrap();
         let state = State::open(Some(folder.path()), "mission").unwrap();
         let mut watch = HoldWatch::new(state.held());
-        // A folder where the draft would be: as a full disk, it cannot be written.
-        fs::create_dir(folder.path().join("hold.new")).unwrap();
+        fs::remove_dir_all(folder.path()).unwrap();
         assert!(state.set_held(true).is_err());
         watch.follow(&state);
         assert_eq!(watch.look(&state), None);

@@ -515,7 +515,7 @@ impl Core {
             .filter(|identifier| identifier.get() < own)
             .collect();
         // One that has begun is flown, though the plan that came did not name it.
-        let current = self.orders.current();
+        let current = self.orders.may_be_current();
         inherited.extend(current.filter(|identifier| self.former.includes(*identifier)));
         u32::try_from(inherited.len())
             .unwrap_or(u32::MAX)

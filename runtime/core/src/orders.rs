@@ -160,6 +160,8 @@ pub(crate) struct Orders {
     current: Option<BehaviorId>,
     /// Another may have begun since: nothing has since the link, or something on it, was lost.
     unheard: bool,
+    /// What was the current one then, and may be still.
+    before: Option<BehaviorId>,
     phase: Phase,
     /// There has been a connection.
     connected: bool,
@@ -187,6 +189,7 @@ impl Orders {
     pub(crate) fn began(&mut self, identifier: Option<BehaviorId>) {
         self.current = identifier;
         self.unheard = false;
+        self.before = None;
     }
 
     /// Whether a behaviour may have begun that was not heard.
@@ -199,14 +202,22 @@ impl Orders {
         self.current
     }
 
+    /// The same, or what it was before something was not heard.
+    pub(crate) fn may_be_current(&self) -> Option<BehaviorId> {
+        self.current.or(self.before)
+    }
+
     /// Something was not heard, which may have been a begin: what is flown may be another's.
     pub(crate) fn lose(&mut self) {
-        self.current = None;
+        self.before = self.current.take().or(self.before);
         self.unheard = true;
     }
 
     /// A behaviour has ended.
     pub(crate) fn finished(&mut self, identifier: Option<BehaviorId>) {
+        if self.before == identifier {
+            self.before = None;
+        }
         if self.current == identifier {
             self.current = None;
         }
@@ -286,6 +297,7 @@ impl Core {
             Phase::Ending | Phase::Over => {
                 self.orders.current = None;
                 self.orders.unheard &= phase != Phase::Over;
+                self.orders.before = None;
                 self.orders.ended = false;
             }
             Phase::Unknown => {}

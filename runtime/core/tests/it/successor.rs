@@ -128,6 +128,11 @@ fn sr_019_an_insert_of_a_killed_process_that_is_flown_counts_though_the_plan_doe
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
     assert!(trial.rejection(1).starts_with("cap: "), "{:?}", trial.states(1));
+    // Nor is it over because something was damaged.
+    trial.hear_bytes(b"$BFMBE,221325.000,,,9,trackline*00\r\n");
+    trial.ask(0, [good_line(3)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(3).starts_with("cap: "), "{:?}", trial.states(3));
     let now = trial.now;
     trial.vehicle.end(now, None, Some(4));
     trial.vehicle.begin(now, Some(1), None);

@@ -65,6 +65,8 @@ fn sr_015_a_hold_that_cannot_be_kept_holds_all_the_same() {
     let mission = Mission::steady();
     let vehicle = Vehicle::start(&mission);
     fill(&mission, "hold.new");
+    // Nor is there room for an empty file.
+    symlink(mission.beside("nowhere/hold"), mission.beside("state/hold")).expect("the folder is ours");
     let runtime = runtime(&mission, &vehicle.address, &["--arm"]);
     vehicle.receives("BPRMB", 2, SOON);
     runtime.signal(Signal::USR1);
@@ -77,6 +79,24 @@ fn sr_015_a_hold_that_cannot_be_kept_holds_all_the_same() {
         .filter(|line| line.at_s > ended.at_s);
     assert_eq!(since.count(), 0, "{}", vehicle.story());
     ends_in_order(runtime);
+}
+
+#[test]
+fn sr_015_a_hold_on_a_full_disk_is_kept_over_a_restart() {
+    let mission = Mission::steady();
+    let vehicle = Vehicle::start(&mission);
+    fill(&mission, "hold.new");
+    let mut first = runtime(&mission, &vehicle.address, &["--arm"]);
+    vehicle.receives("BPRMB", 2, SOON);
+    first.signal(Signal::USR1);
+    vehicle.receives("BPEMB", 1, SOON);
+    settle(Duration::from_secs(1));
+    first.kill();
+    let before = vehicle.received("BPRMB").len();
+    let second = runtime(&mission, &vehicle.address, &["--arm"]);
+    settle(Duration::from_secs(5));
+    assert_eq!(vehicle.received("BPRMB").len(), before, "{}", vehicle.story());
+    ends_in_order(second);
 }
 
 #[test]

@@ -1,15 +1,30 @@
 //! The only clocks of the project: the program's.
 #![expect(clippy::disallowed_methods, reason = "a driver reads clocks and hands the time in")]
 
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use backseat_units::{Timestamp, Utc};
+use rustix::time::{ClockId, clock_gettime};
+use tokio::time::Instant;
+
+/// Goes on while the system is suspended, as the vehicle does. (`std`'s [`std::time::Instant`] stands still on Linux: a
+/// lease would be as young after an hour's sleep as before it.)
+#[cfg(any(target_os = "linux", target_os = "android"))]
+const CLOCK: ClockId = ClockId::Boottime;
+#[cfg(not(any(target_os = "linux", target_os = "android")))]
+const CLOCK: ClockId = ClockId::Monotonic;
 
 /// Real time since the program's start.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Clock {
-    start: Instant,
+    /// By [`CLOCK`].
+    start: Duration,
     utc_at_start: Utc,
+}
+
+fn read() -> Duration {
+    // The clock is never negative.
+    Duration::try_from(clock_gettime(CLOCK)).unwrap_or_default()
 }
 
 impl Clock {
@@ -19,13 +34,13 @@ impl Clock {
             .map_or(0, |since| since.as_nanos());
         let utc_at_start = Utc::from_unix_nanos(u64::try_from(nanos).unwrap_or(0));
         Self {
-            start: Instant::now(),
+            start: read(),
             utc_at_start,
         }
     }
 
     pub(crate) fn now(&self) -> Timestamp {
-        Timestamp::ZERO + self.start.elapsed()
+        Timestamp::ZERO + self.elapsed()
     }
 
     pub(crate) fn utc_at_start(&self) -> Utc {
@@ -33,13 +48,16 @@ impl Clock {
     }
 
     /// The instant of a time.
-    pub(crate) fn instant(&self, at: Timestamp) -> tokio::time::Instant {
+    pub(crate) fn instant(&self, at: Timestamp) -> Instant {
         let latest = Duration::from_secs(86_400 * 365);
-        (self.start + Duration::from_nanos(at.as_nanos()).min(latest)).into()
+        Instant::now()
+            + Duration::from_nanos(at.as_nanos())
+                .saturating_sub(self.elapsed())
+                .min(latest)
     }
 
     pub(crate) fn elapsed(&self) -> Duration {
-        self.start.elapsed()
+        read().saturating_sub(self.start)
     }
 }
 

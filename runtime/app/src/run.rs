@@ -269,6 +269,15 @@ impl Driver {
 
     fn feed(&mut self, input: Input<'_>) {
         let now = self.clock.now();
+        let due = self.core.poll_timeout().is_some_and(|due| due <= now);
+        if due && !matches!(input, Input::Timeout) {
+            // The system was suspended, and with it the timer that is waited for.
+            self.take_in(now, Input::Timeout);
+        }
+        self.take_in(now, input);
+    }
+
+    fn take_in(&mut self, now: Timestamp, input: Input<'_>) {
         self.record(|recorder| recorder.input(now, &input));
         self.handle(now, input);
         if let Some(sample) = self.core.navigation().copied()

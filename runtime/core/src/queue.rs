@@ -84,6 +84,9 @@ impl Core {
             }
         }
         for open in chain.iter().rev() {
+            if self.is_recalled(open.0) {
+                continue;
+            }
             if !waits(self, open) {
                 return;
             }

@@ -50,17 +50,7 @@ impl Core {
                 self.recall(insert);
             }
         }
-        // What ended without the vehicle's word may be in its plan all the same.
-        let doubtful: Vec<(u64, BehaviorId)> = self
-            .ledger
-            .doubtful_requests()
-            .filter(|(_, entry)| plugin.is_none_or(|plugin| entry.owner == plugin))
-            .filter(|(_, entry)| entry.insert.is_some_and(|insert| !insert.surfaces()))
-            .filter_map(|(request, entry)| Some((request, entry.identifier?)))
-            .collect();
-        for (insert, identifier) in doubtful {
-            self.recall_as(insert, identifier);
-        }
+        self.recall_doubtful(plugin);
     }
 
     /// As [`Core::cancel_all_of`], where the way that remains holds (safety requirement 020): from the last insert to the
@@ -86,7 +76,25 @@ impl Core {
             left.retain(|(request, _, _)| *request != insert);
             self.recall(insert);
         }
+        // The ways without them are judged whenever one is: the vehicle may not have them. But none may be flown.
+        if self.courses.current().is_some() {
+            self.recall_doubtful(plugin);
+        }
         all
+    }
+
+    /// What ended without the vehicle's word may be in its plan all the same.
+    fn recall_doubtful(&mut self, plugin: Option<PluginId>) {
+        let doubtful: Vec<(u64, BehaviorId)> = self
+            .ledger
+            .doubtful_requests()
+            .filter(|(_, entry)| plugin.is_none_or(|plugin| entry.owner == plugin))
+            .filter(|(_, entry)| entry.insert.is_some_and(|insert| !insert.surfaces()))
+            .filter_map(|(request, entry)| Some((request, entry.identifier?)))
+            .collect();
+        for (insert, identifier) in doubtful {
+            self.recall_as(insert, identifier);
+        }
     }
 
     /// Our open inserts that have not begun.

@@ -2,11 +2,12 @@
 
 use std::time::Duration;
 
-use backseat_core::{Identifiers, Note, Operator, Order, Start};
+use backseat_core::plugin::FaultKind;
+use backseat_core::{FailAction, Identifiers, Note, Operator, Order, PluginSetup, Start};
 use backseat_spi::AckStatus;
 use backseat_units::EastNorth;
 
-use crate::course::{good_line, interrupting, modify_for};
+use crate::course::{good_line, interrupting, modify_for, plugin};
 use crate::trial::{Seen, Setup, Trial, shorts};
 use crate::vehicle::{Reply, name_of};
 
@@ -54,10 +55,9 @@ fn sr_015_a_hold_takes_back_an_insert_that_the_vehicle_accepts_after_it_has_refu
     );
 }
 
-/// Neither the insert nor its cancels were answered; then the operator holds, and the vehicle hears again.
-#[test]
-fn sr_015_a_hold_takes_back_an_insert_that_was_never_answered() {
-    let mut trial = Trial::under_way();
+/// Neither an insert nor its cancels were answered; then the vehicle hears again.
+fn never_answered(setup: Setup) -> Trial {
+    let mut trial = Trial::with_under_way(setup);
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.vehicle.replies.insert("RCN", Reply::Silent);
     trial.ask(0, [good_line(1)]);
@@ -66,10 +66,32 @@ fn sr_015_a_hold_takes_back_an_insert_that_was_never_answered() {
     trial.vehicle.replies.clear();
     // It has it all the same.
     trial.vehicle.inserted.insert(1);
+    trial
+}
+
+#[test]
+fn sr_015_a_hold_takes_back_an_insert_that_was_never_answered() {
+    let mut trial = never_answered(Setup::default());
     let held = trial.now;
     trial.operator(Operator::Hold);
     trial.run_for(20.0);
     assert!(!trial.sent_since("RCN", held).is_empty(), "no cancel under the hold");
+}
+
+#[test]
+fn sr_015_a_plugin_that_fails_leaves_no_insert_behind_that_was_never_answered() {
+    let failing = PluginSetup {
+        on_failure: FailAction::Cancel,
+        ..plugin("first")
+    };
+    let mut trial = never_answered(Setup {
+        plugins: vec![failing],
+        ..Setup::default()
+    });
+    let failed = trial.now;
+    trial.fail(0, FaultKind::Trap);
+    trial.run_for(20.0);
+    assert!(!trial.sent_since("RCN", failed).is_empty(), "no cancel");
 }
 
 /// As above, where the link was lost before the answer.

@@ -1,14 +1,16 @@
 //! What the vehicle goes back to, or on to, from where it has been led.
 
-use backseat_core::plugin::{Request, TrackcircleRequest, TracklineRequest};
-use backseat_core::{Limits, Operator, Order};
+use std::collections::BTreeSet;
+
+use backseat_core::plugin::{FaultKind, Request, TrackcircleRequest, TracklineRequest};
+use backseat_core::{FailAction, Limits, Operator, Order, PluginSetup};
 use backseat_spi::AckStatus;
 use backseat_units::EastNorth;
 
-use crate::course::{self, circle, good_line, interrupting, limits, line, modify, turn};
+use crate::course::{self, circle, good_line, interrupting, limits, line, modify, plugin, turn};
 use crate::led::{EAST, accepted, at_once, begins, ends, led_to, refused_for};
 use crate::trial::{Setup, Trial, shorts};
-use crate::vehicle::Reply;
+use crate::vehicle::{Reply, name_of};
 
 #[test]
 fn sr_002_what_an_insert_has_interrupted_may_be_taken_up_from_where_a_modify_has_led() {
@@ -222,6 +224,36 @@ fn sr_002_an_insert_that_waits_is_called_back_where_its_way_on_no_longer_holds()
     // Asked for now, it does not hold.
     refused_for(&mut trial, asked(2), 2, "wreck");
     assert_eq!(trial.sent("RCN").len(), 1, "it was not called back");
+}
+
+#[test]
+fn sr_002_the_last_insert_that_stays_is_called_back_for_its_way_on_too() {
+    let failing = PluginSetup {
+        on_failure: FailAction::Cancel,
+        ..plugin("second")
+    };
+    let mut trial = Trial::with(Setup {
+        plugins: vec![plugin("first"), failing],
+        ..Setup::default()
+    });
+    trial.vehicle.moved = Some((3, EastNorth::new(-300.0, -2000.0)));
+    trial.run_for(2.0);
+    accepted(
+        &mut trial,
+        Request::Trackline(line(1, (800.0, -300.0), (450.0, -500.0))),
+        1,
+    );
+    trial.ask(1, [Request::Trackline(line(2, (480.0, -470.0), (500.0, -400.0)))]);
+    trial.run_for(0.5);
+    trial.vehicle.replies.insert("RCN", Reply::Silent);
+    trial.fail(1, FaultKind::Trap);
+    trial.run_for(0.5);
+    let called_back =
+        |trial: &Trial| BTreeSet::from_iter(trial.commands("RCN").iter().map(|(_, command)| name_of(command).1));
+    assert_eq!(called_back(&trial), [Some(2)].into());
+    ends(&mut trial, Some(1), None);
+    begins(&mut trial, Some(2), None);
+    assert_eq!(called_back(&trial), [Some(1), Some(2)].into());
 }
 
 #[test]

@@ -79,6 +79,7 @@ impl Mission {
         check_texts(&path, &file.session)?;
         check_plugins(&path, &file.plugins)?;
         check_policies(&path, &file.policies)?;
+        check_holds(&path, &file.session, &file.policies)?;
         file.session.policies.clone_from(&file.policies);
 
         let fence = fence::load(folder, file.fence.as_ref())?;
@@ -254,6 +255,37 @@ fn check_texts(path: &Path, session: &Settings) -> Result<(), MissionError> {
             path,
             "session.release_text is session.hold_text too: expected another".to_owned(),
         ));
+    }
+    Ok(())
+}
+
+/// What holds does not release too.
+fn check_holds(path: &Path, session: &Settings, policies: &[Policy]) -> Result<(), MissionError> {
+    let texts = [
+        ("session.hold_text", &session.hold_text, Order::Hold),
+        ("session.release_text", &session.release_text, Order::Release),
+    ];
+    let mut told: Vec<(String, Condition, Order)> = Vec::new();
+    for (name, text, order) in texts {
+        if let Some(text) = text {
+            told.push((name.to_owned(), Condition::MissionCommand(text.clone()), order));
+        }
+    }
+    for (number, policy) in (1..).zip(policies) {
+        let name = format!("policy {number}");
+        if matches!(policy.order, Order::Hold | Order::Release) {
+            let contrary = told
+                .iter()
+                .find(|(_, when, order)| *when == policy.when && *order != policy.order);
+            if let Some((other, _, order)) = contrary {
+                let message = format!(
+                    "{name} is to {} on what {other} is to {order} on: expected another condition",
+                    policy.order
+                );
+                return Err(value(path, message));
+            }
+            told.push((name, policy.when.clone(), policy.order.clone()));
+        }
     }
     Ok(())
 }

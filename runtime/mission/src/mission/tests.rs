@@ -238,6 +238,15 @@ fn recovery_and_the_operators_texts_are_the_sessions_and_what_makes_no_sense_is_
             "hold_text = \"x\"\nrelease_text = \"x\"",
             "session.release_text is session.hold_text too",
         ),
+        (
+            "hold_text = \"x\"\n[[policy]]\nwhen = { mission-command = \"x\" }\norder = \"release\"",
+            "policy 1 is to release on what session.hold_text is to hold on",
+        ),
+        (
+            "[[policy]]\nwhen = \"plugin-quarantined\"\norder = \"hold\"\n\
+             [[policy]]\nwhen = \"plugin-quarantined\"\norder = \"release\"",
+            "policy 2 is to release on what policy 1 is to hold on",
+        ),
     ] {
         let message = fault(&with(tables), &[]);
         assert!(message.contains(said), "{message}");

@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use backseat_core::{Identifiers, Operator, Reservation};
 
+/// The name of the file that is locked.
+const LOCK: &str = "lock";
+
 pub(crate) struct State {
     folder: PathBuf,
     /// Held while this process lives, however it ends: two that read one record would use the same numbers.
@@ -22,7 +25,7 @@ impl State {
             None => user_state_folder()?.join("backseat").join(mission),
         };
         fs::create_dir_all(&folder).with_context(|| format!("{}", folder.display()))?;
-        let path = folder.join("lock");
+        let path = folder.join(LOCK);
         let lock = fs::File::create(&path).with_context(|| format!("{}", path.display()))?;
         match lock.try_lock() {
             Ok(()) => Ok(Self { folder, _lock: lock }),
@@ -111,7 +114,10 @@ impl State {
 
     /// Whether its file is there; `None` where that cannot be told.
     fn hold_file(&self) -> Option<bool> {
-        self.hold_path().try_exists().ok()
+        let there = self.hold_path().try_exists().ok()?;
+        // Without our lock this is not the folder that was opened: it was unmounted, or taken away as a whole.
+        let ours = there || self.folder.join(LOCK).try_exists().ok()?;
+        ours.then_some(there)
     }
 
     pub(crate) fn hold_path(&self) -> PathBuf {
@@ -247,6 +253,18 @@ mod tests {
         assert!(state.held());
         state.set_held(false).unwrap();
         assert!(!state.held());
+    }
+
+    #[test]
+    fn sr_015_a_folder_that_is_unmounted_releases_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let opened = folder.path().join("state");
+        let state = State::open(Some(&opened), "mission").unwrap();
+        state.set_held(true).unwrap();
+        let mut watch = HoldWatch::new(state.held());
+        fs::rename(&opened, folder.path().join("elsewhere")).unwrap();
+        fs::create_dir(&opened).unwrap();
+        assert_eq!(watch.look(&state), None);
     }
 
     #[test]

@@ -261,21 +261,9 @@ fn sr_009_a_restarted_process_begins_after_what_was_reserved_and_without_state_s
 
 #[test]
 fn sr_019_what_a_killed_process_left_in_the_vehicles_plan_counts_under_the_cap_until_it_is_flown() {
-    let setup = Setup::default();
-    let start = Start {
-        identifiers: Some(Identifiers {
-            next: 10,
-            reserved: 10,
-            first: 1,
-            ..Identifiers::default()
-        }),
-        ..setup.start
-    };
-    let limits = Limits {
-        inserts_open_max: 2,
-        ..setup.limits.clone()
-    };
-    let mut trial = Trial::with(Setup { start, limits, ..setup });
+    let mut setup = Setup::default().after(0, 0);
+    setup.limits.inserts_open_max = 2;
+    let mut trial = Trial::with(setup);
     trial.vehicle.inserted.extend([7, 8]);
     trial.run_for(2.0);
     trial.ask(0, [good_line(1)]);

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use backseat_core::plugin::FaultKind;
-use backseat_core::{FailAction, Identifiers, Note, Operator, Order, PluginSetup, Start};
+use backseat_core::{FailAction, Note, Operator, Order, PluginSetup};
 use backseat_spi::AckStatus;
 use backseat_units::EastNorth;
 
@@ -120,17 +120,7 @@ fn sr_015_a_hold_takes_back_an_insert_whose_answer_was_lost_with_the_link() {
 /// The record on disk is older than the vehicle's mission: a backup, another folder, an overlay that a reboot has reset.
 #[test]
 fn sr_009_an_identifier_that_the_vehicles_plan_names_already_is_not_used_again() {
-    let setup = Setup::default();
-    let start = Start {
-        identifiers: Some(Identifiers {
-            next: 1,
-            reserved: 1,
-            first: 1,
-            ..Identifiers::default()
-        }),
-        ..setup.start
-    };
-    let mut trial = Trial::with(Setup { start, ..setup });
+    let mut trial = Trial::new();
     trial.vehicle.inserted.insert(1);
     trial.run_for(3.0);
     trial.ask(0, [good_line(1)]);

@@ -26,6 +26,20 @@ fn sr_009_every_request_has_one_end_and_is_counted_once() {
     assert_eq!(trial.core.open_requests(), 0);
 }
 
+/// An insert was refused for want of the plan, and one is taken once the vehicle has told it again.
+fn known_once_it_has_come_anew(trial: &mut Trial) {
+    assert!(
+        trial.rejection(1).contains("plan is not known"),
+        "{:?}",
+        trial.states(1)
+    );
+    trial.vehicle.replies.clear();
+    trial.run_for(20.0);
+    trial.ask(0, [good_line(2)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
+}
+
 #[test]
 fn sr_002_a_plan_whose_series_was_interrupted_by_the_missions_start_is_not_taken_for_whole() {
     let mut trial = Trial::new();
@@ -55,16 +69,7 @@ fn sr_002_a_plan_whose_series_was_interrupted_by_the_missions_start_is_not_taken
     trial.run_for(1.0);
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
-    assert!(
-        trial.rejection(1).contains("plan is not known"),
-        "{:?}",
-        trial.states(1)
-    );
-    trial.vehicle.replies.clear();
-    trial.run_for(20.0);
-    trial.ask(0, [good_line(2)]);
-    trial.run_for(0.5);
-    assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
+    known_once_it_has_come_anew(&mut trial);
 }
 
 #[test]
@@ -122,15 +127,6 @@ fn sr_002_a_plan_of_whose_series_anything_was_lost_is_not_taken_for_whole() {
         b"$BFPLN,x,,14*07\r\n",
     ] {
         let mut trial = told(lost);
-        assert!(
-            trial.rejection(1).contains("plan is not known"),
-            "{:?}",
-            trial.states(1)
-        );
-        trial.vehicle.replies.clear();
-        trial.run_for(20.0);
-        trial.ask(0, [good_line(2)]);
-        trial.run_for(0.5);
-        assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
+        known_once_it_has_come_anew(&mut trial);
     }
 }

@@ -98,24 +98,9 @@ fn sr_010_an_insert_that_was_refused_and_is_flown_all_the_same_is_not_interrupte
 
 /// A process that follows one which has used the identifiers 1 to 9 and sent so many inserts.
 fn successor(inserts: u32, limits: impl FnOnce(&mut Limits)) -> Trial {
-    let setup = Setup::default();
-    let start = Start {
-        identifiers: Some(Identifiers {
-            next: 10,
-            reserved: 10,
-            first: 1,
-            inserts,
-            gps_hits: 0,
-        }),
-        ..setup.start
-    };
-    let mut most = setup.limits.clone();
-    limits(&mut most);
-    Trial::with(Setup {
-        start,
-        limits: most,
-        ..setup
-    })
+    let mut setup = Setup::default().after(inserts, 0);
+    limits(&mut setup.limits);
+    Trial::with(setup)
 }
 
 #[test]
@@ -146,17 +131,7 @@ fn sr_019_an_insert_of_a_killed_process_that_is_flown_counts_though_the_plan_doe
 fn sr_002_what_a_killed_process_may_have_sent_to_the_surface_nobody_modifies() {
     let successor = |gps_hits| {
         let setup = granted(&[Grant::Modify, Grant::Insert, Grant::Surface], &[]);
-        let start = Start {
-            identifiers: Some(Identifiers {
-                next: 10,
-                reserved: 10,
-                first: 1,
-                inserts: 3,
-                gps_hits,
-            }),
-            ..setup.start
-        };
-        let mut trial = Trial::with(Setup { start, ..setup });
+        let mut trial = Trial::with(setup.after(3, gps_hits));
         // What is flown it says as it begins, and not to who asks later.
         trial.vehicle.replays = false;
         trial.run_for(1.0);

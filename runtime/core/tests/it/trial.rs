@@ -115,6 +115,24 @@ impl Default for Setup {
     }
 }
 
+impl Setup {
+    /// After a process that has used the identifiers 1 to 9, these of them for what the mission caps.
+    pub(crate) fn after(self, inserts: u32, gps_hits: u32) -> Self {
+        let identifiers = Some(Identifiers {
+            next: 10,
+            reserved: 10,
+            first: 1,
+            inserts,
+            gps_hits,
+        });
+        let start = Start {
+            identifiers,
+            ..self.start
+        };
+        Self { start, ..self }
+    }
+}
+
 impl Trial {
     pub(crate) fn with(setup: Setup) -> Self {
         let count = setup.plugins.len();

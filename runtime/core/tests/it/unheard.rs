@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use backseat_core::Grant;
 use backseat_core::plugin::{GpsHitRequest, Request};
-use backseat_core::{Grant, Identifiers, Start};
 use backseat_spi::{AckStatus, BehaviorBegin, BehaviorId, FromVehicle, Text};
 use backseat_units::EastNorth;
 
@@ -219,18 +219,7 @@ fn damage(name: &'static str, part: &'static str) -> impl FnMut(Vec<u8>) -> Vec<
 }
 
 fn successor(gps_hits: u32) -> Trial {
-    let setup = granted(&[Grant::Surface, Grant::Hull], &[]);
-    let start = Start {
-        identifiers: Some(Identifiers {
-            next: 10,
-            reserved: 10,
-            first: 1,
-            inserts: 3,
-            gps_hits,
-        }),
-        ..setup.start
-    };
-    Trial::with(Setup { start, ..setup })
+    Trial::with(granted(&[Grant::Surface, Grant::Hull], &[]).after(3, gps_hits))
 }
 
 #[test]

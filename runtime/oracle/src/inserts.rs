@@ -35,6 +35,8 @@ type PlanPlace = (Option<u32>, Option<u32>);
 /// One BPRTK, BPRTC or BPRGP.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Insert {
+    /// What sent it, as acknowledgements name it.
+    pub(crate) command: &'static str,
     pub(crate) sent: Timestamp,
     /// What our sentence said of when it was made.
     pub(crate) created: Option<TimeOfDay>,
@@ -64,7 +66,7 @@ pub(crate) enum State {
     Unknown,
     Accepted(Timestamp),
     Begun(Timestamp),
-    /// A whole plan, told later, did not have it.
+    /// A whole plan, told later, did not have it, or the vehicle could not read it.
     Absent,
     Closed,
 }
@@ -105,8 +107,9 @@ impl Open {
 }
 
 impl Insert {
-    pub(crate) const fn new(sent: Timestamp, created: TimeOfDay, duration_s: f64) -> Self {
+    pub(crate) const fn new(command: &'static str, sent: Timestamp, created: TimeOfDay, duration_s: f64) -> Self {
         Self {
+            command,
             sent,
             created: Some(created),
             interrupts: false,
@@ -231,6 +234,21 @@ impl Inserts {
             self.accepted += 1;
         } else {
             self.open.goes(insert, State::Closed);
+            self.refused += 1;
+            self.counted = self.counted.saturating_sub(u64::from(insert.cancellable));
+        }
+    }
+
+    /// The vehicle could not read a command, and so does not say which: it may have been the oldest of that name that
+    /// has no answer, or of any name where that could not be read either.
+    pub(crate) fn unreadable(&mut self, command: Option<&str>) {
+        let oldest = self
+            .known
+            .values_mut()
+            .filter(|insert| insert.state == State::Sent && command.is_none_or(|command| command == insert.command))
+            .min_by_key(|insert| insert.sent);
+        if let Some(insert) = oldest {
+            self.open.goes(insert, State::Absent);
             self.refused += 1;
             self.counted = self.counted.saturating_sub(u64::from(insert.cancellable));
         }

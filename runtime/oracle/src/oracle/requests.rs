@@ -97,7 +97,7 @@ impl Oracle {
             ToVehicle::GpsHit(hit) => {
                 let insert = Insert {
                     cancellable: false,
-                    ..Insert::new(at, hit.created, 0.0)
+                    ..Insert::new("RGP", at, hit.created, 0.0)
                 };
                 self.insert_sent(at, hit.identifier.get(), insert);
                 if !self.area.may_surface(hit.position) {
@@ -203,7 +203,12 @@ impl Oracle {
         let length_m = self.area.distance_m(line.start, line.end);
         let insert = Insert {
             interrupts: line.interrupt == Interrupt::InterruptCurrent,
-            ..Insert::new(at, line.created, self.duration_s(length_m, line.speed, line.speed_mode))
+            ..Insert::new(
+                "RTK",
+                at,
+                line.created,
+                self.duration_s(length_m, line.speed, line.speed_mode),
+            )
         };
         self.insert_sent(at, identifier, insert);
         let what = format!("BPRTK {identifier}");
@@ -222,6 +227,7 @@ impl Oracle {
         let insert = Insert {
             interrupts: circle.interrupt == Interrupt::InterruptCurrent,
             ..Insert::new(
+                "RTC",
                 at,
                 circle.created,
                 self.duration_s(length_m, circle.speed, circle.speed_mode),

@@ -1,5 +1,5 @@
 use backseat_spi::{AckStatus, Acknowledgement, ChecksumState, FromVehicle, Sentence};
-use backseat_units::Timestamp;
+use backseat_units::{TimeOfDay, Timestamp};
 use memchr::memrchr;
 
 use super::Oracle;
@@ -120,8 +120,12 @@ impl Oracle {
             AckStatus::Invalid | AckStatus::Failed => false,
             AckStatus::Pending | AckStatus::Other(_) => return,
         };
+        let unreadable =
+            ack.status == AckStatus::Invalid && identifier.is_none() && ack.command_created == TimeOfDay::MIDNIGHT;
         let caps = &self.limits.caps;
         match command {
+            "RTK" | "RTC" | "RGP" if unreadable => self.inserts.unreadable(Some(command)),
+            "NAK" if unreadable => self.inserts.unreadable(None),
             "RMB" if !taken && self.lease.has(created) => {
                 let due = self.due(at, Rule::LeaseOutlives, "the vehicle refused it");
                 self.lease.must_end(due);

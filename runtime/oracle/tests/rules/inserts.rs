@@ -338,6 +338,30 @@ fn requirement_019_the_open_inserts_are_capped() {
 }
 
 #[test]
+fn requirement_010_what_the_vehicle_could_not_read_is_not_done() {
+    let after = |answer: &str| {
+        Scenario::with_control()
+            .ours(2000, &interrupting(7))
+            .vehicle(2100, &format!("BFACK,{{t}},{answer},0,text"))
+            .ours(3000, &interrupting(8))
+    };
+    after("RTK,000000.000,0,0").finds_nothing();
+    // Not even its name.
+    after("NAK,000000.000,0,0").finds_nothing();
+    // Another command, an answer that says whose it is, and a refusal of what was read.
+    after("RTC,000000.000,0,0").finds(&["interrupt-of-interrupt"]);
+    after("RTK,000005.000,0,0").finds(&["interrupt-of-interrupt"]);
+    after("RTK,000000.000,0,1").finds(&["interrupt-of-interrupt"]);
+    // It was another that could not be read.
+    let taken = Scenario::with_control()
+        .ours(2000, &interrupting(7))
+        .vehicle(2100, "BFACK,{t},RTK,000000.000,0,0,0,text")
+        .vehicle(2200, &ack(7, 2))
+        .ours(3000, &interrupting(8));
+    taken.finds(&["interrupt-of-interrupt"]);
+}
+
+#[test]
 fn requirement_019_what_the_plan_holds_counts_without_its_acknowledgement() {
     let run = Scenario::with_control()
         .limits(|limits| limits.inserts_open_max = 1)

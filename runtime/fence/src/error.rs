@@ -83,7 +83,7 @@ pub enum FenceError {
         features: usize,
     },
     /// More vertices than are taken, those that divide long edges included.
-    #[error("{found} vertices, expected at most {limit}")]
+    #[error("{found} vertices up to here, expected at most {limit}")]
     TooManyVertices {
         /// How many there are, or would be.
         found: usize,
@@ -193,8 +193,10 @@ pub enum FenceError {
         east: f64,
     },
     /// A fence too wide for one plane.
-    #[error("fence is {across_km:.1} km across, expected at most {limit_km} km")]
+    #[error("{place}: farthest out of a fence {across_km:.1} km across, expected at most {limit_km} km")]
     TooWide {
+        /// The vertex that is farthest from the middle of them all, or the feature.
+        place: String,
         /// Its greater side, from west to east or from south to north.
         across_km: f64,
         /// What is taken.
@@ -218,6 +220,14 @@ pub enum FenceError {
         margin_m: f64,
         /// An upper bound of the widest circle inside, metres across.
         width_m: f64,
+    },
+    /// A fault that does not say itself where it is.
+    #[error("{feature}: {fault}")]
+    Within {
+        /// The feature.
+        feature: String,
+        /// The fault.
+        fault: Box<Self>,
     },
 }
 

@@ -97,5 +97,5 @@ pub use fence::{Fence, FenceDuring};
 pub use sweep::{Hull, Shape, Sweep, VerticalExtent};
 pub use terms::Terms;
 pub use verdict::{Breach, Clearance, EdgeId, EdgeInfo, Rule};
-pub use window::{Span, Window};
+pub use window::{Rfc3339, Span, Window, utc};
 pub use zone::{Band, Kind, Ring, Zone};

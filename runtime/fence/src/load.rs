@@ -44,10 +44,20 @@ struct RawZone {
 }
 
 const GEOMETRY: &str = "Polygon, MultiPolygon, Point or LineString";
+const LONGITUDE_FIRST: &str = "longitude, then latitude";
 
 impl RawZone {
     fn rings(&self) -> impl Iterator<Item = &RawRing> {
         self.polygons.iter().flatten()
+    }
+
+    /// Both from 0; hole 0 is the outer ring.
+    fn place(&self, polygon: usize, hole: usize) -> Place {
+        Place {
+            feature: self.label.clone(),
+            polygon: (self.polygons.len() > 1).then_some(polygon + 1),
+            hole: (hole > 0).then_some(hole),
+        }
     }
 
     fn circle(label: String, properties: Properties, centre: Position, radius_m: f64) -> Result<Self, FenceError> {
@@ -78,7 +88,10 @@ impl RawZone {
         let mut bounds = Bounds::NOTHING;
         line.iter().for_each(|position| bounds.add(position));
         bounds.refuse_antimeridian(&label)?;
-        bounds.refuse_wide()?;
+        bounds.refuse_wide(|| {
+            let vertices: Vec<_> = line.iter().zip(1..).collect();
+            farthest(&vertices).map_or_else(|| label.clone(), |vertex| format!("{label} vertex {vertex}"))
+        })?;
         let middle = Position::from_deg((bounds.south + bounds.north) / 2.0, (bounds.west + bounds.east) / 2.0);
         let Ok(middle) = middle else {
             return Err(form(
@@ -115,50 +128,34 @@ fn judged(raw: Vec<RawZone>) -> Result<Loaded, FenceError> {
     let frame = frame(&raw, &bounds)?;
     let mut outliner = Outliner::new(&frame);
     let mut zones = Vec::with_capacity(raw.len());
-    let mut labels = Vec::with_capacity(raw.len());
-    for zone in raw {
+    for zone in &raw {
         let mut polygons = Vec::with_capacity(zone.polygons.len());
         for (index, polygon) in zone.polygons.iter().enumerate() {
-            let place = |hole: usize| Place {
-                feature: zone.label.clone(),
-                polygon: (zone.polygons.len() > 1).then_some(index + 1),
-                hole: (hole > 0).then_some(hole),
-            };
+            let place = |hole: usize| zone.place(index, hole);
             let margin_m = match zone.properties.kind {
                 Kind::Inclusion { .. } => zone.properties.margin_m,
                 Kind::Exclusion { .. } => 0.0,
             };
-            polygons.push(outliner.polygon(polygon, margin_m, &place)?);
+            let polygon = outliner.polygon(polygon, margin_m, &place);
+            polygons.push(polygon.map_err(|fault| within(&zone.label, fault))?);
         }
-        let Properties {
-            name,
-            kind,
-            margin_m,
-            window,
-        } = zone.properties;
-        labels.push(zone.label);
         zones.push(Zone {
-            name,
-            kind,
-            margin_m,
-            window,
+            name: zone.properties.name.clone(),
+            kind: zone.properties.kind,
+            margin_m: zone.properties.margin_m,
+            window: zone.properties.window,
             polygons,
         });
     }
     if let Some(covered) = cover::find(&zones) {
-        let several = zones[covered.inclusion].polygons.len() > 1;
         return Err(FenceError::Excluded {
-            place: Place {
-                feature: labels[covered.inclusion].clone(),
-                polygon: several.then_some(covered.polygon + 1),
-                hole: None,
-            },
+            place: raw[covered.inclusion].place(covered.polygon, 0),
             exclusion: zones[covered.exclusion].name.clone(),
         });
     }
     let across_m = outliner.across_m();
     if across_m > ACROSS_MAX_M {
-        return Err(too_wide(across_m));
+        return Err(too_wide(farthest_vertex(&raw), across_m));
     }
     Ok((frame, zones))
 }
@@ -181,10 +178,8 @@ fn refuse_collection(zones: &[RawZone]) -> Result<(), FenceError> {
         }
         vertices += zone.rings().map(|ring| ring.positions.len()).sum::<usize>();
         if vertices > VERTICES_MAX {
-            return Err(FenceError::TooManyVertices {
-                found: vertices,
-                limit: VERTICES_MAX,
-            });
+            let (found, limit) = (vertices, VERTICES_MAX);
+            return Err(within(&zone.label, FenceError::TooManyVertices { found, limit }));
         }
     }
     if !zones.iter().any(|zone| zone.properties.is_inclusion()) {
@@ -243,7 +238,7 @@ impl Bounds {
     }
 
     /// A rough measure: far from its origin the frame's series mean nothing.
-    fn refuse_wide(&self) -> Result<(), FenceError> {
+    fn refuse_wide(&self, farthest: impl FnOnce() -> String) -> Result<(), FenceError> {
         let widest = self.south.abs().min(self.north.abs());
         let widest = if self.south <= 0.0 && self.north >= 0.0 {
             0.0
@@ -253,7 +248,7 @@ impl Bounds {
         let east_m = (self.east - self.west) * METRES_PER_DEG * backseat_units::math::cos(widest.to_radians());
         let rough_m = east_m.max((self.north - self.south) * METRES_PER_DEG);
         if rough_m > 1.2 * ACROSS_MAX_M {
-            return Err(too_wide(rough_m));
+            return Err(too_wide(farthest(), rough_m));
         }
         Ok(())
     }
@@ -270,7 +265,7 @@ fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
         // No position at all: any frame will do until the empty rings are refused.
         (middle_east, middle_north) = (0.0, 0.0);
     }
-    bounds.refuse_wide()?;
+    bounds.refuse_wide(|| farthest_vertex(zones))?;
     let (mut area, mut east, mut north) = (0.0, 0.0, 0.0);
     for zone in zones
         .iter()
@@ -308,7 +303,70 @@ fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
     Ok(LocalFrame::new(origin))
 }
 
-fn position(raw: &[f64], index: usize, place: &dyn Fn() -> String) -> Result<Position, FenceError> {
+/// The vertex, or the round feature, that is farthest out.
+fn farthest_vertex(zones: &[RawZone]) -> String {
+    let mut vertices = Vec::new();
+    for zone in zones {
+        for (polygon, rings) in zone.polygons.iter().enumerate() {
+            for (hole, ring) in rings.iter().enumerate() {
+                // What was drawn round counts once, and its vertices are not those of the file.
+                let count = if ring.numbers.is_some() { 1 } else { usize::MAX };
+                let numbered = ring.positions.iter().zip(1..).take(count);
+                vertices.extend(numbered.map(|(position, number)| (position, (zone, polygon, hole, ring, number))));
+            }
+        }
+    }
+    match farthest(&vertices) {
+        Some((zone, polygon, hole, ring, number)) if ring.numbers.is_none() => {
+            format!("{} vertex {number}", zone.place(*polygon, *hole))
+        }
+        Some((zone, ..)) => zone.label.clone(),
+        None => "fence".to_owned(),
+    }
+}
+
+/// What lies farthest from where most are: likely that whose digits were mistyped.
+fn farthest<'a, T>(all: &'a [(&Position, T)]) -> Option<&'a T> {
+    let median = |degrees: fn(&Position) -> f64| {
+        let mut sorted: Vec<_> = all.iter().map(|(position, _)| degrees(position)).collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        sorted.get(sorted.len() / 2).copied().unwrap_or_default()
+    };
+    let (middle_east, middle_north) = (
+        median(|position| position.longitude.as_deg()),
+        median(|position| position.latitude.as_deg()),
+    );
+    let narrowing = backseat_units::math::cos(middle_north.to_radians());
+    let squared = |position: &Position| {
+        let east = (position.longitude.as_deg() - middle_east) * narrowing;
+        let north = position.latitude.as_deg() - middle_north;
+        east * east + north * north
+    };
+    // The first of several.
+    let reversed = all.iter().rev();
+    reversed
+        .max_by(|a, b| squared(a.0).total_cmp(&squared(b.0)))
+        .map(|(_, which)| which)
+}
+
+/// A fault with its feature, where it does not name it itself.
+fn within(feature: &str, fault: FenceError) -> FenceError {
+    if !matches!(fault, FenceError::TooManyVertices { .. }) {
+        return fault;
+    }
+    FenceError::Within {
+        feature: feature.to_owned(),
+        fault: Box::new(fault),
+    }
+}
+
+/// Longitude and latitude as a position; `order` is how the file has them.
+fn position(
+    raw: &[f64],
+    index: usize,
+    order: &'static str,
+    place: &dyn Fn() -> String,
+) -> Result<Position, FenceError> {
     let bad = |found: String, expected: &'static str| FenceError::Vertex {
         place: place(),
         vertex: index + 1,
@@ -318,8 +376,7 @@ fn position(raw: &[f64], index: usize, place: &dyn Fn() -> String) -> Result<Pos
     let [longitude, latitude] = *raw else {
         return Err(bad(format!("{} numbers", raw.len()), "longitude and latitude"));
     };
-    let position =
-        Position::from_deg(latitude, longitude).map_err(|error| bad(error.to_string(), "longitude, then latitude"))?;
+    let position = Position::from_deg(latitude, longitude).map_err(|error| bad(error.to_string(), order))?;
     if latitude.abs() > LATITUDE_MAX_DEG {
         return Err(bad(
             format!("latitude {latitude} deg"),
@@ -329,8 +386,9 @@ fn position(raw: &[f64], index: usize, place: &dyn Fn() -> String) -> Result<Pos
     Ok(position)
 }
 
-fn too_wide(across_m: f64) -> FenceError {
+fn too_wide(place: String, across_m: f64) -> FenceError {
     FenceError::TooWide {
+        place,
         across_km: across_m / 1000.0,
         limit_km: ACROSS_MAX_M / 1000.0,
     }

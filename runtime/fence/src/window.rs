@@ -64,7 +64,8 @@ impl fmt::Display for Span {
 }
 
 /// A time as a text of RFC 3339, with decimals of a second where it has them.
-pub(crate) struct Rfc3339(pub(crate) Utc);
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rfc3339(pub Utc);
 
 impl fmt::Display for Rfc3339 {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -87,7 +88,8 @@ impl fmt::Display for Rfc3339 {
 
 /// Reads `2026-05-01T08:00:00Z`, with or without decimals of a second and with `Z` or a numeric offset (RFC 3339,
 /// section 5.6); none for what is no such time, a leap second, or a time before 1970 or after 2500.
-pub(crate) fn parse(text: &str) -> Option<Utc> {
+#[must_use]
+pub fn utc(text: &str) -> Option<Utc> {
     let bytes = text.as_bytes();
     let number = |from: usize, to: usize| -> Option<u64> {
         let digits = bytes.get(from..to)?;
@@ -172,7 +174,7 @@ mod tests {
     use super::*;
 
     fn seconds(text: &str) -> Option<u64> {
-        parse(text).map(|utc| utc.as_unix_nanos() / NANOS_PER_SECOND)
+        utc(text).map(|utc| utc.as_unix_nanos() / NANOS_PER_SECOND)
     }
 
     #[test]
@@ -184,7 +186,7 @@ mod tests {
         assert_eq!(seconds("2026-05-01T10:00:00+02:00"), Some(1_777_622_400));
         assert_eq!(seconds("2026-05-01t02:30:00-05:30"), Some(1_777_622_400));
         assert_eq!(seconds("2100-03-01T00:00:00Z"), Some(4_107_542_400));
-        let decimals = parse("2026-05-01T08:00:00.25Z").unwrap();
+        let decimals = utc("2026-05-01T08:00:00.25Z").unwrap();
         assert_eq!(decimals.as_unix_nanos(), 1_777_622_400_250_000_000);
         for wrong in [
             "",
@@ -207,7 +209,7 @@ mod tests {
             "9999-05-01T08:00:00Z",
             "2026-05-01T08:00:0\u{fc}Z",
         ] {
-            assert_eq!(parse(wrong), None, "{wrong}");
+            assert_eq!(utc(wrong), None, "{wrong}");
         }
     }
 
@@ -221,7 +223,7 @@ mod tests {
             "2400-12-31T00:00:00Z",
             "2026-05-01T08:00:00.000000025Z",
         ] {
-            assert_eq!(Rfc3339(parse(text).unwrap()).to_string(), text);
+            assert_eq!(Rfc3339(utc(text).unwrap()).to_string(), text);
         }
     }
 }

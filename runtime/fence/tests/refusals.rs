@@ -167,7 +167,11 @@ fn geometry_is_areas_circles_and_corridors_only() {
         with(json!({ "type": "Polygon", "coordinates": [], "margin_m": 2 })),
         "feature 'survey box' geometry: unknown key `margin_m`, expected `type` or `coordinates`"
     );
-    assert!(with(json!({ "type": "Polygon", "coordinates": [["a"]] })).starts_with("feature 'survey box': "));
+    assert_eq!(
+        with(json!({ "type": "Polygon", "coordinates": [["a"]] })),
+        "feature 'survey box' outer ring vertex 1: \"a\", expected longitude and latitude"
+    );
+    assert!(with(json!({ "type": "Polygon", "coordinates": ["a"] })).starts_with("feature 'survey box': "));
     assert!(with(json!({ "type": "Polygons" })).ends_with("expected a Feature of RFC 7946"));
 }
 
@@ -526,7 +530,7 @@ fn the_antimeridian_is_not_crossed() {
 fn fences_over_fifty_kilometres_are_refused() {
     assert_eq!(
         with_ring(&[(0.0, 0.0), (10.0, 0.0), (10.0, 455.0), (0.0, 455.0), (0.0, 0.0)]),
-        "fence is 50.5 km across, expected at most 50 km"
+        "feature 'survey box' outer ring vertex 3: farthest out of a fence 50.5 km across, expected at most 50 km"
     );
     let text = with_ring(&[(0.0, 0.0), (10_000.0, 0.0), (10_000.0, 10_000.0), (0.0, 0.0)]);
     assert!(text.ends_with("km across, expected at most 50 km"), "{text}");
@@ -580,7 +584,10 @@ fn more_than_a_million_vertices_are_refused() {
     );
     text.push_str(&"[1,2],".repeat(1_000_000));
     text.push_str("[1,2]]]}}]}");
-    assert_eq!(refused(&text), "1000001 vertices, expected at most 1000000");
+    assert_eq!(
+        refused(&text),
+        "feature 'a': 1000001 vertices up to here, expected at most 1000000"
+    );
 }
 
 #[test]

@@ -1,10 +1,12 @@
 //! GeoJSON (RFC 7946).
 
+use core::slice;
+
 use geojson::{Feature, GeometryValue};
 use serde_json::{Map, Value};
 
 use super::properties::{self, Round, label, shortened};
-use super::{GEOMETRY, RawZone, form, json, kind_of, position};
+use super::{GEOMETRY, LONGITUDE_FIRST, RawZone, form, json, kind_of, position};
 use crate::error::{FenceError, Place};
 use crate::outline::RawRing;
 use backseat_units::Position;
@@ -99,6 +101,7 @@ fn zone(feature: Value, index: usize) -> Result<RawZone, FenceError> {
             &["type", "coordinates", "bbox"],
             "`type` or `coordinates`",
         )?;
+        refuse_strange(geometry, &label)?;
     }
     let feature = serde_json::from_value::<Feature>(Value::Object(object))
         .map_err(|error| form(place(), shortened(&error.to_string()), "a Feature of RFC 7946"))?;
@@ -107,7 +110,7 @@ fn zone(feature: Value, index: usize) -> Result<RawZone, FenceError> {
         Some(GeometryValue::MultiPolygon { coordinates }) => coordinates,
         Some(GeometryValue::Point { coordinates }) => {
             let place = || label.clone();
-            let centre = position(coordinates.as_slice(), 0, &place)?;
+            let centre = position(coordinates.as_slice(), 0, LONGITUDE_FIRST, &place)?;
             return RawZone::circle(label, properties, centre, round_m);
         }
         Some(GeometryValue::LineString { coordinates }) => {
@@ -131,11 +134,7 @@ fn zone(feature: Value, index: usize) -> Result<RawZone, FenceError> {
     for (number, rings) in polygons.into_iter().enumerate() {
         let mut polygon = Vec::with_capacity(rings.len());
         for (hole, ring) in rings.into_iter().enumerate() {
-            let place = || Place {
-                feature: label.clone(),
-                polygon: several.then_some(number + 1),
-                hole: (hole > 0).then_some(hole),
-            };
+            let place = || ring_place(&label, several, number, hole);
             polygon.push(RawRing {
                 positions: positions(&ring, &|| place().to_string())?,
                 numbers: None,
@@ -150,10 +149,56 @@ fn zone(feature: Value, index: usize) -> Result<RawZone, FenceError> {
     })
 }
 
+fn ring_place(label: &str, several: bool, polygon: usize, hole: usize) -> Place {
+    Place {
+        feature: label.to_owned(),
+        polygon: several.then_some(polygon + 1),
+        hole: (hole > 0).then_some(hole),
+    }
+}
+
+/// Refuses what stands for a position and is no list of numbers: the parser of features does not say where.
+fn refuse_strange(geometry: &Map<String, Value>, label: &str) -> Result<(), FenceError> {
+    let Some(coordinates) = geometry.get("coordinates") else {
+        return Ok(());
+    };
+    let polygons = match geometry.get("type").and_then(Value::as_str) {
+        Some("Point") => return numbers(slice::from_ref(coordinates), &|| label.to_owned()),
+        Some("LineString") => return numbers(array(coordinates), &|| label.to_owned()),
+        Some("Polygon") => slice::from_ref(coordinates),
+        Some("MultiPolygon") => array(coordinates),
+        Some(_) | None => &[],
+    };
+    for (polygon, rings) in polygons.iter().enumerate() {
+        for (hole, ring) in array(rings).iter().enumerate() {
+            let place = || ring_place(label, polygons.len() > 1, polygon, hole).to_string();
+            numbers(array(ring), &place)?;
+        }
+    }
+    Ok(())
+}
+
+fn array(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
+
+fn numbers(line: &[Value], place: &dyn Fn() -> String) -> Result<(), FenceError> {
+    let is_position = |value: &Value| value.as_array().is_some_and(|list| list.iter().all(Value::is_number));
+    match line.iter().position(|value| !is_position(value)) {
+        Some(index) => Err(FenceError::Vertex {
+            place: place(),
+            vertex: index + 1,
+            found: shortened(&line[index].to_string()),
+            expected: "longitude and latitude",
+        }),
+        None => Ok(()),
+    }
+}
+
 fn positions(line: &[geojson::Position], place: &dyn Fn() -> String) -> Result<Vec<Position>, FenceError> {
     let numbered = line.iter().enumerate();
     numbered
-        .map(|(index, raw)| position(raw.as_slice(), index, place))
+        .map(|(index, raw)| position(raw.as_slice(), index, LONGITUDE_FIRST, place))
         .collect()
 }
 

@@ -1,10 +1,12 @@
 //! KML 2.3 (OGC 12-007r2): placemarks with polygons, circles and corridors.
 
+use core::slice;
+
 use serde_json::{Map, Value};
 
 use super::properties::{self, Round, shortened};
 use super::xml::{self, Element};
-use super::{RawZone, form, position};
+use super::{LONGITUDE_FIRST, RawZone, form, position};
 use crate::error::{FenceError, Place};
 use crate::outline::{RawPolygon, RawRing};
 use crate::terms::Terms;
@@ -12,10 +14,61 @@ use backseat_units::Position;
 
 const GEOMETRY: &str = "one Polygon, MultiGeometry of Polygons, Point or LineString";
 
+/// All that a placemark may be, zones or not.
+const GEOMETRIES: &[&str] = &[
+    "Polygon",
+    "MultiGeometry",
+    "Point",
+    "LineString",
+    "LinearRing",
+    "Model",
+    "Track",
+    "MultiTrack",
+];
+
+/// What any feature may have: how it is called, drawn and looked at. Of KML, Atom, xAL, and Google's `gx`.
+const FEATURE: &[&str] = &[
+    "name",
+    "visibility",
+    "balloonVisibility",
+    "open",
+    "author",
+    "link",
+    "address",
+    "AddressDetails",
+    "phoneNumber",
+    "Snippet",
+    "snippet",
+    "description",
+    "LookAt",
+    "Camera",
+    "styleUrl",
+    "Style",
+    "StyleMap",
+    "CascadingStyle",
+    "Carousel",
+    "Region",
+    "Metadata",
+];
+
+/// What lies beside placemarks and holds none.
+const BESIDE: &[&str] = &[
+    "Schema",
+    "ExtendedData",
+    "NetworkLinkControl",
+    "Tour",
+    "GroundOverlay",
+    "ScreenOverlay",
+    "PhotoOverlay",
+];
+
+/// How a geometry is drawn.
+const DRAWN: &[&str] = &["extrude", "tessellate", "altitudeMode", "altitudeOffset", "drawOrder"];
+
 pub(super) fn read(text: &str, terms: &Terms) -> Result<Vec<RawZone>, FenceError> {
     let root = xml::parse(text)?;
     if root.name != "kml" {
-        return Err(form(format!("line {}", root.line), format!("<{}>", root.name), "<kml>"));
+        return Err(at(&root, format!("<{}>", shortened(&root.name)), "<kml>"));
     }
     let mut placemarks = Vec::new();
     find(&root, &mut placemarks)?;
@@ -24,34 +77,102 @@ pub(super) fn read(text: &str, terms: &Terms) -> Result<Vec<RawZone>, FenceError
 
 /// The placemarks in the order of the file, whatever folders they lie in.
 fn find<'a>(parent: &'a Element, placemarks: &mut Vec<&'a Element>) -> Result<(), FenceError> {
+    let searched = [
+        "Placemark",
+        "Document",
+        "Folder",
+        "NetworkLink",
+        "TimeSpan",
+        "TimeStamp",
+    ];
+    let expected = "<Placemark>, <Document>, <Folder> or what KML 2.3 has beside them";
+    refuse_unknown(parent, &searched, &[FEATURE, BESIDE], expected)?;
     for child in &parent.children {
         match child.name.as_str() {
             "Placemark" => placemarks.push(child),
             "Document" | "Folder" => find(child, placemarks)?,
-            "NetworkLink" => {
-                let place = format!("line {}", child.line);
-                return Err(form(place, "<NetworkLink>".to_owned(), "all placemarks in one file"));
+            "NetworkLink" => return Err(at(child, "<NetworkLink>".to_owned(), "all placemarks in one file")),
+            // In KML the placemarks inherit it.
+            "TimeSpan" | "TimeStamp" => {
+                return Err(at(child, inside(child, parent), "<TimeSpan> in each <Placemark>"));
             }
-            // Styles, views, descriptions.
             _ => {}
         }
     }
     Ok(())
 }
 
+/// Refuses an element or a text that has no meaning here: of a misspelt hole, zone or time the fence would be laxer.
+fn refuse_unknown(
+    parent: &Element,
+    known: &[&str],
+    ignored: &[&[&str]],
+    expected: &'static str,
+) -> Result<(), FenceError> {
+    if let Some(word) = parent.text.split_whitespace().next() {
+        let found = format!("text `{}` in <{}>", shortened(word), shortened(&parent.name));
+        return Err(at(parent, found, expected));
+    }
+    for child in &parent.children {
+        let name = child.name.as_str();
+        if ignored.iter().any(|names| names.contains(&name)) {
+            refuse_placemarks(child)?;
+        } else if !known.contains(&name) {
+            return Err(at(child, inside(child, parent), expected));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses placemarks, however written, in what is not searched for them.
+fn refuse_placemarks(ignored: &Element) -> Result<(), FenceError> {
+    for child in &ignored.children {
+        if child.name.eq_ignore_ascii_case("Placemark") {
+            let expected = "placemarks in <Document> and <Folder> only";
+            return Err(at(child, inside(child, ignored), expected));
+        }
+        refuse_placemarks(child)?;
+    }
+    Ok(())
+}
+
+/// The child of a name, which may be absent and must not come twice.
+fn one<'a>(parent: &'a Element, name: &str) -> Result<Option<&'a Element>, FenceError> {
+    let mut named = parent.children.iter().filter(|child| child.name == name);
+    let first = named.next();
+    match named.next() {
+        Some(another) => Err(at(another, format!("another {}", inside(another, parent)), "it once")),
+        None => Ok(first),
+    }
+}
+
+/// What an element says that holds text alone.
+fn text(element: &Element) -> Result<&str, FenceError> {
+    match element.children.first() {
+        Some(child) => Err(at(child, inside(child, element), "text only")),
+        None => Ok(element.text.trim()),
+    }
+}
+
+fn at(element: &Element, found: String, expected: &'static str) -> FenceError {
+    form(format!("line {}", element.line), found, expected)
+}
+
+fn inside(child: &Element, parent: &Element) -> String {
+    format!("<{}> in <{}>", shortened(&child.name), shortened(&parent.name))
+}
+
 fn zone(placemark: &Element, terms: &Terms) -> Result<RawZone, FenceError> {
-    let name = placemark.child("name").map(|name| name.text.trim());
+    let expected = "a geometry, <ExtendedData>, <TimeSpan> or what KML 2.3 has beside them";
+    let known = [GEOMETRIES, &["ExtendedData", "TimeSpan", "TimeStamp"]].concat();
+    refuse_unknown(placemark, &known, &[FEATURE], expected)?;
+    let name = one(placemark, "name")?.map(text).transpose()?;
     let label = match name {
         Some(name) => format!("line {} placemark '{}'", placemark.line, shortened(name)),
         None => format!("line {} placemark", placemark.line),
     };
-    let mut geometries = placemark.children.iter().filter(|child| {
-        let geometry = child.name.as_str();
-        matches!(
-            geometry,
-            "Polygon" | "MultiGeometry" | "Point" | "LineString" | "LinearRing" | "Model" | "Track"
-        )
-    });
+    let children = placemark.children.iter();
+    let mut geometries = children.filter(|child| GEOMETRIES.contains(&child.name.as_str()));
     let (geometry, another) = (geometries.next(), geometries.next());
     let (Some(geometry), None) = (geometry, another) else {
         let found = if another.is_some() {
@@ -91,12 +212,10 @@ fn zone(placemark: &Element, terms: &Terms) -> Result<RawZone, FenceError> {
         }
         "Polygon" => vec![polygon(geometry, None, &label)?],
         "MultiGeometry" => {
+            refuse_unknown(geometry, &["Polygon"], &[], "<Polygon>")?;
             let several = geometry.children.len() > 1;
             let mut polygons = Vec::with_capacity(geometry.children.len());
             for (child, number) in geometry.children.iter().zip(1..) {
-                if child.name != "Polygon" {
-                    return Err(form(label, format!("<{}> in <MultiGeometry>", child.name), "<Polygon>"));
-                }
                 polygons.push(polygon(child, several.then_some(number), &label)?);
             }
             polygons
@@ -116,7 +235,6 @@ fn zone(placemark: &Element, terms: &Terms) -> Result<RawZone, FenceError> {
 /// The properties that a placemark bears beside its name.
 fn data(placemark: &Element, properties: &mut Map<String, Value>, label: &str) -> Result<(), FenceError> {
     let mut add = |key: &str, text: &str| {
-        let text = text.trim();
         let value: Value = match text.parse::<f64>() {
             // What is no number stays a text, so that it is refused and not taken for absent.
             Ok(number) if number.is_finite() => number.into(),
@@ -135,73 +253,81 @@ fn data(placemark: &Element, properties: &mut Map<String, Value>, label: &str) -
             )),
         }
     };
-    for child in &placemark.children {
-        let entries: Vec<_> = match child.name.as_str() {
-            "ExtendedData" => child.children.iter().flat_map(schema_data).collect(),
-            "TimeSpan" => {
-                for (element, key) in [("begin", "valid_from"), ("end", "valid_until")] {
-                    if let Some(time) = child.child(element) {
-                        add(key, &time.text)?;
-                    }
-                }
-                continue;
+    if placemark.children.iter().any(|child| child.name == "TimeStamp") {
+        let expected = "<TimeSpan>, `valid_from` or `valid_until`";
+        return Err(form(label.to_owned(), "<TimeStamp>".to_owned(), expected));
+    }
+    if let Some(span) = one(placemark, "TimeSpan")? {
+        let expected = "<begin>, <end> or both";
+        refuse_unknown(span, &["begin", "end"], &[], expected)?;
+        if span.children.is_empty() {
+            return Err(at(span, "empty <TimeSpan>".to_owned(), expected));
+        }
+        for (element, key) in [("begin", "valid_from"), ("end", "valid_until")] {
+            let Some(time) = one(span, element)? else { continue };
+            if text(time)?.is_empty() {
+                return Err(at(time, format!("empty <{element}>"), "a time"));
             }
-            "TimeStamp" => {
-                let found = "<TimeStamp>".to_owned();
-                return Err(form(
-                    label.to_owned(),
-                    found,
-                    "<TimeSpan>, `valid_from` or `valid_until`",
-                ));
+            add(key, text(time)?)?;
+        }
+    }
+    for extended in placemark.children.iter().filter(|child| child.name == "ExtendedData") {
+        let known = ["Data", "SchemaData", "SimpleData"];
+        refuse_unknown(extended, &known, &[], "<Data> or <SchemaData>")?;
+        for child in &extended.children {
+            let entries = if child.name == "SchemaData" {
+                refuse_unknown(child, &["Data", "SimpleData"], &[], "<SimpleData>")?;
+                &child.children
+            } else {
+                slice::from_ref(child)
+            };
+            for entry in entries {
+                add(key(entry, label)?, value(entry)?)?;
             }
-            _ => continue,
-        };
-        for entry in entries {
-            let Some(key) = &entry.name_attribute else {
-                let place = format!("{label} line {}", entry.line);
-                return Err(form(
-                    place,
-                    format!("<{}> without name", entry.name),
-                    "an attribute `name`",
-                ));
-            };
-            let text = match entry.name.as_str() {
-                "Data" => entry.child("value").map_or("", |value| value.text.as_str()),
-                _ => entry.text.as_str(),
-            };
-            add(key, text)?;
         }
     }
     Ok(())
 }
 
-/// The data of a schema, or the one that stands alone.
-fn schema_data(element: &Element) -> &[Element] {
-    if element.name == "SchemaData" {
-        &element.children
-    } else {
-        core::slice::from_ref(element)
+fn key<'a>(entry: &'a Element, label: &str) -> Result<&'a str, FenceError> {
+    entry.name_attribute.as_deref().ok_or_else(|| {
+        let place = format!("{label} line {}", entry.line);
+        form(place, format!("<{}> without name", entry.name), "an attribute `name`")
+    })
+}
+
+fn value(data: &Element) -> Result<&str, FenceError> {
+    if data.name == "SimpleData" {
+        return text(data);
+    }
+    let expected = "one <value>";
+    refuse_unknown(data, &["value"], &[&["displayName"]], expected)?;
+    match one(data, "value")? {
+        Some(value) => text(value),
+        None => Err(at(data, "<Data> without <value>".to_owned(), expected)),
     }
 }
 
 fn polygon(element: &Element, number: Option<usize>, label: &str) -> Result<RawPolygon, FenceError> {
+    let expected = "<outerBoundaryIs>, <innerBoundaryIs> or how it is drawn";
+    refuse_unknown(element, &["outerBoundaryIs", "innerBoundaryIs"], &[DRAWN], expected)?;
     let (mut outer, mut holes) = (None, Vec::new());
     for child in &element.children {
         let inner = match child.name.as_str() {
             "outerBoundaryIs" => false,
             "innerBoundaryIs" => true,
-            // How it is drawn.
             _ => continue,
         };
+        refuse_unknown(child, &["LinearRing"], &[], "<LinearRing>")?;
+        if child.children.is_empty() {
+            return Err(at(child, format!("empty <{}>", child.name), "<LinearRing>"));
+        }
         for ring in &child.children {
             let place = Place {
                 feature: label.to_owned(),
                 polygon: number,
                 hole: inner.then_some(holes.len() + 1),
             };
-            if ring.name != "LinearRing" {
-                return Err(form(place.to_string(), format!("<{}>", ring.name), "<LinearRing>"));
-            }
             let ring = RawRing {
                 positions: coordinates(ring, &place.to_string())?,
                 numbers: None,
@@ -231,16 +357,15 @@ fn polygon(element: &Element, number: Option<usize>, label: &str) -> Result<RawP
 
 /// Longitude, latitude and perhaps a height, with commas between them and blanks around.
 fn coordinates(element: &Element, place: &str) -> Result<Vec<Position>, FenceError> {
-    let text = element
-        .child("coordinates")
-        .map_or("", |coordinates| coordinates.text.as_str());
+    refuse_unknown(element, &["coordinates"], &[DRAWN], "<coordinates> or how it is drawn")?;
+    let text = one(element, "coordinates")?.map_or(Ok(""), text)?;
     let numbered = text.split_ascii_whitespace().enumerate();
     numbered
         .map(|(index, tuple)| {
             let numbers: Option<Vec<f64>> = tuple.split(',').map(|number| number.parse().ok()).collect();
             match numbers.as_deref() {
                 Some([longitude, latitude] | [longitude, latitude, _]) => {
-                    position(&[*longitude, *latitude], index, &|| place.to_owned())
+                    position(&[*longitude, *latitude], index, LONGITUDE_FIRST, &|| place.to_owned())
                 }
                 _ => Err(FenceError::Vertex {
                     place: place.to_owned(),

@@ -126,7 +126,9 @@ fn place(corner: &Value, index: usize, label: &str) -> Result<backseat_units::Po
             expected: "latitude and longitude",
         });
     };
-    position(&[*longitude, *latitude], index, &|| label.to_owned())
+    position(&[*longitude, *latitude], index, "latitude, then longitude", &|| {
+        label.to_owned()
+    })
 }
 
 fn refuse_unknown(

@@ -86,7 +86,7 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str, round: Round) -> Res
             other => round.key() == Some(other) || (matches!(other, "radius_m" | "half_width_m") && value.is_null()),
         };
         if !known {
-            let (place, key) = (feature.to_owned(), key.clone());
+            let (place, key) = (feature.to_owned(), shortened(key));
             return Err(FenceError::UnknownKey {
                 place,
                 key,
@@ -199,7 +199,7 @@ impl Source<'_> {
 
     fn time(&self, key: &'static str) -> Result<Option<Utc>, FenceError> {
         let Some(value) = self.get(key) else { return Ok(None) };
-        match value.as_str().and_then(window::parse) {
+        match value.as_str().and_then(window::utc) {
             Some(time) => Ok(Some(time)),
             None => Err(self.bad(key, value, "a time of RFC 3339, as \"2026-05-01T08:00:00Z\"")),
         }
@@ -224,10 +224,11 @@ impl Source<'_> {
     }
 }
 
-/// What is shown of a value: enough to find it.
+/// What is shown of a value: enough to find it, on one line.
 pub(super) fn shortened(text: &str) -> String {
-    match text.char_indices().nth(60) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text.to_owned(),
-    }
+    let (start, rest) = match text.char_indices().nth(60) {
+        Some((end, _)) => (&text[..end], "..."),
+        None => (text, ""),
+    };
+    format!("{}{rest}", start.replace(char::is_control, " "))
 }

@@ -23,15 +23,14 @@ pub(super) struct Element {
     pub(super) children: Vec<Element>,
 }
 
-impl Element {
-    /// The first child of a name.
-    pub(super) fn child(&self, name: &str) -> Option<&Self> {
-        self.children.iter().find(|child| child.name == name)
-    }
-}
-
 /// The root element.
 pub(super) fn parse(text: &str) -> Result<Element, FenceError> {
+    let forbidden = |char: char| char < ' ' && !matches!(char, '\t' | '\n' | '\r');
+    if let Some((at, char)) = text.char_indices().find(|(_, char)| forbidden(*char)) {
+        let line = text[..at].matches('\n').count() + 1;
+        let message = format!("control character U+{:04X}", u32::from(char));
+        return Err(FenceError::Xml { line, message });
+    }
     let mut reader = Reader::from_str(text.strip_prefix('\u{feff}').unwrap_or(text));
     reader.config_mut().expand_empty_elements = true;
     let mut lines = Lines::new(text);
@@ -68,12 +67,12 @@ pub(super) fn parse(text: &str) -> Result<Element, FenceError> {
                     None => root = Some(closed),
                 }
             }
-            Event::Text(text) => write(&mut open, &text.xml10_content()),
-            Event::CData(text) => write(&mut open, &text.xml10_content()),
+            Event::Text(text) => write(&mut open, &text.xml10_content(), line)?,
+            Event::CData(text) => write(&mut open, &text.xml10_content(), line)?,
             Event::GeneralRef(reference) => match reference.resolve_char_ref() {
-                Ok(Some(char)) => write(&mut open, char.encode_utf8(&mut [0; 4])),
+                Ok(Some(char)) => write(&mut open, char.encode_utf8(&mut [0; 4]), line)?,
                 Ok(None) => match resolve_predefined_entity(&reference) {
-                    Some(text) => write(&mut open, text),
+                    Some(text) => write(&mut open, text, line)?,
                     None => return bad(format!("unknown entity `{}`", shortened(&reference))),
                 },
                 Err(error) => return bad(shortened(&error.to_string())),
@@ -112,10 +111,19 @@ fn element(start: &BytesStart<'_>, line: usize) -> Result<Element, FenceError> {
     Ok(element)
 }
 
-fn write(open: &mut [Element], text: &str) {
-    if let Some(element) = open.last_mut() {
-        element.text.push_str(text);
+fn write(open: &mut [Element], text: &str, line: usize) -> Result<(), FenceError> {
+    match (open.last_mut(), text.split_whitespace().next()) {
+        (Some(element), _) => element.text.push_str(text),
+        (None, None) => {}
+        (None, Some(word)) => {
+            let blank = &text[..text.len() - text.trim_start().len()];
+            return Err(FenceError::Xml {
+                line: line + blank.matches('\n').count(),
+                message: format!("text `{}` outside of the root element", shortened(word)),
+            });
+        }
     }
+    Ok(())
 }
 
 /// Counts lines, each once: positions only grow.

@@ -2,9 +2,9 @@ use std::time::Duration;
 
 use anyhow::{Result, anyhow};
 use backseat_core::plugin::Topic;
-use backseat_fence::{Kind, Window};
+use backseat_fence::{Fence, Kind, Rfc3339, Window};
 use backseat_mission::{Dive, FrontSeatPlan, Mission, beyond_class};
-use backseat_mvc::VehicleConfig;
+use backseat_mvc::{VehicleConfig, WorldFile};
 use backseat_plugin_host::Host;
 use backseat_sim::load_plugins;
 use backseat_units::{EastNorth, LocalFrame, OutOfRange, Position, Utc};
@@ -12,6 +12,7 @@ use backseat_units::{EastNorth, LocalFrame, OutOfRange, Position, Utc};
 use crate::cli::Check;
 use crate::clock::Clock;
 use crate::output::say;
+use crate::run::host_and_port;
 use crate::state::user_state_folder;
 
 mod machine;
@@ -93,17 +94,19 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     }
     let clock = Clock::start();
     let mut findings = dive(&mission, arguments, clock.utc_at_start())?;
+    if let Err(error) = host_and_port(&mission.file.vehicle.address, "mission.toml: vehicle.address") {
+        findings.push(error.to_string());
+    }
     let state = match &arguments.state {
         Some(folder) => Ok(folder.clone()),
         None => user_state_folder().map(|folder| folder.join("backseat").join(&mission.name)),
     };
     match state {
-        Ok(state) => findings.extend(machine::findings(
-            &mission,
-            &arguments.log,
-            &state,
-            clock.utc_at_start(),
-        )),
+        Ok(state) => {
+            let now = clock.utc_at_start();
+            findings.extend(machine::findings(&mission, &arguments.log, &state, now));
+            findings.extend(machine::kept(&mission, &state)?);
+        }
         Err(error) => findings.push(format!("state: {error:#}")),
     }
     for finding in &findings {
@@ -145,12 +148,6 @@ fn dive(mission: &Mission, arguments: &Check, now: Utc) -> Result<Vec<String>> {
         say!("no plan of the front seat: it is held against nothing; name one by --plan or [plan]");
         return Ok(findings);
     };
-    let begins = world.map(|world| {
-        (
-            world.start.utc,
-            Duration::try_from_secs_f64(world.mission.starts_after_s),
-        )
-    });
     let start = world.map(|world| {
         let origin = Position::from_deg(world.origin.latitude_deg, world.origin.longitude_deg)?;
         Ok(LocalFrame::new(origin).to_position(EastNorth::new(world.start.east_m, world.start.north_m)))
@@ -158,22 +155,71 @@ fn dive(mission: &Mission, arguments: &Check, now: Utc) -> Result<Vec<String>> {
     let start: Option<Position> = start
         .transpose()
         .map_err(|error: OutOfRange| anyhow!("world.toml: origin: {error}"))?;
-    let own = Dive {
+    let whence = if start.is_some() {
+        "its start"
+    } else {
+        "its first place"
+    };
+    let after_s = world.map_or(0.0, |world| world.mission.starts_after_s);
+    let begun_at = |utc: Utc| Dive {
         fence,
         limits,
         plan: &plan.behaviors,
         start,
-        utc: begins.map_or(now, |(utc, after)| utc + after.unwrap_or_default()),
+        start_depth_m: world.map_or(0.0, |world| world.start.depth_m),
+        utc: utc + Duration::try_from_secs_f64(after_s).unwrap_or_default(),
     };
-    let outside = own.findings();
+    if begun_at(now).bottom_is_unknown() {
+        say!("plan: how far from the bottom it keeps is not judged: [limits] has no water_depth_min_m");
+    }
+    let mut outside = Vec::new();
+    let begins = begins(arguments, world, fence, now);
+    if fence.changes() {
+        let times: Vec<String> = begins
+            .iter()
+            .map(|(utc, why)| format!("{} ({why})", Rfc3339(*utc)))
+            .collect();
+        say!(
+            "plan: judged as begun at {}; --at names another time",
+            times.join(" and at ")
+        );
+    }
+    for (utc, why) in begins {
+        for finding in begun_at(utc).findings() {
+            if !outside.iter().any(|(told, _)| *told == finding) {
+                outside.push((finding, why));
+            }
+        }
+    }
     if outside.is_empty() {
         say!(
-            "plan: its start and all {} behaviours, with the ways between them, lie inside the fence",
+            "plan: {whence} and all {} behaviours, with the ways between them, lie inside the fence",
             plan.behaviors.len()
         );
     }
-    findings.extend(outside);
+    findings.extend(outside.into_iter().map(|(finding, why)| match fence.changes() {
+        true => format!("{finding} (begun {why})"),
+        false => finding,
+    }));
     Ok(findings)
+}
+
+/// When the dive is taken to begin, and why then. Zones that come and go count on the day of the dive, which is not that of
+/// the simulation.
+fn begins(arguments: &Check, world: Option<&WorldFile>, fence: &Fence, now: Utc) -> Vec<(Utc, &'static str)> {
+    let today = (
+        Utc::from_unix_nanos(now.as_unix_nanos() / 1_000_000_000 * 1_000_000_000),
+        "now",
+    );
+    match (arguments.at, world) {
+        (Some(at), _) => vec![(at, "as --at says")],
+        (None, Some(world)) => {
+            let mut begins = vec![(world.start.utc, "as world.toml says")];
+            begins.extend(fence.changes().then_some(today));
+            begins
+        }
+        (None, None) => vec![today],
+    }
 }
 
 fn print_fence(mission: &Mission) -> Result<()> {

@@ -2,6 +2,7 @@ use std::path::PathBuf;
 
 use backseat_mission::Layers;
 use backseat_mvc::RoleConfig;
+use backseat_units::Utc;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Fly adaptive-survey plugins on a Bluefin vehicle: in simulation, and at sea.
@@ -149,12 +150,20 @@ pub(crate) struct Check {
     /// its world.toml's]
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) plan: Option<PathBuf>,
+    /// When the dive begins, as 2026-06-01T08:00:00Z: which zones are valid [default: now, and in simulation's world.toml]
+    #[arg(long, value_name = "TIME", value_parser = utc)]
+    pub(crate) at: Option<Utc>,
     /// Where the dive will write its logs
     #[arg(long, value_name = "DIR", default_value = "logs")]
     pub(crate) log: PathBuf,
     /// Where the dive will keep identifiers and the operator's hold [default: the user's state folder]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
+}
+
+fn utc(text: &str) -> Result<Utc, String> {
+    backseat_fence::utc(text)
+        .ok_or_else(|| "expected a date and time with its offset, as 2026-06-01T08:00:00Z".to_owned())
 }
 
 #[derive(Debug, Subcommand)]

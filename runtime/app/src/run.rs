@@ -56,12 +56,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let identifiers = state.identifiers(arguments.first_identifier)?;
     let clock = Clock::start();
     let mut recorder = open_log(&arguments.log, &mission, &loaded.components, &clock)?;
-    let inserts = mission
-        .file
-        .plugins
-        .iter()
-        .any(|plugin| plugin.grants.iter().any(|grant| NAMED.contains(grant)));
-    if identifiers.is_none() && inserts {
+    if identifiers.is_none() && names_requests(&mission) {
         info!(
             "no record of SPI identifiers at {}: tracklines, circles, GPS hits and acoustic packets are off; begin one with --first-identifier N",
             state.identifiers_path().display()
@@ -119,8 +114,14 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     Ok(true)
 }
 
+/// Whether any plugin may ask for what needs an identifier.
+pub(crate) fn names_requests(mission: &Mission) -> bool {
+    let mut grants = mission.file.plugins.iter().flat_map(|plugin| &plugin.grants);
+    grants.any(|grant| NAMED.contains(grant))
+}
+
 /// What can never become an address is told at once; a name that is not known yet may be later.
-fn host_and_port(address: &str, place: &str) -> Result<String> {
+pub(crate) fn host_and_port(address: &str, place: &str) -> Result<String> {
     match address.rsplit_once(':') {
         Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok_and(|port| port > 0) => {
             Ok(address.to_owned())

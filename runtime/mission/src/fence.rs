@@ -61,7 +61,7 @@ pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, 
     let text = read(&path)?;
     let mission = || folder.join("mission.toml");
     let terms = || match table {
-        Some(table) => Ok(table.terms()),
+        Some(table) => table.terms().map_err(|message| value(&mission(), message)),
         None => {
             let needed = format!(
                 "no [fence] table: expected one with margin_m, depth_max_m and altitude_min_m, which {file} does not say"
@@ -88,14 +88,31 @@ pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, 
 }
 
 impl FenceTable {
-    fn terms(&self) -> Terms {
-        Terms {
+    fn terms(&self) -> Result<Terms, String> {
+        let figures = [
+            ("margin_m", self.margin_m),
+            ("depth_min_m", self.depth_min_m),
+            ("depth_max_m", self.depth_max_m),
+            ("altitude_min_m", self.altitude_min_m),
+        ];
+        for (key, metres) in figures {
+            if !(0.0..=1e6).contains(&metres) {
+                return Err(format!("fence.{key} is {metres}: expected metres, 0 or more"));
+            }
+        }
+        if self.depth_min_m >= self.depth_max_m {
+            return Err(format!(
+                "fence.depth_max_m is {}: expected more than depth_min_m of {}",
+                self.depth_max_m, self.depth_min_m
+            ));
+        }
+        Ok(Terms {
             margin_m: self.margin_m,
             depth_min_m: self.depth_min_m,
             depth_max_m: self.depth_max_m,
             altitude_min_m: self.altitude_min_m,
             surfacing: self.surfacing,
-        }
+        })
     }
 }
 

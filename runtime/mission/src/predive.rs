@@ -1,19 +1,24 @@
 //! What can be known before a dive: the front seat's plan against the fence, and the limits against the vehicle's class.
 //!
 //! The plan is judged as the vehicle will fly it: every leg and rim whole, with the tracking error of the limits, at its
-//! depths or altitudes, and at its time. What the backseat adds to it is judged when it is asked for.
+//! depths or altitudes, and at its time; on the way down from where it starts; in the turn from one way to the next; and
+//! on from wherever an element's time limit may end it. What the backseat adds to it is judged when it is asked for.
 
 use std::time::Duration;
 
 use backseat_core::Limits;
 use backseat_fence::{Breach, Clearance, Fence, Kind, Shape, Span, Sweep, VerticalExtent};
 use backseat_mvc::{Hull, HullClass, PlannedBehavior, PlannedPath, PlannedVertical};
-use backseat_units::{EastNorth, Position, Utc};
+use backseat_units::{EastNorth, LocalFrame, Position, Utc};
 
 mod reach;
 
 /// Nothing shallower is known of the seabed: no altitude is too low.
 const ALTITUDE_UNKNOWN_M: f64 = 1e6;
+
+/// Places that are no further apart are one, metres, and ways that differ by no more, degrees.
+const SAME_PLACE_M: f64 = 0.01;
+const SAME_WAY_DEG: f64 = 0.01;
 
 /// A dive as it is planned.
 #[derive(Clone, Copy, Debug)]
@@ -26,19 +31,40 @@ pub struct Dive<'a> {
     pub plan: &'a [PlannedBehavior],
     /// Where it begins; at the plan's first place where that is not known.
     pub start: Option<Position>,
+    /// How deep it begins, metres: 0 at the surface.
+    pub start_depth_m: f64,
     /// When it begins.
     pub utc: Utc,
 }
 
 /// Where the vehicle is on its way through the plan.
 struct Way {
-    at: EastNorth,
+    /// It is in their hull: at one place, or wherever a time limit may have ended an element.
+    places: Vec<EastNorth>,
     /// It may be so far from there, metres.
     spread_m: f64,
+    /// Which way it goes, degrees in the fence's frame, where that is known.
+    bearing_deg: Option<f64>,
+    /// Through the water, metres a second.
+    speed_mps: f64,
     depths_m: Option<[f64; 2]>,
     /// Since the start, seconds, at the earliest and at the latest.
     since_s: [f64; 2],
 }
+
+/// What is swept of a behavior.
+struct Part {
+    /// What the vehicle does there, where it does not yet fly the behavior itself.
+    what: &'static str,
+    shapes: Vec<Shape>,
+    radius_m: f64,
+    /// How long it is, metres, at least and at most.
+    length_m: [f64; 2],
+}
+
+const TURN: &str = "turning to it: ";
+const WAY: &str = "on the way to it: ";
+const WAY_CUT_SHORT: &str = "on the way to it from wherever a time limit ends what is before: ";
 
 impl Dive<'_> {
     /// Whatever keeps the plan from being flown inside the fence, a line each, with the place.
@@ -56,45 +82,57 @@ impl Dive<'_> {
             findings.push("plan: it leads nowhere, expected a place".to_owned());
             return findings;
         };
+        let start = frame.to_local(start);
         let mut way = Way {
-            at: frame.to_local(start),
+            places: vec![start],
             spread_m: 0.0,
+            bearing_deg: None,
+            speed_mps: 0.0,
             depths_m: None,
             since_s: [0.0; 2],
         };
-        if let Err(breach) = self.contains(way.at, self.span([0.0; 2])) {
+        if let Err(breach) = self.contains(start, self.span([0.0; 2])) {
             findings.push(format!("start: {breach}"));
         }
-        let mut inside = vec![way.at];
+        let mut inside = vec![start];
         for behavior in self.plan {
             self.fly(behavior, &mut way, &mut findings);
-            inside.push(way.at);
+            inside.extend(&way.places);
         }
-        findings.extend(reach::unreachable(self.fence, &inside));
+        findings.extend(reach::unreachable(self.fence, self.limits, &inside));
         findings.extend(self.closed(way.since_s[1]));
         findings
+    }
+
+    /// Whether the plan is flown at depths over a bottom that no limit tells of, so that no altitude of the fence is
+    /// judged.
+    #[must_use]
+    pub fn bottom_is_unknown(&self) -> bool {
+        let at_depth = |behavior: &PlannedBehavior| match behavior.vertical {
+            PlannedVertical::Depth(_) => behavior.path != PlannedPath::Nowhere,
+            PlannedVertical::Altitude(_) => false,
+        };
+        let over_bottom = self.fence.zones().any(|zone| match zone.kind() {
+            Kind::Inclusion { altitude_min_m, .. } => altitude_min_m > 0.0,
+            Kind::Exclusion { .. } => false,
+        });
+        self.limits.water_depth_min_m.is_none() && over_bottom && self.plan.iter().any(at_depth)
     }
 
     /// Judges a behavior and goes on to its end.
     fn fly(&self, behavior: &PlannedBehavior, way: &mut Way, findings: &mut Vec<String>) {
         let place = format!("plan element {}", behavior.element);
         let frame = self.fence.frame();
-        let strayed_m = self.limits.tracking_error_m;
-        let mut legs: Vec<(Shape, f64, f64)> = Vec::new();
-        let (from, from_m) = (way.at, way.spread_m);
-        let to = |to: EastNorth| (Shape::leg(from, to), strayed_m + from_m, from.distance_m(to));
-        let (end, spread_m) = match behavior.path {
+        let (begun, begun_s) = (way.places.clone(), way.since_s);
+        let mut parts = Vec::new();
+        match behavior.path {
             PlannedPath::Nowhere => return,
-            PlannedPath::Waypoint { to: waypoint } => {
-                let waypoint = frame.to_local(waypoint);
-                legs.push(to(waypoint));
-                (waypoint, 0.0)
+            PlannedPath::Waypoint { to } => {
+                self.lead(behavior, way, vec![frame.to_local(to)], &mut parts);
             }
             PlannedPath::Line { start, end } => {
-                let (start, end) = (frame.to_local(start), frame.to_local(end));
-                legs.push(to(start));
-                legs.push((Shape::leg(start, end), strayed_m, start.distance_m(end)));
-                (end, 0.0)
+                self.lead(behavior, way, vec![frame.to_local(start)], &mut parts);
+                self.lead(behavior, way, vec![frame.to_local(end)], &mut parts);
             }
             PlannedPath::Circle {
                 centre,
@@ -104,44 +142,62 @@ impl Dive<'_> {
             } => {
                 let convergence_deg = frame.convergence_deg(centre);
                 let centre = frame.to_local(centre);
-                let entry_deg =
-                    entry_deg.map_or_else(|| centre.bearing_deg(way.at), |entry_deg| entry_deg - convergence_deg);
-                legs.push(to(centre.offset(entry_deg, radius_m)));
-                let round_m = std::f64::consts::TAU * radius_m * orbits.abs();
-                legs.push((Shape::rim(centre, radius_m), strayed_m, round_m));
-                (centre.offset(entry_deg + 360.0 * orbits, radius_m), 0.0)
+                let entry_deg = match (entry_deg, &way.places[..]) {
+                    (Some(entry_deg), _) => Some(entry_deg - convergence_deg),
+                    (None, [from]) => Some(centre.bearing_deg(*from)),
+                    // Anywhere on its rim.
+                    (None, _) => None,
+                };
+                let on_rim = |turned_deg: f64| match entry_deg {
+                    Some(entry_deg) => vec![centre.offset(entry_deg + turned_deg, radius_m)],
+                    None => square(centre, radius_m),
+                };
+                self.lead(behavior, way, on_rim(0.0), &mut parts);
+                parts.push(Part {
+                    what: "",
+                    shapes: vec![Shape::rim(centre, radius_m)],
+                    radius_m: self.limits.tracking_error_m,
+                    length_m: [std::f64::consts::TAU * radius_m * orbits.abs(); 2],
+                });
+                way.places = on_rim(360.0 * orbits);
+                way.bearing_deg = None;
             }
             PlannedPath::Heading { heading_deg, duration } => {
-                let heading_deg = heading_deg - frame.convergence_deg(frame.to_position(way.at));
-                let end = way.at.offset(heading_deg, behavior.speed_mps * duration.as_secs_f64());
+                let heading_deg = heading_deg - frame.convergence_deg(frame.to_position(begun[0]));
+                let length_m = behavior.speed_mps * duration.as_secs_f64();
+                let to = begun.iter().map(|from| from.offset(heading_deg, length_m)).collect();
                 // Nothing holds it against the current.
                 let spread_m = way.spread_m + self.limits.current_max_mps * duration.as_secs_f64();
-                legs.push((Shape::leg(way.at, end), strayed_m + spread_m, way.at.distance_m(end)));
-                (end, spread_m)
+                way.spread_m = spread_m;
+                self.lead(behavior, way, to, &mut parts);
+                (way.spread_m, way.bearing_deg) = (spread_m, Some(heading_deg));
             }
-        };
+        }
+        if let (Some(leg), PlannedPath::Line { .. } | PlannedPath::Heading { .. }) = (parts.last_mut(), behavior.path) {
+            leg.what = "";
+        }
         let depths_m = self.depths_m(behavior.vertical);
-        for (shape, radius_m, length_m) in legs {
-            let begun_s = way.since_s[0];
-            way.since_s = self.later(way.since_s, behavior, length_m + way.spread_m);
-            let span = self.span([begun_s, way.since_s[1]]);
+        for part in parts {
+            let part_begun_s = way.since_s[0];
+            way.since_s = self.later(way.since_s, behavior, part.length_m);
+            let span = self.span([part_begun_s, way.since_s[1]]);
             let judged = match depths_m {
-                Some(own_m) => {
-                    let passed_m = way.depths_m.unwrap_or(own_m);
-                    let extent = VerticalExtent {
-                        depth_min_m: own_m[0].min(passed_m[0]).max(0.0),
-                        depth_max_m: own_m[1].max(passed_m[1]),
-                        altitude_min_m: self.altitude_m(behavior.vertical),
-                    };
-                    self.check(&Sweep::new(shape, radius_m), &extent, span)
-                }
+                Some(own_m) => part.shapes.iter().find_map(|shape| {
+                    let sweep = Sweep::new(*shape, part.radius_m);
+                    self.judge(&sweep, behavior.vertical, own_m, way.depths_m, span).err()
+                }),
                 // Nothing tells its depths: where it leads must be inside at least.
-                None => self.contains(end, span),
+                None => way.places.iter().find_map(|end| self.contains(*end, span).err()),
             };
-            if let Err(breach) = judged {
-                findings.push(format!("{place}: {breach}"));
+            if let Some(breach) = judged {
+                findings.push(format!("{place}: {}{breach}", part.what));
             }
-            way.depths_m = depths_m;
+            // Steeper than it goes along it comes to no depth.
+            let middle_m = |[shallowest_m, deepest_m]: [f64; 2]| f64::midpoint(shallowest_m, deepest_m);
+            let before_m = way.depths_m.map_or(self.start_depth_m, middle_m);
+            if depths_m.is_none_or(|own_m| part.length_m[0] >= (middle_m(own_m) - before_m).abs()) {
+                way.depths_m = depths_m;
+            }
         }
         if depths_m.is_none() {
             findings.push(format!(
@@ -156,7 +212,92 @@ impl Dive<'_> {
                 behavior.speed_mps, self.limits.speed_min_mps
             ));
         }
-        (way.at, way.spread_m) = (end, spread_m);
+        if let Some(timeout) = behavior.timeout {
+            let timeout_s = timeout.as_secs_f64();
+            if begun_s[1] + timeout_s < way.since_s[1] {
+                way.end_anywhere(behavior, frame, begun);
+            }
+            way.since_s = [0, 1].map(|end| way.since_s[end].min(begun_s[end] + timeout_s));
+        }
+    }
+
+    /// Turns to where the behavior leads next, and goes there.
+    fn lead(&self, behavior: &PlannedBehavior, way: &mut Way, to: Vec<EastNorth>, parts: &mut Vec<Part>) {
+        let from = core::mem::replace(&mut way.places, to);
+        let stays = matches!((&from[..], &way.places[..]), ([from], [to]) if from.distance_m(*to) < SAME_PLACE_M);
+        let bearing_deg = if stays {
+            way.bearing_deg
+        } else {
+            one_bearing_deg(&from, &way.places)
+        };
+        let radius_m = self.limits.tracking_error_m + way.spread_m;
+        let turn_m = way.speed_mps.max(behavior.speed_mps) / self.limits.turn_rate_dps.to_radians();
+        let turned_deg = match (way.bearing_deg, bearing_deg) {
+            (Some(before_deg), Some(after_deg)) => {
+                let turned_deg = (after_deg - before_deg).rem_euclid(360.0);
+                turned_deg.min(360.0 - turned_deg)
+            }
+            (None, _) | (_, None) => 180.0,
+        };
+        // From a standstill it needs no room. On its turn it is no further from the corner than where that ends.
+        let turn_m = if way.speed_mps > 0.0 && !stays { turn_m } else { 0.0 };
+        let room_m = 2.0 * turn_m * backseat_units::math::sin((turned_deg / 2.0).to_radians());
+        if room_m > 0.0 {
+            parts.push(Part {
+                what: TURN,
+                shapes: Shape::hulls(&from),
+                radius_m: radius_m + room_m,
+                length_m: [0.0, turn_m * std::f64::consts::TAU],
+            });
+        }
+        let distances_m = || {
+            let pairs = from
+                .iter()
+                .flat_map(|from| way.places.iter().map(move |to| from.distance_m(*to)));
+            pairs.map(|distance_m| distance_m + way.spread_m)
+        };
+        let both: Vec<EastNorth> = from.iter().chain(&way.places).copied().collect();
+        parts.push(Part {
+            what: if from.len() == 1 { WAY } else { WAY_CUT_SHORT },
+            shapes: Shape::hulls(&both),
+            radius_m,
+            length_m: [
+                if from.len() == 1 {
+                    distances_m().fold(f64::INFINITY, f64::min)
+                } else {
+                    0.0
+                },
+                distances_m().fold(0.0, f64::max),
+            ],
+        });
+        (way.spread_m, way.bearing_deg, way.speed_mps) = (0.0, bearing_deg, behavior.speed_mps);
+    }
+
+    fn judge(
+        &self,
+        sweep: &Sweep,
+        vertical: PlannedVertical,
+        own_m: [f64; 2],
+        passed_m: Option<[f64; 2]>,
+        span: Option<Span>,
+    ) -> Result<Clearance, Breach> {
+        let [shallowest_m, deepest_m] = passed_m.unwrap_or(own_m);
+        // On the way down it is shallower than the zones may allow: that is how a dive begins.
+        let start_m = if passed_m.is_none() {
+            self.start_depth_m
+        } else {
+            own_m[0]
+        };
+        let extent = VerticalExtent {
+            depth_min_m: own_m[0].min(shallowest_m).max(0.0),
+            depth_max_m: own_m[1].max(deepest_m).max(start_m),
+            altitude_min_m: self.altitude_m(vertical),
+        };
+        let depths_m = [extent.depth_min_m.min(start_m), extent.depth_max_m];
+        match span {
+            Some(span) => self.fence.during(span).check_passing(sweep, &extent, depths_m),
+            None => self.fence.check_passing(sweep, &extent, depths_m),
+        }
     }
 
     /// The depths of a setpoint; `None` where they hang on a seabed that no limit tells of.
@@ -181,18 +322,18 @@ impl Dive<'_> {
     }
 
     /// How long a way takes, seconds, at least and at most; the most is infinite where the current may hold the vehicle.
-    fn seconds(&self, behavior: &PlannedBehavior, length_m: f64) -> [f64; 2] {
+    fn seconds(&self, behavior: &PlannedBehavior, [least_m, most_m]: [f64; 2]) -> [f64; 2] {
         let current_mps = self.limits.current_max_mps;
         let slowest_mps = behavior.speed_mps - current_mps;
         let most_s = if slowest_mps > 0.0 {
-            length_m / slowest_mps
+            most_m / slowest_mps
         } else {
             f64::INFINITY
         };
-        [length_m / (behavior.speed_mps + current_mps), most_s]
+        [least_m / (behavior.speed_mps + current_mps), most_s]
     }
 
-    fn later(&self, since_s: [f64; 2], behavior: &PlannedBehavior, length_m: f64) -> [f64; 2] {
+    fn later(&self, since_s: [f64; 2], behavior: &PlannedBehavior, length_m: [f64; 2]) -> [f64; 2] {
         let [least_s, most_s] = match behavior.path {
             PlannedPath::Heading { duration, .. } => [duration.as_secs_f64(); 2],
             PlannedPath::Waypoint { .. }
@@ -212,13 +353,6 @@ impl Dive<'_> {
             from: after(since_s[0])?,
             until: after(since_s[1])?,
         })
-    }
-
-    fn check(&self, sweep: &Sweep, extent: &VerticalExtent, span: Option<Span>) -> Result<Clearance, Breach> {
-        match span {
-            Some(span) => self.fence.during(span).check(sweep, extent),
-            None => self.fence.check(sweep, extent),
-        }
     }
 
     fn contains(&self, at: EastNorth, span: Option<Span>) -> Result<Clearance, Breach> {
@@ -245,6 +379,41 @@ impl Dive<'_> {
         };
         zones.map(told).collect()
     }
+}
+
+impl Way {
+    /// A time limit may end the behavior anywhere between where it begun and where it ends.
+    fn end_anywhere(&mut self, behavior: &PlannedBehavior, frame: &LocalFrame, begun: Vec<EastNorth>) {
+        match behavior.path {
+            PlannedPath::Line { start, .. } => self.places.push(frame.to_local(start)),
+            PlannedPath::Circle { centre, radius_m, .. } => {
+                self.places.extend(square(frame.to_local(centre), radius_m));
+            }
+            PlannedPath::Waypoint { .. } | PlannedPath::Heading { .. } | PlannedPath::Nowhere => {}
+        }
+        self.places.extend(begun);
+        // Still the same where all of it lies on one line.
+        let [end, before @ ..] = &self.places[..] else { return };
+        self.bearing_deg = one_bearing_deg(before, &[*end]);
+    }
+}
+
+/// Which way all of them lead, degrees, if it is one.
+fn one_bearing_deg(from: &[EastNorth], to: &[EastNorth]) -> Option<f64> {
+    let pairs = from.iter().flat_map(|from| to.iter().map(move |to| (*from, *to)));
+    let mut bearings = pairs
+        .filter(|(from, to)| from != to)
+        .map(|(from, to)| from.bearing_deg(to));
+    let first_deg = bearings.next()?;
+    bearings
+        .all(|bearing_deg| (bearing_deg - first_deg).abs() < SAME_WAY_DEG)
+        .then_some(first_deg)
+}
+
+/// The corners of the square around a circle.
+fn square(centre: EastNorth, radius_m: f64) -> Vec<EastNorth> {
+    let corner = |bearing_deg| centre.offset(bearing_deg, radius_m * std::f64::consts::SQRT_2);
+    vec![corner(45.0), corner(135.0), corner(225.0), corner(315.0)]
 }
 
 /// What the limits and the fence allow and a hull of the class cannot do.

@@ -1,12 +1,17 @@
 //! What the computer itself must have for a dive: folders that can be written, room for the logs, a clock.
 
 use std::fs;
+use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, UNIX_EPOCH};
 
 use anyhow::{Context, Result};
 use backseat_mission::Mission;
 use backseat_units::Utc;
+
+use crate::output::say;
+use crate::run::names_requests;
+use crate::state::State;
 
 /// A log of a day at sea: 10 Hz of navigation and all else that is heard, some 3 kB/s, fourfold.
 const LOG_ROOM: u64 = 1 << 30;
@@ -38,6 +43,43 @@ pub(super) fn findings(mission: &Mission, log: &Path, state: &Path, now: Utc) ->
         ));
     }
     findings
+}
+
+/// Whatever earlier runs, the operator or other programs have left that keeps this mission from being flown, a line each.
+pub(super) fn kept(mission: &Mission, folder: &Path) -> Result<Vec<String>> {
+    let mut findings = Vec::new();
+    // Where it is not there yet it is not made.
+    let state = folder.is_dir().then(|| State::open(Some(folder), &mission.name));
+    let mut recorded = None;
+    match state.transpose() {
+        Ok(Some(state)) => {
+            if state.held() {
+                findings.push(format!(
+                    "hold: {} stands, and with it nothing that steers is sent: expected no such file",
+                    state.hold_path().display()
+                ));
+            }
+            match state.identifiers(None) {
+                Ok(identifiers) => recorded = identifiers,
+                Err(error) => findings.push(format!("state: {error:#}")),
+            }
+        }
+        Ok(None) => {}
+        Err(error) => findings.push(format!("state: {error:#}")),
+    }
+    if recorded.is_none() && findings.is_empty() && names_requests(mission) {
+        say!(
+            "no record of SPI identifiers in {}: `run` sends no tracklines, circles, GPS hits and acoustic packets unless it \
+             begins one, with --first-identifier N",
+            folder.display()
+        );
+    }
+    for driver in &mission.file.drivers {
+        if let Err(error) = TcpListener::bind(&driver.listen) {
+            findings.push(format!("driver {}: {}: {error}", driver.name, driver.listen));
+        }
+    }
+    Ok(findings)
 }
 
 /// The folder, or the one in which it will be made, takes a file and has room.
@@ -73,7 +115,7 @@ fn existing(folder: &Path) -> PathBuf {
 /// The first file of the mission that comes from the future, and by how much.
 fn written_later(mission: &Mission, now: Utc) -> Option<(&'static str, Duration)> {
     let now = UNIX_EPOCH + Duration::from_nanos(now.as_unix_nanos());
-    ["mission.toml", mission.fence_file, "world.toml"]
+    ["mission.toml", mission.fence_file, "world.toml", "plan.toml"]
         .into_iter()
         .find_map(|file| {
             let written = fs::metadata(mission.folder.join(file)).ok()?.modified().ok()?;

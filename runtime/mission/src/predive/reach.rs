@@ -1,30 +1,48 @@
 //! Inclusion zones that nobody can come to: what is flown must lie in one polygon, so that the vehicle changes from one
-//! to another only where they overlap.
+//! to another only where they overlap, at a depth that both allow; and in each there must be a place that the margins,
+//! the exclusions and the water leave.
 
-use backseat_fence::{Fence, Kind, Zone};
+use backseat_core::Limits;
+use backseat_fence::{Band, Fence, Kind, Shape, Sweep, VerticalExtent, Zone};
 use backseat_units::EastNorth;
+
+use super::ALTITUDE_UNKNOWN_M;
 
 /// Pairs of edges that are looked at; zones with more are taken to overlap where their boxes do.
 const PAIRS_MAX: usize = 20_000_000;
+/// Places that are tried along a polygon's edges, and on each side of a grid over it.
+const ALONG_EDGES: usize = 4096;
+const GRID: u32 = 48;
+/// How far inside the margin a place is tried, metres.
+const INSIDE_M: [f64; 2] = [0.01, 1.0];
 
 /// A polygon of an inclusion zone: its rings, the outer one first.
 struct Part<'a> {
     zone: &'a Zone,
+    /// Which of the zone's, from 1.
+    number: usize,
+    depth: Band,
+    altitude_min_m: f64,
     rings: Vec<&'a [EastNorth]>,
     min: EastNorth,
     max: EastNorth,
 }
 
-/// The zones of which no polygon holds one of the places, or overlaps one that does, however many others between.
-pub(super) fn unreachable(fence: &Fence, places: &[EastNorth]) -> Vec<String> {
+/// The polygons that hold none of the places and overlap none that does, however many others between; and those in which
+/// nobody can be at all.
+pub(super) fn unreachable(fence: &Fence, limits: &Limits, places: &[EastNorth]) -> Vec<String> {
     let parts = parts(fence);
+    let mut findings: Vec<String> = parts
+        .iter()
+        .filter_map(|part| part.without_room(fence, limits))
+        .collect();
     let mut reached: Vec<bool> = parts
         .iter()
         .map(|part| places.iter().any(|place| part.holds(*place)))
         .collect();
     if !reached.contains(&true) {
         // The start is told of already, and all else follows from it.
-        return Vec::new();
+        return findings;
     }
     let mut waiting: Vec<usize> = (0..parts.len()).filter(|part| reached[*part]).collect();
     while let Some(from) = waiting.pop() {
@@ -35,32 +53,25 @@ pub(super) fn unreachable(fence: &Fence, places: &[EastNorth]) -> Vec<String> {
             }
         }
     }
-    let mut findings = Vec::new();
-    for zone in fence.zones() {
-        let of_it = || {
-            parts
-                .iter()
-                .zip(&reached)
-                .filter(|(part, _)| core::ptr::eq(part.zone, zone))
-        };
-        if of_it().next().is_some() && of_it().all(|(_, reached)| !reached) {
-            findings.push(format!(
-                "inclusion '{}': neither start nor plan comes into it, nor into a zone that overlaps it, expected one that \
-                 can be reached",
-                zone.name()
-            ));
-        }
-    }
+    findings.extend(parts.iter().zip(reached).filter(|(_, reached)| !reached).map(|(part, _)| {
+        format!(
+            "{}: neither start nor plan comes into it, nor into a zone that overlaps it at a depth of both, expected one \
+             that can be reached",
+            part.name()
+        )
+    }));
     findings
 }
 
 fn parts(fence: &Fence) -> Vec<Part<'_>> {
     let mut parts: Vec<Part<'_>> = Vec::new();
     for zone in fence.zones() {
-        match zone.kind() {
-            Kind::Inclusion { .. } => {}
+        let (depth, altitude_min_m) = match zone.kind() {
+            Kind::Inclusion {
+                depth, altitude_min_m, ..
+            } => (depth, altitude_min_m),
             Kind::Exclusion { .. } => continue,
-        }
+        };
         for ring in zone.rings() {
             match parts.last_mut().filter(|_| ring.hole.is_some()) {
                 Some(part) => part.rings.push(ring.points),
@@ -73,6 +84,9 @@ fn parts(fence: &Fence) -> Vec<Part<'_>> {
                     };
                     parts.push(Part {
                         zone,
+                        number: ring.polygon,
+                        depth,
+                        altitude_min_m,
                         rings: vec![ring.points],
                         min: extreme(f64::min),
                         max: extreme(f64::max),
@@ -85,6 +99,75 @@ fn parts(fence: &Fence) -> Vec<Part<'_>> {
 }
 
 impl Part<'_> {
+    fn name(&self) -> String {
+        let several = self.zone.rings().any(|ring| ring.polygon > 1);
+        let number = if several {
+            format!(" polygon {}", self.number)
+        } else {
+            String::new()
+        };
+        format!("inclusion '{}'{number}", self.zone.name())
+    }
+
+    /// What leaves no place in it, if nothing is left. Where zones change with time that is not asked.
+    fn without_room(&self, fence: &Fence, limits: &Limits) -> Option<String> {
+        if let Some(deepest_m) = limits.water_depth_max_m
+            && self.depth.min_m + self.altitude_min_m > deepest_m
+        {
+            return Some(format!(
+                "{}: depth_min_m {} and altitude_min_m {} need more water than limits.water_depth_max_m of {deepest_m}, \
+                 expected some room between them",
+                self.name(),
+                self.depth.min_m,
+                self.altitude_min_m
+            ));
+        }
+        let Band { min_m, max_m } = self.depth;
+        let free = |at: EastNorth| {
+            [f64::midpoint(min_m, max_m), min_m, max_m].into_iter().any(|depth_m| {
+                let extent = VerticalExtent {
+                    depth_min_m: depth_m,
+                    depth_max_m: depth_m,
+                    altitude_min_m: ALTITUDE_UNKNOWN_M,
+                };
+                fence.check(&Sweep::new(Shape::point(at), 0.0), &extent).is_ok()
+            })
+        };
+        let none = !fence.changes() && !self.tried().any(|at| free(at) && self.holds(at));
+        none.then(|| {
+            format!(
+                "{}: its margin of {} m and the exclusions leave no place in it, expected one where the vehicle can be",
+                self.name(),
+                self.zone.margin_m()
+            )
+        })
+    }
+
+    /// Places in it and about: on a grid, and along the edges, where the narrowest room is.
+    fn tried(&self) -> impl Iterator<Item = EastNorth> + '_ {
+        let edges = self.edges().count().max(1);
+        let (every, each) = (edges.div_ceil(ALONG_EDGES), (ALONG_EDGES / edges).clamp(1, 64));
+        let along = self.edges().step_by(every).flat_map(move |(a, b)| {
+            let (length_m, bearing_deg) = (a.distance_m(b), a.bearing_deg(b));
+            (0..each).flat_map(move |index| {
+                let on = a.offset(bearing_deg, length_m * (index as f64 + 0.5) / each as f64);
+                // Inside is to the left: outer rings run counterclockwise, holes clockwise.
+                INSIDE_M.map(|inside_m| on.offset(bearing_deg - 90.0, self.zone.margin_m() + inside_m))
+            })
+        });
+        let size = self.max - self.min;
+        let grid = (0..GRID).flat_map(move |row| {
+            (0..GRID).map(move |column| {
+                let part = |index: u32| (f64::from(index) + 0.5) / f64::from(GRID);
+                EastNorth::new(
+                    self.min.east_m + size.east_m * part(column),
+                    self.min.north_m + size.north_m * part(row),
+                )
+            })
+        });
+        grid.chain(along)
+    }
+
     fn edges(&self) -> impl Iterator<Item = (EastNorth, EastNorth)> + '_ {
         self.rings
             .iter()
@@ -105,7 +188,9 @@ impl Part<'_> {
         let apart = self.max.east_m < other.min.east_m
             || other.max.east_m < self.min.east_m
             || self.max.north_m < other.min.north_m
-            || other.max.north_m < self.min.north_m;
+            || other.max.north_m < self.min.north_m
+            || self.depth.max_m < other.depth.min_m
+            || other.depth.max_m < self.depth.min_m;
         if apart {
             return false;
         }

@@ -37,11 +37,15 @@ fn has(said: &str, parts: &[&str]) {
 
 /// The suite's mission with another zone in its fence.
 fn with_zone(properties: &str, ring: &str) -> Mission {
+    and_zone(Mission::steady(), properties, ring)
+}
+
+fn and_zone(mission: Mission, properties: &str, ring: &str) -> Mission {
     let zone = format!(
         r#"    {{"type": "Feature", "properties": {{{properties}}}, "geometry": {{"type": "Polygon", "coordinates": [[{ring}]]}}}},
     {{"type": "Feature", "properties": {{"name": "box""#
     );
-    Mission::steady().edit(
+    mission.edit(
         "fence.geojson",
         r#"    {"type": "Feature", "properties": {"name": "box""#,
         &zone,
@@ -89,17 +93,18 @@ fn a_zone_counts_at_the_time_of_the_leg() {
             ON_THE_LEG,
         )
     };
+    let at = ["--at", "2026-06-01T08:00:00Z"];
     let during = zone(r#""valid_from": "2026-06-01T08:10:00Z""#);
-    has(&not_ready(&during, &[]), &["plan element 1: ", "'convoy'"]);
-    let _ = ready(&zone(r#""valid_from": "2026-06-01T09:00:00Z""#), &[]);
-    let _ = ready(&zone(r#""valid_until": "2026-06-01T07:59:00Z""#), &[]);
+    has(&not_ready(&during, &at), &["plan element 1: ", "'convoy'"]);
+    let _ = ready(&zone(r#""valid_from": "2026-06-01T09:00:00Z""#), &at);
+    let _ = ready(&zone(r#""valid_until": "2026-06-01T07:59:00Z""#), &at);
     let closes = Mission::steady().edit(
         "fence.geojson",
         r#""name": "box","#,
         r#""name": "box", "valid_until": "2026-06-01T08:05:00Z","#,
     );
     has(
-        &not_ready(&closes, &[]),
+        &not_ready(&closes, &at),
         &["plan element 1: ", "box", "2026-06-01T08:05:00Z"],
     );
     let over = with_zone(
@@ -108,9 +113,99 @@ fn a_zone_counts_at_the_time_of_the_leg() {
         ON_THE_LEG,
     );
     has(
-        &not_ready(&over, &[]),
+        &not_ready(&over, &at),
         &["inclusion 'harbour': ", "until 2026-05-31T08:00:00Z", "expected"],
     );
+}
+
+#[test]
+fn zones_that_come_and_go_count_today_and_on_the_day_of_the_simulation() {
+    let zone = |window: &str| {
+        with_zone(
+            &format!(r#""name": "dredging", "kind": "exclusion", "margin_m": 5, {window}"#),
+            ON_THE_LEG,
+        )
+    };
+    let since = zone(r#""valid_from": "2026-06-02T00:00:00Z""#);
+    let said = not_ready(&since, &[]);
+    has(&said, &["plan: judged as begun at 2026-06-01T08:00:00Z", "now", "--at"]);
+    has(&said, &["plan element 1: ", "'dredging'", "begun now"]);
+    let until = zone(r#""valid_until": "2026-06-02T00:00:00Z""#);
+    has(&not_ready(&until, &[]), &["'dredging'", "begun as world.toml says"]);
+    let _ = ready(&until, &["--at", "2027-01-01T00:00:00+01:00"]);
+    let line = Backseat::new()
+        .args(["check", "--at", "tomorrow"])
+        .mission(&since)
+        .run();
+    assert_eq!(line.code, Some(2), "{line}");
+    assert!(line.stderr.contains("2026-06-01T08:00:00Z"), "{line}");
+}
+
+/// A plan's file beside a mission.
+fn plan_file(mission: &Mission, plan: &str) -> String {
+    let file = mission.beside("plan.toml");
+    std::fs::write(&file, plan).unwrap();
+    file.to_str().unwrap().to_owned()
+}
+
+fn line(from: [i32; 2], to: [i32; 2], rest: &str) -> String {
+    let [[a, b], [c, d]] = [from, to];
+    format!(
+        "[[plan]]\nkind = \"trackline\"\nstart = {{ east_m = {a}, north_m = {b} }}\nend = {{ east_m = {c}, north_m = {d} }}\n\
+         depth_m = 8\nspeed_mps = 1.5\n{rest}\n"
+    )
+}
+
+#[test]
+fn a_time_limit_may_end_an_element_anywhere_on_it() {
+    // From the middle of the first line, the way to the second leads over the zone.
+    let zone = with_zone(
+        r#""name": "reef", "kind": "exclusion", "margin_m": 5"#,
+        "[-70.7005, 42.3518], [-70.699, 42.3518], [-70.699, 42.3522], [-70.7005, 42.3522], [-70.7005, 42.3518]",
+    );
+    let plan = |limit: &str| {
+        let back = line([600, 500], [-600, 500], "");
+        plan_file(&zone, &format!("{}{back}", line([-600, 0], [600, 0], limit)))
+    };
+    let _ = ready(&zone, &["--plan", &plan("")]);
+    let _ = ready(&zone, &["--plan", &plan("timeout_s = 3600")]);
+    let said = not_ready(&zone, &["--plan", &plan("timeout_s = 300")]);
+    has(&said, &["plan element 2: ", "wherever a time limit", "'reef'"]);
+}
+
+#[test]
+fn the_way_down_is_judged() {
+    let shallow = with_zone(
+        r#""name": "lane", "kind": "exclusion", "margin_m": 1, "depth_max_m": 5"#,
+        "[-70.7065, 42.349], [-70.7060, 42.349], [-70.7060, 42.351], [-70.7065, 42.351], [-70.7065, 42.349]",
+    );
+    let _ = ready(&shallow, &[]);
+    let from = |mission: Mission, depth_m: u32| {
+        mission.edit(
+            "world.toml",
+            "depth_m = 8\nheading_deg",
+            &format!("depth_m = {depth_m}\nheading_deg"),
+        )
+    };
+    has(&not_ready(&from(shallow, 0), &[]), &["plan element 1: ", "'lane'"]);
+    has(
+        &not_ready(&from(Mission::steady(), 45), &[]),
+        &["plan element 1: ", "5.0 m deeper", "'box'"],
+    );
+}
+
+#[test]
+fn a_turn_needs_room() {
+    // The zone's edge is 20 m beyond the end of the line, with the margin, and a turn back is wider.
+    let mission = Mission::steady();
+    let plan = |east_m: i32| {
+        let there = line([0, 0], [east_m, 0], "");
+        plan_file(&mission, &format!("{there}{}", line([east_m, 30], [0, 30], "")))
+    };
+    let _ = ready(&mission, &["--plan", &plan(1400)]);
+    let said = not_ready(&mission, &["--plan", &plan(1460)]);
+    has(&said, &["plan element 2: turning to it: ", "'box'"]);
+    assert!(!said.contains("plan element 1: "), "{said}");
 }
 
 #[test]
@@ -153,6 +248,28 @@ fn an_inclusion_that_nobody_can_reach_is_told() {
     );
     let joined = island.replace("-70.6650", "-70.6900");
     let _ = ready(&with_zone(properties, &joined), &[]);
+    // At other depths than the zone that it lies over.
+    let under = properties.replace(r#""depth_max_m": 30"#, r#""depth_min_m": 45, "depth_max_m": 50"#);
+    has(
+        &not_ready(&with_zone(&under, &joined), &[]),
+        &["inclusion 'island': ", "at a depth of both"],
+    );
+    // Where two exclusions together leave no place in it, though neither does.
+    let half = |name: &str, mission: Mission, west: f64, east: f64| {
+        let ring = format!("[{west}, 42.344], [{east}, 42.344], [{east}, 42.356], [{west}, 42.356], [{west}, 42.344]");
+        and_zone(
+            mission,
+            &format!(r#""name": "{name}", "kind": "exclusion", "margin_m": 5"#),
+            &ring,
+        )
+    };
+    let beside = island.replace("-70.6650", "-70.6830");
+    let eastern = || half("east", with_zone(properties, &beside), -70.67, -70.65);
+    let _ = ready(&eastern(), &[]);
+    has(
+        &not_ready(&half("west", eastern(), -70.69, -70.6699), &[]),
+        &["inclusion 'island': ", "exclusions", "no place"],
+    );
 }
 
 #[test]
@@ -217,6 +334,32 @@ fn a_plan_in_a_file_is_checked_in_the_worlds_place() {
         .run();
     assert_eq!(line.code, Some(2), "{line}");
     assert!(line.stderr.contains("plan.toml:3: unknown field `where`"), "{line}");
+}
+
+#[test]
+fn what_would_keep_the_run_from_steering_is_told() {
+    let mission = Mission::steady();
+    let state = mission.beside("state");
+    let arguments = ["--state", state.to_str().unwrap()];
+    std::fs::create_dir(&state).unwrap();
+    let _ = ready(&mission, &arguments);
+    std::fs::write(state.join("hold"), "").unwrap();
+    has(&not_ready(&mission, &arguments), &["hold: ", "stands"]);
+    std::fs::remove_file(state.join("hold")).unwrap();
+    std::fs::write(state.join("identifiers"), "many").unwrap();
+    has(&not_ready(&mission, &arguments), &["identifiers", "expected a number"]);
+    std::fs::remove_file(state.join("identifiers")).unwrap();
+    has(
+        &not_ready(&mission, &["--set", "vehicle.address=nowhere"]),
+        &["vehicle.address", "HOST:PORT"],
+    );
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let listen = taken.local_addr().unwrap();
+    let driver = format!("[[driver]]\nname = \"ctd\"\nlisten = \"{listen}\"\nsends = [\"BPCTD\"]\n");
+    let with_driver = Mission::steady().append("mission.toml", &driver);
+    has(&not_ready(&with_driver, &[]), &["driver ctd: ", "in use"]);
+    drop(taken);
+    let _ = ready(&with_driver, &[]);
 }
 
 #[test]
@@ -313,6 +456,20 @@ fn a_mission_has_one_fence_and_what_it_needs() {
     refused(&bare, &["mission.toml", "[fence]", "margin_m", "fence.plan"]);
     let twice = Mission::steady().append("mission.toml", TABLE);
     refused(&twice, &["mission.toml", "[fence]", "fence.geojson"]);
+    for (figure, wrong) in [
+        ("margin_m = 20", "margin_m = nan"),
+        ("margin_m = 20", "margin_m = -10"),
+        ("altitude_min_m = 3", "altitude_min_m = 3\ndepth_min_m = nan"),
+        ("depth_max_m = 40", "depth_max_m = inf"),
+        ("altitude_min_m = 3", "altitude_min_m = 3\ndepth_min_m = 60"),
+    ] {
+        let table = TABLE.replace(figure, wrong);
+        let mission = Mission::steady()
+            .without("fence.geojson")
+            .write("fence.plan", PLAN_FENCE)
+            .append("mission.toml", &table);
+        refused(&mission, &["mission.toml: fence.", "expected"]);
+    }
     let unknown = with_fence("fence.plan", PLAN_FENCE).append("mission.toml", "depth_m = 3");
     refused(&unknown, &["mission.toml:", "unknown field `depth_m`"]);
     let broken = with_fence("fence.plan", &PLAN_FENCE.replace("-70.7182", "\"west\""));

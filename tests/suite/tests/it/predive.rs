@@ -144,8 +144,8 @@ fn zones_that_come_and_go_count_today_and_on_the_day_of_the_simulation() {
 /// A plan's file beside a mission.
 fn plan_file(mission: &Mission, plan: &str) -> String {
     let file = mission.beside("plan.toml");
-    std::fs::write(&file, plan).unwrap();
-    file.to_str().unwrap().to_owned()
+    std::fs::write(&file, plan).expect("the mission's folder can be written");
+    file.display().to_string()
 }
 
 fn line(from: [i32; 2], to: [i32; 2], rest: &str) -> String {

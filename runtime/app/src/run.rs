@@ -262,10 +262,19 @@ impl Driver {
         service.stopping();
         slips.end();
         self.farewell().await;
+        self.give_back();
         if let Some(recorder) = self.recorder.take() {
             recorder.finish()?;
         }
         Ok(())
+    }
+
+    /// Records what was used alone, so that a restart costs the mission no insert. Nothing more can be sent.
+    fn give_back(&self) {
+        let recorded = self.core.used().map(|used| self.state.reserve(&used));
+        if let Some(Err(error)) = recorded {
+            warn!("what was reserved and not used cannot be given back: {error:#}");
+        }
     }
 
     fn feed(&mut self, input: Input<'_>) {

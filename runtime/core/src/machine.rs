@@ -17,7 +17,7 @@ use crate::expected::Compared;
 use crate::former::Former;
 use crate::helm::Lease;
 use crate::hull::Hull;
-use crate::io::{Input, Note, Operator, Output, Start};
+use crate::io::{Input, Note, Operator, Output, Reservation, Start};
 use crate::ledger::{Ledger, RequestCounts};
 use crate::navigation::Tracker;
 use crate::orders::Orders;
@@ -232,6 +232,16 @@ impl Core {
             .iter()
             .map(|(request, entry)| format!("{:?} {request} is {:?}", entry.kind, entry.state))
             .collect()
+    }
+
+    /// What was used of the reservations, for who follows this core in order; `None` where there was none.
+    #[must_use]
+    pub fn used(&self) -> Option<Reservation> {
+        self.start.identifiers.map(|identifiers| Reservation {
+            below: identifiers.next,
+            inserts: self.inserts_sent,
+            gps_hits: self.gps_hits_sent,
+        })
     }
 
     /// How often core was called more than half a second late.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use backseat_suite::{Backseat, Mission, Vehicle, free_address, settle};
+use backseat_suite::{Backseat, Mission, Process, Signal, Vehicle, free_address, settle};
 
 use crate::session::{SOON, runtime};
 
@@ -74,6 +74,30 @@ fn a_killed_runtimes_identifiers_are_never_used_again() {
     let different: BTreeSet<&String> = all.iter().collect();
     assert_eq!(all.len(), different.len(), "{all:?}");
     assert!(used.is_sorted(), "{used:?}");
+}
+
+fn ends_in_order(mut runtime: Process) {
+    runtime.signal(Signal::TERM);
+    assert_eq!(runtime.wait(SOON), Some(0), "{}", runtime.stderr());
+}
+
+#[test]
+fn an_orderly_end_records_what_was_used_and_no_more() {
+    let mission = inserting();
+    let record = || std::fs::read_to_string(mission.beside("state/identifiers")).unwrap();
+    let nobody = free_address();
+    for arguments in [&["--first-identifier", "100"][..], &["--arm"], &["--arm"]] {
+        let runtime = runtime(&mission, &nobody, arguments);
+        runtime.says("next attempt in", SOON);
+        ends_in_order(runtime);
+        assert_eq!(record().trim(), "100 100 0 0", "nothing was sent");
+    }
+    let vehicle = Vehicle::start(&mission);
+    let runtime = runtime(&mission, &vehicle.address, &["--arm"]);
+    vehicle.receives("BPRTK", 2, SOON);
+    ends_in_order(runtime);
+    let sent = vehicle.received("BPRTK").len();
+    assert_eq!(record().trim(), format!("{} 100 {sent} 0", 100 + sent));
 }
 
 #[test]

@@ -36,10 +36,11 @@ pub(crate) enum Command {
 /// What all commands that read a mission share.
 #[derive(Debug, Args)]
 pub(crate) struct MissionArguments {
-    /// The mission's folder, with mission.toml, fence.geojson and world.toml
+    /// The mission's folder, with mission.toml, its fence (fence.geojson, fence.plan or fence.kml) and, to simulate it,
+    /// world.toml
     pub(crate) mission: PathBuf,
     /// Look for plugins given by bare name in this folder first
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = folder)]
     pub(crate) plugins: Option<PathBuf>,
     /// Set a key of mission.toml, over the file and the environment, such as limits.speed_max_mps=1.8
     #[arg(long, value_name = "KEY=VALUE")]
@@ -130,6 +131,15 @@ pub(crate) struct Mvc {
     /// End after so many seconds of the vehicle's time
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub(crate) duration: Option<f64>,
+}
+
+fn folder(text: &str) -> Result<PathBuf, String> {
+    let folder = PathBuf::from(text);
+    if folder.is_dir() {
+        Ok(folder)
+    } else {
+        Err("no such folder".to_owned())
+    }
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

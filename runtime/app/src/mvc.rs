@@ -30,7 +30,7 @@ pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
         .with_context(|| format!("{}", file.display()))?;
     let faults = match &arguments.faults {
         Some(path) => {
-            let text = std::fs::read_to_string(path).with_context(|| format!("{}", path.display()))?;
+            let text = std::fs::read_to_string(path).with_context(|| format!("--faults {}", path.display()))?;
             let plan = FaultPlan::from_toml(&text).with_context(|| format!("{}", path.display()))?;
             vehicle.set_faults(plan.clone());
             plan

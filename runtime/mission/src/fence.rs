@@ -42,7 +42,9 @@ pub(crate) struct Loaded {
 
 /// Reads the one fence of a mission's folder.
 pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, MissionError> {
-    let found: Vec<&str> = FILES.into_iter().filter(|file| folder.join(file).is_file()).collect();
+    // Also what cannot be read, such as a link that leads nowhere: somebody meant it to be the fence.
+    let there = |file: &&str| folder.join(file).symlink_metadata().is_ok();
+    let found: Vec<&str> = FILES.into_iter().filter(there).collect();
     let file = match found[..] {
         [file] => file,
         [] => {

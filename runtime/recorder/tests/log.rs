@@ -308,7 +308,7 @@ proptest! {
 
     /// Whatever is wrong in it; checksums say no more where they are zero.
     #[test]
-    fn no_bytes_make_the_reader_panic(
+    fn sr_013_no_bytes_make_the_reader_panic(
         cut in any::<prop::sample::Index>(),
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<[u8; 4]>(), 1usize..=4), 1..8),
     ) {

@@ -1,4 +1,4 @@
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -16,27 +16,29 @@ struct Requirement {
     tests: Vec<String>,
 }
 
-/// Every requirement has code that cites it and tests that exist.
+/// The numbers of the requirements that each test says it is of, by its name.
+type Tests = BTreeMap<String, BTreeSet<String>>;
+
+/// Every requirement has code that cites it and tests that exist, and each test that says it is of a requirement is named
+/// there.
 pub(crate) fn safety(root: &Path, sources: &[PathBuf], faults: &mut Vec<String>) -> Result<()> {
     let document = std::fs::read_to_string(root.join(DOCUMENT)).with_context(|| DOCUMENT.to_owned())?;
     let requirements = parse(&document);
-    let mut functions = BTreeSet::new();
+    let mut all = Tests::new();
     for file in sources {
         let text = std::fs::read_to_string(root.join(file)).with_context(|| file.display().to_string())?;
-        functions.extend(tests(&text).map(str::to_owned));
+        for (name, numbers) in tests(&text) {
+            all.entry(name.to_owned()).or_default().extend(numbers);
+        }
     }
     let cites = |file: &str, number: &str| {
         std::fs::read_to_string(root.join(file)).is_ok_and(|text| citations(&text).contains(number))
     };
-    faults.extend(judge(&requirements, &functions, cites));
+    faults.extend(judge(&requirements, &all, cites));
     Ok(())
 }
 
-fn judge(
-    requirements: &[Requirement],
-    functions: &BTreeSet<String>,
-    cites: impl Fn(&str, &str) -> bool,
-) -> Vec<String> {
+fn judge(requirements: &[Requirement], all: &Tests, cites: impl Fn(&str, &str) -> bool) -> Vec<String> {
     let mut faults = Vec::new();
     let numbers: Vec<&str> = requirements
         .iter()
@@ -55,14 +57,27 @@ fn judge(
         for file in code.iter().filter(|file| !cites(file, number)) {
             faults.push(format!("{file}: does not cite safety requirement {number}"));
         }
-        for test in tests.iter().filter(|test| !functions.contains(*test)) {
+        for test in tests {
+            match all.get(test) {
+                None => faults.push(format!(
+                    "{DOCUMENT}: SR-{number} names the test {test}, which does not exist"
+                )),
+                Some(numbers) if !numbers.contains(number) => faults.push(format!(
+                    "{test}: {DOCUMENT} names it as a test of SR-{number}, which neither its name nor its comment says"
+                )),
+                Some(_) => {}
+            }
+        }
+        let own = all.iter().filter(|(_, numbers)| numbers.contains(number));
+        for (test, _) in own.filter(|(name, _)| !tests.contains(name)) {
             faults.push(format!(
-                "{DOCUMENT}: SR-{number} names the test {test}, which does not exist"
+                "{DOCUMENT}: SR-{number} does not name the test {test}, which says that it is one of it"
             ));
         }
-        let own = format!("sr_{number}");
-        if !tests.iter().any(|test| test.contains(&own)) {
-            faults.push(format!("{DOCUMENT}: no test of SR-{number} carries its number"));
+    }
+    for (test, numbers) in all {
+        for number in numbers.difference(&expected.iter().cloned().collect()) {
+            faults.push(format!("{test}: there is no SR-{number}"));
         }
     }
     faults
@@ -93,23 +108,40 @@ fn parse(document: &str) -> Vec<Requirement> {
     requirements
 }
 
-/// The names of the functions that are tests: what follows `#[test]`, attributes and comments between.
-fn tests(text: &str) -> impl Iterator<Item = &str> {
+/// The functions that are tests: what follows `#[test]`, attributes and comments between. Each with the numbers of its
+/// name, `sr_001_…`, and those that its comment cites.
+fn tests(text: &str) -> impl Iterator<Item = (&str, BTreeSet<String>)> {
     let mut marked = false;
+    let mut comment = String::new();
     text.lines().filter_map(move |line| {
         let line = line.trim();
-        if line.starts_with("#[test]") || line.starts_with("#[tokio::test") {
-            marked = true;
+        if let Some(words) = line.strip_prefix("//") {
+            comment.push_str(words);
+            comment.push('\n');
             return None;
         }
-        if line.starts_with("#[") || line.starts_with("//") {
+        if line.starts_with("#[") {
+            marked |= line.starts_with("#[test]") || line.starts_with("#[tokio::test");
             return None;
         }
+        let comment = core::mem::take(&mut comment);
         if !core::mem::take(&mut marked) {
             return None;
         }
-        let name = line.trim_start_matches("async ").strip_prefix("fn ")?;
-        name.split('(').next()
+        let name = line
+            .trim_start_matches("async ")
+            .strip_prefix("fn ")?
+            .split('(')
+            .next()?;
+        let mut numbers = citations(&comment);
+        let words: Vec<&str> = name.split('_').collect();
+        numbers.extend(
+            words
+                .windows(2)
+                .filter(|pair| pair[0] == "sr")
+                .map(|pair| pair[1].to_owned()),
+        );
+        Some((name, numbers))
     })
 }
 
@@ -145,8 +177,12 @@ mod tests_of_the_check {
             .collect()
     }
 
-    fn functions() -> BTreeSet<String> {
-        whole().into_iter().flat_map(|requirement| requirement.tests).collect()
+    fn functions() -> Tests {
+        let one = |requirement: Requirement| {
+            let [test] = <[String; 1]>::try_from(requirement.tests).expect("one test");
+            (test, BTreeSet::from([requirement.number]))
+        };
+        whole().into_iter().map(one).collect()
     }
 
     #[test]
@@ -157,6 +193,15 @@ mod tests_of_the_check {
         let faults = judge(&whole(), &removed, |_, _| true);
         assert_eq!(faults.len(), 1);
         assert!(faults[0].contains("sr_007_holds"), "{faults:?}");
+        let mut added = functions();
+        added.insert("c".to_owned(), BTreeSet::from(["007".to_owned(), "022".to_owned()]));
+        let faults = judge(&whole(), &added, |_, _| true);
+        assert_eq!(faults.len(), 2, "{faults:?}");
+        assert!(faults[0].contains("SR-007 does not name the test c"), "{faults:?}");
+        assert!(faults[1].contains("there is no SR-022"), "{faults:?}");
+        let mut another = whole();
+        another[4].tests.push("sr_006_holds".to_owned());
+        assert_eq!(judge(&another, &functions(), |_, _| true).len(), 1);
         let mut shorter = whole();
         shorter.remove(3);
         assert_eq!(judge(&shorter, &functions(), |_, _| true).len(), 1);
@@ -175,8 +220,15 @@ mod tests_of_the_check {
             tests: vec!["sr_001_b".to_owned(), "c".to_owned()],
         };
         assert_eq!(parse(document), [expected]);
-        let source = "#[test]\n#[should_panic]\nfn one() {}\nfn two() {}\n    #[test]\n    fn three(x: u8) {}\n";
-        assert_eq!(tests(source).collect::<Vec<_>>(), ["one", "three"]);
+        let source = "#[test]\n#[should_panic]\nfn one() {}\nfn two() {}\n    /// (Safety requirement\n    /// 003.)\n    #[test]\n    \
+                      fn sr_001_sr_002_three(x: u8) {}\n#[tokio::test]\nasync fn four() {}";
+        let numbers = |numbers: &[&str]| numbers.iter().map(|&number| number.to_owned()).collect::<BTreeSet<_>>();
+        let expected = [
+            ("one", numbers(&[])),
+            ("sr_001_sr_002_three", numbers(&["001", "002", "003"])),
+            ("four", numbers(&[])),
+        ];
+        assert_eq!(tests(source).collect::<Vec<_>>(), expected);
         let text = "//! Safety requirements 002, 009 and 019.\n// (safety\n/// requirement 021) in 10 s";
         assert_eq!(
             citations(text).into_iter().collect::<Vec<_>>(),

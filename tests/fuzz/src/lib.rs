@@ -23,9 +23,11 @@
 //! Inputs that reached new code are kept as `found_…`, a share of what `-set_cover_merge=1` leaves of them.
 //! libFuzzer writes a failing input to `crash-…`; put it into the target's corpus under a name that says what it is.
 
+mod fences;
 mod messages;
 mod streams;
 
+pub use fences::fence;
 pub use messages::{from_vehicle, to_vehicle};
 pub use streams::{frame, stream};
 
@@ -33,9 +35,10 @@ pub use streams::{frame, stream};
 pub type Target = fn(&[u8]);
 
 /// Every target with the name of its corpus folder.
-pub const TARGETS: [(&str, Target); 4] = [
+pub const TARGETS: [(&str, Target); 5] = [
     ("frame", frame),
     ("from_vehicle", from_vehicle),
     ("to_vehicle", to_vehicle),
     ("stream", stream),
+    ("fence", fence),
 ];

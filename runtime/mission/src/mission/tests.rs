@@ -362,6 +362,16 @@ fn a_missing_file_or_component_is_named() {
         .expect("no mission")
         .to_string();
     assert!(error.contains("expected a folder with mission.toml"), "{error}");
+    std::fs::write(empty.path().join("mission.toml"), MISSION).unwrap();
+    std::fs::create_dir(empty.path().join("fence.kml")).unwrap();
+    let unreadable = Mission::load(empty.path(), &Layers::default())
+        .err()
+        .expect("a folder is no fence")
+        .to_string();
+    assert!(
+        unreadable.contains("fence.kml") && !unreadable.contains("no fence here"),
+        "{unreadable}"
+    );
     let broken = load(MISSION, "{", &[]).err().expect("no fence").to_string();
     assert!(broken.contains("fence.geojson"), "{broken}");
     let error = find_component(empty.path(), "x", "nowhere", Some(empty.path()))

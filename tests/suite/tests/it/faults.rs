@@ -251,7 +251,7 @@ fn figures_that_make_no_sense_are_rejected_by_name() {
 }
 
 #[test]
-fn the_lease_of_a_plugin_that_fails_ends_at_once_and_the_next_one_steers() {
+fn sr_006_the_lease_of_a_plugin_that_fails_ends_at_once_and_the_next_one_steers() {
     // The bad one first in priority: it steers until it panics, then isobath does.
     let mission = beside_isobath("trap");
     let text = mission.read("mission.toml");

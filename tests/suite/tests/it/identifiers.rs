@@ -45,7 +45,7 @@ fn without_a_record_no_insert_is_sent() {
 }
 
 #[test]
-fn a_killed_runtimes_identifiers_are_never_used_again() {
+fn sr_009_a_killed_runtimes_identifiers_are_never_used_again() {
     let mission = inserting();
     let vehicle = Vehicle::start(&mission);
     let mut used = Vec::new();

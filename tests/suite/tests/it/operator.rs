@@ -7,7 +7,7 @@ use backseat_suite::{Mission, Signal, Vehicle, settle};
 use crate::session::{SOON, runtime, steers};
 
 #[test]
-fn a_hold_ends_the_lease_and_stands_until_it_is_released() {
+fn sr_015_a_hold_ends_the_lease_and_stands_until_it_is_released() {
     let mission = Mission::steady();
     let vehicle = Vehicle::start(&mission);
     let mut first = runtime(&mission, &vehicle.address, &["--arm"]);

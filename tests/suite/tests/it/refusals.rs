@@ -159,6 +159,22 @@ fn bad_flags_are_refused() {
 }
 
 #[test]
+fn a_folder_of_plugins_that_is_not_there_is_told_of() {
+    for command in ["sim", "check", "run"] {
+        let finished = Backseat::new()
+            .arg(command)
+            .mission(&Mission::steady())
+            .args(["--plugins", "no/such/folder"])
+            .run()
+            .exit(2);
+        names(
+            &finished.stderr,
+            &["--plugins <DIR>", "no/such/folder", "no such folder"],
+        );
+    }
+}
+
+#[test]
 fn what_cannot_be_written_is_told_before_the_run() {
     let mission = Mission::steady();
     let nowhere = mission.beside("no/such/folder/file");

@@ -42,7 +42,7 @@ fn created_s(line: &Line) -> f64 {
 }
 
 #[test]
-fn a_killed_runtimes_modify_lapses_and_the_plan_is_flown_again() {
+fn sr_007_a_killed_runtimes_modify_lapses_and_the_plan_is_flown_again() {
     let mission = Mission::steady().edit("mission.toml", "heading_deg = 90.0", "heading_deg = 150.0");
     let vehicle = Vehicle::start(&mission);
     watch(&vehicle);
@@ -71,7 +71,7 @@ fn a_killed_runtimes_modify_lapses_and_the_plan_is_flown_again() {
 }
 
 #[test]
-fn a_stopped_runtime_ends_its_lease_before_anything_else_when_it_goes_on() {
+fn sr_007_a_stopped_runtime_ends_its_lease_before_anything_else_when_it_goes_on() {
     let mission = Mission::steady();
     let vehicle = Vehicle::start(&mission);
     let runtime = runtime(&mission, &vehicle.address, &["--arm"]);
@@ -143,7 +143,7 @@ fn an_ordered_stop_gives_the_helm_back_before_it_goes() {
 }
 
 #[test]
-fn an_accepted_insert_is_flown_without_us() {
+fn sr_007_an_accepted_insert_is_flown_without_us() {
     // 30 m or so: half a minute.
     let mission = Mission::steady()
         .edit("mission.toml", "[\"modify\"]", "[\"insert\"]")

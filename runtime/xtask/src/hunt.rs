@@ -1,6 +1,6 @@
 use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Output};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -26,20 +26,24 @@ pub(crate) struct Hunt {
     /// Say which pairs of trouble and state were met less often
     #[arg(long)]
     least: Option<u64>,
+    /// Other missions, without troubles: among walls, with a plugin that only leads inserts round them and takes back
+    /// what leads round
+    #[arg(long, conflicts_with = "coverage")]
+    detours: bool,
     /// Write what was exercised here too; `--sum` adds such files up
     #[arg(long)]
     coverage: Option<PathBuf>,
     /// Fly none, but add up what these hunts have exercised
-    #[arg(long, num_args = 1.., conflicts_with_all = ["without", "every_check", "replay", "coverage"])]
+    #[arg(long, num_args = 1.., conflicts_with_all = ["without", "every_check", "replay", "coverage", "detours"])]
     sum: Vec<PathBuf>,
     /// Fly this plan instead, as the hunt keeps them
-    #[arg(long, conflicts_with_all = ["without", "every_check"])]
+    #[arg(long, conflicts_with_all = ["without", "every_check", "detours"])]
     replay: Option<PathBuf>,
     /// Switch this check of the monitor off, in a build of its own
     #[arg(long)]
     without: Option<String>,
-    /// Switch each check off in turn: each must be found
-    #[arg(long, conflicts_with = "without")]
+    /// Switch each check off in turn: each must be found, if not by these missions then by those of `--detours`
+    #[arg(long, conflicts_with_all = ["without", "detours", "coverage"])]
     every_check: bool,
 }
 
@@ -63,6 +67,9 @@ pub(crate) fn hunt(arguments: &Hunt) -> Result<()> {
         return every_check(&program, arguments);
     }
     let mut fly = fly(&program, arguments)?;
+    if arguments.detours {
+        fly.arg("--detours");
+    }
     if let Some(check) = &arguments.without {
         fly.args(["--without", check]);
     }
@@ -138,9 +145,17 @@ fn every_check(program: &PathBuf, arguments: &Hunt) -> Result<()> {
         let Some((check, what)) = line.split_once('\t') else {
             continue;
         };
-        let output = fly(program, arguments)?
-            .args(["--without", check, "--whole", "--brief"])
-            .output()?;
+        let without = |more: &[&str]| -> Result<Output> {
+            let mut fly = fly(program, arguments)?;
+            Ok(fly
+                .args(["--without", check, "--whole", "--brief"])
+                .args(more)
+                .output()?)
+        };
+        let mut output = without(&[])?;
+        if output.status.code() == Some(0) {
+            output = without(&["--detours"])?;
+        }
         let text = String::from_utf8_lossy(&output.stdout);
         match output.status.code() {
             Some(1) => println!(

@@ -34,6 +34,16 @@ impl Area {
     /// The plan in the middle, what is kept out around it and between its legs, the border beyond: so that there is room
     /// to fly, and something to run into on every side and on many a way back.
     pub(crate) fn draw(dice: &mut Dice, hovering: bool) -> Self {
+        let kept_out = |dice: &mut Dice| if hovering { 0 } else { dice.below(4) };
+        Self::draw_with(dice, hovering, kept_out, 0.4)
+    }
+
+    /// As [`Area::draw`], with as many walls as may find a place.
+    pub(crate) fn draw_walled(dice: &mut Dice) -> Self {
+        Self::draw_with(dice, false, |_| 4, 1.0)
+    }
+
+    fn draw_with(dice: &mut Dice, hovering: bool, kept_out: impl Fn(&mut Dice) -> usize, walls: f64) -> Self {
         let origin = Position::from_deg(dice.figure(-60.0, 65.0), dice.figure(-179.0, 179.0))
             .expect("both are within their ranges");
         let base_m = if dice.chance(0.3) {
@@ -46,7 +56,7 @@ impl Area {
         let ring = star(dice, MIDDLE, vertices, base_m, rough);
         // Between the plan and the border.
         let ring_m = (0.81 * base_m - 45.0).min(540.0);
-        let kept_out = if hovering { 0 } else { dice.below(4) };
+        let kept_out = kept_out(dice);
         let hole = (!hovering && dice.chance(0.2)).then(|| {
             let at = MIDDLE.offset(dice.between(0.0, 360.0), ring_m * dice.between(0.9, 1.0));
             star(dice, at, 6, 30.0, 0.2)
@@ -65,7 +75,7 @@ impl Area {
         let margin_m = dice.figure(2.0, 20.0);
         let exclusions = (0..kept_out)
             .filter_map(|_| {
-                if dice.chance(0.4) {
+                if dice.chance(walls) {
                     return Some(Exclusion {
                         ring: wall(dice, &points, margin_m + ASIDE_M)?,
                         depths_m: None,

@@ -22,6 +22,8 @@ const KEPT: usize = 5;
 pub struct Order {
     /// The folder of the built plugins.
     pub plugins: PathBuf,
+    /// What a seed draws.
+    pub draw: fn(u64) -> Plan,
     /// The first seed.
     pub first: u64,
     /// How many.
@@ -73,7 +75,7 @@ impl Campaign {
                 if seed >= end || stop.load(Ordering::Relaxed) {
                     break Ok(());
                 }
-                let flight = match fly(&range, seed) {
+                let flight = match fly(&range, &(order.draw)(seed)) {
                     Ok(flight) => flight,
                     Err(error) => break Err(error.context(format!("seed {seed}"))),
                 };
@@ -124,10 +126,9 @@ impl Campaign {
     }
 }
 
-fn fly(range: &Range, seed: u64) -> Result<Flight> {
-    let plan = Plan::draw(seed);
-    let mut flight = range.fly(&plan)?;
-    if seed.is_multiple_of(REPEAT_EVERY) {
+fn fly(range: &Range, plan: &Plan) -> Result<Flight> {
+    let mut flight = range.fly(plan)?;
+    if plan.seed.is_multiple_of(REPEAT_EVERY) {
         // Through its file, as whoever replays it would.
         let written = Plan::from_toml(&flight.resolved.to_toml()).context("its own plan, written and read")?;
         let again = range.fly(&written)?;

@@ -404,12 +404,14 @@ impl<'a> Flown<'a> {
         }
     }
 
-    /// Whoever had control for long enough after the last trouble has asked and been heard, unless its plugins were the trouble.
+    /// Whoever had control for long enough after the last trouble has asked and been heard, unless its plugins were the
+    /// trouble, or none was planned: it has nothing to come back from.
     fn judge_sending(&mut self) {
         let seen = self.simulation.statistics();
         let by_plugin = self.met.iter().any(|(kind, _)| kind.contains("plugin"));
         if let Some((sent, control_s)) = self.at_calm
             && !by_plugin
+            && !self.plan.troubles.is_empty()
             && self.simulation.request_counts().sent == sent
             && seen.control_s - control_s > CHANCE_S
         {

@@ -50,6 +50,9 @@ enum Task {
     Show {
         /// The seed
         seed: u64,
+        /// Of the missions that `fly --detours` flies
+        #[arg(long)]
+        detours: bool,
     },
 }
 
@@ -67,6 +70,10 @@ struct Fly {
     /// Threads [default: one a core]
     #[arg(long)]
     workers: Option<usize>,
+    /// Other missions, without troubles: among walls, with a plugin that only leads inserts round them and takes back
+    /// what leads round
+    #[arg(long, conflicts_with_all = ["coverage", "both"])]
+    detours: bool,
     /// Say which pairs of trouble and state were met less often
     #[arg(long, default_value_t = 0)]
     least: u64,
@@ -114,8 +121,8 @@ fn run() -> Result<bool> {
             checks();
             Ok(true)
         }
-        Task::Show { seed } => {
-            print!("{}", Plan::draw(seed).to_toml());
+        Task::Show { seed, detours } => {
+            print!("{}", drawn(detours)(seed).to_toml());
             Ok(true)
         }
     }
@@ -124,6 +131,10 @@ fn run() -> Result<bool> {
 #[expect(clippy::disallowed_methods, reason = "the hunt's own time, which no flight sees")]
 fn now() -> Instant {
     Instant::now()
+}
+
+const fn drawn(detours: bool) -> fn(u64) -> Plan {
+    if detours { Plan::draw_detours } else { Plan::draw }
 }
 
 fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
@@ -138,6 +149,7 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
     let limit = arguments.seconds.map(Duration::from_secs);
     let order = Order {
         plugins: plugins.to_path_buf(),
+        draw: drawn(arguments.detours),
         first: arguments.first,
         runs: arguments.runs,
         workers: arguments

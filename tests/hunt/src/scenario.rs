@@ -95,6 +95,14 @@ length_s = 20
 
 ";
 
+/// Caps that keep nobody from queueing.
+const DETOUR_CAPS: &str = "inserts_open_max = 3\ninserts_total_max = 60\ninserts_duration_max_s = 9000.0\n";
+/// The first plugin leads round what is in its way, and takes back what leads round it; the other one steers meanwhile.
+const DETOURS: [&str; 2] = [
+    "kinds = [\"trackline\"]\nboldness = 0.0\ninsert_every_s = 10.0\n",
+    "kinds = [\"modify\"]\nboldness = 0.0\nmodify_share = 0.3\n",
+];
+
 impl Scenario {
     /// The scenario of a seed.
     #[must_use]
@@ -106,9 +114,23 @@ impl Scenario {
         let area = Area::draw(&mut dice, hovering);
         Self {
             hovering,
-            mission: mission(&mut dice, (hovering, ship), &area),
+            mission: mission(&mut dice, (hovering, ship), &area, false),
             fence: area.fence(),
             world: world(&mut dice, (hovering, ship), &area),
+        }
+    }
+
+    /// As [`Scenario::draw`], with walls between the legs, and one plugin that does nothing but lead inserts round what is
+    /// in its way.
+    #[must_use]
+    pub fn draw_detours(seed: u64) -> Self {
+        let mut dice = Dice::new(seed, "detours");
+        let area = Area::draw_walled(&mut dice);
+        Self {
+            hovering: false,
+            mission: mission(&mut dice, (false, false), &area, true),
+            fence: area.fence(),
+            world: world(&mut dice, (false, false), &area),
         }
     }
 
@@ -147,7 +169,7 @@ impl Scenario {
     }
 }
 
-fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> String {
+fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area, detours: bool) -> String {
     let control = if dice.chance(0.85) { "bfctl" } else { "running" };
     let mut text = format!("[session]\ncontrol = \"{control}\"\n\n[limits]\n{LIMITS}");
     // What the vehicle can do, and the worst current of its water.
@@ -163,9 +185,13 @@ fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> Stri
     // A standstill that makes no navigation stale must end the lease all the same.
     text += &format!("navigation_age_max_s = {:?}\n", dice.one(&[1.0, 1.0, 2.5]));
     text += &format!("modify_term_max_s = {:?}\n", dice.figure(15.0, 60.0));
-    text += &format!("inserts_open_max = {}\n", dice.one(&[1, 2, 3]));
-    text += &format!("inserts_total_max = {}\n", dice.one(&[8, 12, 16]));
-    text += &format!("inserts_duration_max_s = {:?}\n", dice.figure(900.0, 1800.0));
+    if detours {
+        text += DETOUR_CAPS;
+    } else {
+        text += &format!("inserts_open_max = {}\n", dice.one(&[1, 2, 3]));
+        text += &format!("inserts_total_max = {}\n", dice.one(&[8, 12, 16]));
+        text += &format!("inserts_duration_max_s = {:?}\n", dice.figure(900.0, 1800.0));
+    }
     text += &format!("requests_per_s = {}\n", dice.one(&[5, 10, 20]));
     if hovering {
         text += HULL_LIMITS;
@@ -179,7 +205,7 @@ fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> Stri
     };
     // Some of what is asked for lies outside.
     let reach_m = 1.1 * area.reach_m();
-    for name in ["first", "second"] {
+    for (name, detour) in ["first", "second"].into_iter().zip(DETOURS) {
         let failure = dice.one(&[
             "yield", "cancel", "yield", "cancel", "yield", "cancel", "yield", "cancel", "yield", "cancel", "abort",
         ]);
@@ -193,6 +219,10 @@ fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> Stri
             "altitude_m = [{:.1}, 40.0]\nspeed_mps = [{slowest:?}, {fastest:?}]\n",
             area.altitude_min_m
         );
+        if detours {
+            text += detour;
+            continue;
+        }
         text += &format!("boldness = {:?}\n", dice.figure(0.1, 0.8));
         text += &format!("insert_every_s = {:?}\n", dice.figure(40.0, 150.0));
         text += &format!("modify_share = {:?}\n", dice.figure(0.2, 0.8));
@@ -309,10 +339,9 @@ mod tests {
 
     #[test]
     fn every_seed_draws_a_world_and_a_fence_that_can_be() {
-        for seed in 0..300 {
-            let scenario = Scenario::draw(seed);
+        for scenario in (0..300).flat_map(|seed| [Scenario::draw(seed), Scenario::draw_detours(seed)]) {
             let world = WorldFile::from_toml(&scenario.world);
-            assert!(world.is_ok(), "seed {seed}: {}\n{}", world.unwrap_err(), scenario.world);
+            assert!(world.is_ok(), "{}\n{}", world.unwrap_err(), scenario.world);
         }
     }
 }

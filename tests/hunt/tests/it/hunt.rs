@@ -1,26 +1,39 @@
-use backseat_hunt::{Campaign, Order};
+use backseat_hunt::{Campaign, Coverage, Order, Plan};
 use backseat_test_support::plugins;
 
 /// A reduced hunt: `cargo xtask hunt` flies as many as there is time for.
 #[test]
 fn drawn_missions_with_drawn_troubles_do_nothing_unsafe_and_converge() {
+    let coverage = fly(Plan::draw, 60);
+    // Not an empty victory.
+    assert!(coverage.with_both >= 50 && coverage.troubles > 200, "{coverage}");
+}
+
+#[test]
+fn inserts_that_are_led_round_walls_and_taken_back_do_nothing_unsafe() {
+    let coverage = fly(Plan::draw_detours, 10);
+    assert!(coverage.with_both >= 6, "{coverage}");
+}
+
+/// Flies so many, of which none may fail.
+#[track_caller]
+fn fly(draw: fn(u64) -> Plan, runs: u64) -> Coverage {
     let order = Order {
         plugins: plugins().to_path_buf(),
+        draw,
         first: 1,
-        runs: 60,
+        runs,
         workers: 2,
         stop_at_failure: false,
     };
-    let campaign = Campaign::fly(&order, |_| true).unwrap();
+    let campaign = Campaign::fly(&order, |_| true).expect("missions that can be made");
     let found: Vec<String> = campaign
         .failed
         .values()
         .flatten()
         .map(|(plan, failure)| format!("seed {}: {}", plan.seed, failure.text))
         .collect();
-    let coverage = &campaign.coverage;
-    assert!(found.is_empty(), "{}\n{coverage}", found.join("\n"));
-    // Not an empty victory.
-    assert_eq!(coverage.flights, order.runs);
-    assert!(coverage.with_both >= 50 && coverage.troubles > 200, "{coverage}");
+    assert!(found.is_empty(), "{}\n{}", found.join("\n"), campaign.coverage);
+    assert_eq!(campaign.coverage.flights, runs);
+    campaign.coverage
 }

@@ -140,17 +140,11 @@ fn is_good(line: &Line) -> bool {
     line.is_received("BPRMB") && line.field(2) == HEADING
 }
 
-impl Row {
-    fn is_late(&self) -> bool {
-        self.worst_gap_s >= GAP_MAX_S
-    }
-}
-
 impl BesideReport {
     /// What is not as it must be.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
-        let late = self.rows.iter().filter(|row| row.is_late());
+        let late = self.rows.iter().filter(|row| row.worst_gap_s >= GAP_MAX_S);
         let late = late.map(|row| {
             format!(
                 "{}: {:.3} s without a modify of the good plugin",
@@ -158,13 +152,6 @@ impl BesideReport {
             )
         });
         self.misses.iter().cloned().chain(late).collect()
-    }
-
-    /// Whether the good plugin's modifies were late beside this fault, or nobody knows.
-    #[must_use]
-    pub fn is_late(&self, fault: &str) -> bool {
-        let row = self.rows.iter().find(|row| row.fault == fault);
-        row.is_none_or(Row::is_late)
     }
 
     /// How often the runtime told that the bad plugin failed, with this fault.

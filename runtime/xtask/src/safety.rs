@@ -68,8 +68,12 @@ fn judge(requirements: &[Requirement], all: &Tests, cites: impl Fn(&str, &str) -
                 Some(_) => {}
             }
         }
-        let own = all.iter().filter(|(_, numbers)| numbers.contains(number));
-        for (test, _) in own.filter(|(name, _)| !tests.contains(name)) {
+        let own = format!("sr_{number}");
+        if !tests.iter().any(|test| test.contains(&own)) {
+            faults.push(format!("{DOCUMENT}: no test of SR-{number} carries its number"));
+        }
+        let of_it = all.iter().filter(|(_, numbers)| numbers.contains(number));
+        for (test, _) in of_it.filter(|(name, _)| !tests.contains(name)) {
             faults.push(format!(
                 "{DOCUMENT}: SR-{number} does not name the test {test}, which says that it is one of it"
             ));
@@ -207,7 +211,7 @@ mod tests_of_the_check {
         assert_eq!(judge(&shorter, &functions(), |_, _| true).len(), 1);
         let mut untested = whole();
         untested[4].tests.clear();
-        assert_eq!(judge(&untested, &functions(), |_, _| true).len(), 2);
+        assert_eq!(judge(&untested, &functions(), |_, _| true).len(), 3);
         assert_eq!(judge(&whole(), &functions(), |_, number| number != "012").len(), 1);
     }
 

@@ -24,6 +24,38 @@ const PROFILE: [&str; 7] = [
 /// What separates the flags in `CARGO_ENCODED_RUSTFLAGS`.
 const FLAG_SEPARATOR: &str = "\x1f";
 
+/// The plugins of a workspace, in alphabetical order: the packages in its folder `plugins` that build a `cdylib`.
+///
+/// # Errors
+/// [`Error::Failed`] where there is no workspace, [`Error::Tool`] where cargo cannot be run.
+pub fn plugins(workspace_dir: &Path) -> Result<Vec<String>, Error> {
+    let metadata = metadata(workspace_dir, &["--no-deps"])?;
+    let folder = Path::new(metadata["workspace_root"].as_str().unwrap_or_default()).join("plugins");
+    let mut names: Vec<String> = metadata["packages"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter(|package| {
+            package["manifest_path"]
+                .as_str()
+                .is_some_and(|path| Path::new(path).starts_with(&folder))
+                && is_plugin(package)
+        })
+        .filter_map(|package| package["name"].as_str().map(str::to_owned))
+        .collect();
+    names.sort();
+    Ok(names)
+}
+
+/// Whether a package of cargo's metadata builds a module.
+fn is_plugin(package: &serde_json::Value) -> bool {
+    let targets = package["targets"].as_array().into_iter().flatten();
+    targets
+        .filter_map(|target| target["crate_types"].as_array())
+        .flatten()
+        .any(|kind| kind == "cdylib")
+}
+
 /// Builds the packages of a workspace, or the crate in a folder (then `packages` may be empty), and writes each as a
 /// component to `out_dir/NAME.wasm`, NAME the package's. Gives the paths, in the order of `packages` (by name, where
 /// that is empty).
@@ -88,8 +120,10 @@ fn compile(directory: &Path, packages: &[&str]) -> Result<BTreeMap<String, PathB
     }
     command.current_dir(directory).stderr(Stdio::inherit());
     command.env("CARGO_ENCODED_RUSTFLAGS", flags(directory)?);
-    // It would cut the code another way, and the component would be another one.
-    command.env_remove("CARGO_INCREMENTAL");
+    // They would cut or optimise the code another way, and the component would be another one.
+    command
+        .env_remove("CARGO_INCREMENTAL")
+        .env_remove("RUSTC_WORKSPACE_WRAPPER");
     let output = run(command, &cargo.to_string_lossy())?;
     if !output.status.success() {
         return Err(Error::Failed {
@@ -166,22 +200,7 @@ fn flags(directory: &Path) -> Result<OsString, Error> {
 /// Where the sources are that come from no registry, and what the artefact calls those places: the workspace, and
 /// packages outside of it that it names by path (the SDK, for a plugin of its own folder).
 fn local_sources(directory: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
-    let cargo = cargo();
-    let mut command = Command::new(&cargo);
-    command
-        .args(["metadata", "--format-version", "1", "--filter-platform", TARGET])
-        .current_dir(directory);
-    command.stderr(Stdio::inherit());
-    let output = run(command, &cargo.to_string_lossy())?;
-    if !output.status.success() {
-        return Err(Error::Failed {
-            tool: "cargo metadata",
-            directory: directory.into(),
-            status: output.status,
-        });
-    }
-    // Fields that are missing give no prefixes, which costs reproducible bytes and nothing else.
-    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
+    let metadata = metadata(directory, &["--filter-platform", TARGET])?;
     let root = Path::new(metadata["workspace_root"].as_str().unwrap_or_default());
     let mut sources = vec![(root.to_owned(), "/plugin".to_owned())];
     for package in metadata["packages"].as_array().into_iter().flatten() {
@@ -194,6 +213,23 @@ fn local_sources(directory: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
     }
     sources.retain(|(folder, _)| !folder.as_os_str().is_empty());
     Ok(sources)
+}
+
+/// What cargo tells of a workspace. Fields that are missing are null, which the callers take for nothing found.
+fn metadata(directory: &Path, arguments: &[&str]) -> Result<serde_json::Value, Error> {
+    let cargo = cargo();
+    let mut command = Command::new(&cargo);
+    command.args(["metadata", "--format-version", "1"]).args(arguments);
+    command.current_dir(directory).stderr(Stdio::inherit());
+    let output = run(command, &cargo.to_string_lossy())?;
+    if !output.status.success() {
+        return Err(Error::Failed {
+            tool: "cargo metadata",
+            directory: directory.into(),
+            status: output.status,
+        });
+    }
+    Ok(serde_json::from_slice(&output.stdout).unwrap_or_default())
 }
 
 /// The cargo that runs this program, or else the one in the path.

@@ -7,7 +7,7 @@
 mod build;
 mod error;
 
-pub use build::{TARGET, build};
+pub use build::{TARGET, build, plugins};
 pub use error::Error;
 
 use wit_component::ComponentEncoder;

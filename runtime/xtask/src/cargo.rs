@@ -27,15 +27,8 @@ pub(crate) fn cargo(arguments: &[&str]) -> Result<()> {
     run(&mut cargo_command(arguments))
 }
 
-/// Runs Cargo's tests. Property tests draw the same cases each time, so that a change passes or fails by what it is;
-/// `PROPTEST_RNG_SEED` draws others.
-pub(crate) fn cargo_test(arguments: &[&str]) -> Result<()> {
-    const SEED: &str = "PROPTEST_RNG_SEED";
-    let seed = env::var_os(SEED).unwrap_or_else(|| "20261121".into());
-    run(cargo_command(arguments).env(SEED, seed))
-}
-
-fn cargo_command(arguments: &[&str]) -> Command {
+/// A command of Cargo's, which is told.
+pub(crate) fn cargo_command(arguments: &[&str]) -> Command {
     println!("> cargo {}", arguments.join(" "));
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments);

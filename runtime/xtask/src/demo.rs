@@ -3,22 +3,28 @@ use std::process::Command;
 
 use anyhow::Result;
 
-use crate::cargo::{add_target, cargo, cargo_test, root, run, target};
-use crate::tidy::tidy;
-
-const PLUGINS: [&str; 5] = ["isobath", "plume", "template", "faulty", "prober"];
+use crate::cargo::{cargo, run, target};
+use crate::plugins;
+use crate::steps::Steps;
 
 /// The first of the README's two commands.
 pub(crate) fn demo() -> Result<()> {
-    let program = release()?;
-    plugins()?;
+    let mut steps = Steps::default();
+    steps.run("compile the program", || release().map(|_| ()))?;
+    steps.run("compile the plugins", plugins::plugins)?;
+    steps.run("fly", fly)?;
+    println!("\n{steps}");
+    Ok(())
+}
+
+fn fly() -> Result<()> {
     let target = target()?;
     let (log, map) = (target.join("demo/isobath.mcap"), target.join("demo/isobath.svg"));
     std::fs::create_dir_all(target.join("demo"))?;
     println!("> backseat sim missions/isobath");
-    run(Command::new(program)
+    run(Command::new(target.join("release/backseat"))
         .args(["sim", "missions/isobath", "--plugins"])
-        .arg(target.join("plugins"))
+        .arg(plugins::folder()?)
         .arg("--log")
         .arg(&log)
         .arg("--map")
@@ -28,42 +34,22 @@ pub(crate) fn demo() -> Result<()> {
     Ok(())
 }
 
-/// The second of the README's two commands: everything.
-pub(crate) fn test() -> Result<()> {
-    cargo(&["fmt", "--all", "--check"])?;
-    tidy()?;
-    plugins()?;
-    cargo(&[
-        "clippy",
-        "--workspace",
-        "--all-targets",
-        "--quiet",
-        "--",
-        "--deny",
-        "warnings",
-    ])?;
-    cargo_test(&["test", "--workspace", "--quiet", "--no-fail-fast"])
-}
-
-/// Builds the project's plugins and makes components of them.
-pub(crate) fn plugins() -> Result<()> {
-    add_target("wasm32-unknown-unknown")?;
-    let folder = target()?.join("plugins");
-    let built = backseat_componentize::build(&root()?, &PLUGINS, &folder)?;
-    for component in built {
-        println!("plugin {}", component.display());
-    }
-    Ok(())
-}
-
 /// Prints the speed table.
 pub(crate) fn bench() -> Result<()> {
-    plugins()?;
+    plugins::plugins()?;
     cargo(&["bench", "--package", "backseat-bench"])
 }
 
-/// The program, built for release.
+/// The program, built for release, and beside it the one that builds plugins: together, so that what both are made of is
+/// compiled once.
 pub(crate) fn release() -> Result<PathBuf> {
-    cargo(&["build", "--release", "--package", "backseat"])?;
+    cargo(&[
+        "build",
+        "--release",
+        "--package",
+        "backseat",
+        "--package",
+        "backseat-componentize",
+    ])?;
     Ok(target()?.join("release/backseat"))
 }

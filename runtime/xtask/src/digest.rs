@@ -7,23 +7,24 @@ use serde_json::Value;
 
 use crate::cargo::{cargo, root, target};
 use crate::cross;
-use crate::demo::{plugins, release};
+use crate::demo::release;
+use crate::plugins::plugins;
 
 /// Flies the same missions in several processes and builds: what they tell must be the same in all, to the byte.
 #[derive(Args)]
 pub(crate) struct Digest {
     /// The missions' folders
     #[arg(default_values = ["missions/isobath", "missions/plume"])]
-    missions: Vec<PathBuf>,
+    pub(crate) missions: Vec<PathBuf>,
     /// How many seeds of each mission, from 1 on
     #[arg(long, default_value_t = 5)]
-    seeds: u64,
+    pub(crate) seeds: u64,
     /// A plan of faults, played in every run
     #[arg(long, value_name = "FILE")]
-    faults: Option<PathBuf>,
+    pub(crate) faults: Option<PathBuf>,
     /// Build the program for aarch64 too, and fly it under qemu
     #[arg(long)]
-    aarch64: bool,
+    pub(crate) aarch64: bool,
 }
 
 /// A program, and what runs it.

@@ -6,10 +6,10 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use crate::cargo::{cargo, root, target};
-use crate::demo::plugins;
+use crate::plugins::plugins;
 
 /// Looks for a mission in which something unsafe is sent, or in which the helm does not come back.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub(crate) struct Hunt {
     /// How many missions
     #[arg(long, default_value_t = 1000)]
@@ -45,6 +45,18 @@ pub(crate) struct Hunt {
     /// Switch each check off in turn: each must be found, if not by these missions then by those of `--detours`
     #[arg(long, conflicts_with_all = ["without", "detours", "coverage"])]
     every_check: bool,
+}
+
+impl Hunt {
+    /// So many missions from the first seed on.
+    pub(crate) fn of(runs: u64, detours: bool) -> Self {
+        Self {
+            runs,
+            first: 1,
+            detours,
+            ..Self::default()
+        }
+    }
 }
 
 pub(crate) fn hunt(arguments: &Hunt) -> Result<()> {

@@ -1,14 +1,21 @@
 //! The one door to the project's tasks: `cargo xtask demo`, `cargo xtask test`, and what they are made of.
 
 mod cargo;
+mod check;
+mod compile;
 mod cross;
 mod demo;
 mod digest;
 mod hunt;
+mod plugins;
 mod safety;
 mod seeds;
+mod soak;
+mod steps;
 mod switches;
+mod tests;
 mod tidy;
+mod workspace;
 
 use std::process::ExitCode;
 
@@ -26,8 +33,13 @@ struct Cli {
 enum Task {
     /// Build everything and fly the isobath mission in simulation; says where its log and picture are
     Demo,
-    /// Run everything that checks the project: format, lints, tests, project rules
+    /// Run everything that checks a change: format, project rules, dependencies, lints, tests, examples
     Test,
+    /// Run the part of `test` that a change needs: lints, the tests of the crates that have changed and of those that
+    /// stand on them, one flight of each reference mission
+    Quick(check::Quick),
+    /// Run what is too long for every change, before a release; says when and on which commit it last ran
+    Soak(soak::Soak),
     /// Build the project's plugins into target/plugins
     Plugins,
     /// Run the benchmarks and print the speed table
@@ -45,8 +57,10 @@ enum Task {
 fn main() -> ExitCode {
     let result: Result<()> = match Cli::parse().task {
         Task::Demo => demo::demo(),
-        Task::Test => demo::test(),
-        Task::Plugins => demo::plugins(),
+        Task::Test => check::test(),
+        Task::Quick(arguments) => check::quick(&arguments),
+        Task::Soak(arguments) => soak::soak(&arguments),
+        Task::Plugins => plugins::plugins(),
         Task::Bench => demo::bench(),
         Task::Seeds(arguments) => seeds::seeds(&arguments),
         Task::Hunt(arguments) => hunt::hunt(&arguments),

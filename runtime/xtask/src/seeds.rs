@@ -6,26 +6,26 @@ use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::Value;
 
 use crate::cargo::{root, target};
-use crate::demo::{plugins, release};
+use crate::demo::release;
+use crate::plugins::plugins;
 
 /// Flies a mission with many seeds, each in a process of its own as a user would, and judges by what it prints.
 #[derive(Args)]
 pub(crate) struct Seeds {
     /// The mission's folder
-    mission: PathBuf,
+    pub(crate) mission: PathBuf,
     /// How many seeds, from --first on
     #[arg(long, default_value_t = 100)]
-    runs: u64,
+    pub(crate) runs: u64,
     /// The first seed
     #[arg(long, default_value_t = 1)]
-    first: u64,
+    pub(crate) first: u64,
     /// How many runs must hold every expectation [default: all]
     #[arg(long)]
-    least: Option<u64>,
+    pub(crate) least: Option<u64>,
 }
 
 pub(crate) fn seeds(arguments: &Seeds) -> Result<()> {
@@ -35,10 +35,6 @@ pub(crate) fn seeds(arguments: &Seeds) -> Result<()> {
     let next = AtomicU64::new(arguments.first);
     let end = arguments.first + arguments.runs;
     let reports = Mutex::new(BTreeMap::new());
-    let bar = ProgressBar::new(arguments.runs);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}") {
-        bar.set_style(style);
-    }
     let fly = || -> Result<()> {
         loop {
             let seed = next.fetch_add(1, Ordering::Relaxed);
@@ -60,7 +56,6 @@ pub(crate) fn seeds(arguments: &Seeds) -> Result<()> {
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
                 .insert(seed, report);
-            bar.inc(1);
         }
     };
     std::thread::scope(|scope| -> Result<()> {
@@ -74,7 +69,6 @@ pub(crate) fn seeds(arguments: &Seeds) -> Result<()> {
         }
         Ok(())
     })?;
-    bar.finish_and_clear();
     let reports = reports.into_inner().unwrap_or_else(PoisonError::into_inner);
     tell(&reports, arguments)
 }

@@ -1,11 +1,11 @@
-//! What tests and benchmarks share: where the project is, its program and its plugins, built once a process.
+//! What tests and benchmarks share: where the project is, its program and its plugins.
+//!
+//! `cargo xtask` builds both before the tests and says where they are (`BACKSEAT_TEST_PROGRAM`, `BACKSEAT_TEST_PLUGINS`).
+//! Where it does not, under `cargo test` by hand, each test program builds them once.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
-
-/// The project's plugins, in the packages that hold them.
-const PLUGINS: [&str; 5] = ["isobath", "plume", "template", "faulty", "prober"];
 
 /// The workspace's folder.
 #[must_use]
@@ -26,7 +26,8 @@ pub fn mission(name: &str) -> PathBuf {
     workspace().join("missions").join(name)
 }
 
-/// The folder with the project's plugins as components, built from what is in the tree.
+/// The folder with the project's plugins as components, built from what is in the tree: every package in the folder
+/// `plugins` that is one.
 ///
 /// # Panics
 /// Where they cannot be built; the message says why.
@@ -34,10 +35,17 @@ pub fn mission(name: &str) -> PathBuf {
 pub fn plugins() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
+        if let Some(folder) = std::env::var_os("BACKSEAT_TEST_PLUGINS") {
+            return folder.into();
+        }
         let target = std::env::var_os("CARGO_TARGET_DIR")
             .map_or_else(|| workspace().join("target"), |target| workspace().join(target));
         let folder = target.join("plugins");
-        match backseat_componentize::build(workspace(), &PLUGINS, &folder) {
+        let built = backseat_componentize::plugins(workspace()).and_then(|packages| {
+            let packages: Vec<&str> = packages.iter().map(String::as_str).collect();
+            backseat_componentize::build(workspace(), &packages, &folder)
+        });
+        match built {
             Ok(_) => folder,
             Err(error) => panic!("the plugins cannot be built: {error}"),
         }
@@ -53,6 +61,9 @@ pub fn plugins() -> &'static Path {
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
+        if let Some(program) = std::env::var_os("BACKSEAT_TEST_PROGRAM") {
+            return program.into();
+        }
         // TARGET/PROFILE/deps/TEST, or one folder less where the test is a program itself.
         let test = std::env::current_exe().expect("a running program has a path");
         let folder = test

@@ -1,4 +1,3 @@
-use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use backseat_core::plugin::{FaultKind, Judge, ModifyRequest, NavigationSample, Refusal, Request, Returned, StepInput};
@@ -17,15 +16,12 @@ pub(crate) struct Components {
 pub(crate) fn components() -> &'static Components {
     static COMPONENTS: OnceLock<Components> = OnceLock::new();
     COMPONENTS.get_or_init(|| {
-        let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("components");
-        let paths = backseat_componentize::build(&workspace, &["faulty", "template", "echo"], &out)
-            .unwrap_or_else(|error| panic!("failed to build the plugins: {error}"));
+        let read = |name: &str| std::fs::read(backseat_test_support::plugins().join(name)).unwrap();
         let host = Host::new().unwrap();
-        let faulty = host.load("faulty", &std::fs::read(&paths[0]).unwrap()).unwrap();
-        let template_bytes = std::fs::read(&paths[1]).unwrap();
+        let faulty = host.load("faulty", &read("faulty.wasm")).unwrap();
+        let template_bytes = read("template.wasm");
         let template = host.load("template", &template_bytes).unwrap();
-        let echo = host.load("echo", &std::fs::read(&paths[2]).unwrap()).unwrap();
+        let echo = host.load("echo", &read("echo.wasm")).unwrap();
         Components {
             host,
             echo,

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use backseat_suite::{Backseat, Mission, Process, Signal, Vehicle, free_address, settle};
 
-use crate::session::{SOON, runtime};
+use super::session::{SOON, runtime};
 
 /// Asks each second for a trackline that is flown after the current behavior.
 fn inserting() -> Mission {

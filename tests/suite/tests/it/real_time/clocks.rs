@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use backseat_suite::{Line, Mission, Vehicle, settle};
 
-use crate::session::{SOON, runtime, steers};
+use super::session::{SOON, runtime, steers};
 
 /// Seconds of the day that the vehicle says in its navigation.
 fn said_s(line: &Line) -> f64 {

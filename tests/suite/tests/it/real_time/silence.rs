@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use backseat_suite::{Line, Mission, Signal, Vehicle, Way, settle};
 
-use crate::session::{SOON, runtime};
+use super::session::{SOON, runtime};
 
 /// A modify lapses 5 s after the last one received; the rest is a step of the vehicle.
 const LAPSES_WITHIN_S: f64 = 5.2;

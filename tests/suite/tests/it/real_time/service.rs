@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use backseat_suite::{Backseat, Mission, Process, Signal, Vehicle, eventually, free_address, settle};
 
-use crate::session::SOON;
+use super::session::SOON;
 
 /// Fed at half of this.
 const WATCHDOG: Duration = Duration::from_millis(1000);

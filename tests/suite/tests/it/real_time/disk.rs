@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use backseat_suite::{Backseat, Mission, Process, Signal, Vehicle, settle};
 
-use crate::session::{SOON, runtime};
+use super::session::{SOON, runtime};
 
 /// The steady mission with a second plugin that asks each second for a trackline ahead.
 fn steering_and_inserting() -> Mission {

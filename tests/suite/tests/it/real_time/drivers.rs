@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use backseat_suite::{Backseat, Mission, Vehicle, eventually, free_address};
 
-use crate::session::{SOON, runtime};
+use super::session::{SOON, runtime};
 
 const READ_WITHIN: Duration = Duration::from_secs(10);
 

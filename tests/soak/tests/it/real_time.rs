@@ -1,30 +1,13 @@
-//! The long runs, cut short enough for every day.
+//! The long runs in real time, cut short enough for every change.
 
 use std::sync::{Mutex, PoisonError};
 
 use backseat_soak::beside::{self, Beside};
 use backseat_soak::kills::{self, Kills};
 use backseat_soak::tcp::{self, Tcp};
-use backseat_soak::year::{self, Year};
 
 /// What flies in real time flies alone here: a machine that is busy with the other is late with both.
 static ALONE: Mutex<()> = Mutex::new(());
-
-#[test]
-fn a_day_with_faults() {
-    let report = year::run(&Year {
-        days: 1,
-        seed: 1,
-        intensity: 0.05,
-    })
-    .unwrap();
-    assert_eq!(report.faults(), Vec::<String>::new(), "{report}");
-    assert!(
-        report.faults_played > 50 && report.excused > 0 && report.commands > 20_000,
-        "{report}"
-    );
-    assert!(report.navigation > 600_000, "{report}");
-}
 
 #[test]
 fn ten_seconds_of_tcp() {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use backseat_suite::{Mission, Signal, Vehicle, settle};
 
-use crate::session::{SOON, runtime, steers};
+use super::session::{SOON, runtime, steers};
 
 #[test]
 fn sr_015_a_hold_ends_the_lease_and_stands_until_it_is_released() {

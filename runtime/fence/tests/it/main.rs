@@ -1,0 +1,10 @@
+//! Fences as files and what is judged against them, a file a subject.
+
+mod files;
+mod formats;
+mod kml;
+mod places;
+mod refusals;
+mod round;
+mod saved;
+mod several;

@@ -1,0 +1,4 @@
+//! Missions as folders.
+
+mod grid;
+mod hull;

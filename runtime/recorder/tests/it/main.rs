@@ -1,0 +1,4 @@
+//! The log and the picture of a run.
+
+mod log;
+mod picture;

@@ -1,0 +1,163 @@
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Result, bail};
+use clap::Args;
+
+use crate::cargo::{cargo, root, run};
+use crate::compile::{Compiled, compile};
+use crate::plugins;
+use crate::steps::Steps;
+use crate::tests::{Which, run_examples, run_tests};
+use crate::tidy::tidy;
+use crate::workspace::Workspace;
+
+/// What is installed where it is missing, in this version.
+const DENY: (&str, &str) = ("cargo-deny", "0.20.2");
+/// What every change must still fly.
+const REFERENCE: [&str; 2] = ["missions/isobath", "missions/plume"];
+
+/// The second of the README's two commands: everything but the long runs.
+pub(crate) fn test() -> Result<()> {
+    let mut steps = Steps::default();
+    let result = test_in(&mut steps);
+    println!("\n{steps}");
+    result
+}
+
+fn test_in(steps: &mut Steps) -> Result<()> {
+    steps.run("format", || cargo(&["fmt", "--all", "--check"]))?;
+    steps.run("project rules", tidy)?;
+    steps.run("dependencies: licences, sources", dependencies)?;
+    let compiled = steps.run("compile, with lints", compile)?;
+    steps.run("compile the plugins", || plugins::build(&componentize(&compiled)))?;
+    // What fails does not hide what else fails.
+    let tests = steps.run("tests", || run_tests(&compiled, None, Which::Computing));
+    let real_time = steps.run("tests in real time", || run_tests(&compiled, None, Which::RealTime));
+    let examples = steps.run("examples of the documentation", || run_examples(&compiled));
+    tests.and(real_time).and(examples)
+}
+
+/// The part of `test` that a change needs, in a minute or three.
+#[derive(Args)]
+pub(crate) struct Quick {
+    /// The crates that have changed, by name or by folder [default: those in which git sees a change; where it sees none,
+    /// those that the last commit has changed]
+    crates: Vec<String>,
+}
+
+pub(crate) fn quick(arguments: &Quick) -> Result<()> {
+    let mut steps = Steps::default();
+    let result = quick_in(arguments, &mut steps);
+    println!("\n{steps}");
+    result
+}
+
+fn quick_in(arguments: &Quick, steps: &mut Steps) -> Result<()> {
+    let workspace = Workspace::read()?;
+    let changed = if arguments.crates.is_empty() {
+        changed_crates(&workspace)?
+    } else {
+        arguments
+            .crates
+            .iter()
+            .map(|name| workspace.find(name))
+            .collect::<Result<_>>()?
+    };
+    println!("changed: {}", list(&changed));
+    let crates = workspace.and_those_above(changed);
+    println!("tested: {}", list(&crates));
+    steps.run("format", || cargo(&["fmt", "--all", "--check"]))?;
+    steps.run("project rules", tidy)?;
+    let compiled = steps.run("compile, with lints", compile)?;
+    steps.run("compile the plugins", || plugins::build(&componentize(&compiled)))?;
+    let tests = steps.run("tests", || run_tests(&compiled, Some(&crates), Which::Computing));
+    let missions = steps.run("reference missions", || reference_missions(&compiled));
+    tests.and(missions)
+}
+
+fn list(crates: &BTreeSet<String>) -> String {
+    if crates.is_empty() {
+        return "no crate".to_owned();
+    }
+    crates.iter().map(String::as_str).collect::<Vec<_>>().join(", ")
+}
+
+/// The crates in which git sees a change.
+fn changed_crates(workspace: &Workspace) -> Result<BTreeSet<String>> {
+    let git = |arguments: &[&str]| -> Result<Vec<String>> {
+        let output = Command::new("git").args(arguments).current_dir(root()?).output()?;
+        if !output.status.success() {
+            bail!(
+                "git {}: {}",
+                arguments.join(" "),
+                String::from_utf8_lossy(&output.stderr).trim()
+            );
+        }
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        Ok(text
+            .split('\0')
+            .filter(|file| !file.is_empty())
+            .map(str::to_owned)
+            .collect())
+    };
+    let mut files = git(&["diff", "--name-only", "-z", "HEAD"])?;
+    files.extend(git(&["ls-files", "--others", "--exclude-standard", "-z"])?);
+    if files.is_empty() {
+        println!("git sees no change: taking the last commit's");
+        files = git(&["diff-tree", "--no-commit-id", "--name-only", "-r", "-z", "HEAD"])?;
+    }
+    let mut changed = BTreeSet::new();
+    for file in &files {
+        match workspace.owner(Path::new(file)) {
+            Some(owner) => {
+                changed.insert(owner.to_owned());
+            }
+            // What all crates are compiled by.
+            None if !file.contains('/') && (file.ends_with(".toml") || file == "Cargo.lock") => {
+                return Ok(workspace.all());
+            }
+            None if file.starts_with("wit/") => {
+                changed.extend([workspace.find("backseat-sdk")?, workspace.find("backseat-plugin-host")?]);
+            }
+            None => {}
+        }
+    }
+    Ok(changed)
+}
+
+/// One seed of each reference mission must hold its expectations.
+fn reference_missions(compiled: &Compiled) -> Result<()> {
+    for mission in REFERENCE {
+        run(Command::new(compiled.programs.join("backseat"))
+            .args(["sim", mission, "--plugins"])
+            .arg(plugins::folder()?))?;
+    }
+    Ok(())
+}
+
+/// What the project depends on may be used, and comes from where it says. (Known faults of dependencies are `cargo deny
+/// check advisories`, which needs a network.)
+fn dependencies() -> Result<()> {
+    let (name, version) = DENY;
+    let mut installed = Command::new(name);
+    installed.arg("--version").stdout(Stdio::null()).stderr(Stdio::null());
+    if !installed.status().is_ok_and(|status| status.success()) {
+        cargo(&["install", "--locked", "--quiet", name, "--version", version])?;
+    }
+    cargo(&[
+        "deny",
+        "--locked",
+        "check",
+        "--hide-inclusion-graph",
+        "bans",
+        "licenses",
+        "sources",
+    ])
+}
+
+/// The program that builds plugins, among what was compiled for the tests.
+fn componentize(compiled: &Compiled) -> PathBuf {
+    compiled.programs.join("backseat-componentize")
+}

@@ -1,0 +1,172 @@
+use std::fmt::Write as _;
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result};
+use clap::Args;
+
+use crate::cargo::{cargo, cargo_command, root, run, target};
+use crate::compile::{compile, with_lints};
+use crate::digest::{self, Digest};
+use crate::hunt::{self, Hunt};
+use crate::plugins;
+use crate::seeds::{self, Seeds};
+use crate::steps::Steps;
+use crate::tests::prepare;
+
+/// Where it is kept when this last ran, and on what.
+const RECORD: &str = "tests/soak/last-run.txt";
+
+/// What is too long for every change: run it before a release, or after a change of what it is about.
+#[derive(Args)]
+pub(crate) struct Soak {
+    /// Run nothing; say when it last ran, on which commit, and what was in it
+    #[arg(long)]
+    last: bool,
+    /// Only the steps whose names have this in them; what is then run is not kept as a whole run
+    #[arg(long, value_name = "TEXT")]
+    only: Option<String>,
+}
+
+/// A step's name and what it does.
+type Task = (&'static str, fn() -> Result<()>);
+
+/// What is longer than a change can wait for, the longest last.
+const TASKS: [Task; 8] = [
+    ("property tests, 16 times the cases", properties),
+    ("seeds of the reference missions", flights),
+    ("same bytes in debug and release", same_bytes),
+    ("kills of the runtime", || long(&["kills", "--trials", "100"])),
+    ("faulty plugins beside a good one", || long(&["beside"])),
+    ("clients over TCP", || long(&["tcp", "--minutes", "5"])),
+    ("a simulated month", || long(&["year", "--days", "30"])),
+    ("hunt", hunts),
+];
+
+pub(crate) fn soak(arguments: &Soak) -> Result<()> {
+    let record = root()?.join(RECORD);
+    if arguments.last {
+        let text = fs::read_to_string(&record).with_context(|| format!("{RECORD}: no soak is on record"))?;
+        print!("{text}");
+        return Ok(());
+    }
+    let mut steps = Steps::default();
+    let mut failed = Vec::new();
+    for (name, task) in TASKS {
+        if arguments
+            .only
+            .as_ref()
+            .is_some_and(|only| !name.contains(only.as_str()))
+        {
+            continue;
+        }
+        // One that fails does not keep the others from being run.
+        if let Err(error) = steps.run(name, task) {
+            failed.push(format!("{name}: {error:#}"));
+        }
+    }
+    let mut told = format!(
+        "last run of `cargo xtask soak`: {}\non commit {}\n\n{steps}",
+        date()?,
+        commit()?
+    );
+    for failure in &failed {
+        let _infallible = writeln!(told, "FAILED {failure}");
+    }
+    println!("\n{told}");
+    if arguments.only.is_none() {
+        fs::write(&record, told).with_context(|| RECORD.to_owned())?;
+        println!("kept in {RECORD}: commit it");
+    }
+    if failed.is_empty() {
+        return Ok(());
+    }
+    anyhow::bail!("{} of the soak's steps failed", failed.len())
+}
+
+/// Runs `tests/soak`, built for release.
+fn long(arguments: &[&str]) -> Result<()> {
+    plugins::plugins()?;
+    cargo(&["build", "--release", "--package", "backseat-soak"])?;
+    println!("> backseat-soak {}", arguments.join(" "));
+    run(Command::new(target()?.join("release/backseat-soak"))
+        .args(arguments)
+        .env("BACKSEAT_TEST_PROGRAM", target()?.join("release/backseat"))
+        .env("BACKSEAT_TEST_PLUGINS", plugins::folder()?))
+}
+
+/// The property tests of all crates with other cases than every day, and more of them.
+fn properties() -> Result<()> {
+    let compiled = compile()?;
+    let mut command = cargo_command(&[
+        "test",
+        "--workspace",
+        "--lib",
+        "--tests",
+        "--quiet",
+        "--",
+        "--skip",
+        "real_time::",
+    ]);
+    with_lints(&mut command)?;
+    let seed = date()?
+        .bytes()
+        .fold(0u64, |seed, byte| seed.wrapping_mul(31).wrapping_add(byte.into()));
+    println!("PROPTEST_RNG_SEED={seed}");
+    command
+        .env("PROPTEST_RNG_SEED", seed.to_string())
+        .env("PROPTEST_CASES", "4096");
+    run(prepare(&mut command, &compiled)?)
+}
+
+fn flights() -> Result<()> {
+    for mission in ["missions/isobath", "missions/plume"] {
+        seeds::seeds(&Seeds {
+            mission: mission.into(),
+            runs: 200,
+            first: 1,
+            least: None,
+        })?;
+    }
+    Ok(())
+}
+
+fn same_bytes() -> Result<()> {
+    digest::digest(&Digest {
+        missions: ["missions/isobath", "missions/plume"].map(PathBuf::from).into(),
+        seeds: 5,
+        faults: None,
+        aarch64: false,
+    })
+}
+
+fn hunts() -> Result<()> {
+    hunt::hunt(&Hunt::of(4000, false))?;
+    hunt::hunt(&Hunt::of(500, true))
+}
+
+/// Now, as UTC.
+fn date() -> Result<String> {
+    told_by(Command::new("date").args(["-u", "+%Y-%m-%d %H:%M UTC"]))
+}
+
+/// The commit, and whether what was run differs from it.
+fn commit() -> Result<String> {
+    let commit = told_by(Command::new("git").args(["rev-parse", "HEAD"]))?;
+    let changes = told_by(Command::new("git").args(["status", "--porcelain", "--", ":!tests/soak/last-run.txt"]))?;
+    Ok(if changes.is_empty() {
+        commit
+    } else {
+        format!("{commit}, with changes that were not committed")
+    })
+}
+
+fn told_by(command: &mut Command) -> Result<String> {
+    let output = command
+        .current_dir(root()?)
+        .output()
+        .with_context(|| format!("{command:?}"))?;
+    anyhow::ensure!(output.status.success(), "{command:?} ended with {}", output.status);
+    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}

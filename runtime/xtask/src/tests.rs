@@ -1,0 +1,121 @@
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use anyhow::{Result, bail};
+
+use crate::cargo::{cargo_command, root, run};
+use crate::compile::{Compiled, with_lints};
+use crate::plugins;
+use crate::workspace::Workspace;
+
+/// The module of a test program that has its tests in real time: they wait more than they compute, and some hold the
+/// program to its times, so that nothing else may run beside them.
+const REAL_TIME: &str = "real_time::";
+/// How many of those run at once.
+const REAL_TIME_AT_ONCE: &str = "6";
+/// What property tests are drawn with.
+const SEED: &str = "PROPTEST_RNG_SEED";
+
+/// Which tests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Which {
+    /// Those that compute.
+    Computing,
+    /// Those that wait.
+    RealTime,
+}
+
+/// Runs the tests of these crates (of all, where none is named) that have been compiled: with nextest, where it is
+/// installed, or else one program after the other.
+pub(crate) fn run_tests(compiled: &Compiled, crates: Option<&BTreeSet<String>>, which: Which) -> Result<()> {
+    if has_nextest() {
+        with_nextest(compiled, crates, which)
+    } else {
+        one_by_one(compiled, crates, which)
+    }
+}
+
+/// Runs the examples in the documentation.
+pub(crate) fn run_examples(compiled: &Compiled) -> Result<()> {
+    let mut command = cargo_command(&["test", "--workspace", "--doc", "--quiet"]);
+    with_lints(&mut command)?;
+    run(prepare(&mut command, compiled)?)
+}
+
+fn has_nextest() -> bool {
+    let mut command = Command::new("cargo-nextest");
+    command
+        .args(["nextest", "--version"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
+}
+
+fn with_nextest(compiled: &Compiled, crates: Option<&BTreeSet<String>>, which: Which) -> Result<()> {
+    let mut filter = match which {
+        Which::Computing => format!("not test(/^{REAL_TIME}/)"),
+        Which::RealTime => format!("test(/^{REAL_TIME}/)"),
+    };
+    if let Some(crates) = crates {
+        let packages: Vec<String> = crates.iter().map(|name| format!("package(={name})")).collect();
+        filter = format!("({filter}) and ({})", packages.join(" or "));
+    }
+    let mut arguments = vec![
+        "nextest",
+        "run",
+        "--workspace",
+        "--no-fail-fast",
+        "--no-tests=pass",
+        "-E",
+        &filter,
+    ];
+    if which == Which::RealTime {
+        arguments.extend(["--test-threads", REAL_TIME_AT_ONCE]);
+    }
+    let mut command = cargo_command(&arguments);
+    with_lints(&mut command)?;
+    run(prepare(&mut command, compiled)?)
+}
+
+fn one_by_one(compiled: &Compiled, crates: Option<&BTreeSet<String>>, which: Which) -> Result<()> {
+    let workspace = Workspace::read()?;
+    let root = root()?;
+    let mut failed = Vec::new();
+    for test in &compiled.tests {
+        let folder = test.folder.strip_prefix(&root).unwrap_or(&test.folder);
+        let asked_for = |name: &str| crates.is_none_or(|crates| crates.contains(name));
+        if !workspace.owner(folder).is_some_and(asked_for) {
+            continue;
+        }
+        let mut command = Command::new(&test.program);
+        command.arg("--quiet");
+        match which {
+            Which::Computing => command.args(["--skip", REAL_TIME]),
+            Which::RealTime => command.args([REAL_TIME, "--test-threads", REAL_TIME_AT_ONCE]),
+        };
+        println!("> {}", test.program.display());
+        if !prepare(&mut command, compiled)?
+            .current_dir(&test.folder)
+            .status()?
+            .success()
+        {
+            failed.push(test.program.display().to_string());
+        }
+    }
+    if !failed.is_empty() {
+        bail!("tests failed in: {}", failed.join(", "));
+    }
+    Ok(())
+}
+
+/// Tells a test where the program and the plugins are, and draws the same cases of property tests each time, so that a
+/// change passes or fails by what it is; `PROPTEST_RNG_SEED` draws others.
+pub(crate) fn prepare<'a>(command: &'a mut Command, compiled: &Compiled) -> Result<&'a mut Command> {
+    if std::env::var_os(SEED).is_none() {
+        command.env(SEED, "20261121");
+    }
+    let program: &Path = &compiled.programs;
+    command.env("BACKSEAT_TEST_PROGRAM", program.join("backseat"));
+    Ok(command.env("BACKSEAT_TEST_PLUGINS", plugins::folder()?))
+}

@@ -1,5 +1,6 @@
 use std::collections::BTreeSet;
 use std::ffi::OsString;
+use std::io::{BufRead, BufReader, IsTerminal};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -28,27 +29,36 @@ pub(crate) struct TestProgram {
 /// added, and `cargo clippy` puts it there in the same way, but throws the code away. A warning fails in each crate that
 /// takes the workspace's lints (`[lints] workspace = true`); in others, a plugin of your own say, it is only shown.
 pub(crate) fn compile() -> Result<Compiled> {
-    let mut command = cargo_command(&[
-        "build",
-        "--workspace",
-        "--all-targets",
-        "--message-format=json-render-diagnostics",
-    ]);
+    let colours = if std::io::stderr().is_terminal() {
+        "--message-format=json-diagnostic-rendered-ansi"
+    } else {
+        "--message-format=json"
+    };
+    let mut command = cargo_command(&["build", "--workspace", "--all-targets", colours]);
     with_lints(&mut command)?;
-    let output = command
+    let mut cargo = command
         .current_dir(root()?)
-        .stderr(Stdio::inherit())
-        .output()
+        .stdout(Stdio::piped())
+        .spawn()
         .with_context(|| format!("{command:?}"))?;
-    let messages = String::from_utf8_lossy(&output.stdout);
-    let messages = messages.lines().filter_map(|line| serde_json::from_str(line).ok());
+    let messages = cargo.stdout.take().context("the stream was asked for")?;
     let mut warned = BTreeSet::new();
     let mut tests = BTreeSet::new();
-    for message in messages {
+    let mut shown = BTreeSet::new();
+    for line in BufReader::new(messages).lines() {
+        let Ok(message) = serde_json::from_str::<Value>(&line?) else {
+            continue;
+        };
+        // A library is compiled for itself and for its tests: what is the same of both is shown once.
+        if let Some(text) = message["message"]["rendered"].as_str()
+            && shown.insert(text.to_owned())
+        {
+            eprint!("{text}");
+        }
         warned.extend(warned_manifest(&message));
         tests.extend(test_program(&message));
     }
-    if !output.status.success() {
+    if !cargo.wait()?.success() {
         bail!("the workspace does not compile");
     }
     let held: Vec<String> = warned

@@ -2,20 +2,25 @@
 //! Interface. The logic is in the crates below; here are the command line and the drivers that read clocks and
 //! sockets.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
 mod check;
 mod cli;
 mod clock;
 mod drivers;
+mod keeper;
 mod link;
 mod mvc;
 mod operator;
 mod output;
 mod plugins;
+mod recording;
 mod run;
 mod service;
 mod sim;
 mod spi;
 mod state;
+mod terminal;
 
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -33,6 +38,13 @@ const UNMET: u8 = 1;
 const UNUSABLE: u8 = 2;
 
 fn main() -> ExitCode {
+    terminal::start();
+    let code = program();
+    terminal::finish();
+    code
+}
+
+fn program() -> ExitCode {
     let cli = Cli::parse();
     let told = std::env::var("BACKSEAT_LOG")
         .ok()
@@ -40,7 +52,9 @@ fn main() -> ExitCode {
     tracing_subscriber::registry()
         .with(
             tracing_subscriber::fmt::layer()
-                .with_writer(std::io::stderr)
+                .with_writer(|| terminal::Lines)
+                // Its own complaint would be an `eprintln!`, which panics where nobody reads.
+                .log_internal_errors(false)
                 .with_ansi(std::io::stderr().is_terminal())
                 .with_target(false),
         )
@@ -58,7 +72,7 @@ fn main() -> ExitCode {
         Ok(false) => ExitCode::from(UNMET),
         Err(error) => {
             // One line: what, where, what to do.
-            eprintln!("error: {}", one_line(&error));
+            terminal::tell(&format!("error: {}", one_line(&error)));
             ExitCode::from(UNUSABLE)
         }
     }

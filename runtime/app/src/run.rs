@@ -1,16 +1,14 @@
 //! The driver at sea: core on a real clock, a TCP link, and plugins on threads of their own.
 
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 use std::pin::Pin;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use backseat_core::{Core, Grant, Input, Note, Operator, Output, Reservation, Start};
+use backseat_core::{Core, Grant, Input, Note, Operator, Output, Start};
 use backseat_mission::Mission;
 use backseat_plugin_host::Host;
-use backseat_recorder::{Header, Rate, Recorder};
+use backseat_recorder::{Header, Rate, Recorder, RecorderError};
 use backseat_sim::load_plugins;
 use backseat_units::Timestamp;
 use tokio::net::TcpStream;
@@ -20,17 +18,17 @@ use tracing::{error, info, warn};
 use crate::cli::Run;
 use crate::clock::Clock;
 use crate::drivers::{Heard, Ports};
+use crate::keeper::{Keeper, Kept};
 use crate::link::{Link, Ready, connect};
 use crate::operator::Signals;
 use crate::plugins::{Answer, Crew};
+use crate::recording::{Queue, Recording};
 use crate::service::{Service, Slips};
-use crate::state::{HoldWatch, State};
+use crate::state::State;
 
 /// What is granted that the vehicle must know by an identifier.
 const NAMED: [Grant; 3] = [Grant::Insert, Grant::Surface, Grant::Acoustic];
 const FLUSH_EVERY: Duration = Duration::from_secs(2);
-/// How often it is looked whether the operator has put the hold's file there or taken it away.
-const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// How long a last BPEMB may take to leave when the run ends.
 const FAREWELL: Duration = Duration::from_millis(300);
 
@@ -78,7 +76,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     if !start.armed {
         info!("not armed: nothing will be sent that steers; --arm arms");
     }
-    recorder.start(&start)?;
+    recorder.record(Timestamp::ZERO, |recorder| recorder.start(&start));
     let names = loaded.setups.iter().map(|setup| setup.name.clone()).collect();
     let core = Core::new(
         mission.file.session.clone(),
@@ -87,7 +85,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         start,
     );
     let (sender, answers) = unbounded_channel();
-    let hold = HoldWatch::new(start.held);
+    let (keeps, kept) = unbounded_channel();
     let driver = Driver {
         core,
         clock,
@@ -98,19 +96,17 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         judged: Timestamp::ZERO,
         crew: Crew::new(host, loaded.plugins, sender),
         ports,
-        state,
-        hold,
-        recorder: Some(recorder),
+        keeper: Keeper::start(state, start.held, keeps)?,
+        recorder,
         finished: false,
         reset: false,
-        reserve: None,
         cannot_reserve: false,
         last_refusal: None,
         link_lost: None,
         recorded_navigation: None,
         names,
     };
-    runtime.block_on(driver.drive(answers, heard, signals))?;
+    runtime.block_on(driver.drive(answers, kept, heard, signals))?;
     Ok(true)
 }
 
@@ -130,12 +126,7 @@ pub(crate) fn host_and_port(address: &str, place: &str) -> Result<String> {
     }
 }
 
-fn open_log(
-    folder: &Path,
-    mission: &Mission,
-    components: &[(String, Vec<u8>)],
-    clock: &Clock,
-) -> Result<Recorder<BufWriter<File>>> {
+fn open_log(folder: &Path, mission: &Mission, components: &[(String, Vec<u8>)], clock: &Clock) -> Result<Recording> {
     std::fs::create_dir_all(folder).with_context(|| format!("{}", folder.display()))?;
     let path = folder.join(format!(
         "{}-{}.mcap",
@@ -143,7 +134,7 @@ fn open_log(
         clock.utc_at_start().as_unix_nanos() / 1_000_000
     ));
     info!("log: {}", path.display());
-    Ok(Recorder::create(
+    Recording::create(
         &path,
         &Header {
             utc_at_start: clock.utc_at_start(),
@@ -155,7 +146,7 @@ fn open_log(
             components,
             version: env!("CARGO_PKG_VERSION"),
         },
-    )?)
+    )
 }
 
 /// What comes of an attempt to connect; never, while there is none.
@@ -179,13 +170,10 @@ struct Driver {
     judged: Timestamp,
     crew: Crew,
     ports: Ports,
-    state: State,
-    hold: HoldWatch,
-    /// Gone once it has failed: a full disk stops the log, not the vehicle.
-    recorder: Option<Recorder<BufWriter<File>>>,
+    keeper: Keeper,
+    recorder: Recording,
     finished: bool,
     reset: bool,
-    reserve: Option<Reservation>,
     /// The disk did not take the last reservation.
     cannot_reserve: bool,
     last_refusal: Option<String>,
@@ -200,12 +188,12 @@ impl Driver {
     async fn drive(
         mut self,
         mut answers: UnboundedReceiver<Answer>,
+        mut kept: UnboundedReceiver<Kept>,
         mut heard: Heard,
         mut signals: Signals,
     ) -> Result<()> {
         let mut buffer = vec![0; 64 * 1024];
         let mut flush_at = Timestamp::ZERO + FLUSH_EVERY;
-        let mut look_at = Timestamp::ZERO + LOOK_EVERY;
         let (mut service, mut slips) = (Service::from_environment(), Slips::default());
         self.carry_out_all();
         while !self.finished {
@@ -216,7 +204,6 @@ impl Driver {
                 self.link.write_deadline(),
                 service.deadline(),
                 Some(flush_at),
-                Some(look_at),
             ];
             let wake = wake.into_iter().flatten().min().unwrap_or(flush_at);
             let instant = self.clock.instant(wake);
@@ -225,6 +212,7 @@ impl Driver {
                 biased;
                 () = tokio::time::sleep_until(instant) => self.feed(Input::Timeout),
                 act = signals.next() => self.operator(act),
+                Some(kept) = kept.recv() => self.kept(kept),
                 Some(answer) = answers.recv() => match answer {
                     Answer::Returned(plugin, returned) => self.feed(Input::Returned(plugin, returned)),
                     Answer::Restarted(plugin, restarted) => self.feed(Input::Restarted(plugin, restarted)),
@@ -248,12 +236,6 @@ impl Driver {
                 let address = self.address.clone();
                 self.connecting = Some(Box::pin(async move { connect(&address).await }));
             }
-            if look_at <= now {
-                look_at = now + LOOK_EVERY;
-                if let Some(act) = self.hold.look(&self.state) {
-                    self.operator(act);
-                }
-            }
             if flush_at <= now {
                 flush_at = now + FLUSH_EVERY;
                 self.record(Recorder::flush);
@@ -262,18 +244,33 @@ impl Driver {
         service.stopping();
         slips.end();
         self.farewell().await;
-        self.give_back();
-        if let Some(recorder) = self.recorder.take() {
-            recorder.finish()?;
+        // Nothing more can be sent.
+        if !self.keeper.finish(self.core.used()) {
+            warn!("the state folder does not answer: what was reserved and not used is not given back");
         }
+        self.recorder.finish(self.clock.now());
         Ok(())
     }
 
-    /// Records what was used alone, so that a restart costs the mission no insert. Nothing more can be sent.
-    fn give_back(&self) {
-        let recorded = self.core.used().map(|used| self.state.reserve(&used));
-        if let Some(Err(error)) = recorded {
-            warn!("what was reserved and not used cannot be given back: {error:#}");
+    /// What the keeper of the state has done, or the operator to its folder.
+    fn kept(&mut self, kept: Kept) {
+        match kept {
+            Kept::Reserved(reservation) => {
+                if std::mem::take(&mut self.cannot_reserve) {
+                    info!("identifiers can be reserved again, inserts are sent again");
+                }
+                self.feed(Input::Reserved(reservation));
+            }
+            // It is asked for again and again; the words are for the first time.
+            Kept::NotReserved(error) => {
+                if !std::mem::replace(&mut self.cannot_reserve, true) {
+                    error!("identifiers cannot be reserved, no more inserts are sent: {error:#}");
+                }
+            }
+            Kept::NotHeld(error) => {
+                error!("the operator's act holds for this run only, it could not be kept: {error:#}");
+            }
+            Kept::Act(act) => self.operator(act),
         }
     }
 
@@ -311,17 +308,12 @@ impl Driver {
                 self.record(|recorder| recorder.output(now, &output));
                 self.carry_out(now, output);
             }
-            // What the driver answers at once is an input like any other.
-            let input = if let Some(reservation) = self.reserve.take() {
-                Input::Reserved(reservation)
-            } else if std::mem::take(&mut self.reset) {
-                self.link.reset();
-                Input::LinkDown
-            } else {
+            if !std::mem::take(&mut self.reset) {
                 return;
-            };
-            self.record(|recorder| recorder.input(now, &input));
-            self.handle(now, input);
+            }
+            self.link.reset();
+            self.record(|recorder| recorder.input(now, &Input::LinkDown));
+            self.handle(now, Input::LinkDown);
         }
     }
 
@@ -338,20 +330,7 @@ impl Driver {
             Output::Invoke(plugin, input) => self.crew.step(plugin, input),
             Output::Restart(plugin) => self.crew.restart(plugin),
             Output::Driver(driver, line) => self.ports.tell(driver, line),
-            Output::Reserve(reservation) => match self.state.reserve(&reservation) {
-                Ok(()) => {
-                    if std::mem::take(&mut self.cannot_reserve) {
-                        info!("identifiers can be reserved again, inserts are sent again");
-                    }
-                    self.reserve = Some(reservation);
-                }
-                // It is asked for again and again; the words are for the first time.
-                Err(_) if self.cannot_reserve => {}
-                Err(error) => {
-                    self.cannot_reserve = true;
-                    error!("identifiers cannot be reserved, no more inserts are sent: {error:#}");
-                }
-            },
+            Output::Reserve(reservation) => self.keeper.reserve(reservation),
             Output::Finish => self.finished = true,
             Output::Note(note) => {
                 if let Note::Operator { act } = &note {
@@ -410,15 +389,11 @@ impl Driver {
     }
 
     /// Hold and release outlive the process, whether the operator said them or a policy did.
-    fn keep(&mut self, act: &Operator) {
-        let kept = match act {
-            Operator::Hold => self.state.set_held(true),
-            Operator::Release => self.state.set_held(false),
-            Operator::Stop | Operator::Order(_) => return,
-        };
-        self.hold.follow(&self.state);
-        if let Err(error) = kept {
-            error!("the operator's act holds for this run only, it could not be kept: {error:#}");
+    fn keep(&self, act: &Operator) {
+        match act {
+            Operator::Hold => self.keeper.hold(true),
+            Operator::Release => self.keeper.hold(false),
+            Operator::Stop | Operator::Order(_) => {}
         }
     }
 
@@ -463,15 +438,7 @@ impl Driver {
         self.link.close(FAREWELL).await;
     }
 
-    fn record(
-        &mut self,
-        act: impl FnOnce(&mut Recorder<BufWriter<File>>) -> Result<(), backseat_recorder::RecorderError>,
-    ) {
-        if let Some(recorder) = &mut self.recorder
-            && let Err(error) = act(recorder)
-        {
-            error!("the log ends here, the run goes on: {error}");
-            self.recorder = None;
-        }
+    fn record(&mut self, act: impl FnOnce(&mut Recorder<Queue>) -> Result<(), RecorderError>) {
+        self.recorder.record(self.clock.now(), act);
     }
 }

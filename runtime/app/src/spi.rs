@@ -41,7 +41,7 @@ fn decode(arguments: &SpiDecode) -> Result<bool> {
     let input = open(&arguments.file)?;
     let done = finished(backseat_spi_tools::decode(input, decoding, &mut io::stdout().lock()));
     if let Some(tally) = done.with_context(|| place(&arguments.file))? {
-        eprintln!("{tally}");
+        crate::terminal::tell(&tally.to_string());
     }
     Ok(true)
 }
@@ -74,7 +74,7 @@ fn watch(arguments: &SpiConnect) -> Result<bool> {
         };
         anyhow::Ok(connect(&connection, stop, &mut io::stdout()).await?)
     })?;
-    eprintln!("{}", watched.summary);
+    crate::terminal::tell(&watched.summary.to_string());
     Ok(watched.heard)
 }
 

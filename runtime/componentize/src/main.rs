@@ -30,6 +30,9 @@ fn main() -> ExitCode {
 fn build_all(directory: &Path, out: &Path, mut packages: Vec<String>) -> Result<(), Error> {
     if packages.is_empty() {
         packages = plugins(directory)?;
+        if packages.is_empty() {
+            return Err(Error::NoModule(format!("in {}/plugins", directory.display())));
+        }
     }
     let packages: Vec<&str> = packages.iter().map(String::as_str).collect();
     for component in build(directory, &packages, out)? {

@@ -92,7 +92,7 @@ const INPUT: &str = r#"{
   "description": "An input of core that is not bytes of the link.",
   "required": ["input"],
   "properties": {
-    "input": {"enum": ["start", "link-up", "link-down", "returned", "restarted", "operator", "driver", "reserved", "timeout"]},
+    "input": {"enum": ["start", "link-up", "link-down", "returned", "restarted", "operator", "driver", "reserved", "timeout", "gap"]},
     "plugin": {"type": "integer", "description": "Place in priority order, 0 first (returned, restarted)."},
     "returned": {"type": "object", "description": "Fuel, log lines, and requests or fault of a step."},
     "restarted": {"type": "object", "description": "Fuel, lost steps, and fault, if any, of a restart."},
@@ -103,6 +103,8 @@ const INPUT: &str = r#"{
     "driver": {"type": "integer", "description": "Place in the mission file, 0 first (driver)."},
     "bytes": {"type": ["string", "array"], "description": "As text where they are UTF-8, else as numbers (driver)."},
     "below": {"type": "integer", "description": "All SPI identifiers below this are reserved (reserved)."},
+    "since_s": {"type": "number", "description": "Since when records are missing, seconds of the run (gap)."},
+    "records": {"type": "integer", "description": "How many are missing (gap)."},
     "start": {"type": "object", "description": "What core was started with: UTC in ns, identifiers, armed, held, jitter."}
   }
 }"#;

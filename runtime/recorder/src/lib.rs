@@ -38,6 +38,9 @@
 //! **Attachments**: `mission.toml` (as resolved), `fence.geojson`, `components/NAME.wasm` (those over
 //! [`COMPONENT_LIMIT`] only by their hash).
 //!
+//! **Gaps.** A deployed runtime waits for no disk. What the disk does not take in time is left out, and a `gap` on
+//! `/core/input` says since when and how many records: whatever follows one can no longer be replayed from the start.
+//!
 //! **What a killed process leaves.** Each MCAP chunk is put together in memory and written whole, then handed to the
 //! operating system: every 3 s of the run's time when deployed, every 60 s or 256 KiB in simulation. A file that
 //! lacks its end is read up to its last whole chunk by [`read`], by `mcap recover`, and by the Python package's

@@ -75,6 +75,13 @@ pub enum Record {
     Start(Start),
     /// An input of core, the link's bytes included.
     Input(LoggedInput),
+    /// Here records are missing, inputs among them: the disk did not take them in time.
+    Gap {
+        /// Since when, seconds of the run.
+        since_s: f64,
+        /// How many.
+        records: u64,
+    },
     /// Bytes written to the link.
     Sent(Vec<u8>),
     /// Another output of core.
@@ -303,6 +310,7 @@ fn read_record(channel: Channel, data: Vec<u8>) -> Result<Record, serde_json::Er
             InputOwned::Driver { driver, bytes } => Record::Input(LoggedInput::Driver(driver, bytes)),
             InputOwned::Reserved { reservation } => Record::Input(LoggedInput::Reserved(reservation)),
             InputOwned::Timeout => Record::Input(LoggedInput::Timeout),
+            InputOwned::Gap { since_s, records } => Record::Gap { since_s, records },
         },
         Channel::Output => Record::Output(json(&data)?),
         Channel::Notes => Record::Note(json(&data)?),

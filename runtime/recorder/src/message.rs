@@ -77,6 +77,10 @@ pub(crate) enum InputRef<'a> {
         #[serde(flatten)]
         reservation: Reservation,
     },
+    Gap {
+        since_s: f64,
+        records: u64,
+    },
 }
 
 /// What comes out of `/core/input`.
@@ -110,6 +114,10 @@ pub(crate) enum InputOwned {
         reservation: Reservation,
     },
     Timeout,
+    Gap {
+        since_s: f64,
+        records: u64,
+    },
 }
 
 /// What goes into `/core/output`.

@@ -66,7 +66,11 @@ impl<W: Write + Seek> Recorder<W> {
         Self::named(writer, "in memory".to_owned(), header)
     }
 
-    fn named(writer: W, log: String, header: &Header<'_>) -> Result<Self, RecorderError> {
+    /// Writes a log to anything, which errors call by this name.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`].
+    pub fn named(writer: W, log: String, header: &Header<'_>) -> Result<Self, RecorderError> {
         let (writer, ids) = open(writer, header).map_err(|source| write_error(&log, source))?;
         Ok(Self {
             writer,
@@ -157,6 +161,15 @@ impl<W: Write + Seek> Recorder<W> {
             return Ok(());
         }
         self.put_json(Channel::Navigation, now, &NavigationRow::from(sample))
+    }
+
+    /// Records were left out from `since` until now.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`].
+    pub fn gap(&mut self, now: Timestamp, since: Timestamp, records: u64) -> Result<(), RecorderError> {
+        let since_s = since.since(Timestamp::ZERO).as_secs_f64();
+        self.put_json(Channel::Input, now, &InputRef::Gap { since_s, records })
     }
 
     /// Whether [`Recorder::truth`] would be written now, for callers to whom it is work.

@@ -1,5 +1,5 @@
 use std::env;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
@@ -19,7 +19,8 @@ pub(crate) fn root() -> Result<PathBuf> {
 /// Where Cargo builds.
 pub(crate) fn target() -> Result<PathBuf> {
     let root = root()?;
-    Ok(env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |target| root.join(target)))
+    let set = env::var_os("CARGO_TARGET_DIR").or_else(|| env::var_os("CARGO_BUILD_TARGET_DIR"));
+    Ok(set.map_or_else(|| root.join("target"), |target| root.join(target)))
 }
 
 /// Runs Cargo in the workspace; its failure is ours.
@@ -31,7 +32,19 @@ pub(crate) fn cargo(arguments: &[&str]) -> Result<()> {
 pub(crate) fn cargo_command(arguments: &[&str]) -> Command {
     println!("> cargo {}", arguments.join(" "));
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.args(arguments);
+    // Programs are looked for where Cargo puts them for this machine.
+    command.args(arguments).env_remove("CARGO_BUILD_TARGET");
+    command
+}
+
+/// The program, without what the user's environment sets for it: what is flown here is flown as it stands in the tree.
+pub(crate) fn backseat(program: &Path) -> Command {
+    let mut command = Command::new(program);
+    for (name, _) in env::vars_os() {
+        if name.to_string_lossy().starts_with("BACKSEAT") {
+            command.env_remove(name);
+        }
+    }
     command
 }
 

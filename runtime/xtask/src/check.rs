@@ -2,10 +2,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 
-use crate::cargo::{cargo, root, run};
+use crate::cargo::{backseat, cargo, root, run};
 use crate::compile::{Compiled, compile};
 use crate::plugins;
 use crate::steps::Steps;
@@ -13,8 +13,19 @@ use crate::tests::{Which, run_examples, run_tests};
 use crate::tidy::tidy;
 use crate::workspace::Workspace;
 
-/// What is installed where it is missing, in this version.
+/// What is installed where there is none of any version.
 const DENY: (&str, &str) = ("cargo-deny", "0.20.2");
+/// Whose tests read what belongs to no crate.
+const READERS: [(&str, &str); 8] = [
+    ("wit/", "backseat-sdk"),
+    ("wit/", "backseat-plugin-host"),
+    ("runtime/docs/", "backseat-mvc"),
+    ("runtime/docs/", "xtask"),
+    ("tests/plans/", "backseat-hunt"),
+    ("missions/", "backseat-mission"),
+    ("missions/", "backseat-suite"),
+    ("missions/", "backseat-sim"),
+];
 /// What every change must still fly.
 const REFERENCE: [&str; 2] = ["missions/isobath", "missions/plume"];
 
@@ -22,7 +33,7 @@ const REFERENCE: [&str; 2] = ["missions/isobath", "missions/plume"];
 pub(crate) fn test() -> Result<()> {
     let mut steps = Steps::default();
     let result = test_in(&mut steps);
-    println!("\n{steps}");
+    steps.show();
     result
 }
 
@@ -39,7 +50,8 @@ fn test_in(steps: &mut Steps) -> Result<()> {
     tests.and(real_time).and(examples)
 }
 
-/// The part of `test` that a change needs, in a minute or three.
+/// The part of `test` that a change needs, in a minute or three. Left out are tests in real time, the documentation's
+/// examples and the check of dependencies. A change of what all crates are compiled by tests all of them.
 #[derive(Args)]
 pub(crate) struct Quick {
     /// The crates that have changed, by name or by folder [default: those in which git sees a change; where it sees none,
@@ -50,7 +62,7 @@ pub(crate) struct Quick {
 pub(crate) fn quick(arguments: &Quick) -> Result<()> {
     let mut steps = Steps::default();
     let result = quick_in(arguments, &mut steps);
-    println!("\n{steps}");
+    steps.show();
     result
 }
 
@@ -86,27 +98,19 @@ fn list(crates: &BTreeSet<String>) -> String {
 
 /// The crates in which git sees a change.
 fn changed_crates(workspace: &Workspace) -> Result<BTreeSet<String>> {
-    let git = |arguments: &[&str]| -> Result<Vec<String>> {
-        let output = Command::new("git").args(arguments).current_dir(root()?).output()?;
-        if !output.status.success() {
-            bail!(
-                "git {}: {}",
-                arguments.join(" "),
-                String::from_utf8_lossy(&output.stderr).trim()
-            );
-        }
-        let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        Ok(text
-            .split('\0')
-            .filter(|file| !file.is_empty())
-            .map(str::to_owned)
-            .collect())
-    };
-    let mut files = git(&["diff", "--name-only", "-z", "HEAD"])?;
+    let mut files = git(&["diff", "--name-only", "--no-renames", "--relative", "-z", "HEAD"])?;
     files.extend(git(&["ls-files", "--others", "--exclude-standard", "-z"])?);
     if files.is_empty() {
         println!("git sees no change: taking the last commit's");
-        files = git(&["diff-tree", "--no-commit-id", "--name-only", "-r", "-z", "HEAD"])?;
+        files = git(&[
+            "diff",
+            "--name-only",
+            "--no-renames",
+            "--relative",
+            "-z",
+            "HEAD^1",
+            "HEAD",
+        ])?;
     }
     let mut changed = BTreeSet::new();
     for file in &files {
@@ -114,23 +118,57 @@ fn changed_crates(workspace: &Workspace) -> Result<BTreeSet<String>> {
             Some(owner) => {
                 changed.insert(owner.to_owned());
             }
-            // What all crates are compiled by.
-            None if !file.contains('/') && (file.ends_with(".toml") || file == "Cargo.lock") => {
+            // What all crates are compiled or tested by. (A new plugin's name in the lock file changes no other crate.)
+            None if file.ends_with(".toml") && !file.starts_with("missions/") && !file.starts_with("tests/") => {
                 return Ok(workspace.all());
             }
-            None if file.starts_with("wit/") => {
-                changed.extend([workspace.find("backseat-sdk")?, workspace.find("backseat-plugin-host")?]);
+            None if file == "Cargo.lock" && lock_changes_others()? => return Ok(workspace.all()),
+            None => {
+                let readers = READERS.iter().filter(|(place, _)| file.starts_with(place));
+                for (_, reader) in readers {
+                    changed.insert(workspace.find(reader)?);
+                }
             }
-            None => {}
         }
     }
     Ok(changed)
 }
 
+/// Whether the lock file has changed in more than the names of our own crates.
+fn lock_changes_others() -> Result<bool> {
+    let changed = git(&["diff", "--unified=0", "HEAD", "--", "Cargo.lock"])?.join("\n");
+    Ok(changed
+        .lines()
+        .any(|line| line.starts_with(['+', '-']) && line.contains("source = ")))
+}
+
+/// What git prints, cut where it puts a NUL.
+fn git(arguments: &[&str]) -> Result<Vec<String>> {
+    let output = Command::new("git")
+        .args(arguments)
+        .current_dir(root()?)
+        .output()
+        .context("git, which knows what has changed; or name the crates")?;
+    if !output.status.success() {
+        let said = String::from_utf8_lossy(&output.stderr);
+        bail!(
+            "git {}: {}",
+            arguments.join(" "),
+            said.lines().next().unwrap_or_default()
+        );
+    }
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    Ok(text
+        .split('\0')
+        .filter(|file| !file.is_empty())
+        .map(str::to_owned)
+        .collect())
+}
+
 /// One seed of each reference mission must hold its expectations.
 fn reference_missions(compiled: &Compiled) -> Result<()> {
     for mission in REFERENCE {
-        run(Command::new(compiled.programs.join("backseat"))
+        run(backseat(&compiled.programs.join("backseat"))
             .args(["sim", mission, "--plugins"])
             .arg(plugins::folder()?))?;
     }

@@ -75,14 +75,13 @@ pub(crate) fn compile() -> Result<Compiled> {
     })
 }
 
-/// Puts Clippy in the compiler's place, so that all that Cargo does for the tests is done with the same code. Where the
-/// toolchain has none, what is compiled is the same but for the lints.
+/// Puts Clippy in the compiler's place, so that all that Cargo does for the tests is done with the same code.
 pub(crate) fn with_lints(command: &mut Command) -> Result<()> {
     match clippy()? {
         Some(clippy) => {
             command.env("RUSTC_WORKSPACE_WRAPPER", clippy);
         }
-        None => println!("no Clippy in this toolchain: nothing is linted (`rustup component add clippy` adds it)"),
+        None => bail!("this toolchain has no Clippy: `rustup component add clippy` adds it"),
     }
     Ok(())
 }
@@ -93,6 +92,12 @@ fn clippy() -> Result<Option<OsString>> {
         .current_dir(root()?)
         .output()
         .context("rustc")?;
+    if !output.status.success() {
+        bail!(
+            "rustc --print sysroot: {}",
+            String::from_utf8_lossy(&output.stderr).trim()
+        );
+    }
     let sysroot = String::from_utf8_lossy(&output.stdout).trim().to_owned();
     let program = Path::new(&sysroot)
         .join("bin")

@@ -1,9 +1,8 @@
 use std::path::PathBuf;
-use std::process::Command;
 
 use anyhow::Result;
 
-use crate::cargo::{cargo, run, target};
+use crate::cargo::{backseat, cargo, run, target};
 use crate::plugins;
 use crate::steps::Steps;
 
@@ -13,7 +12,7 @@ pub(crate) fn demo() -> Result<()> {
     steps.run("compile the program", || release().map(|_| ()))?;
     steps.run("compile the plugins", plugins::plugins)?;
     steps.run("fly", fly)?;
-    println!("\n{steps}");
+    steps.show();
     Ok(())
 }
 
@@ -22,7 +21,7 @@ fn fly() -> Result<()> {
     let (log, map) = (target.join("demo/isobath.mcap"), target.join("demo/isobath.svg"));
     std::fs::create_dir_all(target.join("demo"))?;
     println!("> backseat sim missions/isobath");
-    run(Command::new(target.join("release/backseat"))
+    run(backseat(&target.join("release/backseat"))
         .args(["sim", "missions/isobath", "--plugins"])
         .arg(plugins::folder()?)
         .arg("--log")

@@ -1,11 +1,10 @@
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::Value;
 
-use crate::cargo::{cargo, root, target};
+use crate::cargo::{backseat, cargo, root, target};
 use crate::cross;
 use crate::demo::release;
 use crate::plugins::plugins;
@@ -112,11 +111,11 @@ fn fly(build: &Build, mission: &Path, seed: u64, faults: Option<&Path>) -> Resul
     let log = folder.join(format!("{}.mcap", build.name.replace(' ', "-")));
     let mut command = match &build.emulator {
         Some(emulator) => {
-            let mut command = Command::new(emulator);
+            let mut command = backseat(emulator);
             command.arg(&build.program);
             command
         }
-        None => Command::new(&build.program),
+        None => backseat(&build.program),
     };
     command.arg("sim").arg(mission).arg("--plugins");
     command.arg(target()?.join("plugins")).arg("--log").arg(&log);

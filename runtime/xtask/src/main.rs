@@ -23,7 +23,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 
 #[derive(Parser)]
-#[command(about, max_term_width = 100)]
+#[command(bin_name = "cargo xtask", about = "The project's tasks", max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     task: Task,
@@ -38,7 +38,7 @@ enum Task {
     /// Run the part of `test` that a change needs: lints, the tests of the crates that have changed and of those that
     /// stand on them, one flight of each reference mission
     Quick(check::Quick),
-    /// Run what is too long for every change, before a release; says when and on which commit it last ran
+    /// Run what is too long for every change, before a release; `--last` says when and on which commit it last ran
     Soak(soak::Soak),
     /// Build the project's plugins into target/plugins
     Plugins,

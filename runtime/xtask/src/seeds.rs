@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::process::Command;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -8,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::Value;
 
-use crate::cargo::{root, target};
+use crate::cargo::{backseat, root, target};
 use crate::demo::release;
 use crate::plugins::plugins;
 
@@ -41,7 +40,7 @@ pub(crate) fn seeds(arguments: &Seeds) -> Result<()> {
             if seed >= end {
                 return Ok(());
             }
-            let output = Command::new(&program)
+            let output = backseat(&program)
                 .arg("sim")
                 .arg(&arguments.mission)
                 .arg("--plugins")
@@ -96,6 +95,9 @@ fn tell(reports: &BTreeMap<u64, Value>, arguments: &Seeds) -> Result<()> {
     }
     for (name, mut values) in measures {
         values.sort_by(f64::total_cmp);
+        if values.is_empty() {
+            continue;
+        }
         let middle = values[values.len() / 2];
         let (least, most) = (values[0], values[values.len() - 1]);
         println!("{name}: least {least:.1}, median {middle:.1}, most {most:.1}");

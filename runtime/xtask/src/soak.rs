@@ -3,7 +3,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use crate::cargo::{cargo, cargo_command, root, run, target};
@@ -25,7 +25,7 @@ pub(crate) struct Soak {
     #[arg(long)]
     last: bool,
     /// Only the steps whose names have this in them; what is then run is not kept as a whole run
-    #[arg(long, value_name = "TEXT")]
+    #[arg(long, value_name = "TEXT", conflicts_with = "last")]
     only: Option<String>,
 }
 
@@ -34,7 +34,7 @@ type Task = (&'static str, fn() -> Result<()>);
 
 /// What is longer than a change can wait for, the longest last.
 const TASKS: [Task; 8] = [
-    ("property tests, 16 times the cases", properties),
+    ("property tests, other and more cases", properties),
     ("seeds of the reference missions", flights),
     ("same bytes in debug and release", same_bytes),
     ("kills of the runtime", || long(&["kills", "--trials", "100"])),
@@ -47,18 +47,22 @@ const TASKS: [Task; 8] = [
 pub(crate) fn soak(arguments: &Soak) -> Result<()> {
     let record = root()?.join(RECORD);
     if arguments.last {
-        let text = fs::read_to_string(&record).with_context(|| format!("{RECORD}: no soak is on record"))?;
+        let text = fs::read_to_string(&record)
+            .with_context(|| format!("{RECORD}: no soak is on record, `cargo xtask soak` makes one"))?;
         print!("{text}");
         return Ok(());
     }
+    let chosen = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only.as_str()));
+    let names: Vec<&str> = TASKS.iter().map(|(name, _)| *name).collect();
+    if !names.iter().any(|name| chosen(name)) {
+        bail!("no step has this in its name; there are: {}", names.join(", "));
+    }
+    // Before the hour that it takes: what is committed meanwhile was not run.
+    let began = format!("last run of `cargo xtask soak`: {}\non commit {}", date()?, commit()?);
     let mut steps = Steps::default();
     let mut failed = Vec::new();
     for (name, task) in TASKS {
-        if arguments
-            .only
-            .as_ref()
-            .is_some_and(|only| !name.contains(only.as_str()))
-        {
+        if !chosen(name) {
             continue;
         }
         // One that fails does not keep the others from being run.
@@ -66,11 +70,7 @@ pub(crate) fn soak(arguments: &Soak) -> Result<()> {
             failed.push(format!("{name}: {error:#}"));
         }
     }
-    let mut told = format!(
-        "last run of `cargo xtask soak`: {}\non commit {}\n\n{steps}",
-        date()?,
-        commit()?
-    );
+    let mut told = format!("{began}\n\n{steps}");
     for failure in &failed {
         let _infallible = writeln!(told, "FAILED {failure}");
     }
@@ -82,7 +82,7 @@ pub(crate) fn soak(arguments: &Soak) -> Result<()> {
     if failed.is_empty() {
         return Ok(());
     }
-    anyhow::bail!("{} of the soak's steps failed", failed.len())
+    bail!("{} of the soak's steps failed", failed.len())
 }
 
 /// Runs `tests/soak`, built for release.
@@ -99,12 +99,15 @@ fn long(arguments: &[&str]) -> Result<()> {
 /// The property tests of all crates with other cases than every day, and more of them.
 fn properties() -> Result<()> {
     let compiled = compile()?;
+    plugins::build(&compiled.programs.join("backseat-componentize"))?;
     let mut command = cargo_command(&[
         "test",
         "--workspace",
         "--lib",
         "--tests",
         "--quiet",
+        "--no-fail-fast",
+        "--no-fail-fast",
         "--",
         "--skip",
         "real_time::",

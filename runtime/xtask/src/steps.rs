@@ -32,6 +32,13 @@ impl Steps {
         });
         result
     }
+
+    /// Prints what each step has cost, where there was one.
+    pub(crate) fn show(&self) {
+        if !self.done.is_empty() {
+            println!("\n{self}");
+        }
+    }
 }
 
 impl fmt::Display for Steps {

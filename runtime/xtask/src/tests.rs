@@ -29,6 +29,10 @@ pub(crate) enum Which {
 /// Runs the tests of these crates (of all, where none is named) that have been compiled: with nextest, where it is
 /// installed, or else one program after the other.
 pub(crate) fn run_tests(compiled: &Compiled, crates: Option<&BTreeSet<String>>, which: Which) -> Result<()> {
+    if crates.is_some_and(BTreeSet::is_empty) {
+        println!("no crate, no tests");
+        return Ok(());
+    }
     if has_nextest() {
         with_nextest(compiled, crates, which)
     } else {
@@ -90,6 +94,7 @@ fn one_by_one(compiled: &Compiled, crates: Option<&BTreeSet<String>>, which: Whi
         }
         let mut command = Command::new(&test.program);
         command.arg("--quiet");
+        // What must run alone says so to nextest; here it waits for the others of its program, and no other runs.
         match which {
             Which::Computing => command.args(["--skip", REAL_TIME]),
             Which::RealTime => command.args([REAL_TIME, "--test-threads", REAL_TIME_AT_ONCE]),

@@ -47,6 +47,9 @@ const NEVER: [(&str, &[&str]); 9] = [
 /// A file longer than this is more than one room.
 const LINES_MAX: usize = 700;
 
+/// What waits for a terminal, and panics where it is gone.
+const PRINTS: [&str; 4] = ["println!(", "print!(", "eprintln!(", "eprint!("];
+
 /// The project's own rules.
 pub(crate) fn tidy() -> Result<()> {
     let root = root()?;
@@ -67,6 +70,18 @@ pub(crate) fn tidy() -> Result<()> {
         if ["utils", "helpers", "common", "manager", "mod"].contains(&stem) && !shared_by_tests {
             faults.push(format!("{}: a file is named for what is in it", file.display()));
         }
+        if is_deployed(&file) {
+            for (number, line) in text.lines().enumerate() {
+                let code = line.trim_start();
+                if !code.starts_with("//") && PRINTS.iter().any(|mark| code.contains(mark)) {
+                    faults.push(format!(
+                        "{}:{}: what deploys prints by tracing or `say!`: a terminal that is stuck or gone would stop it",
+                        file.display(),
+                        number + 1
+                    ));
+                }
+            }
+        }
         if !file.starts_with("runtime/xtask") {
             for (number, line) in text.lines().enumerate() {
                 if ["todo!(", "unimplemented!(", "dbg!("]
@@ -85,15 +100,26 @@ pub(crate) fn tidy() -> Result<()> {
     Ok(())
 }
 
+/// Whether a source is part of the program that goes to sea.
+fn is_deployed(file: &Path) -> bool {
+    let ashore = ["runtime/xtask", "runtime/componentize"];
+    let in_sources = file.components().nth(2).is_some_and(|part| part.as_os_str() == "src");
+    file.starts_with("runtime") && in_sources && !ashore.iter().any(|place| file.starts_with(place))
+}
+
 /// Every Rust source that git knows of.
 fn sources(root: &Path) -> Result<Vec<PathBuf>> {
     let output = Command::new("git")
-        .args(["ls-files", "*.rs"])
+        .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard", "*.rs"])
         .current_dir(root)
         .output()
         .context("git")?;
+    if !output.status.success() {
+        bail!("git ls-files: {}", String::from_utf8_lossy(&output.stderr).trim());
+    }
     Ok(String::from_utf8_lossy(&output.stdout)
-        .lines()
+        .split('\0')
+        .filter(|file| !file.is_empty())
         .map(PathBuf::from)
         .filter(|file| root.join(file).exists())
         .collect())

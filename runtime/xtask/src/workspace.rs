@@ -7,6 +7,11 @@ use serde_json::Value;
 
 use crate::cargo::root;
 
+/// The program's crate.
+const PROGRAM: &str = "backseat";
+/// What builds the program and the plugins for tests.
+const HANDS_OVER: &str = "backseat-test-support";
+
 /// The crates of this workspace and which of them stand on which.
 #[derive(Debug)]
 pub(crate) struct Workspace {
@@ -56,9 +61,11 @@ impl Workspace {
         Ok(Self { crates })
     }
 
-    /// The crate that has this name, or whose folder has it: `core` for `backseat-core`.
+    /// The crate that has this name, or whose folder has it: `core` for `backseat-core`, `runtime/core` too.
     pub(crate) fn find(&self, name: &str) -> Result<String> {
-        let by_folder = |(_, found): &(&String, &Crate)| found.folder.ends_with(name.trim_end_matches('/'));
+        let folder = Path::new(name.trim_start_matches("./").trim_end_matches('/'));
+        let by_folder =
+            |(_, found): &(&String, &Crate)| !folder.as_os_str().is_empty() && found.folder.ends_with(folder);
         let found = match self.crates.get_key_value(name) {
             Some((found, _)) => Some(found),
             None => self.crates.iter().find(by_folder).map(|(found, _)| found),
@@ -82,14 +89,22 @@ impl Workspace {
         self.crates.keys().cloned().collect()
     }
 
-    /// These crates and all that stand on them, directly or not.
+    /// These crates and all that stand on them, directly or not. The tests that [`PROGRAM`] or a plugin is handed to stand
+    /// on all of those, which Cargo does not know: they name [`HANDS_OVER`].
     pub(crate) fn and_those_above(&self, crates: BTreeSet<String>) -> BTreeSet<String> {
         let mut reached = crates;
         loop {
-            let above = self
-                .crates
-                .iter()
-                .filter(|(_, found)| !found.stands_on.is_disjoint(&reached));
+            let is_handed_over = |name: &String| {
+                name == PROGRAM
+                    || self
+                        .crates
+                        .get(name)
+                        .is_some_and(|found| found.folder.starts_with("plugins"))
+            };
+            let handed = reached.iter().any(is_handed_over);
+            let above = self.crates.iter().filter(|(_, found)| {
+                !found.stands_on.is_disjoint(&reached) || handed && found.stands_on.contains(HANDS_OVER)
+            });
             let more: BTreeSet<String> = above.map(|(name, _)| name.clone()).collect();
             let before = reached.len();
             reached.extend(more);
@@ -117,12 +132,14 @@ mod tests {
             package("backseat-core", "runtime/core", &["backseat-units"]),
             package("backseat-sim", "runtime/sim", &["backseat-core"]),
             package("isobath", "plugins/isobath", &["backseat-units"]),
+            package("backseat-test-support", "tests/support", &[]),
+            package("backseat-suite", "tests/suite", &["backseat-test-support"]),
         ] });
         let workspace = Workspace::parse(&metadata, Path::new("/w")).unwrap();
-        for name in ["core", "backseat-core", "runtime/core/"] {
+        for name in ["core", "backseat-core", "runtime/core/", "./runtime/core"] {
             assert_eq!(workspace.find(name).unwrap(), "backseat-core");
         }
-        assert!(workspace.find("cor").is_err());
+        assert!(workspace.find("cor").is_err() && workspace.find("").is_err());
         assert_eq!(
             workspace.owner(Path::new("runtime/core/src/lib.rs")),
             Some("backseat-core")
@@ -131,7 +148,7 @@ mod tests {
         let above = |name: &str| workspace.and_those_above(BTreeSet::from([name.to_owned()])).len();
         assert_eq!(
             (above("backseat-units"), above("backseat-core"), above("isobath")),
-            (4, 2, 1)
+            (5, 2, 2)
         );
     }
 }

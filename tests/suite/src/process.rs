@@ -1,6 +1,6 @@
 use std::fs::{self, File};
 use std::path::PathBuf;
-use std::process::{Child, Command};
+use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use rustix::process::{Pid, Signal, kill_process};
@@ -17,7 +17,13 @@ pub struct Process {
 }
 
 impl Process {
-    pub(crate) fn start(mut command: Command, folder: Option<PathBuf>, stdout: Option<PathBuf>, stdin: &[u8]) -> Self {
+    pub(crate) fn start(
+        mut command: Command,
+        folder: Option<PathBuf>,
+        stdout: Option<PathBuf>,
+        stderr: Option<Stdio>,
+        stdin: &[u8],
+    ) -> Self {
         let streams = tempfile::tempdir().expect("a temporary folder can be made");
         let file = |name: &str| File::create(streams.path().join(name)).expect("the folder is ours");
         let empty = streams.path().join("folder");
@@ -32,7 +38,8 @@ impl Process {
         let input = streams.path().join("stdin");
         fs::write(&input, stdin).expect("the folder is ours");
         let stdin = File::open(&input).expect("it was just written");
-        command.stdin(stdin).stdout(stdout).stderr(file("stderr"));
+        let own = Stdio::from(file("stderr"));
+        command.stdin(stdin).stdout(stdout).stderr(stderr.unwrap_or(own));
         let child = command.spawn().expect("the program was just built");
         Self { child, streams }
     }

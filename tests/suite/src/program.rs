@@ -1,6 +1,6 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use serde_json::Value;
@@ -22,6 +22,7 @@ pub struct Backseat {
     environment: Vec<(OsString, OsString)>,
     folder: Option<PathBuf>,
     stdout: Option<PathBuf>,
+    stderr: Option<Stdio>,
     stdin: Vec<u8>,
     file_max_kib: Option<u64>,
 }
@@ -70,6 +71,13 @@ impl Backseat {
     #[must_use]
     pub fn stdout_to(mut self, file: impl Into<PathBuf>) -> Self {
         self.stdout = Some(file.into());
+        self
+    }
+
+    /// Sends its standard error there, and not where [`Process::stderr`] reads it.
+    #[must_use]
+    pub fn stderr_to(mut self, stream: impl Into<Stdio>) -> Self {
+        self.stderr = Some(stream.into());
         self
     }
 
@@ -128,7 +136,7 @@ impl Backseat {
         command.env("BACKSEAT_PLUGINS", backseat_test_support::plugins());
         command.envs(self.environment);
         command.args(self.arguments);
-        Process::start(command, self.folder, self.stdout, &self.stdin)
+        Process::start(command, self.folder, self.stdout, self.stderr, &self.stdin)
     }
 }
 

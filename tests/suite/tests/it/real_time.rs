@@ -11,3 +11,4 @@ mod operator;
 mod service;
 mod session;
 mod silence;
+mod stuck;

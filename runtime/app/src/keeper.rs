@@ -1,0 +1,188 @@
+//! What keeps state for the loop, on a thread of its own (safety requirement 022): identifiers are reserved on disk before
+//! they are sent and the operator's hold outlives the process, but the loop waits for neither.
+
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use anyhow::Result;
+use backseat_core::{Operator, Reservation};
+use tokio::sync::mpsc::UnboundedSender;
+
+use crate::state::{HoldWatch, State};
+
+/// How often it is looked whether the operator has put the hold's file there or taken it away.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// How long the end of a run waits until all is kept.
+const FAREWELL: Duration = Duration::from_millis(500);
+
+/// What has come of what was asked, or what the operator has done.
+#[derive(Debug)]
+pub(crate) enum Kept {
+    /// This is on disk.
+    Reserved(Reservation),
+    /// This is not, and why.
+    NotReserved(anyhow::Error),
+    /// The operator's act holds for this run only, and why.
+    NotHeld(anyhow::Error),
+    /// The operator has changed the hold's file.
+    Act(Operator),
+}
+
+/// The loop's side: it says what is to be kept, and hears of it as [`Kept`].
+#[derive(Debug)]
+pub(crate) struct Keeper {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    wanted: Mutex<Wanted>,
+    changed: Condvar,
+}
+
+/// What is to be kept: the latest of each, so that whoever asks often makes nothing grow.
+#[derive(Debug, Default)]
+struct Wanted {
+    held: Option<bool>,
+    reserve: Option<Reservation>,
+    /// All is to be kept once more, and then no more.
+    end: bool,
+    ended: bool,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, Wanted> {
+        self.wanted.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn want(&self, change: impl FnOnce(&mut Wanted)) {
+        change(&mut self.lock());
+        self.changed.notify_all();
+    }
+}
+
+impl Keeper {
+    /// Begins to keep, and to watch the hold's file.
+    pub(crate) fn start(state: State, held: bool, kept: UnboundedSender<Kept>) -> Result<Self> {
+        let shared = Arc::new(Shared::default());
+        let theirs = Arc::clone(&shared);
+        thread::Builder::new().name("state".to_owned()).spawn(move || {
+            serve(&state, HoldWatch::new(held), &theirs, &kept);
+            theirs.want(|wanted| wanted.ended = true);
+        })?;
+        Ok(Self { shared })
+    }
+
+    /// This is to be reserved; [`Kept::Reserved`] says when it is.
+    pub(crate) fn reserve(&self, reservation: Reservation) {
+        self.shared.want(|wanted| wanted.reserve = Some(reservation));
+    }
+
+    /// The hold is to outlive the process, or no longer.
+    pub(crate) fn hold(&self, held: bool) {
+        self.shared.want(|wanted| wanted.held = Some(held));
+    }
+
+    /// Records what was used alone, so that a restart costs the mission no insert, and waits until all is kept, for
+    /// [`FAREWELL`] at most. Says whether it is.
+    pub(crate) fn finish(self, used: Option<Reservation>) -> bool {
+        self.shared.want(|wanted| {
+            wanted.reserve = used.or(wanted.reserve);
+            wanted.end = true;
+        });
+        let wanted = self.shared.lock();
+        let waited = self
+            .shared
+            .changed
+            .wait_timeout_while(wanted, FAREWELL, |wanted| !wanted.ended);
+        waited.unwrap_or_else(PoisonError::into_inner).0.ended
+    }
+}
+
+fn serve(state: &State, mut watch: HoldWatch, shared: &Shared, kept: &UnboundedSender<Kept>) {
+    // The loop may have ended: then nobody needs to know.
+    let tell = |what: Kept| drop(kept.send(what));
+    loop {
+        let (held, reserve, end) = {
+            let idle = |wanted: &mut Wanted| wanted.held.is_none() && wanted.reserve.is_none() && !wanted.end;
+            let waited = shared.changed.wait_timeout_while(shared.lock(), LOOK_EVERY, idle);
+            let mut wanted = waited.unwrap_or_else(PoisonError::into_inner).0;
+            (wanted.held.take(), wanted.reserve.take(), wanted.end)
+        };
+        // The hold first: it is what a person waits for.
+        if let Some(held) = held {
+            let result = state.set_held(held);
+            watch.follow(state);
+            if let Err(error) = result {
+                tell(Kept::NotHeld(error));
+            }
+        } else if let Some(act) = watch.look(state) {
+            tell(Kept::Act(act));
+        }
+        if let Some(reservation) = reserve {
+            tell(match state.reserve(&reservation) {
+                Ok(()) => Kept::Reserved(reservation),
+                Err(error) => Kept::NotReserved(error),
+            });
+        }
+        if end {
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::process::Command;
+
+    use backseat_core::Identifiers;
+    use tokio::sync::mpsc::unbounded_channel;
+
+    use super::*;
+
+    fn reservation(below: u32) -> Reservation {
+        Reservation {
+            below,
+            inserts: 0,
+            gps_hits: 0,
+        }
+    }
+
+    #[test]
+    fn what_is_asked_is_kept_and_what_was_used_is_kept_last() {
+        let folder = tempfile::tempdir().unwrap();
+        let state = State::open(Some(folder.path()), "mission").unwrap();
+        state.identifiers(Some(1)).unwrap();
+        let (sender, mut kept) = unbounded_channel();
+        let keeper = Keeper::start(state, false, sender).unwrap();
+        keeper.reserve(reservation(65));
+        keeper.hold(true);
+        assert!(matches!(kept.blocking_recv(), Some(Kept::Reserved(kept)) if kept.below == 65));
+        assert!(keeper.finish(Some(reservation(3))));
+        let state = State::open(Some(folder.path()), "mission").unwrap();
+        assert!(state.held());
+        let identifiers: Option<Identifiers> = state.identifiers(None).unwrap();
+        assert_eq!(identifiers.unwrap().next, 3);
+    }
+
+    #[test]
+    fn sr_022_a_stuck_state_folder_is_waited_for_by_nobody() {
+        let folder = tempfile::tempdir().unwrap();
+        let state = State::open(Some(folder.path()), "mission").unwrap();
+        state.identifiers(Some(1)).unwrap();
+        // A named pipe that nobody opens.
+        let pipe = folder.path().join("identifiers.new");
+        assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let (sender, mut kept) = unbounded_channel();
+        let keeper = Keeper::start(state, false, sender).unwrap();
+        for below in 65..10_000 {
+            keeper.reserve(reservation(below));
+            keeper.hold(below % 2 == 0);
+        }
+        assert!(kept.try_recv().is_err());
+        assert!(!keeper.finish(None), "it says that it is not kept");
+        // Let the thread end.
+        std::fs::read(&pipe).unwrap();
+    }
+}

@@ -1,0 +1,292 @@
+//! The log of a run, written by a thread of its own (safety requirement 022): a disk that is slow, stuck or full holds
+//! nobody up. What finds no room in the queue is left out and counted, and the log says where.
+
+use std::fs::File;
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use anyhow::Result;
+use backseat_recorder::{Header, Recorder, RecorderError};
+use backseat_units::Timestamp;
+use tracing::{error, warn};
+
+/// What waits for the disk at most, bytes: minutes of an ordinary run.
+const WAITING_MAX: usize = 32 << 20;
+/// Where so little waits, records are taken again.
+const WAITING_LOW: usize = 1 << 20;
+/// What is handed over at once, bytes.
+const PIECE: usize = 64 << 10;
+/// How long the end of a run waits until the log is on the disk.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+/// The log of a run while it is written.
+pub(crate) struct Recording {
+    /// Gone once the disk has failed: a full disk stops the log, not the vehicle.
+    recorder: Option<Recorder<Queue>>,
+    disk: Arc<Disk>,
+    gap: Option<Gap>,
+    ended: Receiver<()>,
+}
+
+/// Records that were left out.
+#[derive(Debug)]
+struct Gap {
+    since: Timestamp,
+    records: u64,
+}
+
+/// What the thread that writes and the loop know of each other.
+#[derive(Debug, Default)]
+struct Disk {
+    waiting: AtomicUsize,
+    failure: Mutex<Option<io::Error>>,
+}
+
+impl Recording {
+    /// Creates the file; one of that name is replaced.
+    pub(crate) fn create(path: &Path, header: &Header<'_>) -> Result<Self> {
+        let file = File::create(path).map_err(|source| RecorderError::Create {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::to(file, path.display().to_string(), header)
+    }
+
+    fn to(file: impl Write + Send + 'static, name: String, header: &Header<'_>) -> Result<Self> {
+        let disk = Arc::new(Disk::default());
+        let (pieces, waiting) = channel();
+        let (has_ended, ended) = channel();
+        let shared = Arc::clone(&disk);
+        thread::Builder::new().name("log".to_owned()).spawn(move || {
+            write_out(file, &waiting, &shared);
+            // The loop may be gone.
+            let _gone = has_ended.send(());
+        })?;
+        let queue = Queue {
+            pieces,
+            disk: Arc::clone(&disk),
+            buffer: Vec::with_capacity(PIECE),
+            position: 0,
+        };
+        Ok(Self {
+            recorder: Some(Recorder::named(queue, name, header)?),
+            disk,
+            gap: None,
+            ended,
+        })
+    }
+
+    /// Records what `act` says, where there is room for it.
+    pub(crate) fn record(
+        &mut self,
+        now: Timestamp,
+        act: impl FnOnce(&mut Recorder<Queue>) -> Result<(), RecorderError>,
+    ) {
+        let Some(recorder) = &mut self.recorder else { return };
+        if let Some(failure) = self.disk.failure.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            error!("the log ends here, the run goes on: {failure}");
+            self.recorder = None;
+            return;
+        }
+        let waiting = self.disk.waiting.load(Ordering::Relaxed);
+        let result = match &mut self.gap {
+            Some(gap) if waiting > WAITING_LOW => {
+                gap.records += 1;
+                return;
+            }
+            Some(gap) => {
+                let Gap { since, records } = *gap;
+                self.gap = None;
+                warn!(
+                    "the log has a gap of {:.1} s, {records} records: the disk took them too slowly",
+                    now.since(since).as_secs_f64()
+                );
+                recorder.gap(now, since, records).and_then(|()| act(recorder))
+            }
+            None if waiting > WAITING_MAX => {
+                self.gap = Some(Gap { since: now, records: 1 });
+                warn!("the disk does not take the log: records are left out until it does");
+                return;
+            }
+            None => act(recorder),
+        };
+        if let Err(error) = result {
+            error!("the log ends here, the run goes on: {error}");
+            self.recorder = None;
+        }
+    }
+
+    /// Ends the file in order; where the disk is stuck, without its end.
+    pub(crate) fn finish(mut self, now: Timestamp) {
+        if self.gap.is_some() && self.disk.waiting.load(Ordering::Relaxed) <= WAITING_MAX {
+            // The last gap is closed by the end.
+            let Gap { since, records } = self.gap.take().unwrap_or(Gap { since: now, records: 0 });
+            if let Some(recorder) = &mut self.recorder {
+                let _told_below = recorder.gap(now, since, records);
+            }
+        }
+        let finished = self.recorder.take().map(Recorder::finish);
+        if let Some(Err(error)) = finished {
+            error!("the log has no end: {error}");
+        }
+        if self.ended.recv_timeout(FAREWELL).is_err() {
+            error!("the log has no end: the disk does not take it");
+        } else if let Some(failure) = self.disk.failure.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            error!("the log has no end: {failure}");
+        }
+    }
+}
+
+fn write_out(mut file: impl Write, pieces: &Receiver<Vec<u8>>, disk: &Disk) {
+    let mut failed = false;
+    while let Ok(piece) = pieces.recv() {
+        // After a failure the rest is taken and thrown away, so that nothing piles up until the loop hears of it.
+        if !failed && let Err(failure) = file.write_all(&piece) {
+            failed = true;
+            *disk.failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(failure);
+        }
+        disk.waiting.fetch_sub(piece.len(), Ordering::Relaxed);
+    }
+}
+
+/// The loop's end of the queue. It never waits and never fails.
+pub(crate) struct Queue {
+    pieces: Sender<Vec<u8>>,
+    disk: Arc<Disk>,
+    buffer: Vec<u8>,
+    position: u64,
+}
+
+impl Write for Queue {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.buffer.extend_from_slice(bytes);
+        self.position += bytes.len() as u64;
+        if self.buffer.len() >= PIECE {
+            self.flush()?;
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if !self.buffer.is_empty() {
+            let piece = std::mem::replace(&mut self.buffer, Vec::with_capacity(PIECE));
+            self.disk.waiting.fetch_add(piece.len(), Ordering::Relaxed);
+            // The thread goes on as long as this end is there.
+            let _gone = self.pieces.send(piece);
+        }
+        Ok(())
+    }
+}
+
+/// The recorder asks where it is, and goes nowhere else.
+impl Seek for Queue {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match to {
+            SeekFrom::Current(0) => Ok(self.position),
+            SeekFrom::Start(_) | SeekFrom::End(_) | SeekFrom::Current(_) => Err(io::ErrorKind::Unsupported.into()),
+        }
+    }
+}
+
+impl Drop for Queue {
+    fn drop(&mut self) {
+        // It never fails.
+        let _infallible = self.flush();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use backseat_recorder::{Rate, Record, parse};
+    use backseat_units::Utc;
+
+    use super::*;
+
+    /// A disk that takes nothing until it is let.
+    struct Stuck {
+        thaw: Receiver<()>,
+        thawed: bool,
+        written: Arc<Mutex<Vec<u8>>>,
+    }
+
+    impl Write for Stuck {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if !self.thawed {
+                // The test lets it, or has failed.
+                let _let = self.thaw.recv();
+                self.thawed = true;
+            }
+            self.written.lock().unwrap().extend_from_slice(bytes);
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn at(millis: u64) -> Timestamp {
+        Timestamp::ZERO + Duration::from_millis(millis)
+    }
+
+    #[test]
+    fn sr_022_a_disk_that_is_stuck_costs_records_and_the_log_says_which() {
+        let header = Header {
+            utc_at_start: Utc::from_unix_nanos(0),
+            rate: Rate::Deployed,
+            mission: "a mission",
+            seed: None,
+            resolved_mission: "",
+            fence: "{}",
+            components: &[],
+            version: "0",
+        };
+        let (thaws, thaw) = channel();
+        let written = Arc::new(Mutex::new(Vec::new()));
+        let stuck = Stuck {
+            thaw,
+            thawed: false,
+            written: Arc::clone(&written),
+        };
+        let mut recording = Recording::to(stuck, "a log".to_owned(), &header).unwrap();
+        let bytes = vec![b'x'; 1 << 20];
+        let read = backseat_core::Input::Received(&bytes);
+        for second in 0..100 {
+            recording.record(at(1000 * second), |recorder| recorder.input(at(1000 * second), &read));
+        }
+        assert!(
+            recording.disk.waiting.load(Ordering::Relaxed) < WAITING_MAX + (4 << 20),
+            "it is bounded"
+        );
+        thaws.send(()).unwrap();
+        while recording.disk.waiting.load(Ordering::Relaxed) > WAITING_LOW {
+            thread::yield_now();
+        }
+        recording.record(at(200_000), |recorder| recorder.input(at(200_000), &read));
+        recording.finish(at(200_000));
+        let log = parse(&written.lock().unwrap()).unwrap();
+        assert!(log.complete);
+        let gaps: Vec<(usize, u64)> = log
+            .entries
+            .iter()
+            .enumerate()
+            .filter_map(|(place, entry)| {
+                let Record::Gap { records, since_s } = entry.record else {
+                    return None;
+                };
+                assert!(since_s < 100.0);
+                Some((place, records))
+            })
+            .collect();
+        let [(place, records)] = gaps[..] else {
+            panic!("{gaps:?}");
+        };
+        assert_eq!(place as u64 + records, 100, "what is there and what is missing is all");
+        assert_eq!(log.entries.len(), place + 2);
+    }
+}

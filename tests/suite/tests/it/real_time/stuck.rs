@@ -1,7 +1,7 @@
 //! Whatever is around the runtime is stuck, full or gone: its lease, the operator and its end go on as ever.
 
 use std::fs::{self, File};
-use std::io::pipe;
+use std::io::{Write, pipe};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -82,7 +82,9 @@ fn sr_022_the_reader_of_standard_error_is_gone() {
 fn sr_022_nobody_reads_standard_error() {
     let mission = talkative();
     let vehicle = Vehicle::start(&mission);
-    let (_reader, writer) = pipe().expect("a pipe can be made");
+    let (_reader, mut writer) = pipe().expect("a pipe can be made");
+    // It takes 64 KiB, of which a page is left.
+    writer.write_all(&[b'\n'; 15 << 12]).expect("there is room");
     let runtime = runtime(&mission, &vehicle).stderr_to(writer).spawn();
     is_steered_held_and_left(&mission, &vehicle, runtime);
 }

@@ -69,6 +69,8 @@ impl Keeper {
         let theirs = Arc::clone(&shared);
         thread::Builder::new().name("state".to_owned()).spawn(move || {
             serve(&state, HoldWatch::new(held), &theirs, &kept);
+            // The folder's lock is released before anybody is told that this has ended.
+            drop(state);
             theirs.want(|wanted| wanted.ended = true);
         })?;
         Ok(Self { shared })

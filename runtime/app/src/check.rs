@@ -5,7 +5,7 @@ use backseat_core::plugin::Topic;
 use backseat_fence::{Fence, Kind, Rfc3339, Window};
 use backseat_mission::{Dive, FrontSeatPlan, Mission, beyond_class};
 use backseat_mvc::{VehicleConfig, WorldFile};
-use backseat_plugin_host::Host;
+use backseat_plugin_host::{COMPILE_TIME, COMPONENT_BYTES, Host};
 use backseat_sim::load_plugins;
 use backseat_units::{EastNorth, LocalFrame, OutOfRange, Position, Utc};
 
@@ -13,7 +13,7 @@ use crate::cli::Check;
 use crate::clock::Clock;
 use crate::output::say;
 use crate::run::host_and_port;
-use crate::state::user_state_folder;
+use crate::state::State;
 
 mod machine;
 
@@ -27,6 +27,8 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     say!("{} (hash {})", mission.name, &mission.hash()[..16]);
     print_fence(&mission)?;
     let host = Host::new()?;
+    let clock = Clock::start();
+    let begun = clock.now();
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
     for ((setup, table), (_, bytes)) in loaded.setups.iter().zip(&mission.file.plugins).zip(&loaded.components) {
         let description = &setup.description;
@@ -72,6 +74,14 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             table.grants,
         );
     }
+    if !loaded.setups.is_empty() {
+        say!(
+            "compiled in {:.1} s; a component may have {} MiB and take {} s",
+            clock.now().since(begun).as_secs_f64(),
+            COMPONENT_BYTES >> 20,
+            COMPILE_TIME.as_secs()
+        );
+    }
     let mut good = true;
     for table in mission.file.plugins.iter().filter(|table| table.grants.is_empty()) {
         say!(
@@ -92,16 +102,11 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             driver.listen
         );
     }
-    let clock = Clock::start();
     let mut findings = dive(&mission, arguments, clock.utc_at_start())?;
     if let Err(error) = host_and_port(&mission.file.vehicle.address, "mission.toml: vehicle.address") {
         findings.push(error.to_string());
     }
-    let state = match &arguments.state {
-        Some(folder) => Ok(folder.clone()),
-        None => user_state_folder().map(|folder| folder.join("backseat").join(&mission.name)),
-    };
-    match state {
+    match State::folder_of(arguments.state.as_deref(), &mission) {
         Ok(state) => {
             let now = clock.utc_at_start();
             findings.extend(machine::findings(&mission, &arguments.log, &state, now));

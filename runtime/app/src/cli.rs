@@ -28,6 +28,9 @@ pub(crate) enum Command {
     Mvc(Mvc),
     /// Check a mission before a dive: its files, fence, plugins and plan
     Check(Check),
+    /// Look at the log of a run
+    #[command(subcommand)]
+    Log(Log),
     /// Look at the Standard Payload Interface: its messages, recordings of it, a live vehicle
     #[command(subcommand)]
     Spi(Spi),
@@ -174,6 +177,34 @@ pub(crate) struct Check {
 fn utc(text: &str) -> Result<Utc, String> {
     backseat_fence::utc(text)
         .ok_or_else(|| "expected a date and time with its offset, as 2026-06-01T08:00:00Z".to_owned())
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Log {
+    /// Judge a recorded run by the safety requirements, as simulations are judged
+    ///
+    /// The oracle that judges simulations reads the link's bytes in the log of a dive, with the mission's limits and the
+    /// fence that are attached to it. A line for each rule says whether it held and how often there was something to judge,
+    /// or why it could not be judged. The word before that is the side that the rule looks at: `sent` our sentences
+    /// alone, `heard` our sentences after what the runtime had read from the vehicle, `operator` our sentences after what
+    /// the operator did, `arrived` and `truth` what only a simulation knows: these are never judged here, even in the log
+    /// of a simulation. Where a rule broke, time, rule, text and sentence follow.
+    ///
+    /// Where the disk was too slow, records are missing. Past such a gap nothing is claimed that hangs on what was before
+    /// it, until the log tells it again.
+    ///
+    /// Exit code 0 where nothing broke, 1 where something did, 2 where the file cannot be judged.
+    Judge(LogJudge),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LogJudge {
+    /// The log, as `run` or `sim --log` writes it
+    #[arg(value_name = "DIVE.mcap")]
+    pub(crate) file: PathBuf,
+    /// Print one JSON object on standard output and nothing else
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Subcommand)]

@@ -47,6 +47,16 @@ impl Clock {
         self.utc_at_start
     }
 
+    /// By how much the system's UTC was set since the start, nanoseconds.
+    pub(crate) fn utc_set_nanos(&self) -> i64 {
+        let nanos = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .map_or(0, |since| since.as_nanos());
+        let kept = u128::from(self.utc_at_start.as_unix_nanos()) + self.elapsed().as_nanos();
+        let nanos = i128::try_from(nanos).unwrap_or(0) - i128::try_from(kept).unwrap_or(0);
+        i64::try_from(nanos).unwrap_or(0)
+    }
+
     /// The instant of a time.
     pub(crate) fn instant(&self, at: Timestamp) -> Instant {
         let latest = Duration::from_secs(86_400 * 365);

@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn what_is_asked_is_kept_and_what_was_used_is_kept_last() {
         let folder = tempfile::tempdir().unwrap();
-        let state = State::open(Some(folder.path()), "mission").unwrap();
+        let state = State::open(folder.path(), None).unwrap();
         state.identifiers(Some(1)).unwrap();
         let (sender, mut kept) = unbounded_channel();
         let keeper = Keeper::start(state, false, sender).unwrap();
@@ -162,7 +162,7 @@ mod tests {
         keeper.hold(true);
         assert!(matches!(kept.blocking_recv(), Some(Kept::Reserved(kept)) if kept.below == 65));
         assert!(keeper.finish(Some(reservation(3))));
-        let state = State::open(Some(folder.path()), "mission").unwrap();
+        let state = State::open(folder.path(), None).unwrap();
         assert!(state.held());
         let identifiers: Option<Identifiers> = state.identifiers(None).unwrap();
         assert_eq!(identifiers.unwrap().next, 3);
@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn sr_022_a_stuck_state_folder_is_waited_for_by_nobody() {
         let folder = tempfile::tempdir().unwrap();
-        let state = State::open(Some(folder.path()), "mission").unwrap();
+        let state = State::open(folder.path(), None).unwrap();
         state.identifiers(Some(1)).unwrap();
         // A named pipe that nobody opens.
         let pipe = folder.path().join("identifiers.new");

@@ -10,6 +10,7 @@ mod clock;
 mod drivers;
 mod keeper;
 mod link;
+mod log;
 mod mvc;
 mod operator;
 mod output;
@@ -65,6 +66,7 @@ fn program() -> ExitCode {
         Command::Run(arguments) => run::run(arguments),
         Command::Mvc(arguments) => mvc::mvc(arguments),
         Command::Check(arguments) => check::check(arguments),
+        Command::Log(command) => log::log(command),
         Command::Spi(command) => spi::spi(command),
     };
     match result {

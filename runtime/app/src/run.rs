@@ -29,6 +29,8 @@ use crate::state::State;
 /// What is granted that the vehicle must know by an identifier.
 const NAMED: [Grant; 3] = [Grant::Insert, Grant::Surface, Grant::Acoustic];
 const FLUSH_EVERY: Duration = Duration::from_secs(2);
+/// A change of the system's UTC against its monotonic clock that is more than a daemon's slewing between two looks.
+const UTC_STEP_MIN: Duration = Duration::from_millis(500);
 /// How long a last BPEMB may take to leave when the run ends.
 const FAREWELL: Duration = Duration::from_millis(300);
 
@@ -50,7 +52,8 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     };
     let host = Host::new()?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
-    let state = State::open(arguments.state.as_deref(), &mission.name)?;
+    let folder = State::folder_of(arguments.state.as_deref(), &mission)?;
+    let state = State::open(&folder, mission.file.vehicle.name.as_deref())?;
     let identifiers = state.identifiers(arguments.first_identifier)?;
     let clock = Clock::start();
     let mut recorder = open_log(&arguments.log, &mission, &loaded.components, &clock)?;
@@ -104,6 +107,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         last_refusal: None,
         link_lost: None,
         recorded_navigation: None,
+        utc_set_nanos: 0,
         names,
     };
     runtime.block_on(driver.drive(answers, kept, heard, signals))?;
@@ -180,6 +184,8 @@ struct Driver {
     /// Why the link is gone, until it is told with what is done about it.
     link_lost: Option<String>,
     recorded_navigation: Option<Timestamp>,
+    /// By how much core was last told that the system's clock was set, nanoseconds.
+    utc_set_nanos: i64,
     /// Of the plugins, for whoever reads.
     names: Vec<String>,
 }
@@ -239,6 +245,7 @@ impl Driver {
             if flush_at <= now {
                 flush_at = now + FLUSH_EVERY;
                 self.record(Recorder::flush);
+                self.follow_utc();
             }
         }
         service.stopping();
@@ -271,6 +278,15 @@ impl Driver {
                 error!("the operator's act holds for this run only, it could not be kept: {error:#}");
             }
             Kept::Act(act) => self.operator(act),
+        }
+    }
+
+    /// A clock that is set after the start moves what zones with times are judged by.
+    fn follow_utc(&mut self) {
+        let set = self.clock.utc_set_nanos();
+        if u128::from(set.abs_diff(self.utc_set_nanos)) >= UTC_STEP_MIN.as_nanos() {
+            self.utc_set_nanos = set;
+            self.feed(Input::UtcSet(set));
         }
     }
 

@@ -7,9 +7,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use backseat_core::{Identifiers, Operator, Reservation};
+use backseat_mission::Mission;
 
 /// The name of the file that is locked.
 const LOCK: &str = "lock";
+/// The name of the record.
+const IDENTIFIERS: &str = "identifiers";
+/// The name of the file that says whose state it is.
+const VEHICLE: &str = "vehicle";
 
 pub(crate) struct State {
     folder: PathBuf,
@@ -18,22 +23,82 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// The state of a mission: in the given folder, or in the user's.
-    pub(crate) fn open(folder: Option<&Path>, mission: &str) -> Result<Self> {
-        let folder = match folder {
-            Some(folder) => folder.to_path_buf(),
-            None => user_state_folder()?.join("backseat").join(mission),
-        };
+    /// Where the state of a mission's vehicle is: in the given folder, or in the user's under the vehicle's name. Not under
+    /// the mission's: the identifiers are the vehicle's, and it may see none twice, whatever the mission's folder is called.
+    pub(crate) fn folder_of(folder: Option<&Path>, mission: &Mission) -> Result<PathBuf> {
+        match (folder, &mission.file.vehicle.name) {
+            (Some(folder), _) => Ok(folder.to_path_buf()),
+            (None, Some(vehicle)) => {
+                let users = user_state_folder()?.join("backseat");
+                let folder = users.join("vehicles").join(vehicle);
+                let before = users.join(&mission.name);
+                if !folder.join(IDENTIFIERS).exists() && before.join(IDENTIFIERS).exists() {
+                    bail!(
+                        "{}: this mission's state is in a folder under the mission's name, as it was kept before. If it is of \
+                         the vehicle `{vehicle}`, move it: mkdir -p {}, mv {} {}, echo {vehicle} > {}",
+                        before.display(),
+                        users.join("vehicles").display(),
+                        before.display(),
+                        folder.display(),
+                        folder.join(VEHICLE).display()
+                    );
+                }
+                Ok(folder)
+            }
+            (None, None) => bail!(
+                "mission.toml: vehicle.name is missing: it names the folder that keeps the vehicle's identifiers and the \
+                 operator's hold; set it, or give a folder with --state DIR"
+            ),
+        }
+    }
+
+    /// The state in a folder, of the vehicle of this name. The folder says whose it is: one that says another name is
+    /// refused, and so is one of a named vehicle that says none.
+    pub(crate) fn open(folder: &Path, vehicle: Option<&str>) -> Result<Self> {
+        let folder = folder.to_path_buf();
         fs::create_dir_all(&folder).with_context(|| format!("{}", folder.display()))?;
         let path = folder.join(LOCK);
         let lock = fs::File::create(&path).with_context(|| format!("{}", path.display()))?;
         match lock.try_lock() {
-            Ok(()) => Ok(Self { folder, _lock: lock }),
+            Ok(()) => {
+                let state = Self { folder, _lock: lock };
+                state.claim(vehicle)?;
+                Ok(state)
+            }
             Err(fs::TryLockError::WouldBlock) => bail!(
                 "{}: another runtime uses this folder: stop it, or choose another folder with --state DIR",
                 folder.display()
             ),
             Err(fs::TryLockError::Error(error)) => Err(error).with_context(|| format!("{}", path.display())),
+        }
+    }
+
+    /// Makes sure that the folder is this vehicle's.
+    fn claim(&self, vehicle: Option<&str>) -> Result<()> {
+        let path = self.folder.join(VEHICLE);
+        let says = match fs::read_to_string(&path) {
+            Ok(says) => Some(says.trim().to_owned()),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
+            Err(error) => return Err(error).with_context(|| format!("{}", path.display())),
+        };
+        match (vehicle, says) {
+            (None, None) => Ok(()),
+            (Some(vehicle), Some(says)) if vehicle == says => Ok(()),
+            (Some(vehicle), Some(says)) => bail!(
+                "{}: this is the state of the vehicle `{says}`, and the mission is of `{vehicle}` (vehicle.name)",
+                self.folder.display()
+            ),
+            (None, Some(says)) => bail!(
+                "{}: this is the state of the vehicle `{says}`, and the mission names none: set vehicle.name in mission.toml",
+                self.folder.display()
+            ),
+            (Some(vehicle), None) if self.identifiers_path().exists() => bail!(
+                "{}: there is a record of identifiers, and nothing that says of which vehicle, as it was kept before. If it is \
+                 of `{vehicle}`: echo {vehicle} > {}",
+                self.folder.display(),
+                path.display()
+            ),
+            (Some(vehicle), None) => self.write(VEHICLE, format!("{vehicle}\n").as_bytes()),
         }
     }
 
@@ -96,14 +161,11 @@ impl State {
             gps_hits,
             ..
         } = identifiers;
-        self.write(
-            "identifiers",
-            format!("{next} {first} {inserts} {gps_hits}\n").as_bytes(),
-        )
+        self.write(IDENTIFIERS, format!("{next} {first} {inserts} {gps_hits}\n").as_bytes())
     }
 
     pub(crate) fn identifiers_path(&self) -> PathBuf {
-        self.folder.join("identifiers")
+        self.folder.join(IDENTIFIERS)
     }
 
     /// Whether the operator holds.
@@ -220,7 +282,7 @@ mod tests {
     #[test]
     fn sr_015_the_operator_holds_and_releases_by_the_file_and_no_act_is_taken_twice() {
         let folder = tempfile::tempdir().unwrap();
-        let state = State::open(Some(folder.path()), "mission").unwrap();
+        let state = State::open(folder.path(), None).unwrap();
         let mut watch = HoldWatch::new(state.held());
         assert_eq!(watch.look(&state), None);
         let file = folder.path().join("hold");
@@ -246,7 +308,7 @@ mod tests {
     #[test]
     fn sr_015_a_hold_is_kept_as_an_empty_file_where_nothing_can_be_written() {
         let folder = tempfile::tempdir().unwrap();
-        let state = State::open(Some(folder.path()), "mission").unwrap();
+        let state = State::open(folder.path(), None).unwrap();
         // A folder where the draft would be: as a full disk, it cannot be written.
         fs::create_dir(folder.path().join("hold.new")).unwrap();
         state.set_held(true).unwrap();
@@ -259,7 +321,7 @@ mod tests {
     fn sr_015_a_folder_that_is_unmounted_releases_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let opened = folder.path().join("state");
-        let state = State::open(Some(&opened), "mission").unwrap();
+        let state = State::open(&opened, None).unwrap();
         state.set_held(true).unwrap();
         let mut watch = HoldWatch::new(state.held());
         fs::rename(&opened, folder.path().join("elsewhere")).unwrap();
@@ -270,7 +332,7 @@ mod tests {
     #[test]
     fn sr_015_a_hold_that_could_not_be_kept_is_not_released_for_want_of_its_file() {
         let folder = tempfile::tempdir().unwrap();
-        let state = State::open(Some(folder.path()), "mission").unwrap();
+        let state = State::open(folder.path(), None).unwrap();
         let mut watch = HoldWatch::new(state.held());
         fs::remove_dir_all(folder.path()).unwrap();
         assert!(state.set_held(true).is_err());

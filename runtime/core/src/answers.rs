@@ -12,6 +12,7 @@ use crate::session::name;
 impl Core {
     pub(crate) fn acknowledged(&mut self, ack: &Acknowledgement) {
         self.heard(ack.created);
+        self.round_trip(ack);
         if let AckStatus::Other(code) = ack.status {
             // It neither accepts nor refuses: the command stays unanswered, or what the vehicle flies would count as over.
             if let Some(count) = self.session.malformed() {
@@ -38,6 +39,8 @@ impl Core {
         match command.purpose {
             // Its answer tells of the vehicle's habits and of nothing else.
             Purpose::Early => {}
+            // Nothing but its round trip counts.
+            Purpose::Beat => {}
             Purpose::Subscription(index) => self.subscription_answered(index, answer),
             Purpose::Plan => self.plan_answered(answer),
             Purpose::Lease(request) => self.lease_answered(request, answer),

@@ -5,6 +5,8 @@ use std::time::Duration;
 use backseat_spi::{AckStatus, Acknowledgement, BehaviorId, CommandName};
 use backseat_units::{TimeOfDay, Timestamp};
 
+use crate::subscriptions::ACKNOWLEDGEMENTS;
+
 /// The first acknowledgement comes within this: they are sent immediately (4.4).
 pub(crate) const FIRST_WITHIN: Duration = Duration::from_secs(1);
 /// A pending command is settled within 2 s (4.4), and the link's delay.
@@ -19,6 +21,8 @@ pub(crate) const PLAN_WITHIN: Duration = Duration::from_secs(10);
 pub(crate) enum Purpose {
     /// It leaves before acknowledgements are asked for; a vehicle may answer it all the same.
     Early,
+    /// A beat of the heartbeat: BPLOG,ACK,ON.
+    Beat,
     /// A subscription of the session, by its place in the list.
     Subscription(usize),
     /// The plan.
@@ -103,7 +107,7 @@ impl Commands {
                 (Some(idle), _) => {
                     self.sent.remove(idle);
                 }
-                (None, Purpose::Courtesy | Purpose::Early) => return true,
+                (None, Purpose::Courtesy | Purpose::Early | Purpose::Beat) => return true,
                 (None, Purpose::Ending(_)) => {}
                 (
                     None,
@@ -147,7 +151,9 @@ impl Commands {
                 .iter()
                 .position(|command| {
                     command.name == ack.command
-                        && command.created == Some(ack.command_created.truncated_to_millis())
+                        && command
+                            .created
+                            .is_some_and(|created| ack.command_created.echoes(created))
                         && (ack.behavior.is_none()
                             || command.identifier.is_none()
                             || ack.behavior == command.identifier)
@@ -155,7 +161,7 @@ impl Commands {
                 .or_else(|| {
                     // A command that could not be read is refused with no echo of its time: the oldest of its name.
                     // Nothing but that refusal may lack the echo, or a late answer would confirm a later command.
-                    let unread = ack.status == AckStatus::Invalid && ack.command_created == TimeOfDay::MIDNIGHT;
+                    let unread = ack.status == AckStatus::Invalid && ack.command_created.is_none();
                     unread
                         .then(|| self.sent.iter().position(|command| command.name == ack.command))
                         .flatten()
@@ -181,6 +187,7 @@ impl Commands {
                 Purpose::Plan => now + PLAN_WITHIN,
                 Purpose::Silent(_) => now + SILENT_WITHIN,
                 Purpose::Early
+                | Purpose::Beat
                 | Purpose::Subscription(_)
                 | Purpose::Lease(_)
                 | Purpose::Insert(_)
@@ -214,6 +221,7 @@ impl Commands {
             Purpose::Subscription(index) => subscriptions.get(index).copied(),
             // The first of the list is subscribed before acknowledgements are.
             Purpose::Early => subscriptions.first().copied(),
+            Purpose::Beat => Some(ACKNOWLEDGEMENTS),
             Purpose::Plan
             | Purpose::Lease(_)
             | Purpose::Insert(_)
@@ -303,7 +311,7 @@ fn names(text: &str, message: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use backseat_spi::Text;
+    use backseat_spi::{EchoedTime, Text};
 
     const MESSAGES: [&str; 4] = ["CTL", "ACK", "MIS", "CTL"];
 
@@ -322,7 +330,7 @@ mod tests {
         Acknowledgement {
             created: TimeOfDay::MIDNIGHT,
             command: CommandName::new(letters).unwrap(),
-            command_created: echoed,
+            command_created: EchoedTime::of(echoed),
             behavior: None,
             status,
             text: Text::cleaned(text),

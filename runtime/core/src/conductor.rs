@@ -7,6 +7,7 @@ use backseat_spi::{LogMessage, Text, ToVehicle};
 use backseat_units::Timestamp;
 
 use crate::adjustment::Adjusts;
+use crate::budget::LineBudget;
 use crate::envelope::limit;
 use crate::helm::refused;
 use crate::io::{Note, Output, Restarted};
@@ -31,6 +32,8 @@ const TIMERS_MAX: usize = 64;
 /// A plugin is stepped no more often than this, whatever its timers say.
 const PERIOD_MIN: Duration = Duration::from_millis(20);
 const MESSAGE_BYTES_MAX: usize = 200;
+/// The rule by which a plugin's request is rejected that comes too soon.
+const OVER_RATE: &str = "rate";
 
 /// Where a plugin stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +64,8 @@ pub(crate) struct Slot {
     failures: u32,
     failed_at: Timestamp,
     requests: Allowance,
+    /// Rejections of what was over the rate that are told one by one.
+    pub(crate) over_rate: LineBudget,
     messages: Allowance,
     /// How many tracklines and trackcircles of its have been sent.
     inserts_sent: u32,
@@ -81,10 +86,15 @@ impl Slot {
             failures: 0,
             failed_at: Timestamp::ZERO,
             requests: Allowance::default(),
+            over_rate: LineBudget::of(1),
             messages: Allowance::default(),
             inserts_sent: 0,
             steered: Duration::ZERO,
         }
+    }
+
+    pub(crate) fn name(&self) -> &str {
+        &self.setup.name
     }
 
     pub(crate) fn limits(&self) -> &PluginLimits {
@@ -381,6 +391,7 @@ impl Core {
             self.hold_plugin_failed(plugin);
         }
         self.dvl_plugin_failed(plugin);
+        self.forget_waiting(plugin);
         match on_failure {
             FailAction::Yield => {}
             FailAction::Cancel => {
@@ -453,9 +464,17 @@ impl Core {
             return Err(limit(format!("the mission does not grant it {grant:?}")));
         }
         if !slot.requests.take(now, per_second) && is_on(Check::RequestRate) {
-            return Err(refused("rate", &format!("more than {per_second} requests a second")));
+            return Err(refused(OVER_RATE, &format!("more than {per_second} requests a second")));
         }
-        let steers = matches!(grant, Grant::Modify | Grant::Insert | Grant::Surface | Grant::Hull);
+        self.admit_standing(grant)
+    }
+
+    /// What every request needs at the moment that it leaves: control, and an armed runtime inside the fence.
+    pub(crate) fn admit_standing(&self, grant: Grant) -> Result<(), Refusal> {
+        let steers = matches!(
+            grant,
+            Grant::Modify | Grant::Insert | Grant::Interrupt | Grant::Surface | Grant::Hull
+        );
         if let Some(reason) = self.lost_because()
             && (steers || is_on(Check::ListWithoutControl))
         {
@@ -501,7 +520,14 @@ impl Core {
 
     pub(crate) fn reject(&mut self, request: u64, refusal: Refusal) {
         let reason = format!("{}: {}", refusal.rule, refusal.text);
-        self.transition(request, RequestState::Rejected(reason));
+        let owner = self.ledger.get(request).and_then(|entry| entry.owner.plugin());
+        let counted =
+            owner.is_some_and(|plugin| refusal.rule == OVER_RATE && !self.plugins[plugin.0].over_rate.take(self.now));
+        if counted {
+            self.transition_unnoted(request, RequestState::Rejected(reason));
+        } else {
+            self.transition(request, RequestState::Rejected(reason));
+        }
     }
 
     fn ask_message(&mut self, plugin: PluginId, text: &str) {

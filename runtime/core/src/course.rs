@@ -76,15 +76,9 @@ pub(crate) struct Courses {
     settled: bool,
     /// The depths that it has settled at in this mission, from and to, metres.
     depths_m: Option<[f64; 2]>,
-    revision: u64,
 }
 
 impl Courses {
-    /// Another number for each thing that was known.
-    pub(crate) const fn revision(&self) -> u64 {
-        self.revision
-    }
-
     /// The vehicle may have been led away from its plan.
     pub(crate) const fn leave_plan(&mut self) {
         self.left_plan = true;
@@ -106,13 +100,11 @@ impl Courses {
         self.seen.clear();
         self.on_line_since = None;
         (self.settled, self.level_since) = (false, None);
-        self.revision += 1;
     }
 
     /// An insert will not be flown on.
     fn ended(&mut self, insert: BehaviorId) {
         self.begun.remove(&Flown::Inserted(insert));
-        self.revision += 1;
     }
 
     /// What is flown is not known: the link is gone, or it has ended and nothing has begun.
@@ -122,7 +114,6 @@ impl Courses {
         self.seen.clear();
         self.on_line_since = None;
         (self.settled, self.level_since) = (false, None);
-        self.revision += 1;
     }
 
     /// Where it is and how fast it dives, while nobody of ours steers.
@@ -215,7 +206,6 @@ impl Core {
             places.extend(before);
             places.push(here);
             courses.unplaced = false;
-            courses.revision += 1;
         }
         courses.begun_at = courses
             .begun_at
@@ -284,7 +274,6 @@ impl Core {
             None => self.courses.placed = true,
             Some(current) => {
                 self.courses.begun.insert(current, Vec::new());
-                self.courses.revision += 1;
             }
         }
     }

@@ -6,8 +6,8 @@
 use std::collections::BTreeMap;
 
 use backseat_spi::{
-    AckStatus, Acknowledgement, BearingOffset, CommandName, DecodeError, FrameCounts, Framer, FromVehicle, PayloadCtd,
-    Policy, PositionFix, RelativeReset, Sentence, Text, ToVehicle, TopsideRelay,
+    AckStatus, Acknowledgement, BearingOffset, CommandName, DecodeError, EchoedTime, FrameCounts, Framer, FromVehicle,
+    PayloadCtd, Policy, PositionFix, RelativeReset, Sentence, Text, ToVehicle, TopsideRelay,
 };
 use backseat_units::{TimeOfDay, Timestamp};
 use serde::{Deserialize, Serialize};
@@ -308,6 +308,10 @@ impl Core {
         let utc = self.utc().time_of_day();
         #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is a driver's")]
         match message {
+            ToVehicle::TopsideRelay(relay) if relay.text.holds_command() => Err(refused(
+                "text",
+                "the text holds $BP, and a vehicle that looks for sentences could take what follows for a command",
+            )),
             ToVehicle::TopsideRelay(relay) => Ok(relay.into()),
             ToVehicle::PayloadCtd(ctd) => bounds.ctd(ctd, utc).map(ToVehicle::from),
             ToVehicle::PositionFix(fix) => {
@@ -382,7 +386,7 @@ impl Core {
         let ack = FromVehicle::from(Acknowledgement {
             created: self.utc().time_of_day(),
             command,
-            command_created,
+            command_created: EchoedTime::of(command_created),
             behavior: None,
             status,
             text: Text::cleaned(&text),

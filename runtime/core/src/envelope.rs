@@ -17,9 +17,9 @@ mod boxes;
 mod ends;
 mod hull;
 mod judge;
+mod modify;
 mod onto;
 mod place;
-mod reach;
 mod surfacing;
 mod time;
 
@@ -27,7 +27,6 @@ pub(crate) use ends::End;
 use ends::{farthest_m, ways};
 pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
 pub(crate) use onto::{Approach, Track};
-pub(crate) use reach::Judgement;
 pub(crate) use time::{APART_MAX, Clocks};
 
 /// The vehicle keeps a modify for this long after the last BPRMB that it received (SPI 7.12).

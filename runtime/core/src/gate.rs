@@ -4,7 +4,7 @@
 
 use backseat_spi::ToVehicle;
 
-use crate::commands::Command;
+use crate::commands::{Command, Purpose};
 use crate::io::{Note, Output};
 use crate::machine::Core;
 use crate::owner::Owner;
@@ -126,13 +126,15 @@ impl Core {
             });
             return false;
         }
-        if let Some(command) = command
-            && !self.commands.push(command)
-        {
-            self.note(Note::Text {
-                text: format!("{} was not sent: too many commands are not answered", message.name()),
-            });
-            return false;
+        if let Some(command) = command {
+            if !self.commands.push(command) {
+                self.note(Note::Text {
+                    text: format!("{} was not sent: too many commands are not answered", message.name()),
+                });
+                return false;
+            }
+            let early = command.purpose == Purpose::Early;
+            self.heartbeat.left(self.now, command.name, command.created, early);
         }
         self.outputs.push_back(Output::Send(bytes));
         true
@@ -173,8 +175,8 @@ mod tests {
 
     use backseat_fence::Fence;
     use backseat_spi::{
-        BackseatControl, Direction, FromVehicle, MissionStatus, Navigation, PositionQuality, Sentence, Text,
-        VelocityAndRates, catalogue,
+        AckStatus, Acknowledgement, BackseatControl, CommandName, Direction, EchoedTime, FromVehicle, MissionStatus,
+        Navigation, PositionQuality, Sentence, Text, VelocityAndRates, catalogue,
     };
     use backseat_units::{Depth, Heading, Position, Timestamp, Utc};
 
@@ -215,6 +217,16 @@ mod tests {
             status: text(status),
             details: text(""),
         };
+        // The first BPSTS is answered at once.
+        let answer = Acknowledgement {
+            created,
+            command: CommandName::new("STS").unwrap(),
+            command_created: EchoedTime::of(created.truncated_to_millis()),
+            behavior: None,
+            status: AckStatus::Succeeded,
+            text: text(""),
+        };
+        hear(&mut core, answer);
         hear(&mut core, mission);
         hear_control(&mut core, true);
         for tenths in 0..10u64 {

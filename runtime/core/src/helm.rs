@@ -6,7 +6,7 @@ use backseat_spi::{EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, M
 use backseat_units::{Timestamp, utm_convergence_deg};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
-use crate::envelope::{End, Judgement, Route, Setpoint, Vertical};
+use crate::envelope::{End, Route, Setpoint, Vertical};
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::{Grant, HeadingFrame};
@@ -23,6 +23,51 @@ const REFRESH_AT_MOST: Duration = Duration::from_millis(2500);
 /// A changed modify is sent at once, at 5 Hz at most.
 const REFRESH_AT_LEAST: Duration = Duration::from_millis(200);
 
+/// After a refused or unanswered BPRMB the next lease may begin no sooner than this, doubled at each one more.
+const PAUSE_MIN: Duration = Duration::from_secs(1);
+const PAUSE_MAX: Duration = Duration::from_secs(60);
+/// So long must BPRMB be answered for the pause to be the shortest again.
+const PAUSE_FORGIVEN_AFTER: Duration = Duration::from_secs(30);
+/// Answers further apart than this are not of one lease.
+const ANSWERS_APART_MAX: Duration = Duration::from_millis(1500);
+
+/// How long no lease begins after the vehicle has refused a BPRMB, or not answered one: a plugin that insists would
+/// otherwise have the vehicle under a modify most of the time (safety requirement 023).
+#[derive(Debug, Default)]
+pub(crate) struct Pause {
+    until: Timestamp,
+    /// The pause after the next failure.
+    next: Option<Duration>,
+    /// How long BPRMB has been answered since the last failure, and when it was last.
+    answered: Duration,
+    answered_at: Timestamp,
+}
+
+impl Pause {
+    fn failed(&mut self, now: Timestamp) {
+        let pause = self.next.unwrap_or(PAUSE_MIN);
+        self.until = now + pause;
+        self.next = Some((2 * pause).min(PAUSE_MAX));
+        self.answered = Duration::ZERO;
+    }
+
+    fn answered(&mut self, now: Timestamp) {
+        let since = now.since(self.answered_at);
+        self.answered_at = now;
+        if since <= ANSWERS_APART_MAX {
+            self.answered += since;
+        }
+        if self.answered >= PAUSE_FORGIVEN_AFTER {
+            self.next = None;
+        }
+    }
+
+    /// How much longer no lease begins.
+    fn left(&self, now: Timestamp) -> Option<Duration> {
+        (now < self.until).then(|| self.until.since(now))
+    }
+}
+
 /// Who steers, and where to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lease {
@@ -34,25 +79,14 @@ pub(crate) struct Lease {
     setpoint: Setpoint,
     /// When the last BPRMB left, of this lease or of the one that it took over.
     sent: Option<Timestamp>,
-    /// When the setpoint was last judged in full.
+    /// When the setpoint was last judged.
     judged: Timestamp,
-    /// That judgement.
-    kept: Kept,
-}
-
-/// A judgement, and the plan and inserts that it was made with.
-#[derive(Clone, Copy, Debug)]
-struct Kept {
-    judgement: Judgement,
-    plan: u64,
-    ledger: u64,
-    courses: u64,
 }
 
 impl Core {
     pub(crate) fn ask_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) {
         let request = self.ledger.propose(plugin, modify.tag, RequestKind::Modify);
-        let (setpoint, kept) = match self.admit_modify(plugin, modify) {
+        let setpoint = match self.admit_modify(plugin, modify) {
             Ok(admitted) => admitted,
             Err(refusal) => return self.reject(request, refusal),
         };
@@ -84,7 +118,6 @@ impl Core {
             setpoint,
             sent,
             judged: self.now,
-            kept,
         });
         self.timers.set(Timer::Term, self.now + modify.duration);
         // BPRES comes before BPRMB. The lease stands already, for a plugin that fails of the events ends it.
@@ -104,8 +137,15 @@ impl Core {
         }
     }
 
-    fn admit_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) -> Result<(Setpoint, Kept), Refusal> {
+    fn admit_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) -> Result<Setpoint, Refusal> {
         self.admit(plugin, Grant::Modify)?;
+        if let Some(left) = self.pause.left(self.now).filter(|_| is_on(Check::LeasePause)) {
+            let text = format!(
+                "the vehicle refused or did not answer the last BPRMB: none leaves for {:.1} s more",
+                left.as_secs_f64()
+            );
+            return Err(refused("pause", &text));
+        }
         if let Some(lease) = &self.lease
             && lease.plugin < plugin
         {
@@ -121,12 +161,12 @@ impl Core {
         }
         let setpoint = self.envelope.admit_modify(modify)?;
         self.cap_steering(plugin, modify.duration)?;
-        let kept = self.judge(&setpoint)?;
-        Ok((setpoint, kept))
+        self.judge(&setpoint)?;
+        Ok(setpoint)
     }
 
     /// The whole judgement of a setpoint, with what is known at this moment.
-    fn judge(&self, setpoint: &Setpoint) -> Result<Kept, Refusal> {
+    fn judge(&self, setpoint: &Setpoint) -> Result<(), Refusal> {
         let Some(navigation) = self.tracker.fresh(self.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
@@ -138,30 +178,22 @@ impl Core {
         }
         let route = self.route_of_modify();
         let lock = self.tracker.bottom_lock(self.now);
-        let judgement = self
-            .envelope
-            .judge_lease(setpoint, navigation, lock, &route, (self.now, self.clocks()))?;
-        Ok(Kept {
-            judgement,
-            plan: self.plan.revision(),
-            ledger: self.ledger.revision(),
-            courses: self.courses.revision(),
-        })
+        self.envelope
+            .judge_modify(setpoint, navigation, lock, &route, (self.now, self.clocks()))
+            .map(|_| ())
     }
 
     /// Navigation is new: prevention before reaction. The lease ends now, not at its next refresh, where what it could
-    /// reach from here would touch the fence's margin. It is judged in full only where what has changed since it last was
-    /// could have used its clearance up, see [`Judgement`].
+    /// reach from here would touch the fence's margin.
     pub(crate) fn prevent(&mut self) {
         let Some(lease) = self.lease else { return };
-        if !is_on(Check::RefreshJudged) || self.still_holds(&lease) {
+        if !is_on(Check::RefreshJudged) {
             return;
         }
         match self.judge(&lease.setpoint) {
-            Ok(kept) => {
+            Ok(()) => {
                 if let Some(lease) = &mut self.lease {
                     lease.judged = self.now;
-                    lease.kept = kept;
                 }
             }
             Err(refusal) => self.end_lease(&told(&refusal)),
@@ -172,23 +204,6 @@ impl Core {
     pub(crate) fn steering(&self) -> Option<(PluginId, Timestamp)> {
         let lease = self.lease.map(|lease| (lease.plugin, lease.since));
         lease.or_else(|| self.hull.held_since())
-    }
-
-    fn still_holds(&self, lease: &Lease) -> bool {
-        let Kept {
-            judgement,
-            plan,
-            ledger,
-            courses,
-        } = &lease.kept;
-        let known =
-            *plan == self.plan.revision() && *ledger == self.ledger.revision() && *courses == self.courses.revision();
-        let lock = self.tracker.bottom_lock(self.now);
-        known
-            && self.tracker.fresh(self.now).is_some_and(|navigation| {
-                self.envelope
-                    .still_holds(judgement, &lease.setpoint, navigation, lock, self.now)
-            })
     }
 
     /// Sends the lease's BPRMB, checked anew.
@@ -203,10 +218,9 @@ impl Core {
         }
         if lease.judged < self.now && is_on(Check::RefreshJudged) {
             match self.judge(&lease.setpoint) {
-                Ok(kept) => {
+                Ok(()) => {
                     if let Some(lease) = &mut self.lease {
                         lease.judged = self.now;
-                        lease.kept = kept;
                     }
                 }
                 Err(refusal) => return self.end_lease(&told(&refusal)),
@@ -295,14 +309,21 @@ impl Core {
             Answer::Pending => {}
             Answer::Missing if is_on(Check::LeaseAcknowledged) => self.lease_unanswered(request),
             Answer::Missing => {}
-            Answer::Done => self.transition_once_accepted(request),
+            Answer::Done => {
+                self.pause.answered(self.now);
+                self.transition_once_accepted(request);
+            }
             Answer::Refused(text) if live => {
+                self.pause.failed(self.now);
                 let reason = format!("the vehicle refused it: {text}");
                 self.close_lease(&reason, |_| RequestState::Failed(text.to_owned()));
             }
             // The refused one was replaced meanwhile. A plugin that asks anew in every step always has: waiting for the
             // answer to the newest one would wait for ever.
-            Answer::Refused(text) => self.end_lease(&format!("the vehicle refused it: {text}")),
+            Answer::Refused(text) => {
+                self.pause.failed(self.now);
+                self.end_lease(&format!("the vehicle refused it: {text}"));
+            }
         }
     }
 
@@ -318,6 +339,7 @@ impl Core {
 
     /// A refresh was not acknowledged in time.
     fn lease_unanswered(&mut self, request: u64) {
+        self.pause.failed(self.now);
         if self.lease.is_some_and(|lease| lease.request == request) {
             self.close_lease("the vehicle did not acknowledge it", |_| RequestState::TimedOut);
         } else if self.lease.is_some() {

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use backseat_spi::{
-    BehaviorId, CancelBehavior, GpsHit, Interrupt, SpeedMode, SurfaceMode, ToVehicle, Trackcircle, Trackline,
-    VerticalMode,
+    BehaviorId, CancelBehavior, CircleEntry, GpsHit, Interrupt, SpeedMode, SurfaceMode, ToVehicle, Trackcircle,
+    Trackline, VerticalMode,
 };
 use backseat_units::Timestamp;
 
@@ -20,7 +20,7 @@ use crate::io::{Output, Reservation};
 use crate::ledger::{Entry, RequestKind};
 use crate::limits::Grant;
 use crate::machine::Core;
-use crate::plugin::{PluginId, Refusal, Request, RequestState};
+use crate::plugin::{PluginId, Refusal, Request, RequestState, TrackcircleRequest};
 use crate::schedule::Schedule;
 use crate::session::name;
 use crate::switches::{Check, is_on};
@@ -33,6 +33,23 @@ const ASK_AGAIN: Duration = Duration::from_secs(5);
 /// When so few are left, more are reserved.
 const RESERVE_LOW: u32 = 8;
 
+/// What the judgement of an insert found that is kept with it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Admitted {
+    /// How long it flies at most, seconds.
+    duration_s: f64,
+    schedule: Option<Schedule>,
+}
+
+/// The grant that an insert needs; one that interrupts needs that of its own beside it.
+const fn grant_of(insert: &Insert) -> Grant {
+    if insert.surfaces() {
+        Grant::Surface
+    } else {
+        Grant::Insert
+    }
+}
+
 impl Core {
     pub(crate) fn ask_insert(&mut self, plugin: PluginId, asked: &Request) {
         let (tag, kind, insert) = match asked {
@@ -40,7 +57,8 @@ impl Core {
             Request::Trackcircle(circle) => (
                 circle.tag,
                 RequestKind::Trackcircle,
-                self.envelope.admit_trackcircle(circle),
+                self.admit_layout(circle)
+                    .and_then(|()| self.envelope.admit_trackcircle(circle)),
             ),
             Request::GpsHit(hit) => (hit.tag, RequestKind::GpsHit, self.envelope.admit_gps_hit(hit)),
             Request::Modify(_)
@@ -63,22 +81,51 @@ impl Core {
         self.reserve();
         let request = self.ledger.propose(plugin, tag, kind);
         let admitted = insert.and_then(|insert| {
-            let route = self.admit_insert(plugin, tag, &insert)?;
-            self.judge_insert(&insert, &route)?;
-            self.admit_delay(&insert, &route)?;
-            let duration_s = self.cap_duration(plugin, &insert, &route)?;
-            Ok((insert, duration_s, self.schedule(&insert, &route)))
+            self.admit(plugin, grant_of(&insert))?;
+            if insert.interrupt && !self.plugins[plugin.0].grants().contains(&Grant::Interrupt) {
+                return Err(refused("grant", "the mission does not grant it Interrupt"));
+            }
+            Ok((insert, self.admit_now(plugin, tag, &insert)?))
         });
         match admitted {
-            Ok((insert, duration_s, schedule)) => self.send_insert(request, insert, duration_s, schedule),
+            Ok((insert, _)) if self.waits_for_answer(&insert) => self.wait_for_answer(request, plugin, tag, insert),
+            Ok((insert, admitted)) => self.send_insert(request, insert, admitted),
             Err(refusal) => self.reject(request, refusal),
         }
+    }
+
+    /// All that an insert needs at the moment that it leaves.
+    pub(crate) fn admit_now(&mut self, plugin: PluginId, tag: u64, insert: &Insert) -> Result<Admitted, Refusal> {
+        let route = self.admit_insert(plugin, tag, insert)?;
+        self.judge_insert(insert, &route)?;
+        self.admit_delay(insert, &route)?;
+        Ok(Admitted {
+            duration_s: self.cap_duration(plugin, insert, &route)?,
+            schedule: self.schedule(insert, &route),
+        })
+    }
+
+    /// The two layouts of BPRTC in SPI 7.6 differ in what comes before the interrupt code. Where nobody has said which one
+    /// the vehicle reads, a circle leaves only if both read it alike: after what is flown, entered anywhere.
+    fn admit_layout(&self, circle: &TrackcircleRequest) -> Result<(), Refusal> {
+        let layout = self.settings.trackcircle_entry_angle;
+        let text = match layout {
+            Some(true) => return Ok(()),
+            _ if circle.entry_angle_deg.is_some() => {
+                "the mission does not say that the vehicle reads a circle's entry angle (vehicle.trackcircle_entry_angle)"
+            }
+            None if circle.interrupt => {
+                "the mission does not say where the vehicle reads a circle's interrupt code (vehicle.trackcircle_entry_angle)"
+            }
+            Some(false) | None => return Ok(()),
+        };
+        Err(refused("layout", text))
     }
 
     /// All that does not hang on the geometry: grants, the plan, doubt, caps of number, identifiers. The insert's route.
     fn admit_insert(&mut self, plugin: PluginId, tag: u64, insert: &Insert) -> Result<Route, Refusal> {
         let surfaces = insert.surfaces();
-        self.admit(plugin, if surfaces { Grant::Surface } else { Grant::Insert })?;
+        self.admit_standing(grant_of(insert))?;
         if !self.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(refused(
                 "plan",
@@ -91,7 +138,7 @@ impl Core {
                 "the vehicle has not answered for an earlier insert since the link was lost",
             ));
         }
-        if self.open_insert(plugin, tag).is_some() {
+        if self.open_insert(plugin, tag).is_some() || self.is_waiting(plugin, tag) {
             return Err(refused("tag", "an insert with this tag is still open"));
         }
         if insert.interrupt {
@@ -243,7 +290,8 @@ impl Core {
         )
     }
 
-    fn send_insert(&mut self, request: u64, insert: Insert, duration_s: f64, schedule: Option<Schedule>) {
+    pub(crate) fn send_insert(&mut self, request: u64, insert: Insert, admitted: Admitted) {
+        let Admitted { duration_s, schedule } = admitted;
         let Some(identifiers) = &mut self.start.identifiers else {
             return;
         };
@@ -290,7 +338,12 @@ impl Core {
                     vertical_m,
                     speed,
                     speed_mode: SpeedMode::MetresPerSecond,
-                    entry_angle_deg,
+                    entry_angle_deg: match self.settings.trackcircle_entry_angle {
+                        Some(true) => entry_angle_deg.map_or(CircleEntry::Anywhere, CircleEntry::Angle),
+                        Some(false) => CircleEntry::Absent,
+                        // The interrupt code of who takes it for that is the same as the one that follows.
+                        None => CircleEntry::Angle(0.0),
+                    },
                     interrupt,
                 });
                 (message, "RTC", created)

@@ -29,6 +29,8 @@ pub enum Input<'a> {
     Driver(DriverId, &'a [u8]),
     /// What is written on disk of identifiers and inserts.
     Reserved(Reservation),
+    /// Our computer's clock was set since the start, in all by so many nanoseconds.
+    UtcSet(i64),
     /// The time that `poll_timeout` said has come.
     Timeout,
 }
@@ -107,7 +109,7 @@ pub enum Note {
         /// As the vehicle says it.
         version: String,
     },
-    /// The vehicle's clock: ours less its, the smallest delay included.
+    /// The vehicle's clock: ours less its, as the round trips have it.
     Clock {
         /// Seconds.
         offset_s: f64,

@@ -141,8 +141,6 @@ pub(crate) struct Ledger {
     /// Inserts that ended without the vehicle's word: it may fly them yet, so they stay under the caps and the rule
     /// that nothing interrupts what interrupts.
     doubtful: BTreeMap<u64, Entry>,
-    /// How often an insert has come to another state.
-    revision: u64,
 }
 
 impl Ledger {
@@ -192,11 +190,6 @@ impl Ledger {
         insert.is_some_and(|insert| insert.surfaces())
     }
 
-    /// Another number for each set of open inserts and of their states: what was judged with one holds for no other.
-    pub(crate) const fn revision(&self) -> u64 {
-        self.revision
-    }
-
     pub(crate) const fn counts(&self) -> RequestCounts {
         self.counts
     }
@@ -239,7 +232,6 @@ impl Ledger {
             let was_flown = entry.is_open_insert() && entry.state == RequestState::Started;
             if was_flown && entry.identifier != begun {
                 entry.interrupted = true;
-                self.revision += 1;
             }
         }
     }
@@ -332,9 +324,6 @@ impl Ledger {
             | RequestState::Started
             | RequestState::Ended(_)
             | RequestState::Cancelled => {}
-        }
-        if entry.is_open_insert() {
-            self.revision += 1;
         }
         entry.state = to.clone();
         let transition = Transition {

@@ -3,6 +3,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::hull_limits::HullLimits;
+use crate::integrity_limits::IntegrityLimits;
 
 /// A limit that makes no sense.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -106,6 +107,9 @@ pub struct Limits {
     /// Whether a modify needs the vehicle's plan (BPRMP), so that the way back to it can be checked.
     #[serde(default = "default::modify_needs_plan")]
     pub modify_needs_plan: bool,
+    /// What navigation may say from one sample to the next before it cannot be true.
+    #[serde(default)]
+    pub integrity: IntegrityLimits,
     /// What a hovering vehicle may do beside its mission; without it, nothing.
     #[serde(default)]
     pub hull: Option<HullLimits>,
@@ -256,6 +260,7 @@ impl Limits {
                 expected: "at least 1",
             });
         }
+        self.integrity.validate()?;
         self.hull.as_ref().map_or(Ok(()), HullLimits::validate)
     }
 
@@ -289,6 +294,8 @@ pub enum Grant {
     Modify,
     /// BPRTK and BPRTC inserts, and the cancelling of its own.
     Insert,
+    /// Inserts that interrupt what is flown: nothing takes one back (SPI 7.8).
+    Interrupt,
     /// BPMSG lines in the vehicle's log.
     Message,
     /// BPRGP: surfacing, where the fence allows it.
@@ -340,6 +347,7 @@ pub(crate) mod tests {
             navigation_age_max_s: 1.0,
             navigation_error_m: 5.0,
             link_delay_max_s: 1.0,
+            integrity: IntegrityLimits::default(),
             tracking_error_m: 5.0,
             vertical_error_m: 1.0,
             lead_max_m: 50.0,

@@ -7,23 +7,28 @@ use backseat_units::{Timestamp, Utc};
 
 use crate::acoustic::Acoustic;
 use crate::adjustment::Adjustments;
+use crate::budget::LineBudget;
 use crate::commands::{Answer, Commands};
 use crate::conductor::Slot;
 use crate::course::Courses;
+use crate::dive::Dive;
 use crate::drivers::Drivers;
 use crate::dvl::DvlTrigger;
 use crate::envelope::Envelope;
 use crate::expected::Compared;
 use crate::former::Former;
-use crate::helm::Lease;
+use crate::heartbeat::Heartbeat;
+use crate::helm::{Lease, Pause};
 use crate::hull::Hull;
 use crate::io::{Input, Note, Operator, Output, Reservation, Start};
-use crate::ledger::{Ledger, RequestCounts};
+use crate::irrevocable::Waiting;
+use crate::ledger::{Ledger, RequestCounts, Transition};
 use crate::navigation::Tracker;
 use crate::orders::Orders;
 use crate::owner::Owner;
 use crate::plan::Plan;
 use crate::plugin::{Event, PluginId, RequestState};
+use crate::quota::LastMinute;
 use crate::recall::Recalls;
 use crate::recovery::Whereabouts;
 use crate::session::Session;
@@ -54,11 +59,17 @@ pub struct Core {
     pub(crate) stamper: Stamper,
     pub(crate) session: Session,
     pub(crate) commands: Commands,
+    pub(crate) heartbeat: Heartbeat,
     pub(crate) tracker: Tracker,
     pub(crate) plan: Plan,
+    pub(crate) dive: Dive,
+    /// When the vehicle's words have had us ask for its plan.
+    pub(crate) plan_asks: LastMinute,
     pub(crate) compared: Compared,
     pub(crate) ledger: Ledger,
     pub(crate) lease: Option<Lease>,
+    pub(crate) pause: Pause,
+    pub(crate) waiting: Vec<Waiting>,
     pub(crate) hull: Hull,
     pub(crate) silent: Silent,
     pub(crate) adjustments: Adjustments,
@@ -69,6 +80,8 @@ pub struct Core {
     pub(crate) drivers: Drivers,
     pub(crate) plugins: Vec<Slot>,
     pub(crate) start: Start,
+    /// By how much our computer's clock was set since then, nanoseconds.
+    pub(crate) utc_set_nanos: i64,
     /// Backseat control as the configured hook last said.
     pub(crate) handed_over: Option<bool>,
     /// BFMIS begins with `Running`.
@@ -77,6 +90,10 @@ pub struct Core {
     pub(crate) stopping: bool,
     pub(crate) granted: bool,
     pub(crate) late_count: u64,
+    /// The flaw of navigation that was last told, and when.
+    pub(crate) flaw_told: Option<(&'static str, Timestamp)>,
+    /// Lines about what the vehicle says.
+    pub(crate) vehicle_lines: LineBudget,
     /// When the last BPRMB left, of any lease.
     pub(crate) modify_sent: Option<Timestamp>,
     pub(crate) inserts_sent: u32,
@@ -102,7 +119,6 @@ impl Core {
         let drivers = Drivers::new(&settings.drivers);
         let mut core = Self {
             settings,
-            envelope,
             now: Timestamp::ZERO,
             outputs: VecDeque::new(),
             timers: Timers::default(),
@@ -110,11 +126,16 @@ impl Core {
             stamper: Stamper::new(start.utc),
             session: Session::new(&slots),
             commands: Commands::default(),
+            heartbeat: Heartbeat::new(envelope.limits().link_delay_max()),
             tracker,
             plan: Plan::default(),
+            dive: Dive::default(),
+            plan_asks: LastMinute::default(),
             compared: Compared::default(),
             ledger: Ledger::default(),
             lease: None,
+            pause: Pause::default(),
+            waiting: Vec::new(),
             hull,
             silent: Silent::default(),
             adjustments: Adjustments::default(),
@@ -125,12 +146,15 @@ impl Core {
             drivers,
             plugins: slots,
             start,
+            utc_set_nanos: 0,
             handed_over: None,
             running: None,
             held: start.held && is_on(Check::OperatorHold),
             stopping: false,
             granted: false,
             late_count: 0,
+            flaw_told: None,
+            vehicle_lines: LineBudget::default(),
             modify_sent: None,
             inserts_sent: start.identifiers.map_or(0, |identifiers| identifiers.inserts),
             gps_hits_sent: start.identifiers.map_or(0, |identifiers| identifiers.gps_hits),
@@ -141,6 +165,7 @@ impl Core {
             recalls: Recalls::default(),
             whereabouts: Whereabouts::default(),
             unjudged: false,
+            envelope,
         };
         if !core.former.is_none() {
             core.courses.leave_plan();
@@ -175,6 +200,7 @@ impl Core {
             Input::Operator(act) => self.operator(act),
             Input::Driver(driver, bytes) => self.driver_received(driver, bytes),
             Input::Reserved(reservation) => self.reserved(reservation),
+            Input::UtcSet(by_nanos) => self.utc_set(by_nanos),
             Input::Timeout => {}
         }
         while let Some(timer) = self.timers.expired(self.now) {
@@ -250,13 +276,57 @@ impl Core {
         self.late_count
     }
 
-    /// Our UTC now.
+    /// Our UTC now, by the clock of the start: for stamps, and for what is measured with them.
     pub(crate) fn utc(&self) -> Utc {
         self.stamper.utc(self.now)
     }
 
+    /// Our UTC at a time, as the computer has it now: for zones that are valid for a time.
+    pub(crate) fn zone_utc(&self, at: Timestamp) -> Utc {
+        let nanos = self.stamper.utc(at).as_unix_nanos();
+        Utc::from_unix_nanos(nanos.saturating_add_signed(self.utc_set_nanos))
+    }
+
+    /// The computer's clock was set. Stamps stay on the clock of the start, or answers would seem to come from another time;
+    /// zones follow.
+    fn utc_set(&mut self, by_nanos: i64) {
+        let step_s = by_nanos.saturating_sub(self.utc_set_nanos) as f64 / 1e9;
+        self.utc_set_nanos = by_nanos;
+        self.note(Note::Text {
+            text: format!("this computer's clock was set by {step_s:+.3} s: zones with times follow it"),
+        });
+        self.judge_waiting();
+        self.unjudged = true;
+    }
+
     pub(crate) fn note(&mut self, note: Note) {
         self.outputs.push_back(Output::Note(note));
+    }
+
+    /// As [`Core::note`], of what the vehicle has said: so many a second, the rest is counted.
+    pub(crate) fn note_of_vehicle(&mut self, note: Note) {
+        if self.vehicle_lines.take(self.now) {
+            self.note(note);
+        }
+    }
+
+    /// Tells what was counted and not told.
+    pub(crate) fn tell_what_was_counted(&mut self) {
+        let untold = self.vehicle_lines.take_untold();
+        if untold > 0 {
+            let text = format!("{untold} lines more of what the vehicle said were left out");
+            self.note(Note::Text { text });
+        }
+        for index in 0..self.plugins.len() {
+            let untold = self.plugins[index].over_rate.take_untold();
+            if untold > 0 {
+                let text = format!(
+                    "{untold} requests more of {} were over its rate and rejected",
+                    self.plugins[index].name()
+                );
+                self.note(Note::Text { text });
+            }
+        }
     }
 
     /// Why we have no control; `None` where it is ours.
@@ -279,6 +349,10 @@ impl Core {
             "the mission is not running"
         } else if let Some(reason) = self.unlike_expected() {
             reason
+        } else if let Some(reason) = self.unplanned_dive() {
+            reason
+        } else if let Some(reason) = self.unheard() {
+            reason
         } else if self.tracker.fresh(self.now).is_none() {
             "navigation is stale"
         } else if !self.tracker.steady(self.now) {
@@ -293,6 +367,7 @@ impl Core {
     fn settle(&mut self) {
         self.settle_control();
         self.follow_navigation();
+        self.settle_waiting();
         self.watch_staleness();
         let navigation = match self.tracker.stale_at().filter(|at| *at > self.now) {
             Some(stale) if self.tracker.steady(self.now) => Some(stale),
@@ -302,6 +377,7 @@ impl Core {
         self.timers.set_or_stop(Timer::Navigation, navigation);
         self.timers
             .set_or_stop(Timer::Acknowledgement, self.commands.next_deadline());
+        self.settle_heartbeat();
         // What was due while a plugin was busy or away is due now; nobody has promised to be here earlier.
         let plugins = self.plugins_due().map(|due| due.max(self.now));
         self.timers.set_or_stop(Timer::Plugins, plugins);
@@ -344,7 +420,11 @@ impl Core {
             }
             Timer::Silence => self.silence(),
             Timer::Plan => self.ask_for_plan(),
-            Timer::Status => self.send_status(),
+            Timer::Status => self.beat(),
+            // What waits is looked at in `settle`.
+            Timer::Irrevocable => {}
+            // That no round trip speaks for the link any more is drawn in `settle`.
+            Timer::Heartbeat => self.remedy(),
             Timer::HoldTerm => self.end_hold("its term is over"),
             Timer::Hold => self.refresh_hold(),
             Timer::Relative => self.relative_expired(),
@@ -399,9 +479,14 @@ impl Core {
 
     /// Takes a request on, tells its plugin and the log.
     pub(crate) fn transition(&mut self, request: u64, to: RequestState) {
-        let Some(transition) = self.ledger.transition(request, to) else {
-            return;
-        };
+        if let Some(transition) = self.transition_unnoted(request, to) {
+            self.note(Note::Request(transition));
+        }
+    }
+
+    /// As [`Core::transition`], for the plugin alone: the log has a count.
+    pub(crate) fn transition_unnoted(&mut self, request: u64, to: RequestState) -> Option<Transition> {
+        let transition = self.ledger.transition(request, to)?;
         match transition.owner {
             Owner::Plugin(plugin) => {
                 let (tag, state) = (transition.tag, transition.state.clone());
@@ -410,7 +495,7 @@ impl Core {
             Owner::Driver(driver) => self.tell_driver(driver, &transition),
             Owner::Operator => {}
         }
-        self.note(Note::Request(transition));
+        Some(transition)
     }
 
     /// As [`Core::transition`], for the log alone: the plugin replaced its own request under the same tag.

@@ -3,8 +3,9 @@ use std::time::Duration;
 use backseat_spi::{Navigation, PositionQuality, VelocityAndRates};
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 
-use crate::clock::{VehicleClock, elapsed_nanos};
+use crate::clock::{Trip, VehicleClock, elapsed_nanos};
 use crate::envelope::{APART_MAX, BottomLock, bottom_lock};
+use crate::integrity::{Flaw, Integrity};
 use crate::limits::Limits;
 use crate::plugin::NavigationSample;
 use crate::switches::{Check, is_on};
@@ -16,6 +17,8 @@ const STEADY_AFTER_JUMP: Duration = Duration::from_secs(10);
 const STEADY_AFTER_CONNECT: Duration = Duration::from_millis(500);
 /// A jump is more than the vehicle can move, and this.
 const JUMP_ALLOWANCE_M: f64 = 10.0;
+/// BFNVG and BFNVR are of one sample where they were written no further apart than this.
+const OF_ONE_TIME_NANOS: u64 = 500_000_000;
 /// A bottom lock speaks of its place for this long.
 const LOCK_LASTS: Duration = Duration::from_secs(5);
 
@@ -45,8 +48,14 @@ pub(crate) struct Tracker {
     age_max: Duration,
     speed_max_mps: f64,
     clock: VehicleClock,
-    clock_is_wrong: bool,
     newest: Option<Newest>,
+    integrity: Integrity,
+    /// What the newest navigation has shown to be untrue, until that is heeded.
+    flaw: Option<Flaw>,
+    /// The solution's time of the last sample whose velocities came.
+    completed: Option<TimeOfDay>,
+    /// When the first sample came that has none since.
+    incomplete_since: Option<Timestamp>,
     lock: Option<(BottomLock, Timestamp)>,
     /// Since when it has been steady; `None` before the first sample of this connection.
     steady_since: Option<Timestamp>,
@@ -60,6 +69,10 @@ struct Newest {
     sample: NavigationSample,
     /// When it came.
     received: Timestamp,
+    /// The vehicle's clock was known, so that the solution's time is too.
+    has_age: bool,
+    /// Its velocities have come.
+    complete: bool,
     written: TimeOfDay,
     solution: TimeOfDay,
 }
@@ -71,8 +84,11 @@ impl Tracker {
             age_max: limits.navigation_age_max(),
             speed_max_mps: limits.speed_max_mps.max(3.0) + limits.current_max_mps,
             clock: VehicleClock::default(),
-            clock_is_wrong: false,
             newest: None,
+            integrity: Integrity::new(limits),
+            flaw: None,
+            completed: None,
+            incomplete_since: None,
             lock: None,
             steady_since: None,
             before: None,
@@ -84,32 +100,42 @@ impl Tracker {
     /// clock is the same. Learnt anew, a link that holds everything up from its first byte on would look like a clock
     /// that is behind.
     pub(crate) fn reset(&mut self) {
-        if core::mem::take(&mut self.clock_is_wrong) {
-            self.clock = VehicleClock::default();
-        }
-        let last = self.newest.take();
-        // The time of its solution hangs on the vehicle's clock, which may have been set.
-        self.before = last.map(|last| (last.sample.local, last.received)).or(self.before);
+        self.leave_newest();
         self.lock = None;
         self.steady_since = None;
     }
 
-    /// The vehicle's clock has been set, or we have been wrong about it: the next connection learns it anew.
-    pub(crate) fn doubt_clock(&mut self) {
-        self.clock_is_wrong = true;
+    /// The next sample is the first again, but for the place.
+    fn leave_newest(&mut self) {
+        self.forget_window();
+        self.incomplete_since = None;
+        let last = self.newest.take();
+        // The time of its solution hangs on the vehicle's clock, which may have been set.
+        self.before = last.map(|last| (last.sample.local, last.received)).or(self.before);
     }
 
-    /// Any message's timestamp tells of the clocks.
+    /// Any message's timestamp may name a leap second.
     pub(crate) fn heard(&mut self, now: Timestamp, utc: Utc, written: TimeOfDay) {
-        self.clock.observe(now, utc, written);
+        self.clock.heard(now, utc, written);
+    }
+
+    /// A round trip tells of the clocks. By how much the vehicle's was set against ours, nanoseconds, where it was: then
+    /// navigation must be steady anew (safety requirement 023).
+    pub(crate) fn measured(&mut self, trip: Trip, utc: Utc, written: TimeOfDay) -> Option<i64> {
+        let step = self.clock.measure(trip, utc, written)?;
+        if !is_on(Check::ClockStep) {
+            return None;
+        }
+        self.jumped_at = Some(trip.received);
+        // The newest solution's time is the old clock's: by the new one it may be yet to come.
+        self.leave_newest();
+        Some(step)
     }
 
     /// By how much our clock and the vehicle's differ, where the vehicle's can be believed and that is little enough for
-    /// both to tell the time.
-    pub(crate) fn clocks_apart(&self, now: Timestamp) -> Option<Duration> {
-        self.clock
-            .apart(now)
-            .filter(|apart| !self.clock_is_wrong && *apart <= APART_MAX)
+    /// both to tell the time. Ours may have been set since the start.
+    pub(crate) fn clocks_apart(&self, now: Timestamp, set_nanos: i64) -> Option<Duration> {
+        self.clock.apart(now, set_nanos).filter(|apart| *apart <= APART_MAX)
     }
 
     pub(crate) fn clock(&self) -> &VehicleClock {
@@ -119,13 +145,13 @@ impl Tracker {
     /// A BFNVG. Velocities are those of the last sample until its BFNVR comes. Returns `None` where its solution is
     /// not newer than the last one's.
     pub(crate) fn position(&mut self, now: Timestamp, utc: Utc, message: &Navigation) -> Option<Change> {
-        self.clock.observe(now, utc, message.created);
-        self.clock.observe(now, utc, message.solution);
-        let mut age = self.clock.age(now, utc, message.solution).unwrap_or(Duration::MAX);
-        if !is_on(Check::NavigationAge) {
-            age = Duration::ZERO;
-        }
-        let solution = now - age;
+        self.clock.heard(now, utc, message.created);
+        let age = if is_on(Check::NavigationAge) {
+            self.clock.age(now, utc, message.solution)
+        } else {
+            Some(Duration::ZERO)
+        };
+        let solution = now - age.unwrap_or_default();
         let local = self.frame.to_local(message.position);
         let mut jump = None;
         let mut velocity = (0.0, 0.0, 0.0, 0.0);
@@ -144,6 +170,19 @@ impl Tracker {
             jump = self.jump(place, now.since(at).as_secs_f64(), local).or(jump);
         }
         if jump.is_some() {
+            self.jumped_at = Some(now);
+            self.forget_window();
+        }
+        if self.newest.as_ref().is_none_or(|last| last.complete) {
+            self.incomplete_since = Some(now);
+        }
+        let without = self.incomplete_since.map_or(Duration::ZERO, |since| now.since(since));
+        if without > self.integrity.velocity_gap_max() && is_on(Check::VelocityPresent) {
+            let text = format!("none for {:.1} s", without.as_secs_f64());
+            self.flaw = Some(Flaw {
+                what: "navigation comes without velocities",
+                text,
+            });
             self.jumped_at = Some(now);
         }
         if self.steady_since.is_none() {
@@ -170,20 +209,52 @@ impl Tracker {
         self.newest = Some(Newest {
             sample,
             received: now,
+            has_age: age.is_some(),
+            complete: false,
             written: message.created,
             solution: message.solution,
         });
         Some(jump.map_or(Change::Follows, Change::Jumped))
     }
 
-    /// A BFNVR. True where it completes the newest BFNVG.
-    pub(crate) fn velocity(&mut self, message: &VelocityAndRates) -> bool {
+    /// A BFNVR. True where it completes the newest BFNVG. One of another time says nothing of that sample.
+    pub(crate) fn velocity(&mut self, now: Timestamp, message: &VelocityAndRates) -> bool {
         let Some(newest) = &mut self.newest else { return false };
+        let apart = message.created.nanos_since(newest.written).unsigned_abs();
+        if apart > OF_ONE_TIME_NANOS && is_on(Check::VelocityPresent) {
+            return false;
+        }
         newest.sample.east_mps = message.east_mps;
         newest.sample.north_mps = message.north_mps;
         newest.sample.down_mps = message.down_mps;
         newest.sample.yaw_rate_dps = message.yaw_rate_dps;
-        newest.written == message.created
+        if !core::mem::replace(&mut newest.complete, true) {
+            let (solution, sample) = (newest.solution, newest.sample);
+            self.complete(now, solution, &sample, message);
+        }
+        apart == 0
+    }
+
+    /// Holds a sample with its velocities against those before it.
+    fn complete(&mut self, now: Timestamp, solution: TimeOfDay, sample: &NavigationSample, message: &VelocityAndRates) {
+        self.incomplete_since = None;
+        let before = self.completed.replace(solution);
+        let elapsed_s = before.map_or(0.0, |before| elapsed_nanos(before, solution) as f64 / 1e9);
+        let flaw = self.integrity.follow(sample, message, elapsed_s);
+        if flaw.is_some() && is_on(Check::NavigationTrue) {
+            self.flaw = flaw;
+            self.jumped_at = Some(now);
+        }
+    }
+
+    /// What navigation has shown to be untrue since this was last asked (safety requirement 024).
+    pub(crate) fn take_flaw(&mut self) -> Option<Flaw> {
+        self.flaw.take()
+    }
+
+    fn forget_window(&mut self) {
+        self.integrity.forget();
+        self.completed = None;
     }
 
     /// When the newest sample was written, by the vehicle's clock.
@@ -196,10 +267,11 @@ impl Tracker {
         self.newest.as_ref().map(|newest| &newest.sample)
     }
 
-    /// The newest sample while it is fresh (safety requirement 008).
+    /// The newest sample while it is fresh (safety requirement 008): its age is known, and not over the mission's limit.
     pub(crate) fn fresh(&self, now: Timestamp) -> Option<&NavigationSample> {
-        let sample = self.newest()?;
-        (now.since(sample.solution) <= self.age_max || !is_on(Check::NavigationFresh)).then_some(sample)
+        let newest = self.newest.as_ref()?;
+        let fresh = newest.has_age && now.since(newest.sample.solution) <= self.age_max;
+        (fresh || !is_on(Check::NavigationFresh)).then_some(&newest.sample)
     }
 
     /// Navigation is stale: what comes after it must be steady again before it counts, or control would come and go
@@ -211,6 +283,7 @@ impl Tracker {
     /// The vehicle is told where it is, or what its frame is: what it says from now on is another frame's (safety
     /// requirement 021).
     pub(crate) fn frame_reset(&mut self, now: Timestamp) {
+        self.forget_window();
         self.jumped_at = Some(now);
     }
 

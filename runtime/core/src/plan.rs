@@ -1,8 +1,12 @@
+use std::collections::BTreeSet;
+
 use backseat_spi::{BehaviorId, PlanElement, PlanElementKind};
 use backseat_units::{EastNorth, LocalFrame, Timestamp};
 
 /// How many points a plan may have before it is taken for nonsense.
 const POINTS_MAX: usize = 10_000;
+/// So many numbers are remembered that the plan does not have.
+const LACKS_MAX: usize = 64;
 
 /// One behaviour of the vehicle's plan, from a series of BFPLN with one number (SPI 6.20).
 #[derive(Clone, Debug, PartialEq)]
@@ -67,33 +71,25 @@ pub(crate) struct Plan {
     /// What the first message of the series was of, and its index.
     first: Option<(Option<u32>, Option<BehaviorId>, u32)>,
     complete: bool,
+    /// Numbers of behaviours that were flown when a whole series came which did not have them: the vehicle does not tell of
+    /// them, and its plan is no worse for that.
+    lacks: BTreeSet<u32>,
     current: Option<u32>,
     /// It has ended, and nothing has begun since.
     between: bool,
     /// Another may have begun since.
     unheard: bool,
-    /// How often what is known of it has changed.
-    revision: u64,
 }
 
 impl Plan {
     /// Nothing is known.
     pub(crate) fn forget(&mut self) {
-        *self = Self {
-            revision: self.revision + 1,
-            ..Self::default()
-        };
-    }
-
-    /// Another number for each thing that was known of it: what was judged with one holds for no other.
-    pub(crate) const fn revision(&self) -> u64 {
-        self.revision
+        *self = Self::default();
     }
 
     /// The plan no longer holds, but where the vehicle is in it does.
     pub(crate) fn invalidate(&mut self) {
         self.complete = false;
-        self.revision += 1;
     }
 
     /// BPRMP has been sent: what comes now is a new plan. So much had been lost on the link until then.
@@ -162,7 +158,11 @@ impl Plan {
         };
         self.elements = elements;
         self.complete = true;
-        self.revision += 1;
+        if let Some(number) = self.current.filter(|number| !self.names(*number))
+            && self.lacks.len() < LACKS_MAX
+        {
+            self.lacks.insert(number);
+        }
         true
     }
 
@@ -179,34 +179,29 @@ impl Plan {
         self.collecting.is_some()
     }
 
-    /// A planned behaviour has begun. False where the plan does not have it, so that it is not the current plan.
+    /// A planned behaviour has begun. False where the plan does not have it and was told before it was flown, so that it
+    /// may not be the current plan.
     pub(crate) fn began(&mut self, number: u32) -> bool {
         self.current = Some(number);
         (self.between, self.unheard) = (false, false);
-        self.revision += 1;
-        !self.complete || self.names(number)
+        !self.complete || self.names(number) || self.lacks.contains(&number)
     }
 
     /// A planned behaviour has ended: until something begins it is not known which is flown.
     pub(crate) fn finished(&mut self, number: u32) {
         if self.current == Some(number) {
             self.between = true;
-            self.revision += 1;
         }
     }
 
     /// Something was not heard: which planned behaviour is flown is not known until one begins.
     pub(crate) fn lose(&mut self) {
-        if !core::mem::replace(&mut self.unheard, true) {
-            self.revision += 1;
-        }
+        self.unheard = true;
     }
 
     /// An insert has begun: what has ended before it is what it was inserted after, and may have been left for it.
     pub(crate) fn left_for_insert(&mut self) {
-        if core::mem::take(&mut self.between) {
-            self.revision += 1;
-        }
+        self.between = false;
     }
 
     /// The planned behaviour that is flown, or was when an insert began, where the plan has it.
@@ -233,7 +228,6 @@ impl Plan {
     /// An insert is over: the vehicle will not fly it again.
     pub(crate) fn ended(&mut self, identifier: BehaviorId) {
         self.elements.retain(|element| element.identifier != Some(identifier));
-        self.revision += 1;
     }
 
     /// The front seat's own elements.

@@ -1,12 +1,16 @@
 //! What the vehicle says (SPI 5 and 6).
 
+use std::time::Duration;
+
 use backseat_spi::{
     BehaviorBegin, BehaviorEnd, BehaviorId, Ctd, DecodeError, FromVehicle, MissionCommand, MissionStatus, Navigation,
     VelocityAndRates,
 };
 use backseat_units::TimeOfDay;
 
+use crate::dive::NamedBy;
 use crate::expected::Compared;
+use crate::integrity::Flaw;
 use crate::io::{Note, Operator};
 use crate::machine::{CLOSE_AFTER_SHUTDOWN, Core};
 use crate::navigation::Change;
@@ -16,6 +20,9 @@ use crate::plugin::{Behavior, CtdSample, Event, PluginId, RequestState, Topic};
 use crate::settings::ControlHook;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
+
+/// A flaw of navigation that stays is told so often.
+const FLAW_TOLD_EVERY: Duration = Duration::from_secs(10);
 
 impl Core {
     pub(crate) fn receive(&mut self, bytes: &[u8]) {
@@ -27,6 +34,8 @@ impl Core {
         self.framer.push(bytes);
         while let Some(sentence) = self.framer.next_sentence() {
             let is_of_plan = sentence.name() == "BFPLN";
+            // What cannot be read and has another beginning in it may have swallowed a sentence.
+            let swallowed = sentence.raw().rfind('$').is_some_and(|at| at > 0);
             let decoded = FromVehicle::decode(&sentence);
             self.mind_what_is_lost(&mut lost);
             match decoded {
@@ -34,6 +43,9 @@ impl Core {
                 Err(error) => {
                     if is_of_plan {
                         self.plan.unreadable();
+                    }
+                    if swallowed {
+                        self.mind_loss();
                     }
                     self.doubt_control(error.message);
                     self.malformed(&error);
@@ -57,11 +69,15 @@ impl Core {
     fn mind_what_is_lost(&mut self, before: &mut u64) {
         let lost = self.framer.counts().lost();
         if core::mem::replace(before, lost) != lost {
-            self.plan.lose();
-            self.courses.lose();
-            self.former.lose();
-            self.orders.lose();
+            self.mind_loss();
         }
+    }
+
+    fn mind_loss(&mut self) {
+        self.plan.lose();
+        self.courses.lose();
+        self.former.lose();
+        self.orders.lose();
     }
 
     fn malformed(&mut self, error: &DecodeError) {
@@ -116,10 +132,9 @@ impl Core {
             }
             FromVehicle::VehicleVersion(message) => {
                 self.heard(message.created);
-                self.note(Note::VehicleVersion {
+                self.note_of_vehicle(Note::VehicleVersion {
                     version: message.version.as_str().to_owned(),
                 });
-                self.tell_of_clock(message.created);
             }
             FromVehicle::LoggingBegin(message) => {
                 self.heard(message.created);
@@ -170,19 +185,41 @@ impl Core {
         };
         if let Some(jump) = jump {
             // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
-            self.note(Note::Navigation {
+            self.note_of_vehicle(Note::Navigation {
                 text: format!("navigation jumped by {:.1} m", jump.metres),
             });
             self.end_lease("navigation jumped");
         }
+        self.heed_flaw();
         self.course_navigated(jump);
         self.unjudged = true;
         self.watch_place();
     }
 
+    /// Safety requirement 024: what cannot be true steers nothing.
+    fn heed_flaw(&mut self) {
+        let Some(Flaw { what, text }) = self.tracker.take_flaw() else {
+            return;
+        };
+        if self
+            .flaw_told
+            .is_none_or(|(told, at)| told != what || self.now.since(at) >= FLAW_TOLD_EVERY)
+        {
+            self.flaw_told = Some((what, self.now));
+            self.note_of_vehicle(Note::Navigation {
+                text: format!("{what}: {text}"),
+            });
+        }
+        self.end_lease(what);
+        self.end_hold(what);
+        self.judge_waiting();
+    }
+
     fn velocity(&mut self, message: &VelocityAndRates) {
         self.unjudged = true;
-        if self.tracker.velocity(message) {
+        let completes = self.tracker.velocity(self.now, message);
+        self.heed_flaw();
+        if completes {
             self.follow_navigation();
             // Control may have come with this navigation, and plugins are to know.
             self.settle_control();
@@ -202,8 +239,9 @@ impl Core {
 
     fn mission_status(&mut self, message: &MissionStatus) {
         self.heard(message.created);
+        self.dive_named(NamedBy::Status, &message.dive_file);
         let running = message.is_running();
-        self.note(Note::Mission {
+        self.note_of_vehicle(Note::Mission {
             status: message.status.as_str().trim().to_owned(),
         });
         if self.running != Some(running) {
@@ -212,7 +250,7 @@ impl Core {
                 self.plan.forget();
                 self.compared = Compared::default();
                 self.commands.forget_plan();
-                self.ask_for_plan();
+                self.want_plan();
             } else if is_on(Check::MissionRuns) && is_on(Check::ControlLossEndsLease) {
                 self.end_lease("the mission is not running");
             }
@@ -232,6 +270,8 @@ impl Core {
     }
 
     fn behavior_began(&mut self, message: BehaviorBegin) {
+        // First, for what has begun is of the dive that it names.
+        self.dive_named(NamedBy::Behavior, &message.dive_file);
         // One of neither number nor identifier (an adjustment) comes beside what is flown and says nothing of it.
         let is_flown = message.number.is_some() || message.identifier.is_some();
         if is_flown {
@@ -244,7 +284,7 @@ impl Core {
             self.course_began(message.number, message.identifier);
         }
         self.heard(message.created);
-        self.note(Note::Behavior {
+        self.note_of_vehicle(Note::Behavior {
             began: true,
             number: message.number,
             identifier: message.identifier.map(|identifier| identifier.get()),
@@ -274,13 +314,13 @@ impl Core {
                     self.transition(request, RequestState::Started);
                 } else if !self.plan.has(identifier) {
                     // Another payload's that came after the plan was asked for, perhaps.
-                    self.ask_for_plan();
+                    self.want_plan();
                 }
             }
             (None, Some(number)) => {
                 if !self.plan.began(number) {
                     self.plan.invalidate();
-                    self.ask_for_plan();
+                    self.want_plan();
                 }
                 // An insert without the vehicle's word is not flown, and where it does not wait either it is over.
                 self.ledger
@@ -295,7 +335,7 @@ impl Core {
 
     fn behavior_ended(&mut self, message: BehaviorEnd) {
         self.heard(message.created);
-        self.note(Note::Behavior {
+        self.note_of_vehicle(Note::Behavior {
             began: false,
             number: message.number,
             identifier: message.identifier.map(|identifier| identifier.get()),
@@ -392,7 +432,7 @@ impl Core {
             }
             self.settle_control();
         }
-        self.note(Note::Text {
+        self.note_of_vehicle(Note::Text {
             text: format!("mission command: {text}"),
         });
         self.carry_out(|when| matches!(when, Condition::MissionCommand(command) if command.trim() == text.trim()));

@@ -225,7 +225,7 @@ impl Core {
         if self.whereabouts.good.is_some_and(|good| good.covers(navigation)) {
             return Ok(());
         }
-        let utc = self.utc();
+        let utc = self.zone_utc(self.now);
         self.whereabouts.good = None;
         self.whereabouts.good = self.envelope.judge_place(navigation, utc)?;
         Ok(())
@@ -283,7 +283,7 @@ impl Core {
         if !excursion.confirmed {
             return self.forget_excursion();
         }
-        let (utc, room_m) = (self.utc(), self.settings.recovery.back_by_m);
+        let (utc, room_m) = (self.zone_utc(self.now), self.settings.recovery.back_by_m);
         let well = self.envelope.is_well_inside(navigation, room_m, utc);
         let now = self.now;
         let back_for = seconds(self.settings.recovery.back_for_s);

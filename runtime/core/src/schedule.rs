@@ -4,6 +4,8 @@
 //! can be told. What delays it beyond that, a lease under which the planned leg grows longer, an insert that interrupts,
 //! is met here: one that has not begun by then is judged by the new time, and called back where that does not hold.
 
+use std::time::Duration;
+
 use backseat_fence::Span;
 use backseat_units::Timestamp;
 use backseat_units::math::hypot;
@@ -32,9 +34,14 @@ impl Core {
     /// What is known of the time.
     pub(crate) fn clocks(&self) -> Clocks {
         Clocks {
-            utc: self.utc(),
-            apart: self.tracker.clocks_apart(self.now),
+            utc: self.zone_utc(self.now),
+            apart: self.clocks_apart(),
         }
+    }
+
+    /// By how much our clock and the vehicle's differ, where that is little enough for both to tell the time.
+    fn clocks_apart(&self) -> Option<Duration> {
+        self.tracker.clocks_apart(self.now, self.utc_set_nanos)
     }
 
     /// How long what may be flown before a new insert takes at most, seconds; infinite where nobody can say.
@@ -164,10 +171,10 @@ impl Core {
 
     /// Whether a zone opens or closes between two times, by our clock or the vehicle's.
     fn changes_between(&self, from: Timestamp, until: Timestamp) -> bool {
-        let apart = self.tracker.clocks_apart(self.now).unwrap_or(APART_MAX);
+        let apart = self.clocks_apart().unwrap_or(APART_MAX);
         self.envelope.fence().changes_within(Span {
-            from: self.stamper.utc(from - apart),
-            until: self.stamper.utc(until + apart),
+            from: self.zone_utc(from - apart),
+            until: self.zone_utc(until + apart),
         })
     }
 

@@ -2,12 +2,15 @@
 
 use std::time::Duration;
 
-use backseat_spi::{CommandName, LoggingControl, PayloadStatus, PayloadVersion, RequestPlan, Text, ToVehicle};
+use backseat_spi::{
+    Acknowledgement, CommandName, LoggingControl, PayloadStatus, PayloadVersion, RequestPlan, Text, ToVehicle,
+};
 use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
 use crate::conductor::Slot;
 use crate::expected::Compared;
+use crate::heartbeat::{BEAT_EVERY, Remedy};
 use crate::io::{Note, Output};
 use crate::machine::Core;
 use crate::plugin::RequestState;
@@ -23,11 +26,12 @@ const VERSION: &str = "1.12";
 const SILENT: Duration = Duration::from_secs(5);
 /// Nothing for this many times in a row, and the connection is reset.
 const SILENCES_MAX: u32 = 3;
-/// Navigation comes, and all of it is old: after this long the clocks are learnt anew on a new connection. The vehicle's
-/// clock has been set back, by a leap second or a GPS fix, or what we read has been held up ever since.
-const OLD_FOR: Duration = Duration::from_secs(30);
 const PLAN_RETRY: Duration = Duration::from_secs(5);
-const STATUS_EVERY: Duration = Duration::from_secs(10);
+/// So often a minute the vehicle's words have its plan asked for at once, and past that after a pause.
+const PLAN_ASKS_PER_MIN: u32 = 6;
+const PLAN_ASKED_ANEW: Duration = Duration::from_secs(10);
+/// What was not told of control when it changed too often is told so often.
+const CATCH_UP_EVERY: Duration = Duration::from_secs(10);
 const RETRY_MIN_S: f64 = 0.5;
 /// The longest pause between two attempts to connect, chance included.
 const RETRY_MAX_S: f64 = 10.0;
@@ -61,8 +65,8 @@ pub(crate) struct Session {
     /// Acknowledgements have been subscribed on this connection.
     acknowledged: bool,
     malformed: u64,
-    /// Since when navigation has come and been old.
-    old_since: Option<Timestamp>,
+    /// That nothing is acknowledged has been told on this connection.
+    unheard_told: bool,
     /// The vehicle's clock as it was last told of on this connection, and when.
     clock_told: Option<(i64, Timestamp)>,
     control_notes: ControlNotes,
@@ -75,6 +79,8 @@ struct ControlNotes {
     /// When one more was let through last.
     refilled: Timestamp,
     untold: u64,
+    /// When that was last looked at.
+    caught_up: Timestamp,
     /// What was last told.
     told: bool,
 }
@@ -93,12 +99,13 @@ impl Session {
             acknowledged: false,
             subscriptions,
             malformed: 0,
-            old_since: None,
+            unheard_told: false,
             clock_told: None,
             control_notes: ControlNotes {
                 left: CONTROL_NOTES,
                 refilled: Timestamp::ZERO,
                 untold: 0,
+                caught_up: Timestamp::ZERO,
                 told: false,
             },
         }
@@ -109,7 +116,7 @@ impl Session {
         self.up = true;
         self.silences = 0;
         self.malformed = 0;
-        self.old_since = None;
+        self.unheard_told = false;
         self.clock_told = None;
         self.acknowledged = false;
         self.doubt_subscriptions();
@@ -181,6 +188,7 @@ impl Core {
         self.handed_over = None;
         self.running = None;
         self.session.begin();
+        self.heartbeat.begin(self.now);
         self.session.reads.begin(self.now);
         self.note(Note::LinkUp);
         let created = self.stamper.stamp(self.now, "VER");
@@ -200,7 +208,7 @@ impl Core {
             self.cancel_former();
         }
         self.timers.set(Timer::Silence, self.now + SILENT);
-        self.timers.set(Timer::Status, self.now + STATUS_EVERY);
+        self.beat();
     }
 
     pub(crate) fn link_down(&mut self) {
@@ -241,7 +249,7 @@ impl Core {
             };
             self.transition(request, to);
         }
-        for timer in [Timer::Silence, Timer::Plan, Timer::Status] {
+        for timer in [Timer::Silence, Timer::Plan, Timer::Status, Timer::Heartbeat] {
             self.timers.stop(timer);
         }
         if self.stopping {
@@ -343,6 +351,16 @@ impl Core {
         }
     }
 
+    /// What the vehicle says makes its plan worth asking for. It may say so a hundred times a second: then it is asked for
+    /// now and then.
+    pub(crate) fn want_plan(&mut self) {
+        if self.plan_asks.has_room(self.now, PLAN_ASKS_PER_MIN) {
+            self.plan_asks.add(self.now);
+            return self.ask_for_plan();
+        }
+        self.timers.set_unless_set(Timer::Plan, self.now + PLAN_ASKED_ANEW);
+    }
+
     fn begin_plan(&mut self) {
         self.plan.begin(self.framer.counts().lost());
     }
@@ -356,6 +374,7 @@ impl Core {
                     self.note(Note::Plan {
                         elements: self.plan.len(),
                     });
+                    self.dive_planned();
                     if self.compare_plan() {
                         // Once more, for the day when two answers came mixed.
                         self.timers.set(Timer::Plan, self.now + PLAN_RETRY);
@@ -386,28 +405,19 @@ impl Core {
         self.timers.set(Timer::Silence, self.now + SILENT);
         self.watch_clock();
         self.watch_schedules();
-        if self.tracker.fresh(self.now).is_some() && self.tracker.steady(self.now) {
-            self.session.old_since = None;
-            return;
-        }
-        let since = *self.session.old_since.get_or_insert(self.now);
-        if self.now.since(since) >= OLD_FOR {
-            self.session.old_since = None;
-            let text = "navigation has come old for 30 s: the connection is reset and the clocks are learnt anew";
-            self.note(Note::Text { text: text.to_owned() });
-            self.tracker.doubt_clock();
-            self.outputs.push_back(Output::ResetLink);
-        }
     }
 
-    /// Tells of the vehicle's clock where it has moved against ours since it was last told on this connection.
+    /// Tells of the vehicle's clock where it has moved against ours since it was last told on this connection, which the
+    /// first round trip does.
     fn watch_clock(&mut self) {
         let Some(offset) = self.tracker.clock().offset_nanos(self.now) else {
             return;
         };
-        if let Some((told, at)) = self.session.clock_told
-            && (offset.abs_diff(told) < CLOCK_STEP_NANOS.unsigned_abs() || self.now.since(at) < CLOCK_NOTE_EVERY)
-        {
+        let told = self.session.clock_told;
+        let moved = told.is_some_and(|(told, at)| {
+            offset.abs_diff(told) >= CLOCK_STEP_NANOS.unsigned_abs() && self.now.since(at) >= CLOCK_NOTE_EVERY
+        });
+        if !moved {
             return;
         }
         if let Some(written) = self.tracker.written() {
@@ -416,8 +426,10 @@ impl Core {
     }
 
     /// Tells of the vehicle's clock, which has just said `written`.
-    pub(crate) fn tell_of_clock(&mut self, written: TimeOfDay) {
-        let offset = self.tracker.clock().offset_nanos(self.now).unwrap_or(0);
+    fn tell_of_clock(&mut self, written: TimeOfDay) {
+        let Some(offset) = self.tracker.clock().offset_nanos(self.now) else {
+            return;
+        };
         self.session.clock_told = Some((offset, self.now));
         self.note(Note::Clock {
             offset_s: offset as f64 / 1e9,
@@ -451,6 +463,10 @@ impl Core {
     fn catch_up_on_control(&mut self) {
         let granted = self.granted;
         let notes = &mut self.session.control_notes;
+        if self.now.since(notes.caught_up) < CATCH_UP_EVERY {
+            return;
+        }
+        notes.caught_up = self.now;
         let untold = std::mem::take(&mut notes.untold);
         if untold == 0 {
             return;
@@ -485,8 +501,18 @@ impl Core {
         self.timers.set(Timer::Silence, self.now + SILENT);
     }
 
-    pub(crate) fn send_status(&mut self) {
+    /// The second's BPSTS (SPI 7.2), and what carries the beat beside it where the vehicle does not answer that.
+    pub(crate) fn beat(&mut self) {
         self.catch_up_on_control();
+        self.tell_what_was_counted();
+        if self.heartbeat.needs_log(self.now) {
+            self.subscribe_acknowledgements(Purpose::Beat);
+        }
+        self.send_status();
+        self.timers.set(Timer::Status, self.now + BEAT_EVERY);
+    }
+
+    fn send_status(&mut self) {
         let failed = self
             .settings
             .status_failed_when
@@ -508,7 +534,92 @@ impl Core {
         };
         let command = self.courtesy("STS", Some(created));
         self.transmit(&ToVehicle::PayloadStatus(status), Some(command));
-        self.timers.set(Timer::Status, self.now + STATUS_EVERY);
+    }
+
+    fn subscribe_acknowledgements(&mut self, purpose: Purpose) {
+        let message = ToVehicle::LoggingControl(LoggingControl {
+            message: Text::cleaned(ACKNOWLEDGEMENTS),
+            on: true,
+        });
+        let command = Command {
+            purpose,
+            ..self.courtesy("LOG", None)
+        };
+        self.transmit(&message, Some(command));
+    }
+
+    /// An acknowledgement may end a round trip.
+    pub(crate) fn round_trip(&mut self, ack: &Acknowledgement) {
+        let Some(heard) = self.heartbeat.acknowledged(self.now, ack) else {
+            return;
+        };
+        let utc = self.utc();
+        if let Some(step) = self.tracker.measured(heard.trip, utc, ack.created) {
+            let text = format!("the vehicle's clock was set by {:+.3} s", -(step as f64) / 1e9);
+            self.note(Note::Navigation { text });
+            self.end_lease("the vehicle's clock was set");
+            self.end_hold("the vehicle's clock was set");
+        }
+        if heard.good {
+            self.session.unheard_told = false;
+            if self.session.clock_told.is_none() {
+                self.tell_of_clock(ack.created);
+            }
+        }
+    }
+
+    /// Why the vehicle does not hear us; `None` where it does (safety requirement 023).
+    pub(crate) fn unheard(&self) -> Option<&'static str> {
+        if self.heartbeat.is_heard(self.now) || !is_on(Check::Heard) {
+            None
+        } else if self.heartbeat.has_answered() {
+            Some("the vehicle does not answer in time")
+        } else {
+            Some("the vehicle has not answered yet")
+        }
+    }
+
+    /// What is done where the vehicle is not heard to answer. The lease has ended by then, and its BPEMB is on its way.
+    pub(crate) fn remedy(&mut self) {
+        match self.heartbeat.remedy(self.now) {
+            None => {}
+            Some(Remedy::Subscribe) => {
+                self.subscribe_acknowledgements(Purpose::Beat);
+                self.tell_that_unheard();
+            }
+            Some(Remedy::Reset) => {
+                let text = "the vehicle has not answered in time for 30 s: the connection is reset";
+                self.note(Note::Text { text: text.to_owned() });
+                self.outputs.push_back(Output::ResetLink);
+            }
+        }
+    }
+
+    /// Told once for each time that the answers stay away: it may be the vehicle's habit, and then it is never steered.
+    fn tell_that_unheard(&mut self) {
+        if self.heartbeat.remedies() < 3 || core::mem::replace(&mut self.session.unheard_told, true) {
+            return;
+        }
+        let text = match self.heartbeat.newest() {
+            None => "the vehicle acknowledges nothing on this connection: it is not steered".to_owned(),
+            Some(trip) => format!(
+                "the vehicle does not answer within {} s, the last time after {:.1} s: it is not steered",
+                self.envelope.limits().link_delay_max_s,
+                trip.lasted().as_secs_f64()
+            ),
+        };
+        self.note(Note::Text { text });
+    }
+
+    pub(crate) fn settle_heartbeat(&mut self) {
+        if !self.timers.is_set(Timer::Status) {
+            // There is no link, or the logs are closed.
+            return;
+        }
+        let lapses = self.heartbeat.lapses_at().filter(|at| *at > self.now);
+        let remedy = self.heartbeat.remedy_at();
+        self.timers
+            .set(Timer::Heartbeat, lapses.map_or(remedy, |lapses| lapses.min(remedy)));
     }
 
     /// A command whose answer is taken note of and no more.

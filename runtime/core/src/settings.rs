@@ -43,6 +43,10 @@ pub struct Settings {
     /// The mission command with which the operator releases. Without it no text does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub release_text: Option<String>,
+    /// Whether the vehicle reads the entry angle of a BPRTC: the table of SPI 7.6 has it, the header has not. `None` where
+    /// that is not known: the mission's `[vehicle]` table.
+    #[serde(skip)]
+    pub trackcircle_entry_angle: Option<bool>,
     /// What is done where the vehicle is outside the fence after all: the mission's `[recovery]` table.
     #[serde(skip)]
     pub recovery: Recovery,

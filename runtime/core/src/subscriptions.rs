@@ -39,6 +39,7 @@ const fn of_grant(grant: Grant) -> &'static [&'static str] {
     match grant {
         Grant::Modify
         | Grant::Insert
+        | Grant::Interrupt
         | Grant::Message
         | Grant::Surface
         | Grant::Topside

@@ -21,10 +21,14 @@ pub(crate) enum Timer {
     Relative,
     /// Navigation has not come since the link came up or since it stopped.
     Silence,
+    /// What cannot be taken back has waited for an answer of the vehicle for long enough.
+    Irrevocable,
     /// The plan is due to be asked for.
     Plan,
-    /// BPSTS is due.
+    /// BPSTS is due, and with it the beat.
     Status,
+    /// The newest round trip speaks no longer for the link, or something is due against that.
+    Heartbeat,
     /// Silent mode has lapsed by itself.
     Silent,
     /// A trim or buoyancy adjustment has taken too long.
@@ -46,7 +50,7 @@ pub(crate) enum Timer {
 }
 
 impl Timer {
-    const ALL: [Self; 20] = [
+    const ALL: [Self; 22] = [
         Self::Shutdown,
         Self::Term,
         Self::HoldTerm,
@@ -56,8 +60,10 @@ impl Timer {
         Self::Navigation,
         Self::Relative,
         Self::Silence,
+        Self::Irrevocable,
         Self::Plan,
         Self::Status,
+        Self::Heartbeat,
         Self::Silent,
         Self::Adjustment,
         Self::Acoustic,
@@ -81,12 +87,20 @@ impl Timers {
         self.at[timer as usize] = Some(at);
     }
 
+    pub(crate) fn set_unless_set(&mut self, timer: Timer, at: Timestamp) {
+        self.at[timer as usize].get_or_insert(at);
+    }
+
     pub(crate) fn set_or_stop(&mut self, timer: Timer, at: Option<Timestamp>) {
         self.at[timer as usize] = at;
     }
 
     pub(crate) fn stop(&mut self, timer: Timer) {
         self.at[timer as usize] = None;
+    }
+
+    pub(crate) fn is_set(&self, timer: Timer) -> bool {
+        self.at[timer as usize].is_some()
     }
 
     pub(crate) fn stop_all(&mut self) {

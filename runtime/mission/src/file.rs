@@ -65,17 +65,27 @@ pub struct MissionFile {
 pub struct VehicleTable {
     /// The main vehicle computer's address (SPI 4.1).
     pub address: String,
+    /// What the vehicle is called: letters, digits, `.`, `_` and `-`, 64 at most. What outlives a run is kept under it (its
+    /// identifiers, the operator's hold), so that no other mission of the same vehicle uses an identifier twice.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// Which hull it is: `9-inch`, `12-inch`, `21-inch` or `hovering`. What it can do is held against the limits and the
     /// plan before a dive; where absent, that of `world.toml` is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub class: Option<HullClass>,
+    /// Whether it reads the entry angle of a trackcircle (BPRTC): SPI 7.6 has it in the table and not in the header. Where
+    /// absent, circles are requested only so that both read them alike: without an entry angle, and after what is flown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trackcircle_entry_angle: Option<bool>,
 }
 
 impl Default for VehicleTable {
     fn default() -> Self {
         Self {
             address: "127.0.0.1:29500".to_owned(),
+            name: None,
             class: None,
+            trackcircle_entry_angle: None,
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::component::find_component;
 use crate::drivers::{DriverTable, check_drivers};
 use crate::error::MissionError;
 use crate::fence;
-use crate::file::{MissionFile, PluginTable};
+use crate::file::{MissionFile, PluginTable, VehicleTable};
 use crate::grid::read_grid;
 use crate::plan::{self, FrontSeatPlan};
 
@@ -51,6 +51,16 @@ pub struct Mission {
     pub resolved: String,
 }
 
+impl MissionFile {
+    /// A mission's file alone, as the log of a run has it attached: without what else the mission's folder holds.
+    ///
+    /// # Errors
+    /// [`MissionError::Toml`] with the line of `name`.
+    pub fn from_toml(name: &str, text: &str) -> Result<Self, MissionError> {
+        toml::from_str(text).map_err(|error| toml_error(Path::new(name), text, &error))
+    }
+}
+
 impl Mission {
     /// Reads a mission's folder.
     ///
@@ -77,6 +87,7 @@ impl Mission {
             .map_err(|error| value(&path, format!("recovery.{error}")))?;
         file.session.recovery.clone_from(&file.recovery);
         check_texts(&path, &file.session)?;
+        check_vehicle(&path, &file.vehicle)?;
         check_plugins(&path, &file.plugins)?;
         check_policies(&path, &file.policies)?;
         check_holds(&path, &file.session, &file.policies)?;
@@ -95,6 +106,7 @@ impl Mission {
             Some(table) => Some(plan::load(folder, table, file.vehicle.class, world.as_ref())?),
             None => None,
         };
+        file.session.trackcircle_entry_angle = file.vehicle.trackcircle_entry_angle;
         file.session.expected_plan = plan.as_ref().map(FrontSeatPlan::expected);
         let grid = match world.as_ref().and_then(|world| world.seabed.grid.as_ref()) {
             Some(path) => Some(read_grid(&folder.join(path))?),
@@ -260,6 +272,16 @@ fn check_texts(path: &Path, session: &Settings) -> Result<(), MissionError> {
 }
 
 /// What holds does not release too.
+fn check_vehicle(path: &Path, vehicle: &VehicleTable) -> Result<(), MissionError> {
+    let Some(name) = &vehicle.name else { return Ok(()) };
+    let plain = |character: char| character.is_ascii_alphanumeric() || matches!(character, '.' | '_' | '-');
+    if (1..=64).contains(&name.len()) && name.chars().all(plain) && !name.starts_with('.') {
+        return Ok(());
+    }
+    let expected = "1 to 64 letters, digits, '.', '_' and '-', and no '.' first";
+    Err(value(path, format!("vehicle.name is {name:?}: expected {expected}")))
+}
+
 fn check_holds(path: &Path, session: &Settings, policies: &[Policy]) -> Result<(), MissionError> {
     let texts = [
         ("session.hold_text", &session.hold_text, Order::Hold),

@@ -1,4 +1,4 @@
-use backseat_spi::{AckStatus, Acknowledgement, BehaviorId, CommandName, Text};
+use backseat_spi::{AckStatus, Acknowledgement, BehaviorId, CommandName, EchoedTime, Text};
 use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::event::{ClientId, MvcEventKind};
@@ -8,6 +8,9 @@ use crate::server::Topic;
 
 /// The longest text of an answer, characters: what a client sends is quoted, not sent back whole.
 const TEXT_MAX: usize = 160;
+
+/// Commands whose own section speaks of their acknowledgement (SPI 7.1, 7.3, 7.5, 7.6, 7.8, 7.19, 7.22 to 7.24).
+const OF_THEIR_SECTIONS: [&str; 9] = ["LOG", "TOP", "RTK", "RTC", "RCN", "RMP", "SIL", "TRM", "BOY"];
 
 /// What an acknowledgement is about.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +51,12 @@ impl Mvc {
         if re.muted || !self.server.has(re.client, Topic::Acknowledgement) {
             return;
         }
+        let interpretation = self.interpretation;
+        let spoken_of = OF_THEIR_SECTIONS.contains(&re.command.as_str()) || status == AckStatus::Invalid;
+        if interpretation.acknowledges_sections && !spoken_of {
+            return;
+        }
+        let decimals = interpretation.echo_decimals;
         let verdict = self.faults.verdict(re.command, status);
         let (status, delay) = match verdict {
             Verdict::Says(status) => (status, None),
@@ -57,7 +66,7 @@ impl Mvc {
         let message = Acknowledgement {
             created: self.stamp(now),
             command: re.command,
-            command_created: re.created,
+            command_created: EchoedTime::with_decimals(re.created, decimals),
             // 0 is none on the wire.
             behavior: re.behavior.filter(|id| id.get() != 0),
             status,

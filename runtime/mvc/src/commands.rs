@@ -76,7 +76,13 @@ impl Mvc {
                 );
             }
             ToVehicle::Trackcircle(request) => {
-                let insert = Insert::trackcircle(client, &request, self.frame(), self.vehicle.hull());
+                let insert = Insert::trackcircle(
+                    client,
+                    &request,
+                    self.interpretation.trackcircle_layout,
+                    self.frame(),
+                    self.vehicle.hull(),
+                );
                 self.insert(
                     now,
                     Regarding {

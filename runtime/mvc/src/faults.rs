@@ -8,7 +8,8 @@ mod text;
 
 pub(crate) use active::{Faults, Verdict, ack_identifier};
 pub use plan::{
-    AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, Whom,
+    AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, Untrue,
+    Whom,
 };
 
 /// A fault of the run begins or ends: a line of the vehicle's log.

@@ -31,8 +31,9 @@ pub use expect::{ContourExpectation, Expectations, MaximumExpectation};
 pub use faults::{DirectionName, FaultEntry, FaultFile, FaultName, SensorName, StageName};
 pub use hovering::{HoveringConfig, ShipConfig, ShipSide};
 pub use interpretation::{
-    AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame, HullVertical,
-    InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyFins, UnackedFrames,
+    Acknowledged, AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame,
+    HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyFins,
+    TrackcircleLayout, UnackedFrames,
 };
 pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
 pub use mission_command::MissionCommandConfig;

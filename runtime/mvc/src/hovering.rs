@@ -31,6 +31,8 @@ const ARRIVED_M: f64 = 0.15;
 /// The DVL looks at the hull, or at the bottom: degrees above the horizontal.
 const DVL_TO_HULL_DEG: f64 = 0.0;
 const DVL_TO_BOTTOM_DEG: f64 = -90.0;
+/// Turned further up than this the DVL ranges the ship and not the bottom.
+const RANGES_ABOVE_DEG: f64 = -45.0;
 
 /// What only hovering vehicles have (SPI 6.17 to 6.19, 8); nothing in other vehicles.
 #[derive(Debug)]
@@ -139,12 +141,13 @@ impl Hovering {
 }
 
 impl Inspector {
-    fn hold(&mut self, vehicle: &Vehicle) {
+    /// Holds the place where it is, as deep as it believes to be.
+    fn hold(&mut self, vehicle: &Vehicle, depth_m: f64) {
         let (x_m, y_m) = self.relative.believed();
         self.goal = Goal::Hold {
             x_m,
             y_m,
-            depth_m: vehicle.depth_m,
+            depth_m,
             bearing_deg: self.relative.bearing_deg(vehicle),
         };
         self.arrived = true;
@@ -157,11 +160,23 @@ impl Inspector {
         }
         self.arrived = false;
         self.goal = goal;
-        self.dvl.turn_to(match goal {
-            Goal::Hull { .. } => DVL_TO_HULL_DEG,
-            Goal::Hold { .. } | Goal::Bottom { .. } => DVL_TO_BOTTOM_DEG,
-        });
         true
+    }
+
+    /// One step of sonar and DVL. The log faces the ship while a payload holds the vehicle by it, and else the bottom.
+    fn turn_devices(&mut self, suspended: bool) {
+        self.dvl.turn_to(match self.goal {
+            Goal::Hull { .. } if suspended => DVL_TO_HULL_DEG,
+            Goal::Hull { .. } | Goal::Hold { .. } | Goal::Bottom { .. } => DVL_TO_BOTTOM_DEG,
+        });
+        self.sonar.step(self.servo_step_deg);
+        self.dvl.step(self.servo_step_deg);
+    }
+
+    /// The range to the ship is measured along the log's axis.
+    fn distance_m(&self, vehicle: &Vehicle) -> f64 {
+        let turned_to_it = self.dvl.at_deg() > RANGES_ABOVE_DEG;
+        self.relative.distance_m(vehicle, turned_to_it)
     }
 
     /// BPRNS moves coordinates, and not a vehicle that holds its place.
@@ -203,7 +218,7 @@ impl Inspector {
                 depth_m,
                 distance_m,
             } => (
-                self.relative.distance_m(vehicle) - distance_m,
+                self.distance_m(vehicle) - distance_m,
                 horizontal_m - y_m,
                 Vertical::Depth(depth_m),
                 0.0,
@@ -225,15 +240,15 @@ impl Inspector {
         }
     }
 
-    /// Whether the vehicle has come to where it was sent with this step.
-    fn arrives(&mut self, vehicle: &Vehicle) -> bool {
+    /// Whether the vehicle has come to where it was sent with this step, as deep as it believes to be.
+    fn arrives(&mut self, vehicle: &Vehicle, believed_depth_m: f64) -> bool {
         if self.arrived {
             return false;
         }
         let left = self.demand(vehicle).ground;
         let left_m = hypot(left.0, left.1) / POSITION_GAIN_PER_S;
         let vertical_m = match self.goal {
-            Goal::Hold { depth_m, .. } | Goal::Hull { depth_m, .. } => depth_m - vehicle.depth_m,
+            Goal::Hold { depth_m, .. } | Goal::Hull { depth_m, .. } => depth_m - believed_depth_m,
             Goal::Bottom {
                 vertical: Vertical::Altitude(altitude_m),
                 ..
@@ -241,7 +256,7 @@ impl Inspector {
             Goal::Bottom {
                 vertical: Vertical::Depth(metres) | Vertical::Pitch(metres) | Vertical::Elevator(metres),
                 ..
-            } => metres - vehicle.depth_m,
+            } => metres - believed_depth_m,
         };
         self.arrived = left_m < ARRIVED_M && vertical_m.abs() < ARRIVED_M;
         self.arrived
@@ -274,19 +289,30 @@ impl Mvc {
         if let Some(state) = &self.hovering.state
             && self.executive.is_suspended()
         {
-            self.executive.set_hover(state.demand(&self.vehicle));
+            let demand = state.demand(&self.vehicle);
+            // As it believes its headings to be, like all that it is asked for.
+            self.executive.set_hover(HoverDemand {
+                heading_deg: demand.heading_deg + self.sensors.heading_bias_deg(),
+                ..demand
+            });
         }
     }
 
-    /// After a step of the vehicle.
+    /// After a step of the vehicle, before its sensors read: what turns them.
+    pub(crate) fn turn_devices(&mut self) {
+        if let Some(state) = &mut self.hovering.state {
+            state.turn_devices(self.executive.is_suspended());
+            self.sensors.turn_log(state.dvl.at_deg());
+        }
+    }
+
+    /// After a step of the vehicle and of its sensors.
     pub(crate) fn tick_hovering(&mut self, now: Timestamp) {
         let Some(mut state) = self.hovering.state.take() else {
             return;
         };
-        state.relative.reckon(&self.vehicle);
-        state.sonar.step(state.servo_step_deg);
-        state.dvl.step(state.servo_step_deg);
-        if self.executive.is_suspended() && state.arrives(&self.vehicle) {
+        state.relative.reckon(&self.vehicle, self.sensors.own_way());
+        if self.executive.is_suspended() && state.arrives(&self.vehicle, self.sensors.depth_m()) {
             self.note(now, MvcEventKind::Hovering(HoveringEvent::Arrived));
         }
         self.report_hovering(now, &mut state);
@@ -305,7 +331,7 @@ impl Mvc {
                 let y_m = y_m + state.position_noise_m * state.noise.gaussian();
                 let range_noise_m = state.range_noise_m * state.noise.gaussian();
                 let heading_deg = state.relative.bearing_deg(&self.vehicle);
-                let depth_m = self.vehicle.depth_m;
+                let depth_m = self.sensors.depth_m();
                 if state.has_hull {
                     let vertical = if self.interpretation.hull_vertical_up {
                         -1.0
@@ -316,7 +342,7 @@ impl Mvc {
                         created,
                         horizontal_m: y_m,
                         vertical_m: vertical * depth_m,
-                        distance_m: (state.relative.distance_m(&self.vehicle) + range_noise_m).max(0.0),
+                        distance_m: (state.distance_m(&self.vehicle) + range_noise_m).max(0.0),
                         heading_deg,
                         depth_m,
                         absolute_heading_deg: state.relative.inertial_deg(&self.vehicle),

@@ -47,17 +47,22 @@ pub struct Hull {
     pub surge_tau_s: f64,
     /// The most that the speed changes, metres a second squared.
     pub surge_accel_mps2: f64,
-    /// The fastest turn, degrees a second.
+    /// The fastest turn, degrees a second. Slower than [`Hull::turn_radius_m`] lets it the hull turns more slowly.
     pub yaw_rate_max_dps: f64,
+    /// The narrowest turn through the water, metres: two to three lengths of the hull, whatever its speed, for the force of
+    /// a rudder and that of the water against the turn fall alike. 0 where it turns on the spot.
+    pub turn_radius_m: f64,
     /// Time constant of the turn, seconds.
     pub yaw_tau_s: f64,
     /// Turn asked for a degree of heading error, per second.
     pub yaw_gain_per_s: f64,
     /// The steepest climb and dive, degrees; a hovering hull does not pitch.
     pub pitch_max_deg: f64,
+    /// The fastest change of pitch, degrees a second.
+    pub pitch_rate_max_dps: f64,
     /// The fastest climb and dive, metres a second.
     pub depth_rate_max_mps: f64,
-    /// Time constant of the depth rate, seconds.
+    /// Time constant of the depth rate, seconds: of the pitch that makes it, where the hull does not hover.
     pub heave_tau_s: f64,
     /// Depth rate asked for a metre of depth error, per second.
     pub depth_gain_per_s: f64,
@@ -78,9 +83,11 @@ const NINE_INCH: Hull = Hull {
     surge_tau_s: 3.0,
     surge_accel_mps2: 0.3,
     yaw_rate_max_dps: 15.0,
+    turn_radius_m: 5.0,
     yaw_tau_s: 0.6,
     yaw_gain_per_s: 0.5,
     pitch_max_deg: 30.0,
+    pitch_rate_max_dps: 12.0,
     depth_rate_max_mps: 0.8,
     heave_tau_s: 1.5,
     depth_gain_per_s: 0.25,
@@ -97,9 +104,11 @@ const TWELVE_INCH: Hull = Hull {
     surge_tau_s: 5.0,
     surge_accel_mps2: 0.2,
     yaw_rate_max_dps: 10.0,
+    turn_radius_m: 7.0,
     yaw_tau_s: 1.0,
     yaw_gain_per_s: 0.35,
     pitch_max_deg: 25.0,
+    pitch_rate_max_dps: 10.0,
     depth_rate_max_mps: 0.6,
     heave_tau_s: 2.0,
     depth_gain_per_s: 0.2,
@@ -116,9 +125,11 @@ const TWENTY_ONE_INCH: Hull = Hull {
     surge_tau_s: 8.0,
     surge_accel_mps2: 0.12,
     yaw_rate_max_dps: 6.0,
+    turn_radius_m: 12.0,
     yaw_tau_s: 1.6,
     yaw_gain_per_s: 0.22,
     pitch_max_deg: 25.0,
+    pitch_rate_max_dps: 6.0,
     depth_rate_max_mps: 0.6,
     heave_tau_s: 3.0,
     depth_gain_per_s: 0.12,
@@ -135,9 +146,11 @@ const HOVERING: Hull = Hull {
     surge_tau_s: 1.5,
     surge_accel_mps2: 0.2,
     yaw_rate_max_dps: 20.0,
+    turn_radius_m: 0.0,
     yaw_tau_s: 0.5,
     yaw_gain_per_s: 0.6,
     pitch_max_deg: 0.0,
+    pitch_rate_max_dps: 0.0,
     depth_rate_max_mps: 0.3,
     heave_tau_s: 1.0,
     depth_gain_per_s: 0.4,
@@ -165,6 +178,16 @@ impl Hull {
     /// Speed that turns of the thruster a minute make, metres a second.
     pub(crate) fn speed_mps(&self, rpm: f64) -> f64 {
         rpm / self.rpm_per_mps
+    }
+
+    /// The fastest turn at a speed through the water, degrees a second.
+    pub(crate) fn turn_max_dps(&self, speed_mps: f64) -> f64 {
+        if self.hovers {
+            return self.yaw_rate_max_dps;
+        }
+        (speed_mps.max(0.0) / self.turn_radius_m)
+            .to_degrees()
+            .min(self.yaw_rate_max_dps)
     }
 
     /// Turn at full way that a rudder makes: in proportion to its angle, the fastest at the greatest.

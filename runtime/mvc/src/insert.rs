@@ -1,8 +1,11 @@
-use backseat_spi::{BehaviorId, GpsHit, Interrupt, SpeedMode, SurfaceMode, Trackcircle, Trackline, VerticalMode};
+use backseat_spi::{
+    BehaviorId, CircleEntry, GpsHit, Interrupt, SpeedMode, SurfaceMode, Trackcircle, Trackline, VerticalMode,
+};
 use backseat_units::{EastNorth, LocalFrame};
 
 use crate::event::{ClientId, Refusal};
 use crate::hull::Hull;
+use crate::interpretation::CircleLayout;
 use crate::plan::{GpsTimes, RADIUS_M, Shape, Vertical};
 
 /// A behavior that a payload asks to insert into the plan (SPI 7.5 to 7.7).
@@ -46,14 +49,16 @@ impl Insert {
     pub(crate) fn trackcircle(
         client: ClientId,
         request: &Trackcircle,
+        layout: CircleLayout,
         frame: &LocalFrame,
         hull: &Hull,
     ) -> Result<Self, String> {
+        let (entry_deg, code) = entry_of(request, layout);
         let shape = Shape::Trackcircle {
             centre: frame.to_local(request.centre),
             radius_m: request.radius_m,
             orbits: request.orbits,
-            entry_deg: request.entry_angle_deg,
+            entry_deg,
         };
         Ok(Self {
             client,
@@ -61,7 +66,7 @@ impl Insert {
             shape,
             vertical: vertical(request.vertical_mode, request.vertical_m)?,
             speed_mps: speed_mps(request.speed_mode, request.speed, hull)?,
-            interrupt: interrupt(request.interrupt)?,
+            interrupt: interrupt(code)?,
             spiral: false,
         })
     }
@@ -158,6 +163,19 @@ fn speed_mps(mode: SpeedMode, speed: f64, hull: &Hull) -> Result<f64, String> {
         SpeedMode::MetresPerSecond => Ok(speed),
         SpeedMode::Rpm => Ok(hull.speed_mps(speed)),
         SpeedMode::Other(code) => Err(format!("speed_mode {code}: expected 0 or 1")),
+    }
+}
+
+/// Where a circle is entered, degrees, and when it begins: as a vehicle reads that knows this layout of BPRTC alone.
+fn entry_of(request: &Trackcircle, layout: CircleLayout) -> (Option<f64>, Interrupt) {
+    match (layout, request.entry_angle_deg) {
+        (CircleLayout::Either | CircleLayout::Table, CircleEntry::Angle(degrees)) => (Some(degrees), request.interrupt),
+        (CircleLayout::Either, CircleEntry::Anywhere | CircleEntry::Absent)
+        | (CircleLayout::Table, CircleEntry::Anywhere)
+        | (CircleLayout::Header, CircleEntry::Absent) => (None, request.interrupt),
+        (CircleLayout::Table, CircleEntry::Absent) => (Some(f64::from(request.interrupt.code())), Interrupt::default()),
+        (CircleLayout::Header, CircleEntry::Anywhere) => (None, Interrupt::default()),
+        (CircleLayout::Header, CircleEntry::Angle(code)) => (None, Interrupt::from_code(code as i32)),
     }
 }
 

@@ -1,8 +1,9 @@
 use backseat_world::Stream;
 
 use crate::file::{
-    AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame, HullVertical,
-    InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyFins, UnackedFrames,
+    Acknowledged, AdjustmentWhenSilenced, AfterInterrupt, AfterSuspension, CancelAllScope, Choice, HeadingFrame,
+    HullVertical, InsertPlace, InsertsAfterControl, InterpretationConfig, Interruption, ModifyBeyond, ModifyFins,
+    TrackcircleLayout, UnackedFrames,
 };
 
 /// How this run reads what the specification leaves open: the `[interpretation]` section with the seed's draws.
@@ -50,6 +51,23 @@ pub struct Interpretation {
     pub unacked_is_failed: bool,
     /// No insert of a set whose first has interrupted may be interrupted; else only that first one may not.
     pub set_interrupts: bool,
+    /// Commands are acknowledged only where their own section speaks of it; else all are.
+    pub acknowledges_sections: bool,
+    /// Decimals of the time that a BFACK echoes.
+    pub echo_decimals: u8,
+    /// The layout of BPRTC that is read.
+    pub trackcircle_layout: CircleLayout,
+}
+
+/// The layout of BPRTC that is read (SPI 7.6).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CircleLayout {
+    /// With an entry angle, or without where the field is missing.
+    Either,
+    /// With an entry angle.
+    Table,
+    /// Without.
+    Header,
 }
 
 fn chosen(choice: Choice<bool>, drawn: bool) -> bool {
@@ -92,6 +110,14 @@ impl Interpretation {
         let mut services = Stream::new(seed, "interpretation of services");
         let mut coin = || services.uniform() < 0.5;
         let of_services = [coin(), coin(), coin(), coin()];
+        let mut link = Stream::new(seed, "interpretation of the link");
+        let acknowledges_sections = link.uniform() < 0.125;
+        let echo_decimals = if link.uniform() < 0.5 { 2 } else { 3 };
+        let layout = match link.uniform() {
+            share if share < 1.0 / 3.0 => CircleLayout::Either,
+            share if share < 2.0 / 3.0 => CircleLayout::Table,
+            _ => CircleLayout::Header,
+        };
         Self {
             inserts_fly_on: match config.inserts_after_control {
                 InsertsAfterControl::Fly => true,
@@ -179,6 +205,21 @@ impl Interpretation {
                 Interruption::Behavior => false,
                 Interruption::Seed => later[7],
             },
+            acknowledges_sections: match config.acknowledged {
+                Acknowledged::All => false,
+                Acknowledged::Sections => true,
+                Acknowledged::Seed => acknowledges_sections,
+            },
+            echo_decimals: match config.echo_decimals {
+                Choice::Fixed(decimals) => decimals as u8,
+                Choice::Seed => echo_decimals,
+            },
+            trackcircle_layout: match config.trackcircle_layout {
+                TrackcircleLayout::Either => CircleLayout::Either,
+                TrackcircleLayout::Table => CircleLayout::Table,
+                TrackcircleLayout::Header => CircleLayout::Header,
+                TrackcircleLayout::Seed => layout,
+            },
         }
     }
 }
@@ -211,6 +252,9 @@ mod tests {
             dvl_timeout_announced: Choice::Seed,
             unacked_frames: UnackedFrames::Seed,
             interruption: Interruption::Seed,
+            acknowledged: Acknowledged::Seed,
+            echo_decimals: Choice::Seed,
+            trackcircle_layout: TrackcircleLayout::Seed,
         };
         let drawn: Vec<Interpretation> = (0..64).map(|seed| Interpretation::new(&config, seed)).collect();
         let both = |of: fn(&Interpretation) -> bool| drawn.iter().any(of) && !drawn.iter().all(of);
@@ -223,6 +267,10 @@ mod tests {
         assert!(both(|i| i.inserts_at_legs) && both(|i| i.insert_logging) && both(|i| i.cancel_any));
         assert!(both(|i| i.cancel_all_gps) && both(|i| i.modify_survives) && both(|i| i.fins_change));
         assert!(both(|i| i.modify_beyond_refused) && both(|i| i.set_interrupts));
+        assert!(both(|i| i.acknowledges_sections) && both(|i| i.echo_decimals == 2));
+        for layout in [CircleLayout::Either, CircleLayout::Table, CircleLayout::Header] {
+            assert!(drawn.iter().any(|i| i.trackcircle_layout == layout), "{layout:?}");
+        }
         assert!(both(|i| i.silence_cancels_adjustment) && both(|i| i.adjustment_needs_status));
         assert!(both(|i| i.dvl_timeout_announced) && both(|i| i.unacked_is_failed));
     }

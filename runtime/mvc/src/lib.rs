@@ -20,6 +20,7 @@
 mod acoustic;
 mod adjustment;
 mod aiding;
+mod another_dive;
 mod answers;
 mod commands;
 mod course;
@@ -66,18 +67,18 @@ pub use event::{
 };
 pub use faults::{
     AckFilter, AckStage, Directions, Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, LinkFault, LinkFaultKind,
-    NegativeStatus, Whom,
+    NegativeStatus, Untrue, Whom,
 };
 pub use file::{
-    AcknowledgeConfig, AcousticConfig, AcousticDevice, AdjustmentConfig, AdjustmentWhenSilenced, AfterInterrupt,
-    AfterSuspension, CancelAllScope, Choice, CompassConfig, ContourExpectation, ControlWindow, DepthSensorConfig,
-    DirectionName, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry, FaultFile, FaultName, FixConfig, GpsConfig,
-    HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig, InsertPlace, InsertsAfterControl,
-    InterpretationConfig, Interruption, LineFault, MaximumExpectation, MissionCommandConfig, MissionConfig,
-    ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket, PlaceConfig, PlanEntry, PlanKind,
-    PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SilenceConfig,
-    SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig, TopsideEntry,
-    UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
+    AcknowledgeConfig, Acknowledged, AcousticConfig, AcousticDevice, AdjustmentConfig, AdjustmentWhenSilenced,
+    AfterInterrupt, AfterSuspension, CancelAllScope, Choice, CompassConfig, ContourExpectation, ControlWindow,
+    DepthSensorConfig, DirectionName, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry, FaultFile, FaultName,
+    FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig, InsertPlace,
+    InsertsAfterControl, InterpretationConfig, Interruption, LineFault, MaximumExpectation, MissionCommandConfig,
+    MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket, PlaceConfig, PlanEntry,
+    PlanKind, PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide,
+    SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig,
+    TopsideEntry, TrackcircleLayout, UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
 };
 pub use hovering::{HoveringEvent, SuspensionEnd};
 pub use hull::{Hull, HullClass};

@@ -17,6 +17,8 @@ const PIECE_MAX: usize = 1 << 16;
 /// A sentence is not waited for beyond so many bytes.
 const SENTENCE_MAX: usize = 4096;
 const SPARES_MAX: usize = 8;
+/// What grows with time is no longer.
+const GROWN_MAX: Duration = Duration::from_secs(60);
 
 /// Which way bytes go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,6 +120,7 @@ impl LinkFaults {
             bytes: VecDeque::new(),
             pieces: VecDeque::new(),
             last: Timestamp::ZERO,
+            last_read: Timestamp::ZERO,
             sentence: Vec::new(),
             sentence_until: Timestamp::MAX,
             lost: None,
@@ -130,6 +133,7 @@ impl LinkFaults {
                 LinkFaultKind::Cut => window.from <= since,
                 LinkFaultKind::Refuse
                 | LinkFaultKind::Stall
+                | LinkFaultKind::Deaf
                 | LinkFaultKind::HalfOpen
                 | LinkFaultKind::Delay { .. }
                 | LinkFaultKind::Split { .. }
@@ -168,7 +172,7 @@ impl Deref for Chunk {
 /// acts, [`FaultyLink::pass`] hands bytes on as they are.
 ///
 /// In this order a write meets: silent loss, sentences lost or twice, corrupt bytes, delay, joining, splitting,
-/// stall. Bytes never overtake others.
+/// stall, deafness. Bytes never overtake others.
 #[derive(Clone, Debug)]
 pub struct FaultyLink {
     client: ClientId,
@@ -185,8 +189,9 @@ pub struct FaultyLink {
     /// What is under way, and in which pieces it arrives.
     bytes: VecDeque<u8>,
     pieces: VecDeque<Piece>,
-    /// When the last of it arrives.
+    /// When the last of it arrives, and when it is read.
     last: Timestamp,
+    last_read: Timestamp,
     /// The begin of a sentence whose end has not been written, while sentences are lost or come twice.
     sentence: Vec<u8>,
     sentence_until: Timestamp,
@@ -199,6 +204,9 @@ pub struct FaultyLink {
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     written: Timestamp,
+    /// When it is at the other computer, and acknowledged.
+    arrives: Timestamp,
+    /// When it is read there: later only where the vehicle is deaf.
     at: Timestamp,
     len: usize,
     /// More may be added to it: it was held back.
@@ -228,6 +236,7 @@ impl FaultyLink {
             LinkFaultKind::Cut => self.cut_at = self.cut_at.min(window.from),
             LinkFaultKind::Refuse => {}
             LinkFaultKind::Stall
+            | LinkFaultKind::Deaf
             | LinkFaultKind::HalfOpen
             | LinkFaultKind::Delay { .. }
             | LinkFaultKind::Split { .. }
@@ -241,7 +250,7 @@ impl FaultyLink {
                 let place = self.acts.partition_point(|(other, _)| other.from <= window.from);
                 self.acts.insert(place, (window, fault.kind));
                 self.quiet_until = self.quiet_until.min(window.from);
-                if fault.kind == LinkFaultKind::Stall {
+                if matches!(fault.kind, LinkFaultKind::Stall | LinkFaultKind::Deaf) {
                     self.hold_back();
                 }
             }
@@ -319,7 +328,10 @@ impl FaultyLink {
     /// as a real one does with TCP's user time-out (RFC 5482), resets it then.
     #[must_use]
     pub fn gives_up(&self, within: Duration) -> Option<Timestamp> {
-        let under_way = self.pieces.front().map(|piece| piece.written + within);
+        // What a deaf vehicle's computer has taken is acknowledged.
+        let taken = |piece: &Piece| piece.arrives < piece.at && piece.arrives < piece.written + within;
+        let under_way = self.pieces.iter().find(|piece| !taken(piece));
+        let under_way = under_way.map(|piece| piece.written + within);
         let lost = self.lost.map(|lost| (lost.from + within, lost.until));
         let lost = lost.filter(|(at, until)| at < until).map(|(at, _)| at);
         under_way.into_iter().chain(lost).min()
@@ -356,10 +368,11 @@ impl FaultyLink {
         at
     }
 
-    /// Nothing arrives during a stall, and what it holds back comes as one: for what was under way when it came.
+    /// Nothing arrives during a stall, and what it holds back comes as one; nothing is read while the vehicle is deaf: for
+    /// what was under way when it came.
     fn hold_back(&mut self) {
         let pieces = core::mem::take(&mut self.pieces);
-        self.last = Timestamp::ZERO;
+        (self.last, self.last_read) = (Timestamp::ZERO, Timestamp::ZERO);
         for piece in pieces {
             self.line_up(piece);
         }
@@ -452,10 +465,13 @@ impl FaultyLink {
     /// Puts bytes under way.
     fn send(&mut self, now: Timestamp, bytes: &[u8]) {
         let (mut at, mut jitters, mut hold, mut split) = (now, Duration::ZERO, Duration::ZERO, None);
-        for (_, kind) in self.acting(now) {
-            if let LinkFaultKind::Delay { delay, jitter } = kind {
+        for (window, kind) in self.acting(now) {
+            if let LinkFaultKind::Delay { delay, jitter, growth } = kind {
                 at = at + delay;
                 jitters += jitter;
+                if growth > 0.0 {
+                    at = at + now.since(window.from).mul_f64(growth).min(GROWN_MAX);
+                }
             }
             if let LinkFaultKind::Join { hold: this } = kind {
                 hold = hold.max(this);
@@ -472,7 +488,7 @@ impl FaultyLink {
         if !hold.is_zero() {
             if let Some(last) = self.pieces.back_mut()
                 && last.gathers
-                && last.at >= at
+                && last.arrives >= at
                 && last.len + bytes.len() <= PIECE_MAX
                 && self.bytes.len() + bytes.len() <= QUEUE_MAX
             {
@@ -512,22 +528,34 @@ impl FaultyLink {
         self.bytes.extend(bytes);
         self.line_up(Piece {
             written: now,
+            arrives: at,
             at,
             len: bytes.len(),
             gathers,
         });
     }
 
-    /// A piece arrives no sooner than the last one, and not during a stall.
+    /// A piece arrives no sooner than the last one, and not during a stall; it is read then, but not by a deaf vehicle.
     fn line_up(&mut self, piece: Piece) {
-        let wanted = piece.at.max(self.last);
-        let at = self.after(wanted, |kind| matches!(kind, LinkFaultKind::Stall));
-        self.last = at;
+        let wanted = piece.arrives.max(self.last);
+        let arrives = self.after(wanted, |kind| matches!(kind, LinkFaultKind::Stall));
+        let at = self.after(arrives, |kind| matches!(kind, LinkFaultKind::Deaf));
+        let at = at.max(self.last_read);
+        (self.last, self.last_read) = (arrives, at);
         // What a stall has held back comes as one.
-        let gathers = piece.gathers || at > wanted;
+        let gathers = piece.gathers || arrives > wanted;
         match self.pieces.back_mut() {
-            Some(last) if last.gathers && last.at == at && last.len + piece.len <= PIECE_MAX => last.len += piece.len,
-            _ => self.pieces.push_back(Piece { at, gathers, ..piece }),
+            Some(last)
+                if last.gathers && (last.arrives, last.at) == (arrives, at) && last.len + piece.len <= PIECE_MAX =>
+            {
+                last.len += piece.len;
+            }
+            _ => self.pieces.push_back(Piece {
+                arrives,
+                at,
+                gathers,
+                ..piece
+            }),
         }
     }
 }

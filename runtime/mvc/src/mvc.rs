@@ -65,7 +65,7 @@ pub struct Mvc {
     pub(crate) mission_commands: MissionCommands,
     utc_at_start: Utc,
     version: Text,
-    dive_file: Text,
+    pub(crate) dive_file: Text,
     running_text: Text,
     profile: Profile,
     period: Duration,
@@ -419,6 +419,7 @@ impl Mvc {
             self.grid_convergence_deg = utm_convergence_deg(position);
         }
         self.settle(now);
+        self.turn_devices();
         self.tick_sensors(now);
         self.tick_silence(now);
         self.tick_adjustment(now);

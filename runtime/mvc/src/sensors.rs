@@ -8,6 +8,7 @@ mod readings;
 mod schedule;
 mod solution;
 mod tailcone;
+mod untrue;
 mod water;
 
 use backseat_spi::{Navigation, PayloadCtd, PositionQuality, VelocityAndRates};
@@ -21,11 +22,13 @@ use self::noise::Noise;
 use self::readings::Schedules;
 use self::solution::Solution;
 use self::tailcone::Tailcone;
+use self::untrue::UntrueWords;
 use self::water::{Water, true_sound_mps};
 use crate::estimate::Estimate;
+use crate::faults::Untrue;
 use crate::file::{SensorConfig, WorldFile};
 use crate::plan::Vertical;
-use crate::vehicle::{Demand, Drive, Turn, Vehicle};
+use crate::vehicle::{Demand, Drive, HoverDemand, Turn, Vehicle};
 
 pub use self::failure::{Sensor, SensorFailure};
 pub(crate) use self::solution::FixOutcome;
@@ -61,6 +64,7 @@ pub(crate) struct Sensors {
     now: Motion,
     last: Option<(Navigation, VelocityAndRates)>,
     failed: Failed,
+    untrue: UntrueWords,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -95,7 +99,7 @@ impl Sensors {
             motion: Noise::new(seed, "dead reckoning"),
             report: Noise::new(seed, "navigation"),
             solution: Solution::new(&config, dt_s, vehicle, seed),
-            dvl: Dvl::new(&config, 3600.0 / dt_s, seed),
+            dvl: Dvl::new(&config, 3600.0 / dt_s, vehicle.hull().hovers, seed),
             compasses: Compasses::new(&config.compass, seed),
             imu: Imu::new(&config.imu, seed),
             tailcone: Tailcone::new(&config.tailcone, seed),
@@ -108,6 +112,7 @@ impl Sensors {
             now: Motion::default(),
             last: None,
             failed: Failed::default(),
+            untrue: UntrueWords::default(),
         }
     }
 
@@ -136,13 +141,22 @@ impl Sensors {
                     Turn::Heading(heading_deg) => Turn::Heading(heading_deg - self.solution.heading_bias_deg),
                     Turn::Rudder(_) => demand.turn,
                 },
-                vertical: match demand.vertical {
-                    Vertical::Depth(depth_m) => Vertical::Depth((depth_m - self.depth_error_m).max(0.0)),
-                    Vertical::Altitude(_) | Vertical::Pitch(_) | Vertical::Elevator(_) => demand.vertical,
-                },
+                vertical: self.vertical_as_flown(demand.vertical),
                 ..demand
             }),
-            Drive::Held | Drive::Hover(_) | Drive::Adrift => drive,
+            Drive::Hover(demand) => Drive::Hover(HoverDemand {
+                heading_deg: demand.heading_deg - self.solution.heading_bias_deg,
+                vertical: self.vertical_as_flown(demand.vertical),
+                ..demand
+            }),
+            Drive::Held | Drive::Adrift => drive,
+        }
+    }
+
+    fn vertical_as_flown(&self, vertical: Vertical) -> Vertical {
+        match vertical {
+            Vertical::Depth(depth_m) => Vertical::Depth((depth_m - self.depth_error_m).max(0.0)),
+            Vertical::Altitude(_) | Vertical::Pitch(_) | Vertical::Elevator(_) => vertical,
         }
     }
 
@@ -156,9 +170,39 @@ impl Sensors {
         self.dvl.lock
     }
 
+    /// The depth that it reads, metres.
+    pub(crate) const fn depth_m(&self) -> f64 {
+        self.depth_m
+    }
+
+    /// What its headings are wrong by, degrees.
+    pub(crate) const fn heading_bias_deg(&self) -> f64 {
+        self.solution.heading_bias_deg
+    }
+
+    /// The way of the last step as the log and the inertial system know it, by the vehicle's true heading.
+    pub(crate) fn own_way(&self) -> EastNorth {
+        self.solution.own_way()
+    }
+
+    /// Turns the Doppler log to look so many degrees above the horizontal.
+    pub(crate) fn turn_log(&mut self, look_deg: f64) {
+        self.dvl.turn_to(look_deg);
+    }
+
     /// Navigation stands still, in its values and in the time of its solution, or goes on.
     pub(crate) const fn freeze(&mut self, frozen: bool) {
         self.failed.frozen = frozen;
+    }
+
+    /// Navigation says what is not so from the next step on, until the fault of this number ends.
+    pub(crate) fn begin_untrue(&mut self, number: usize, what: Untrue) {
+        self.untrue.begin(number, what, self.steps, self.solution.at);
+    }
+
+    /// One fault of the words of navigation is over.
+    pub(crate) fn end_untrue(&mut self, number: usize) {
+        self.untrue.end(number);
     }
 
     /// The solution jumps.
@@ -246,15 +290,17 @@ impl Sensors {
         let heading_deg = vehicle.heading_deg + self.solution.heading_bias_deg + draws.normal(config.heading_noise_deg);
         let depth_m = self.depth_m + draws.normal(config.depth_noise_m);
         let altitude_noise_m = draws.normal(config.altitude_noise_m);
+        let place = self.untrue.place(self.solution.at + noise, self.steps, self.dt_s);
+        let (heading_deg, depth_m) = self.untrue.attitude(heading_deg, depth_m, self.steps);
         let navigation = Navigation {
             created: stamp,
-            position: frame.to_position(self.solution.at + noise),
+            position: frame.to_position(place),
             quality: if self.has_gps() {
                 PositionQuality::Gps
             } else {
                 PositionQuality::NoGps
             },
-            altitude: if self.dvl.lock && !self.failed.altimeter {
+            altitude: if self.dvl.sounds && !self.failed.altimeter {
                 // A reading of zero would say that there is no lock.
                 Altitude::from_m((vehicle.water_depth_m - vehicle.depth_m + altitude_noise_m).max(0.01)).ok()
             } else {

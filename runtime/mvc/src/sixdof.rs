@@ -155,12 +155,12 @@ impl SixDof {
         }
     }
 
-    /// Stops it where it is, its tail too: it has no way on through the water when it is let go.
+    /// Stops it over ground where it is, its tail too. What lets it go finds it at rest there, and the water in motion.
     pub(crate) fn hold(&mut self) {
         self.state.velocity = [0.0; 6];
         self.state.attitude = Attitude::level(self.state.attitude.heading_rad());
         self.tail = Tail::default();
-        self.water = None;
+        self.water = Some([0.0; 3]);
     }
 
     /// Puts it on a seabed at `water_depth_m` if it is below that. Whether it is there.

@@ -2,7 +2,7 @@ use core::fmt;
 use core::time::Duration;
 use std::collections::VecDeque;
 
-use backseat_spi::{AckStatus, Text, TopsideMessage, TopsideRelay, TopsideText, Transport};
+use backseat_spi::{AckStatus, RelayedText, Text, TopsideMessage, TopsideRelay, TopsideText, Transport};
 use backseat_units::Timestamp;
 
 use crate::answers::Regarding;
@@ -24,7 +24,7 @@ pub enum TopsideEvent {
     /// A message of the topside was given to the payloads, or to the one with this role.
     Received(Transport, Option<Box<str>>, Text),
     /// A payload has relayed a message that came over its own modem.
-    Relayed(ClientId, Transport, Text),
+    Relayed(ClientId, Transport, RelayedText),
 }
 
 /// Text to and from the topside (SPI 5.5, 7.3, 7.14).

@@ -1,5 +1,6 @@
 mod body;
 mod hover;
+mod lags;
 
 use backseat_units::math::{asin, sin, sin_cos, wrap_180, wrap_360};
 use backseat_units::{EastNorth, Timestamp};
@@ -8,6 +9,7 @@ use backseat_world::World;
 use crate::hull::Hull;
 use crate::plan::Vertical;
 use crate::sixdof::{Actuators, Piloted};
+use lags::Lags;
 
 pub(crate) use crate::sixdof::Throttle;
 pub(crate) use hover::{HoverDemand, Obstacle};
@@ -52,23 +54,32 @@ pub(crate) enum Drive {
     Adrift,
 }
 
-/// The vehicle, which the current carries along: a first-order model of surge, yaw and depth, or the body of
+/// The vehicle, which the current carries along: a first-order model of surge, yaw and pitch, or the body of
 /// [`crate::sixdof`].
+///
+/// No rate of the first-order model jumps: what is asked of it changes accelerations. A step moves it by the mean of the
+/// rates before and after, so that the rates which are told add up to the way that was made, at any rate of steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Vehicle {
     hull: Hull,
     altitude_min_m: f64,
+    /// Of the steepest climb.
+    pitch_max_sin: f64,
+    lags: Lags,
     /// What a hovering vehicle keeps clear of.
     pub(crate) obstacle: Option<Obstacle>,
     pub(crate) at: EastNorth,
     pub(crate) depth_m: f64,
     /// Degrees from the frame's north, in [0, 360).
     pub(crate) heading_deg: f64,
+    /// Along its own axis.
     pub(crate) surge_mps: f64,
-    /// To starboard; torpedoes have none.
+    /// To starboard: what the water's changes leave a torpedo for a while.
     pub(crate) sway_mps: f64,
-    /// Positive down.
+    /// Depth rate, positive down.
     pub(crate) heave_mps: f64,
+    /// The part of a torpedo's depth rate that its buoyancy makes and not its pitch.
+    float_mps: f64,
     pub(crate) yaw_rate_dps: f64,
     pub(crate) pitch_deg: f64,
     pub(crate) pitch_rate_dps: f64,
@@ -76,6 +87,10 @@ pub(crate) struct Vehicle {
     pub(crate) roll_rate_dps: f64,
     /// Velocity of the water where the vehicle is, east and north.
     pub(crate) current: (f64, f64),
+    /// The water's velocity that surge and sway are counted from. Held, the vehicle stands over ground and not in the water.
+    carried_by: (f64, f64),
+    /// Sine and cosine of the heading.
+    axis: (f64, f64),
     /// Velocity over ground, east and north.
     pub(crate) ground: (f64, f64),
     pub(crate) water_depth_m: f64,
@@ -91,22 +106,28 @@ pub(crate) struct Vehicle {
 
 impl Vehicle {
     pub(crate) fn new(hull: Hull, altitude_min_m: f64, at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
+        let heading_deg = wrap_360(heading_deg);
         Self {
             hull,
             altitude_min_m,
+            pitch_max_sin: sin(hull.pitch_max_deg.to_radians()),
+            lags: Lags::of(&hull, 1.0),
             obstacle: None,
             at,
             depth_m,
-            heading_deg: wrap_360(heading_deg),
+            heading_deg,
             surge_mps: 0.0,
             sway_mps: 0.0,
             heave_mps: 0.0,
+            float_mps: 0.0,
             yaw_rate_dps: 0.0,
             pitch_deg: 0.0,
             pitch_rate_dps: 0.0,
             roll_deg: 0.0,
             roll_rate_dps: 0.0,
             current: (0.0, 0.0),
+            carried_by: (0.0, 0.0),
+            axis: sin_cos(heading_deg.to_radians()),
             ground: (0.0, 0.0),
             water_depth_m: f64::INFINITY,
             gradient: EastNorth::default(),
@@ -145,60 +166,99 @@ impl Vehicle {
         self.grounded = self.depth_m >= self.water_depth_m;
         if self.grounded {
             self.depth_m = self.water_depth_m;
-            self.heave_mps = self.heave_mps.min(0.0);
+            self.heave_mps = self.heave_mps.min(self.deepening_mps());
         }
     }
 
-    /// One step of `dt_s`, of the first-order model by semi-implicit Euler: rates first, then what they move.
+    /// One step of `dt_s`: rates first, then what their mean with those before it moves.
     pub(crate) fn step(&mut self, drive: Drive, dt_s: f64) {
         if self.piloted.is_some() {
             return self.pilot(drive, dt_s);
         }
+        if dt_s.to_bits() != self.lags.dt_s.to_bits() {
+            self.lags = Lags::of(&self.hull, dt_s);
+        }
+        let (ground, heave_mps) = (self.ground, self.heave_mps);
+        let yaw_rate_dps = self.yaw_rate_dps;
         match drive {
-            Drive::Held => {
-                (self.surge_mps, self.sway_mps) = (0.0, 0.0);
-                (self.heave_mps, self.yaw_rate_dps) = (0.0, 0.0);
-                self.ground = (0.0, 0.0);
-                return;
+            Drive::Held => return self.stand(),
+            Drive::Under(demand) => {
+                self.carry_over();
+                self.rates(&demand, dt_s);
             }
-            Drive::Under(demand) => self.rates(&demand, dt_s),
-            Drive::Hover(demand) => self.hover(&demand, dt_s),
+            Drive::Hover(demand) => {
+                self.carry_over();
+                self.hover(&demand, dt_s);
+            }
             Drive::Adrift => {
-                self.surge(0.0, dt_s);
-                self.settle_sway(dt_s);
-                self.yaw_rate_dps -= self.yaw_rate_dps * share(dt_s, self.hull.yaw_tau_s);
-                self.heave(-self.hull.buoyant_rise_mps * self.rise_share, dt_s);
+                self.carry_over();
+                self.drift(dt_s);
             }
         }
         for rate in [
             &mut self.surge_mps,
             &mut self.sway_mps,
             &mut self.heave_mps,
+            &mut self.float_mps,
             &mut self.yaw_rate_dps,
+            &mut self.pitch_rate_dps,
+            &mut self.roll_rate_dps,
         ] {
             if rate.abs() < AT_REST {
                 *rate = 0.0;
             }
         }
-        self.heading_deg = wrap_360(self.heading_deg + self.yaw_rate_dps * dt_s);
-        let (sin, cos) = sin_cos(self.heading_deg.to_radians());
+        self.heading_deg = wrap_360(self.heading_deg + 0.5 * (yaw_rate_dps + self.yaw_rate_dps) * dt_s);
+        self.axis = sin_cos(self.heading_deg.to_radians());
+        let (sin, cos) = self.axis;
+        self.roll(dt_s);
+        let ahead_mps = self.make_way();
         self.ground = (
-            self.surge_mps * sin + self.sway_mps * cos + self.current.0,
-            self.surge_mps * cos - self.sway_mps * sin + self.current.1,
+            ahead_mps * sin + self.sway_mps * cos + self.carried_by.0,
+            ahead_mps * cos - self.sway_mps * sin + self.carried_by.1,
         );
+        self.meet_surface_and_bed();
         // Adrift, nothing keeps it off but the hull itself.
         let safety_m = if drive == Drive::Adrift { 0.0 } else { self.safety_m() };
-        self.stay_clear(safety_m, sin, cos);
-        self.at = EastNorth::new(
-            self.at.east_m + self.ground.0 * dt_s,
-            self.at.north_m + self.ground.1 * dt_s,
-        );
-        self.depth_m += self.heave_mps * dt_s;
-        if self.depth_m <= 0.0 {
+        self.stay_clear(safety_m);
+        self.at = self.at + EastNorth::new(ground.0 + self.ground.0, ground.1 + self.ground.1) * (0.5 * dt_s);
+        self.depth_m += 0.5 * (heave_mps + self.heave_mps) * dt_s;
+        // The last of the way up, of which there would be no end.
+        if self.depth_m < AFLOAT_M && self.heave_mps <= 0.0 {
             self.depth_m = 0.0;
-            self.heave_mps = self.heave_mps.max(0.0);
+            self.heave_mps = 0.0;
         }
-        self.attitude(dt_s);
+    }
+
+    /// Held over ground. What lets it go finds it at rest there, and the water in motion.
+    fn stand(&mut self) {
+        (self.surge_mps, self.sway_mps) = (0.0, 0.0);
+        (self.heave_mps, self.yaw_rate_dps) = (0.0, 0.0);
+        (self.ground, self.carried_by) = ((0.0, 0.0), (0.0, 0.0));
+    }
+
+    /// Where the water's motion changes, the vehicle's own inertia keeps its velocity over ground.
+    fn carry_over(&mut self) {
+        let (sin, cos) = self.axis;
+        let change = (self.current.0 - self.carried_by.0, self.current.1 - self.carried_by.1);
+        self.surge_mps -= change.0 * sin + change.1 * cos;
+        self.sway_mps -= change.0 * cos - change.1 * sin;
+        self.carried_by = self.current;
+    }
+
+    fn drift(&mut self, dt_s: f64) {
+        self.surge(0.0, dt_s);
+        self.settle_sway();
+        let most_dps = self.hull.turn_max_dps(self.surge_mps);
+        self.yaw_rate_dps -= self.yaw_rate_dps * self.lags.yaw;
+        self.yaw_rate_dps = self.yaw_rate_dps.clamp(-most_dps, most_dps);
+        let rise_mps = self.hull.buoyant_rise_mps * self.rise_share;
+        if self.hull.hovers {
+            self.heave(-rise_mps);
+        } else {
+            self.float(-rise_mps);
+            self.pitch(0.0, dt_s);
+        }
     }
 
     fn rates(&mut self, demand: &Demand, dt_s: f64) {
@@ -208,29 +268,36 @@ impl Vehicle {
             Throttle::Rpm(rpm) => hull.speed_mps(rpm),
         };
         let speed_mps = speed_mps.clamp(hull.speed_min_mps, hull.speed_max_mps);
+        let before_mps = self.surge_mps;
         self.surge(speed_mps, dt_s);
-        self.settle_sway(dt_s);
-        // A rudder needs way on: below the least speed the turn fades with it.
-        let authority = if hull.hovers {
-            1.0
-        } else {
-            (self.surge_mps / hull.speed_min_mps.max(0.1)).clamp(0.05, 1.0)
-        };
-        self.yaw(demand.turn, authority, dt_s);
-        self.heave(self.wanted_heave_mps(demand.vertical), dt_s);
+        self.settle_sway();
+        self.yaw(demand.turn);
+        let wanted_mps = self.wanted_heave_mps(demand.vertical);
+        if hull.hovers {
+            self.heave(wanted_mps);
+            return;
+        }
+        self.float(0.0);
+        // Climbs and dives by its attitude: pitch is what the depth rate needs at the speed that it will have by then.
+        let speed_mps = self.surge_mps + (self.surge_mps - before_mps) * self.lags.pitch_steps;
+        let steepest = self.pitch_max_sin;
+        let rise = (self.float_mps - wanted_mps) / speed_mps.max(PITCHES_FROM_MPS);
+        self.pitch(asin(rise.clamp(-steepest, steepest)).to_degrees(), dt_s);
     }
 
-    fn yaw(&mut self, turn: Turn, authority: f64, dt_s: f64) {
+    fn yaw(&mut self, turn: Turn) {
         let hull = self.hull;
-        let rate_max_dps = hull.yaw_rate_max_dps * authority;
+        // A rudder needs way on.
+        let rate_max_dps = hull.turn_max_dps(self.surge_mps);
         let rate_dps = match turn {
             Turn::Heading(heading_deg) => {
                 let error_deg = wrap_180(heading_deg - self.heading_deg);
                 (hull.yaw_gain_per_s * error_deg).clamp(-rate_max_dps, rate_max_dps)
             }
-            Turn::Rudder(rudder_deg) => hull.rudder_dps(rudder_deg) * authority,
+            Turn::Rudder(rudder_deg) => hull.rudder_dps(rudder_deg) * rate_max_dps / hull.yaw_rate_max_dps,
         };
-        self.yaw_rate_dps += (rate_dps - self.yaw_rate_dps) * share(dt_s, hull.yaw_tau_s);
+        self.yaw_rate_dps += (rate_dps - self.yaw_rate_dps) * self.lags.yaw;
+        self.yaw_rate_dps = self.yaw_rate_dps.clamp(-rate_max_dps, rate_max_dps);
     }
 
     fn wanted_heave_mps(&self, vertical: Vertical) -> f64 {
@@ -244,7 +311,7 @@ impl Vehicle {
         };
         // Over a slope the depth to hold moves with the vehicle.
         let follow_mps = match vertical {
-            Vertical::Altitude(_) => self.ground.0 * self.gradient.east_m + self.ground.1 * self.gradient.north_m,
+            Vertical::Altitude(_) => self.deepening_mps(),
             Vertical::Depth(_) | Vertical::Pitch(_) | Vertical::Elevator(_) => 0.0,
         };
         (wanted_mps + follow_mps).clamp(-rate_max_mps, rate_max_mps)
@@ -254,13 +321,20 @@ impl Vehicle {
     fn by_pitch_mps(&self, pitch_deg: f64) -> f64 {
         let pitch_deg = pitch_deg.clamp(-self.hull.pitch_max_deg, self.hull.pitch_max_deg);
         let by_pitch_mps = -self.surge_mps * sin(pitch_deg.to_radians());
-        by_pitch_mps.min(self.towards_mps(f64::INFINITY))
+        by_pitch_mps
+            .max(self.towards_mps(0.0).min(0.0))
+            .min(self.towards_mps(f64::INFINITY))
+    }
+
+    /// How fast the water under it gets deeper.
+    fn deepening_mps(&self) -> f64 {
+        self.ground.0 * self.gradient.east_m + self.ground.1 * self.gradient.north_m
     }
 
     /// Depth rate towards a depth, clipped to the vehicle's own safe limits: not above the surface, not below its
     /// greatest depth, not nearer the seabed of now and of 10 s ahead than its least altitude.
     fn towards_mps(&self, depth_m: f64) -> f64 {
-        let ahead_m = 10.0 * (self.ground.0 * self.gradient.east_m + self.ground.1 * self.gradient.north_m);
+        let ahead_m = 10.0 * self.deepening_mps();
         let floor_m = self.water_depth_m + ahead_m.min(0.0) - self.altitude_min_m;
         let depth_m = depth_m.min(self.hull.depth_max_m).min(floor_m).max(0.0);
         self.hull.depth_gain_per_s * (depth_m - self.depth_m)
@@ -270,43 +344,75 @@ impl Vehicle {
         if self.hull.hovers {
             return self.hull.depth_rate_max_mps;
         }
-        let by_pitch_mps = self.surge_mps * sin(self.hull.pitch_max_deg.to_radians());
+        let by_pitch_mps = self.surge_mps * self.pitch_max_sin;
         by_pitch_mps.clamp(0.02, self.hull.depth_rate_max_mps)
     }
 
     fn surge(&mut self, speed_mps: f64, dt_s: f64) {
-        let change = (speed_mps - self.surge_mps) * share(dt_s, self.hull.surge_tau_s);
+        let change = (speed_mps - self.surge_mps) * self.lags.surge;
         let most = self.hull.surge_accel_mps2 * dt_s;
         self.surge_mps += change.clamp(-most, most);
     }
 
-    fn settle_sway(&mut self, dt_s: f64) {
-        self.sway_mps -= self.sway_mps * share(dt_s, self.hull.surge_tau_s);
+    fn settle_sway(&mut self) {
+        self.sway_mps -= self.sway_mps * self.lags.surge;
     }
 
-    fn heave(&mut self, rate_mps: f64, dt_s: f64) {
-        self.heave_mps += (rate_mps - self.heave_mps) * share(dt_s, self.hull.heave_tau_s);
+    fn heave(&mut self, rate_mps: f64) {
+        self.heave_mps += (rate_mps - self.heave_mps) * self.lags.heave;
     }
 
-    fn attitude(&mut self, dt_s: f64) {
-        let pitch_deg = if self.hull.hovers {
-            0.0
-        } else {
-            // Climbs and dives by its attitude: pitch is what the depth rate needs at this speed.
-            asin((-self.heave_mps / self.surge_mps.max(0.4)).clamp(-0.7, 0.7)).to_degrees()
-        };
-        // Leans into turns a little.
-        let roll_deg = 0.3 * self.yaw_rate_dps;
-        self.pitch_rate_dps = (pitch_deg - self.pitch_deg) / dt_s;
-        self.roll_rate_dps = (roll_deg - self.roll_deg) / dt_s;
-        (self.pitch_deg, self.roll_deg) = (pitch_deg, roll_deg);
+    fn float(&mut self, rate_mps: f64) {
+        self.float_mps += (rate_mps - self.float_mps) * self.lags.heave;
+    }
+
+    fn pitch(&mut self, wanted_deg: f64, dt_s: f64) {
+        let most_dps = self.hull.pitch_rate_max_dps;
+        let left_deg = wanted_deg - self.pitch_deg - 0.5 * self.pitch_rate_dps * dt_s;
+        let wanted_dps = (left_deg * self.lags.pitch_per_s).clamp(-most_dps, most_dps);
+        let rate_dps = self.pitch_rate_dps + (wanted_dps - self.pitch_rate_dps) * self.lags.attitude;
+        self.pitch_deg += 0.5 * (self.pitch_rate_dps + rate_dps) * dt_s;
+        self.pitch_rate_dps = rate_dps;
+    }
+
+    /// Leans into turns a little. Like the pitch it looks half a step ahead, without which it would swing beyond where steps
+    /// are long.
+    fn roll(&mut self, dt_s: f64) {
+        let left_deg = LEAN_S * self.yaw_rate_dps - self.roll_deg - 0.5 * self.roll_rate_dps * dt_s;
+        let wanted_dps = left_deg * self.lags.roll_per_s;
+        let rate_dps = self.roll_rate_dps + (wanted_dps - self.roll_rate_dps) * self.lags.attitude;
+        self.roll_deg += 0.5 * (self.roll_rate_dps + rate_dps) * dt_s;
+        self.roll_rate_dps = rate_dps;
+    }
+
+    /// Sets the depth rate of a torpedo by its pitch. Its speed through the water ahead in the plane.
+    fn make_way(&mut self) -> f64 {
+        if self.hull.hovers {
+            return self.surge_mps;
+        }
+        let sin = sin(self.pitch_deg.to_radians());
+        self.heave_mps = self.float_mps - self.surge_mps * sin;
+        // Its pitch never comes near a right angle, and a root costs less than a cosine.
+        self.surge_mps * (1.0 - sin * sin).sqrt()
+    }
+
+    /// The surface and the bed stop it as it comes to them: the closer, the slower. On a bed that rises it is pushed up.
+    fn meet_surface_and_bed(&mut self) {
+        let gain_per_s = self.lags.stop_per_s;
+        let altitude_m = self.water_depth_m - self.depth_m;
+        let down_mps = self.deepening_mps() + TOUCH_MPS + gain_per_s * altitude_m;
+        self.heave_mps = self.heave_mps.max(-gain_per_s * self.depth_m).min(down_mps);
     }
 }
 
-/// The part of the way that a first-order lag goes in a step.
-fn share(dt_s: f64, tau_s: f64) -> f64 {
-    dt_s / (tau_s + dt_s)
-}
+/// The slowest at which pitch is counted on to climb or dive, metres a second.
+const PITCHES_FROM_MPS: f64 = 0.4;
+/// Roll for a rate of turn, seconds.
+const LEAN_S: f64 = 0.3;
+/// How fast it touches the bed in the end, metres a second.
+const TOUCH_MPS: f64 = 0.02;
+/// Nearer to the surface than this it is there, metres.
+const AFLOAT_M: f64 = 0.001;
 
 #[cfg(test)]
 mod tests {

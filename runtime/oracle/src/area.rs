@@ -1,20 +1,19 @@
-use backseat_units::math::wrap_180;
-use backseat_units::{LocalFrame, Position};
-
+use crate::earth::{Line, Position, wrap_180};
 use crate::error::OracleError;
 use crate::geojson;
-use crate::plane::{Plane, Point, to_segment_m};
-use crate::zone::{Kind, Setpoint, Shape, Zone};
+use crate::plane::{Plane, Point, Vector, to_segment_m};
+use crate::wire::Setpoint;
+use crate::zone::{Kind, Shape, Zone};
 
 /// Legs are judged in pieces of this length, metres: the plane of a piece is true to millimetres.
 const PIECE_M: f64 = 250.0;
-/// A longer leg is out of any fence (the local frame ends at 50 km).
+/// A longer leg is out of any fence.
 const LEG_MAX_M: f64 = 100_000.0;
+
 /// Where the vehicle may be.
 #[derive(Clone, Debug)]
 pub(crate) struct Area {
     reference_deg: f64,
-    frame: LocalFrame,
     zones: Vec<Zone>,
 }
 
@@ -37,28 +36,7 @@ pub(crate) struct Surroundings {
 impl Area {
     pub(crate) fn read(geojson: &str) -> Result<Self, OracleError> {
         let (reference_deg, zones) = geojson::read(geojson)?;
-        let (mut min, mut max) = (Point { x: 360.0, y: 90.0 }, Point { x: -360.0, y: -90.0 });
-        for zone in zones.iter().filter(|zone| zone.kind == Kind::Inclusion) {
-            min = Point {
-                x: min.x.min(zone.min.x),
-                y: min.y.min(zone.min.y),
-            };
-            max = Point {
-                x: max.x.max(zone.max.x),
-                y: max.y.max(zone.max.y),
-            };
-        }
-        let centre = Position::from_deg((min.y + max.y) / 2.0, wrap_180(reference_deg + (min.x + max.x) / 2.0));
-        let Ok(centre) = centre else {
-            return Err(OracleError::Document {
-                expected: "positions on the earth",
-            });
-        };
-        Ok(Self {
-            reference_deg,
-            frame: LocalFrame::new(centre),
-            zones,
-        })
+        Ok(Self { reference_deg, zones })
     }
 
     pub(crate) fn zone(&self, index: usize) -> Option<&Zone> {
@@ -67,21 +45,9 @@ impl Area {
 
     pub(crate) fn point(&self, position: Position) -> Point {
         Point {
-            x: wrap_180(position.longitude.as_deg() - self.reference_deg),
-            y: position.latitude.as_deg(),
+            x: wrap_180(position.longitude_deg - self.reference_deg),
+            y: position.latitude_deg,
         }
-    }
-
-    pub(crate) fn point_deg(&self, latitude_deg: f64, longitude_deg: f64) -> Point {
-        Point {
-            x: wrap_180(longitude_deg - self.reference_deg),
-            y: latitude_deg,
-        }
-    }
-
-    /// Between two positions, metres.
-    pub(crate) fn distance_m(&self, from: Position, to: Position) -> f64 {
-        self.frame.to_local(from).distance_m(self.frame.to_local(to))
     }
 
     /// What surrounds a point; fills what is given, to spare the allocation.
@@ -100,6 +66,32 @@ impl Area {
         surroundings.edge_m = nearest_m;
     }
 
+    /// The widest margin of any zone, metres.
+    pub(crate) fn margin_max_m(&self) -> f64 {
+        self.zones.iter().fold(0.0, |most, zone| zone.margin_m.max(most))
+    }
+
+    /// Which zone's margin a place of the plane is in by more than a slack: that of an exclusion which holds at all of the
+    /// depths, or that of every inclusion, of which it is the last one. Nothing where it keeps them.
+    pub(crate) fn margin_broken(&self, plane: &Plane, place: Vector, depths_m: &[f64], slack_m: f64) -> Option<&Zone> {
+        let mut nearest = None;
+        let mut kept = false;
+        for zone in &self.zones {
+            let within_m = zone.margin_m - slack_m;
+            match zone.kind {
+                Kind::Inclusion if !kept => {
+                    kept = zone.is_inside_by(plane, place, within_m);
+                    nearest = Some(zone);
+                }
+                Kind::Exclusion if zone.surely_holds(depths_m) && zone.is_inside_by(plane, place, -within_m) => {
+                    return Some(zone);
+                }
+                Kind::Inclusion | Kind::Exclusion => {}
+            }
+        }
+        nearest.filter(|_| !kept)
+    }
+
     /// Which zones hold a point; fills what is given, to spare the allocation.
     pub(crate) fn holding(&self, point: Point, zones: &mut Vec<usize>) {
         zones.clear();
@@ -108,13 +100,13 @@ impl Area {
 
     /// Whether a straight leg and its setpoint keep inside one inclusion zone and clear of exclusions.
     pub(crate) fn judge_leg(&self, from: Position, to: Position, setpoint: Setpoint) -> Result<(), Fault> {
-        let (from, to) = (self.frame.to_local(from), self.frame.to_local(to));
-        let length_m = from.distance_m(to);
+        let line = Line::between(from, to);
+        let length_m = line.length_m();
         if !length_m.is_finite() || length_m > LEG_MAX_M {
             return Err(Fault::Horizontal(format!("a leg of {length_m:.0} m")));
         }
         let count = (length_m / PIECE_M).ceil().max(1.0);
-        let at = |index: f64| self.point(self.frame.to_position(from + (to - from) * (index / count)));
+        let at = |index: f64| self.point(line.at(index / count));
         let mut pieces = Vec::with_capacity(count as usize);
         let mut start = at(0.0);
         for index in 1..=count as usize {
@@ -204,7 +196,7 @@ impl Area {
 
 #[cfg(test)]
 mod tests {
-    use backseat_units::EastNorth;
+    use backseat_units::{EastNorth, LocalFrame};
     use proptest::prelude::*;
 
     use super::*;
@@ -239,7 +231,12 @@ mod tests {
         ) {
             let area = Area::read(FENCE).unwrap();
             let from = EastNorth::new(from.0, from.1);
-            let position = |point| area.frame.to_position(point);
+            // The frame that the runtime judges in, which shares nothing with this crate.
+            let frame = LocalFrame::new(backseat_units::Position::from_deg(60.1, 5.15).unwrap());
+            let position = |point| {
+                let position = frame.to_position(point);
+                Position { latitude_deg: position.latitude.as_deg(), longitude_deg: position.longitude.as_deg() }
+            };
             let count = 2000;
             let (good, points): (bool, Vec<EastNorth>) = if rim {
                 let radius_m = length / 10.0;

@@ -1,20 +1,26 @@
 use std::time::Duration;
 
-use backseat_units::Timestamp;
+use crate::moment::Moment;
 
 use crate::area::Area;
 use crate::delivery::Delivery;
 use crate::limits::{Activity, Truth};
 use crate::plan::Plan;
+use crate::plane::Plane;
 use crate::rule::Rule;
 use crate::surroundings::Survey;
 use crate::violation::Findings;
+use crate::wire::Fix;
 use crate::zone::Kind;
 
 /// How long after our commands the vehicle's whereabouts are still their consequence whatever it does.
 const CONSEQUENCE: Duration = Duration::from_secs(15);
 /// And how long at most while it is on its way to its plan.
 const WAY_BACK: Duration = Duration::from_secs(300);
+/// How often the vehicle's own idea of its place is held against the margins.
+const MARGIN_EVERY: Duration = Duration::from_secs(1);
+/// What two frames, the wire's decimals and a moment of noise may take from a margin, metres.
+const MARGIN_SLACK_M: f64 = 1.0;
 /// How far the true depth may be out of the zone's band, metres.
 const DEPTH_SLACK_M: f64 = 1.0;
 /// How long a cancel of ours has consequences.
@@ -29,12 +35,12 @@ const CORRECTION_MPS: f64 = 0.5;
 /// What the vehicle truly did.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Conduct {
-    last: Option<(Timestamp, Activity)>,
-    commanded_until: Option<Timestamp>,
+    last: Option<(Moment, Activity)>,
+    commanded_until: Option<Moment>,
     /// Since then it has been on its plan, or has been led elsewhere by others.
     is_back: bool,
     /// When the vehicle took a cancel of ours, under which it may be on its way until it is on its plan again.
-    cancelled: Option<Timestamp>,
+    cancelled: Option<Moment>,
     survey: Survey,
     /// How far the vehicle is from where it believes to be, metres.
     error_m: f64,
@@ -45,6 +51,8 @@ pub(crate) struct Conduct {
     outside: Excursion,
     depth: Excursion,
     grounded: Excursion,
+    margin: Excursion,
+    margin_judged: Option<Moment>,
     outlived: Excursion,
     hold_outlived: Excursion,
     reports: u64,
@@ -62,6 +70,8 @@ pub(crate) struct Context<'a> {
     pub(crate) area: &'a Area,
     pub(crate) plan: &'a Plan,
     pub(crate) tracking_error_m: f64,
+    /// Where the vehicle said last that it is, where that is news.
+    pub(crate) believed: Option<Fix>,
     /// What may have passed since the vehicle received what was sent last.
     pub(crate) delivery: &'a Delivery,
     pub(crate) link_delay: Duration,
@@ -79,7 +89,7 @@ impl Conduct {
     }
 
     /// The vehicle took a cancel of ours of what it flew, or of what was to come.
-    pub(crate) fn cancelled(&mut self, at: Timestamp) {
+    pub(crate) fn cancelled(&mut self, at: Moment) {
         self.cancelled = Some(at);
     }
 
@@ -93,8 +103,7 @@ impl Conduct {
         (self.error_m, self.depth_error_m) = (error_m, depth_error_m);
     }
 
-    pub(crate) fn judge(&mut self, truth: &Truth, context: &Context<'_>, findings: &mut Findings) {
-        let at = truth.at;
+    pub(crate) fn judge(&mut self, at: Moment, truth: &Truth, context: &Context<'_>, findings: &mut Findings) {
         self.reports += 1;
         let mut passed = Duration::ZERO;
         if let Some((before, activity)) = self.last {
@@ -109,7 +118,7 @@ impl Conduct {
         let corrected_m = CORRECTION_MPS * passed.as_secs_f64();
         self.astray_m = (self.astray_m - corrected_m).max(self.error_m);
         self.depth_astray_m = (self.depth_astray_m - corrected_m).max(self.depth_error_m);
-        self.judge_lapses(truth, context, findings);
+        self.judge_lapses(at, truth, context, findings);
 
         let commanded = match truth.activity {
             Activity::Insert(_) | Activity::Modified => {
@@ -143,15 +152,22 @@ impl Conduct {
             }
         };
         self.judged += 1;
-        self.judge_whereabouts(truth, commanded, context, findings);
+        self.judge_whereabouts((at, truth), commanded, context, findings);
+        if matches!(truth.activity, Activity::Insert(_)) {
+            self.judge_margin(at, context, findings);
+        }
     }
 
     /// What must have lapsed by the vehicle's own clock.
-    fn judge_lapses(&mut self, truth: &Truth, context: &Context<'_>, findings: &mut Findings) {
-        let at = truth.at;
-        let over = |last: Option<Timestamp>, lapse: Duration| {
+    fn judge_lapses(&mut self, at: Moment, truth: &Truth, context: &Context<'_>, findings: &mut Findings) {
+        let over = |last: Option<Moment>, lapse: Duration| {
             last.is_none_or(|last| at.since(last) > lapse + context.delivery.delay(context.link_delay))
         };
+        match truth.activity {
+            Activity::Modified => findings.judge(Rule::ModifyOutlives),
+            Activity::Suspended => findings.judge(Rule::HoldOutlives),
+            Activity::Plan | Activity::Insert(_) | Activity::Other => {}
+        }
         let last = context.delivery.last_modify();
         let outlived = truth.activity == Activity::Modified && over(last, LAPSE);
         self.outlived
@@ -168,7 +184,13 @@ impl Conduct {
             });
     }
 
-    fn judge_whereabouts(&mut self, truth: &Truth, commanded: bool, context: &Context<'_>, findings: &mut Findings) {
+    fn judge_whereabouts(
+        &mut self,
+        (at, truth): (Moment, &Truth),
+        commanded: bool,
+        context: &Context<'_>,
+        findings: &mut Findings,
+    ) {
         let point = context.area.point(truth.position);
         self.survey.at(point, context.area);
         let (mut inside, mut depth_allowed, mut excluded) = self.where_it_is(truth, commanded, context.area);
@@ -191,10 +213,7 @@ impl Conduct {
         let place = || {
             format!(
                 "{:.6} {:.6}, {:.1} m deep, {:?}",
-                truth.position.latitude.as_deg(),
-                truth.position.longitude.as_deg(),
-                truth.depth_m,
-                truth.activity
+                truth.position.latitude_deg, truth.position.longitude_deg, truth.depth_m, truth.activity
             )
         };
         let rule = if commanded || self.cancelled.is_none() {
@@ -202,21 +221,54 @@ impl Conduct {
         } else {
             Rule::TruthCancel
         };
+        for judged in [rule, Rule::TruthDepth] {
+            findings.judge(judged);
+        }
+        if commanded {
+            findings.judge(Rule::TruthGrounded);
+        }
         let excluded = excluded.and_then(|index| context.area.zone(index));
-        self.outside.tell(out, findings, truth.at, rule, || match excluded {
+        self.outside.tell(out, findings, at, rule, || match excluded {
             Some(zone) => format!("in exclusion zone {} at {}", zone.name, place()),
             None => format!("in no inclusion zone at {}, about {edge_m:.1} m from an edge", place()),
         });
         let depth = inside && !depth_allowed && !excused;
-        self.depth.tell(depth, findings, truth.at, Rule::TruthDepth, || {
+        self.depth.tell(depth, findings, at, Rule::TruthDepth, || {
             format!("out of the depths of every inclusion zone at {}", place())
         });
         // An altitude which is no number is no clearance.
         let grounded = commanded && (truth.altitude_m <= 0.0 || truth.altitude_m.is_nan());
-        self.grounded
-            .tell(grounded, findings, truth.at, Rule::TruthGrounded, || {
-                format!("altitude {:.2} m at {}", truth.altitude_m, place())
-            });
+        self.grounded.tell(grounded, findings, at, Rule::TruthGrounded, || {
+            format!("altitude {:.2} m at {}", truth.altitude_m, place())
+        });
+    }
+
+    /// What the vehicle believes of its place under an insert. A correction of navigation moves that at once, by no more than
+    /// what was wrong, which the error against the truth tells.
+    fn judge_margin(&mut self, at: Moment, context: &Context<'_>, findings: &mut Findings) {
+        let Some(fix) = context.believed else { return };
+        let recent = |judged: Moment| at.since(judged) < MARGIN_EVERY;
+        // The truth is no further from what is believed than the error.
+        if self.margin_judged.is_some_and(recent)
+            || self.survey.spare_m() > context.area.margin_max_m() + self.error_m && !self.outside.0
+        {
+            return;
+        }
+        self.margin_judged = Some(at);
+        findings.judge(Rule::InsertMargin);
+        let plane = Plane::at(context.area.point(fix.position));
+        let depths_m = [fix.depth_m - self.depth_astray_m, fix.depth_m + self.depth_astray_m];
+        let slack_m = MARGIN_SLACK_M + self.astray_m;
+        let zone = context.area.margin_broken(&plane, [0.0, 0.0], &depths_m, slack_m);
+        self.margin.tell(zone.is_some(), findings, at, Rule::InsertMargin, || {
+            format!(
+                "at {:.6} {:.6}, {:.1} m deep, as it believes: in the margin of zone {} by over {slack_m:.1} m",
+                fix.position.latitude_deg,
+                fix.position.longitude_deg,
+                fix.depth_m,
+                zone.map_or("", |zone| &zone.name)
+            )
+        });
     }
 
     /// Whether any inclusion zone holds the vehicle, whether one of those allows its depth, and which exclusion holds it.
@@ -245,7 +297,7 @@ impl Conduct {
 }
 
 impl Excursion {
-    fn tell(&mut self, now: bool, findings: &mut Findings, at: Timestamp, rule: Rule, text: impl FnOnce() -> String) {
+    fn tell(&mut self, now: bool, findings: &mut Findings, at: Moment, rule: Rule, text: impl FnOnce() -> String) {
         if now && !self.0 {
             findings.add(at, rule, text);
         }

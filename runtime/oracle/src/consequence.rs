@@ -1,10 +1,10 @@
-use backseat_spi::{HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode};
-use backseat_units::math::{sin_cos, wrap_180};
+use libm::sincos;
 
 use crate::area::Area;
-use crate::navigation::Fix;
+use crate::earth::wrap_180;
 use crate::plane::{Plane, Vector};
 use crate::surroundings::Survey;
+use crate::wire::{Fix, Modify, Setpoint};
 use crate::zone::Kind;
 
 /// How long a vehicle goes on after a BPRMB for sure, seconds: the 5 s of SPI 7.12, less what delays may take.
@@ -14,8 +14,8 @@ const STEPS: u32 = 6;
 const NORTH_DEG: f64 = 4.0;
 /// Any vehicle turns faster than this, degrees a second.
 const TURN_MIN_DPS: f64 = 3.0;
-/// A setpoint or a depth so near to the end of a band may be beyond it, metres.
-const BAND_SLACK_M: f64 = 1.0;
+/// What two frames, the wire's decimals and a moment of noise may take from a margin, metres.
+const MARGIN_SLACK_M: f64 = 1.0;
 
 /// What a modify certainly leads to.
 #[derive(Clone, Debug, Default)]
@@ -26,38 +26,75 @@ pub(crate) struct Consequence {
 impl Consequence {
     /// Where a BPRMB takes the vehicle out of the fence, whatever north its heading counts from and however fast the
     /// vehicle turns: straight on from where it said that it is, until it would forget the modify, without any margin.
-    pub(crate) fn judge(&mut self, modify: &ModifyBehavior, fix: &Fix, area: &Area) -> Option<String> {
-        let (Some(HorizontalMode::Heading), Some(heading_deg)) = (modify.horizontal_mode, modify.horizontal) else {
-            return None;
-        };
-        let (Some(ModifySpeedMode::MetresPerSecond), Some(speed_mps)) = (modify.speed_mode, modify.speed) else {
-            return None;
-        };
-        let depths = match (modify.vertical_mode, modify.vertical_m) {
-            (Some(ModifyVerticalMode::Depth), Some(depth_m)) => Some([depth_m, fix.depth_m]),
-            (Some(_) | None, Some(_) | None) => None,
-        };
-        let way_m = CERTAIN_S * speed_mps.clamp(0.0, 10.0);
-        let from = area.point_deg(fix.latitude_deg, fix.longitude_deg);
+    pub(crate) fn judge(&mut self, modify: &Modify, fix: &Fix, area: &Area) -> Option<String> {
+        let (heading_deg, speed_mps) = modify.heading_deg.zip(modify.speed_mps)?;
+        let way_m = way_m(speed_mps);
+        let from = area.point(fix.position);
         self.survey.at(from, area);
         let surroundings = self.survey.surroundings();
+        let depths_m = depths(modify, fix);
         if self.survey.spare_m() > way_m + 1.0 {
-            return is_out(&surroundings.zones, depths, area).then(|| "it is there already".to_owned());
+            return is_out(&surroundings.zones, &depths_m, area).then(|| "it is there already".to_owned());
         }
         let plane = Plane::at(from);
         let mut zones = Vec::new();
-        let mut leaves = |place: Vector| {
-            area.holding(plane.point(place), &mut zones);
-            is_out(&zones, depths, area)
-        };
-        let mut all = true;
-        for turns in [false, true] {
-            for north_deg in [-NORTH_DEG, 0.0, NORTH_DEG] {
-                all &= way(heading_deg + north_deg, fix.heading_deg, turns, way_m).any(&mut leaves);
-            }
-        }
+        let all = ways(heading_deg, fix.heading_deg, way_m).all(|mut way| {
+            way.any(|place| {
+                area.holding(plane.point(place), &mut zones);
+                is_out(&zones, &depths_m, area)
+            })
+        });
         all.then(|| format!("{way_m:.1} m on with heading {heading_deg} at {speed_mps} m/s"))
     }
+
+    /// Where a BPRMB takes the vehicle into a margin, or finds it there, by the same ways: whichever of the fixes the runtime
+    /// has judged by.
+    pub(crate) fn judge_margin(&mut self, modify: &Modify, fixes: [&Fix; 2], area: &Area) -> Option<String> {
+        let (heading_deg, speed_mps) = modify.heading_deg.zip(modify.speed_mps)?;
+        let way_m = way_m(speed_mps);
+        self.survey.at(area.point(fixes[0].position), area);
+        let far = self.survey.spare_m() > way_m + area.margin_max_m();
+        if far && !self.survey.surroundings().zones.is_empty() {
+            return None;
+        }
+        let mut name = None;
+        let all = fixes.iter().all(|fix| {
+            let plane = Plane::at(area.point(fix.position));
+            let depths_m = depths(modify, fix);
+            let mut broken = |place: Vector| {
+                let zone = area.margin_broken(&plane, place, &depths_m, MARGIN_SLACK_M)?;
+                name = Some(&zone.name);
+                Some(())
+            };
+            // Where they begin and where they end: between, a way straight on cannot break what neither breaks by much.
+            ways(heading_deg, fix.heading_deg, way_m).all(|way| {
+                let end = way.last().unwrap_or_default();
+                broken([0.0, 0.0]).or_else(|| broken(end)).is_some()
+            })
+        });
+        name.filter(|_| all).map(|name| {
+            format!("{way_m:.1} m on with heading {heading_deg} at {speed_mps} m/s, in the margin of zone {name}")
+        })
+    }
+}
+
+/// How far a vehicle goes for certain, metres.
+fn way_m(speed_mps: f64) -> f64 {
+    CERTAIN_S * speed_mps.clamp(0.0, 10.0)
+}
+
+/// The depths that the vehicle has for certain or goes to; none where it has no setpoint of depth.
+fn depths(modify: &Modify, fix: &Fix) -> Vec<f64> {
+    match modify.vertical {
+        Some(Setpoint::Depth(depth_m)) => vec![depth_m, fix.depth_m],
+        Some(Setpoint::Altitude(_)) | None => Vec::new(),
+    }
+}
+
+/// The ways to a heading, whatever north it counts from and however fast the vehicle turns.
+fn ways(to_deg: f64, from_deg: f64, way_m: f64) -> impl Iterator<Item = impl Iterator<Item = Vector>> {
+    let norths = [0.0, -NORTH_DEG, NORTH_DEG].into_iter();
+    norths.flat_map(move |north_deg| [false, true].map(|turns| way(to_deg + north_deg, from_deg, turns, way_m)))
 }
 
 /// Points of the way to a heading: turned to at once, or as slowly as a vehicle can.
@@ -72,7 +109,7 @@ fn way(to_deg: f64, from_deg: f64, turns: bool, way_m: f64) -> impl Iterator<Ite
             } else {
                 to_deg
             };
-            let (sin, cos) = sin_cos(heading_deg.to_radians());
+            let (sin, cos) = sincos(heading_deg.to_radians());
             let step_m = way_m / f64::from(STEPS);
             place = [place[0] + sin * step_m, place[1] + cos * step_m];
         }
@@ -80,22 +117,14 @@ fn way(to_deg: f64, from_deg: f64, turns: bool, way_m: f64) -> impl Iterator<Ite
     })
 }
 
-/// Whether a place in these zones is out of the fence: in no inclusion, or in an exclusion that holds at its depth.
-fn is_out(zones: &[usize], depths: Option<[f64; 2]>, area: &Area) -> bool {
+/// Whether a place in these zones is out of the fence: in no inclusion, or in an exclusion that holds at its depths.
+fn is_out(zones: &[usize], depths_m: &[f64], area: &Area) -> bool {
     let mut inside = false;
     for zone in zones.iter().filter_map(|index| area.zone(*index)) {
         match zone.kind {
             Kind::Inclusion => inside = true,
-            Kind::Exclusion => {
-                let band = zone.depth_min_m + BAND_SLACK_M..=zone.depth_max_m - BAND_SLACK_M;
-                let holds = match depths {
-                    Some(depths) => depths.iter().all(|depth_m| band.contains(depth_m)),
-                    None => zone.depth_min_m == f64::NEG_INFINITY && zone.depth_max_m == f64::INFINITY,
-                };
-                if holds && !zone.timed {
-                    return true;
-                }
-            }
+            Kind::Exclusion if zone.surely_holds(depths_m) => return true,
+            Kind::Exclusion => {}
         }
     }
     !inside

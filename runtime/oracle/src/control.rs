@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use backseat_units::Timestamp;
+use crate::moment::Moment;
 
 use crate::limits::ControlHook;
 
@@ -9,10 +9,20 @@ use crate::limits::ControlHook;
 pub(crate) struct Control {
     hook: ControlHook,
     up: bool,
-    granted_by_hook: Option<bool>,
-    running: Option<bool>,
-    granted: bool,
-    since: Timestamp,
+    granted_by_hook: Word,
+    running: Word,
+    /// Nothing where it is not known.
+    granted: Option<bool>,
+    since: Moment,
+}
+
+/// What the vehicle has said on this connection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Word {
+    Unsaid,
+    Said(bool),
+    /// It may have said anything: nobody has written it down.
+    Lost,
 }
 
 /// What became of control.
@@ -24,6 +34,11 @@ pub(crate) enum Change {
         /// How long it was held.
         held: Duration,
     },
+    /// It is not known any more.
+    Forgotten {
+        /// How long it was held.
+        held: Duration,
+    },
 }
 
 impl Control {
@@ -31,10 +46,10 @@ impl Control {
         Self {
             hook,
             up: false,
-            granted_by_hook: None,
-            running: None,
-            granted: false,
-            since: Timestamp::ZERO,
+            granted_by_hook: Word::Unsaid,
+            running: Word::Unsaid,
+            granted: Some(false),
+            since: Moment::ZERO,
         }
     }
 
@@ -43,61 +58,88 @@ impl Control {
     }
 
     pub(crate) const fn is_granted(&self) -> bool {
-        self.granted
+        matches!(self.granted, Some(true))
+    }
+
+    /// Whether the run has told whose control is.
+    pub(crate) const fn is_known(&self) -> bool {
+        self.granted.is_some()
     }
 
     /// Since when there is no control; `None` where there is.
-    pub(crate) fn denied_since(&self) -> Option<Timestamp> {
-        (!self.granted).then_some(self.since)
+    pub(crate) fn denied_since(&self) -> Option<Moment> {
+        (self.granted == Some(false)).then_some(self.since)
     }
 
     /// Since when there is control; `None` where there is none.
-    pub(crate) fn held_since(&self) -> Option<Timestamp> {
-        self.granted.then_some(self.since)
+    pub(crate) fn held_since(&self) -> Option<Moment> {
+        self.is_granted().then_some(self.since)
     }
 
     /// The link came up or went down: either way all earlier words are void.
-    pub(crate) fn link(&mut self, at: Timestamp, up: bool) -> Change {
+    pub(crate) fn link(&mut self, at: Moment, up: bool) -> Change {
         self.up = up;
-        self.granted_by_hook = None;
-        self.running = None;
+        self.granted_by_hook = Word::Unsaid;
+        self.running = Word::Unsaid;
         self.settle(at)
     }
 
-    pub(crate) fn backseat_control(&mut self, at: Timestamp, granted: bool) -> Change {
+    /// What was said until now was not all written down: control is unknown until the vehicle says it again.
+    pub(crate) fn lose_sight(&mut self, at: Moment) -> Change {
+        self.granted_by_hook = Word::Lost;
+        self.running = Word::Lost;
+        self.settle(at)
+    }
+
+    /// Bytes come or go: the link is up, whatever was not written down.
+    pub(crate) fn seems_up(&mut self, at: Moment) -> Change {
+        self.up = true;
+        self.settle(at)
+    }
+
+    pub(crate) fn backseat_control(&mut self, at: Moment, granted: bool) -> Change {
         if self.hook == ControlHook::BackseatControl {
-            self.granted_by_hook = Some(granted);
+            self.granted_by_hook = Word::Said(granted);
         }
         self.settle(at)
     }
 
-    pub(crate) fn mission_running(&mut self, at: Timestamp, running: bool) -> Change {
-        self.running = Some(running);
+    pub(crate) fn mission_running(&mut self, at: Moment, running: bool) -> Change {
+        self.running = Word::Said(running);
         if self.hook == ControlHook::MissionRunning {
-            self.granted_by_hook = Some(running);
+            self.granted_by_hook = Word::Said(running);
         }
         self.settle(at)
     }
 
-    pub(crate) fn mission_command(&mut self, at: Timestamp, text: &str) -> Change {
+    pub(crate) fn mission_command(&mut self, at: Moment, text: &[u8]) -> Change {
         if let ControlHook::MissionCommand { grant, revoke } = &self.hook {
-            if text == revoke {
-                self.granted_by_hook = Some(false);
-            } else if text == grant {
-                self.granted_by_hook = Some(true);
+            if text == revoke.as_bytes() {
+                self.granted_by_hook = Word::Said(false);
+            } else if text == grant.as_bytes() {
+                self.granted_by_hook = Word::Said(true);
             }
         }
         self.settle(at)
     }
 
-    fn settle(&mut self, at: Timestamp) -> Change {
-        let granted = self.up && self.granted_by_hook == Some(true) && self.running == Some(true);
+    fn settle(&mut self, at: Moment) -> Change {
+        let granted = match (self.granted_by_hook, self.running) {
+            _ if !self.up => Some(false),
+            (Word::Unsaid | Word::Said(false), _) | (_, Word::Unsaid | Word::Said(false)) => Some(false),
+            (Word::Said(true), Word::Said(true)) => Some(true),
+            (Word::Lost, _) | (_, Word::Lost) => None,
+        };
         if granted == self.granted {
             return Change::None;
         }
-        let held = at.since(self.since);
+        let held = self.held_since().map_or(Duration::ZERO, |since| at.since(since));
         self.granted = granted;
         self.since = at;
-        if granted { Change::Gained } else { Change::Lost { held } }
+        match granted {
+            Some(true) => Change::Gained,
+            Some(false) => Change::Lost { held },
+            None => Change::Forgotten { held },
+        }
     }
 }

@@ -1,7 +1,8 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use backseat_units::{TimeOfDay, Timestamp};
+use crate::moment::Moment;
+use crate::time_of_day::TimeOfDay;
 
 use crate::rule::Rule;
 use crate::violation::Findings;
@@ -13,14 +14,17 @@ pub(crate) struct Delivery {
     /// Nothing where arrivals are not told.
     arrived: Option<Newest>,
     /// The newest BPRMB: when they were made, and when they left.
-    modifies: VecDeque<(TimeOfDay, Timestamp)>,
+    modifies: VecDeque<(TimeOfDay, Moment)>,
+    /// For how many reasons the vehicle is deaf, and when it last heard again.
+    deaf: u32,
+    hears_since: Option<Moment>,
 }
 
 /// The last of what the vehicle forgets by its own clock.
 #[derive(Clone, Copy, Debug, Default)]
 struct Newest {
-    modify: Option<Timestamp>,
-    hold: Option<Timestamp>,
+    modify: Option<Moment>,
+    hold: Option<Moment>,
 }
 
 impl Delivery {
@@ -29,16 +33,32 @@ impl Delivery {
     const STALE: Duration = Duration::from_millis(2500);
     const MODIFIES_MAX: usize = 256;
 
-    pub(crate) fn sent_modify(&mut self, at: Timestamp, created: TimeOfDay) {
+    pub(crate) fn sent_modify(&mut self, at: Moment, created: TimeOfDay) {
         self.sent.modify = Some(at);
         if self.modifies.len() == Self::MODIFIES_MAX {
             self.modifies.pop_front();
         }
-        self.modifies.push_back((created.truncated_to_millis(), at));
+        self.modifies.push_back((created.to_the_millisecond(), at));
     }
 
-    pub(crate) fn sent_hold(&mut self, at: Timestamp) {
+    pub(crate) fn sent_hold(&mut self, at: Moment) {
         self.sent.hold = Some(at);
+    }
+
+    /// Whether arrivals are told.
+    pub(crate) const fn is_told(&self) -> bool {
+        self.arrived.is_some()
+    }
+
+    /// The vehicle does not read what has arrived, or does again. What it reads then is as old as it is by no fault of whoever
+    /// sent it.
+    pub(crate) fn deaf(&mut self, at: Moment, deaf: bool) {
+        if deaf {
+            self.deaf += 1;
+        } else {
+            self.deaf = self.deaf.saturating_sub(1);
+            self.hears_since = Some(at);
+        }
     }
 
     /// From now on arrivals are told.
@@ -50,7 +70,7 @@ impl Delivery {
     /// sentences without a checksum, or with one that is not padded.
     pub(crate) fn arrived(
         &mut self,
-        at: Timestamp,
+        at: Moment,
         name: [u8; 5],
         created: Option<TimeOfDay>,
         link_delay: Duration,
@@ -62,13 +82,17 @@ impl Delivery {
             b"BPSUS" | b"BPCON" | b"BPGHP" | b"BPGBP" => newest.hold = Some(at),
             _ => return,
         }
-        let Some(created) = created.map(TimeOfDay::truncated_to_millis) else {
+        let Some(created) = created.map(TimeOfDay::to_the_millisecond) else {
             return;
         };
         let sent = self.modifies.iter().rev().find(|(made, _)| *made == created);
+        if name == *b"BPRMB" && sent.is_some() {
+            findings.judge(Rule::StaleDelivery);
+        }
         if name == *b"BPRMB"
             && let Some((_, sent)) = sent
-            && at.since(*sent) > Self::STALE + link_delay
+            && self.deaf == 0
+            && at.since(self.hears_since.map_or(*sent, |since| since.max(*sent))) > Self::STALE + link_delay
         {
             findings.add(at, Rule::StaleDelivery, || {
                 format!("the BPRMB of {sent} came {:.3} s later", at.since(*sent).as_secs_f64())
@@ -77,12 +101,12 @@ impl Delivery {
     }
 
     /// The last BPRMB that counts.
-    pub(crate) fn last_modify(&self) -> Option<Timestamp> {
+    pub(crate) fn last_modify(&self) -> Option<Moment> {
         self.arrived.unwrap_or(self.sent).modify
     }
 
     /// The last sentence that counts which keeps a suspension.
-    pub(crate) fn last_hold(&self) -> Option<Timestamp> {
+    pub(crate) fn last_hold(&self) -> Option<Moment> {
         self.arrived.unwrap_or(self.sent).hold
     }
 

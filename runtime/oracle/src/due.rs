@@ -1,4 +1,4 @@
-use backseat_units::Timestamp;
+use crate::moment::Moment;
 
 use crate::rule::Rule;
 use crate::violation::Findings;
@@ -6,7 +6,7 @@ use crate::violation::Findings;
 /// What has ended a lease or a hold, and until when its end must have been said.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Due {
-    pub(crate) by: Timestamp,
+    pub(crate) by: Moment,
     pub(crate) rule: Rule,
     pub(crate) why: &'static str,
 }
@@ -18,11 +18,11 @@ impl Due {
         Some(due.filter(|due| due.by <= other.by).unwrap_or(other))
     }
 
-    pub(crate) fn is_missed(&self, now: Timestamp) -> bool {
+    pub(crate) fn is_missed(&self, now: Moment) -> bool {
         now > self.by
     }
 
-    pub(crate) fn tell(&self, now: Timestamp, end: &str, findings: &mut Findings) {
+    pub(crate) fn tell(&self, now: Moment, end: &str, findings: &mut Findings) {
         findings.add(now, self.rule, || {
             format!("no {end} by {} though {}", self.by, self.why)
         });

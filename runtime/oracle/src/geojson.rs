@@ -1,6 +1,6 @@
-use backseat_units::math::wrap_180;
 use serde_json::{Map, Value};
 
+use crate::earth::wrap_180;
 use crate::error::OracleError;
 use crate::plane::Point;
 use crate::zone::{Kind, Zone};

@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use backseat_units::Timestamp;
+use crate::moment::Moment;
 
 use crate::due::Due;
 use crate::rule::Rule;
@@ -14,8 +14,8 @@ const LAPSE: Duration = Duration::from_secs(2);
 /// The cadence of our suspensions: a hold lives from BPSUS to BPRES, or until the vehicle goes on by itself.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Hold {
-    last: Option<Timestamp>,
-    alive_since: Option<Timestamp>,
+    last: Option<Moment>,
+    alive_since: Option<Moment>,
     /// BPSUS was said on this connection, and BPRES was not since.
     suspended: bool,
     /// BPSUS was said, and BPRES was not since.
@@ -40,13 +40,13 @@ impl Hold {
     }
 
     /// How long holds lived, until now.
-    pub(crate) fn alive_s(&self, now: Timestamp) -> f64 {
+    pub(crate) fn alive_s(&self, now: Moment) -> f64 {
         let open = self.alive_since.map_or(Duration::ZERO, |since| now.since(since));
         (self.alive + open).as_secs_f64()
     }
 
     /// Judges what silence does.
-    pub(crate) fn check(&mut self, now: Timestamp, findings: &mut Findings) {
+    pub(crate) fn check(&mut self, now: Moment, findings: &mut Findings) {
         if self.alive_since.is_none() {
             return;
         }
@@ -67,21 +67,21 @@ impl Hold {
     }
 
     /// We wrote a BPSUS. `counts` where the vehicle may take it; `due` where it must end at once.
-    pub(crate) fn suspend(&mut self, at: Timestamp, counts: bool, due: Option<Due>) {
+    pub(crate) fn suspend(&mut self, at: Moment, counts: bool, due: Option<Due>) {
         self.suspended = true;
         self.unended = true;
         self.refresh(at, counts, due);
     }
 
     /// We wrote BPCON, BPGHP or BPGBP. Whether there was something to keep.
-    pub(crate) fn keep(&mut self, at: Timestamp, counts: bool, due: Option<Due>) -> bool {
+    pub(crate) fn keep(&mut self, at: Moment, counts: bool, due: Option<Due>) -> bool {
         if self.suspended {
             self.refresh(at, counts, due);
         }
         self.suspended
     }
 
-    fn refresh(&mut self, at: Timestamp, counts: bool, due: Option<Due>) {
+    fn refresh(&mut self, at: Moment, counts: bool, due: Option<Due>) {
         self.last = Some(at);
         if counts && self.alive_since.is_none() {
             self.alive_since = Some(at);
@@ -91,7 +91,7 @@ impl Hold {
     }
 
     /// We wrote a BPRES.
-    pub(crate) fn end(&mut self, at: Timestamp) {
+    pub(crate) fn end(&mut self, at: Moment) {
         self.suspended = false;
         self.unended = false;
         self.close(at);
@@ -105,17 +105,25 @@ impl Hold {
     }
 
     /// The link was lost: the vehicle goes on by itself, and nothing is suspended on the next connection.
-    pub(crate) fn cut(&mut self, at: Timestamp) {
+    pub(crate) fn cut(&mut self, at: Moment) {
         self.suspended = false;
         self.close(at);
     }
 
     /// The runtime is stopped and cannot refresh.
-    pub(crate) fn pause(&mut self, at: Timestamp) {
+    pub(crate) fn pause(&mut self, at: Moment) {
         self.close(at);
     }
 
-    fn close(&mut self, at: Timestamp) {
+    /// What was said of late is not known: the mission may be suspended.
+    pub(crate) fn forget(&mut self, at: Moment) {
+        self.close(at);
+        self.last = None;
+        self.suspended = true;
+        self.unended = true;
+    }
+
+    fn close(&mut self, at: Moment) {
         if let Some(since) = self.alive_since.take() {
             self.alive += at.since(since);
         }

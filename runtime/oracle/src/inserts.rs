@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use backseat_units::{TimeOfDay, Timestamp};
+use crate::moment::Moment;
+use crate::time_of_day::{Echo, TimeOfDay};
 
 use crate::rule::Rule;
 use crate::violation::Findings;
@@ -17,9 +18,13 @@ pub(crate) struct Inserts {
     cancels: BTreeMap<TimeOfDay, u32>,
     open: Open,
     /// When the plans were asked for that are not told to their ends, by their BPRMP, oldest first.
-    plans_asked: Vec<(TimeOfDay, Timestamp)>,
+    plans_asked: Vec<(TimeOfDay, Moment)>,
     /// What the plan that is being told begins with: an element, and its place in it.
     plan_begins: Option<(PlanPlace, u32)>,
+    /// The first identifier that no earlier process, unknown to us, can have given.
+    first: u32,
+    /// Inserts may have been sent that nobody has written down.
+    unseen: bool,
     /// Sent and not refused, GPS hits apart, which have a cap of their own.
     counted: u64,
     sent: u64,
@@ -36,8 +41,8 @@ type PlanPlace = (Option<u32>, Option<u32>);
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Insert {
     /// What sent it, as acknowledgements name it.
-    pub(crate) command: &'static str,
-    pub(crate) sent: Timestamp,
+    pub(crate) command: [u8; 3],
+    pub(crate) sent: Moment,
     /// What our sentence said of when it was made.
     pub(crate) created: Option<TimeOfDay>,
     /// It interrupts the current behavior.
@@ -55,6 +60,8 @@ pub(crate) struct Insert {
     pub(crate) foreign: bool,
     /// An earlier process has sent it: this one cannot know how long it flies.
     pub(crate) inherited: bool,
+    /// It was open while nobody has written down what became of it: it may have begun, and flown for any time.
+    pub(crate) unwatched: bool,
 }
 
 /// What the vehicle said of an insert.
@@ -64,8 +71,8 @@ pub(crate) enum State {
     Sent,
     /// Nothing before the link was lost.
     Unknown,
-    Accepted(Timestamp),
-    Begun(Timestamp),
+    Accepted(Moment),
+    Begun(Moment),
     /// A whole plan, told later, did not have it, or the vehicle could not read it.
     Absent,
     Closed,
@@ -107,7 +114,7 @@ impl Open {
 }
 
 impl Insert {
-    pub(crate) const fn new(command: &'static str, sent: Timestamp, created: TimeOfDay, duration_s: f64) -> Self {
+    pub(crate) const fn new(command: [u8; 3], sent: Moment, created: TimeOfDay, duration_s: f64) -> Self {
         Self {
             command,
             sent,
@@ -120,6 +127,7 @@ impl Insert {
             listed: false,
             foreign: false,
             inherited: false,
+            unwatched: false,
         }
     }
 }
@@ -141,7 +149,7 @@ impl Inserts {
     /// We wrote an insert.
     pub(crate) fn sent(
         &mut self,
-        at: Timestamp,
+        at: Moment,
         identifier: u32,
         insert: Insert,
         total_max: u32,
@@ -149,6 +157,12 @@ impl Inserts {
     ) {
         self.sent += 1;
         self.counted += u64::from(insert.cancellable);
+        if insert.interrupts {
+            findings.judge(Rule::InterruptOfInterrupt);
+        }
+        for rule in [Rule::InsertInDoubt, Rule::InsertsTotal, Rule::IdentifierRepeated] {
+            findings.judge(rule);
+        }
         if insert.interrupts
             && let Some((running, _)) = self.known.iter().find(|(_, other)| {
                 other.interrupts
@@ -187,9 +201,11 @@ impl Inserts {
         }
     }
 
-    /// Whether we have sent an insert with this identifier.
-    pub(crate) fn is_ours(&self, identifier: u32) -> bool {
-        self.known.contains_key(&identifier) || self.known.len() >= Self::KNOWN_MAX
+    /// Whether we have sent an insert with this identifier; nothing where it may have been sent unseen.
+    pub(crate) fn is_ours(&self, identifier: u32) -> Option<bool> {
+        let unseen = self.unseen || identifier < self.first || self.known.len() >= Self::KNOWN_MAX;
+        let known = self.known.contains_key(&identifier);
+        (known || !unseen).then_some(known)
     }
 
     /// We wrote a BPRCN.
@@ -197,32 +213,33 @@ impl Inserts {
         if self.cancels.len() >= Self::KNOWN_MAX {
             self.cancels.pop_first();
         }
-        self.cancels.insert(created.truncated_to_millis(), identifier);
+        self.cancels.insert(created.to_the_millisecond(), identifier);
         if let Some(insert) = self.known.get_mut(&identifier) {
             insert.cancel_asked = true;
         }
     }
 
     /// One that was taken before `by`, has not begun, can be taken back, and was not.
-    pub(crate) fn not_taken_back(&self, by: Timestamp) -> Option<u32> {
+    pub(crate) fn not_taken_back(&self, by: Moment) -> Option<u32> {
         if self.open.queued == 0 {
             return None;
         }
         self.known.iter().find_map(|(identifier, insert)| {
             let waits = matches!(insert.state, State::Accepted(at) if at <= by);
-            (waits && insert.cancellable && !insert.cancel_asked && !insert.foreign).then_some(*identifier)
+            (waits && !insert.unwatched && insert.cancellable && !insert.cancel_asked && !insert.foreign)
+                .then_some(*identifier)
         })
     }
 
     /// The vehicle took or refused an insert.
-    pub(crate) fn answered(&mut self, at: Timestamp, identifier: Option<u32>, created: TimeOfDay, taken: bool) {
+    pub(crate) fn answered(&mut self, at: Moment, identifier: Option<u32>, echo: Echo, taken: bool) {
         let entry = match identifier {
             Some(identifier) => self.known.get_mut(&identifier),
             // Rare: an acknowledgement without the identifier.
             None => self
                 .known
                 .values_mut()
-                .find(|insert| insert.created.map(TimeOfDay::truncated_to_millis) == Some(created)),
+                .find(|insert| insert.created.is_some_and(|created| echo.echoes(created))),
         };
         let Some(insert) = entry else { return };
         insert.foreign = false;
@@ -241,7 +258,7 @@ impl Inserts {
 
     /// The vehicle could not read a command, and so does not say which: it may have been the oldest of that name that
     /// has no answer, or of any name where that could not be read either.
-    pub(crate) fn unreadable(&mut self, command: Option<&str>) {
+    pub(crate) fn unreadable(&mut self, command: Option<[u8; 3]>) {
         let oldest = self
             .known
             .values_mut()
@@ -255,20 +272,20 @@ impl Inserts {
     }
 
     /// We asked for the plan. Where it is asked for again before it was told, it comes twice.
-    pub(crate) fn plan_asked(&mut self, at: Timestamp, created: TimeOfDay) {
+    pub(crate) fn plan_asked(&mut self, at: Moment, created: TimeOfDay) {
         self.plans_asked
             .retain(|(_, asked)| at.since(*asked) < PLAN_TOLD_WITHIN);
         if self.plans_asked.is_empty() {
             self.unlist();
         }
         if self.plans_asked.len() < Self::PLANS_MAX {
-            self.plans_asked.push((created.truncated_to_millis(), at));
+            self.plans_asked.push((created.to_the_millisecond(), at));
         }
     }
 
     /// The vehicle tells an element of its plan. Where the first comes again, so does the plan, and what was told of it
     /// before was not told to its end.
-    pub(crate) fn element(&mut self, at: Timestamp, place: PlanPlace, index: u32) {
+    pub(crate) fn element(&mut self, at: Moment, place: PlanPlace, index: u32) {
         if self.plan_begins == Some((place, index)) {
             self.unlist();
         }
@@ -286,16 +303,16 @@ impl Inserts {
     }
 
     /// The vehicle's plan holds an insert: it was accepted, whatever became of the acknowledgement.
-    fn planned(&mut self, at: Timestamp, identifier: u32) {
-        self.answered(at, Some(identifier), TimeOfDay::MIDNIGHT, true);
+    fn planned(&mut self, at: Moment, identifier: u32) {
+        self.answered(at, Some(identifier), Echo::NONE, true);
         if let Some(insert) = self.known.get_mut(&identifier) {
             insert.listed = true;
         }
     }
 
     /// A plan was told to its end, or will not be: what it does not hold does not wait.
-    pub(crate) fn plan_told(&mut self, created: TimeOfDay, whole: bool) {
-        let Some(told) = self.plans_asked.iter().position(|(asked, _)| *asked == created) else {
+    pub(crate) fn plan_told(&mut self, echo: Echo, whole: bool) {
+        let Some(told) = self.plans_asked.iter().position(|(asked, _)| echo.echoes(*asked)) else {
             return;
         };
         let Some((_, asked)) = self.plans_asked.drain(..=told).next_back() else {
@@ -314,8 +331,10 @@ impl Inserts {
     }
 
     /// The vehicle acknowledged a cancel.
-    pub(crate) fn cancel_done(&mut self, identifier: Option<u32>, created: TimeOfDay) {
-        let identifier = identifier.or_else(|| self.cancels.get(&created).copied());
+    pub(crate) fn cancel_done(&mut self, identifier: Option<u32>, echo: Echo) {
+        let asked = |(created, _): &(&TimeOfDay, &u32)| echo.echoes(**created);
+        let identifier =
+            identifier.or_else(|| self.cancels.iter().rev().find(asked).map(|(_, identifier)| *identifier));
         let Some(insert) = identifier.and_then(|identifier| self.known.get_mut(&identifier)) else {
             return;
         };
@@ -325,8 +344,18 @@ impl Inserts {
         }
     }
 
+    /// The vehicle acknowledged a BPRCA: what waits and can be taken back is (SPI 7.9).
+    pub(crate) fn all_cancelled(&mut self) {
+        for insert in self.known.values_mut() {
+            if matches!(insert.state, State::Accepted(_)) && insert.cancellable {
+                self.open.goes(insert, State::Closed);
+                self.cancelled += 1;
+            }
+        }
+    }
+
     /// The vehicle begins an insert.
-    pub(crate) fn begins(&mut self, at: Timestamp, identifier: u32) {
+    pub(crate) fn begins(&mut self, at: Moment, identifier: u32) {
         self.planned(at, identifier);
         if let Some(insert) = self.known.get_mut(&identifier)
             && !matches!(insert.state, State::Begun(_))
@@ -337,7 +366,7 @@ impl Inserts {
     }
 
     /// The vehicle truly flies an insert. That it was taken must have been said: else nobody could know.
-    pub(crate) fn is_flown(&mut self, at: Timestamp, identifier: u32) {
+    pub(crate) fn is_flown(&mut self, at: Moment, identifier: u32) {
         if let Some(insert) = self.known.get_mut(&identifier)
             && matches!(insert.state, State::Accepted(_))
         {
@@ -354,7 +383,7 @@ impl Inserts {
     }
 
     /// A behaviour of the plan is flown: what had begun of ours is over, though its end may not have been told.
-    pub(crate) fn plan_goes_on(&mut self, at: Timestamp) {
+    pub(crate) fn plan_goes_on(&mut self, at: Moment) {
         if self.open.flown == 0 {
             return;
         }
@@ -372,9 +401,18 @@ impl Inserts {
         }
     }
 
-    /// The link was lost: what was not answered stays open.
-    pub(crate) fn cut(&mut self) {
+    /// The link was lost: what was not answered stays open. Where nobody tells what the vehicle truly does, what was taken
+    /// may be flown and over before it is heard of again.
+    pub(crate) fn cut(&mut self, truth_told: bool) {
         self.plans_asked.clear();
+        if !truth_told && self.open.queued + self.open.flown > 0 {
+            for insert in self.known.values_mut() {
+                if matches!(insert.state, State::Accepted(_) | State::Begun(_)) {
+                    insert.unwatched = true;
+                    self.open.goes(insert, State::Absent);
+                }
+            }
+        }
         if self.open.asked == 0 {
             return;
         }
@@ -383,6 +421,28 @@ impl Inserts {
                 insert.state = State::Unknown;
             }
         }
+    }
+
+    /// What was said of late is not known: others may have been sent, and what is open may have been refused, taken or
+    /// flown.
+    pub(crate) fn forget(&mut self) {
+        self.unseen = true;
+        self.plans_asked.clear();
+        self.unlist();
+        for insert in self.known.values_mut() {
+            if matches!(insert.state, State::Sent | State::Unknown) {
+                self.counted = self.counted.saturating_sub(u64::from(insert.cancellable));
+            }
+            if insert.state != State::Closed {
+                insert.unwatched = true;
+                self.open.goes(insert, State::Absent);
+            }
+        }
+    }
+
+    /// Identifiers below this one may be an earlier process's.
+    pub(crate) const fn begin_with(&mut self, first: u32) {
+        self.first = first;
     }
 
     /// A new process knows nothing of what another one sent.
@@ -395,7 +455,9 @@ impl Inserts {
     }
 
     /// Judges what is open, after the vehicle took one more.
-    pub(crate) fn check_open(&self, at: Timestamp, open_max: u32, duration_max_s: f64, findings: &mut Findings) {
+    pub(crate) fn check_open(&self, at: Moment, open_max: u32, duration_max_s: f64, findings: &mut Findings) {
+        findings.judge(Rule::InsertsOpen);
+        findings.judge(Rule::InsertsDuration);
         let mut open = 0_u64;
         let mut remaining_s = 0.0;
         for insert in self.known.values().filter(|insert| !insert.foreign) {
@@ -405,7 +467,7 @@ impl Inserts {
                 State::Sent | State::Unknown | State::Absent | State::Closed => continue,
             };
             open += 1;
-            if !insert.inherited {
+            if !insert.inherited && !insert.unwatched {
                 remaining_s += left_s;
             }
         }

@@ -1,6 +1,7 @@
 use std::time::Duration;
 
-use backseat_units::{TimeOfDay, Timestamp};
+use crate::moment::Moment;
+use crate::time_of_day::{Echo, TimeOfDay};
 
 use crate::due::Due;
 use crate::rule::Rule;
@@ -16,8 +17,8 @@ const GAP_MIN: Duration = Duration::from_millis(195);
 /// The cadence of our modifies: a lease lives from its first BPRMB to its BPEMB, or until the vehicle forgets it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lease {
-    last_modify: Option<Timestamp>,
-    alive_since: Option<Timestamp>,
+    last_modify: Option<Moment>,
+    alive_since: Option<Moment>,
     /// A BPRMB was sent and no BPEMB since.
     unended: bool,
     gap_told: bool,
@@ -27,7 +28,7 @@ pub(crate) struct Lease {
     /// What the first and the last BPRMB of the lease say of when they were made.
     created: Option<(TimeOfDay, TimeOfDay)>,
     /// The first BPRMB that nothing of what came since has answered.
-    unanswered: Option<Timestamp>,
+    unanswered: Option<Moment>,
     unanswered_told: bool,
     opened: u64,
     alive: Duration,
@@ -48,13 +49,13 @@ impl Lease {
     }
 
     /// How long leases lived, until now.
-    pub(crate) fn alive_s(&self, now: Timestamp) -> f64 {
+    pub(crate) fn alive_s(&self, now: Moment) -> f64 {
         let open = self.alive_since.map_or(Duration::ZERO, |since| now.since(since));
         (self.alive + open).as_secs_f64()
     }
 
     /// Judges what silence does. `answer_max` is how long an answer may take.
-    pub(crate) fn check(&mut self, now: Timestamp, answer_max: Duration, findings: &mut Findings) {
+    pub(crate) fn check(&mut self, now: Moment, answer_max: Duration, findings: &mut Findings) {
         if self.alive_since.is_none() {
             return;
         }
@@ -89,17 +90,25 @@ impl Lease {
         }
     }
 
-    /// We wrote a BPRMB. `counts` where the vehicle may take it; `due` where it must end at once.
+    /// We wrote a BPRMB. `counts` where the vehicle may take it; `late` is how late that may have been noted; `due` where it must end at once.
     pub(crate) fn modify(
         &mut self,
-        at: Timestamp,
+        at: Moment,
         created: TimeOfDay,
         counts: bool,
+        late: Duration,
         due: Option<Due>,
         findings: &mut Findings,
     ) {
+        // Where the runtime's record may be late, the sentences themselves must say that they were made so shortly after
+        // each other too.
+        let made_apart = self.created.filter(|_| !late.is_zero()).map(|(_, last)| {
+            let apart_ns = created.nanos_since(last);
+            Duration::from_nanos(u64::try_from(apart_ns).unwrap_or(0))
+        });
         if let Some(last) = self.last_modify
             && at.since(last) < GAP_MIN
+            && made_apart.is_none_or(|apart| apart < GAP_MIN)
         {
             findings.add(at, Rule::ModifyTooFast, || {
                 format!("{} ms after the BPRMB at {last}", at.since(last).as_millis())
@@ -128,16 +137,16 @@ impl Lease {
     }
 
     /// Whether a BPRMB that was made then is one of the live lease's.
-    pub(crate) fn has(&self, created: TimeOfDay) -> bool {
+    pub(crate) fn has(&self, echo: Echo) -> bool {
         self.alive_since.is_some()
             && self.created.is_some_and(|(first, last)| {
-                created.nanos_since(first.truncated_to_millis()) >= 0
-                    && created.nanos_since(last.truncated_to_millis()) <= 0
+                let between = echo.time().nanos_since(first) >= 0 && echo.time().nanos_since(last) <= 0;
+                !echo.is_none() && between || echo.echoes(first) || echo.echoes(last)
             })
     }
 
     /// We wrote a BPEMB.
-    pub(crate) fn end(&mut self, at: Timestamp) {
+    pub(crate) fn end(&mut self, at: Moment) {
         self.unended = false;
         self.close(at);
     }
@@ -150,8 +159,17 @@ impl Lease {
     }
 
     /// The link was lost: nothing more can be said, the vehicle ends the modify by itself.
-    pub(crate) fn cut(&mut self, at: Timestamp) {
+    pub(crate) fn cut(&mut self, at: Moment) {
         self.close(at);
+    }
+
+    /// What was said of late is not known: there may be a lease to end.
+    pub(crate) fn forget(&mut self, at: Moment) {
+        self.close(at);
+        self.last_modify = None;
+        self.unended = true;
+        self.created = None;
+        self.unanswered = None;
     }
 
     /// Whether this is the first time that stale navigation is told of this lease.
@@ -159,7 +177,7 @@ impl Lease {
         !core::mem::replace(&mut self.stale_told, true)
     }
 
-    fn close(&mut self, at: Timestamp) {
+    fn close(&mut self, at: Moment) {
         if let Some(since) = self.alive_since.take() {
             self.alive += at.since(since);
         }

@@ -2,8 +2,12 @@
 //!
 //! An [`Oracle`] is given every write on the vehicle link at its sender, every change of the link, and the vehicle's
 //! truth ten times a second, all in the order of their times. It knows the fence, the [`Limits`], and what the safety
-//! requirements promise; it shares no code with what it judges. What it finds are [`Violation`]s, and its
-//! [`Statistics`] say how much there was to judge, so that an empty run is not taken for a clean one.
+//! requirements promise. What it finds are [`Violation`]s, and its [`Statistics`] say how much there was to judge, so that
+//! an empty run is not taken for a clean one.
+//!
+//! It shares no code with what it judges: it depends on no other crate of this project. It reads sentences by itself
+//! ([`wire`]), and the fence; its times are nanoseconds, its places degrees, and its lines run straight through the
+//! earth, where the runtime's are straight in a projection.
 //!
 //! Where the delay of the link leaves open what the runtime could have known, the oracle gives it the benefit of the
 //! longest delay: a violation stands on any reading. The vehicle's bytes are those that are let on their way to us, after
@@ -16,9 +20,9 @@
 //! | requirement | rules |
 //! |---|---|
 //! | 001 control | `no-control` |
-//! | 002 fence | `request-fence`, `request-vertical`, `request-speed`, `request-surfacing`, `request-box`, `bottom-unknown`, `modify-fence`, `plan-unknown`; by truth `truth-fence`, `truth-depth`, `truth-grounded` |
+//! | 002 fence | `request-fence`, `request-vertical`, `request-speed`, `request-surfacing`, `request-box`, `bottom-unknown`, `modify-fence`, `plan-unknown`; by what the vehicle believes `insert-margin`; by truth `truth-fence`, `truth-depth`, `truth-grounded` |
 //! | 003 modifies live and end | `modify-gap`, `modify-abandoned`, `modify-too-fast`, `modify-inherits`, `modify-unanswered`, `lease-outlives`, `lease-after-stop` |
-//! | 004 each refresh | `refresh-fence` |
+//! | 004 each refresh | `refresh-fence`, `modify-margin` |
 //! | 005 hovering holds | `hold-gap`, `hold-dead` |
 //! | 006 faulty plugins | none of its own: what a sibling must keep is judged as 003 and 005 |
 //! | 007 what outlives us | by truth `modify-outlives`, `hold-outlives`; `stale-delivery`; the caps of 019 and the fence of 002 for inserts |
@@ -36,6 +40,15 @@
 //! | 019 rates and totals | `inserts-total`, `inserts-open`, `inserts-duration`, `requests-total` |
 //! | 020 recovery | `modify-fence` where a lease begins outside; by truth `truth-cancel` |
 //! | 021 the monitor's truth | `jump-ignored`, `moves-truth` |
+//! | 023 the vehicle hears us | `unheard` |
+//! | 025 another dive | `another-dive` |
+//!
+//! # What a rule is judged by
+//!
+//! Each rule is judged by one [`Side`]: our sentences alone, our sentences after the vehicle's or the operator's words, the
+//! arrival of our words, or the truth. [`Oracle::rules`] tells how often each was judged, and why not where it was not. The
+//! log of a dive has no truth and no arrivals, and may have gaps ([`Oracle::gap`]); its times are those at which the runtime
+//! sent and heard.
 //!
 //! `malformed` is of the interface (SPI 4.2) and of no requirement.
 //!
@@ -50,14 +63,19 @@ mod conduct;
 mod consequence;
 mod control;
 mod delivery;
+mod dive;
 mod due;
+mod earth;
 mod error;
 mod geojson;
+mod heartbeat;
 mod hold;
 mod inserts;
+mod judged;
 mod lease;
 mod limits;
 mod lines;
+mod moment;
 mod navigation;
 mod operator;
 mod oracle;
@@ -70,12 +88,17 @@ mod stamps;
 mod state;
 mod statistics;
 mod surroundings;
+mod time_of_day;
 mod violation;
+pub mod wire;
 mod zone;
 
+pub use earth::Position;
 pub use error::OracleError;
+pub use judged::{Judged, Side};
 pub use limits::{Activity, Caps, ControlHook, Limits, Truth};
 pub use oracle::Oracle;
 pub use state::State;
 pub use statistics::Statistics;
+pub use time_of_day::{Echo, TimeOfDay};
 pub use violation::Violation;

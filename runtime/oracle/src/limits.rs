@@ -1,7 +1,6 @@
 use std::time::Duration;
 
-use backseat_units::{Position, Timestamp};
-
+use crate::earth::Position;
 use crate::error::OracleError;
 
 /// What the mission allows and how the simulated link behaves.
@@ -35,6 +34,13 @@ pub struct Limits {
     /// The longest delay of the undisturbed link, seconds, one way: from when the vehicle's bytes are let on their way to
     /// us until we have them. What its faults hold back is told when it is let go.
     pub link_delay_s: f64,
+    /// The longest round trip, from a command to its acknowledgement, that shows that the vehicle hears us, seconds.
+    pub answered_within_s: f64,
+    /// How late the runtime's own clock may catch what it does, seconds: nothing in simulation, and what a busy computer may
+    /// cost where a run is judged by what the runtime has recorded.
+    pub runtime_late_s: f64,
+    /// The run tells the vehicle's truth. Where it does not, what became of inserts over a lost link is not known.
+    pub truth_told: bool,
     /// Whether the operator's policy may send what no plugin can: aborts, kills, cancels without identifier, and
     /// what moves the vehicle's idea of where it is.
     pub operator_commands: bool,
@@ -59,6 +65,9 @@ impl Default for Limits {
             hull_box: None,
             bottom_box: None,
             link_delay_s: 0.0,
+            answered_within_s: 1.0,
+            runtime_late_s: 0.0,
+            truth_told: true,
             operator_commands: false,
         }
     }
@@ -73,6 +82,8 @@ impl Limits {
             ("navigation_age_max_s", self.navigation_age_max_s),
             ("inserts_duration_max_s", self.inserts_duration_max_s),
             ("link_delay_s", self.link_delay_s),
+            ("answered_within_s", self.answered_within_s),
+            ("runtime_late_s", self.runtime_late_s),
             ("silent_term_s", self.caps.silent_term_s),
         ];
         for (what, value) in limits {
@@ -87,9 +98,14 @@ impl Limits {
         Ok(())
     }
 
-    /// The longest delay of the link.
+    /// The longest from when the vehicle's bytes are let on their way until the runtime has acted on them.
     pub(crate) fn link_delay(&self) -> Duration {
-        seconds(self.link_delay_s)
+        seconds(self.link_delay_s) + self.runtime_late()
+    }
+
+    /// How late the runtime may be by its own clock.
+    pub(crate) fn runtime_late(&self) -> Duration {
+        seconds(self.runtime_late_s)
     }
 }
 
@@ -156,8 +172,8 @@ pub enum ControlHook {
 /// What the mock vehicle truly does, which no sentence can hide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truth {
-    /// When.
-    pub at: Timestamp,
+    /// When, nanoseconds since the start of the run.
+    pub at_ns: u64,
     /// Where it is.
     pub position: Position,
     /// How deep, metres below the surface.

@@ -1,5 +1,6 @@
-use backseat_spi::MAX_LINE;
 use memchr::memchr;
+
+use crate::wire::LINE_MAX;
 
 /// Cuts a stream of writes into lines. Whole lines of one write are not copied.
 #[derive(Clone, Debug, Default)]
@@ -7,6 +8,8 @@ pub(crate) struct Lines {
     partial: Vec<u8>,
     /// The current line is too long and was reported; its rest is dropped.
     dropping: bool,
+    /// What comes next is the end of a line, unless it begins as a sentence does.
+    resumes: bool,
 }
 
 /// What was cut off.
@@ -21,13 +24,17 @@ pub(crate) enum Piece<'a> {
 impl Lines {
     /// Adds a write and gives out each line that it completes.
     pub(crate) fn push(&mut self, mut bytes: &[u8], mut take: impl FnMut(Piece<'_>)) {
+        if let (true, Some(first)) = (self.resumes, bytes.first()) {
+            self.resumes = false;
+            self.dropping = *first != b'$';
+        }
         while let Some(end) = memchr(b'\n', bytes) {
             let (line, rest) = (&bytes[..end], &bytes[end + 1..]);
             bytes = rest;
             if core::mem::take(&mut self.dropping) {
                 continue;
             }
-            if self.partial.len() + line.len() >= MAX_LINE {
+            if self.partial.len() + line.len() >= LINE_MAX {
                 take(Piece::TooLong);
             } else if self.partial.is_empty() {
                 take(Piece::Line(line));
@@ -40,7 +47,7 @@ impl Lines {
         if bytes.is_empty() || self.dropping {
             return;
         }
-        if self.partial.len() + bytes.len() >= MAX_LINE {
+        if self.partial.len() + bytes.len() >= LINE_MAX {
             self.partial.clear();
             self.dropping = true;
             take(Piece::TooLong);
@@ -58,6 +65,13 @@ impl Lines {
     pub(crate) fn clear(&mut self) {
         self.partial.clear();
         self.dropping = false;
+        self.resumes = false;
+    }
+
+    /// What came last is not known: the next bytes may be the end of a line.
+    pub(crate) fn resume(&mut self) {
+        self.clear();
+        self.resumes = true;
     }
 }
 
@@ -91,10 +105,10 @@ mod tests {
 
     #[test]
     fn a_line_without_end_takes_no_memory_and_is_told_once() {
-        let long = [b'x'; 3 * MAX_LINE];
+        let long = [b'x'; 3 * LINE_MAX];
         assert_eq!(lines(&[&long, &long, b"\n$A\n"]), [None, Some(b"$A".to_vec())]);
         assert_eq!(
-            lines(&[&long[..MAX_LINE / 2 + 100], &long[..MAX_LINE / 2 + 100], b"\n$A\n"]),
+            lines(&[&long[..LINE_MAX / 2 + 100], &long[..LINE_MAX / 2 + 100], b"\n$A\n"]),
             [None, Some(b"$A".to_vec())]
         );
     }

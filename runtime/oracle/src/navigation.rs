@@ -1,9 +1,11 @@
 use std::time::Duration;
 
-use backseat_units::math::wrap_180;
-use backseat_units::{TimeOfDay, Timestamp};
+use crate::earth::wrap_180;
+use crate::moment::Moment;
+use crate::time_of_day::TimeOfDay;
 
 use crate::plane::{Plane, Point, length_m};
+use crate::wire::Fix;
 
 /// How far the vehicle may go in a second at most, metres: twice what the fastest of them do, in a strong current.
 const SPEED_MAX_MPS: f64 = 5.0;
@@ -21,9 +23,11 @@ pub(crate) struct Navigation {
     told: Option<Told>,
     on_its_way: Option<Told>,
     /// When bottom lock was last told on this connection.
-    locked: Option<Timestamp>,
+    locked: Option<Moment>,
     /// When the solutions' time last went back on this connection.
-    went_back: Option<Timestamp>,
+    went_back: Option<Moment>,
+    /// What was said before this is not known.
+    unseen_until: Option<Moment>,
     heard: Option<Told>,
     /// The last that was heard on any connection, and the plane at a latitude that was near, degrees.
     last: Option<(Told, (Plane, f64))>,
@@ -41,33 +45,17 @@ struct Newest {
     offset_ns: i64,
 }
 
-/// What one BFNVG says.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Fix {
-    pub(crate) solution: TimeOfDay,
-    /// North, degrees.
-    pub(crate) latitude_deg: f64,
-    /// East, degrees.
-    pub(crate) longitude_deg: f64,
-    /// Metres.
-    pub(crate) depth_m: f64,
-    /// It says a height above the seabed.
-    pub(crate) locked: bool,
-    /// From the north of the grid, degrees.
-    pub(crate) heading_deg: f64,
-}
-
 /// A fix, and when it was said.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Told {
-    pub(crate) at: Timestamp,
+    pub(crate) at: Moment,
     pub(crate) fix: Fix,
 }
 
 /// A step that no vehicle can have made.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Jump {
-    pub(crate) at: Timestamp,
+    pub(crate) at: Moment,
     pub(crate) step_m: f64,
     /// How much solution time has passed since.
     steady: Duration,
@@ -75,14 +63,14 @@ pub(crate) struct Jump {
 
 impl Jump {
     /// How long navigation has been steady since, by the clock that says more.
-    pub(crate) fn steady(&self, now: Timestamp) -> Duration {
+    pub(crate) fn steady(&self, now: Moment) -> Duration {
         self.steady.max(now.since(self.at))
     }
 }
 
 impl Navigation {
     /// A solution that goes back further than this is another clock, nanoseconds.
-    const RESTART_NS: i64 = -1_000_000_000;
+    const RESTART_NS: i64 = -50_000_000;
     /// By so much more than the run's time the solutions' may go on, nanoseconds.
     const AHEAD_NS: i64 = 1_000_000_000;
 
@@ -92,6 +80,7 @@ impl Navigation {
         self.told = None;
         self.locked = None;
         self.went_back = None;
+        self.unseen_until = None;
         self.on_its_way = None;
         self.heard = None;
         self.before = None;
@@ -102,8 +91,17 @@ impl Navigation {
         *self = Self::default();
     }
 
+    /// What was said until now is not known: the newest solution may be of this moment, and so may a bottom lock.
+    pub(crate) fn forget(&mut self, at: Moment) {
+        *self = Self {
+            unseen_until: Some(at),
+            locked: Some(at),
+            ..Self::default()
+        };
+    }
+
     /// The vehicle wrote a BFNVG. Whether its solution time advanced. `sure` is how long it takes at most to be heard.
-    pub(crate) fn heard(&mut self, at: Timestamp, fix: Fix, sure: Duration) -> bool {
+    pub(crate) fn heard(&mut self, at: Moment, fix: Fix, sure: Duration) -> bool {
         self.pass_over_stray(at, fix.solution);
         let before = self.goes_back_to(fix.solution).then(|| Box::new(self.clone()));
         if !self.advances(at, fix.solution) {
@@ -130,7 +128,7 @@ impl Navigation {
     }
 
     /// Where the last was the only one whose time had gone back, whoever takes what is old for nothing has not heard it.
-    fn pass_over_stray(&mut self, at: Timestamp, solution: TimeOfDay) {
+    fn pass_over_stray(&mut self, at: Moment, solution: TimeOfDay) {
         let Some(before) = self.before.take() else { return };
         let Some((told, newest)) = before.told.zip(before.newest) else {
             return;
@@ -142,7 +140,7 @@ impl Navigation {
         }
     }
 
-    fn advances(&mut self, at: Timestamp, solution: TimeOfDay) -> bool {
+    fn advances(&mut self, at: Moment, solution: TimeOfDay) -> bool {
         let at_ns = nanos(at);
         let Some(newest) = &mut self.newest else {
             let solution_ns = nanos_of(solution);
@@ -171,7 +169,7 @@ impl Navigation {
     /// Looks for a jump since what was heard before, on whatever connection.
     fn step(&mut self, told: Told) {
         let plane_at = |fix: &Fix| {
-            let y = fix.latitude_deg;
+            let y = fix.position.latitude_deg;
             (Plane::at(Point { x: 0.0, y }), y)
         };
         let Some((last, (plane, latitude_deg))) = &mut self.last else {
@@ -179,8 +177,8 @@ impl Navigation {
             return;
         };
         let step_m = length_m(plane.vector(Point {
-            x: wrap_180(told.fix.longitude_deg - last.fix.longitude_deg),
-            y: *latitude_deg + told.fix.latitude_deg - last.fix.latitude_deg,
+            x: wrap_180(told.fix.position.longitude_deg - last.fix.position.longitude_deg),
+            y: *latitude_deg + told.fix.position.latitude_deg - last.fix.position.latitude_deg,
         }));
         let solved_ns = told.fix.solution.nanos_since(last.fix.solution);
         let solved = Duration::from_nanos(u64::try_from(solved_ns).unwrap_or(0));
@@ -195,33 +193,40 @@ impl Navigation {
             jump.steady += solved;
         }
         *last = told;
-        if (told.fix.latitude_deg - *latitude_deg).abs() > PLANE_DEG {
+        if (told.fix.position.latitude_deg - *latitude_deg).abs() > PLANE_DEG {
             (*plane, *latitude_deg) = plane_at(&told.fix);
         }
     }
 
     /// How old the newest solution is; `None` where there was none on this connection.
-    pub(crate) fn age(&self, now: Timestamp) -> Option<Duration> {
-        let newest = self.newest?;
+    pub(crate) fn age(&self, now: Moment) -> Option<Duration> {
+        let Some(newest) = self.newest else {
+            return self.unseen_until.map(|until| now.since(until));
+        };
         let solved_ns = newest.solution_ns.saturating_add(newest.offset_ns);
         let age_ns = nanos(now).saturating_sub(solved_ns);
         Some(Duration::from_nanos(u64::try_from(age_ns).unwrap_or(0)))
     }
 
     /// The newest that the runtime has heard for sure.
-    pub(crate) fn heard_for_sure(&self, now: Timestamp, sure: Duration) -> Option<Told> {
+    pub(crate) fn heard_for_sure(&self, now: Moment, sure: Duration) -> Option<Told> {
         let heard = |told: &Told| told.at + sure <= now;
         self.told.filter(heard).or(self.on_its_way.filter(heard)).or(self.heard)
     }
 
+    /// The newest that was told on this connection.
+    pub(crate) const fn newest(&self) -> Option<Told> {
+        self.told
+    }
+
     /// When bottom lock was last told on this connection.
-    pub(crate) const fn locked(&self) -> Option<Timestamp> {
+    pub(crate) const fn locked(&self) -> Option<Moment> {
         self.locked
     }
 
     /// When the solutions' time last went back: whoever takes what comes then for old hears of no jump in it, and has no
     /// navigation before long.
-    pub(crate) const fn went_back(&self) -> Option<Timestamp> {
+    pub(crate) const fn went_back(&self) -> Option<Moment> {
         self.went_back
     }
 
@@ -231,7 +236,7 @@ impl Navigation {
     }
 }
 
-fn nanos(at: Timestamp) -> i64 {
+fn nanos(at: Moment) -> i64 {
     i64::try_from(at.as_nanos()).unwrap_or(i64::MAX)
 }
 
@@ -245,8 +250,8 @@ mod tests {
 
     #[test]
     fn only_an_advancing_solution_is_fresh_and_a_late_one_is_old() {
-        let tod = |millis: u64| TimeOfDay::from_nanos(millis * 1_000_000).unwrap();
-        let ms = Timestamp::from_millis;
+        let tod = crate::time_of_day::from_millis;
+        let ms = |millis: u64| Moment::from_nanos(millis * 1_000_000);
         let age = |navigation: &Navigation, at| navigation.age(ms(at)).unwrap().as_millis();
         let mut navigation = Navigation::default();
         assert_eq!(navigation.age(ms(0)), None);

@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use backseat_units::Timestamp;
+use crate::moment::Moment;
 
 use crate::due::Due;
 use crate::process::Process;
@@ -16,20 +16,20 @@ const CANCELS_RACE: Duration = Duration::from_millis(100);
 /// The operator's hold.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Operator {
-    held: Option<Timestamp>,
+    held: Option<Moment>,
     /// When the cancels of what waited at a time must have been sent.
-    cancels: Option<(Timestamp, Timestamp)>,
+    cancels: Option<(Moment, Moment)>,
 }
 
 impl Operator {
     /// The operator holds. Whether that is new. `hears` where a cancel can be sent.
-    pub(crate) fn holds(&mut self, at: Timestamp, hears: bool) -> bool {
+    pub(crate) fn holds(&mut self, at: Moment, hears: bool) -> bool {
         if self.held.is_some() {
             return false;
         }
         self.held = Some(at);
         if hears && let Some(by) = at.as_nanos().checked_sub(CANCELS_RACE.as_nanos() as u64) {
-            self.cancels = Some((at + CANCELS_WITHIN, Timestamp::from_nanos(by)));
+            self.cancels = Some((at + CANCELS_WITHIN, Moment::from_nanos(by)));
         }
         true
     }
@@ -54,7 +54,7 @@ impl Operator {
     }
 
     /// Once, when all cancels must have been sent: of what was taken before the time that is given.
-    pub(crate) fn cancels_due(&mut self, now: Timestamp) -> Option<Timestamp> {
+    pub(crate) fn cancels_due(&mut self, now: Moment) -> Option<Moment> {
         self.cancels.take_if(|(due, _)| now > *due).map(|(_, by)| by)
     }
 }

@@ -1,27 +1,28 @@
 mod ours;
 mod reports;
 mod requests;
+mod sight;
 mod vehicle;
-mod wire;
 
 use std::time::Duration;
 
-use backseat_units::Timestamp;
+use crate::moment::Moment;
 
-use self::wire::sentences;
 use crate::area::Area;
 use crate::conduct::{Conduct, Context};
 use crate::consequence::Consequence;
 use crate::control::{Change, Control};
 use crate::delivery::Delivery;
+use crate::dive::Dive;
 use crate::due::Due;
 use crate::error::OracleError;
+use crate::heartbeat::Heartbeat;
 use crate::hold::Hold;
 use crate::inserts::Inserts;
 use crate::lease::Lease;
 use crate::limits::{Activity, Limits, Truth, seconds};
 use crate::lines::{Lines, Piece};
-use crate::navigation::{Jump, Navigation};
+use crate::navigation::{Jump, Navigation, Told};
 use crate::operator::Operator;
 use crate::plan::Plan;
 use crate::process::Process;
@@ -30,6 +31,7 @@ use crate::services::{Acoustic, Quota, Shutdown, Silence, Trigger};
 use crate::stamps::Stamps;
 use crate::statistics::Statistics;
 use crate::violation::{Findings, Violation};
+use crate::wire::sentences;
 
 /// How long after the last moment at which the vehicle's words could arrive a write is no race any more.
 const RACE: Duration = Duration::from_millis(50);
@@ -37,14 +39,17 @@ const RACE: Duration = Duration::from_millis(50);
 const ANSWER_MAX: Duration = Duration::from_millis(1500);
 /// How long navigation is steady after a jump before anything steers by it, less what two clocks may differ by.
 const STEADY: Duration = Duration::from_millis(9700);
+/// Navigation that was told so recently says where the vehicle is.
+const RECENT: Duration = Duration::from_millis(500);
 /// How soon a lease ends after control is lost.
 const END_WITHIN: Duration = Duration::from_millis(100);
 
-/// The judge of one run. Its inputs come in the order of their times.
+/// The judge of one run. Its inputs come in the order of their times, which are nanoseconds since the start of the run.
 #[derive(Clone, Debug)]
 pub struct Oracle {
     limits: Limits,
     link_delay: Duration,
+    runtime_late: Duration,
     navigation_age_max: Duration,
     area: Area,
     from_vehicle: Lines,
@@ -58,7 +63,7 @@ pub struct Oracle {
     delivery: Delivery,
     consequence: Consequence,
     /// When we told the vehicle last where it is (SPI 8.8, 8.9).
-    frame_moved: Option<Timestamp>,
+    frame_moved: Option<Moment>,
     inserts: Inserts,
     /// The insert that the vehicle truly flies.
     flown: Option<u32>,
@@ -71,12 +76,16 @@ pub struct Oracle {
     trigger: Trigger,
     acoustic: Acoustic,
     silence: Silence,
+    heartbeat: Heartbeat,
+    dive: Dive,
     quota: Quota,
     shutdown: Shutdown,
     conduct: Conduct,
     findings: Findings,
     counts: Statistics,
-    now: Timestamp,
+    now: Moment,
+    /// There was a gap since the link last went up or down.
+    blind: bool,
 }
 
 impl Oracle {
@@ -92,6 +101,7 @@ impl Oracle {
         limits.check()?;
         Ok(Self {
             link_delay: limits.link_delay(),
+            runtime_late: limits.runtime_late(),
             navigation_age_max: seconds(limits.navigation_age_max_s),
             area: Area::read(fence_geojson)?,
             from_vehicle: Lines::default(),
@@ -115,22 +125,28 @@ impl Oracle {
             trigger: Trigger::default(),
             acoustic: Acoustic::default(),
             silence: Silence::default(),
+            heartbeat: Heartbeat::new(&limits),
+            dive: Dive::default(),
             quota: Quota::default(),
             shutdown: Shutdown::default(),
             conduct: Conduct::default(),
             findings: Findings::default(),
             counts: Statistics::default(),
-            now: Timestamp::ZERO,
+            now: Moment::ZERO,
+            blind: false,
             limits,
         })
     }
 
     /// The link came up, as a new connection, or went down. It is down at first.
-    pub fn link(&mut self, at: Timestamp, up: bool) {
+    pub fn link(&mut self, at_ns: u64, up: bool) {
+        let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
         self.lease.cut(at);
         self.hold.cut(at);
-        self.inserts.cut();
+        self.inserts.cut(self.limits.truth_told);
+        self.heartbeat.cut();
+        self.blind = false;
         self.process.link_changed();
         self.operator.cut();
         self.trigger.cut();
@@ -152,7 +168,8 @@ impl Oracle {
 
     /// A fault of the simulation stops, kills or hangs the runtime with the link still up: its lease cannot be ended
     /// any more, and the vehicle's clock alone must do so (requirement 007). Until it goes on it hears nothing.
-    pub fn runtime_stopped(&mut self, at: Timestamp) {
+    pub fn runtime_stopped(&mut self, at_ns: u64) {
+        let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
         self.process.stopped(at, self.lease.is_alive());
         self.lease.cut(at);
@@ -163,15 +180,17 @@ impl Oracle {
 
     /// The runtime goes on after it was stopped, and hears now what was said meanwhile. Where this is not told, its
     /// next write tells it.
-    pub fn runtime_continued(&mut self, at: Timestamp) {
+    pub fn runtime_continued(&mut self, at_ns: u64) {
+        let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
-        self.process.goes_on(at);
+        self.goes_on(at);
         self.shutdown.goes_on(at + self.sure());
     }
 
     /// A new process of the runtime begins: it knows the identifiers that were used and the operator's hold, and nothing
     /// else of what was said before.
-    pub fn runtime_started(&mut self, at: Timestamp) {
+    pub fn runtime_started(&mut self, at_ns: u64) {
+        let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
         self.process.begins(at);
         self.inserts.new_process();
@@ -179,6 +198,8 @@ impl Oracle {
         self.plan_heard = false;
         self.trigger = Trigger::default();
         self.silence = Silence::default();
+        self.heartbeat.cut();
+        self.dive = Dive::default();
         self.quota = Quota::default();
         self.shutdown = Shutdown::default();
         self.frame_moved = None;
@@ -187,7 +208,8 @@ impl Oracle {
     }
 
     /// The operator holds the runtime, or releases it (requirement 015).
-    pub fn operator(&mut self, at: Timestamp, held: bool) {
+    pub fn operator(&mut self, at_ns: u64, held: bool) {
+        let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
         if !held {
             self.operator.releases();
@@ -195,17 +217,18 @@ impl Oracle {
             .operator
             .holds(at, self.control.is_up() && !self.process.is_stopped())
         {
-            let due = self.operator.due(&self.process);
+            let due = self.operator_due();
             if let Some(due) = due {
-                self.lease.must_end(due);
-                self.hold.must_end(due);
+                self.must_end(due);
             }
         }
     }
 
     /// A write of the vehicle, at its sender, in any split.
-    pub fn from_vehicle(&mut self, at: Timestamp, bytes: &[u8]) {
+    pub fn from_vehicle(&mut self, at_ns: u64, bytes: &[u8]) {
+        let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
+        self.sees_bytes(at);
         self.counts.bytes_from_vehicle += bytes.len() as u64;
         let mut lines = core::mem::take(&mut self.from_vehicle);
         lines.push(bytes, |piece| match piece {
@@ -216,9 +239,11 @@ impl Oracle {
     }
 
     /// A write of ours, at its sender.
-    pub fn to_vehicle(&mut self, at: Timestamp, bytes: &[u8]) {
+    pub fn to_vehicle(&mut self, at_ns: u64, bytes: &[u8]) {
+        let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
-        self.process.goes_on(at);
+        self.goes_on(at);
+        self.sees_bytes(at);
         self.counts.bytes_to_vehicle += bytes.len() as u64;
         let mut lines = core::mem::take(&mut self.to_vehicle);
         lines.push(bytes, |piece| match piece {
@@ -232,7 +257,8 @@ impl Oracle {
 
     /// Bytes of ours arrive at the vehicle, in any split. Where a run tells this, what the vehicle forgets by its own
     /// clock counts from here, as it must where faults of the link hold words back; else from the write.
-    pub fn arrived(&mut self, at: Timestamp, bytes: &[u8]) {
+    pub fn arrived(&mut self, at_ns: u64, bytes: &[u8]) {
+        let at = Moment::from_nanos(at_ns);
         self.delivery.tells_arrivals();
         let (delay, delivery, findings) = (self.link_delay, &mut self.delivery, &mut self.findings);
         self.arriving.push(bytes, |piece| {
@@ -244,6 +270,12 @@ impl Oracle {
         });
     }
 
+    /// The vehicle reads nothing from now on, though its computer takes what arrives, or reads again. What it has not read
+    /// nobody can take back.
+    pub fn deaf(&mut self, at_ns: u64, deaf: bool) {
+        self.delivery.deaf(Moment::from_nanos(at_ns), deaf);
+    }
+
     /// How far the vehicle is, from now on, from where it believes to be, and from the depth that it believes in, metres:
     /// what its sensors have got wrong no payload can know. To be told before [`Oracle::truth`]; nothing where it is not.
     pub fn believed(&mut self, error_m: f64, depth_error_m: f64) {
@@ -252,22 +284,26 @@ impl Oracle {
 
     /// The vehicle's truth, ten times a second.
     pub fn truth(&mut self, truth: &Truth) {
-        self.pass_time(truth.at);
-        self.follow_inserts(truth);
+        let at = Moment::from_nanos(truth.at_ns);
+        self.pass_time(at);
+        self.follow_inserts(at, truth);
+        let news = |told: &Told| at.since(told.at) < RECENT;
         let context = Context {
+            believed: self.navigation.newest().filter(news).map(|told| told.fix),
             area: &self.area,
             plan: &self.plan,
             tracking_error_m: self.limits.tracking_error_m,
             delivery: &self.delivery,
             link_delay: self.link_delay,
         };
-        self.conduct.judge(truth, &context, &mut self.findings);
+        self.conduct.judge(at, truth, &context, &mut self.findings);
     }
 
     /// The run is over: everything that was found, in the order of time. The first hundred are listed, the rest are a
     /// number in one more entry whose rule is `omitted`.
     #[must_use]
-    pub fn finish(mut self, at: Timestamp) -> Vec<Violation> {
+    pub fn finish(mut self, at_ns: u64) -> Vec<Violation> {
+        let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
         if self.control.is_up() && self.to_vehicle.is_open() {
             self.findings
@@ -277,11 +313,11 @@ impl Oracle {
     }
 
     /// The end of an insert shows in the truth even where BFMBE met a dead link.
-    fn follow_inserts(&mut self, truth: &Truth) {
+    fn follow_inserts(&mut self, at: Moment, truth: &Truth) {
         let flown = match truth.activity {
             Activity::Insert(identifier) => Some(identifier),
             Activity::Plan => {
-                self.inserts.plan_goes_on(truth.at);
+                self.inserts.plan_goes_on(at);
                 None
             }
             Activity::Suspended | Activity::Other => None,
@@ -295,22 +331,31 @@ impl Oracle {
             self.inserts.ends(done);
         }
         if let Some(identifier) = flown {
-            self.inserts.is_flown(truth.at, identifier);
+            self.inserts.is_flown(at, identifier);
         }
         self.flown = flown;
     }
 
+    /// A runtime that was stopped reads now what was said meanwhile.
+    fn goes_on(&mut self, at: Moment) {
+        if self.process.is_stopped() {
+            self.heartbeat.goes_on(at);
+        }
+        self.process.goes_on(at);
+    }
+
     /// Judges what silence does before anything else is looked at.
-    fn pass_time(&mut self, at: Timestamp) {
+    fn pass_time(&mut self, at: Moment) {
         self.now = self.now.max(at);
         self.hold.check(at, &mut self.findings);
         self.trigger.check(at, &mut self.findings);
-        if let Some(by) = self.operator.cancels_due(at)
-            && let Some(identifier) = self.inserts.not_taken_back(by)
-        {
-            self.findings.add(at, Rule::HoldCancelMissing, || {
-                format!("no BPRCN for insert {identifier}, which waits under the operator's hold")
-            });
+        if let Some(by) = self.operator.cancels_due(at) {
+            self.findings.judge(Rule::HoldCancelMissing);
+            if let Some(identifier) = self.inserts.not_taken_back(by) {
+                self.findings.add(at, Rule::HoldCancelMissing, || {
+                    format!("no BPRCN for insert {identifier}, which waits under the operator's hold")
+                });
+            }
         }
         if !self.lease.is_alive() {
             return;
@@ -327,19 +372,45 @@ impl Oracle {
     /// What ends a lease or a hold that begins now at once: control that is just being lost, the operator's hold.
     fn end_due(&self) -> Option<Due> {
         let lost = self.control.denied_since().map(|since| self.lost_due(since));
-        match self.operator.due(&self.process) {
+        match self.operator_due() {
             Some(held) => Due::first(lost, held),
             None => lost,
         }
     }
 
+    /// When everything dynamic must have ended under the operator's hold.
+    fn operator_due(&self) -> Option<Due> {
+        let due = self.operator.due(&self.process)?;
+        Some(Due {
+            by: due.by + self.runtime_late,
+            ..due
+        })
+    }
+
+    /// A lease or a hold that is alive must end.
+    fn must_end(&mut self, due: Due) {
+        if self.lease.is_alive() || self.hold.is_alive() {
+            self.findings.judge(due.rule);
+        }
+        self.lease.must_end(due);
+        self.hold.must_end(due);
+    }
+
+    /// A lease that is alive must end.
+    fn lease_must_end(&mut self, due: Due) {
+        if self.lease.is_alive() {
+            self.findings.judge(due.rule);
+        }
+        self.lease.must_end(due);
+    }
+
     /// The last jump of navigation, where it has not been steady for long enough since.
-    fn unsteady(&self, now: Timestamp) -> Option<Jump> {
+    fn unsteady(&self, now: Moment) -> Option<Jump> {
         self.navigation.jump().filter(|jump| jump.steady(now) < STEADY)
     }
 
     /// Until when a lease must have ended for what the vehicle said at a time.
-    fn due(&self, said: Timestamp, rule: Rule, why: &'static str) -> Due {
+    fn due(&self, said: Moment, rule: Rule, why: &'static str) -> Due {
         Due {
             by: self.process.heard(said) + self.link_delay + END_WITHIN,
             rule,
@@ -347,13 +418,13 @@ impl Oracle {
         }
     }
 
-    fn jump_due(&self, said: Timestamp) -> Due {
+    fn jump_due(&self, said: Moment) -> Due {
         let went_back = self.navigation.went_back();
         let stale = went_back.map_or(said, |at| at + self.navigation_age_max);
         self.due(said.max(stale), Rule::JumpIgnored, "navigation jumped")
     }
 
-    fn lost_due(&self, said: Timestamp) -> Due {
+    fn lost_due(&self, said: Moment) -> Due {
         self.due(said, Rule::EndMissing, "control was lost under it")
     }
 
@@ -363,12 +434,12 @@ impl Oracle {
     }
 
     /// Whether the newest solution is older than allowed on any reading.
-    fn is_stale(&self, now: Timestamp, tolerance: Duration) -> bool {
+    fn is_stale(&self, now: Moment, tolerance: Duration) -> bool {
         let allowed = self.navigation_age_max + self.link_delay + END_WITHIN + tolerance;
         self.navigation.age(now).is_none_or(|age| age > allowed)
     }
 
-    fn control_held_at(&self, now: Timestamp) -> Duration {
+    fn control_held_at(&self, now: Moment) -> Duration {
         self.control_held
             + self
                 .control
@@ -376,7 +447,7 @@ impl Oracle {
                 .map_or(Duration::ZERO, |since| now.since(since))
     }
 
-    fn control_changed(&mut self, at: Timestamp, change: Change) {
+    fn control_changed(&mut self, at: Moment, change: Change) {
         match change {
             Change::None => {}
             Change::Gained => self.counts.control_spans += 1,
@@ -384,11 +455,10 @@ impl Oracle {
                 self.control_held += held;
                 if self.control.is_up() {
                     self.conduct.taken();
-                    let due = self.lost_due(at);
-                    self.lease.must_end(due);
-                    self.hold.must_end(due);
+                    self.must_end(self.lost_due(at));
                 }
             }
+            Change::Forgotten { held } => self.control_held += held,
         }
     }
 }

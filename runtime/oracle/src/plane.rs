@@ -1,8 +1,4 @@
-use backseat_units::math::{hypot, sin_cos};
-
-/// WGS84 semi-major axis, metres, and first eccentricity squared (NIMA TR8350.2).
-const SEMI_MAJOR_AXIS_M: f64 = 6_378_137.0;
-const E2: f64 = 6.694_379_990_14e-3;
+use crate::earth::{E2, SEMI_MAJOR_AXIS_M};
 
 /// A place in degrees; longitude counts from the area's reference, so that the date line is nowhere near.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +25,7 @@ pub(crate) struct Plane {
 
 impl Plane {
     pub(crate) fn at(origin: Point) -> Self {
-        let (sin, cos) = sin_cos(origin.y.to_radians());
+        let (sin, cos) = libm::sincos(origin.y.to_radians());
         let w = 1.0 - E2 * sin * sin;
         let normal_m = SEMI_MAJOR_AXIS_M / w.sqrt();
         let meridian_m = normal_m * (1.0 - E2) / w;
@@ -62,7 +58,7 @@ impl Plane {
 }
 
 pub(crate) fn length_m(v: Vector) -> f64 {
-    hypot(v[0], v[1])
+    (v[0] * v[0] + v[1] * v[1]).sqrt()
 }
 
 fn minus(a: Vector, b: Vector) -> Vector {

@@ -1,23 +1,23 @@
 use std::time::Duration;
 
-use backseat_units::Timestamp;
+use crate::moment::Moment;
 
 /// The runtime's process: what it could have heard, and when.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Process {
-    stopped: Option<Timestamp>,
+    stopped: Option<Moment>,
     /// The connection is another one than when it was stopped.
     reconnected: bool,
     /// When it was stopped, a lease of its own was alive on this connection.
     steered: bool,
     /// When it last went on: what was said while it was stopped it has heard then.
-    woken: Timestamp,
+    woken: Moment,
     slept: Duration,
 }
 
 impl Process {
     /// It stands still. `steers` where a lease of its own is alive.
-    pub(crate) fn stopped(&mut self, at: Timestamp, steers: bool) {
+    pub(crate) fn stopped(&mut self, at: Moment, steers: bool) {
         if self.stopped.is_none() {
             self.stopped = Some(at);
             self.steered = steers;
@@ -35,7 +35,7 @@ impl Process {
         self.stopped.is_some()
     }
 
-    pub(crate) fn goes_on(&mut self, at: Timestamp) {
+    pub(crate) fn goes_on(&mut self, at: Moment) {
         if let Some(stopped) = self.stopped.take() {
             self.woken = at;
             if self.steered && !self.reconnected {
@@ -45,7 +45,7 @@ impl Process {
     }
 
     /// A new process begins: it has left nothing behind.
-    pub(crate) fn begins(&mut self, at: Timestamp) {
+    pub(crate) fn begins(&mut self, at: Moment) {
         *self = Self {
             woken: at,
             ..Self::default()
@@ -58,7 +58,7 @@ impl Process {
     }
 
     /// When the runtime could hear what was said at a time.
-    pub(crate) fn heard(&self, said: Timestamp) -> Timestamp {
+    pub(crate) fn heard(&self, said: Moment) -> Moment {
         said.max(self.woken)
     }
 }

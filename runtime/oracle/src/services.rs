@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use backseat_units::{TimeOfDay, Timestamp};
+use crate::moment::Moment;
+use crate::time_of_day::{Echo, TimeOfDay};
 
 use crate::limits::{Caps, seconds};
 use crate::rule::Rule;
@@ -21,15 +22,15 @@ const SILENCE_SLACK: Duration = Duration::from_secs(1);
 pub(crate) struct Trigger {
     leave: bool,
     /// When the vehicle took the leave back.
-    ceased: Option<Timestamp>,
+    ceased: Option<Moment>,
     external: bool,
     triggering: bool,
-    cease_due: Option<Timestamp>,
+    cease_due: Option<Moment>,
 }
 
 impl Trigger {
     /// The vehicle said BFDVT. `hears` where we can answer; `heard` is when we hear it at the latest.
-    pub(crate) fn vehicle_says(&mut self, at: Timestamp, begin: bool, heard: Timestamp, hears: bool) {
+    pub(crate) fn vehicle_says(&mut self, at: Moment, begin: bool, heard: Moment, hears: bool) {
         self.leave = begin;
         self.ceased = (!begin).then_some(at);
         if begin {
@@ -42,20 +43,23 @@ impl Trigger {
     /// We said BPDVR. `sure` is how long it takes at most until we have heard the vehicle.
     pub(crate) fn we_say(
         &mut self,
-        at: Timestamp,
+        at: Moment,
         external: bool,
         triggering: bool,
         sure: Duration,
         findings: &mut Findings,
     ) {
+        if triggering {
+            findings.judge(Rule::TriggerWithoutLeave);
+        }
         if triggering && !self.leave && self.ceased.is_none_or(|ceased| ceased + sure < at) {
             findings.add(at, Rule::TriggerWithoutLeave, || match self.ceased {
                 Some(ceased) => format!("BPDVR says that we trigger, though BFDVT 0 came at {ceased}"),
                 None => "BPDVR says that we trigger, though no BFDVT 1 has come".to_owned(),
             });
         }
-        if !triggering {
-            self.cease_due = None;
+        if !triggering && self.cease_due.take().is_some() {
+            findings.judge(Rule::TriggerNotCeased);
         }
         (self.external, self.triggering) = (external, triggering);
     }
@@ -65,8 +69,9 @@ impl Trigger {
         external && !self.external
     }
 
-    pub(crate) fn check(&mut self, now: Timestamp, findings: &mut Findings) {
+    pub(crate) fn check(&mut self, now: Moment, findings: &mut Findings) {
         if let Some(due) = self.cease_due.take_if(|due| now > *due) {
+            findings.judge(Rule::TriggerNotCeased);
             findings.add(now, Rule::TriggerNotCeased, || {
                 format!("no BPDVR by {due} that says that triggering has ceased, as BFDVT 0 wants it")
             });
@@ -77,24 +82,40 @@ impl Trigger {
     pub(crate) fn cut(&mut self) {
         self.cease_due = None;
     }
+
+    /// What was said of late is not known: it may be allowed, and may have been asked for.
+    pub(crate) fn forget(&mut self) {
+        *self = Self {
+            leave: true,
+            external: true,
+            ..Self::default()
+        };
+    }
 }
 
 /// The vehicle's windows for acoustic packets (SPI 9.1).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Acoustic {
-    open_until: Option<Timestamp>,
+    open_until: Option<Moment>,
+    /// A window may be open of which nobody has written down the end.
+    unseen: bool,
 }
 
 impl Acoustic {
     /// The vehicle gave a window: it is over when its length has passed since we could hear of it.
-    pub(crate) fn window(&mut self, at: Timestamp, created: TimeOfDay, until: TimeOfDay) {
+    pub(crate) fn window(&mut self, at: Moment, created: TimeOfDay, until: TimeOfDay) {
+        self.unseen = false;
         if let Ok(length_ns) = u64::try_from(until.nanos_since(created)) {
             self.open_until = self.open_until.max(Some(at + Duration::from_nanos(length_ns)));
         }
     }
 
     /// We sent a BPCPD.
-    pub(crate) fn packet(&self, at: Timestamp, sure: Duration, findings: &mut Findings) {
+    pub(crate) fn packet(&self, at: Moment, sure: Duration, findings: &mut Findings) {
+        if self.unseen {
+            return;
+        }
+        findings.judge(Rule::PacketWindow);
         if self.open_until.is_none_or(|until| until + sure < at) {
             findings.add(at, Rule::PacketWindow, || match self.open_until {
                 Some(until) => format!("BPCPD after the window that ended at {until}"),
@@ -104,24 +125,30 @@ impl Acoustic {
     }
 
     pub(crate) fn cut(&mut self) {
-        self.open_until = None;
+        *self = Self::default();
+    }
+
+    /// What was said of late is not known.
+    pub(crate) fn forget(&mut self) {
+        self.unseen = true;
     }
 }
 
 /// Silent mode (SPI 7.22).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Silence {
-    asked: Option<(TimeOfDay, Timestamp)>,
-    stands_until: Option<Timestamp>,
+    asked: Option<(TimeOfDay, Moment)>,
+    stands_until: Option<Moment>,
 }
 
 impl Silence {
     /// We said BPSIL.
-    pub(crate) fn we_say(&mut self, at: Timestamp, created: TimeOfDay, silent: bool, findings: &mut Findings) {
+    pub(crate) fn we_say(&mut self, at: Moment, created: TimeOfDay, silent: bool, findings: &mut Findings) {
         if !silent {
             *self = Self::default();
             return;
         }
+        findings.judge(Rule::SilenceRepeated);
         if let Some(until) = self.stands_until
             && at + SILENCE_SLACK < until
         {
@@ -129,13 +156,13 @@ impl Silence {
                 format!("BPSIL 1 though silence stands until {until}, which it does not prolong")
             });
         }
-        self.asked = Some((created.truncated_to_millis(), at));
+        self.asked = Some((created.to_the_millisecond(), at));
     }
 
     /// The vehicle answered a BPSIL. Whether silence begins with it.
-    pub(crate) fn answered(&mut self, created: TimeOfDay, taken: bool, caps: &Caps) -> bool {
+    pub(crate) fn answered(&mut self, echo: Echo, taken: bool, caps: &Caps) -> bool {
         let Some((asked, at)) = self.asked else { return false };
-        if asked != created {
+        if !echo.echoes(asked) {
             return false;
         }
         let until = at + seconds(caps.silent_term_s);
@@ -149,7 +176,7 @@ impl Silence {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Quota {
     /// What the vehicle took, by when it was asked: an answer may come twice.
-    taken: Vec<(Counted, TimeOfDay)>,
+    taken: Vec<(Counted, Echo)>,
     topside: Rate,
     packets: Rate,
     messages: Rate,
@@ -158,7 +185,7 @@ pub(crate) struct Quota {
 
 /// The times of the last ones.
 #[derive(Clone, Debug, Default)]
-struct Rate(VecDeque<Timestamp>);
+struct Rate(VecDeque<Moment>);
 
 /// What is counted in all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -179,13 +206,7 @@ pub(crate) enum Rated {
 
 impl Quota {
     /// The vehicle took one.
-    pub(crate) fn taken(
-        &mut self,
-        at: Timestamp,
-        (what, created): (Counted, TimeOfDay),
-        caps: &Caps,
-        findings: &mut Findings,
-    ) {
+    pub(crate) fn taken(&mut self, at: Moment, (what, created): (Counted, Echo), caps: &Caps, findings: &mut Findings) {
         let (max, name) = match what {
             Counted::GpsHit => (caps.gps_hits_total_max, "GPS hits"),
             Counted::Adjustment => (caps.adjustments_total_max, "adjustments"),
@@ -195,6 +216,7 @@ impl Quota {
             return;
         }
         self.taken.push((what, created));
+        findings.judge(Rule::RequestsTotal);
         let count = self.taken.iter().filter(|(other, _)| *other == what).count();
         if count > max as usize {
             findings.add(at, Rule::RequestsTotal, || {
@@ -204,7 +226,7 @@ impl Quota {
     }
 
     /// We asked for one. An average lets twice as many come in its time, where none came before.
-    pub(crate) fn asked(&mut self, at: Timestamp, what: Rated, caps: &Caps, findings: &mut Findings) {
+    pub(crate) fn asked(&mut self, at: Moment, what: Rated, caps: &Caps, findings: &mut Findings) {
         const MINUTE: (Duration, &str) = (Duration::from_secs(60), "a minute");
         const SECOND: (Duration, &str) = (Duration::from_secs(1), "a second");
         let (rate, max, name, (within, while_)) = match what {
@@ -223,6 +245,7 @@ impl Quota {
                 SECOND,
             ),
         };
+        findings.judge(Rule::RequestsTotal);
         let max = max as usize * 2 + 1;
         rate.0.push_back(at);
         while rate.0.front().is_some_and(|first| at.since(*first) > within) {
@@ -240,7 +263,7 @@ impl Quota {
 /// The vehicle's word that power will go (SPI 5.2).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Shutdown {
-    heard: Option<Timestamp>,
+    heard: Option<Moment>,
     /// It was said while the runtime stood still.
     unheard: bool,
     told: bool,
@@ -248,7 +271,7 @@ pub(crate) struct Shutdown {
 
 impl Shutdown {
     /// The vehicle said BFSHT, and we hear it by then; or, standing still, when we go on.
-    pub(crate) fn said(&mut self, heard: Timestamp, stopped: bool) {
+    pub(crate) fn said(&mut self, heard: Moment, stopped: bool) {
         if stopped {
             self.unheard = true;
         } else {
@@ -257,21 +280,22 @@ impl Shutdown {
     }
 
     /// The link is lost, and what was not surely heard by now with it.
-    pub(crate) fn cut(&mut self, now: Timestamp) {
+    pub(crate) fn cut(&mut self, now: Moment) {
         self.heard = self.heard.filter(|heard| *heard <= now);
         self.unheard = false;
     }
 
     /// The runtime goes on, and hears by then what was said meanwhile.
-    pub(crate) fn goes_on(&mut self, heard: Timestamp) {
+    pub(crate) fn goes_on(&mut self, heard: Moment) {
         if core::mem::take(&mut self.unheard) {
             self.heard.get_or_insert(heard);
         }
     }
 
     /// We said something, perhaps a request that is new.
-    pub(crate) fn we_say(&mut self, at: Timestamp, name: &[u8; 5], is_new: bool, findings: &mut Findings) {
+    pub(crate) fn we_say(&mut self, at: Moment, name: &[u8; 5], is_new: bool, findings: &mut Findings) {
         let Some(heard) = self.heard else { return };
+        findings.judge(Rule::AfterShutdown);
         let late = at > heard + LAST_WORD;
         if (late || is_new && at > heard) && !core::mem::replace(&mut self.told, late) {
             findings.add(at, Rule::AfterShutdown, || {

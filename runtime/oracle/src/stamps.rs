@@ -1,6 +1,6 @@
 use std::collections::VecDeque;
 
-use backseat_units::TimeOfDay;
+use crate::time_of_day::TimeOfDay;
 
 /// The times that our sentences carry, by name: acknowledgements are matched by them, so that none may come twice
 /// (SPI 6.21).
@@ -24,7 +24,7 @@ impl Stamps {
 
     /// Whether the name had this time before; remembers it.
     pub(crate) fn repeats(&mut self, name: [u8; 5], stamp: TimeOfDay) -> bool {
-        let stamp = stamp.truncated_to_millis();
+        let stamp = stamp.to_the_millisecond();
         let Some((_, used)) = self.names.iter_mut().find(|(known, _)| *known == name) else {
             if self.names.len() < Self::NAMES_MAX {
                 let recent = VecDeque::from([stamp]);
@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn only_the_same_millisecond_of_the_same_name_repeats() {
-        let at = |millis: u64| TimeOfDay::from_nanos(millis * 1_000_000).unwrap();
+        let at = crate::time_of_day::from_millis;
         let mut stamps = Stamps::default();
         for (name, millis, repeats) in [
             (b"BPRMB", 86_399_000, false),

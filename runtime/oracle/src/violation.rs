@@ -1,6 +1,6 @@
 use std::fmt;
 
-use backseat_units::Timestamp;
+use crate::moment::Moment;
 use serde::Serialize;
 
 use crate::rule::Rule;
@@ -8,19 +8,23 @@ use crate::rule::Rule;
 /// One breach of a rule.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Violation {
-    /// When it was found.
-    pub at: Timestamp,
+    /// When it was found, nanoseconds since the start of the run.
+    #[serde(rename = "at")]
+    pub at_ns: u64,
     /// The rule's short name.
     pub rule: &'static str,
     /// The safety requirement behind the rule, where it has one.
     pub requirement: Option<u32>,
+    /// The sentence with which it was found, the end of the line apart; none where silence broke the rule.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sentence: Option<String>,
     /// What happened, with its numbers.
     pub text: String,
 }
 
 impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.at, self.rule)?;
+        write!(f, "{} {}", Moment::from_nanos(self.at_ns), self.rule)?;
         if let Some(requirement) = self.requirement {
             write!(f, " (requirement {requirement:03})")?;
         }
@@ -30,28 +34,77 @@ impl fmt::Display for Violation {
 
 /// The violations of a run: the first ones whole, the rest as a number, so that a broken run costs no more memory than
 /// a good one.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Findings {
     kept: Vec<Violation>,
     count: u64,
-    last: Timestamp,
+    last: Moment,
+    /// The line that is looked at; empty where none is.
+    line: Vec<u8>,
+    /// How often each rule was judged, and how often it was broken.
+    judged: [u64; Rule::ALL.len()],
+    broken: [u64; Rule::ALL.len()],
+}
+
+impl Default for Findings {
+    fn default() -> Self {
+        Self {
+            kept: Vec::new(),
+            count: 0,
+            last: Moment::ZERO,
+            line: Vec::new(),
+            judged: [0; Rule::ALL.len()],
+            broken: [0; Rule::ALL.len()],
+        }
+    }
 }
 
 impl Findings {
     const KEPT_MAX: usize = 100;
+    /// How much of a line is shown.
+    const SHOWN_MAX: usize = 200;
+
+    /// What is found until [`Findings::passed`] is found with this line.
+    pub(crate) fn looks_at(&mut self, line: &[u8]) {
+        self.line.clear();
+        self.line.extend_from_slice(line.get(..Self::SHOWN_MAX).unwrap_or(line));
+    }
+
+    /// The line has been looked at.
+    pub(crate) fn passed(&mut self) {
+        self.line.clear();
+    }
+
+    /// There is something to judge by a rule.
+    pub(crate) const fn judge(&mut self, rule: Rule) {
+        self.judged[rule as usize] += 1;
+    }
+
+    /// How often a rule was judged, and how often it was broken.
+    pub(crate) fn of(&self, rule: Rule) -> (u64, u64) {
+        let broken = self.broken[rule as usize];
+        (self.judged[rule as usize].max(broken), broken)
+    }
 
     /// Adds one. The text is made only where it is kept.
-    pub(crate) fn add(&mut self, at: Timestamp, rule: Rule, text: impl FnOnce() -> String) {
+    pub(crate) fn add(&mut self, at: Moment, rule: Rule, text: impl FnOnce() -> String) {
         self.count += 1;
+        self.broken[rule as usize] += 1;
         self.last = at;
         if self.kept.len() < Self::KEPT_MAX {
             self.kept.push(Violation {
-                at,
+                at_ns: at.as_nanos(),
                 rule: rule.name(),
                 requirement: rule.requirement(),
+                sentence: self.sentence(),
                 text: text(),
             });
         }
+    }
+
+    fn sentence(&self) -> Option<String> {
+        let line = String::from_utf8_lossy(self.line.trim_ascii_end());
+        (!line.is_empty()).then(|| line.escape_debug().to_string())
     }
 
     pub(crate) const fn count(&self) -> u64 {
@@ -62,9 +115,10 @@ impl Findings {
         let omitted = self.count - self.kept.len() as u64;
         if omitted > 0 {
             self.kept.push(Violation {
-                at: self.last,
+                at_ns: self.last.as_nanos(),
                 rule: Rule::Omitted.name(),
                 requirement: None,
+                sentence: None,
                 text: format!("{omitted} more violations"),
             });
         }

@@ -1,7 +1,11 @@
-use crate::plane::{Plane, Point, Vector, between_m, length_m, rim_to_segment_m};
+use crate::plane::{Plane, Point, Vector, between_m, length_m, rim_to_segment_m, to_segment_m};
+use crate::wire::Setpoint;
 
 /// What the wire's resolution and two ways of projecting may differ by, metres.
 const SLACK_M: f64 = 0.05;
+
+/// A setpoint or a depth so near to the end of a band may be beyond it, metres.
+const BAND_SLACK_M: f64 = 1.0;
 
 /// One feature of the fence.
 #[derive(Clone, Debug)]
@@ -17,23 +21,14 @@ pub(crate) struct Zone {
     /// The vehicle may surface in it.
     pub(crate) surfacing: bool,
     rings: Vec<Vec<Point>>,
-    pub(crate) min: Point,
-    pub(crate) max: Point,
+    min: Point,
+    max: Point,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Inclusion,
     Exclusion,
-}
-
-/// The vertical setpoint of a request, metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Setpoint {
-    Depth(f64),
-    Altitude(f64),
-    /// A mode that says neither.
-    Unknown,
 }
 
 /// The shape of a request.
@@ -88,6 +83,18 @@ impl Zone {
         crossings.count() % 2 == 1
     }
 
+    /// Whether an exclusion surely holds at all of some depths, whatever part of a metre rounding takes; at any depth where
+    /// there are none.
+    pub(crate) fn surely_holds(&self, depths_m: &[f64]) -> bool {
+        let band = self.depth_min_m + BAND_SLACK_M..=self.depth_max_m - BAND_SLACK_M;
+        let holds = if depths_m.is_empty() {
+            self.depth_min_m == f64::NEG_INFINITY && self.depth_max_m == f64::INFINITY
+        } else {
+            depths_m.iter().all(|depth_m| band.contains(depth_m))
+        };
+        holds && !self.timed
+    }
+
     pub(crate) fn edges(&self) -> impl Iterator<Item = [Point; 2]> {
         self.rings.iter().flat_map(|ring| ring.array_windows::<2>().copied())
     }
@@ -96,7 +103,6 @@ impl Zone {
         match setpoint {
             Setpoint::Depth(depth_m) => (self.depth_min_m - 0.01..=self.depth_max_m + 0.01).contains(&depth_m),
             Setpoint::Altitude(altitude_m) => altitude_m > 0.0 && altitude_m >= self.altitude_min_m - 0.01,
-            Setpoint::Unknown => true,
         }
     }
 
@@ -104,10 +110,30 @@ impl Zone {
     pub(crate) fn forbids(&self, setpoint: Setpoint) -> bool {
         match setpoint {
             Setpoint::Depth(depth_m) => self.depth_min_m < depth_m && depth_m < self.depth_max_m,
-            Setpoint::Altitude(_) | Setpoint::Unknown => {
-                self.depth_min_m == f64::NEG_INFINITY && self.depth_max_m == f64::INFINITY
-            }
+            Setpoint::Altitude(_) => self.depth_min_m == f64::NEG_INFINITY && self.depth_max_m == f64::INFINITY,
         }
+    }
+
+    /// Whether a place of the plane is inside by so many metres at least; where they are negative, outside by no more.
+    pub(crate) fn is_inside_by(&self, plane: &Plane, place: Vector, metres: f64) -> bool {
+        let inside = self.contains(plane.point(place));
+        if metres < 0.0 {
+            inside || self.has_edge_within(plane, place, -metres)
+        } else {
+            inside && !self.has_edge_within(plane, place, metres)
+        }
+    }
+
+    /// Whether a place of the plane is nearer to an edge than so many metres.
+    fn has_edge_within(&self, plane: &Plane, place: Vector, metres: f64) -> bool {
+        let [x, y] = place;
+        // Far off its box it cannot be.
+        let ([west, south], [east, north]) = (plane.vector(self.min), plane.vector(self.max));
+        if x < west - metres || x > east + metres || y < south - metres || y > north + metres {
+            return false;
+        }
+        self.edges()
+            .any(|edge| to_segment_m(place, edge.map(|end| plane.vector(end))) < metres)
     }
 
     /// Whether the shape begins inside, and from it to the nearest edge, metres; zero where they cross.
@@ -141,16 +167,6 @@ impl Shape<'_> {
                 SLACK_M + plane.error_m(margin_m + length_m(piece[0]))
             }),
             Self::Rim { plane, radius_m } => SLACK_M + plane.error_m(margin_m + radius_m),
-        }
-    }
-}
-
-impl std::fmt::Display for Setpoint {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Depth(metres) => write!(f, "depth {metres} m"),
-            Self::Altitude(metres) => write!(f, "altitude {metres} m"),
-            Self::Unknown => f.write_str("an unknown setpoint"),
         }
     }
 }

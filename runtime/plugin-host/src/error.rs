@@ -1,7 +1,5 @@
 use backseat_core::plugin::PluginFault;
 
-use crate::host::COMPONENT_BYTES;
-
 /// Why a plugin cannot be loaded or started. `plugin` is the name that the caller gave it.
 #[derive(Debug, thiserror::Error)]
 pub enum HostError {
@@ -27,12 +25,22 @@ pub enum HostError {
         plugin: String,
     },
     /// Over the cap on the size of a component.
-    #[error("{plugin}: {bytes} bytes, expected at most {COMPONENT_BYTES}")]
+    #[error("{plugin}: {bytes} bytes, expected at most {bytes_max}")]
     TooLarge {
         /// Which.
         plugin: String,
         /// Its size.
         bytes: usize,
+        /// The most that it may have.
+        bytes_max: usize,
+    },
+    /// It took too long to be compiled.
+    #[error("{plugin}: not compiled after {seconds} s: a component that takes so long is refused")]
+    TooSlow {
+        /// Which.
+        plugin: String,
+        /// How long it may take.
+        seconds: u64,
     },
     /// Truncated, damaged, or made of WebAssembly proposals that are off here.
     #[error("{plugin}: not a valid component: {reason}")]

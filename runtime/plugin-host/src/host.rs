@@ -1,4 +1,5 @@
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
+use std::time::Duration;
 
 use backseat_core::plugin::Judge;
 use wasmtime::component::Linker;
@@ -9,8 +10,11 @@ use crate::instance::State;
 use crate::plugin::{Plugin, Started};
 use crate::{Budget, inspection, v0_1_0};
 
-/// The largest component that is loaded, bytes: an interpreter with its library fits.
-pub const COMPONENT_BYTES: usize = 64 << 20;
+/// The largest component that is loaded, bytes, where nothing else is said: an interpreter with its library fits.
+pub const COMPONENT_BYTES: usize = 32 << 20;
+/// How long a component may take to be compiled. It is done ashore, once a process, and a component that takes longer was
+/// made to.
+pub const COMPILE_TIME: Duration = Duration::from_secs(120);
 
 /// Stack of a plugin, bytes. An overflow is a trap.
 const STACK_BYTES: usize = 512 << 10;
@@ -50,13 +54,30 @@ impl Host {
         })
     }
 
-    /// Checks and compiles a component. `name` stands in errors and in nothing else.
+    /// As [`Host::load_within`], with the usual bounds: [`COMPONENT_BYTES`] and [`COMPILE_TIME`].
     ///
     /// # Errors
     /// A [`HostError`] that says in a line what the bytes are instead of a plugin.
     pub fn load(&self, name: &str, bytes: &[u8]) -> Result<Component, HostError> {
+        self.load_within(name, bytes, COMPONENT_BYTES, COMPILE_TIME)
+    }
+
+    /// Checks and compiles a component of so many bytes at most, in so much time at most. `name` stands in errors and in
+    /// nothing else.
+    ///
+    /// # Errors
+    /// A [`HostError`] that says in a line what the bytes are instead of a plugin, or which bound they break. A compilation
+    /// that takes too long goes on in its thread until it ends: it cannot be stopped.
+    pub fn load_within(
+        &self,
+        name: &str,
+        bytes: &[u8],
+        bytes_max: usize,
+        time_max: Duration,
+    ) -> Result<Component, HostError> {
         let plugin = || name.to_owned();
-        let component = inspection::compile(&self.engine, name, bytes)?;
+        inspection::check_form(name, bytes, bytes_max)?;
+        let component = self.compile_within(name, bytes, time_max)?;
         inspection::require_plugin(&self.engine, name, &component)?;
         let interface = |error: wasmtime::Error| HostError::Interface {
             plugin: plugin(),
@@ -72,6 +93,31 @@ impl Host {
                 plugin: linked,
             }),
         })
+    }
+
+    fn compile_within(
+        &self,
+        name: &str,
+        bytes: &[u8],
+        time_max: Duration,
+    ) -> Result<wasmtime::component::Component, HostError> {
+        let (done, compiled) = mpsc::channel();
+        let (engine, thread_name, bytes) = (self.engine.clone(), name.to_owned(), bytes.to_vec());
+        std::thread::spawn(move || {
+            // Nobody waits any more where it took too long.
+            let _ = done.send(inspection::compile(&engine, &thread_name, &bytes));
+        });
+        match compiled.recv_timeout(time_max) {
+            Ok(compiled) => compiled,
+            Err(mpsc::RecvTimeoutError::Timeout) => Err(HostError::TooSlow {
+                plugin: name.to_owned(),
+                seconds: time_max.as_secs(),
+            }),
+            Err(mpsc::RecvTimeoutError::Disconnected) => Err(HostError::Invalid {
+                plugin: name.to_owned(),
+                reason: "the compiler panicked on it".to_owned(),
+            }),
+        }
     }
 
     /// Moves the epoch on by one tick, for plugins with [`Plugin::set_deadline_ticks`]. A deployed runtime's watchdog

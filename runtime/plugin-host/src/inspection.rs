@@ -23,6 +23,7 @@ pub struct Inspection {
 /// A [`HostError`] where the bytes are no valid component.
 pub fn inspect(bytes: &[u8]) -> Result<Inspection, HostError> {
     let host = Host::new()?;
+    check_form("component", bytes, COMPONENT_BYTES)?;
     let component = compile(host.engine(), "component", bytes)?;
     let ty = component.component_type();
     Ok(Inspection {
@@ -32,18 +33,19 @@ pub fn inspect(bytes: &[u8]) -> Result<Inspection, HostError> {
     })
 }
 
-/// Compiles a component; what is none is refused by what it is.
-pub(crate) fn compile(engine: &Engine, name: &str, bytes: &[u8]) -> Result<Component, HostError> {
+/// Refuses what is no component by what it is, and one of more bytes than this.
+pub(crate) fn check_form(name: &str, bytes: &[u8], bytes_max: usize) -> Result<(), HostError> {
     /// Magic number, version, and layer of a core module.
     const CORE: &[u8] = b"\0asm\x01\0\0\0";
     let plugin = || name.to_owned();
     if bytes.is_empty() {
         return Err(HostError::Empty { plugin: plugin() });
     }
-    if bytes.len() > COMPONENT_BYTES {
+    if bytes.len() > bytes_max {
         return Err(HostError::TooLarge {
             plugin: plugin(),
             bytes: bytes.len(),
+            bytes_max,
         });
     }
     if !bytes.starts_with(&CORE[..4]) {
@@ -52,8 +54,13 @@ pub(crate) fn compile(engine: &Engine, name: &str, bytes: &[u8]) -> Result<Compo
     if bytes.starts_with(CORE) {
         return Err(HostError::CoreModule { plugin: plugin() });
     }
+    Ok(())
+}
+
+/// Compiles a component.
+pub(crate) fn compile(engine: &Engine, name: &str, bytes: &[u8]) -> Result<Component, HostError> {
     Component::new(engine, bytes).map_err(|error| HostError::Invalid {
-        plugin: plugin(),
+        plugin: name.to_owned(),
         reason: one_line(&error),
     })
 }

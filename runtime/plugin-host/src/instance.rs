@@ -44,6 +44,7 @@ pub(crate) struct State {
     /// The step that runs, without its events; none in other calls.
     step: Option<StepInput>,
     log: Vec<LogLine>,
+    lines_allowed: usize,
     lines_dropped: u64,
 }
 
@@ -67,6 +68,7 @@ impl Instance {
             judge,
             step: None,
             log: Vec::new(),
+            lines_allowed: LOG_LINES,
             lines_dropped: 0,
         };
         let mut store = Store::new(component.engine(), state);
@@ -125,18 +127,15 @@ impl Instance {
         self.store.get_fuel().expect("the engine counts fuel")
     }
 
-    /// The lines logged since the last time, with a last one that counts those that were not kept.
-    pub(crate) fn take_log(&mut self) -> Vec<LogLine> {
+    /// How many lines the next calls may log, [`LOG_LINES`] at most.
+    pub(crate) fn allow_lines(&mut self, lines: usize) {
+        self.store.data_mut().lines_allowed = lines.min(LOG_LINES);
+    }
+
+    /// The lines logged since the last time, and how many more were not kept.
+    pub(crate) fn take_log(&mut self) -> (Vec<LogLine>, u64) {
         let state = self.store.data_mut();
-        let dropped = std::mem::take(&mut state.lines_dropped);
-        let mut log = std::mem::take(&mut state.log);
-        if dropped > 0 {
-            log.push(LogLine {
-                level: LogLevel::Warn,
-                text: format!("{dropped} more lines were not kept"),
-            });
-        }
-        log
+        (std::mem::take(&mut state.log), std::mem::take(&mut state.lines_dropped))
     }
 }
 
@@ -151,7 +150,7 @@ impl State {
 
     /// Whether another log line is kept; one that is not is counted.
     pub(crate) fn admit_line(&mut self) -> bool {
-        let admitted = self.log.len() < LOG_LINES;
+        let admitted = self.log.len() < self.lines_allowed;
         self.lines_dropped += u64::from(!admitted);
         admitted
     }

@@ -13,7 +13,8 @@
 //! | linear memory in all, 64 instances, 32 tables, 8 memories, 100,000 table elements | [`Budget`] | `Memory`, where it then traps |
 //! | bytes that one call passes to the host | 128 KiB a step, 1 MiB a snapshot | `TooMuch`, before anything is allocated for them |
 //! | 256 requests a step, 256 bytes a text, 8 frames of 1024 bytes a packet | | `TooMuch` |
-//! | 32 log lines a step of 256 bytes | | cut; the rest are counted |
+//! | 32 log lines a step and a second, twice as many at once, of 256 bytes | | cut; the rest are counted |
+//! | 32 MiB a component, 120 s to compile it | [`Host::load_within`] | it is not loaded |
 //! | wall clock | [`Plugin::set_deadline_ticks`] | `Deadline` |
 //!
 //! An instruction is one unit of fuel, a bulk operation one more for each byte, growing the memory 255 and as many for
@@ -29,12 +30,13 @@ mod error;
 mod host;
 mod inspection;
 mod instance;
+mod lines;
 mod plugin;
 mod v0_1_0;
 
 pub use budget::Budget;
 pub use error::HostError;
-pub use host::{COMPONENT_BYTES, Component, Host};
+pub use host::{COMPILE_TIME, COMPONENT_BYTES, Component, Host};
 pub use inspection::{Inspection, inspect};
 pub use instance::{FENCE_FUEL, LOG_FUEL};
 pub use plugin::{Plugin, Restarted, Started};

@@ -3,6 +3,7 @@ use std::sync::Arc;
 use backseat_core::plugin::{Description, FaultKind, Judge, LogLine, PluginFault, Returned, StepInput};
 
 use crate::instance::{CALL_BYTES, Called, Instance, cut};
+use crate::lines::{self, Lines};
 use crate::{Budget, Component, HostError, v0_1_0};
 
 /// The largest snapshot, bytes.
@@ -20,6 +21,7 @@ pub struct Plugin {
     /// The last step's input as the guest gets it, kept for its allocations.
     input: v0_1_0::Input,
     snapshot: Option<Vec<u8>>,
+    lines: Lines,
     inputs_since_snapshot: u64,
     steps_to_snapshot: u32,
 }
@@ -67,6 +69,7 @@ impl Plugin {
             input: v0_1_0::Input::default(),
             snapshot: None,
             inputs_since_snapshot: 0,
+            lines: Lines::default(),
         };
         let name = plugin.component.name().to_owned();
         let start = |fault| HostError::Start {
@@ -93,7 +96,7 @@ impl Plugin {
             expected,
         })?;
         let left = plugin.init(&mut instance);
-        let log = instance.take_log();
+        let log = lines::of_start(instance.take_log());
         let left = left.map_err(|fault| start(with_last_line(fault, &log)))?;
         plugin.instance = Some(instance);
         Ok(Started {
@@ -121,6 +124,7 @@ impl Plugin {
                 }),
             };
         };
+        instance.allow_lines(self.lines.allowed(input.now));
         let guest_input = self.input.fill(input);
         instance.set_step(Some(StepInput {
             events: Vec::new(),
@@ -168,7 +172,7 @@ impl Plugin {
                 }
             }
         }
-        let log = instance.take_log();
+        let log = self.lines.keep(input.now, instance.take_log());
         if result.as_ref().is_err_and(loses_the_instance) {
             self.instance = None;
         }
@@ -184,7 +188,7 @@ impl Plugin {
             let started = self
                 .init(&mut instance)
                 .and_then(|fuel| self.restore(&mut instance, fuel));
-            log = instance.take_log();
+            log = lines::of_start(instance.take_log());
             left = started?;
             Ok(instance)
         });

@@ -26,6 +26,8 @@ pub enum LoggedInput {
     Driver(DriverId, Vec<u8>),
     /// Identifiers and inserts were reserved.
     Reserved(Reservation),
+    /// The computer's clock was set since the start, in all by so many nanoseconds.
+    UtcSet(i64),
     /// The time that core had asked for had come.
     Timeout,
 }
@@ -43,6 +45,7 @@ impl LoggedInput {
             Self::Operator(act) => Input::Operator(act.clone()),
             Self::Driver(driver, bytes) => Input::Driver(*driver, bytes),
             Self::Reserved(reservation) => Input::Reserved(*reservation),
+            Self::UtcSet(by_nanos) => Input::UtcSet(*by_nanos),
             Self::Timeout => Input::Timeout,
         }
     }
@@ -76,6 +79,9 @@ pub(crate) enum InputRef<'a> {
     Reserved {
         #[serde(flatten)]
         reservation: Reservation,
+    },
+    UtcSet {
+        by_nanos: i64,
     },
     Gap {
         since_s: f64,
@@ -112,6 +118,9 @@ pub(crate) enum InputOwned {
     Reserved {
         #[serde(flatten)]
         reservation: Reservation,
+    },
+    UtcSet {
+        by_nanos: i64,
     },
     Timeout,
     Gap {

@@ -95,6 +95,14 @@ impl<W: Write + Seek> Recorder<W> {
         self.put_json(Channel::Input, Timestamp::ZERO, &InputRef::Start { start })
     }
 
+    /// What a later process of a simulation was started with; a deployed one has a log of its own.
+    ///
+    /// # Errors
+    /// [`RecorderError::Write`].
+    pub fn restart(&mut self, now: Timestamp, start: &Start) -> Result<(), RecorderError> {
+        self.put_json(Channel::Input, now, &InputRef::Start { start })
+    }
+
     /// An input, before or after core handles it, but before its outputs.
     ///
     /// # Errors
@@ -116,6 +124,7 @@ impl<W: Write + Seek> Recorder<W> {
             },
             Input::Operator(act) => InputRef::Operator { act },
             Input::Driver(driver, bytes) => InputRef::Driver { driver: *driver, bytes },
+            Input::UtcSet(by_nanos) => InputRef::UtcSet { by_nanos: *by_nanos },
             Input::Reserved(reservation) => InputRef::Reserved {
                 reservation: *reservation,
             },

@@ -15,6 +15,7 @@ mod report;
 mod simulation;
 mod survey_map;
 mod trace;
+mod verdict;
 
 pub use components::Components;
 pub use digest::{Digest, Direction};
@@ -23,3 +24,4 @@ pub use report::Report;
 pub use simulation::{SimError, Simulation, Step};
 pub use survey_map::survey_map;
 pub use trace::{Sample, Steering, Trace};
+pub use verdict::{Gap, Verdict, VerdictError, judge_log};

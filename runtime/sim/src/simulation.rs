@@ -1,6 +1,7 @@
 mod connection;
 mod driver;
 mod interference;
+pub(crate) mod judge;
 mod process;
 
 use std::collections::BTreeMap;
@@ -9,18 +10,19 @@ use std::io::BufWriter;
 use std::sync::Arc;
 use std::time::Duration;
 
-use backseat_core::{ControlHook, Envelope, FailAction, Identifiers, RequestCounts, Reservation, Settings, Start};
+use backseat_core::{Envelope, Identifiers, RequestCounts, Reservation, Settings, Start};
 use backseat_mission::{Mission, MissionError};
 use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Status, WorldFile};
-use backseat_oracle::{Oracle, OracleError, State, Statistics};
+use backseat_oracle::{OracleError, State, Statistics};
 use backseat_recorder::{Recorder, RecorderError};
 use backseat_units::{Timestamp, Utc};
 
 use crate::digest::Digest;
 use crate::expectation;
-use crate::link::{DELAY_MAX, Lane};
+use crate::link::Lane;
 use crate::load::Loaded;
 use crate::report::Report;
+use crate::simulation::judge::Judge;
 use crate::simulation::process::{Process, Successor};
 use crate::trace::Trace;
 
@@ -89,7 +91,7 @@ pub struct Simulation {
     /// The true UTC at time zero.
     utc_at_start: Utc,
     mvc: Mvc,
-    oracle: Oracle,
+    oracle: Judge,
     recorder: Option<Recorder<BufWriter<File>>>,
     digest: Digest,
     trace: Trace,
@@ -126,56 +128,7 @@ impl Simulation {
     ) -> Result<Self, SimError> {
         let world: &WorldFile = mission.world()?;
         let mvc = mission.vehicle(world, seed)?;
-        let limits = &mission.file.limits;
-        let hull = limits.hull.as_ref();
-        let plugins = u32::try_from(mission.file.plugins.len()).unwrap_or(u32::MAX);
-        let oracle = Oracle::new(
-            &mission.fence_text,
-            backseat_oracle::Limits {
-                speed_min_mps: limits.speed_min_mps,
-                speed_max_mps: limits.speed_max_mps,
-                control: match &mission.file.session.control {
-                    ControlHook::Bfctl => backseat_oracle::ControlHook::BackseatControl,
-                    ControlHook::Running => backseat_oracle::ControlHook::MissionRunning,
-                    ControlHook::MissionCommand { grant, revoke } => backseat_oracle::ControlHook::MissionCommand {
-                        grant: grant.clone(),
-                        revoke: revoke.clone(),
-                    },
-                },
-                tracking_error_m: limits.tracking_error_m,
-                navigation_age_max_s: limits.navigation_age_max_s,
-                operator_commands: orders(mission),
-                inserts_open_max: limits.inserts_open_max,
-                inserts_total_max: limits.inserts_total_max,
-                inserts_duration_max_s: limits.inserts_duration_max_s,
-                caps: backseat_oracle::Caps {
-                    gps_hits_total_max: limits.gps_hits_total_max,
-                    adjustments_total_max: limits.adjustments_total_max,
-                    silences_total_max: limits.silences_total_max,
-                    silent_term_s: limits.silent_term_s,
-                    topside_per_min: limits.topside_per_min,
-                    packets_per_min: limits.packets_per_min,
-                    messages_per_s: plugins,
-                    device_commands_per_s: plugins.saturating_mul(limits.requests_per_s),
-                },
-                water_depth_known: limits.water_depth_max_m.is_some(),
-                hull_box: hull.and_then(|hull| hull.hull_box.as_ref()).map(|bounds| {
-                    [
-                        [bounds.horizontal_min_m, bounds.horizontal_max_m],
-                        [bounds.vertical_min_m, bounds.vertical_max_m],
-                        [bounds.distance_min_m, bounds.distance_max_m],
-                    ]
-                }),
-                bottom_box: hull.and_then(|hull| hull.bottom_box.as_ref()).map(|bounds| {
-                    [
-                        [bounds.x_min_m, bounds.x_max_m],
-                        [bounds.y_min_m, bounds.y_max_m],
-                        [bounds.depth_min_m, bounds.depth_max_m],
-                    ]
-                }),
-                link_delay_s: DELAY_MAX.as_secs_f64(),
-            },
-        )?;
+        let oracle = Judge::new(mission)?;
         let utc_at_start = mvc.utc(Timestamp::ZERO);
         let disk = Disk {
             reservation: Reservation {
@@ -473,10 +426,4 @@ fn add(counts: &mut RequestCounts, more: RequestCounts) {
     counts.sent += more.sent;
     counts.accepted += more.accepted;
     counts.failed += more.failed;
-}
-
-/// Whether the operator of a mission has ordered anything in advance that no plugin may send.
-fn orders(mission: &Mission) -> bool {
-    let aborts = |plugin: &backseat_mission::PluginTable| plugin.on_failure == FailAction::Abort;
-    !mission.file.policies.is_empty() || mission.file.plugins.iter().any(aborts)
 }

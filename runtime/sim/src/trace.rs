@@ -61,12 +61,18 @@ pub struct Trace {
     pub inserts: Vec<ToVehicle>,
     /// The first thousand rejections.
     pub rejected: Vec<Rejected>,
+    /// The first thousand of what the monitor said of navigation.
+    pub navigation: Vec<(Timestamp, String)>,
+    /// The mission was to be aborted or killed for the operator: whatever came of it, plugins steer no more.
+    pub ending_ordered: bool,
     next_sample: Timestamp,
     asked: Vec<(u64, Request)>,
 }
 
 /// Past this, rejections are only counted.
 const REJECTED_MAX: usize = 1000;
+/// Past this, what is said of navigation is not kept.
+const NAVIGATION_MAX: usize = 1000;
 
 impl Trace {
     /// True where a sample was taken.
@@ -137,7 +143,13 @@ impl Trace {
     }
 
     pub(crate) fn note(&mut self, at: Timestamp, note: &Note, from: Option<Position>) {
+        if let Note::Navigation { text } = note
+            && self.navigation.len() < NAVIGATION_MAX
+        {
+            self.navigation.push((at, text.clone()));
+        }
         let Note::Request(transition) = note else { return };
+        self.ending_ordered |= matches!(transition.kind, RequestKind::Abort | RequestKind::Kill);
         let RequestState::Rejected(reason) = &transition.state else {
             return;
         };

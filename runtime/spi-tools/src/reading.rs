@@ -133,7 +133,7 @@ fn read(
     let sentence = Sentence::parse(text).map_err(|_| ReadingError::Malformed)?;
     match sentence.checksum() {
         ChecksumState::Invalid if !ignore_checksum => {
-            let (body, digits) = text[1..].split_once('*').unwrap_or((&text[1..], ""));
+            let (body, digits) = text[1..].rsplit_once('*').unwrap_or((&text[1..], ""));
             return Err(ReadingError::Checksum {
                 found: digits.chars().take(8).collect(),
                 right: xor(body.as_bytes()),
@@ -152,7 +152,7 @@ impl Checksum {
     /// On bytes, so that a line that is not UTF-8 has one too.
     fn of(bytes: &[u8]) -> Self {
         let bytes = &bytes[1..];
-        let Some(star) = memchr::memchr(b'*', bytes) else {
+        let Some(star) = memchr::memrchr(b'*', bytes) else {
             return Self::Absent;
         };
         let digits = &bytes[star + 1..];
@@ -245,6 +245,15 @@ mod tests {
             "expected a comma, an asterisk or the end after the name"
         );
         assert!(error("$BFCTL,081025.987,2").starts_with("BFCTL field 2 (granted) \"2\": "));
+    }
+
+    #[test]
+    fn the_checksum_is_the_last_one_of_a_sentence_that_relays_another() {
+        let relay = reading("$BPTMR,081025.987,3,$CCRXD,1,2*5B*64");
+        assert_eq!(relay.checksum, Checksum::Valid);
+        assert!(relay.outcome.is_ok());
+        let wrong = error("$BPTMR,081025.987,3,$CCRXD,1,2*5B*65");
+        assert_eq!(wrong, "checksum \"65\" is wrong: 64 is right");
     }
 
     #[test]

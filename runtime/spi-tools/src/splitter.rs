@@ -1,18 +1,21 @@
-use backseat_spi::MAX_LINE;
-use memchr::{memchr, memchr_iter, memchr2};
+use backseat_spi::{MAX_LINE, Policy, sentence_start};
+use memchr::{memchr, memchr_iter, memrchr};
 
 /// Cuts a stream of bytes into pieces that begin with `$`, and keeps all of them, the broken ones too.
 ///
 /// [`backseat_spi::Framer`] drops what a runtime must not act on. Here somebody looks for what is wrong, so that each
-/// piece is given out with how it ended, and only what is no sentence at all is counted and passed by. Memory stays
-/// within a push and [`MAX_LINE`].
+/// piece is given out with how it ended, and only what is no sentence at all is counted and passed by. A `$` inside a line
+/// begins a new piece unless the checksum shows that it belongs to the sentence, as for the framer. Memory stays within a
+/// push and [`MAX_LINE`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Splitter {
     buffer: Vec<u8>,
     /// All before has been given out.
     start: usize,
-    /// Between `start` and here there is no `$` but the first, and no line feed.
+    /// Between `start` and here there is no line feed.
     searched: usize,
+    /// Where the sentence begins that ends with the line, once that is known: what is before was cut short.
+    whole: Option<usize>,
     /// Line feeds before `start`.
     lines: u64,
     ended: bool,
@@ -41,11 +44,20 @@ pub(crate) enum End {
     Input,
 }
 
+enum Extent {
+    /// So many bytes, and so many more to pass over.
+    Piece(usize, End, usize),
+    TooLong,
+    /// More bytes have to come.
+    Unknown,
+}
+
 impl Splitter {
     /// Adds bytes as they were read.
     pub(crate) fn push(&mut self, bytes: &[u8]) {
         self.buffer.drain(..self.start);
         self.searched = self.searched.saturating_sub(self.start);
+        self.whole = self.whole.map(|whole| whole - self.start);
         self.start = 0;
         self.buffer.extend_from_slice(bytes);
     }
@@ -67,19 +79,15 @@ impl Splitter {
                 self.pass(dollar);
                 continue;
             }
-            let searched = self.searched.saturating_sub(self.start).max(1);
-            let end = memchr2(b'$', b'\n', &pending[searched..]).map(|at| searched + at);
-            if end.unwrap_or(pending.len()) >= MAX_LINE {
-                // What follows up to the next dollar sign is noise, whether it has arrived or not.
-                self.too_long += 1;
-                self.start += MAX_LINE;
-                continue;
-            }
-            let (length, end, skip) = match end {
-                Some(at) if pending[at] == b'$' => (at, End::Dollar, 0),
-                Some(at) => (at, End::Line, 1),
-                None if self.ended => (pending.len(), End::Input, 0),
-                None => {
+            let (length, end, skip) = match self.extent() {
+                Extent::Piece(length, end, skip) => (length, end, skip),
+                Extent::TooLong => {
+                    // What follows up to the next dollar sign is noise, whether it has arrived or not.
+                    self.too_long += 1;
+                    self.start += MAX_LINE;
+                    continue;
+                }
+                Extent::Unknown => {
                     self.searched = self.buffer.len();
                     return None;
                 }
@@ -91,6 +99,30 @@ impl Splitter {
             let bytes = self.buffer[from..from + length].trim_ascii_end();
             return Some(Piece { bytes, end, line });
         }
+    }
+
+    /// How far the piece goes that begins at `start`.
+    fn extent(&mut self) -> Extent {
+        let pending = &self.buffer[self.start..];
+        let window = &pending[..pending.len().min(MAX_LINE)];
+        let next = || memchr(b'$', &window[1..]).map_or(Extent::TooLong, |at| Extent::Piece(1 + at, End::Dollar, 0));
+        if self.whole.is_some_and(|whole| self.start < whole) {
+            return next();
+        }
+        let searched = self.searched.saturating_sub(self.start).max(1);
+        let (length, end, skip) = match memchr(b'\n', &window[searched..]) {
+            Some(at) => (searched + at, End::Line, 1),
+            None if window.len() == MAX_LINE => return next(),
+            None if self.ended => (pending.len(), End::Input, 0),
+            None => return Extent::Unknown,
+        };
+        let line = &window[..length];
+        let whole = sentence_start(line, Policy::FromPayload).or_else(|| memrchr(b'$', line));
+        if self.whole.take().is_none() && whole != Some(0) {
+            self.whole = whole.map(|at| self.start + at);
+            return next();
+        }
+        Extent::Piece(length, end, skip)
     }
 
     /// A line that is to be noise after all.
@@ -149,6 +181,27 @@ mod tests {
         assert_eq!(splitter.noise_bytes, 6, "boot and two blanks");
     }
 
+    /// A modem's line with its checksum, in a sentence with its own.
+    const RELAY: &str = "$BPTMR,081025.987,3,$CCRXD,1,2*5B*64";
+
+    #[test]
+    fn a_dollar_sign_in_a_sentence_with_a_right_checksum_is_part_of_it() {
+        let stream = format!("$BFNVG,08$BF{RELAY}\r\n{RELAY}\n{RELAY}");
+        for cut in [1, 10, stream.len()] {
+            let chunks: Vec<&[u8]> = stream.as_bytes().chunks(cut).collect();
+            let (out, _) = pieces(&chunks);
+            let expected = [
+                ("$BFNVG,08", End::Dollar, 1),
+                ("$BF", End::Dollar, 1),
+                (RELAY, End::Line, 1),
+                (RELAY, End::Line, 2),
+                (RELAY, End::Input, 3),
+            ];
+            let expected = expected.map(|(text, end, line)| (text.to_owned(), end, line));
+            assert_eq!(out, expected);
+        }
+    }
+
     #[test]
     fn ten_megabytes_without_a_line_end_take_no_memory_and_lose_nothing_after_them() {
         let mut splitter = Splitter::default();
@@ -177,6 +230,7 @@ mod tests {
                     Just(b"$BFCTL,081025.987,1*78".to_vec()), Just(b"\r\n".to_vec()), Just(b"\n".to_vec()),
                     Just(b"$BPRMP\n".to_vec()), Just(b"$AB*03\r\n".to_vec()), Just(vec![b'x'; 900]),
                     Just(b"$BFNVG,".to_vec()), proptest::collection::vec(any::<u8>(), 0..40),
+                    Just(RELAY.as_bytes().to_vec()), Just(b"$BPXYZ,1".to_vec()), "[$*,A0\r\n]{0,5}".prop_map(String::into_bytes),
                 ],
                 0..40,
             ),

@@ -74,6 +74,13 @@ impl<'a> Reader<'a> {
         self.bytes().map(as_text)
     }
 
+    /// All that is left as text, with the commas in it.
+    pub(crate) fn text_to_end(&mut self) -> Result<&'a str, Fault> {
+        let rest = self.rest()?;
+        self.skip(rest.len());
+        Ok(as_text(rest))
+    }
+
     /// The next field without blanks around it; an error where nothing is left.
     pub(crate) fn trimmed(&mut self) -> Result<&'a [u8], Fault> {
         let bytes = trim(self.bytes()?);
@@ -296,7 +303,7 @@ impl<'a> Writer<'a> {
         self.out.extend_from_slice(&[b',', character]);
     }
 
-    /// A field of ASCII text that holds no delimiter.
+    /// A field of ASCII text. It holds no delimiter unless it ends the sentence.
     pub(crate) fn text(&mut self, text: &str) {
         self.out.push(b',');
         self.out.extend_from_slice(text.as_bytes());
@@ -363,6 +370,17 @@ mod tests {
         assert_eq!(reader.text(), Ok("b"));
         assert_eq!(reader.text(), Err(Fault::Missing));
         assert!(!reader.next_is_blank());
+    }
+
+    #[test]
+    fn the_text_to_the_end_leaves_nothing() {
+        for (line, text) in [("$X,1,a,b,", "a,b,"), ("$X,1,", ""), ("$X,1,é*00", "é")] {
+            let mut reader = Reader::new(&Sentence::parse(line).unwrap());
+            reader.bytes().unwrap();
+            assert_eq!(reader.text_to_end(), Ok(text), "{line}");
+            assert!(reader.is_done());
+            assert_eq!(reader.text_to_end(), Err(Fault::Missing));
+        }
     }
 
     proptest! {

@@ -11,7 +11,7 @@ mod words;
 
 pub(crate) use flag::{Flag, OnOff};
 pub(crate) use identifier::{IdentifierOrEmpty, IdentifierOrZero};
-pub(crate) use number::{Decimal, EntryAngle, Nine, Percent};
+pub(crate) use number::{Decimal, Nine, Percent};
 pub(crate) use packet::{FrameCount, ReceivedFrames};
 pub(crate) use quantity::BottomLock;
 pub(crate) use reserved::{Then, ThreeEmpty, Zero};

@@ -1,13 +1,29 @@
+mod line;
+
+pub use line::sentence_start;
 use memchr::{memchr, memchr2};
 
 use crate::MAX_LINE;
-use crate::sentence::{ChecksumState, Sentence};
+use crate::framer::line::{judge, judge_parts};
+use crate::sentence::Sentence;
 
 /// Cuts a stream of bytes into sentences, however the bytes arrive.
 ///
 /// Push what was read, then take sentences until there are none. What is no sentence, or none that the policy allows, is
 /// dropped and counted, and reading goes on at the next `$`. No bytes make it panic, and memory is bounded by
-/// [`Framer::MAX_MEMORY`] (safety requirement 013).
+/// [`Framer::MAX_MEMORY`] (safety requirement 013). The time that a stream takes grows no faster than its length.
+///
+/// A `$` inside a line is part of a text, or it begins a sentence after one that was cut short. The line's checksum, which
+/// stands after the last asterisk, tells which:
+///
+/// 1. The sentence begins at the first `$` from which the checksum is right, and ends with the line.
+/// 2. If the checksum is right from several, the first of them wins whose sentence can hold the `$` that comes next: it
+///    stands in a text, or the message is not known. If none can, the first of all wins. A checksum is right from a wrong
+///    `$` by chance, after one cut sentence in 256, or because a fragment stands there twice and cancels itself out.
+/// 3. If it is right from none, or if the line has no checksum, the sentence begins at the last `$`.
+///
+/// Each `$` before the sentence counts as cut short. So does each `$` inside it from which the checksum is right too:
+/// perhaps a sentence was lost there.
 #[derive(Clone, Debug)]
 pub struct Framer {
     policy: Policy,
@@ -40,7 +56,7 @@ pub struct FrameCounts {
     pub too_long: u64,
     /// Dropped: not UTF-8.
     pub not_utf8: u64,
-    /// Dropped: cut short by the `$` of the next sentence.
+    /// Dropped: cut short by the `$` of the next sentence, or perhaps lost inside the one that was given out.
     pub cut_short: u64,
     /// Good sentences dropped, the oldest first, because they were not taken before more than
     /// [`Framer::MAX_BACKLOG`] had come.
@@ -73,8 +89,11 @@ impl FrameCounts {
 struct Cursor {
     /// All before has been dealt with.
     start: usize,
-    /// There is no `$` (but at `start`) and no line feed before this: not to be searched again.
+    /// There is no line feed between `start` and this, and no `$` after `start` but from `inner` on: not to be searched
+    /// again.
     searched: usize,
+    /// The first `$` after `start`, where there is one before `searched`.
+    inner: Option<usize>,
 }
 
 impl Framer {
@@ -93,7 +112,11 @@ impl Framer {
         Self {
             policy,
             buffer: Vec::new(),
-            cursor: Cursor { start: 0, searched: 0 },
+            cursor: Cursor {
+                start: 0,
+                searched: 0,
+                inner: None,
+            },
             counts: FrameCounts {
                 sentences: 0,
                 checksum_invalid: 0,
@@ -153,6 +176,7 @@ impl Framer {
         if self.cursor.start > 0 && self.cursor.start >= self.buffer.len() / 2 {
             self.buffer.drain(..self.cursor.start);
             self.cursor.searched = self.cursor.searched.saturating_sub(self.cursor.start);
+            self.cursor.inner = self.cursor.inner.map(|inner| inner - self.cursor.start);
             self.cursor.start = 0;
         }
     }
@@ -173,58 +197,58 @@ fn next<'a>(buffer: &'a [u8], cursor: &mut Cursor, counts: &mut FrameCounts, pol
         if pending.is_empty() {
             return None;
         }
+        // A sentence ends within this, or is too long.
+        let window = &pending[..pending.len().min(MAX_LINE)];
         let searched = cursor.searched.saturating_sub(cursor.start).max(1);
-        let end = memchr2(b'$', b'\n', &pending[searched..]).map(|at| searched + at);
-        if end.unwrap_or(pending.len()) >= MAX_LINE {
+        let found = match cursor.inner {
+            None => memchr2(b'$', b'\n', &window[searched..]),
+            Some(_) => memchr(b'\n', &window[searched..]),
+        };
+        match found.map(|at| searched + at) {
+            Some(at) if window[at] == b'$' => {
+                cursor.inner = Some(cursor.start + at);
+                cursor.searched = cursor.start + at + 1;
+            }
+            Some(end) => {
+                cursor.start += end + 1;
+                let sentence = match cursor.inner.take() {
+                    None => judge(&window[..end], counts, policy),
+                    Some(_) => judge_parts(&window[..end], counts, policy),
+                };
+                if let Some(sentence) = sentence {
+                    return Some(sentence);
+                }
+            }
+            None if window.len() == MAX_LINE => drop_start(buffer, cursor, counts),
+            None => {
+                cursor.searched = buffer.len();
+                return None;
+            }
+        }
+    }
+}
+
+/// Passes over a `$` that no line feed follows within the longest line: up to the next `$`, or over all that was searched.
+#[cold]
+fn drop_start(buffer: &[u8], cursor: &mut Cursor, counts: &mut FrameCounts) {
+    cursor.searched = cursor.start + MAX_LINE;
+    match cursor.inner {
+        Some(inner) => {
+            counts.cut_short += 1;
+            cursor.start = inner;
+            let next = memchr(b'$', &buffer[inner + 1..cursor.searched]);
+            cursor.inner = next.map(|at| inner + 1 + at);
+        }
+        None => {
             // The rest up to the next dollar sign is noise, whether it has arrived or not.
             counts.too_long += 1;
-            cursor.start += MAX_LINE;
-            continue;
-        }
-        let Some(end) = end else {
-            cursor.searched = buffer.len();
-            return None;
-        };
-        if pending[end] == b'$' {
-            counts.cut_short += 1;
-            cursor.start += end;
-            continue;
-        }
-        cursor.start += end + 1;
-        if let Some(sentence) = judge(&pending[..end], counts, policy) {
-            return Some(sentence);
+            cursor.start = cursor.searched;
         }
     }
 }
 
 fn noise(bytes: &[u8]) -> u64 {
     bytes.iter().filter(|byte| !matches!(byte, b'\r' | b'\n')).count() as u64
-}
-
-/// The sentence of a line, or one more count of why it is none.
-#[inline(always)]
-fn judge<'a>(line: &'a [u8], counts: &mut FrameCounts, policy: Policy) -> Option<Sentence<'a>> {
-    let Ok(line) = core::str::from_utf8(line) else {
-        counts.not_utf8 += 1;
-        return None;
-    };
-    let Ok(sentence) = Sentence::parse(line) else {
-        counts.malformed += 1;
-        return None;
-    };
-    let two_digits = || matches!(sentence.raw().as_bytes(), [.., b'*', _, _]);
-    match (sentence.checksum(), policy) {
-        (ChecksumState::Valid, Policy::FromPayload) | (ChecksumState::Absent, Policy::FromPayload) => Some(sentence),
-        (ChecksumState::Valid, Policy::FromVehicle) if two_digits() => Some(sentence),
-        (ChecksumState::Absent, Policy::FromVehicle) => {
-            counts.checksum_absent += 1;
-            None
-        }
-        (ChecksumState::Valid | ChecksumState::Invalid, Policy::FromVehicle | Policy::FromPayload) => {
-            counts.checksum_invalid += 1;
-            None
-        }
-    }
 }
 
 #[cfg(test)]
@@ -364,6 +388,12 @@ mod tests {
         framer.push(format!("*78\r\n{CONTROL}\r\n").as_bytes());
         assert_eq!(framer.next_sentence().unwrap().raw(), CONTROL);
         assert!(framer.next_sentence().is_none());
+        // Nor is anything of it taken as searched.
+        framer.push(b"$BFCTL,081025.987,1$BFCTL,08");
+        assert!(framer.next_sentence().is_none());
+        framer.clear();
+        framer.push(b"$AB*03\r\n");
+        assert_eq!(framer.next_sentence().unwrap().raw(), "$AB*03");
     }
 
     proptest! {

@@ -3,6 +3,7 @@ use backseat_units::{Altitude, Depth, GridHeading, Position, TimeOfDay};
 use crate::codes::{
     AckStatus, AdjustmentError, AdjustmentStatus, FrameSentStatus, PlanElementKind, PositionQuality, Transport,
 };
+use crate::echo::EchoedTime;
 use crate::forms::{
     BottomLock, Created, Decimal, Each, Flag, FrameCount, IdentifierOrEmpty, IdentifierOrZero, LastText, Optional,
     OrDefault, Percent, ReceivedFrames, Then, ThreeEmpty, Zero,
@@ -399,8 +400,8 @@ messages! {
         created: TimeOfDay as Created, "UTC";
         /// The command, `RMB`.
         command: CommandName as CommandName, "name";
-        /// The command's own time, to the millisecond; midnight where it had none.
-        command_created: TimeOfDay as TimeOfDay, "UTC";
+        /// The command's own time as the vehicle echoes it; none (midnight) where the command had no time.
+        command_created: EchoedTime as EchoedTime, "UTC";
         /// The identifier of the insert that the command asked for, or `None` (0 or empty).
         behavior: Option<BehaviorId> as IdentifierOrZero, "identifier";
         /// What became of it.

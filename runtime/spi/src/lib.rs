@@ -25,7 +25,9 @@
 //! ```
 
 mod catalogue;
+mod circle_entry;
 mod codes;
+mod echo;
 mod error;
 mod field;
 mod forms;
@@ -43,13 +45,15 @@ mod unknown;
 mod word;
 
 pub use catalogue::{Direction, Entry, EntryField, catalogue};
+pub use circle_entry::CircleEntry;
 pub use codes::{
     AbortReason, AckStatus, AdjustmentError, AdjustmentStatus, DurationUnit, FrameReceivedStatus, FrameSentStatus,
     HorizontalMode, Interrupt, ModifySpeedMode, ModifyVerticalMode, PlanElementKind, PositionQuality, SpeedMode,
     SurfaceMode, Transport, VerticalMode, VerticalReference,
 };
+pub use echo::EchoedTime;
 pub use error::{DecodeError, EncodeError, Fault};
-pub use framer::{FrameCounts, Framer, Policy};
+pub use framer::{FrameCounts, Framer, Policy, sentence_start};
 pub use from_vehicle::{
     Acknowledgement, BackseatControl, Battery, BehaviorBegin, BehaviorEnd, BuoyancyStatus, CartesianNavigation,
     Compass, ControlSurfaces, Ctd, DepthSensor, Dvl, DvlBeams, DvlTriggering, FromVehicle, Imu, LoggingBegin,
@@ -60,7 +64,7 @@ pub use from_vehicle::{
 pub use identity::{BehaviorId, CommandName, CommandNameError};
 pub use packet::{FrameData, FrameDataError, ReceivedFrame};
 pub use sentence::{ChecksumState, Fields, Sentence, SentenceError};
-pub use text::{Text, TextError};
+pub use text::{RelayedText, RelayedTextError, Text, TextError};
 pub use to_vehicle::{
     Abort, BearingOffset, BottomPosition, BuoyancyAdjustment, Camera, CancelAll, CancelBehavior, CancelCurrent,
     CancelElement, Continue, DvlTriggerRequest, EndModify, GpsHit, HullPosition, HullSpeedLimit, Kill, Light,

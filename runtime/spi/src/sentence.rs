@@ -1,11 +1,14 @@
-use nom::bytes::complete::{tag, take, take_while1};
-use nom::combinator::{opt, rest};
+use nom::bytes::complete::take_while1;
+use nom::character::complete::char;
 use nom::sequence::preceded;
 use nom::{IResult, Parser};
 
 use crate::hex;
 
 /// One sentence, `$NAME,field,…*HH`, borrowed from the line that it stands in (SPI 4.2).
+///
+/// Its checksum stands after the last asterisk of the line. A payload relays the lines of its modem in a text (SPI 7.14),
+/// so that the fields may hold dollar signs and asterisks, those of another checksum too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sentence<'a> {
     raw: &'a str,
@@ -40,7 +43,7 @@ impl<'a> Sentence<'a> {
     #[inline]
     pub fn parse(line: &'a str) -> Result<Self, SentenceError> {
         let raw = line.trim_ascii_end();
-        let (_, parts) = parts(raw.as_bytes()).map_err(|_| SentenceError)?;
+        let parts = parts(raw.as_bytes())?;
         // All delimiters are ASCII, so that these cuts are at character boundaries.
         let name_end = 1 + parts.name.len();
         let body = parts
@@ -149,22 +152,35 @@ struct Parts<'a> {
     digits: Option<&'a [u8]>,
 }
 
-fn parts(line: &[u8]) -> IResult<&[u8], Parts<'_>> {
-    let (line, name) = preceded(tag("$"), take_while1(|byte: u8| byte.is_ascii_alphanumeric())).parse(line)?;
-    let (line, body) = opt(preceded(tag(","), before_star)).parse(line)?;
-    let (line, digits) = opt(preceded(tag("*"), rest)).parse(line)?;
-    let (line, _) = nom::combinator::eof(line)?;
-    Ok((line, Parts { name, body, digits }))
+fn parts(line: &[u8]) -> Result<Parts<'_>, SentenceError> {
+    let (rest, name) = name(line).map_err(|_| SentenceError)?;
+    let (body, digits) = match rest {
+        [] => (None, None),
+        [b'*', digits @ ..] => (None, Some(digits)),
+        [b',', body @ ..] => match last_star(body) {
+            None => (Some(body), None),
+            Some(star) => (Some(&body[..star]), Some(&body[star + 1..])),
+        },
+        _ => return Err(SentenceError),
+    };
+    Ok(Parts { name, body, digits })
 }
 
-/// All up to the first asterisk or the end.
-fn before_star(text: &[u8]) -> IResult<&[u8], &[u8]> {
-    let star = memchr::memchr(b'*', text).unwrap_or(text.len());
-    take(star).parse(text)
+fn name(line: &[u8]) -> IResult<&[u8], &[u8]> {
+    preceded(char('$'), take_while1(|byte: u8| byte.is_ascii_alphanumeric())).parse(line)
+}
+
+/// Where the asterisk stands that a checksum follows. Nearly always it is the third byte from the end.
+#[inline]
+pub(crate) fn last_star(text: &[u8]) -> Option<usize> {
+    match text {
+        [before @ .., b'*', high, low] if *high != b'*' && *low != b'*' => Some(before.len()),
+        _ => memchr::memrchr(b'*', text),
+    }
 }
 
 /// One or two hexadecimal digits of either case: real clients send `*4` for `*04`.
-fn checksum(digits: &[u8]) -> Option<u8> {
+pub(crate) fn checksum(digits: &[u8]) -> Option<u8> {
     match *digits {
         [low] => hex::value(low),
         [high, low] => Some((hex::value(high)? << 4) | hex::value(low)?),
@@ -205,6 +221,41 @@ mod tests {
         }
         // A and B alone leave 0x03, which real clients print as one digit.
         assert_eq!(state("$AB*3"), ChecksumState::Valid);
+    }
+
+    #[test]
+    fn the_checksum_is_after_the_last_asterisk() {
+        let relayed = "BPTMR,081025.987,3,$CCRXD,1,2*5B";
+        let line = format!("${relayed}*{:02X}", xor(relayed.as_bytes()));
+        let sentence = Sentence::parse(&line).unwrap();
+        assert_eq!(sentence.checksum(), ChecksumState::Valid);
+        assert_eq!(
+            sentence.fields().collect::<Vec<_>>(),
+            ["081025.987", "3", "$CCRXD", "1", "2*5B"]
+        );
+        let state = |line: &str| Sentence::parse(line).unwrap().checksum();
+        assert_eq!(
+            state(&format!("${relayed}")),
+            ChecksumState::Invalid,
+            "that is the relayed line's"
+        );
+        assert_eq!(state(&format!("{line}*")), ChecksumState::Invalid);
+        // After the name there is no text that could hold an asterisk.
+        for line in ["$AB*03*03", "$AB*3*", "$AB**03"] {
+            assert_eq!(state(line), ChecksumState::Invalid, "{line}");
+        }
+        for (text, star) in [
+            ("", None),
+            ("ab", None),
+            ("*", Some(0)),
+            ("a*", Some(1)),
+            ("a*bc", Some(1)),
+        ] {
+            assert_eq!(last_star(text.as_bytes()), star, "{text}");
+        }
+        for (text, star) in [("a*b*", 3), ("a*b*c", 3), ("**c", 1), ("a*bcd", 1), ("*a*bc", 2)] {
+            assert_eq!(last_star(text.as_bytes()), Some(star), "{text}");
+        }
     }
 
     #[test]

@@ -58,8 +58,8 @@ impl Text {
     }
 }
 
-fn is_allowed(character: char) -> bool {
-    matches!(character, ' '..='~') && !matches!(character, ',' | '*' | '$')
+const fn is_allowed(character: char) -> bool {
+    is_printable(character) && !matches!(character, ',' | '*' | '$')
 }
 
 impl<'de> Deserialize<'de> for Text {
@@ -100,6 +100,118 @@ impl PartialEq<&str> for Text {
     }
 }
 
+/// Text that ends its sentence and is passed on as it is: printable ASCII, and delimiters too.
+///
+/// The specification reserves comma and asterisk (SPI 4.2), but what a payload relays from its modem (SPI 7.14) are often
+/// sentences themselves, with commas, a dollar sign and a checksum of their own. Where the text is the last of its sentence
+/// and the sentence has its checksum, nothing of that is ambiguous.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(transparent)]
+pub struct RelayedText(Box<str>);
+
+/// A character that no text may hold, not even one that ends its sentence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("character {character:?} at byte {at} is not allowed: expected printable ascii")]
+pub struct RelayedTextError {
+    /// The first character that is not allowed.
+    pub character: char,
+    /// Where it stands, bytes from the start.
+    pub at: usize,
+}
+
+impl RelayedText {
+    /// The text as it stands.
+    ///
+    /// # Errors
+    /// [`RelayedTextError`] names the first character that is not allowed.
+    pub fn new(text: &str) -> Result<Self, RelayedTextError> {
+        match text.char_indices().find(|&(_, character)| !is_printable(character)) {
+            None => Ok(Self(text.into())),
+            Some((at, character)) => Err(RelayedTextError { character, at }),
+        }
+    }
+
+    /// The text with a blank in place of each character that is not allowed.
+    #[must_use]
+    pub fn cleaned(text: &str) -> Self {
+        if text.bytes().all(|byte| is_printable(char::from(byte))) {
+            return Self(text.into());
+        }
+        Self(
+            text.chars()
+                .map(|character| if is_printable(character) { character } else { ' ' })
+                .collect(),
+        )
+    }
+
+    /// The text.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether a command of a payload begins inside it (SPI 7). A vehicle that begins anew at each dollar sign would carry
+    /// that out, so that it is read and never written.
+    #[must_use]
+    pub fn holds_command(&self) -> bool {
+        self.0.contains("$BP")
+    }
+}
+
+const fn is_printable(character: char) -> bool {
+    matches!(character, ' '..='~')
+}
+
+impl<'de> Deserialize<'de> for RelayedText {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = <Cow<'de, str>>::deserialize(deserializer)?;
+        Self::new(&text).map_err(serde::de::Error::custom)
+    }
+}
+
+impl fmt::Display for RelayedText {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl AsRef<str> for RelayedText {
+    fn as_ref(&self) -> &str {
+        &self.0
+    }
+}
+
+impl From<Text> for RelayedText {
+    fn from(text: Text) -> Self {
+        Self(text.0)
+    }
+}
+
+impl TryFrom<&str> for RelayedText {
+    type Error = RelayedTextError;
+    fn try_from(text: &str) -> Result<Self, RelayedTextError> {
+        Self::new(text)
+    }
+}
+
+impl PartialEq<str> for RelayedText {
+    fn eq(&self, other: &str) -> bool {
+        &*self.0 == other
+    }
+}
+
+impl PartialEq<&str> for RelayedText {
+    fn eq(&self, other: &&str) -> bool {
+        &*self.0 == *other
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,5 +235,23 @@ mod tests {
             error.to_string().starts_with("character ',' at byte 4 is not allowed"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn what_is_relayed_may_hold_delimiters_and_no_control_characters() {
+        let line = "$CCRXD,1,2*5B";
+        assert_eq!(RelayedText::new(line).unwrap(), line);
+        assert_eq!(RelayedText::from(Text::new("abort").unwrap()), "abort");
+        for bad in ["a\rb", "a\nb", "a\tb", "a\u{7f}b", "aéb"] {
+            assert_eq!(RelayedText::new(bad).unwrap_err().at, 1, "{bad:?}");
+            assert_eq!(RelayedText::cleaned(bad).as_str(), "a b");
+        }
+        let json = serde_json::to_string(&RelayedText::cleaned(line)).unwrap();
+        assert_eq!(json, format!("\"{line}\""));
+        assert_eq!(serde_json::from_str::<RelayedText>(&json).unwrap(), line);
+        let error = serde_json::from_str::<RelayedText>("\"a\\r\"").unwrap_err();
+        assert!(error.to_string().starts_with("character '\\r' at byte 1"), "{error}");
+        assert!(!RelayedText::cleaned(line).holds_command());
+        assert!(RelayedText::cleaned("$CCRXD,$BPKIL").holds_command());
     }
 }

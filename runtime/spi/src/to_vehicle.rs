@@ -1,14 +1,15 @@
 use backseat_units::{Position, TimeOfDay};
 
+use crate::circle_entry::CircleEntry;
 use crate::codes::{
     AbortReason, DurationUnit, HorizontalMode, Interrupt, ModifySpeedMode, ModifyVerticalMode, SpeedMode, SurfaceMode,
     Transport, VerticalMode, VerticalReference,
 };
-use crate::forms::{Created, Decimal, EntryAngle, Flag, LastText, Nine, OnOff, Optional, OrDefault, Then, Word, Zero};
+use crate::forms::{Created, Decimal, Flag, LastText, Nine, OnOff, Optional, OrDefault, Then, Word, Zero};
 use crate::identity::BehaviorId;
 use crate::packet::FrameData;
 use crate::table::messages;
-use crate::text::Text;
+use crate::text::{RelayedText, Text};
 
 messages! {
     /// What the payload sends (SPI 7, 8 and 9).
@@ -99,9 +100,8 @@ messages! {
         speed: f64 as Decimal<3>, "m/s or rpm";
         /// What the speed is.
         speed_mode: SpeedMode as SpeedMode, "code";
-        /// Where on the circle to begin, degrees clockwise from its northmost point. The header of 7.6 lacks it; it is
-        /// read with and without, and always written, empty where `None`.
-        entry_angle_deg: Option<f64> as EntryAngle, "deg";
+        /// Where on the circle to begin. The header of 7.6 lacks the field, its table has it; it is read with and without.
+        entry_angle_deg: CircleEntry as CircleEntry, "deg";
         /// When the circle begins. Read as after the current behavior where it is missing or empty.
         interrupt: Interrupt as OrDefault<Interrupt>, "code";
     }
@@ -187,8 +187,8 @@ messages! {
         created: TimeOfDay as Created, "UTC";
         /// How it came.
         transport: Transport as Transport, "code";
-        /// The message.
-        text: Text as LastText, "text";
+        /// The message as it came, delimiters included; everything up to the checksum. One that holds `$BP` is not written.
+        text: RelayedText as RelayedText, "text";
     }
     "$BPTMR,081025.987,3,abort*3A"
 
@@ -477,7 +477,7 @@ mod tests {
     }
 
     #[test]
-    fn a_trackcircle_is_read_without_its_entry_angle_and_written_with_it() {
+    fn a_trackcircle_is_read_and_written_with_its_entry_angle_and_without() {
         let start = "$BPRTC,081025.987,7,4221.8,N,07106.8,W,50,-2,0,15,1.5,0";
         let circle = |end: &str| {
             let ToVehicle::Trackcircle(circle) = decode(&format!("{start},{end}")) else {
@@ -485,13 +485,14 @@ mod tests {
             };
             circle
         };
-        assert_eq!(circle("180.0,4").entry_angle_deg, Some(180.0));
+        assert_eq!(circle("180.0,4").entry_angle_deg, CircleEntry::Angle(180.0));
         assert_eq!(
             (circle("4").entry_angle_deg, circle("4").interrupt),
-            (None, Interrupt::InterruptCurrent)
+            (CircleEntry::Absent, Interrupt::InterruptCurrent)
         );
-        assert_eq!(circle("4"), circle(",4"));
-        assert!(encode(circle("4")).contains(",1.5,0,,4*"));
+        assert_eq!(circle(",4").entry_angle_deg, CircleEntry::Anywhere);
+        assert!(encode(circle("4")).contains(",1.5,0,4*"));
+        assert!(encode(circle(",4")).contains(",1.5,0,,4*"));
     }
 
     #[test]

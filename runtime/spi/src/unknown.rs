@@ -42,16 +42,17 @@ impl UnknownMessage {
         &self.name
     }
 
-    /// The raw text of the fields; control characters have become blanks.
+    /// The raw text of the fields; control characters, dollar signs and asterisks have become blanks.
     #[must_use]
     pub fn fields(&self) -> Fields<'_> {
         Fields::of(self.body.as_deref())
     }
 
     pub(crate) fn of(sentence: &Sentence<'_>) -> Self {
-        let body = sentence
-            .body()
-            .map(|body| body.replace(|c: char| c.is_control() || c == '$', " ").into_boxed_str());
+        let body = sentence.body().map(|body| {
+            body.replace(|c: char| c.is_control() || matches!(c, '$' | '*'), " ")
+                .into_boxed_str()
+        });
         Self {
             name: sentence.name().into(),
             body,
@@ -123,9 +124,9 @@ mod tests {
     }
 
     #[test]
-    fn control_characters_become_blanks() {
-        let unknown = UnknownMessage::of(&Sentence::parse("$BFXYZ,a\rb\u{1}c,é").unwrap());
-        assert_eq!(unknown.fields().collect::<Vec<_>>(), ["a b c", "é"]);
+    fn control_characters_and_delimiters_become_blanks() {
+        let unknown = UnknownMessage::of(&Sentence::parse("$BFXYZ,a\rb\u{1}c,é,$B*2*00").unwrap());
+        assert_eq!(unknown.fields().collect::<Vec<_>>(), ["a b c", "é", " B 2"]);
     }
 
     #[test]

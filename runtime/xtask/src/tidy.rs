@@ -40,7 +40,23 @@ const NEVER: [(&str, &[&str]); 9] = [
     ),
     ("world", &["spi", "fence", "core", "tokio"]),
     ("mvc", &["core", "fence", "oracle", "tokio"]),
-    ("oracle", &["core", "fence", "mvc", "tokio"]),
+    // The judge shares nothing with what it judges, not even how a sentence or a position is read.
+    (
+        "oracle",
+        &[
+            "units",
+            "spi",
+            "fence",
+            "core",
+            "world",
+            "mvc",
+            "sim",
+            "mission",
+            "recorder",
+            "plugin-host",
+            "tokio",
+        ],
+    ),
     ("plugin-host", &["spi", "mvc", "world", "tokio"]),
     ("sim", &["tokio"]),
 ];

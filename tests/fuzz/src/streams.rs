@@ -2,8 +2,13 @@ use backseat_spi::{ChecksumState, FrameCounts, Framer, FromVehicle, MAX_LINE, Po
 
 const POLICIES: [Policy; 2] = [Policy::FromVehicle, Policy::FromPayload];
 
-/// Frames a stream in one push. Every sentence is whole, in the stream as it stands, and allowed by the policy; memory
-/// stays within its bound; every byte is in a sentence, a counted drop or counted noise.
+/// A sentence that both policies allow.
+const CONTROL: &str = "$BFCTL,081025.987,1*78";
+
+/// Frames a stream in one push. Every sentence is whole, in the stream as it stands, and allowed by the policy; a `$`
+/// stands inside it only where its checksum is right; memory stays within its bound; every byte is in a sentence, a counted
+/// drop or counted noise. Whatever the stream is, what follows it on a line of its own comes out, and what follows it on the
+/// same line ends the last sentence.
 pub fn frame(data: &[u8]) {
     for policy in POLICIES {
         let mut framer = Framer::new(policy);
@@ -14,7 +19,8 @@ pub fn frame(data: &[u8]) {
         while let Some(sentence) = framer.next_sentence() {
             given += 1;
             let raw = sentence.raw().as_bytes();
-            assert!(raw.len() <= MAX_LINE && !raw.contains(&b'\n') && raw.iter().filter(|b| **b == b'$').count() == 1);
+            assert!(raw.len() <= MAX_LINE && !raw.contains(&b'\n') && raw.starts_with(b"$"));
+            assert!(sentence.checksum() == ChecksumState::Valid || !raw[1..].contains(&b'$'));
             assert_eq!(Sentence::parse(sentence.raw()), Ok(sentence));
             match (policy, sentence.checksum()) {
                 (_, ChecksumState::Valid) | (Policy::FromPayload, ChecksumState::Absent) => {}
@@ -28,9 +34,26 @@ pub fn frame(data: &[u8]) {
         let lines = data.iter().filter(|byte| matches!(byte, b'$')).count() as u64;
         assert!(events(counts) <= lines, "{counts:?} of {lines} dollar signs");
         assert!(counts.noise_bytes <= data.len() as u64);
+        let mut glued = framer.clone();
+        glued.push(format!("{CONTROL}\r\n").as_bytes());
+        let last = last(&mut glued).expect("the control is there");
+        assert!(last.ends_with(CONTROL), "{last:?}");
+        framer.push(format!("\n{CONTROL}\r\n").as_bytes());
+        assert_eq!(self::last(&mut framer).as_deref(), Some(CONTROL));
+        framer.push(data);
         framer.clear();
         assert!(framer.next_sentence().is_none());
+        framer.push(b"$AB*03\n");
+        assert_eq!(self::last(&mut framer).as_deref(), Some("$AB*03"));
     }
+}
+
+fn last(framer: &mut Framer) -> Option<String> {
+    let mut last = None;
+    while let Some(sentence) = framer.next_sentence() {
+        last = Some(sentence.raw().to_owned());
+    }
+    last
 }
 
 /// Frames a stream cut as its first bytes say, and in one piece: the same sentences and the same counts. Each sentence is

@@ -16,6 +16,7 @@ use backseat_sim::{Components, Report, Simulation, Step};
 use backseat_units::Timestamp;
 use tempfile::TempDir;
 
+use crate::excuse::none_is_left;
 use crate::phase::{CALM_S, CHANCE_S, HAND_BACK_S, LEAST_S, LINK_WITHIN, LONGEST_S, LOOK_EVERY, NONE_WITHIN};
 use crate::plan::{Come, Plan, Planned, until_calm};
 use crate::trouble::Trouble;
@@ -39,6 +40,10 @@ pub struct Flight {
     pub report: Report,
     /// What was not as it must be.
     pub failures: Vec<Failure>,
+    /// What the monitor said of navigation, and when.
+    pub navigation: Vec<(Timestamp, String)>,
+    /// The vehicle's true depth once a second, metres.
+    pub depths_m: Vec<(Timestamp, f64)>,
 }
 
 /// Something that must not be.
@@ -148,6 +153,8 @@ impl Range {
                         text,
                         at: None,
                     }],
+                    navigation: Vec::new(),
+                    depths_m: Vec::new(),
                 })
             }
         }
@@ -171,6 +178,8 @@ struct Flown<'a> {
     power_goes: bool,
     /// At the begin of the liveness phase: requests sent so far, and seconds of control.
     at_calm: Option<(u64, f64)>,
+    /// How long we had control after the last trouble, where nothing was sent in it, seconds.
+    silent_s: Option<f64>,
     /// The helm is back, and nothing of ours is open.
     converged: bool,
     /// When a plugin last became another.
@@ -212,6 +221,7 @@ impl<'a> Flown<'a> {
             failures: Vec::new(),
             power_goes: false,
             at_calm: None,
+            silent_s: None,
             converged: false,
             none_since: Timestamp::ZERO,
             away_until: Timestamp::ZERO,
@@ -404,21 +414,16 @@ impl<'a> Flown<'a> {
         }
     }
 
-    /// Whoever had control for long enough after the last trouble has asked and been heard, unless its plugins were the
-    /// trouble, or none was planned: it has nothing to come back from.
+    /// Whoever had control for long enough after the last trouble has asked and been heard, unless no trouble was planned: it
+    /// has nothing to come back from. Whether any plugin is left to ask is known at the end.
     fn judge_sending(&mut self) {
         let seen = self.simulation.statistics();
-        let by_plugin = self.met.iter().any(|(kind, _)| kind.contains("plugin"));
         if let Some((sent, control_s)) = self.at_calm
-            && !by_plugin
             && !self.plan.troubles.is_empty()
             && self.simulation.request_counts().sent == sent
             && seen.control_s - control_s > CHANCE_S
         {
-            let had_s = seen.control_s - control_s;
-            self.fail("never-sends-again", || {
-                format!("{had_s:.0} s of control after the last trouble, and nothing was sent")
-            });
+            self.silent_s = Some(seen.control_s - control_s);
         }
     }
 
@@ -447,7 +452,18 @@ impl<'a> Flown<'a> {
             }
         }
         let converged = self.converged;
-        let (mut report, _, _) = self.simulation.finish()?;
+        let (mut report, trace, _) = self.simulation.finish()?;
+        let plugins = self.mission.file.plugins.iter().map(|plugin| plugin.name.as_str());
+        if let Some(had_s) = self.silent_s
+            && !trace.ending_ordered
+            && !none_is_left(plugins, &self.resolved, &report.plugin_failures)
+        {
+            self.failures.push(Failure {
+                rule: "never-sends-again".to_owned(),
+                text: format!("{had_s:.0} s of control after the last trouble, and nothing was sent"),
+                at: None,
+            });
+        }
         if converged && report.outcome == "overran" {
             report.outcome = "handed back";
         }
@@ -455,7 +471,7 @@ impl<'a> Flown<'a> {
             self.failures.push(Failure {
                 rule: violation.rule.to_string(),
                 text: violation.to_string(),
-                at: Some(violation.at),
+                at: Some(Timestamp::from_nanos(violation.at_ns)),
             });
         }
         Ok(Flight {
@@ -466,6 +482,8 @@ impl<'a> Flown<'a> {
             met: self.met,
             report,
             failures: self.failures,
+            navigation: trace.navigation,
+            depths_m: trace.samples.iter().map(|sample| (sample.at, sample.depth_m)).collect(),
         })
     }
 }

@@ -12,8 +12,10 @@
 
 mod area;
 mod campaign;
+mod clean;
 mod coverage;
 mod dice;
+mod excuse;
 mod flight;
 mod phase;
 mod plan;
@@ -22,6 +24,7 @@ mod shrink;
 mod trouble;
 
 pub use campaign::{Campaign, Flown, Order};
+pub use clean::Alarm;
 pub use coverage::Coverage;
 pub use flight::{Failure, Flight, Range};
 pub use plan::{Come, Plan, Planned};

@@ -1,13 +1,15 @@
 //! `backseat-hunt`: see the crate.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use backseat_hunt::{Campaign, Coverage, Flight, Order, Plan, Range, shrink};
+use backseat_hunt::{Alarm, Campaign, Coverage, Flight, Order, Plan, Range, shrink};
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
@@ -44,6 +46,23 @@ enum Task {
         #[arg(long, default_value_t = 0)]
         least: u64,
     },
+    /// Fly missions in which nothing goes wrong, and tell what the monitor finds untrue in their navigation
+    Alarms {
+        /// How many missions
+        #[arg(long, default_value_t = 1000)]
+        runs: u64,
+        /// The first seed
+        #[arg(long, default_value_t = 1)]
+        first: u64,
+        /// Threads [default: one a core]
+        #[arg(long)]
+        workers: Option<usize>,
+        /// So many times the default limits of integrity
+        #[arg(long, default_value_t = 1.0)]
+        times: f64,
+    },
+    /// Print the tree hash alone
+    Tree,
     /// The checks of the monitor that this build can switch off, one a line
     Checks,
     /// Print the plan that a seed draws, whole
@@ -53,6 +72,9 @@ enum Task {
         /// Of the missions that `fly --detours` flies
         #[arg(long)]
         detours: bool,
+        /// Of the missions that `alarms` flies
+        #[arg(long, conflicts_with = "detours")]
+        clean: bool,
     },
 }
 
@@ -117,15 +139,37 @@ fn run() -> Result<bool> {
         Task::Fly(arguments) => fly(&cli.plugins, &arguments),
         Task::Replay { plan, log } => replay(&cli.plugins, &plan, log.as_deref()),
         Task::Sum { files, least } => sum(&files, least),
+        Task::Alarms {
+            runs,
+            first,
+            workers,
+            times,
+        } => alarms(&cli.plugins, first..first.saturating_add(runs), workers, times),
+        Task::Tree => {
+            println!("{TREE}");
+            Ok(true)
+        }
         Task::Checks => {
             checks();
             Ok(true)
         }
-        Task::Show { seed, detours } => {
-            print!("{}", drawn(detours)(seed).to_toml());
+        Task::Show { seed, detours, clean } => {
+            let plan = if clean {
+                Plan::draw_clean(seed, 1.0)
+            } else {
+                drawn(detours)(seed)
+            };
+            print!("{}", plan.to_toml());
             Ok(true)
         }
     }
+}
+
+/// A digest over the paths and contents of the sources of core, fence, mvc, oracle, sim and spi that this was built from.
+const TREE: &str = env!("BACKSEAT_TREE");
+
+fn tree_line(tree: Option<&str>) -> String {
+    format!("tree {}", tree.unwrap_or("not known"))
 }
 
 #[expect(clippy::disallowed_methods, reason = "the hunt's own time, which no flight sees")]
@@ -152,9 +196,7 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
         draw: drawn(arguments.detours),
         first: arguments.first,
         runs: arguments.runs,
-        workers: arguments
-            .workers
-            .unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from)),
+        workers: arguments.workers.unwrap_or_else(cores),
         stop_at_failure: arguments.stop,
     };
     let campaign = Campaign::fly(&order, |done| {
@@ -174,15 +216,18 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
     if let Some(path) = &arguments.coverage {
         let flown = Flights {
             first: arguments.first,
+            tree: Some(TREE.to_owned()),
             coverage: coverage.clone(),
         };
         fs::write(path, serde_json::to_string(&flown)?).with_context(|| path.display().to_string())?;
     }
     if arguments.brief {
         println!("{}", coverage.brief());
+        println!("{}", tree_line(Some(TREE)));
         return Ok(campaign.failed.is_empty());
     }
     println!("{coverage}");
+    println!("{}", tree_line(Some(TREE)));
     println!(
         "{wall_s:.0} s on {} threads: {:.0} x life each",
         order.workers,
@@ -204,10 +249,80 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
     Ok(false)
 }
 
+fn cores() -> usize {
+    thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Flies clean missions and tells each alarm. Whether there was none.
+fn alarms(plugins: &Path, seeds: std::ops::Range<u64>, workers: Option<usize>, times: f64) -> Result<bool> {
+    let (first, last) = (seeds.start, seeds.end);
+    let all = Range::new(plugins)?;
+    let next = AtomicU64::new(first);
+    let work = |range: Range| -> Result<BTreeMap<u64, Flight>> {
+        let mut told = BTreeMap::new();
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= last {
+                return Ok(told);
+            }
+            let flight = range
+                .fly(&Plan::draw_clean(seed, times))
+                .with_context(|| format!("seed {seed}"))?;
+            told.insert(seed, flight);
+        }
+    };
+    let mut flown = BTreeMap::new();
+    thread::scope(|scope| -> Result<()> {
+        let mut threads = Vec::new();
+        for _ in 0..workers.unwrap_or_else(cores).max(1) {
+            let range = all.another()?;
+            threads.push(scope.spawn(|| work(range)));
+        }
+        for thread in threads {
+            match thread.join() {
+                Ok(told) => flown.append(&mut told?),
+                Err(_) => bail!("a worker panicked"),
+            }
+        }
+        Ok(())
+    })?;
+    let (mut missions, mut kinds) = (0, BTreeMap::<String, u64>::new());
+    let (mut leases, mut hours, mut fixes, mut failed) = (0, 0.0, 0, 0);
+    for (seed, flight) in &flown {
+        leases += flight.report.seen.leases;
+        hours += flight.report.sim_seconds / 3600.0;
+        let alarms: Vec<Alarm> = flight.alarms().collect();
+        fixes += flight.navigation.len() - alarms.len();
+        missions += u64::from(!alarms.is_empty());
+        for alarm in alarms {
+            println!("seed {seed}: {:.3} s {}", alarm.at.as_secs_f64(), alarm.text);
+            let what = alarm.text.split(':').next().unwrap_or_default().to_owned();
+            *kinds.entry(what).or_default() += 1;
+        }
+        failed += u64::from(!flight.failures.is_empty());
+        for failure in &flight.failures {
+            println!("seed {seed}: broken: {}", failure.text);
+        }
+    }
+    for (what, count) in &kinds {
+        println!("{count} x {what}");
+    }
+    println!(
+        "{missions} of {} missions with an alarm, {failed} with a broken rule; {hours:.0} h, {leases} leases, {fixes} jumps by GPS",
+        flown.len()
+    );
+    println!("{}", tree_line(Some(TREE)));
+    // What a vehicle without any bottom lock does in the end is another matter.
+    Ok(missions == 0)
+}
+
 /// What a hunt exercised, by the seeds that it drew.
 #[derive(Serialize, Deserialize)]
 struct Flights {
     first: u64,
+    /// What it was flown on. The oldest files do not say.
+    #[serde(default)]
+    tree: Option<String>,
     coverage: Coverage,
 }
 
@@ -238,6 +353,13 @@ fn sum(files: &[PathBuf], least: u64) -> Result<bool> {
     }
     println!("{all}");
     println!("{}", all.brief());
+    let trees: BTreeSet<Option<&str>> = hunts.iter().map(|(_, flights)| flights.tree.as_deref()).collect();
+    for tree in &trees {
+        println!("{}", tree_line(*tree));
+    }
+    if trees.len() > 1 {
+        println!("these hunts are of {} trees", trees.len());
+    }
     tell_rare(&all, least);
     Ok(all.failed == 0)
 }

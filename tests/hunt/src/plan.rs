@@ -55,6 +55,8 @@ const TROUBLES: (usize, usize) = (3, 9);
 const FATAL_SHARE: f64 = 0.04;
 /// How often what waits for a state waits for an insert to be asked for.
 const ASKED_SHARE: f64 = 0.2;
+/// One link in so many is slow from the first byte on, or more and more.
+const SLOW_SHARE: f64 = 0.1;
 
 impl Plan {
     /// What a seed draws.
@@ -84,6 +86,12 @@ impl Plan {
                 });
             }
             troubles.push(Planned { come, trouble });
+        }
+        if dice.chance(SLOW_SHARE) {
+            troubles.push(Planned {
+                come: Come::At(Timestamp::ZERO),
+                trouble: Trouble::draw_slow_link(&mut dice),
+            });
         }
         // A trouble while the link is down needs one that takes it down.
         if troubles

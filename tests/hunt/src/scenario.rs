@@ -21,7 +21,7 @@ pub struct Scenario {
 /// One mission in so many is of a hovering vehicle.
 const HOVERING_SHARE: f64 = 0.1;
 /// What the specification leaves open, drawn in every world (the keys of `[interpretation]`).
-const OPEN: [&str; 20] = [
+const OPEN: [&str; 22] = [
     "inserts_after_control",
     "after_interrupt",
     "lead_in_m",
@@ -42,6 +42,8 @@ const OPEN: [&str; 20] = [
     "dvl_timeout_announced",
     "unacked_frames",
     "interruption",
+    "acknowledged",
+    "echo_decimals",
 ];
 /// Limits of every mission.
 const LIMITS: &str = "turn_rate_dps = 8.0
@@ -112,11 +114,13 @@ impl Scenario {
         // Beside a ship there is no room for lines and circles.
         let ship = hovering && dice.chance(0.2);
         let area = Area::draw(&mut dice, hovering);
+        let layout = Layout::draw(seed);
+        let operator = Ahead::draw(seed);
         Self {
             hovering,
-            mission: mission(&mut dice, (hovering, ship), &area, false),
+            mission: mission(&mut dice, (hovering, ship), &area, layout.mission, false) + &operator.mission,
             fence: area.fence(),
-            world: world(&mut dice, (hovering, ship), &area),
+            world: world(&mut dice, (hovering, ship), &area, layout.world) + &operator.world,
         }
     }
 
@@ -126,11 +130,12 @@ impl Scenario {
     pub fn draw_detours(seed: u64) -> Self {
         let mut dice = Dice::new(seed, "detours");
         let area = Area::draw_walled(&mut dice);
+        let layout = Layout::draw(seed);
         Self {
             hovering: false,
-            mission: mission(&mut dice, (false, false), &area, true),
+            mission: mission(&mut dice, (false, false), &area, layout.mission, true),
             fence: area.fence(),
-            world: world(&mut dice, (false, false), &area),
+            world: world(&mut dice, (false, false), &area, layout.world),
         }
     }
 
@@ -169,9 +174,81 @@ impl Scenario {
     }
 }
 
-fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area, detours: bool) -> String {
+/// What the mission says of how the vehicle reads a BPRTC, and how it does: it is right, or says nothing.
+struct Layout {
+    mission: &'static str,
+    world: &'static str,
+}
+
+impl Layout {
+    fn draw(seed: u64) -> Self {
+        let (mission, world) = Dice::new(seed, "trackcircle layout").one(&[
+            ("trackcircle_entry_angle = true", "either"),
+            ("trackcircle_entry_angle = true", "table"),
+            ("trackcircle_entry_angle = false", "header"),
+            ("", "either"),
+            ("", "table"),
+            ("", "header"),
+        ]);
+        Self { mission, world }
+    }
+}
+
+/// What the operator has ordered ahead: how far a recovery goes, and policies with what sets them off.
+struct Ahead {
+    mission: String,
+    world: String,
+}
+
+impl Ahead {
+    /// What the topside says, and what the plan does.
+    const TEXTS: [&str; 2] = ["home", "clear the way"];
+
+    fn draw(seed: u64) -> Self {
+        let mut dice = Dice::new(seed, "orders ahead");
+        let (mut mission, mut world) = (String::new(), String::new());
+        if dice.chance(0.25) {
+            let (cancels, abort_s) = (dice.chance(0.5), dice.figure(10.0, 60.0));
+            mission += &format!("\n[recovery]\ncancel_current = {cancels}\nabort_after_s = {abort_s:?}\n");
+        }
+        if dice.chance(0.15) {
+            let stale_s = dice.figure(5.0, 40.0);
+            let order = Self::order(&mut dice);
+            mission += &format!("\n[[policy]]\nwhen = {{ navigation-stale-for-s = {stale_s:?} }}\norder = {order}\n");
+        }
+        for (text, when) in Self::TEXTS.into_iter().zip(["topside-message", "mission-command"]) {
+            if !dice.chance(0.15) {
+                continue;
+            }
+            let order = Self::order(&mut dice);
+            mission += &format!("\n[[policy]]\nwhen = {{ {when} = \"{text}\" }}\norder = {order}\n");
+            let at_s = dice.figure(60.0, 700.0);
+            world += &if when == "topside-message" {
+                format!("\n[[topside.messages]]\nat_s = {at_s:?}\ntransport = \"acoustic-modem\"\ntext = \"{text}\"\n")
+            } else {
+                format!("\n[[mission.commands]]\nat_s = {at_s:?}\ntext = \"{text}\"\n")
+            };
+        }
+        Self { mission, world }
+    }
+
+    /// What takes something back or ends the mission. The hunt itself holds and releases: a policy's hold would be one
+    /// that it knows nothing of.
+    fn order(dice: &mut Dice) -> &'static str {
+        dice.one(&[
+            "\"cancel-all\"",
+            "\"cancel-all\"",
+            "\"cancel-current\"",
+            "\"cancel-current\"",
+            "\"cancel-element\"",
+            "{ abort = { text = \"ordered ahead\" } }",
+        ])
+    }
+}
+
+fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area, layout: &str, detours: bool) -> String {
     let control = if dice.chance(0.85) { "bfctl" } else { "running" };
-    let mut text = format!("[session]\ncontrol = \"{control}\"\n\n[limits]\n{LIMITS}");
+    let mut text = format!("[vehicle]\n{layout}\n\n[session]\ncontrol = \"{control}\"\n\n[limits]\n{LIMITS}");
     // What the vehicle can do, and the worst current of its water.
     let ([slowest, fastest], current_mps) = speeds(hovering);
     text += &format!(
@@ -199,9 +276,9 @@ fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area, detours
     let grants = if ship {
         r#"["message", "topside", "hull", "devices", "silent"]"#
     } else if hovering {
-        r#"["modify", "insert", "message", "topside", "hull", "devices", "silent", "trim", "buoyancy"]"#
+        r#"["modify", "insert", "interrupt", "message", "topside", "hull", "devices", "silent", "trim", "buoyancy"]"#
     } else {
-        r#"["modify", "insert", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy", "acoustic"]"#
+        r#"["modify", "insert", "interrupt", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy", "acoustic"]"#
     };
     // Some of what is asked for lies outside.
     let reach_m = 1.1 * area.reach_m();
@@ -230,7 +307,7 @@ fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area, detours
     text
 }
 
-fn world(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> String {
+fn world(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area, layout: &str) -> String {
     let class = if hovering {
         "hovering"
     } else {
@@ -281,6 +358,7 @@ fn world(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area) -> String
         (false, false) => MODEM,
     };
     text += "[interpretation]\n";
+    text += &format!("trackcircle_layout = \"{layout}\"\n");
     for key in OPEN {
         text += &format!("{key} = \"seed\"\n");
     }

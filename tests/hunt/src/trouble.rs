@@ -1,10 +1,12 @@
 use std::time::Duration;
 
-use backseat_mvc::{Fault, FaultKind, FaultPlan, LinkFaultKind};
+use backseat_mvc::{Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, Untrue, Whom};
+use backseat_spi::Text;
 use backseat_units::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use crate::dice::Dice;
+use crate::phase::CALM_S;
 
 /// What `plugins/faulty` can do wrong, by the names of its configuration.
 pub const PLUGIN_FAULTS: [&str; 26] = [
@@ -79,6 +81,11 @@ pub enum Trouble {
     },
 }
 
+/// A delay that lasts as long as this is the link's own, and no passing trouble.
+const STANDING: Duration = Duration::from_secs(300);
+/// How many of the vehicle's troubles are another dive.
+const DIVE_SHARE: f64 = 0.04;
+
 /// Troubles of our own computer.
 const COMPUTER: [&str; 7] = [
     "kill",
@@ -140,7 +147,46 @@ impl Trouble {
         matches!(self, Self::Vehicle(fault) if matches!(fault.kind, FaultKind::MissionAbort))
     }
 
+    /// A link that is slow for the whole of the safety phase, from its first byte on or more and more, whatever connection
+    /// it is.
+    pub(crate) fn draw_slow_link(dice: &mut Dice) -> Self {
+        let grows = dice.chance(0.5);
+        let delay = if grows { Duration::ZERO } else { dice.millis(0.02, 2.5) };
+        Self::Vehicle(Fault {
+            at: Timestamp::ZERO,
+            lasts: Duration::from_secs_f64(CALM_S),
+            kind: FaultKind::Link(LinkFault {
+                whom: Whom::All,
+                direction: dice.one(&[Directions::Both, Directions::ToVehicle, Directions::FromVehicle]),
+                kind: LinkFaultKind::Delay {
+                    delay,
+                    jitter: if dice.chance(0.5) {
+                        dice.millis(0.0, 0.3)
+                    } else {
+                        Duration::ZERO
+                    },
+                    growth: if grows { dice.figure(0.001, 0.02) } else { 0.0 },
+                },
+            }),
+        })
+    }
+
+    fn draw_dive(dice: &mut Dice) -> Self {
+        let file = format!("dive-{}.dive", dice.below(1000));
+        Self::Vehicle(Fault {
+            at: Timestamp::ZERO,
+            lasts: Duration::ZERO,
+            kind: FaultKind::AnotherDive {
+                file: Text::cleaned(&file),
+                reversed: dice.chance(0.6),
+            },
+        })
+    }
+
     fn draw_vehicle(dice: &mut Dice) -> Self {
+        if dice.chance(DIVE_SHARE) {
+            return Self::draw_dive(dice);
+        }
         loop {
             // The mock's own draw knows what each kind may be.
             let mut plan = FaultPlan::draw(dice.seed(), Duration::from_secs(60), 0.25);
@@ -192,7 +238,7 @@ impl Trouble {
     #[must_use]
     pub fn kind(&self) -> String {
         match self {
-            Self::Vehicle(fault) => vehicle_kind(&fault.kind).to_owned(),
+            Self::Vehicle(fault) => vehicle_kind(fault).to_owned(),
             Self::Plugin { fault, .. } => format!("plugin {fault}"),
             Self::Kill { clock_s, .. } if *clock_s != 0.0 => "runtime killed, clock set".to_owned(),
             Self::Kill { .. } => "runtime killed".to_owned(),
@@ -249,11 +295,14 @@ impl Trouble {
             "link stalled",
             "link half-open",
             "link delayed",
+            "link delayed more and more",
+            "link delayed throughout",
             "link split",
             "link joined",
             "link duplicated",
             "link corrupted",
             "link dropping",
+            "vehicle deaf",
             "acknowledgements lost",
             "acknowledgements late",
             "acknowledgements negative",
@@ -261,6 +310,13 @@ impl Trouble {
             "navigation frozen",
             "navigation jumps",
             "navigation missing",
+            "position creeps",
+            "position frozen",
+            "position goes backwards",
+            "velocity missing",
+            "heading flips",
+            "depth flips",
+            "another dive",
             "sensor drops out",
             "vehicle's clock set",
             "mission aborted",
@@ -288,13 +344,16 @@ fn is_fatal(fault: &Fault) -> bool {
     matches!(fault.kind, FaultKind::MissionAbort | FaultKind::Shutdown)
 }
 
-const fn vehicle_kind(kind: &FaultKind) -> &'static str {
-    match kind {
+fn vehicle_kind(fault: &Fault) -> &'static str {
+    match &fault.kind {
         FaultKind::Link(link) => match link.kind {
             LinkFaultKind::Cut => "link cut",
             LinkFaultKind::Refuse => "link refused",
             LinkFaultKind::Stall => "link stalled",
             LinkFaultKind::HalfOpen => "link half-open",
+            LinkFaultKind::Deaf => "vehicle deaf",
+            LinkFaultKind::Delay { growth, .. } if growth > 0.0 => "link delayed more and more",
+            LinkFaultKind::Delay { .. } if fault.lasts >= STANDING => "link delayed throughout",
             LinkFaultKind::Delay { .. } => "link delayed",
             LinkFaultKind::Split { .. } => "link split",
             LinkFaultKind::Join { .. } => "link joined",
@@ -309,6 +368,13 @@ const fn vehicle_kind(kind: &FaultKind) -> &'static str {
         FaultKind::NavigationFrozen => "navigation frozen",
         FaultKind::NavigationJump(_) => "navigation jumps",
         FaultKind::NavigationMissing => "navigation missing",
+        FaultKind::Untrue(Untrue::PositionCreeps { .. }) => "position creeps",
+        FaultKind::Untrue(Untrue::PositionFrozen) => "position frozen",
+        FaultKind::Untrue(Untrue::PositionBackwards) => "position goes backwards",
+        FaultKind::Untrue(Untrue::VelocityMissing) => "velocity missing",
+        FaultKind::Untrue(Untrue::HeadingFlips { .. }) => "heading flips",
+        FaultKind::Untrue(Untrue::DepthFlips { .. }) => "depth flips",
+        FaultKind::AnotherDive { .. } => "another dive",
         FaultKind::SensorDropout(_) => "sensor drops out",
         FaultKind::ClockStep(_) => "vehicle's clock set",
         FaultKind::MissionAbort => "mission aborted",

@@ -65,6 +65,7 @@ pub(crate) fn fence() -> Fence {
 #[must_use]
 pub fn limits() -> Limits {
     Limits {
+        integrity: backseat_core::IntegrityLimits::default(),
         speed_min_mps: 1.0,
         speed_max_mps: 2.0,
         turn_rate_dps: 8.0,

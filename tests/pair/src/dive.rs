@@ -7,6 +7,7 @@ use backseat_core::{
     Core, Envelope, Grant, Identifiers, Input, Limits, Note, Operator, Output, Owner, PluginSetup, RequestKind,
     Restarted, Settings, Start,
 };
+use backseat_fence::Fence;
 use backseat_mvc::{ClientId, Mvc, MvcEvent, WorldFile};
 use backseat_units::Timestamp;
 
@@ -21,6 +22,8 @@ const STEP: Duration = Duration::from_millis(1);
 pub struct Setup {
     /// Sections of `world.toml` that come behind the course's own.
     pub world: String,
+    /// A whole `world.toml` in place of the course's own.
+    pub other_world: Option<String>,
     /// Replacements in the course's own sections.
     pub replaced: Vec<(&'static str, &'static str)>,
     /// The mission's limits.
@@ -29,6 +32,8 @@ pub struct Setup {
     pub settings: Settings,
     /// The plugin.
     pub plugin: PluginSetup,
+    /// The mission's fence, as GeoJSON, in place of the course's own.
+    pub fence: Option<String>,
     /// The seed of the world.
     pub seed: u64,
 }
@@ -37,10 +42,15 @@ impl Default for Setup {
     fn default() -> Self {
         Self {
             world: String::new(),
+            other_world: None,
             replaced: Vec::new(),
             limits: course::limits(),
-            settings: Settings::default(),
-            plugin: course::course_plugin(&[Grant::Modify, Grant::Insert, Grant::Message], &[]),
+            settings: Settings {
+                trackcircle_entry_angle: Some(true),
+                ..Settings::default()
+            },
+            plugin: course::course_plugin(&[Grant::Modify, Grant::Insert, Grant::Interrupt, Grant::Message], &[]),
+            fence: None,
             seed: 1,
         }
     }
@@ -69,6 +79,12 @@ pub struct Dive {
     pub sent: Vec<(Timestamp, String)>,
     /// Connections fail.
     pub unreachable: bool,
+    /// What a byte takes from core to the vehicle, and from the vehicle to core. What was said before arrives before.
+    pub delay: [Duration; 2],
+    /// Sentences of core that begin like one of these are lost on the way.
+    pub lost: Vec<&'static str>,
+    /// Sentences of the vehicle that begin like one of these are lost on the way.
+    pub unheard: Vec<&'static str>,
     client: ClientId,
     connected: bool,
     connect_at: Option<Timestamp>,
@@ -85,7 +101,7 @@ impl Dive {
     /// Where the setup's world cannot be: it is a test's own.
     #[must_use]
     pub fn new(setup: Setup) -> Self {
-        let mut text = course::world(&setup.world);
+        let mut text = setup.other_world.unwrap_or_else(|| course::world(&setup.world));
         for (from, to) in &setup.replaced {
             assert!(text.contains(from), "{from} is in no world");
             text = text.replace(from, to);
@@ -105,7 +121,10 @@ impl Dive {
             held: false,
             jitter: setup.seed,
         };
-        let envelope = Arc::new(Envelope::new(course::fence(), setup.limits));
+        let fence = setup.fence.map_or_else(course::fence, |text| {
+            Fence::from_geojson(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
+        });
+        let envelope = Arc::new(Envelope::new(fence, setup.limits));
         let core = Core::new(setup.settings, envelope, vec![setup.plugin], start);
         let mut dive = Self {
             core,
@@ -116,6 +135,9 @@ impl Dive {
             log: Vec::new(),
             sent: Vec::new(),
             unreachable: false,
+            delay: [DELAY; 2],
+            lost: Vec::new(),
+            unheard: Vec::new(),
             client: ClientId(0),
             connected: false,
             connect_at: None,
@@ -258,7 +280,10 @@ impl Dive {
         let mut bytes = Vec::new();
         while let Some(client) = self.mvc.poll_transmit(&mut bytes) {
             if self.connected && client == self.client {
-                self.to_core.push_back((self.now + DELAY, bytes.clone()));
+                let at = after(&self.to_core, self.now + self.delay[1]);
+                let lost = |line: &&[u8]| self.unheard.iter().any(|begin| line.starts_with(begin.as_bytes()));
+                let heard = bytes.split_inclusive(|byte| *byte == b'\n').filter(|line| !lost(line));
+                self.to_core.push_back((at, heard.flatten().copied().collect()));
             }
         }
         while let Some(event) = self.mvc.poll_event() {
@@ -281,8 +306,12 @@ impl Dive {
             match output {
                 Output::Send(bytes) => {
                     let line = String::from_utf8_lossy(&bytes).trim_end().to_owned();
+                    let lost = self.lost.iter().any(|begin| line.starts_with(begin));
                     self.sent.push((self.now, line));
-                    self.to_vehicle.push_back((self.now + DELAY, bytes));
+                    if !lost {
+                        let at = after(&self.to_vehicle, self.now + self.delay[0]);
+                        self.to_vehicle.push_back((at, bytes));
+                    }
                 }
                 Output::Connect { after } => self.connect_at = Some(self.now + after),
                 Output::ResetLink => self.cut(),
@@ -313,6 +342,11 @@ impl Dive {
         self.answers
             .push_back((self.now + STEP, plugin, Answer::Returned(returned)));
     }
+}
+
+/// When bytes arrive that are due then: not before those that are under way.
+fn after(under_way: &VecDeque<(Timestamp, Vec<u8>)>, due: Timestamp) -> Timestamp {
+    under_way.back().map_or(due, |(at, _)| due.max(*at))
 }
 
 /// A state without its text.

@@ -20,7 +20,7 @@ const GAP_MAX_S: f64 = 2.5;
 const AFTER_S: f64 = 2.0;
 /// The heading that the good plugin alone asks for.
 const HEADING: &str = "90";
-const EVERY_GRANT: &str = r#"["modify", "insert", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy",
+const EVERY_GRANT: &str = r#"["modify", "insert", "interrupt", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy",
     "acoustic", "hull", "devices"]"#;
 
 /// What to try.

@@ -5,7 +5,7 @@
 )]
 
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 const LOOK_EVERY: Duration = Duration::from_millis(40);
 
@@ -22,6 +22,12 @@ pub fn eventually<T>(within: Duration, mut look: impl FnMut() -> Option<T>, fail
         assert!(start.elapsed() < within, "not within {within:?}: {}", failed());
         sleep(LOOK_EVERY);
     }
+}
+
+/// The system's UTC, milliseconds since 1970.
+pub(crate) fn utc_millis() -> u64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    u64::try_from(since.as_millis()).unwrap_or(0)
 }
 
 /// Lets time pass in which something must not happen.

@@ -19,6 +19,7 @@ mod clock;
 mod mission;
 mod process;
 mod program;
+mod scripted;
 mod vehicle;
 
 pub use clock::{Stopwatch, eventually, settle};
@@ -26,4 +27,5 @@ pub use mission::Mission;
 pub use process::Process;
 pub use program::{Backseat, Finished};
 pub use rustix::process::Signal;
+pub use scripted::{Behavior, Heard, Scripted};
 pub use vehicle::{Line, Vehicle, Way, free_address};

@@ -49,7 +49,9 @@ pub(super) fn findings(mission: &Mission, log: &Path, state: &Path, now: Utc) ->
 pub(super) fn kept(mission: &Mission, folder: &Path) -> Result<Vec<String>> {
     let mut findings = Vec::new();
     // Where it is not there yet it is not made.
-    let state = folder.is_dir().then(|| State::open(Some(folder), &mission.name));
+    let state = folder
+        .is_dir()
+        .then(|| State::open(folder, mission.file.vehicle.name.as_deref()));
     let mut recorded = None;
     match state.transpose() {
         Ok(Some(state)) => {

@@ -7,10 +7,6 @@ use backseat_units::math::{asin, atan2, cos, sin_cos};
 
 /// No fan of directions is wider that one solid is to hold, degrees.
 const FAN_MAX_DEG: f64 = 20.0;
-/// By how much farther than the vehicle a point of such a solid can move, times: 1/cos of [`FAN_MAX_DEG`], and half of what
-/// that is over one for the middle of the circle.
-pub(super) const FAN_STRETCH: f64 = 1.1;
-
 /// A line that a vehicle keeps to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Track {

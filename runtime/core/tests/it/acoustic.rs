@@ -579,7 +579,8 @@ fn sr_016_a_clock_that_is_found_to_be_ahead_brings_the_windows_end_nearer() {
     open_window(&mut trial, 20.0);
     // What came late had made it look behind.
     trial.vehicle.clock_nanos += 6_000_000_000;
-    trial.run_for(8.0);
+    // Navigation has to be steady again.
+    trial.run_for(11.5);
     trial.ask(0, [small(1)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(1))[..1], ["sent"], "{:?}", trial.states(1));

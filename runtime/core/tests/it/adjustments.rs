@@ -445,7 +445,7 @@ fn a_flood_of_requests_sends_one() {
 #[test]
 fn sr_010_an_adjustment_beside_an_interrupting_insert_does_not_end_it() {
     let mut plugins = setup();
-    plugins.plugins[0].grants.push(Grant::Insert);
+    plugins.plugins[0].grants.extend([Grant::Insert, Grant::Interrupt]);
     let mut trial = Trial::with_under_way(plugins);
     trial.ask(0, [interrupting(1)]);
     trial.run_for(0.5);

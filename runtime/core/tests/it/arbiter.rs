@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use backseat_core::plugin::Request;
+use backseat_core::plugin::{Event, Request, RequestState};
 use backseat_core::{Limits, PluginLimits};
 
 use crate::course::{good_line, limits, line, modify, modify_for};
@@ -135,11 +135,15 @@ fn sr_019_a_plugins_own_rate_is_the_lower_of_the_two() {
         // Lines of no length: each is taken and rejected for what it is, while the rate allows it.
         trial.ask(0, (0..30).map(|tag| Request::Cancel(tag + 100)));
         trial.run_for(0.3);
-        let rate = |tag: u64| {
-            let states = trial.cancel_states(tag + 100);
-            matches!(&states[..], [backseat_core::plugin::RequestState::Rejected(text)] if text.starts_with("rate"))
+        // The log has a count of them, the plugin is told of each.
+        let over = |event: &&Event| match event {
+            Event::Outcome {
+                state: RequestState::Rejected(text),
+                ..
+            } => text.starts_with("rate"),
+            _ => false,
         };
-        (0..30).filter(|tag| rate(*tag)).count()
+        trial.events(0).iter().filter(over).count()
     };
     assert_eq!((rejected(None), rejected(Some(5)), rejected(Some(500))), (10, 25, 10));
 }

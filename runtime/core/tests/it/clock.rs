@@ -100,41 +100,40 @@ fn hours_between_the_clocks_are_told_and_cost_nothing() {
 }
 
 #[test]
-fn a_clock_set_forward_costs_nothing_and_is_told() {
-    for seconds in [1, 5, 4000] {
+fn sr_023_a_clock_that_is_set_ends_leases_for_ten_seconds_and_is_told() {
+    // By hours too: half a day forward is as much as half a day back.
+    for millis in [
+        300,
+        1000,
+        5000,
+        4_000_000,
+        -300,
+        -2000,
+        -5000,
+        -4_000_000,
+        -50_000_000i64,
+    ] {
         let mut trial = Trial::under_way();
         // The first note of the offset is some time ago.
         trial.run_for(10.0);
         steer(&mut trial);
-        trial.vehicle.clock_nanos += seconds * SECOND;
-        trial.run_for(5.0);
-        assert!(trial.core.is_steering() && trial.lease_ends().is_empty());
-        assert!(
-            (offsets(&trial).last().unwrap() + seconds as f64).abs() < 0.1,
-            "{:?}",
-            offsets(&trial)
-        );
-    }
-}
-
-#[test]
-fn sr_008_a_clock_set_back_is_old_navigation_until_it_is_learnt_anew_within_a_minute() {
-    // By hours too: half a day forward is as much as half a day back.
-    for seconds in [2, 5, 4000, 50_000] {
-        let mut trial = Trial::under_way();
-        steer(&mut trial);
-        trial.vehicle.clock_nanos -= seconds * SECOND;
+        trial.vehicle.clock_nanos += millis * 1_000_000;
+        let set = trial.now;
         trial.run_for(1.5);
-        let forward = seconds > 43_200;
-        assert_eq!(trial.core.is_steering(), forward, "{seconds} s");
-        trial.run_for(60.0);
-        assert!(trial.core.has_control(), "{seconds} s");
-        if !forward {
-            assert!(
-                (offsets(&trial).last().unwrap() - seconds as f64).abs() < 0.1,
-                "{:?}",
-                offsets(&trial)
-            );
+        assert!(!trial.core.is_steering() && !trial.core.has_control(), "{millis} ms");
+        assert_eq!(trial.sent_since("EMB", set).len(), 1, "{millis} ms");
+        trial.run_for(8.4);
+        assert!(!trial.core.has_control(), "{millis} ms");
+        trial.run_for(2.0);
+        assert!(trial.core.has_control(), "{millis} ms");
+        let told = trial.notes().into_iter().any(|(_, note)| match note {
+            Note::Navigation { text } => text.contains("clock was set by"),
+            _ => false,
+        });
+        assert!(told, "{:?}", trial.notes());
+        if millis.abs() > 1000 && millis != -50_000_000 {
+            let told = *offsets(&trial).last().unwrap();
+            assert!((told + millis as f64 / 1e3).abs() < 0.1, "{:?}", offsets(&trial));
         }
     }
 }

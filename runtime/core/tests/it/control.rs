@@ -251,7 +251,7 @@ fn sr_011_a_runtime_that_wakes_after_its_time_was_over_says_nothing_more() {
     tell(&mut trial, |vehicle, now| {
         vehicle.say(now, backseat_spi::Shutdown { created })
     });
-    trial.run_for(3.0);
+    trial.run_for(3.3);
     let asleep = trial.now;
     trial.asleep_until = asleep + Duration::from_secs(9);
     trial.run_for(9.5);

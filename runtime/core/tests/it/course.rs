@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use backseat_core::plugin::{Description, ModifyRequest, PositionRequest, Request, Topic, VerticalRequest};
 use backseat_core::plugin::{TrackcircleRequest, TracklineRequest};
-use backseat_core::{Envelope, FailAction, Grant, Limits, PluginLimits, PluginSetup};
+use backseat_core::{Envelope, FailAction, Grant, IntegrityLimits, Limits, PluginLimits, PluginSetup};
 use backseat_fence::Fence;
 use backseat_units::EastNorth;
 
@@ -46,8 +46,24 @@ pub(crate) const PLAN: [(u32, &[(f64, f64)]); 3] = [
     (3, &[(0.0, 300.0)]),
 ];
 
+/// Of a vehicle that may be set down at another depth, over another seabed.
+pub(crate) const LIFTED: IntegrityLimits = IntegrityLimits {
+    speed_max_mps: None,
+    position_step_m: 10.0,
+    position_drift_mps: 0.3,
+    depth_rate_max_mps: 2.5,
+    depth_step_m: 200.0,
+    depth_drift_mps: 0.5,
+    heading_step_deg: 60.0,
+    heading_drift_dps: 5.0,
+    frozen_s: 8.0,
+    velocity_gap_s: 1.5,
+    seabed_step_m: 200.0,
+};
+
 pub(crate) fn limits() -> Limits {
     Limits {
+        integrity: IntegrityLimits::default(),
         speed_min_mps: 1.0,
         speed_max_mps: 2.0,
         turn_rate_dps: 8.0,
@@ -97,7 +113,7 @@ pub(crate) fn plugin(name: &str) -> PluginSetup {
             step_period: Duration::from_millis(100),
             topics: vec![Topic::Ctd, Topic::MissionCommand, Topic::Behavior],
         },
-        grants: vec![Grant::Modify, Grant::Insert, Grant::Message],
+        grants: vec![Grant::Modify, Grant::Insert, Grant::Interrupt, Grant::Message],
         on_failure: FailAction::Yield,
         limits: PluginLimits::default(),
     }

@@ -6,7 +6,7 @@ use backseat_core::plugin::{Request, RequestState};
 use backseat_core::{
     DriverBounds, DriverId, DriverSentence, DriverSetup, Input, Note, Operator, Owner, RequestKind, Settings,
 };
-use backseat_spi::{AckStatus, FromVehicle, PositionFix, Sentence, ToVehicle};
+use backseat_spi::{AckStatus, FromVehicle, PositionFix, RelayedText, Sentence, ToVehicle, TopsideRelay, Transport};
 use backseat_units::{EastNorth, Timestamp, Utc};
 
 use crate::course::{self, modify};
@@ -106,7 +106,7 @@ pub(crate) fn told_to(trial: &Trial, driver: usize) -> Vec<(String, String, AckS
             else {
                 panic!("{line} is no acknowledgement");
             };
-            let (name, echoed) = (ack.command.to_string(), ack.command_created.to_string());
+            let (name, echoed) = (ack.command.to_string(), ack.command_created.time().to_string());
             Some((name, echoed, ack.status, ack.text.as_str().to_owned()))
         }
         _ => None,
@@ -343,6 +343,34 @@ fn a_program_that_speaks_to_a_vehicle_may_begin_as_it_does_there() {
         (trial.sent("VER").len(), trial.sent("LOG").len()),
         (versions, subscriptions)
     );
+}
+
+#[test]
+fn a_modem_line_is_relayed_whole_and_one_that_holds_a_command_is_refused() {
+    let mut trial = under_way(often());
+    let relay = |text: &str| {
+        let created = "01:02:03.456".parse().unwrap();
+        line(&ToVehicle::from(TopsideRelay {
+            created,
+            transport: Transport::Ethernet,
+            text: RelayedText::cleaned(text),
+        }))
+    };
+    let modem = "$CCRXD,3,9,1,0a0b*4C";
+    let bytes = relay(modem);
+    trial.feed(Input::Driver(DriverId(0), bytes.as_bytes()));
+    let Some((_, ToVehicle::TopsideRelay(sent))) = trial.commands("TMR").pop() else {
+        panic!("it was not relayed: {:?}", told(&trial))
+    };
+    assert_eq!(sent.text.as_str(), modem);
+    // By hand: who encodes it is refused already.
+    let body = "BPTMR,010203.456,$CCRXD,$BPKIL,1";
+    let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+    let count = trial.sent("TMR").len();
+    trial.feed(Input::Driver(DriverId(0), format!("${body}*{sum:02X}\r\n").as_bytes()));
+    assert_eq!(trial.sent("TMR").len(), count);
+    let (_, _, status, text) = told(&trial).pop().unwrap();
+    assert_ne!(status, AckStatus::Succeeded, "{text}");
 }
 
 #[test]

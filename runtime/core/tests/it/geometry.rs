@@ -2,7 +2,7 @@ use backseat_core::plugin::{ModifyRequest, Request, TrackcircleRequest, Tracklin
 use backseat_core::{Limits, Start, plugin::Judge};
 use backseat_units::EastNorth;
 
-use crate::course::{circle, harbour, limits, line, modify};
+use crate::course::{LIFTED, circle, harbour, limits, line, modify};
 use crate::trial::{Setup, Trial, shorts};
 
 /// The rejection of a request that the vehicle must never hear of.
@@ -364,6 +364,10 @@ fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_
         let mut trial = Trial::with(Setup {
             fence: harbour(),
             start,
+            limits: Limits {
+                integrity: LIFTED,
+                ..limits()
+            },
             ..Setup::default()
         });
         trial.vehicle.moved = Some((1, EastNorth::new(600.0, 0.0)));

@@ -13,7 +13,7 @@ use crate::vehicle::Reply;
 
 fn plugin(name: &str) -> PluginSetup {
     PluginSetup {
-        grants: vec![Grant::Modify, Grant::Insert, Grant::Surface],
+        grants: vec![Grant::Modify, Grant::Insert, Grant::Interrupt, Grant::Surface],
         ..course::plugin(name)
     }
 }

@@ -2,7 +2,7 @@ use std::time::Duration;
 
 use backseat_core::plugin::{Event, Request, RequestState, TracklineRequest};
 use backseat_core::{Identifiers, Limits, Start};
-use backseat_spi::{AckStatus, Interrupt, ToVehicle};
+use backseat_spi::{AckStatus, CircleEntry, Interrupt, ToVehicle};
 use backseat_units::EastNorth;
 
 use crate::course::{circle, good_line, interrupting, limits, line};
@@ -85,7 +85,7 @@ fn a_trackline_and_a_trackcircle_say_what_was_asked() {
     };
     assert_eq!(
         (sent.radius_m, sent.orbits, sent.entry_angle_deg),
-        (50.0, 1.0, Some(0.0))
+        (50.0, 1.0, CircleEntry::Angle(0.0))
     );
     assert_eq!(sent.interrupt, Interrupt::AfterCurrent);
 }

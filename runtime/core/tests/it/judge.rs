@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use backseat_core::{ControlHook, Limits, Start};
-use backseat_spi::{FromVehicle, ToVehicle};
-use backseat_units::Timestamp;
+use backseat_spi::{Acknowledgement, FromVehicle, ToVehicle};
+use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::vehicle::name_of;
 
@@ -28,6 +28,13 @@ pub(crate) struct Judge {
     pub(crate) identifiers: Vec<u32>,
     /// The vehicle's last word on the DVL's triggering.
     pub(crate) may_trigger: bool,
+    pub(crate) delay_max: Duration,
+    /// Commands with a time on this connection, and BPLOG, that no acknowledgement has come for.
+    unanswered: Vec<(&'static str, Option<TimeOfDay>, Timestamp)>,
+    /// When the command left whose acknowledgement came in time, the newest.
+    answered: Option<Timestamp>,
+    /// What no round trip spoke for is none of this trial's business.
+    pub(crate) deaf_is_fine: bool,
 }
 
 impl Judge {
@@ -48,18 +55,39 @@ impl Judge {
             reserved: start.identifiers.map_or(0, |identifiers| identifiers.reserved),
             identifiers: Vec::new(),
             may_trigger: false,
+            delay_max: Duration::from_secs_f64(limits.link_delay_max_s),
+            unanswered: Vec::new(),
+            answered: None,
+            deaf_is_fine: false,
+        }
+    }
+
+    /// An acknowledgement came: the command that it is for made a round trip.
+    fn acknowledged(&mut self, now: Timestamp, ack: &Acknowledgement) {
+        let name = ack.command.to_string();
+        let index = self.unanswered.iter().position(|(sent, created, _)| {
+            *sent == name && created.is_none_or(|created| ack.command_created.echoes(created))
+        });
+        if let Some(index) = index {
+            let (.., sent) = self.unanswered.remove(index);
+            if now.since(sent) <= self.delay_max {
+                self.answered = self.answered.max(Some(sent));
+            }
         }
     }
 
     pub(crate) fn link(&mut self, up: bool) {
         self.up = up;
+        self.unanswered.clear();
+        self.answered = None;
         self.may_trigger = false;
         (self.handed_over, self.running, self.solved, self.modified) = (None, None, None, None);
         self.suspended = None;
     }
 
-    pub(crate) fn heard(&mut self, message: &FromVehicle, solved: Option<Timestamp>) {
+    pub(crate) fn heard(&mut self, now: Timestamp, message: &FromVehicle, solved: Option<Timestamp>) {
         match message {
+            FromVehicle::Acknowledgement(ack) => self.acknowledged(now, ack),
             FromVehicle::BackseatControl(control) if self.hook == ControlHook::Bfctl => {
                 self.handed_over = Some(control.granted);
             }
@@ -103,6 +131,9 @@ impl Judge {
 
     pub(crate) fn sent(&mut self, now: Timestamp, command: &ToVehicle) {
         let (name, identifier) = name_of(command);
+        if command.created().is_some() || name == "LOG" {
+            self.unanswered.push((name, command.created(), now));
+        }
         match command {
             ToVehicle::ModifyBehavior(modify) => {
                 let full = modify.horizontal.is_some() && modify.vertical_m.is_some() && modify.speed.is_some();
@@ -181,6 +212,14 @@ impl Judge {
         );
         if moves_navigation || steers {
             assert!(self.armed && self.has_control(), "{name} at {now} without control");
+            let heard = self
+                .answered
+                .is_some_and(|sent| now.since(sent) < Duration::from_secs(3));
+            assert!(
+                heard || self.deaf_is_fine,
+                "{name} at {now}, and the newest good round trip is {:?}",
+                self.answered
+            );
             let solved = self.solved.expect("navigation");
             let age = now.since(solved);
             assert!(

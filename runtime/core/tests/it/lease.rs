@@ -5,7 +5,7 @@ use backseat_core::{HeadingFrame, Limits, Operator, Settings};
 use backseat_spi::{AckStatus, HorizontalMode, ModifySpeedMode, ModifyVerticalMode, ToVehicle};
 use backseat_units::{EastNorth, Timestamp};
 
-use crate::course::{limits, line, modify, modify_for, turn};
+use crate::course::{LIFTED, limits, line, modify, modify_for, turn};
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
@@ -248,6 +248,7 @@ fn sr_004_a_lease_whose_reach_comes_to_touch_the_margin_ends_at_that_sample_and_
         limits: Limits {
             water_depth_min_m: None,
             water_depth_max_m: None,
+            integrity: LIFTED,
             ..limits()
         },
         ..Setup::default()

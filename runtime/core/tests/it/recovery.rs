@@ -1,11 +1,11 @@
 use std::time::Duration;
 
 use backseat_core::plugin::{Request, RequestState};
-use backseat_core::{Grant, Note, Operator, Recovery, RequestKind, Settings};
+use backseat_core::{Grant, Limits, Note, Operator, Recovery, RequestKind, Settings};
 use backseat_spi::{AckStatus, ToVehicle};
 use backseat_units::{EastNorth, Timestamp};
 
-use crate::course::{good_line, interrupting, limits, line, modify};
+use crate::course::{LIFTED, good_line, interrupting, limits, line, modify};
 use crate::trial::{Setup, Trial, granted, shorts};
 use crate::vehicle::Reply;
 
@@ -25,6 +25,10 @@ fn setup(recovery: Recovery) -> Setup {
         settings: Settings {
             recovery,
             ..Settings::default()
+        },
+        limits: Limits {
+            integrity: LIFTED,
+            ..limits()
         },
         ..granted(&[Grant::Topside], &[])
     }

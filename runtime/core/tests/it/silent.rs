@@ -320,7 +320,7 @@ fn sr_018_silent_mode_needs_its_acknowledgements() {
     trial.run_for(2.0);
     trial.ask(0, [silent(1)]);
     trial.run_for(0.3);
-    assert!(trial.rejection(1).contains("acknowledgements are not on"));
+    assert!(trial.rejection(1).contains("the vehicle has not answered yet"));
 }
 
 #[test]

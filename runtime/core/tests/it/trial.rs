@@ -59,8 +59,12 @@ pub(crate) struct Trial {
     pub(crate) seen: Vec<(Timestamp, Seen)>,
     /// What was written to the vehicle, as it was written.
     pub(crate) written: Vec<String>,
-    /// One way.
+    /// From the vehicle to core, and back where nothing else is said.
     pub(crate) delay: Duration,
+    /// From core to the vehicle.
+    pub(crate) delay_to_vehicle: Option<Duration>,
+    /// The vehicle reads nothing: what is sent to it waits.
+    pub(crate) deaf: bool,
     /// What the vehicle says arrives no earlier.
     pub(crate) stalled_until: Timestamp,
     /// Core is not called earlier.
@@ -97,7 +101,7 @@ impl Default for Setup {
         Self {
             fence: course::fence(),
             limits: course::limits(),
-            settings: Settings::default(),
+            settings: settings(),
             plugins: vec![course::plugin("first"), course::plugin("second")],
             start: Start {
                 utc: Utc::from_unix_nanos(1_700_000_000_000_000_000),
@@ -112,6 +116,14 @@ impl Default for Setup {
                 jitter: 7,
             },
         }
+    }
+}
+
+/// Those of a vehicle that reads a circle's entry angle.
+pub(crate) fn settings() -> Settings {
+    Settings {
+        trackcircle_entry_angle: Some(true),
+        ..Settings::default()
     }
 }
 
@@ -151,6 +163,8 @@ impl Trial {
             seen: Vec::new(),
             written: Vec::new(),
             delay: Duration::from_millis(5),
+            delay_to_vehicle: None,
+            deaf: false,
             stalled_until: Timestamp::ZERO,
             asleep_until: Timestamp::ZERO,
             read_max: usize::MAX,
@@ -268,7 +282,7 @@ impl Trial {
         let answer = answer.map(|(index, (at, ..))| (*at, index));
         let timeout = self.core.poll_timeout().map(awake);
         let due = [
-            self.to_vehicle.front().map(|(at, _)| *at),
+            self.to_vehicle.front().filter(|_| !self.deaf).map(|(at, _)| *at),
             self.to_core.front().map(|arrival| awake(arrival.at)),
             answer.map(|(at, _)| awake(at)),
             self.connect_at.map(awake),
@@ -350,7 +364,7 @@ impl Trial {
 
     fn arrive(&mut self, arrival: Arrival) {
         for (message, solved) in &arrival.said {
-            self.judge.heard(message, *solved);
+            self.judge.heard(self.now, message, *solved);
         }
         let bytes = match &mut self.way {
             Some(way) => way(arrival.bytes),
@@ -376,7 +390,9 @@ impl Trial {
                     assert!(bytes.ends_with(b"\r\n"), "{command:?}");
                     self.written.push(String::from_utf8(bytes.clone()).unwrap());
                     self.judge.sent(self.now, &command);
-                    self.to_vehicle.push_back((self.now + self.delay, bytes));
+                    let delay = self.delay_to_vehicle.unwrap_or(self.delay);
+                    let before = self.to_vehicle.back().map_or(Timestamp::ZERO, |(at, _)| *at);
+                    self.to_vehicle.push_back((before.max(self.now + delay), bytes));
                     Seen::Sent(command)
                 }
                 Output::Connect { after } => {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use backseat_spi::{
     AckStatus, Acknowledgement, BackseatControl, BehaviorBegin, BehaviorEnd, BehaviorId, CartesianNavigation,
-    CommandName, FromVehicle, MissionStatus, Navigation, PlanElement, PlanElementKind, PositionQuality,
+    CommandName, EchoedTime, FromVehicle, MissionStatus, Navigation, PlanElement, PlanElementKind, PositionQuality,
     RelativeNavigation, Sentence, Text, ToVehicle, VehicleVersion, VelocityAndRates, catalogue,
 };
 use backseat_units::{Altitude, Depth, EastNorth, Heading, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
@@ -28,7 +28,11 @@ pub(crate) enum Reply {
     Nak,
 }
 
+/// What becomes of navigation before it is said; false where the velocities are not.
+pub(crate) type Bend = Box<dyn FnMut(Timestamp, &mut Navigation, &mut VelocityAndRates) -> bool>;
+
 pub(crate) struct Vehicle {
+    pub(crate) bend: Option<Bend>,
     /// Its clock less the true one, nanoseconds.
     pub(crate) clock_nanos: i64,
     pub(crate) utc: Utc,
@@ -60,6 +64,8 @@ pub(crate) struct Vehicle {
     pub(crate) leap_at: Option<Timestamp>,
     /// Subscriptions that it does not hear, so often.
     pub(crate) deaf_to_subscriptions: u32,
+    /// How many decimals of a command's time its acknowledgements have.
+    pub(crate) echo_decimals: u8,
     due: Vec<(Timestamp, FromVehicle)>,
     next_navigation: Timestamp,
     /// Horizontal, vertical, distance: it says BFRNV.
@@ -73,6 +79,7 @@ pub(crate) struct Vehicle {
 impl Vehicle {
     pub(crate) fn new() -> Self {
         Self {
+            bend: None,
             clock_nanos: 0,
             utc: Utc::from_unix_nanos(1_700_000_000_000_000_000),
             start: EastNorth::new(-500.0, 0.0),
@@ -94,6 +101,7 @@ impl Vehicle {
             answers_unasked: false,
             leap_at: None,
             deaf_to_subscriptions: 0,
+            echo_decimals: 3,
             due: Vec::new(),
             next_navigation: Timestamp::from_millis(50),
             hull_m: None,
@@ -147,8 +155,16 @@ impl Vehicle {
             self.next_navigation = now + Duration::from_millis(100);
             if self.navigates && self.subscribed.contains("NVG") && self.subscribed.contains("NVR") {
                 let solved = self.frozen.unwrap_or(now);
-                said.push((self.navigation(now, solved).into(), Some(solved)));
-                said.push((self.velocity(now).into(), None));
+                let mut navigation = self.navigation(now, solved);
+                let mut velocity = self.velocity(now);
+                let complete = match &mut self.bend {
+                    Some(bend) => bend(now, &mut navigation, &mut velocity),
+                    None => true,
+                };
+                said.push((navigation.into(), Some(solved)));
+                if complete {
+                    said.push((velocity.into(), None));
+                }
             }
             said.extend(self.relative_navigation(now).map(|message| (message, None)));
         }
@@ -336,7 +352,7 @@ impl Vehicle {
         let message = Acknowledgement {
             created: self.clock(at),
             command: CommandName::new(name).unwrap(),
-            command_created: echoed,
+            command_created: EchoedTime::with_decimals(echoed, self.echo_decimals),
             behavior: identifier.map(BehaviorId::new),
             status,
             text: Text::cleaned("as told"),

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use backseat_core::Envelope;
 use backseat_core::plugin::{Judge, Request};
+use backseat_core::{Envelope, Input, Note};
 use backseat_fence::Fence;
-use backseat_units::Utc;
+use backseat_units::{Timestamp, Utc};
 
 use crate::course::{good_line, interrupting, limits, modify};
 use crate::trial::{Setup, Trial, shorts};
@@ -153,6 +153,33 @@ fn sr_002_while_the_clocks_differ_by_over_a_minute_zones_with_a_window_count_at_
             assert_eq!(refusal.is_none(), known, "{clock_s} s: {refusal:?}");
         }
     }
+}
+
+#[test]
+fn sr_002_zones_follow_a_computers_clock_that_is_set_after_the_start_and_stamps_do_not() {
+    let opens = fence(&format!(r#","valid_from":"{}""#, rfc3339(600)), None);
+    let mut trial = trial(opens);
+    let refusal = ask(&mut trial, 1, interrupting(1)).unwrap();
+    assert!(refusal.starts_with("time: "), "{refusal}");
+    // Both clocks had been 700 s behind, and are set.
+    let ahead = 700_000_000_000;
+    trial.vehicle.clock_nanos += ahead;
+    trial.feed(Input::UtcSet(ahead));
+    trial.run_for(15.0);
+    assert_eq!(ask(&mut trial, 2, interrupting(2)), None);
+    let stamped = trial.commands("STS").pop().unwrap();
+    let expected = (Setup::default().start.utc + Duration::from_nanos(stamped.0.as_nanos())).time_of_day();
+    assert_eq!(stamped.1.created(), Some(expected.truncated_to_millis()));
+    let told = |(_, note): &(Timestamp, Note)| match note {
+        Note::Text { text } => text.contains("clock was set by +700.000 s: zones with times follow it"),
+        _ => false,
+    };
+    assert!(trial.notes().iter().any(told));
+    // Set back, the zone is closed again.
+    trial.vehicle.clock_nanos -= ahead;
+    trial.feed(Input::UtcSet(0));
+    trial.run_for(15.0);
+    assert!(ask(&mut trial, 3, interrupting(3)).is_some());
 }
 
 #[test]

@@ -3,9 +3,9 @@ use core::time::Duration;
 use backseat_units::{EastNorth, Timestamp};
 
 use super::Executive;
-use crate::event::{CancelCause, EndReason, Refusal, Source, Status};
+use crate::event::{CancelCause, EndReason, ModifyEnd, Refusal, Source, Status};
 use crate::file::WrapUp;
-use crate::plan::Vertical;
+use crate::plan::{PlanItem, Vertical};
 
 const NO_MISSION: &str = "no mission is running";
 
@@ -95,6 +95,32 @@ impl Executive {
         self.begin_wait(now, at);
         self.update_control(now, at);
         Ok(())
+    }
+
+    /// Another dive is to take the place of this one: all that was flown or asked for of this one ends.
+    pub(crate) fn end_dive(&mut self) {
+        self.end_suspension();
+        self.end_running(EndReason::MissionOver);
+        self.end_modify(ModifyEnd::MissionOver);
+        self.paused.clear();
+        self.interrupting = false;
+        self.drop_queue(CancelCause::MissionOver, |_| true);
+    }
+
+    /// After [`Executive::end_dive`]: another plan from its first behavior on, at once where the mission runs.
+    pub(crate) fn begin_dive(&mut self, plan: Vec<PlanItem>, now: Timestamp, at: EastNorth) {
+        self.plan = plan;
+        (self.index, self.element) = (0, 0);
+        if self.is_running() {
+            self.begin_planned(0, now, at);
+            self.update_control(now, at);
+        }
+    }
+
+    /// The status is told again.
+    pub(crate) fn tell_status(&mut self) {
+        let details = self.details.clone();
+        self.set_status(self.status, details.as_str());
     }
 
     /// The mission is over and its wrap-up begins, where it has one.

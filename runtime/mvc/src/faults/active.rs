@@ -322,6 +322,9 @@ impl Mvc {
                 let missing = Faults::count(&mut self.faults.missing, edge);
                 self.sensors.silence_navigation(missing);
             }
+            FaultKind::Untrue(untrue) if begins => self.sensors.begin_untrue(index, untrue),
+            FaultKind::Untrue(_) => self.sensors.end_untrue(index),
+            FaultKind::AnotherDive { file, reversed } if begins => self.change_dive(at, file, reversed),
             FaultKind::SensorDropout(sensor) => {
                 let out = Faults::count(&mut self.faults.dropouts[sensor as usize], edge);
                 self.sensors.sensor_dropout(sensor, out);
@@ -333,7 +336,10 @@ impl Mvc {
             FaultKind::MissionAbort if begins => self.executive.fail_mission("aborted by the vehicle"),
             FaultKind::Shutdown if begins => self.shut_down(at, at + SHUTDOWN_NOTICE),
             FaultKind::Shutdown => self.watch_power(at),
-            FaultKind::NavigationJump(_) | FaultKind::ClockStep(_) | FaultKind::MissionAbort => {}
+            FaultKind::NavigationJump(_)
+            | FaultKind::ClockStep(_)
+            | FaultKind::MissionAbort
+            | FaultKind::AnotherDive { .. } => {}
         }
     }
 }

@@ -5,7 +5,8 @@ use backseat_units::{EastNorth, Timestamp};
 use backseat_world::Stream;
 
 use super::{
-    AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, Whom,
+    AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, Untrue,
+    Whom,
 };
 use crate::sensors::Sensor;
 
@@ -104,9 +105,28 @@ impl Dice {
         Fault { at, lasts, kind }
     }
 
+    fn untrue(&mut self) -> Untrue {
+        match self.below(6) {
+            0 => Untrue::PositionCreeps {
+                // From what passes for a drift to what no vehicle does.
+                speed_mps: self.one(&[0.2, 0.5, 1.0, 1.5, 3.0, 8.0]),
+                towards_deg: self.between(0.0, 360.0).round(),
+            },
+            1 => Untrue::PositionFrozen,
+            2 => Untrue::PositionBackwards,
+            3 => Untrue::VelocityMissing,
+            4 => Untrue::HeadingFlips {
+                by_deg: self.between(-180.0, 180.0).round(),
+            },
+            _ => Untrue::DepthFlips {
+                by_m: self.between(-60.0, 60.0).round(),
+            },
+        }
+    }
+
     fn link(&mut self) -> LinkFault {
         let direction = self.one(&[Directions::Both, Directions::ToVehicle, Directions::FromVehicle]);
-        let kind = match self.below(10) {
+        let kind = match self.below(11) {
             0 => LinkFaultKind::Cut,
             1 => LinkFaultKind::Refuse,
             2 => LinkFaultKind::Stall,
@@ -114,6 +134,8 @@ impl Dice {
             4 => LinkFaultKind::Delay {
                 delay: self.millis(0.0, 3.0),
                 jitter: self.millis(0.0, 1.0),
+                // Half of them stay what they are.
+                growth: self.one(&[0.0, 0.0, 0.0, 0.02, 0.1, 0.5]),
             },
             5 => LinkFaultKind::Split {
                 bytes: 1 + self.below(64) as u32,
@@ -128,12 +150,14 @@ impl Dice {
             8 => LinkFaultKind::Corrupt {
                 chance: self.rarely(&[0.0001, 0.001, 0.01, 0.1]),
             },
+            9 => LinkFaultKind::Deaf,
             _ => LinkFaultKind::Drop {
                 chance: self.rarely(&[0.01, 0.1, 0.5, 1.0]),
             },
         };
         let direction = match kind {
             LinkFaultKind::Cut | LinkFaultKind::Refuse => Directions::Both,
+            LinkFaultKind::Deaf => Directions::ToVehicle,
             LinkFaultKind::Stall
             | LinkFaultKind::HalfOpen
             | LinkFaultKind::Delay { .. }
@@ -151,7 +175,7 @@ impl Dice {
     }
 
     fn vehicle(&mut self) -> FaultKind {
-        match self.below(9) {
+        match self.below(15) {
             0 => FaultKind::AcksLost(self.acks()),
             1 => FaultKind::AcksLate {
                 acks: self.acks(),
@@ -170,6 +194,7 @@ impl Dice {
             }
             6 => FaultKind::NavigationMissing,
             7 => FaultKind::SensorDropout(self.one(&Sensor::ALL)),
+            8..14 => FaultKind::Untrue(self.untrue()),
             _ => FaultKind::ClockStep(1_000_000 * self.between(-90_000.0, 90_000.0) as i64),
         }
     }

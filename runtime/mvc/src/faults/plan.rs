@@ -1,6 +1,6 @@
 use core::time::Duration;
 
-use backseat_spi::CommandName;
+use backseat_spi::{CommandName, Text};
 use backseat_units::{EastNorth, Timestamp};
 use serde::{Serialize, Serializer};
 
@@ -78,6 +78,16 @@ pub enum FaultKind {
     NavigationJump(EastNorth),
     /// Neither BFNVG nor BFNVR comes.
     NavigationMissing,
+    /// BFNVG and BFNVR say what is not so. The vehicle itself is well, and steers by what is so.
+    Untrue(Untrue),
+    /// The vehicle flies another dive from now on, and its status stays `Running` (SPI 6.9, 6.11).
+    AnotherDive {
+        /// What BFMIS and BFMBS call it.
+        file: Text,
+        /// Its plan is the present one from its end to its begin, and is begun; else it is the same plan under another name,
+        /// and flown on.
+        reversed: bool,
+    },
     /// The vehicle ends its mission.
     MissionAbort,
     /// A sensor gives nothing.
@@ -86,6 +96,35 @@ pub enum FaultKind {
     Shutdown,
     /// The vehicle's UTC is set by so many nanoseconds, and back at the end where the fault lasts.
     ClockStep(i64),
+}
+
+/// What is wrong with the words of navigation. It ends with the fault, and what is told is true again at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Untrue {
+    /// The position moves by so much more than the velocity says.
+    PositionCreeps {
+        /// Metres a second, 0 to 100.
+        speed_mps: f64,
+        /// Where to, degrees from the frame's north.
+        towards_deg: f64,
+    },
+    /// The position is the same to its last digit, while all else and the time of the solution go on.
+    PositionFrozen,
+    /// The position goes back where the velocity goes on: from where it was at the fault's begin, as far as the vehicle
+    /// has gone ahead.
+    PositionBackwards,
+    /// BFNVR does not come, while BFNVG does.
+    VelocityMissing,
+    /// The heading is turned by so many degrees at every other step.
+    HeadingFlips {
+        /// Clockwise, -180 to 180.
+        by_deg: f64,
+    },
+    /// The depth is another by so many metres at every other step.
+    DepthFlips {
+        /// Downwards, -1000 to 1000.
+        by_m: f64,
+    },
 }
 
 /// A fault of the link between payloads and vehicle.
@@ -108,14 +147,20 @@ pub enum LinkFaultKind {
     Refuse,
     /// Nothing arrives before the end, then all at once.
     Stall,
+    /// The vehicle does not read what it is sent: its computer takes and acknowledges it, and at the end it is read in
+    /// order, all at once. The other way goes on.
+    Deaf,
     /// All is silently lost, and the connection stays.
     HalfOpen,
-    /// All takes longer by `delay` and by up to `jitter` more. The order stays.
+    /// All takes longer by `delay`, by up to `jitter` more, and by `growth` for each second since the fault's begin,
+    /// whichever connection it is. The order stays.
     Delay {
         /// At most 60 s.
         delay: Duration,
         /// At most 60 s, uniform.
         jitter: Duration,
+        /// Seconds a second, 0 to 1. More than 60 s do not come of it.
+        growth: f64,
     },
     /// Bytes come in pieces of 1 to `bytes` bytes, one each `gap`.
     Split {

@@ -3,7 +3,8 @@ use core::fmt;
 use backseat_spi::CommandName;
 
 use super::{
-    AckFilter, AckStage, Directions, FaultEdge, FaultEvent, FaultKind, LinkFault, LinkFaultKind, NegativeStatus, Whom,
+    AckFilter, AckStage, Directions, FaultEdge, FaultEvent, FaultKind, LinkFault, LinkFaultKind, NegativeStatus,
+    Untrue, Whom,
 };
 use crate::sensors::Sensor;
 
@@ -37,10 +38,34 @@ impl fmt::Display for FaultKind {
                 write!(f, "navigation moved by {} m east, {} m north", by.east_m, by.north_m)
             }
             Self::NavigationMissing => f.write_str("navigation missing"),
+            Self::Untrue(untrue) => untrue.fmt(f),
+            Self::AnotherDive { file, reversed } => {
+                let plan = if *reversed {
+                    "its plan reversed"
+                } else {
+                    "the same plan"
+                };
+                write!(f, "another dive, {}, {plan}", file.as_str())
+            }
             Self::MissionAbort => f.write_str("mission aborted"),
             Self::SensorDropout(sensor) => write!(f, "{sensor} dropped out"),
             Self::Shutdown => f.write_str("shutdown"),
             Self::ClockStep(nanos) => write!(f, "vehicle clock set by {} s", *nanos as f64 / 1e9),
+        }
+    }
+}
+
+impl fmt::Display for Untrue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::PositionCreeps { speed_mps, towards_deg } => {
+                write!(f, "position creeps by {speed_mps} m/s towards {towards_deg} degrees")
+            }
+            Self::PositionFrozen => f.write_str("position frozen"),
+            Self::PositionBackwards => f.write_str("position goes backwards"),
+            Self::VelocityMissing => f.write_str("velocity missing"),
+            Self::HeadingFlips { by_deg } => write!(f, "heading flips by {by_deg} degrees"),
+            Self::DepthFlips { by_m } => write!(f, "depth flips by {by_m} m"),
         }
     }
 }
@@ -50,15 +75,16 @@ impl fmt::Display for LinkFault {
         match self.kind {
             LinkFaultKind::Cut => return write!(f, "link of {} cut", self.whom),
             LinkFaultKind::Refuse => return write!(f, "connections of {} refused", self.whom),
+            LinkFaultKind::Deaf => return write!(f, "vehicle deaf to {}", self.whom),
             LinkFaultKind::Stall => f.write_str("stall"),
             LinkFaultKind::HalfOpen => f.write_str("silent loss"),
-            LinkFaultKind::Delay { delay, jitter } => {
-                write!(
-                    f,
-                    "delay of {} s and up to {} s",
-                    delay.as_secs_f64(),
-                    jitter.as_secs_f64()
-                )
+            LinkFaultKind::Delay { delay, jitter, growth } => {
+                let (delay_s, jitter_s) = (delay.as_secs_f64(), jitter.as_secs_f64());
+                write!(f, "delay of {delay_s} s and up to {jitter_s} s")?;
+                if growth > 0.0 {
+                    write!(f, ", growing by {growth} s a second,")?;
+                }
+                Ok(())
             }
             LinkFaultKind::Split { bytes, gap } => write!(f, "pieces of {bytes} bytes each {} s", gap.as_secs_f64()),
             LinkFaultKind::Join { hold } => write!(f, "writes joined for {} s", hold.as_secs_f64()),

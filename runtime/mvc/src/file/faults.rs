@@ -28,8 +28,8 @@ pub struct FaultEntry {
     pub at_s: f64,
     /// What it is.
     pub kind: FaultName,
-    /// How long it lasts, seconds. A cut, a jump and a clock step may be instants without it; an abort is one, and a
-    /// shutdown takes its minute.
+    /// How long it lasts, seconds. A cut, a jump and a clock step may be instants without it; an abort and
+    /// another dive are one, and a shutdown takes its minute.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub for_s: Option<f64>,
     /// Of a link: the connection's number; without it and `role` all.
@@ -47,6 +47,9 @@ pub struct FaultEntry {
     /// Of `delay`: up to so much more, seconds; none without it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jitter_s: Option<f64>,
+    /// Of `delay`: seconds more for each second since its begin; none without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub growth: Option<f64>,
     /// Of `split`: the largest piece, bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes: Option<u32>,
@@ -83,6 +86,24 @@ pub struct FaultEntry {
     /// Of `clock_step`: seconds, positive where the vehicle's clock is set forward.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_s: Option<f64>,
+    /// Of `position_creep`: metres a second.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_mps: Option<f64>,
+    /// Of `position_creep`: degrees from the frame's north.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub towards_deg: Option<f64>,
+    /// Of `heading_flip`: degrees clockwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_deg: Option<f64>,
+    /// Of `depth_flip`: metres downwards.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_m: Option<f64>,
+    /// Of `another_dive`: what it is called.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dive_file: Option<String>,
+    /// Of `another_dive`: its plan is the present one reversed; false without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reversed: Option<bool>,
 }
 
 /// The name of a kind of fault.
@@ -95,6 +116,8 @@ pub enum FaultName {
     Refuse,
     /// [`crate::LinkFaultKind::Stall`].
     Stall,
+    /// [`crate::LinkFaultKind::Deaf`].
+    Deaf,
     /// [`crate::LinkFaultKind::HalfOpen`].
     HalfOpen,
     /// [`crate::LinkFaultKind::Delay`].
@@ -123,6 +146,20 @@ pub enum FaultName {
     NavigationJump,
     /// [`crate::FaultKind::NavigationMissing`].
     NavigationMissing,
+    /// [`crate::Untrue::PositionCreeps`].
+    PositionCreep,
+    /// [`crate::Untrue::PositionFrozen`].
+    PositionFrozen,
+    /// [`crate::Untrue::PositionBackwards`].
+    PositionBackwards,
+    /// [`crate::Untrue::VelocityMissing`].
+    VelocityMissing,
+    /// [`crate::Untrue::HeadingFlips`].
+    HeadingFlip,
+    /// [`crate::Untrue::DepthFlips`].
+    DepthFlip,
+    /// [`crate::FaultKind::AnotherDive`].
+    AnotherDive,
     /// [`crate::FaultKind::MissionAbort`].
     MissionAbort,
     /// [`crate::FaultKind::SensorDropout`].

@@ -57,6 +57,42 @@ pub struct InterpretationConfig {
     pub unacked_frames: UnackedFrames,
     /// What may not be interrupted (SPI 7.5: "it is not possible to interrupt an interruption").
     pub interruption: Interruption,
+    /// Which commands are acknowledged (SPI 6.21: "each payload command"; of many the own section says nothing).
+    pub acknowledged: Acknowledged,
+    /// How many decimals of a second a BFACK echoes of its command's time, 0 to 9 (SPI 6.21 prints two, recorded vehicles
+    /// write three). The seed draws 2 or 3.
+    pub echo_decimals: Choice<f64>,
+    /// Which layout of BPRTC is read (SPI 7.6: the header has no entry angle, the table has).
+    pub trackcircle_layout: TrackcircleLayout,
+}
+
+/// Which commands are acknowledged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Acknowledged {
+    /// All of them.
+    #[default]
+    All,
+    /// Those whose own section speaks of it: BPLOG, BPTOP, BPRTK, BPRTC, BPRCN, BPRMP, BPSIL, BPTRM, BPBOY; and whatever
+    /// cannot be read.
+    Sections,
+    /// The seed draws, one vehicle in eight the second.
+    Seed,
+}
+
+/// Which layout of BPRTC is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TrackcircleLayout {
+    /// The table's with an entry angle, and the header's where the field is missing.
+    #[default]
+    Either,
+    /// The table's alone: where a field is missing it is the interrupt code.
+    Table,
+    /// The header's alone: what stands where the entry angle would is the interrupt code.
+    Header,
+    /// The seed draws.
+    Seed,
 }
 
 /// What may not be interrupted.
@@ -256,18 +292,29 @@ impl Default for InterpretationConfig {
             after_suspension: AfterSuspension::default(),
             hull_vertical: HullVertical::default(),
             interruption: Interruption::default(),
+            acknowledged: Acknowledged::default(),
+            echo_decimals: Choice::Fixed(3.0),
+            trackcircle_layout: TrackcircleLayout::default(),
         }
     }
 }
 
 impl InterpretationConfig {
     pub(crate) fn validate(&self) -> Result<(), MvcError> {
-        match self.lead_in_m {
-            Choice::Fixed(metres) => check(
+        if let Choice::Fixed(metres) = self.lead_in_m {
+            check(
                 (0.0..=500.0).contains(&metres),
                 "interpretation.lead_in_m",
                 metres,
                 "0 to 500 m",
+            )?;
+        }
+        match self.echo_decimals {
+            Choice::Fixed(decimals) => check(
+                (0.0..=9.0).contains(&decimals) && decimals.fract() == 0.0,
+                "interpretation.echo_decimals",
+                decimals,
+                "a whole number, 0 to 9",
             ),
             Choice::Seed => Ok(()),
         }

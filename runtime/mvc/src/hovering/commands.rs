@@ -31,7 +31,7 @@ impl Mvc {
         let estimate = self.sensors.estimate(&self.vehicle);
         self.hovering_command(now, re, |mvc, state| {
             match mvc.executive.suspend(now, re.client, &estimate) {
-                Ok(true) => state.hold(&mvc.vehicle),
+                Ok(true) => state.hold(&mvc.vehicle, mvc.sensors.depth_m()),
                 Ok(false) => {}
                 Err(why) => return failed(why),
             }

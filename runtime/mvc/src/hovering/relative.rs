@@ -10,7 +10,8 @@ use crate::vehicle::Vehicle;
 const ASKEW_MAX_DEG: f64 = 60.0;
 const SECONDS_PER_H: f64 = 3600.0;
 
-/// Relative navigation: dead reckoning from a reference point, x towards the target, y to the right of it.
+/// Relative navigation: dead reckoning from a reference point, x towards the target, y to the right of it, by the velocity
+/// that BFNVR tells and with a drift of its own.
 ///
 /// With a ship the point is midships of its inspected side at the waterline; without one it is where the vehicle
 /// started, and x points where it pointed. Both bearings count clockwise, the relative one from x.
@@ -72,16 +73,15 @@ impl Relative {
             inertial_error_deg: 0.0,
             alignment_deg: 0.0,
         };
-        (relative.true_x_m, relative.true_y_m) = relative.project(vehicle.at);
+        (relative.true_x_m, relative.true_y_m) = relative.project(vehicle.at - origin);
         (relative.x_m, relative.y_m) = (relative.true_x_m, relative.true_y_m);
         relative
     }
 
-    /// Reckons one step of the vehicle: the way it made, turned by the error of its bearing, and the drift.
-    pub(crate) fn reckon(&mut self, vehicle: &Vehicle) {
-        let (x_m, y_m) = self.project(vehicle.at);
-        let (way_x_m, way_y_m) = (x_m - self.true_x_m, y_m - self.true_y_m);
-        (self.true_x_m, self.true_y_m) = (x_m, y_m);
+    /// Reckons one step of the vehicle: the way that it knows of, turned by the error of its bearing, and the drift.
+    pub(crate) fn reckon(&mut self, vehicle: &Vehicle, way: EastNorth) {
+        (self.true_x_m, self.true_y_m) = self.project(vehicle.at - self.origin);
+        let (way_x_m, way_y_m) = self.project(way);
         self.x_m += way_x_m * self.error_cos - way_y_m * self.error_sin;
         self.y_m += way_x_m * self.error_sin + way_y_m * self.error_cos;
         self.until_drift -= 1;
@@ -120,12 +120,14 @@ impl Relative {
         wrap_360(vehicle.heading_deg - self.zero_deg + self.inertial_error_deg)
     }
 
-    /// Distance from the target, metres: measured where the inspected side is in sight, else reckoned.
-    pub(crate) fn distance_m(&self, vehicle: &Vehicle) -> f64 {
+    /// Distance from the target, metres: measured where the inspected side is in sight of what is turned to it, else
+    /// reckoned.
+    pub(crate) fn distance_m(&self, vehicle: &Vehicle, turned_to_it: bool) -> f64 {
         let measured_m = -self.true_x_m;
-        let in_sight = self
-            .ship
-            .is_some_and(|ship| ship.has_plating(self.true_y_m, vehicle.depth_m))
+        let in_sight = turned_to_it
+            && self
+                .ship
+                .is_some_and(|ship| ship.has_plating(self.true_y_m, vehicle.depth_m))
             && (0.0..=self.range_max_m).contains(&measured_m)
             && self.true_bearing_deg(vehicle).abs() <= ASKEW_MAX_DEG;
         if in_sight { measured_m } else { -self.x_m }
@@ -166,11 +168,10 @@ impl Relative {
         self.inertial_error_deg + self.alignment_deg
     }
 
-    fn project(&self, at: EastNorth) -> (f64, f64) {
-        let from = at - self.origin;
+    fn project(&self, way: EastNorth) -> (f64, f64) {
         (
-            from.east_m * self.sin + from.north_m * self.cos,
-            from.east_m * self.cos - from.north_m * self.sin,
+            way.east_m * self.sin + way.north_m * self.cos,
+            way.east_m * self.cos - way.north_m * self.sin,
         )
     }
 }

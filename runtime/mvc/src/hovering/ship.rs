@@ -86,6 +86,44 @@ impl Ship {
             ),
         )
     }
+
+    /// How far the plating under water is from outside along a direction (a unit vector east, north, down), metres; none
+    /// where that leads past the ship.
+    ///
+    /// The way through a box is what is common to the ways through its slabs (Ericson, section 5.3.3).
+    pub(crate) fn ahead_m(&self, at: EastNorth, depth_m: f64, direction: (f64, f64, f64)) -> Option<f64> {
+        let from = at - self.centre;
+        let (east, north, down) = direction;
+        let ahead_m = from.east_m * self.sin + from.north_m * self.cos;
+        let starboard_m = from.east_m * self.cos - from.north_m * self.sin;
+        let (mut enters_m, mut leaves_m) = (0.0_f64, f64::INFINITY);
+        for (place_m, way, least_m, most_m) in [
+            (
+                ahead_m,
+                east * self.sin + north * self.cos,
+                -self.half_length_m,
+                self.half_length_m,
+            ),
+            (
+                starboard_m,
+                east * self.cos - north * self.sin,
+                -self.half_beam_m,
+                self.half_beam_m,
+            ),
+            (depth_m, down, 0.0, self.draft_m),
+        ] {
+            if way == 0.0 {
+                if !(least_m..=most_m).contains(&place_m) {
+                    return None;
+                }
+                continue;
+            }
+            let (one_m, other_m) = ((least_m - place_m) / way, (most_m - place_m) / way);
+            enters_m = enters_m.max(one_m.min(other_m));
+            leaves_m = leaves_m.min(one_m.max(other_m));
+        }
+        (enters_m > 0.0 && enters_m <= leaves_m).then_some(enters_m)
+    }
 }
 
 const fn sign(value: f64) -> f64 {
@@ -131,6 +169,30 @@ mod tests {
             let next = EastNorth::new(east + 0.01 * away.0, north + 0.01 * away.1);
             let (farther, _) = ship.clearance(next, depth + 0.01 * away.2);
             assert!((farther - found - 0.01).abs() < 1e-9, "{east} {north} {depth}");
+        }
+    }
+
+    #[test]
+    fn a_beam_ends_at_the_first_plate_or_passes() {
+        let ship = ship(ShipSide::Starboard);
+        let slant = (0.0, 0.6, 0.8);
+        for (east, north, depth, direction, ahead) in [
+            (0.0, -8.0, 2.0, (0.0, 1.0, 0.0), Some(3.0)),
+            (0.0, -8.0, 2.0, (0.0, -1.0, 0.0), None),
+            (0.0, -8.0, 6.0, (0.0, 1.0, 0.0), None),
+            (21.0, -8.0, 2.0, (0.0, 1.0, 0.0), None),
+            (0.0, -6.2, 2.0, slant, Some(2.0)),
+            (0.0, -8.0, 2.0, slant, None),
+            // Through the surface before it is there.
+            (0.0, -8.0, 2.0, (0.0, 0.6, -0.8), None),
+            (3.0, 1.0, 9.0, (0.0, 0.0, -1.0), Some(4.0)),
+        ] {
+            let found = ship.ahead_m(EastNorth::new(east, north), depth, direction);
+            assert_eq!(
+                found.map(|metres: f64| (metres * 1e6).round() / 1e6),
+                ahead,
+                "{east} {north} {depth} {direction:?}"
+            );
         }
     }
 

@@ -15,13 +15,24 @@ const BEAMS_FOR_LOCK: usize = 3;
 /// Where the beams point: forward to starboard, and on clockwise, degrees from ahead.
 const AZIMUTHS_DEG: [f64; 4] = [45.0, 135.0, 225.0, 315.0];
 
+/// A log that looks straight down: degrees above the horizontal.
+const DOWN_DEG: f64 = -90.0;
+
 /// The Doppler log: four beams, bottom lock, and the constant errors of its velocity.
+///
+/// A hovering vehicle's is turned by a servo: it measures against the ship's plating as against the seabed, whichever its
+/// beams come to first.
 #[derive(Clone, Debug)]
 pub(super) struct Dvl {
     config: SensorConfig,
     noise: Noise,
-    /// Unit vectors along the beams, in the vehicle's own axes.
+    /// Unit vectors along the beams, in the log's axes and in the vehicle's.
+    own_beams: [[f64; 3]; 4],
     beams: [[f64; 3]; 4],
+    /// Where it looks, degrees above the horizontal.
+    look_deg: f64,
+    /// The altitude does not come from its ranges: a log that is turned away needs an altimeter beside it.
+    altimeter: bool,
     range_max_m: f64,
     dropout_chance: f64,
     no_lock_until: Timestamp,
@@ -29,7 +40,10 @@ pub(super) struct Dvl {
     misalignment: (f64, f64),
     /// It is broken.
     pub(super) dead: bool,
+    /// Enough beams come back from what is at rest.
     pub(super) lock: bool,
+    /// There is an altitude.
+    pub(super) sounds: bool,
 }
 
 /// One reading, of which BFDVL and BFDV2 give each a part.
@@ -43,20 +57,24 @@ pub(super) struct DvlReading {
 }
 
 impl Dvl {
-    pub(super) fn new(config: &SensorConfig, readings_per_h: f64, seed: u64) -> Self {
+    pub(super) fn new(config: &SensorConfig, readings_per_h: f64, hovers: bool, seed: u64) -> Self {
         let noise = Noise::new(seed, "dvl");
         let mut constant = Noise::new(seed, "dvl alignment").reading(0);
         let scale = 1.0 + constant.normal(config.dvl.scale_error);
         let misalignment_rad = constant.normal(config.dvl.misalignment_deg).to_radians();
         let beam_rad = config.dvl.beam_angle_deg.to_radians();
         let (out, down) = sin_cos(beam_rad);
+        let beams = AZIMUTHS_DEG.map(|azimuth| {
+            let (sin, cos) = sin_cos(azimuth.to_radians());
+            [out * cos, out * sin, down]
+        });
         Self {
             config: *config,
             noise,
-            beams: AZIMUTHS_DEG.map(|azimuth| {
-                let (sin, cos) = sin_cos(azimuth.to_radians());
-                [out * cos, out * sin, down]
-            }),
+            own_beams: beams,
+            beams,
+            look_deg: DOWN_DEG,
+            altimeter: hovers,
             range_max_m: config.altitude_range_m / cos(beam_rad),
             dropout_chance: config.altitude_dropouts_per_h / readings_per_h,
             no_lock_until: Timestamp::ZERO,
@@ -64,7 +82,20 @@ impl Dvl {
             misalignment: (sin(misalignment_rad), cos(misalignment_rad)),
             dead: false,
             lock: false,
+            sounds: false,
         }
+    }
+
+    /// Turns it to look so many degrees above the horizontal.
+    pub(super) fn turn_to(&mut self, look_deg: f64) {
+        if look_deg.to_bits() == self.look_deg.to_bits() {
+            return;
+        }
+        self.look_deg = look_deg;
+        let (sin, cos) = sin_cos((look_deg - DOWN_DEG).to_radians());
+        self.beams = self
+            .own_beams
+            .map(|[x, y, z]| [x * cos + z * sin, y, z * cos - x * sin]);
     }
 
     /// One step of the vehicle: whether there is bottom lock.
@@ -73,21 +104,32 @@ impl Dvl {
             let seconds = self.config.altitude_dropout_s * (0.5 + draws.uniform());
             self.no_lock_until = now + Duration::from_secs_f64(seconds);
         }
-        self.lock = !self.dead && now >= self.no_lock_until && self.reaches(vehicle);
+        let heard = now >= self.no_lock_until;
+        self.lock = !self.dead && heard && self.reaches(vehicle);
+        self.sounds = if self.altimeter {
+            heard && self.altitude_in_reach(vehicle)
+        } else {
+            self.lock
+        };
+    }
+
+    fn altitude_in_reach(&self, vehicle: &Vehicle) -> bool {
+        let altitude_m = vehicle.water_depth_m - vehicle.depth_m;
+        let tilt_deg = vehicle.pitch_deg.abs().max(vehicle.roll_deg.abs());
+        altitude_m >= self.config.altitude_blanking_m
+            && altitude_m <= self.config.altitude_range_m
+            && tilt_deg <= self.config.dvl.tilt_max_deg
     }
 
     fn reaches(&self, vehicle: &Vehicle) -> bool {
-        let altitude_m = vehicle.water_depth_m - vehicle.depth_m;
-        let tilt_deg = vehicle.pitch_deg.abs().max(vehicle.roll_deg.abs());
-        if altitude_m < self.config.altitude_blanking_m
-            || altitude_m > self.config.altitude_range_m
-            || tilt_deg > self.config.dvl.tilt_max_deg
-        {
-            return false;
-        }
-        // Well within its reach every beam comes back, on any slope that is one.
-        if 3.0 * altitude_m < self.config.altitude_range_m {
-            return true;
+        if vehicle.obstacle.is_none() {
+            if !self.altitude_in_reach(vehicle) {
+                return false;
+            }
+            // Well within its reach every beam comes back, on any slope that is one.
+            if 3.0 * (vehicle.water_depth_m - vehicle.depth_m) < self.config.altitude_range_m {
+                return true;
+            }
         }
         let attitude = Attitude::of(vehicle);
         self.beams
@@ -97,12 +139,21 @@ impl Dvl {
             >= BEAMS_FOR_LOCK
     }
 
-    /// How far a beam's echo comes from, on the plane of the seabed below the vehicle; none where it does not come.
+    /// How far a beam's echo comes from, on the plane of the seabed below the vehicle or on a ship before it; none where it
+    /// does not come.
     fn range_m(&self, vehicle: &Vehicle, attitude: Attitude, beam: [f64; 3]) -> Option<f64> {
         let [north, east, down] = attitude.to_frame(beam);
         let closing = down - vehicle.gradient.north_m * north - vehicle.gradient.east_m * east;
-        let range_m = (vehicle.water_depth_m - vehicle.depth_m) / closing;
-        (closing > 0.0 && range_m >= self.config.altitude_blanking_m && range_m <= self.range_max_m).then_some(range_m)
+        let to_bed_m = (closing > 0.0).then_some((vehicle.water_depth_m - vehicle.depth_m) / closing);
+        let to_ship_m = vehicle
+            .obstacle
+            .as_ref()
+            .and_then(|obstacle| obstacle.ship.ahead_m(vehicle.at, vehicle.depth_m, (east, north, down)));
+        to_ship_m
+            .into_iter()
+            .chain(to_bed_m)
+            .reduce(f64::min)
+            .filter(|metres| (self.config.altitude_blanking_m..=self.range_max_m).contains(metres))
     }
 
     /// A velocity over ground, or through the water, as the log measures it: scaled and turned. East and north.

@@ -72,7 +72,9 @@ impl Mvc {
             .navigation(&self.vehicle, self.world.frame(), convergence_deg, stamp);
         if !self.sensors.failed.silent {
             self.publish(now, Some(Topic::Navigation), &FromVehicle::Navigation(navigation));
-            self.publish(now, Some(Topic::Velocity), &FromVehicle::VelocityAndRates(velocity));
+            if !self.sensors.untrue.has_no_velocity() {
+                self.publish(now, Some(Topic::Velocity), &FromVehicle::VelocityAndRates(velocity));
+            }
         }
     }
 

@@ -19,10 +19,15 @@ const CIRCULAR_ERROR_PROBABLE: f64 = 1.177_41;
 /// No fix is taken for better than this, metres each way.
 const FIX_DEVIATION_MIN_M: f64 = 0.1;
 
+/// Time constant with which the velocity takes on that of the log, or of GPS, seconds: the solution is inertial, and a
+/// bottom that comes into reach is no jolt.
+const AIDED_TAU_S: f64 = 2.0;
+
 /// The navigation solution: dead reckoning by the inertial system and the Doppler log, which fixes correct.
 ///
 /// With bottom lock the velocity is the log's, with its scale error, turned by its misalignment and by the heading's
 /// error: the position's error is a share of the distance, and a random walk. Without, the velocity's own error walks.
+/// The velocity that is told is the one whose sum the position is, but for that walk and for fixes.
 /// On the surface GPS moves the solution to each of its fixes.
 #[derive(Clone, Debug)]
 pub(super) struct Solution {
@@ -30,6 +35,8 @@ pub(super) struct Solution {
     pub(super) at: EastNorth,
     /// Velocity over ground, metres a second.
     pub(super) velocity: EastNorthRate,
+    /// The way that this velocity made in the last step.
+    way: EastNorth,
     pub(super) heading_bias_deg: f64,
     /// Sine and cosine of the heading's error.
     turn: (f64, f64),
@@ -37,9 +44,11 @@ pub(super) struct Solution {
     position_step_m: f64,
     velocity_step_mps: f64,
     dt_s: f64,
-    /// Without lock: the error of the inertial velocity, or what has been added to the velocity through the water.
+    /// The error of the velocity.
     velocity_error: EastNorthRate,
-    /// The current as it was seen in the last lock.
+    /// The share of the way to the error of what aids it that the error goes in a step.
+    aid_share: f64,
+    /// The current as it was seen in the last lock, and what has been added to it since.
     held_current: EastNorthRate,
     error: ErrorModel,
     gps: Gps,
@@ -99,12 +108,14 @@ impl Solution {
             config: *config,
             at: vehicle.at + error,
             velocity: (0.0, 0.0),
+            way: EastNorth::default(),
             heading_bias_deg,
             turn: sin_cos(heading_bias_deg.to_radians()),
             position_step_m,
             velocity_step_mps,
             dt_s,
             velocity_error: (0.0, 0.0),
+            aid_share: dt_s / (AIDED_TAU_S + dt_s),
             held_current: vehicle.current,
             error: ErrorModel {
                 share: hypot(config.dvl.scale_error, turned_rad),
@@ -138,39 +149,47 @@ impl Solution {
 
     /// One step: what the vehicle has moved, as the vehicle knows it.
     pub(super) fn step(&mut self, vehicle: &Vehicle, dvl: &Dvl, sound_ratio: f64, now: Timestamp, draws: &mut Draws) {
+        let before = self.velocity;
         let ground = vehicle.ground;
-        let water = (ground.0 - vehicle.current.0, ground.1 - vehicle.current.1);
+        let through_water = self.turned((ground.0 - vehicle.current.0, ground.1 - vehicle.current.1));
         let position_walk = EastNorth::new(draws.gaussian(), draws.gaussian()) * self.position_step_m;
         if dvl.lock || self.gps.used {
-            self.velocity = if dvl.lock {
+            let aided = if dvl.lock {
                 self.turned(dvl.measured(ground, sound_ratio))
             } else {
                 ground
             };
-            let through_water = self.turned(water);
+            let error = &mut self.velocity_error;
+            error.0 += (aided.0 - ground.0 - error.0) * self.aid_share;
+            error.1 += (aided.1 - ground.1 - error.1) * self.aid_share;
+            self.velocity = (ground.0 + error.0, ground.1 + error.1);
             self.held_current = (self.velocity.0 - through_water.0, self.velocity.1 - through_water.1);
-            self.velocity_error = match self.config.ins.without_lock {
-                WithoutLock::Inertial => (self.velocity.0 - ground.0, self.velocity.1 - ground.1),
-                WithoutLock::Water => (0.0, 0.0),
-            };
             self.error.velocity_m2 = 0.0;
         } else {
-            self.velocity_error.0 += draws.normal(self.velocity_step_mps);
-            self.velocity_error.1 += draws.normal(self.velocity_step_mps);
-            let known = match self.config.ins.without_lock {
-                WithoutLock::Inertial => ground,
-                WithoutLock::Water => {
-                    let through_water = self.turned(water);
-                    (
-                        through_water.0 + self.held_current.0,
-                        through_water.1 + self.held_current.1,
-                    )
+            let walk = (
+                draws.normal(self.velocity_step_mps),
+                draws.normal(self.velocity_step_mps),
+            );
+            match self.config.ins.without_lock {
+                WithoutLock::Inertial => {
+                    self.velocity_error.0 += walk.0;
+                    self.velocity_error.1 += walk.1;
                 }
-            };
-            self.velocity = (known.0 + self.velocity_error.0, known.1 + self.velocity_error.1);
+                WithoutLock::Water => {
+                    self.held_current.0 += walk.0;
+                    self.held_current.1 += walk.1;
+                    self.velocity_error = (
+                        through_water.0 + self.held_current.0 - ground.0,
+                        through_water.1 + self.held_current.1 - ground.1,
+                    );
+                }
+            }
+            self.velocity = (ground.0 + self.velocity_error.0, ground.1 + self.velocity_error.1);
             self.error.velocity_m2 += self.error.velocity_step_m2;
         }
-        self.at = self.at + EastNorth::new(self.velocity.0, self.velocity.1) * self.dt_s + position_walk;
+        let way = EastNorth::new(before.0 + self.velocity.0, before.1 + self.velocity.1) * (0.5 * self.dt_s);
+        self.way = way;
+        self.at = self.at + way + position_walk;
         self.error.random_m2 += self.error.step_m2;
         let per_s = self.error.velocity_m2.sqrt() + self.error.share * hypot(self.velocity.0, self.velocity.1);
         self.error.systematic_m += per_s * self.dt_s;
@@ -273,6 +292,13 @@ impl Solution {
             (later_s, later) = (earlier_s, *at);
         }
         later
+    }
+
+    /// The way of the last step without the heading's error: as the log measures it along the vehicle's own axes.
+    pub(super) fn own_way(&self) -> EastNorth {
+        let (sin, cos) = self.turn;
+        let EastNorth { east_m, north_m } = self.way;
+        EastNorth::new(east_m * cos - north_m * sin, north_m * cos + east_m * sin)
     }
 
     fn turned(&self, (east, north): EastNorthRate) -> EastNorthRate {

@@ -6,6 +6,9 @@ use super::noise::Noise;
 use crate::file::TailconeConfig;
 use crate::vehicle::Vehicle;
 
+/// The fastest turn of a vehicle without way on, degrees a second: whatever it is shared by is nothing.
+const TURN_LEAST_DPS: f64 = 0.5;
+
 /// Thruster, rudder and elevator.
 #[derive(Clone, Debug)]
 pub(super) struct Tailcone {
@@ -30,9 +33,10 @@ impl Tailcone {
     /// BFRVL (SPI 6.7), the reading of this number.
     pub(super) fn speed(&self, vehicle: &Vehicle, number: u64, stamp: TimeOfDay) -> VehicleSpeed {
         let rpm_per_mps = vehicle.hull().rpm_per_mps;
+        // Let go against the water's motion it has less than no way on, and its thruster has not begun to turn.
         let turns_rpm = vehicle
             .tail
-            .map_or(vehicle.surge_mps * rpm_per_mps, |tail| tail.now.propeller_rpm);
+            .map_or(vehicle.surge_mps.max(0.0) * rpm_per_mps, |tail| tail.now.propeller_rpm);
         let thruster_rpm = turns_rpm + self.rotation.reading(number).normal(self.config.rpm_noise);
         VehicleSpeed {
             created: stamp,
@@ -43,8 +47,8 @@ impl Tailcone {
 
     /// BFERC (SPI 6.12), the reading of this number.
     ///
-    /// Where the model has fins, those. The kinematic one has none: an angle is the share of the hull's fastest turn, or climb, that the vehicle
-    /// makes, and its target the share that it has been asked for. That is found from how far the rate has come in a
+    /// Where the model has fins, those. The kinematic one has none: an angle is the share of the hull's fastest turn at
+    /// this speed, or of its fastest climb, that the vehicle makes, and its target the share that it has been asked for. That is found from how far the rate has come in a
     /// step.
     pub(super) fn angles(
         &self,
@@ -70,13 +74,14 @@ impl Tailcone {
         let angle = |rate: f64, fastest: f64| (most_deg * rate / fastest).clamp(-most_deg, most_deg);
         let asked = |before: f64, now: f64, tau_s: f64| before + (now - before) * (tau_s + dt_s) / dt_s;
         let yaw_dps = asked(before.yaw_rate_dps, vehicle.yaw_rate_dps, hull.yaw_tau_s);
+        let turn_max_dps = hull.turn_max_dps(vehicle.surge_mps).max(TURN_LEAST_DPS);
         let heave_mps = asked(before.heave_mps, vehicle.heave_mps, hull.heave_tau_s);
         ControlSurfaces {
             created: stamp,
             elevator_deg: angle(-vehicle.heave_mps, hull.depth_rate_max_mps) + noise_deg(),
-            rudder_deg: angle(vehicle.yaw_rate_dps, hull.yaw_rate_max_dps) + noise_deg(),
+            rudder_deg: angle(vehicle.yaw_rate_dps, turn_max_dps) + noise_deg(),
             elevator_target_deg: angle(-heave_mps, hull.depth_rate_max_mps),
-            rudder_target_deg: angle(yaw_dps, hull.yaw_rate_max_dps),
+            rudder_target_deg: angle(yaw_dps, turn_max_dps),
         }
     }
 }

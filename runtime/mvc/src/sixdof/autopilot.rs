@@ -107,7 +107,7 @@ const YAW_BANDWIDTH: f64 = 0.6;
 const PITCH_BANDWIDTH: f64 = 1.2;
 const DAMPING: f64 = 0.9;
 /// The fastest change of the pitch that is asked for, radians a second.
-const PITCH_RATE_MAX: f64 = 0.14;
+pub(super) const PITCH_RATE_MAX: f64 = 0.14;
 /// Pitch for a metre of depth that the depth rate has failed to make, radians per metre, at 1 m/s.
 const DEPTH_RATE_INTEGRAL: f64 = 0.15;
 /// Propeller's turns a minute for an error of 1 m/s, and for its integral.

@@ -1,7 +1,7 @@
 use backseat_units::EastNorth;
 
 use super::autopilot::{
-    Autopilot, Bounds, HEADING_GAIN_PER_S, Setpoints, Steering, TURN_MAX_DEG_PER_M, Throttle, Vertical,
+    Autopilot, Bounds, HEADING_GAIN_PER_S, PITCH_RATE_MAX, Setpoints, Steering, TURN_MAX_DEG_PER_M, Throttle, Vertical,
 };
 use super::coefficients::{FIN_MAX_DEG, PROPELLER_MAX_RPM};
 use super::{Actuators, STEP_MAX_S, SixDof};
@@ -117,6 +117,9 @@ const LOOK_AHEAD_S: f64 = 10.0;
 /// metre a second of its depth rate.
 const LEVEL_OUT_S: f64 = 1.0;
 
+/// The narrowest turn, metres: hard over from full speed, while the way comes off. It settles at 19 and more.
+const TURN_RADIUS_M: f64 = 13.0;
+
 /// What a hull can do with this body under it: its limits, as far as the body reaches them.
 ///
 /// Plans and requests are to be judged by these: slower than 1 m/s it does not hold its depth, and its turns are those
@@ -129,6 +132,8 @@ pub(crate) fn flown(hull: &Hull) -> Hull {
         speed_min_mps,
         speed_max_mps,
         yaw_rate_max_dps: hull.yaw_rate_max_dps.min(TURN_MAX_DEG_PER_M * speed_max_mps),
+        turn_radius_m: TURN_RADIUS_M,
+        pitch_rate_max_dps: PITCH_RATE_MAX.to_degrees(),
         yaw_gain_per_s: hull.yaw_gain_per_s.min(HEADING_GAIN_PER_S),
         yaw_tau_s: hull.yaw_tau_s.max(2.0),
         rpm_per_mps: RPM_PER_MPS,
@@ -143,10 +148,12 @@ impl Piloted {
     /// seabed, metres.
     #[must_use]
     pub(crate) fn new(hull: &Hull, altitude_min_m: f64, at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
+        let mut body = SixDof::rising_at(at, depth_m, heading_deg, hull.buoyant_rise_mps);
+        body.hold();
         Self {
             hull: flown(hull),
             altitude_min_m,
-            body: SixDof::rising_at(at, depth_m, heading_deg, hull.buoyant_rise_mps),
+            body,
             autopilot: Autopilot::default(),
             ordered: Actuators::default(),
             rise_share: 1.0,

@@ -1,6 +1,6 @@
-use backseat_units::math::{hypot, sin_cos, wrap_360};
+use backseat_units::math::{hypot, sin_cos};
 
-use super::{Turn, Vehicle, share};
+use super::{Turn, Vehicle};
 use crate::hovering::Ship;
 use crate::plan::Vertical;
 
@@ -45,21 +45,22 @@ impl Vehicle {
             (east_mps - self.current.0, north_mps - self.current.1),
             hull.speed_max_mps,
         );
-        let (sin, cos) = sin_cos(self.heading_deg.to_radians());
+        let (sin, cos) = self.axis;
         let water = (
             self.surge_mps * sin + self.sway_mps * cos,
             self.surge_mps * cos - self.sway_mps * sin,
         );
-        let part = share(dt_s, hull.surge_tau_s);
+        let part = self.lags.surge;
         let change = capped(
             ((wanted.0 - water.0) * part, (wanted.1 - water.1) * part),
             hull.surge_accel_mps2 * dt_s,
         );
         let water = (water.0 + change.0, water.1 + change.1);
-        self.heave(down_mps, dt_s);
-        self.yaw(Turn::Heading(demand.heading_deg), 1.0, dt_s);
+        self.heave(down_mps);
+        let yaw_rate_dps = self.yaw_rate_dps;
+        self.yaw(Turn::Heading(demand.heading_deg));
         // The velocity stays as it is while the vehicle turns under it.
-        let heading_deg = wrap_360(self.heading_deg + self.yaw_rate_dps * dt_s);
+        let heading_deg = self.heading_deg + 0.5 * (yaw_rate_dps + self.yaw_rate_dps) * dt_s;
         let (sin, cos) = sin_cos(heading_deg.to_radians());
         self.surge_mps = water.0 * sin + water.1 * cos;
         self.sway_mps = water.0 * cos - water.1 * sin;
@@ -71,15 +72,15 @@ impl Vehicle {
 
     /// Takes what leads into the ship out of the velocity of this step. Water that flows against a hull flows along
     /// it, and so does what drifts in it.
-    /// `sin` and `cos` are of the heading.
-    pub(super) fn stay_clear(&mut self, safety_m: f64, sin: f64, cos: f64) {
+    pub(super) fn stay_clear(&mut self, safety_m: f64) {
+        let (sin, cos) = self.axis;
         let velocity = (self.ground.0, self.ground.1, self.heave_mps);
         let kept = self.kept_clear(velocity, safety_m);
         if kept == velocity {
             return;
         }
         let (east_mps, north_mps, down_mps) = kept;
-        let water = (east_mps - self.current.0, north_mps - self.current.1);
+        let water = (east_mps - self.carried_by.0, north_mps - self.carried_by.1);
         self.ground = (east_mps, north_mps);
         self.heave_mps = down_mps;
         self.surge_mps = water.0 * sin + water.1 * cos;

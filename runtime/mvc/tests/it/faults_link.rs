@@ -351,6 +351,84 @@ fn a_write_that_waits_or_is_lost_is_given_up_in_time() {
     assert_eq!(short.gives_up(within), Some(at(8.5)));
 }
 
+/// The vehicle's computer takes what a deaf vehicle does not read: TCP acknowledges it.
+#[test]
+fn a_deaf_vehicle_reads_all_that_waited_in_order_and_nobody_gives_the_link_up() {
+    let text = "fault \"deaf\"; at_s = 2; for_s = 4";
+    let mut link = faults(text).link(Timestamp::ZERO, ME, None, Direction::ToVehicle);
+    let arrived = lines(&mut link, 8);
+    assert_eq!(texts(&arrived), written(1..=80));
+    let reads = |tenths: u64| {
+        arrived
+            .iter()
+            .filter(|(when, _)| *when == Timestamp::from_millis(100 * tenths))
+            .count()
+    };
+    assert!((20..60).all(|tenths| reads(tenths) == 0));
+    assert_eq!((reads(19), reads(60), reads(61)), (1, 41, 1));
+
+    let within = Duration::from_secs(2);
+    let mut deaf = faults(text).link(Timestamp::ZERO, ME, None, Direction::ToVehicle);
+    deaf.push(at(3.0), b"x");
+    assert_eq!((deaf.gives_up(within), deaf.poll_timeout()), (None, Some(at(6.0))));
+    // What does not even arrive is given up as ever, and holds back what comes after it.
+    let text = "fault \"deaf\"; at_s = 2; for_s = 4\nfault \"stall\"; at_s = 4; for_s = 9";
+    let mut both = faults(text).link(Timestamp::ZERO, ME, None, Direction::ToVehicle);
+    both.push(at(3.0), b"a");
+    both.push(at(5.0), b"b");
+    assert_eq!(both.gives_up(within), Some(at(7.0)));
+    assert_eq!(both.poll(at(5.9)), None);
+    assert_eq!(both.poll(at(6.0)).unwrap().bytes, b"a");
+    assert_eq!((both.poll(at(6.0)), both.poll_timeout()), (None, Some(at(13.0))));
+    // Its own words go on.
+    let mut from = from_vehicle(text.lines().next().unwrap());
+    assert!(from.pass(at(3.0), b"x").is_some());
+}
+
+#[test]
+fn deafness_that_is_injected_keeps_what_was_under_way() {
+    let mut link = faults("fault \"delay\"; at_s = 0; for_s = 100; delay_s = 1").link(
+        Timestamp::ZERO,
+        ME,
+        None,
+        Direction::ToVehicle,
+    );
+    link.push(at(1.5), b"a");
+    for fault in plan("fault \"deaf\"; at_s = 2; for_s = 3").faults {
+        link.inject(&fault);
+    }
+    link.push(at(2.5), b"b");
+    assert_eq!((link.poll(at(4.9)), link.poll_timeout()), (None, Some(at(5.0))));
+    assert_eq!(link.poll(at(5.0)).unwrap().bytes, b"a");
+    assert_eq!(link.poll(at(5.0)).unwrap().bytes, b"b");
+}
+
+#[test]
+fn a_delay_is_there_from_the_first_byte_and_over_reconnects_in_its_own_direction() {
+    let faults = faults("fault \"delay\"; at_s = 0; for_s = 100; delay_s = 0.7; direction = \"to_vehicle\"");
+    for since in [0.0, 30.0] {
+        let mut to = faults.link(at(since), ME, None, Direction::ToVehicle);
+        let mut from = faults.link(at(since), ME, None, Direction::FromVehicle);
+        assert!(to.pass(at(since), b"x").is_none() && from.pass(at(since), b"x").is_some());
+        assert_eq!(to.poll_timeout(), Some(at(since + 0.7)));
+    }
+}
+
+#[test]
+fn a_delay_grows_from_its_begin_on_whatever_connection() {
+    let text = "fault \"delay\"; at_s = 10; for_s = 5000; delay_s = 0.5; growth = 0.02; direction = \"from_vehicle\"";
+    let arrives = |since: f64, written: f64| {
+        let mut link = faults(text).link(at(since), ME, None, Direction::FromVehicle);
+        assert!(link.pass(at(written), b"x").is_none());
+        link.poll_timeout().unwrap()
+    };
+    assert_eq!(arrives(0.0, 10.0), at(10.5));
+    assert_eq!(arrives(0.0, 110.0), at(112.5));
+    assert_eq!(arrives(100.0, 110.0), at(112.5));
+    // No more than a minute.
+    assert_eq!(arrives(4500.0, 4510.0), at(4570.5));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 

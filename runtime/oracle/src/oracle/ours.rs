@@ -1,16 +1,22 @@
-use backseat_spi::ToVehicle;
-use backseat_units::Timestamp;
+use crate::moment::Moment;
 
-use super::wire::{created_time, our_message};
 use super::{Oracle, RACE};
 use crate::rule::Rule;
+use crate::wire::{Ours, Request, read_ours};
 
 impl Oracle {
     /// A line of ours: it must be a whole sentence as the specification wants it (SPI 4.2), and nothing else.
-    pub(super) fn our_line(&mut self, at: Timestamp, line: &[u8]) {
+    pub(super) fn our_line(&mut self, at: Moment, line: &[u8]) {
         self.counts.sentences_to_vehicle += 1;
-        let message = match our_message(line) {
-            Ok(message) => message,
+        self.findings.looks_at(line);
+        self.judge_line(at, line);
+        self.findings.passed();
+    }
+
+    fn judge_line(&mut self, at: Moment, line: &[u8]) {
+        self.findings.judge(Rule::Malformed);
+        let request = match read_ours(line) {
+            Ok(request) => request,
             Err(fault) => {
                 self.findings.add(at, Rule::Malformed, || {
                     let shown: String = String::from_utf8_lossy(line).chars().take(80).collect();
@@ -19,18 +25,16 @@ impl Oracle {
                 return;
             }
         };
-        let Some(name) = line.get(1..6).and_then(|name| <[u8; 5]>::try_from(name).ok()) else {
-            return;
-        };
-        let created = if name == *b"BPLOG" { None } else { created_time(line) };
-        if let Some(created) = created
-            && self.stamps.repeats(name, created)
-        {
-            self.findings.add(at, Rule::StampRepeated, || {
-                format!("{} has the time {created} twice", String::from_utf8_lossy(&name))
-            });
+        let name = request.name;
+        if let Some(created) = request.created {
+            self.findings.judge(Rule::StampRepeated);
+            if self.stamps.repeats(name, created) {
+                self.findings.add(at, Rule::StampRepeated, || {
+                    format!("{} has the time {created} twice", String::from_utf8_lossy(&name))
+                });
+            }
         }
-        let mut denied = self.judge_permission(at, &name, &message);
+        let mut denied = self.judge_permission(at, &name, &request.asks);
         let is_new = match &name {
             b"BPRTK" | b"BPRTC" | b"BPRGP" => true,
             b"BPRMB" => !self.lease.is_alive() && !self.lease.is_unended(),
@@ -38,19 +42,60 @@ impl Oracle {
             _ => false,
         };
         self.shutdown.we_say(at, &name, is_new, &mut self.findings);
-        let due = self.operator.due(&self.process);
+        let due = self.operator_due();
+        if due.is_some() && is_dynamic(&name) {
+            self.findings.judge(Rule::OperatorHold);
+        }
         if !denied && is_dynamic(&name) && due.is_some_and(|due| due.is_missed(at)) {
             self.findings.add(at, Rule::OperatorHold, || {
                 format!("{} under the operator's hold", String::from_utf8_lossy(&name))
             });
             denied = true;
         }
-        self.we_say(at, &message, denied);
+        if !denied && is_dynamic(&name) {
+            self.judge_answers(at, &request);
+        }
+        self.we_say(at, &request, denied);
+    }
+
+    /// Whether the vehicle was heard to hear us, and its plan was told, before something that steers.
+    fn judge_answers(&mut self, at: Moment, request: &Request) {
+        let name = String::from_utf8_lossy(&request.name);
+        self.findings.judge(Rule::Unheard);
+        let sure = self.sure();
+        let stays = request.asks.is_irrevocable();
+        if !self.heartbeat.is_heard(at) {
+            let newest = self.heartbeat.newest();
+            self.findings.add(at, Rule::Unheard, || match newest {
+                Some((left, _)) => format!("{name} though the last command that was answered in time left at {left}"),
+                None => format!("{name} though nothing was answered in time on this connection"),
+            });
+        } else if stays && !self.heartbeat.has_just_answered(at, sure) {
+            let newest = self.heartbeat.newest();
+            self.findings.add(at, Rule::Unheard, || match newest {
+                Some((left, came)) => format!(
+                    "{name}, which nothing takes back, though the vehicle answered last at {came} what left at {left}"
+                ),
+                None => format!("{name}, which nothing takes back, though nothing was answered"),
+            });
+        }
+        if self.dive.is_named() {
+            self.findings.judge(Rule::AnotherDive);
+        }
+        if let Some(named) = self.dive.unplanned()
+            && self.process.heard(named) + sure < at
+        {
+            self.findings.add(at, Rule::AnotherDive, || {
+                format!("{name} though another dive file was named at {named}, whose plan was not told since")
+            });
+        }
     }
 
     /// Whether control surely is not ours, after telling so where the sentence needs it.
-    fn judge_permission(&mut self, at: Timestamp, name: &[u8; 5], message: &ToVehicle) -> bool {
+    fn judge_permission(&mut self, at: Moment, name: &[u8; 5], asks: &Ours) -> bool {
         if !self.limits.operator_commands {
+            self.findings.judge(Rule::OperatorOnly);
+            self.findings.judge(Rule::MovesTruth);
             match name {
                 b"BPABT" | b"BPKIL" | b"BPRCA" | b"BPRCB" | b"BPRCE" => {
                     self.findings.add(at, Rule::OperatorOnly, || {
@@ -65,14 +110,22 @@ impl Oracle {
                 _ => {}
             }
         }
+        match name {
+            name if is_dynamic(name) && self.control.is_known() => self.findings.judge(Rule::NoControl),
+            b"BPEMB" | b"BPRES" if self.control.is_known() => self.findings.judge(Rule::EndSurplus),
+            _ => {}
+        }
         let Some(since) = self.control.denied_since() else {
             return false;
         };
+        if !is_dynamic(name) {
+            self.findings.judge(Rule::NotAllowedWithoutControl);
+        }
         if self.process.heard(since) > at - (self.link_delay + RACE) {
             return false;
         }
-        let asks_trigger = if let ToVehicle::DvlTriggerRequest(request) = message {
-            self.trigger.asks_anew(request.external)
+        let asks_trigger = if let Ours::DvlTrigger { external, .. } = asks {
+            self.trigger.asks_anew(*external)
         } else {
             false
         };

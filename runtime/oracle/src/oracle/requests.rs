@@ -1,22 +1,18 @@
+use std::f64::consts::TAU;
 use std::time::Duration;
 
-use backseat_spi::{
-    HorizontalMode, Interrupt, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode, SpeedMode, ToVehicle, Trackcircle,
-    Trackline, VerticalMode, VerticalReference,
-};
-use backseat_units::Timestamp;
-
-use super::{Oracle, STEADY};
+use super::{Oracle, RECENT, STEADY};
 use crate::area::Fault;
+use crate::earth::Line;
 use crate::inserts::Insert;
+use crate::moment::Moment;
 use crate::rule::Rule;
 use crate::services::Rated;
-use crate::zone::Setpoint;
+use crate::time_of_day::TimeOfDay;
+use crate::wire::{Modify, Ours, Request, Setpoint, Speed, Trackcircle, Trackline};
 
 /// A standstill that is longer ends every lease: half a second late, and a second for the wake-up that was due next.
 const SLEPT_MAX: Duration = Duration::from_millis(1600);
-/// Navigation that was told so recently says where the vehicle is.
-const RECENT: Duration = Duration::from_millis(500);
 /// A bottom lock tells the depth of the water for so long.
 const LOCK_LASTS: Duration = Duration::from_secs(5);
 /// What the wire's three decimals may change of a place, metres.
@@ -25,102 +21,117 @@ const PLACE_SLACK_M: f64 = 0.001;
 const SPEED_SLACK_MPS: f64 = 0.001;
 
 impl Oracle {
-    #[expect(
-        clippy::wildcard_enum_match_arm,
-        reason = "sentences that no rule is about, those of later versions included"
-    )]
     /// Judges what a sentence of ours asks for. `denied` where control surely is not ours.
-    pub(super) fn we_say(&mut self, at: Timestamp, message: &ToVehicle, denied: bool) {
-        match message {
-            ToVehicle::Suspend(_) => {
+    pub(super) fn we_say(&mut self, at: Moment, request: &Request, denied: bool) {
+        // BPLOG alone has no time of its own.
+        self.heartbeat.we_say(at, request);
+        let Some(created) = request.created else { return };
+        match &request.asks {
+            Ours::Suspend => {
                 self.delivery.sent_hold(at);
                 let (counts, due) = (self.control.is_up() && !denied, self.end_due());
+                self.findings.judge(Rule::HoldGap);
                 self.hold.suspend(at, counts, due);
             }
-            ToVehicle::Continue(_) | ToVehicle::HullPosition(_) | ToVehicle::BottomPosition(_) => {
-                self.judge_move(at, message);
-                self.delivery.sent_hold(at);
-                let (counts, due) = (self.control.is_up() && !denied, self.end_due());
-                if !self.hold.keep(at, counts, due) && !denied {
-                    self.findings.add(at, Rule::HoldDead, || {
-                        "a sentence that keeps a suspension, or moves, without BPSUS before it".to_owned()
-                    });
-                }
+            Ours::Continue => self.keep_hold(at, denied),
+            Ours::HullPosition(place_m) => {
+                self.judge_move(at, "BPGHP", self.limits.hull_box, place_m.map(Some));
+                self.keep_hold(at, denied);
             }
-            ToVehicle::Resume(_) => self.hold.end(at),
-            ToVehicle::ModifyBehavior(modify) => self.judge_modify(at, modify, denied),
-            ToVehicle::EndModify(_) => {
+            Ours::BottomPosition { x_m, y_m, vertical } => {
+                let depth_m = match vertical {
+                    Setpoint::Depth(metres) => Some(*metres),
+                    Setpoint::Altitude(_) => None,
+                };
+                let place_m = [Some(*x_m), Some(*y_m), depth_m];
+                self.judge_move(at, "BPGBP", self.limits.bottom_box, place_m);
+                self.keep_hold(at, denied);
+            }
+            Ours::Resume => self.hold.end(at),
+            Ours::Modify(modify) => self.judge_modify(at, (created, modify), denied),
+            Ours::EndModify => {
                 self.counts.end_modifies += 1;
                 self.lease.end(at);
             }
-            ToVehicle::Trackline(line) => self.judge_trackline(at, line),
-            ToVehicle::Trackcircle(circle) => self.judge_trackcircle(at, circle),
-            ToVehicle::CancelBehavior(cancel) => {
-                let identifier = cancel.identifier.get();
-                if !self.inserts.is_ours(identifier) {
+            Ours::Trackline(line) => self.judge_trackline(at, created, line),
+            Ours::Trackcircle(circle) => self.judge_trackcircle(at, created, circle),
+            Ours::Cancel { identifier } => {
+                let is_ours = self.inserts.is_ours(*identifier);
+                if is_ours.is_some() {
+                    self.findings.judge(Rule::CancelForeign);
+                }
+                if is_ours == Some(false) {
                     self.findings.add(at, Rule::CancelForeign, || {
                         format!("BPRCN for {identifier}, which was never sent")
                     });
                 }
-                self.inserts.cancel_sent(cancel.created, identifier);
+                self.inserts.cancel_sent(created, *identifier);
             }
-            ToVehicle::RequestPlan(request) => {
+            Ours::RequestPlan => {
                 self.plan.asked();
-                self.inserts.plan_asked(at, request.created);
+                self.inserts.plan_asked(at, created);
             }
-            ToVehicle::RelativeReset(_) | ToVehicle::BearingOffset(_) => self.frame_moves(at),
-            ToVehicle::DvlTriggerRequest(request) => {
+            Ours::FrameMoves => self.frame_moves(at),
+            Ours::DvlTrigger { external, triggering } => {
                 let (sure, findings) = (self.sure(), &mut self.findings);
-                self.trigger
-                    .we_say(at, request.external, request.triggering, sure, findings);
+                self.trigger.we_say(at, *external, *triggering, sure, findings);
             }
-            ToVehicle::SilentMode(mode) => {
-                self.silence.we_say(at, mode.created, mode.silent, &mut self.findings);
-            }
-            ToVehicle::TopsideText(_) => {
-                let caps = &self.limits.caps;
-                self.quota.asked(at, Rated::Topside, caps, &mut self.findings);
-            }
-            ToVehicle::LogMessage(_) => {
-                let caps = &self.limits.caps;
-                self.quota.asked(at, Rated::Message, caps, &mut self.findings);
-            }
-            ToVehicle::SonarAngle(_) | ToVehicle::Camera(_) | ToVehicle::Light(_) => {
-                let caps = &self.limits.caps;
-                self.quota.asked(at, Rated::Device, caps, &mut self.findings);
-            }
-            ToVehicle::Packet(_) => {
+            Ours::Silent { silent } => self.silence.we_say(at, created, *silent, &mut self.findings),
+            Ours::Topside => self.asked(at, Rated::Topside),
+            Ours::LogMessage => self.asked(at, Rated::Message),
+            Ours::Device => self.asked(at, Rated::Device),
+            Ours::Packet => {
                 self.acoustic.packet(at, self.sure(), &mut self.findings);
-                let caps = &self.limits.caps;
-                self.quota.asked(at, Rated::Packet, caps, &mut self.findings);
+                self.asked(at, Rated::Packet);
             }
-            ToVehicle::GpsHit(hit) => {
+            Ours::GpsHit { identifier, position } => {
                 let insert = Insert {
                     cancellable: false,
-                    ..Insert::new("RGP", at, hit.created, 0.0)
+                    ..Insert::new(*b"RGP", at, created, 0.0)
                 };
-                self.insert_sent(at, hit.identifier.get(), insert);
-                if !self.area.may_surface(hit.position) {
+                self.insert_sent(at, *identifier, insert);
+                self.findings.judge(Rule::RequestSurfacing);
+                if !self.area.may_surface(*position) {
                     self.findings.add(at, Rule::RequestSurfacing, || {
-                        format!("BPRGP {} where no zone lets the vehicle surface", hit.identifier.get())
+                        format!("BPRGP {identifier} where no zone lets the vehicle surface")
                     });
                 }
             }
-            _ => {}
+            Ours::Subscribe { .. } | Ours::Other => {}
         }
     }
 
-    fn judge_modify(&mut self, at: Timestamp, modify: &ModifyBehavior, denied: bool) {
+    /// A sentence that keeps a suspension.
+    fn keep_hold(&mut self, at: Moment, denied: bool) {
+        self.delivery.sent_hold(at);
+        let (counts, due) = (self.control.is_up() && !denied, self.end_due());
+        self.findings.judge(Rule::HoldGap);
+        self.findings.judge(Rule::HoldDead);
+        if !self.hold.keep(at, counts, due) && !denied {
+            self.findings.add(at, Rule::HoldDead, || {
+                "a sentence that keeps a suspension, or moves, without BPSUS before it".to_owned()
+            });
+        }
+    }
+
+    fn asked(&mut self, at: Moment, what: Rated) {
+        self.quota.asked(at, what, &self.limits.caps, &mut self.findings);
+    }
+
+    fn judge_modify(&mut self, at: Moment, (created, modify): (TimeOfDay, &Modify), denied: bool) {
         self.counts.modifies += 1;
         // Where control is just being lost, the lease that this opens ends with it.
         let opens = !self.lease.is_alive();
         let slept = self.process.slept();
+        if slept > SLEPT_MAX {
+            self.findings.judge(Rule::LeaseAfterStop);
+        }
         if opens && self.lease.is_unended() && slept > SLEPT_MAX && !denied {
             self.findings.add(at, Rule::LeaseAfterStop, || {
                 format!("BPRMB goes on after {:.1} s at a standstill", slept.as_secs_f64())
             });
         }
-        self.delivery.sent_modify(at, modify.created);
+        self.delivery.sent_modify(at, created);
         let unsteady = self.unsteady(at);
         let jump_due = unsteady.map(|jump| self.jump_due(jump.at));
         let due = [self.end_due(), jump_due]
@@ -129,6 +140,9 @@ impl Oracle {
             .min_by_key(|due| due.by);
         let counts = self.control.is_up() && !denied;
         // What is judged as a whole lease already is not told for each of its sentences.
+        if jump_due.is_some() || self.frame_moved.is_some() {
+            self.findings.judge(Rule::JumpIgnored);
+        }
         let jumped = opens && jump_due.is_some_and(|due| due.is_missed(at));
         if jumped && !denied {
             let steps_m = unsteady.map_or(0.0, |jump| jump.step_m);
@@ -144,12 +158,21 @@ impl Oracle {
                 format!("BPRMB though the vehicle was told at {moved} that it is elsewhere")
             });
         }
+        let counts = counts && !jumped;
+        if counts {
+            for rule in [Rule::ModifyGap, Rule::ModifyAbandoned, Rule::ModifyUnanswered] {
+                self.findings.judge(rule);
+            }
+        }
+        self.findings.judge(Rule::ModifyTooFast);
         self.lease
-            .modify(at, modify.created, counts && !jumped, due, &mut self.findings);
+            .modify(at, created, counts, self.runtime_late, due, &mut self.findings);
         // What the vehicle refuses is judged once, as that.
         if denied {
             return;
         }
+        self.findings.judge(Rule::StaleNavigation);
+        self.findings.judge(Rule::ModifyInherits);
         if self.is_stale(at, Duration::ZERO) && self.lease.tell_stale() {
             let age = self.navigation.age(at);
             self.findings.add(at, Rule::StaleNavigation, || match age {
@@ -157,95 +180,85 @@ impl Oracle {
                 None => "BPRMB without any navigation on this connection".to_owned(),
             });
         }
-        let complete = modify.horizontal.is_some()
-            && modify.horizontal_mode.is_some()
-            && modify.vertical_m.is_some()
-            && modify.vertical_mode.is_some()
-            && modify.speed.is_some()
-            && modify.speed_mode.is_some();
-        if !complete {
+        if !modify.complete {
             self.findings.add(at, Rule::ModifyInherits, || {
                 "BPRMB leaves heading, vertical, speed or a mode to the current behavior".to_owned()
             });
         }
-        if modify.horizontal_mode == Some(HorizontalMode::Heading)
-            && let Some(heading) = modify.horizontal
+        if let Some(heading) = modify.heading_deg
             && !(0.0..=360.0).contains(&heading)
         {
             self.findings
                 .add(at, Rule::Malformed, || format!("BPRMB with heading {heading}"));
         }
-        if let Some(told) = self.navigation.heard_for_sure(at, self.sure())
-            && at.since(told.at) < RECENT
-            && let Some(text) = self.consequence.judge(modify, &told.fix, &self.area)
-        {
-            let rule = if opens { Rule::ModifyFence } else { Rule::RefreshFence };
-            self.findings
-                .add(at, rule, || format!("BPRMB leads out of the fence: {text}"));
+        self.judge_consequence(at, modify, opens);
+        if let Some(speed_mps) = modify.speed_mps {
+            self.judge_speed(at, "BPRMB", Speed::MetresPerSecond(speed_mps));
         }
-        if modify.speed_mode == Some(ModifySpeedMode::MetresPerSecond)
-            && let Some(speed) = modify.speed
-        {
-            self.judge_speed(at, "BPRMB", speed);
-        }
-        let setpoint = match (modify.vertical_mode, modify.vertical_m) {
-            (Some(ModifyVerticalMode::Depth), Some(metres)) => Setpoint::Depth(metres),
-            (Some(ModifyVerticalMode::Altitude), Some(metres)) => Setpoint::Altitude(metres),
-            (Some(_) | None, Some(_) | None) => return,
-        };
+        let Some(setpoint) = modify.vertical else { return };
         self.judge_bottom(at, "BPRMB", setpoint);
+        self.findings.judge(Rule::RequestVertical);
         let verdict = self.area.judge_setpoint(setpoint);
         self.tell_fault(at, "BPRMB", verdict);
     }
 
-    fn judge_trackline(&mut self, at: Timestamp, line: &Trackline) {
-        let identifier = line.identifier.get();
-        let length_m = self.area.distance_m(line.start, line.end);
-        let insert = Insert {
-            interrupts: line.interrupt == Interrupt::InterruptCurrent,
-            ..Insert::new(
-                "RTK",
-                at,
-                line.created,
-                self.duration_s(length_m, line.speed, line.speed_mode),
-            )
+    /// What a BPRMB leads to from where the vehicle says that it is.
+    fn judge_consequence(&mut self, at: Moment, modify: &Modify, opens: bool) {
+        let told = self.navigation.heard_for_sure(at, self.sure());
+        let Some(told) = told.filter(|told| at.since(told.at) < RECENT) else {
+            return;
         };
-        self.insert_sent(at, identifier, insert);
-        let what = format!("BPRTK {identifier}");
-        if line.speed_mode == SpeedMode::MetresPerSecond {
-            self.judge_speed(at, &what, line.speed);
+        let rule = if opens { Rule::ModifyFence } else { Rule::RefreshFence };
+        self.findings.judge(rule);
+        self.findings.judge(Rule::ModifyMargin);
+        if let Some(text) = self.consequence.judge(modify, &told.fix, &self.area) {
+            self.findings
+                .add(at, rule, || format!("BPRMB leads out of the fence: {text}"));
+            return;
         }
-        let setpoint = setpoint(line.vertical_mode, line.vertical_m);
-        self.judge_bottom(at, &what, setpoint);
-        let verdict = self.area.judge_leg(line.start, line.end, setpoint);
+        let newest = self.navigation.newest().unwrap_or(told);
+        if let Some(text) = self
+            .consequence
+            .judge_margin(modify, [&told.fix, &newest.fix], &self.area)
+        {
+            self.findings
+                .add(at, Rule::ModifyMargin, || format!("BPRMB leads into a margin: {text}"));
+        }
+    }
+
+    fn judge_trackline(&mut self, at: Moment, created: TimeOfDay, line: &Trackline) {
+        let length_m = Line::between(line.start, line.end).length_m();
+        let insert = Insert {
+            interrupts: line.interrupts,
+            ..Insert::new(*b"RTK", at, created, self.duration_s(length_m, line.speed))
+        };
+        self.insert_sent(at, line.identifier, insert);
+        let what = format!("BPRTK {}", line.identifier);
+        self.judge_speed(at, &what, line.speed);
+        self.judge_bottom(at, &what, line.vertical);
+        self.judge_shape();
+        let verdict = self.area.judge_leg(line.start, line.end, line.vertical);
         self.tell_fault(at, &what, verdict);
     }
 
-    fn judge_trackcircle(&mut self, at: Timestamp, circle: &Trackcircle) {
-        let identifier = circle.identifier.get();
-        let length_m = backseat_units::math::TAU * circle.radius_m.abs() * circle.orbits.abs();
+    fn judge_trackcircle(&mut self, at: Moment, created: TimeOfDay, circle: &Trackcircle) {
+        let length_m = TAU * circle.radius_m.abs() * circle.orbits.abs();
         let insert = Insert {
-            interrupts: circle.interrupt == Interrupt::InterruptCurrent,
-            ..Insert::new(
-                "RTC",
-                at,
-                circle.created,
-                self.duration_s(length_m, circle.speed, circle.speed_mode),
-            )
+            interrupts: circle.interrupts,
+            ..Insert::new(*b"RTC", at, created, self.duration_s(length_m, circle.speed))
         };
-        self.insert_sent(at, identifier, insert);
-        let what = format!("BPRTC {identifier}");
-        if circle.speed_mode == SpeedMode::MetresPerSecond {
-            self.judge_speed(at, &what, circle.speed);
-        }
-        let setpoint = setpoint(circle.vertical_mode, circle.vertical_m);
-        self.judge_bottom(at, &what, setpoint);
-        let verdict = self.area.judge_circle(circle.centre, circle.radius_m, setpoint);
+        self.insert_sent(at, circle.identifier, insert);
+        let what = format!("BPRTC {}", circle.identifier);
+        self.judge_speed(at, &what, circle.speed);
+        self.judge_bottom(at, &what, circle.vertical);
+        self.judge_shape();
+        let verdict = self.area.judge_circle(circle.centre, circle.radius_m, circle.vertical);
         self.tell_fault(at, &what, verdict);
     }
 
     /// We tell the vehicle that it is elsewhere: what steers by where it was has ended before.
-    fn frame_moves(&mut self, at: Timestamp) {
+    fn frame_moves(&mut self, at: Moment) {
+        self.findings.judge(Rule::JumpIgnored);
         if self.lease.is_alive() || self.hold.is_alive() {
             self.findings.add(at, Rule::JumpIgnored, || {
                 "the vehicle is told that it is elsewhere under a lease or a hold".to_owned()
@@ -254,7 +267,10 @@ impl Oracle {
         self.frame_moved = Some(at);
     }
 
-    fn insert_sent(&mut self, at: Timestamp, identifier: u32, insert: Insert) {
+    fn insert_sent(&mut self, at: Moment, identifier: u32, insert: Insert) {
+        if self.control.is_granted() {
+            self.findings.judge(Rule::PlanUnknown);
+        }
         if !self.plan_heard && self.control.is_granted() {
             self.findings.add(at, Rule::PlanUnknown, || {
                 format!("insert {identifier} though the vehicle has told nothing of its plan")
@@ -265,19 +281,20 @@ impl Oracle {
     }
 
     /// How long a way takes, seconds. What turns make is not known: the slowest speed is taken.
-    fn duration_s(&self, length_m: f64, speed: f64, mode: SpeedMode) -> f64 {
-        let speed_mps = match mode {
-            SpeedMode::MetresPerSecond => speed,
-            SpeedMode::Rpm | SpeedMode::Other(_) => self.limits.speed_min_mps,
+    fn duration_s(&self, length_m: f64, speed: Speed) -> f64 {
+        let speed_mps = match speed {
+            Speed::MetresPerSecond(speed_mps) => speed_mps,
+            Speed::Rpm(_) => self.limits.speed_min_mps,
         };
         length_m / speed_mps.max(0.1)
     }
 
     /// A height above the seabed is a depth only where the water's is known.
-    fn judge_bottom(&mut self, at: Timestamp, what: &str, setpoint: Setpoint) {
+    fn judge_bottom(&mut self, at: Moment, what: &str, setpoint: Setpoint) {
         if self.limits.water_depth_known || !matches!(setpoint, Setpoint::Altitude(_)) {
             return;
         }
+        self.findings.judge(Rule::BottomUnknown);
         let heard = self
             .navigation
             .locked()
@@ -289,24 +306,10 @@ impl Oracle {
         }
     }
 
-    #[expect(
-        clippy::wildcard_enum_match_arm,
-        reason = "sentences that move no vehicle, those of later versions included"
-    )]
-    /// Where a suspended vehicle is told to go.
-    fn judge_move(&mut self, at: Timestamp, message: &ToVehicle) {
-        let (name, bounds_m, place_m) = match message {
-            ToVehicle::HullPosition(to) => {
-                let place_m = [Some(to.horizontal_m), Some(to.vertical_m), Some(to.distance_m)];
-                ("BPGHP", self.limits.hull_box, place_m)
-            }
-            ToVehicle::BottomPosition(to) => {
-                let depth_m = (to.reference == VerticalReference::Depth).then_some(to.vertical_m);
-                ("BPGBP", self.limits.bottom_box, [Some(to.x_m), Some(to.y_m), depth_m])
-            }
-            _ => return,
-        };
+    /// Where a suspended vehicle is told to go: within the mission's box, in what it says of it.
+    fn judge_move(&mut self, at: Moment, name: &str, bounds_m: Option<[[f64; 2]; 3]>, place_m: [Option<f64>; 3]) {
         let Some(bounds_m) = bounds_m else { return };
+        self.findings.judge(Rule::RequestBox);
         for ([from_m, to_m], metres) in bounds_m.into_iter().zip(place_m) {
             if let Some(metres) = metres
                 && !(from_m - PLACE_SLACK_M..=to_m + PLACE_SLACK_M).contains(&metres)
@@ -318,7 +321,12 @@ impl Oracle {
         }
     }
 
-    fn judge_speed(&mut self, at: Timestamp, what: &str, speed_mps: f64) {
+    /// A speed through the water; what turns make is not known.
+    fn judge_speed(&mut self, at: Moment, what: &str, speed: Speed) {
+        let Speed::MetresPerSecond(speed_mps) = speed else {
+            return;
+        };
+        self.findings.judge(Rule::RequestSpeed);
         let (min, max) = (self.limits.speed_min_mps, self.limits.speed_max_mps);
         if !(min - SPEED_SLACK_MPS..=max + SPEED_SLACK_MPS).contains(&speed_mps) {
             self.findings.add(at, Rule::RequestSpeed, || {
@@ -327,20 +335,17 @@ impl Oracle {
         }
     }
 
-    fn tell_fault(&mut self, at: Timestamp, what: &str, verdict: Result<(), Fault>) {
+    fn judge_shape(&mut self) {
+        self.findings.judge(Rule::RequestFence);
+        self.findings.judge(Rule::RequestVertical);
+    }
+
+    fn tell_fault(&mut self, at: Moment, what: &str, verdict: Result<(), Fault>) {
         let (rule, text) = match verdict {
             Ok(()) => return,
             Err(Fault::Horizontal(text)) => (Rule::RequestFence, text),
             Err(Fault::Vertical(text)) => (Rule::RequestVertical, text),
         };
         self.findings.add(at, rule, || format!("{what}: {text}"));
-    }
-}
-
-fn setpoint(mode: VerticalMode, metres: f64) -> Setpoint {
-    match mode {
-        VerticalMode::Depth => Setpoint::Depth(metres),
-        VerticalMode::Altitude => Setpoint::Altitude(metres),
-        VerticalMode::Other(_) => Setpoint::Unknown,
     }
 }

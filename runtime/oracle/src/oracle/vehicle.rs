@@ -1,159 +1,148 @@
-use backseat_spi::{AckStatus, Acknowledgement, ChecksumState, FromVehicle, Sentence};
-use backseat_units::{TimeOfDay, Timestamp};
-use memchr::memrchr;
-
 use super::Oracle;
-use super::wire::fix;
+use crate::moment::Moment;
 use crate::rule::Rule;
 use crate::services::Counted;
+use crate::wire::{Answer, Fix, Outcome, Said, newest_sentence, read_vehicle};
 
 impl Oracle {
-    /// A line of the vehicle's. Most are navigation, so that their names are looked at before anything is decoded.
-    pub(super) fn vehicle_line(&mut self, at: Timestamp, line: &[u8]) {
-        let Some(line) = memrchr(b'$', line).and_then(|start| line.get(start..)) else {
-            return;
-        };
-        match line.get(1..6) {
-            Some(b"BFNVG") => {
-                if let Some(fix) = fix(line)
-                    && self.navigation.heard(at, fix, self.sure())
-                {
-                    self.counts.navigations += 1;
-                    if let Some(jump) = self.navigation.jump()
-                        && jump.at == at
-                    {
-                        let due = self.jump_due(at);
-                        self.lease.must_end(due);
-                    }
-                }
-            }
-            Some(
-                b"BFCTL" | b"BFMIS" | b"BFMSC" | b"BFMBS" | b"BFMBE" | b"BFACK" | b"BFPLN" | b"BFSHT" | b"BFDVT"
-                | b"BFCMA",
-            ) => {
-                let sentence = core::str::from_utf8(line)
-                    .ok()
-                    .and_then(|line| Sentence::parse(line).ok());
-                if let Some(sentence) = sentence
-                    && sentence.checksum() == ChecksumState::Valid
-                    && let Ok(message) = FromVehicle::decode(&sentence)
-                {
-                    self.vehicle_says(at, &message);
-                }
-            }
-            Some(_) | None => {}
+    /// A line of the vehicle's, of which its last sentence counts.
+    pub(super) fn vehicle_line(&mut self, at: Moment, line: &[u8]) {
+        let Some(sentence) = newest_sentence(line) else { return };
+        if let Some(said) = read_vehicle(sentence) {
+            self.findings.looks_at(sentence);
+            self.vehicle_says(at, &said);
+            self.findings.passed();
         }
     }
 
-    #[expect(
-        clippy::wildcard_enum_match_arm,
-        reason = "messages that no rule is about, those of later versions included"
-    )]
-    fn vehicle_says(&mut self, at: Timestamp, message: &FromVehicle) {
-        match message {
-            FromVehicle::BackseatControl(control) => {
-                let change = self.control.backseat_control(at, control.granted);
+    fn vehicle_says(&mut self, at: Moment, said: &Said<'_>) {
+        match said {
+            Said::Navigation(fix) => self.navigated(at, *fix),
+            Said::Control { granted } => {
+                let change = self.control.backseat_control(at, *granted);
                 self.control_changed(at, change);
             }
-            FromVehicle::MissionStatus(status) => {
-                let change = self.control.mission_running(at, status.is_running());
+            Said::MissionStatus { dive, running } => {
+                self.dive.named_by_status(at, dive);
+                let change = self.control.mission_running(at, *running);
                 self.control_changed(at, change);
-                if !status.is_running() {
+                if !running {
                     self.inserts.all_end();
                 }
             }
-            FromVehicle::MissionCommand(command) => {
-                let change = self.control.mission_command(at, command.text.as_str());
+            Said::MissionCommand(text) => {
+                let change = self.control.mission_command(at, text);
                 self.control_changed(at, change);
             }
-            FromVehicle::Shutdown(_) => {
+            Said::Shutdown => {
                 let heard = self.process.heard(at) + self.sure();
                 self.shutdown.said(heard, self.process.is_stopped());
             }
-            FromVehicle::DvlTriggering(triggering) => {
+            Said::DvlTriggering { begin } => {
                 let heard = self.process.heard(at) + self.link_delay;
                 let hears = self.control.is_up() && !self.process.is_stopped();
-                self.trigger.vehicle_says(at, triggering.begin, heard, hears);
+                self.trigger.vehicle_says(at, *begin, heard, hears);
             }
-            FromVehicle::MediumAccess(window) => self.acoustic.window(at, window.created, window.until),
-            FromVehicle::BehaviorBegin(begin) => {
+            Said::Window { created, until } => self.acoustic.window(at, *created, *until),
+            Said::Begins {
+                dive,
+                planned,
+                identifier,
+            } => {
+                self.dive.named_by_behavior(dive);
                 self.behavior_changed(at);
-                if let Some(identifier) = begin.identifier {
-                    self.inserts.begins(at, identifier.get());
-                } else if begin.number.is_some() {
+                if let Some(identifier) = identifier {
+                    self.inserts.begins(at, *identifier);
+                } else if *planned {
                     self.inserts.plan_goes_on(at);
                 }
             }
-            FromVehicle::BehaviorEnd(end) => {
+            Said::Ends { identifier } => {
                 self.behavior_changed(at);
-                if let Some(identifier) = end.identifier {
-                    self.inserts.ends(identifier.get());
+                if let Some(identifier) = identifier {
+                    self.inserts.ends(*identifier);
                 }
             }
-            FromVehicle::PlanElement(element) => {
+            Said::Element(element) => {
                 self.plan_heard = true;
                 let own = element.identifier.is_none();
                 self.plan.told(own.then(|| self.area.point(element.position)));
-                let place = (element.number, element.identifier.map(backseat_spi::BehaviorId::get));
-                self.inserts.element(at, place, element.index);
+                self.inserts
+                    .element(at, (element.number, element.identifier), element.index);
             }
-            FromVehicle::Acknowledgement(ack) => self.answered(at, ack),
-            _ => {}
+            Said::Answer(answer) => self.answered(at, answer),
+        }
+    }
+
+    fn navigated(&mut self, at: Moment, fix: Fix) {
+        if !self.navigation.heard(at, fix, self.sure()) {
+            return;
+        }
+        self.counts.navigations += 1;
+        if let Some(jump) = self.navigation.jump()
+            && jump.at == at
+        {
+            self.lease_must_end(self.jump_due(at));
         }
     }
 
     /// Another behavior than the one that was modified is flown.
-    fn behavior_changed(&mut self, at: Timestamp) {
-        let due = self.due(at, Rule::LeaseOutlives, "a behavior began or ended under it");
-        self.lease.must_end(due);
+    fn behavior_changed(&mut self, at: Moment) {
+        self.lease_must_end(self.due(at, Rule::LeaseOutlives, "a behavior began or ended under it"));
     }
 
-    fn answered(&mut self, at: Timestamp, ack: &Acknowledgement) {
-        let identifier = ack.behavior.map(backseat_spi::BehaviorId::get);
-        let created = ack.command_created.truncated_to_millis();
-        let command = ack.command.as_str();
-        if command == "RMB" || command == "NAK" {
+    fn answered(&mut self, at: Moment, answer: &Answer) {
+        let created = answer.command_created;
+        let (command, identifier) = (answer.command, answer.identifier);
+        self.heartbeat.answered(at, command, created, self.process.is_stopped());
+        if matches!(&command, b"RMB" | b"NAK") {
             self.lease.answered();
         }
-        let taken = match ack.status {
-            AckStatus::Succeeded => true,
-            AckStatus::Invalid | AckStatus::Failed => false,
-            AckStatus::Pending | AckStatus::Other(_) => return,
+        let taken = match answer.outcome {
+            Outcome::Succeeded => true,
+            Outcome::Invalid | Outcome::Failed => false,
+            Outcome::Pending => return,
         };
-        let unreadable =
-            ack.status == AckStatus::Invalid && identifier.is_none() && ack.command_created == TimeOfDay::MIDNIGHT;
+        let unreadable = answer.outcome == Outcome::Invalid && identifier.is_none() && answer.command_created.is_none();
         let caps = &self.limits.caps;
-        match command {
-            "RTK" | "RTC" | "RGP" if unreadable => self.inserts.unreadable(Some(command)),
-            "NAK" if unreadable => self.inserts.unreadable(None),
-            "RMB" if !taken && self.lease.has(created) => {
-                let due = self.due(at, Rule::LeaseOutlives, "the vehicle refused it");
-                self.lease.must_end(due);
+        match &command {
+            b"RTK" | b"RTC" | b"RGP" if unreadable => self.inserts.unreadable(Some(command)),
+            b"NAK" if unreadable => self.inserts.unreadable(None),
+            b"RMB" if !taken && self.lease.has(created) => {
+                self.lease_must_end(self.due(at, Rule::LeaseOutlives, "the vehicle refused it"));
             }
-            "RTK" | "RTC" | "RGP" => {
+            b"RTK" | b"RTC" | b"RGP" => {
                 self.inserts.answered(at, identifier, created, taken);
                 if taken {
                     let (open_max, duration_s) = (self.limits.inserts_open_max, self.limits.inserts_duration_max_s);
                     self.inserts.check_open(at, open_max, duration_s, &mut self.findings);
                 }
-                if taken && command == "RGP" {
+                if taken && command == *b"RGP" {
                     self.quota
                         .taken(at, (Counted::GpsHit, created), caps, &mut self.findings);
                 }
             }
-            "RCN" if taken => {
+            b"RCN" if taken => {
                 self.inserts.cancel_done(identifier, created);
                 self.conduct.cancelled(at);
             }
-            "RCA" | "RCB" | "RCE" if taken => self.conduct.cancelled(at),
-            "RMP" => {
+            b"RCA" | b"RCB" | b"RCE" if taken => {
+                if command == *b"RCA" {
+                    self.inserts.all_cancelled();
+                }
+                self.conduct.cancelled(at);
+            }
+            b"RMP" => {
                 self.plan_heard |= taken;
+                if taken {
+                    self.dive.planned();
+                }
                 self.inserts.plan_told(created, taken);
             }
-            "TRM" | "BOY" if taken => self
+            b"TRM" | b"BOY" if taken => self
                 .quota
                 .taken(at, (Counted::Adjustment, created), caps, &mut self.findings),
-            "SIL" if self.silence.answered(created, taken, caps) => {
+            b"SIL" if self.silence.answered(created, taken, caps) => {
                 self.quota
                     .taken(at, (Counted::Silence, created), caps, &mut self.findings);
             }

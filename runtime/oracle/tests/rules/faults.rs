@@ -99,8 +99,16 @@ fn a_word_in_pieces_is_said_with_the_last_of_them() {
     }
     let whole = 4000 + (word.len() as u64 - 1) * 100;
     // Between the pieces nothing else may come.
-    let run = run.navigation(3950, false).navigation(whole + 1, true);
-    run.clone().ours(whole + 200, TRACKLINE).finds_nothing();
+    let run = run
+        .navigation(3950, false)
+        .navigation(whole + 1, true)
+        .beats_until(3950);
+    let answer = |ms| format!("BFACK,{{t}},MSG,{},0,2,0,ok", super::scenario::stamp(ms));
+    run.clone()
+        .ours(whole + 150, "BPMSG,{t},are you there")
+        .vehicle(whole + 150, &answer(whole + 150))
+        .ours(whole + 200, TRACKLINE)
+        .finds_nothing();
     run.ours(whole + 300, TRACKLINE).finds(&["no-control"]);
 }
 

@@ -123,6 +123,8 @@ fn requirement_003_a_standstill_ends_the_lease_before_anything_else() {
     lease()
         .stopped(6500)
         .reconnects(7000, 8000)
+        .ours(8900, "BPSTS,{t},1,well")
+        .vehicle(8900, "BFACK,{t},STS,{t},0,2,0,ok")
         .ours(9000, MODIFY)
         .ours(9500, END)
         .activity(9600, Activity::Plan)
@@ -162,21 +164,54 @@ fn requirement_002_a_modify_does_not_certainly_lead_out() {
             .ours(3000, MODIFY)
             .ours(3500, END)
     };
-    near("4200.300,N,07000.0060,W").finds_nothing();
+    near("4200.300,N,07000.0060,W").finds(&["modify-margin"]);
     near("4200.300,N,07000.0040,W").finds(&["modify-fence"]);
     // Outside already.
     near("4159.900,N,07000.5000,W").finds(&["modify-fence"]);
     // Into the mooring, 9 m before it and 5 m.
-    near("4200.660,N,07000.7265,W").finds_nothing();
+    near("4200.660,N,07000.7265,W").finds(&["modify-margin"]);
     near("4200.660,N,07000.7236,W").finds(&["modify-fence"]);
     // The wreck is deeper.
     near("4200.180,N,07000.7236,W").finds_nothing();
-    // It turns away, which may take longer than there is: who knows.
+    // It turns away, which may take longer than there is: who knows. But it was in the margin before.
     Scenario::with_control()
         .believes(0, "4200.300,N,07000.0040,W")
         .ours(3000, "BPRMB,{t},270,10,0,1.5,1,0")
         .ours(3500, END)
-        .finds_nothing();
+        .finds(&["modify-margin"]);
+}
+
+#[test]
+fn requirement_004_a_modify_keeps_the_margin_of_where_the_vehicle_believes_to_be() {
+    let near = |place, body| {
+        Scenario::with_control()
+            .believes(0, place)
+            .ours(3000, body)
+            .ours(3500, END)
+    };
+    let west = "BPRMB,{t},270,10,0,1.5,1,0";
+    // The margin of 20 m less 1 m, and 6.75 m of way: 26.9 m and 24.8 m from the eastern edge.
+    near("4200.300,N,07000.0195,W", MODIFY).finds_nothing();
+    near("4200.300,N,07000.0180,W", MODIFY).finds(&["modify-margin"]);
+    // Away from it only the place itself counts: 20.0 m and 18.6 m.
+    near("4200.300,N,07000.0145,W", west).finds_nothing();
+    near("4200.300,N,07000.0135,W", west).finds(&["modify-margin"]);
+    // 37.0 m and 35.0 m before the mooring, whose margin is 30 m; and beside the wreck, which is deeper.
+    near("4200.660,N,07000.7468,W", MODIFY).finds_nothing();
+    near("4200.660,N,07000.7454,W", MODIFY).finds(&["modify-margin"]);
+    near("4200.180,N,07000.7300,W", MODIFY).finds_nothing();
+    near("4200.180,N,07000.7300,W", "BPRMB,{t},90,35,0,1.5,1,0").finds_nothing();
+    near("4200.180,N,07000.7300,W", "BPRMB,{t},90,12,1,1.5,1,0").finds_nothing();
+    // The newest place may not have been heard, and the one before it may be old: both must be in the margin.
+    let moved = |ms| {
+        Scenario::with_control()
+            .believes(0, "4200.300,N,07000.0135,W")
+            .believes(ms, "4200.300,N,07000.0300,W")
+            .ours(3000, west)
+            .ours(3500, END)
+    };
+    moved(2900).finds_nothing();
+    moved(3100).finds(&["modify-margin"]);
 }
 
 #[test]
@@ -189,21 +224,18 @@ fn requirement_004_a_refresh_does_not_certainly_lead_out() {
         .ours(5000, MODIFY)
         .ours(5200, END)
         .finds_nothing();
-    Scenario::with_control()
-        .believes(0, "4200.300,N,07000.0060,W")
-        .believes(3500, "4200.300,N,07000.0040,W")
-        .ours(3000, MODIFY)
-        .ours(4000, MODIFY)
-        .ours(4100, END)
-        .finds(&["refresh-fence"]);
+    let comes_near = |ms, place| {
+        Scenario::with_control()
+            .believes(0, "4200.300,N,07000.0250,W")
+            .believes(ms, place)
+            .ours(3000, MODIFY)
+            .ours(4000, MODIFY)
+            .ours(4100, END)
+    };
+    comes_near(3500, "4200.300,N,07000.0040,W").finds(&["refresh-fence"]);
+    comes_near(3500, "4200.300,N,07000.0060,W").finds(&["modify-margin"]);
     // What was said just now may not have been heard.
-    Scenario::with_control()
-        .believes(0, "4200.300,N,07000.0060,W")
-        .believes(3800, "4200.300,N,07000.0040,W")
-        .ours(3000, MODIFY)
-        .ours(4000, MODIFY)
-        .ours(4100, END)
-        .finds_nothing();
+    comes_near(3800, "4200.300,N,07000.0040,W").finds_nothing();
 }
 
 #[test]

@@ -4,10 +4,13 @@ mod scenario;
 
 mod control;
 mod faults;
+mod gaps;
+mod heard;
 mod holds;
 mod inserts;
 mod leases;
 mod operator;
+mod readers;
 mod robustness;
 mod services;
 mod states;

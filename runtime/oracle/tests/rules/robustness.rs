@@ -1,10 +1,9 @@
 //! What is malformed, on either side, and bounds.
 
 use backseat_oracle::{Activity, Limits, Oracle, OracleError, Truth};
-use backseat_units::{Position, Timestamp};
 use proptest::prelude::*;
 
-use crate::scenario::{FENCE, Scenario, sentence};
+use crate::scenario::{FENCE, Scenario, position, sentence};
 
 #[test]
 fn every_sentence_of_ours_is_whole_and_right() {
@@ -42,9 +41,9 @@ fn every_sentence_of_ours_is_whole_and_right() {
 fn words_of_the_vehicle_with_wrong_checksums_are_no_words() {
     let oracle = |grant: &str| {
         let mut oracle = Oracle::new(FENCE, Limits::default()).unwrap();
-        oracle.link(Timestamp::ZERO, true);
-        oracle.from_vehicle(Timestamp::ZERO, sentence("BFMIS,000000.000,a,Running,").as_bytes());
-        oracle.from_vehicle(Timestamp::ZERO, grant.as_bytes());
+        oracle.link(0, true);
+        oracle.from_vehicle(0, sentence("BFMIS,000000.000,a,Running,").as_bytes());
+        oracle.from_vehicle(0, grant.as_bytes());
         oracle.statistics().control_spans
     };
     let good = sentence("BFCTL,000000.000,1");
@@ -57,10 +56,10 @@ fn words_of_the_vehicle_with_wrong_checksums_are_no_words() {
 fn the_list_of_violations_is_bounded() {
     let mut oracle = Oracle::new(FENCE, Limits::default()).unwrap();
     for index in 0..250 {
-        oracle.to_vehicle(Timestamp::from_millis(index), b"junk\n");
+        oracle.to_vehicle(index * 1_000_000, b"junk\n");
     }
     assert_eq!(oracle.statistics().violations, 250);
-    let violations = oracle.finish(Timestamp::from_secs(1));
+    let violations = oracle.finish(1_000_000_000);
     assert_eq!(violations.len(), 101);
     let last = violations.last().unwrap();
     assert_eq!((last.rule, last.text.as_str()), ("omitted", "150 more violations"));
@@ -132,14 +131,14 @@ fn a_fence_may_lie_across_the_date_line() {
     let rules = |longitude: f64| {
         let mut oracle = Oracle::new(fence, Limits::default()).unwrap();
         oracle.truth(&Truth {
-            at: Timestamp::ZERO,
-            position: Position::from_deg(10.01, longitude).unwrap(),
+            at_ns: 0,
+            position: position(10.01, longitude),
             depth_m: 5.0,
             altitude_m: 5.0,
             activity: Activity::Insert(7),
         });
         oracle
-            .finish(Timestamp::ZERO)
+            .finish(0)
             .iter()
             .map(|violation| violation.rule)
             .collect::<Vec<_>>()
@@ -202,12 +201,13 @@ proptest! {
     ) {
         let mut oracle = Oracle::new(FENCE, Limits::default()).unwrap();
         for (index, (side, bytes, at)) in writes.iter().enumerate() {
-            let at = if sorted { Timestamp::from_millis(index as u64 * 70) } else { Timestamp::from_nanos(*at) };
+            let at = if sorted { index as u64 * 70_000_000 } else { *at };
             match side {
                 0 | 1 => oracle.from_vehicle(at, bytes),
                 2 | 3 => oracle.to_vehicle(at, bytes),
                 4 => oracle.link(at, bytes.len() % 3 > 0),
                 5 => oracle.arrived(at, bytes),
+                6 if bytes.len() % 4 == 3 => oracle.gap(at / 2, at),
                 6 => oracle.operator(at, bytes.len() % 2 > 0),
                 7 => match bytes.len() % 3 {
                     0 => oracle.runtime_stopped(at),
@@ -218,8 +218,8 @@ proptest! {
                     let latitude = bytes.first().map_or(0.0, |byte| f64::from(*byte) / 128.0 * 90.0 - 90.0);
                     oracle.believed(latitude, latitude / 10.0);
                     oracle.truth(&Truth {
-                        at,
-                        position: Position::from_deg(latitude, latitude * 2.0).unwrap(),
+                        at_ns: at,
+                        position: position(latitude, latitude * 2.0),
                         depth_m: latitude,
                         altitude_m: if bytes.len() % 2 == 0 { f64::NAN } else { latitude },
                         activity: match bytes.len() % 5 {
@@ -234,7 +234,8 @@ proptest! {
             }
         }
         let statistics = oracle.statistics();
-        let violations = oracle.finish(Timestamp::MAX);
+        prop_assert!(oracle.rules().iter().all(|rule| rule.broken <= rule.judged));
+        let violations = oracle.finish(u64::MAX);
         prop_assert!(violations.len() <= 101 && statistics.violations >= violations.len() as u64 / 2);
     }
 
@@ -242,14 +243,14 @@ proptest! {
     fn a_write_may_come_in_any_split(cuts in proptest::collection::vec(1..60usize, 0..10)) {
         let text = sentence("BFMIS,000000.000,a,Running,") + &sentence("BFCTL,000000.000,1") + "\n";
         let mut oracle = Oracle::new(FENCE, Limits::default()).unwrap();
-        oracle.link(Timestamp::ZERO, true);
+        oracle.link(0, true);
         let mut rest = text.as_bytes();
         for cut in cuts {
             let (now, later) = rest.split_at(cut.min(rest.len()));
-            oracle.from_vehicle(Timestamp::ZERO, now);
+            oracle.from_vehicle(0, now);
             rest = later;
         }
-        oracle.from_vehicle(Timestamp::ZERO, rest);
+        oracle.from_vehicle(0, rest);
         prop_assert_eq!(oracle.statistics().control_spans, 1);
     }
 }

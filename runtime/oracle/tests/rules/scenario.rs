@@ -4,8 +4,7 @@
 
 use std::fmt::Write;
 
-use backseat_oracle::{Activity, Limits, Oracle, State, Statistics, Truth, Violation};
-use backseat_units::{Position, TimeOfDay, Timestamp};
+use backseat_oracle::{Activity, Limits, Oracle, Position, State, Statistics, Truth, Violation};
 
 /// 2.2 km by 1.7 km with a hole of 220 m by 170 m that is forbidden, and a wreck that is at 30 to 40 m only.
 pub(crate) const FENCE: &str = r#"{ "type": "FeatureCollection", "features": [
@@ -46,6 +45,7 @@ enum Event {
     Operator(bool),
     Arrived(Vec<u8>),
     Error(f64),
+    Gap(u64),
 }
 
 /// What happens, and when.
@@ -55,6 +55,9 @@ pub(crate) struct Scenario {
     limits: Limits,
     /// Whether each BPRMB is answered at once.
     answers: bool,
+    /// Until when a runtime that is not stopped sends BPSTS each second, and how long its answers take, milliseconds.
+    beats_until_ms: u64,
+    beats_take_ms: u64,
     /// Where BFNVG says that the vehicle is, from when on: latitude and longitude as they are written.
     believed: Vec<(u64, &'static str)>,
 }
@@ -83,6 +86,8 @@ impl Scenario {
                 ..Limits::default()
             },
             answers: true,
+            beats_until_ms: u64::MAX,
+            beats_take_ms: 0,
             believed: vec![(0, "4200.300,N,07000.900,W")],
         }
         .link(0, true)
@@ -97,6 +102,18 @@ impl Scenario {
     /// The vehicle answers no BPRMB.
     pub(crate) fn without_answers(mut self) -> Self {
         self.answers = false;
+        self
+    }
+
+    /// The runtime sends no BPSTS from then on.
+    pub(crate) fn beats_until(mut self, ms: u64) -> Self {
+        self.beats_until_ms = ms;
+        self
+    }
+
+    /// So long after BPSTS its answer comes.
+    pub(crate) fn beats_take(mut self, ms: u64) -> Self {
+        self.beats_take_ms = ms;
         self
     }
 
@@ -181,6 +198,11 @@ impl Scenario {
         self.event(ms, Event::Arrived(text.into_bytes()))
     }
 
+    /// Nobody has written down what was said from one time until another.
+    pub(crate) fn gap(self, from_ms: u64, until_ms: u64) -> Self {
+        self.event(from_ms, Event::Gap(until_ms))
+    }
+
     /// How far the vehicle is from where it believes to be.
     pub(crate) fn error(self, ms: u64, metres: f64) -> Self {
         self.event(ms, Event::Error(metres))
@@ -220,22 +242,32 @@ impl Scenario {
         self.events.sort_by_key(|(ms, _)| *ms);
         let mut oracle = Oracle::new(FENCE, self.limits).unwrap();
         let mut truth = Truth {
-            at: Timestamp::ZERO,
-            position: Position::from_deg(42.005, -70.015).unwrap(),
+            at_ns: 0,
+            position: position(42.005, -70.015),
             depth_m: 10.0,
             altitude_m: 30.0,
             activity: Activity::Plan,
         };
-        let (mut navigation, mut up) = (true, false);
+        let (mut navigation, mut up, mut runs) = (true, false, true);
+        let mut gap: Option<(u64, u64)> = None;
+        let (mut beats, mut beat_now): (Vec<u64>, _) = (Vec::new(), false);
         let (mut states, mut delay_ms) = (Vec::new(), 0);
         let mut events = self.events.into_iter().peekable();
         let mut lock_m = 30;
         for ms in 0..=until_ms {
-            let at = Timestamp::from_millis(ms);
+            let at = ms * 1_000_000;
+            if let Some((from, _)) = gap.take_if(|(_, until_ms)| *until_ms <= ms) {
+                oracle.gap(from, at);
+            }
             while let Some((_, event)) = events.next_if(|(due, _)| *due <= ms) {
+                if gap.is_some() {
+                    continue;
+                }
                 match event {
                     Event::Link(now) => {
                         up = now;
+                        beats.clear();
+                        beat_now |= now;
                         oracle.link(at, now);
                     }
                     Event::Vehicle(bytes) => oracle.from_vehicle(at, &bytes),
@@ -247,21 +279,43 @@ impl Scenario {
                         }
                     }
                     Event::Arrived(bytes) => oracle.arrived(at, &bytes),
+                    Event::Gap(until_ms) => gap = Some((at, until_ms)),
                     Event::Error(metres) => oracle.believed(metres, 0.0),
                     Event::Activity(activity) => truth.activity = activity,
                     Event::Place(latitude, longitude) => {
-                        truth.position = Position::from_deg(latitude, longitude).unwrap();
+                        truth.position = position(latitude, longitude);
                     }
                     Event::Depth(metres) => truth.depth_m = metres,
                     Event::Altitude(metres) => truth.altitude_m = metres,
                     Event::Navigation(on) => navigation = on,
                     Event::Lock(on) => lock_m = if on { 30 } else { 0 },
                     Event::NavigationDelay(now) => delay_ms = now,
-                    Event::Stopped => oracle.runtime_stopped(at),
-                    Event::Continued => oracle.runtime_continued(at),
-                    Event::Started => oracle.runtime_started(at),
+                    Event::Stopped => {
+                        runs = false;
+                        oracle.runtime_stopped(at);
+                    }
+                    Event::Continued => {
+                        (runs, beat_now) = (true, true);
+                        oracle.runtime_continued(at);
+                    }
+                    Event::Started => {
+                        (runs, beat_now) = (true, true);
+                        oracle.runtime_started(at);
+                    }
                     Event::Operator(held) => oracle.operator(at, held),
                 }
+            }
+            if gap.is_some() {
+                continue;
+            }
+            if up && runs && (ms % 1000 == 55 || core::mem::take(&mut beat_now)) && ms < self.beats_until_ms {
+                beats.push(ms);
+                oracle.to_vehicle(at, sentence(&format!("BPSTS,{},1,well", stamp(ms))).as_bytes());
+            }
+            while beats.first().is_some_and(|sent| *sent + self.beats_take_ms <= ms) {
+                let sent = beats.remove(0);
+                let ack = format!("BFACK,{},STS,{},0,2,0,ok", stamp(ms), stamp(sent));
+                oracle.from_vehicle(at, sentence(&ack).as_bytes());
             }
             if ms % 100 != 0 {
                 continue;
@@ -274,7 +328,7 @@ impl Scenario {
                 oracle.from_vehicle(at, first);
                 oracle.from_vehicle(at, second);
             }
-            truth.at = at;
+            truth.at_ns = at;
             oracle.truth(&truth);
             if states.last().is_none_or(|last| *last != oracle.state()) {
                 states.push(oracle.state());
@@ -282,7 +336,7 @@ impl Scenario {
         }
         let statistics = oracle.statistics();
         Outcome {
-            violations: oracle.finish(Timestamp::from_millis(until_ms)),
+            violations: oracle.finish(until_ms * 1_000_000),
             statistics,
             states,
         }
@@ -312,8 +366,20 @@ pub(crate) fn sentence(body: &str) -> String {
 }
 
 /// The run begins one second before midnight.
-fn stamp(ms: u64) -> String {
-    let nanos = (86_399_000 + ms) % 86_400_000 * 1_000_000;
-    let (hour, minute, second, nanos) = TimeOfDay::from_nanos(nanos).unwrap().hms_nano();
-    format!("{hour:02}{minute:02}{second:02}.{:03}", nanos / 1_000_000)
+pub(crate) fn stamp(ms: u64) -> String {
+    let millis = (86_399_000 + ms) % 86_400_000;
+    let (minutes, seconds) = (millis / 60_000, millis / 1000 % 60);
+    format!(
+        "{:02}{:02}{seconds:02}.{:03}",
+        minutes / 60,
+        minutes % 60,
+        millis % 1000
+    )
+}
+
+pub(crate) const fn position(latitude_deg: f64, longitude_deg: f64) -> Position {
+    Position {
+        latitude_deg,
+        longitude_deg,
+    }
 }

@@ -7,7 +7,7 @@ const PACKET: &str = "BPCPD,{t},1,2,0,1,1,AB,,,,,,,";
 
 #[test]
 fn requirement_011_nothing_new_after_the_word_that_power_will_go() {
-    let shutdown = || Scenario::with_control().vehicle(4000, "BFSHT,{t}");
+    let shutdown = || Scenario::with_control().beats_until(14_000).vehicle(4000, "BFSHT,{t}");
     for body in [TRACKLINE, MODIFY, "BPSUS,{t}"] {
         let end = if body == MODIFY { END } else { "BPRES,{t}" };
         shutdown().ours(4200, body).ours(4210, end).finds_nothing();
@@ -23,7 +23,7 @@ fn requirement_011_nothing_new_after_the_word_that_power_will_go() {
 
 #[test]
 fn requirement_011_nothing_at_all_ten_seconds_after() {
-    let shutdown = || Scenario::with_control().vehicle(4000, "BFSHT,{t}");
+    let shutdown = || Scenario::with_control().beats_until(14_000).vehicle(4000, "BFSHT,{t}");
     shutdown().ours(14_700, "BPMSG,{t},bye").finds_nothing();
     shutdown()
         .ours(14_800, "BPMSG,{t},bye")
@@ -40,6 +40,7 @@ fn requirement_011_nothing_at_all_ten_seconds_after() {
 fn requirement_011_a_runtime_that_stands_still_hears_the_word_when_it_goes_on() {
     let woken = || {
         Scenario::with_control()
+            .beats_until(16_000)
             .stopped(1000)
             .vehicle(2000, "BFSHT,{t}")
             .continued(6000)
@@ -60,6 +61,7 @@ fn requirement_011_a_runtime_that_stands_still_hears_the_word_when_it_goes_on() 
 fn requirement_011_a_word_that_may_be_lost_with_the_link_was_not_heard() {
     let lost = |ms| {
         Scenario::with_control()
+            .beats_until(12_000)
             .vehicle(2000, "BFSHT,{t}")
             .reconnects(ms, 3000)
             .ours(13_000, "BPMSG,{t},still here")

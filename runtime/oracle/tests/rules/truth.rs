@@ -121,6 +121,36 @@ fn requirement_002_what_navigation_cannot_see_is_nobodys_fault() {
 }
 
 #[test]
+fn requirement_002_under_an_insert_the_vehicle_believes_to_be_out_of_the_margins() {
+    // A minute of longitude is 1379.9 m here: 19.3 m and 17.9 m from the eastern edge, whose margin is 20 m.
+    let believes = |place| insert().place(2900, 42.005, -70.0002).believes(2900, place);
+    believes("4200.300,N,07000.0140,W").finds_nothing();
+    believes("4200.300,N,07000.0130,W").finds(&["insert-margin"]);
+    // 31 m from the mooring, and 28 m, its margin is 30 m: it holds at all depths.
+    let mooring = |place| insert().place(2900, 42.011, -70.012_34).believes(2900, place);
+    mooring("4200.660,N,07000.7425,W").finds_nothing();
+    mooring("4200.660,N,07000.7403,W").finds(&["insert-margin"]);
+    // The wreck is deeper.
+    insert()
+        .place(2900, 42.003, -70.0125)
+        .believes(2900, "4200.180,N,07000.7300,W")
+        .finds_nothing();
+    // Only under an insert, and told once; what is wrong with navigation may have been there before.
+    Scenario::with_control()
+        .place(2900, 42.005, -70.0002)
+        .believes(2900, "4200.300,N,07000.0130,W")
+        .finds_nothing();
+    believes("4200.300,N,07000.0130,W").error(2900, 2.0).finds_nothing();
+    believes("4200.300,N,07000.0130,W")
+        .error(2900, 0.5)
+        .finds(&["insert-margin"]);
+    // What is not said any more is not believed.
+    believes("4200.300,N,07000.0130,W")
+        .navigation(2000, false)
+        .finds_nothing();
+}
+
+#[test]
 fn requirement_020_a_cancel_does_not_lead_out() {
     let cancelled = |command: &str| {
         Scenario::with_control()

@@ -1,3 +1,5 @@
+use std::time::Duration;
+
 use std::sync::Arc;
 
 use backseat_plugin_host::{Budget, Component, HostError, inspect};
@@ -43,7 +45,15 @@ fn what_is_no_component_is_refused_by_what_it_is() {
         "odd: a core module, expected a component: `cargo xtask plugins` makes one of each plugin"
     );
     let huge = vec![0; backseat_plugin_host::COMPONENT_BYTES + 1];
-    assert_eq!(refusal(&huge), "odd: 67108865 bytes, expected at most 67108864");
+    assert_eq!(refusal(&huge), "odd: 33554433 bytes, expected at most 33554432");
+    let in_no_time = components()
+        .host
+        .load_within("odd", &components().template_bytes, 1 << 20, Duration::ZERO);
+    let line = in_no_time.err().unwrap().to_string();
+    assert_eq!(
+        line,
+        "odd: not compiled after 0 s: a component that takes so long is refused"
+    );
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use backseat_core::Input;
-use backseat_mvc::{Activity, ClientId, Direction as Way, FaultEdge, MvcEventKind, Truth};
+use backseat_mvc::{ClientId, Direction as Way, FaultEdge, FaultKind, LinkFaultKind, MvcEventKind, Truth};
 use backseat_units::Timestamp;
 
 use crate::digest::Direction;
@@ -85,7 +85,7 @@ impl Simulation {
         }
         self.to_vehicle.release(now, |_| {});
         let oracle = &mut self.oracle;
-        self.to_payload.release(now, |bytes| oracle.from_vehicle(now, bytes));
+        self.to_payload.release(now, |bytes| oracle.vehicle_writes(now, bytes));
         Ok(())
     }
 
@@ -119,14 +119,18 @@ impl Simulation {
             // The judge sees what is on its way to us: what a fault has swallowed we could not know.
             let (oracle, now) = (&mut self.oracle, self.now);
             self.to_payload
-                .write(now, &buffer, |bytes| oracle.from_vehicle(now, bytes));
+                .write(now, &buffer, |bytes| oracle.vehicle_writes(now, bytes));
         }
         self.scratch = buffer;
         while let Some(event) = self.mvc.poll_event() {
-            if let MvcEventKind::Fault(fault) = &event.kind
-                && fault.edge == FaultEdge::Begin
-            {
-                self.faults_begun += 1;
+            if let MvcEventKind::Fault(fault) = &event.kind {
+                let begins = fault.edge == FaultEdge::Begin;
+                self.faults_begun += u64::from(begins);
+                if let FaultKind::Link(link) = &fault.kind
+                    && link.kind == LinkFaultKind::Deaf
+                {
+                    self.oracle.deaf(self.now, begins);
+                }
             }
             if let Some(recorder) = &mut self.recorder {
                 recorder.vehicle_event(self.now, &event.to_string())?;
@@ -153,23 +157,7 @@ impl Simulation {
         {
             recorder.truth(self.now, sample)?;
         }
-        let activity = match truth.activity {
-            Activity::Plan { .. } => backseat_oracle::Activity::Plan,
-            Activity::Insert { id } => backseat_oracle::Activity::Insert(id.get()),
-            Activity::Modified { .. } => backseat_oracle::Activity::Modified,
-            Activity::Suspended => backseat_oracle::Activity::Suspended,
-            Activity::Waiting | Activity::WrappingUp | Activity::Stopped => backseat_oracle::Activity::Other,
-        };
-        let error_m = truth.believed.distance_m(truth.local);
-        self.oracle
-            .believed(error_m, (truth.believed_depth_m - truth.depth_m).abs());
-        self.oracle.truth(&backseat_oracle::Truth {
-            at: truth.time,
-            position: truth.position,
-            depth_m: truth.depth_m,
-            altitude_m: truth.altitude_m,
-            activity,
-        });
+        self.oracle.truth(&truth);
         Ok(())
     }
 }

@@ -75,7 +75,7 @@ impl Simulation {
             Output::Send(_) if !self.connected => {}
             Output::Send(bytes) => {
                 self.digest.write(Direction::ToVehicle, now, &bytes);
-                self.oracle.to_vehicle(now, &bytes);
+                self.oracle.runtime_writes(now, &bytes);
                 self.trace.sent(&bytes);
                 self.to_vehicle.write(now, &bytes, |_| {});
             }

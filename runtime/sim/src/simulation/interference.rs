@@ -225,6 +225,10 @@ impl Simulation {
             held: self.disk.held,
             jitter: self.seed ^ u64::from(self.restarts) << 32,
         };
+        if let Some(recorder) = &mut self.recorder {
+            let told = recorder.restart(now, &start).map_err(SimError::from);
+            self.or_later(told);
+        }
         let (settings, envelope) = (self.settings.clone(), self.envelope.clone());
         self.process = Some(Process::new(now, settings, envelope, successor.loaded, start));
         self.oracle.runtime_started(now);

@@ -118,6 +118,7 @@ impl Process {
             | Input::Operator(_)
             | Input::Driver(..)
             | Input::Reserved(_)
+            | Input::UtcSet(_)
             | Input::Timeout => {}
         }
         let own = Timestamp::ZERO + now.since(self.epoch);

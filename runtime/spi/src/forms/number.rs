@@ -1,6 +1,7 @@
 #[cfg(test)]
 use proptest::prelude::{BoxedStrategy, Strategy, any};
 
+use crate::circle_entry::CircleEntry;
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
 use crate::forms::Optional;
@@ -129,31 +130,37 @@ impl Field for Percent {
     }
 }
 
-/// The entry angle of a trackcircle: the header of SPI 7.6 leaves it out, the table has it. Read with and without,
-/// and always written.
-pub(crate) struct EntryAngle;
-
-impl Field for EntryAngle {
-    type Value = Option<f64>;
+impl Field for CircleEntry {
+    type Value = Self;
     const FORMATS: &'static [&'static str] = &["x.x"];
     const RANGE: &'static str = "any";
 
-    fn decode(reader: &mut Reader<'_>) -> Result<Self::Value, Fault> {
+    fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         // Only the interrupt code follows: where one field is left, it is that.
         if reader.remaining() <= 1 {
-            Ok(None)
-        } else {
-            Optional::<Decimal<3>>::decode(reader)
+            return Ok(Self::Absent);
+        }
+        let angle = Optional::<Decimal<3>>::decode(reader)?;
+        Ok(angle.map_or(Self::Anywhere, Self::Angle))
+    }
+
+    fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        match value {
+            Self::Angle(degrees) => Decimal::<3>::encode(degrees, writer),
+            Self::Anywhere => Optional::<Decimal<3>>::encode(&None, writer),
+            Self::Absent => Ok(()),
         }
     }
 
-    fn encode(value: &Self::Value, writer: &mut Writer<'_>) -> Result<(), Fault> {
-        Optional::<Decimal<3>>::encode(value, writer)
-    }
-
     #[cfg(test)]
-    fn strategy() -> BoxedStrategy<Self::Value> {
-        Optional::<Decimal<3>>::strategy()
+    fn strategy() -> BoxedStrategy<Self> {
+        use proptest::prelude::Just;
+        proptest::prop_oneof![
+            Decimal::<3>::strategy().prop_map(Self::Angle),
+            Just(Self::Anywhere),
+            Just(Self::Absent),
+        ]
+        .boxed()
     }
 }
 
@@ -199,8 +206,8 @@ mod tests {
 
     #[test]
     fn an_entry_angle_is_there_where_more_than_the_interrupt_code_is_left() {
-        assert_eq!(read::<EntryAngle>("180.0,4"), Ok(Some(180.0)));
-        assert_eq!(read::<EntryAngle>(",4"), Ok(None));
-        assert_eq!(read::<EntryAngle>("4"), Ok(None));
+        assert_eq!(read::<CircleEntry>("180.0,4"), Ok(CircleEntry::Angle(180.0)));
+        assert_eq!(read::<CircleEntry>(",4"), Ok(CircleEntry::Anywhere));
+        assert_eq!(read::<CircleEntry>("4"), Ok(CircleEntry::Absent));
     }
 }

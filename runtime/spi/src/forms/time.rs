@@ -2,6 +2,7 @@ use backseat_units::TimeOfDay;
 #[cfg(test)]
 use proptest::prelude::{BoxedStrategy, Strategy};
 
+use crate::echo::EchoedTime;
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
 use crate::number::two_digits;
@@ -113,6 +114,51 @@ impl Field for Created {
     #[cfg(test)]
     fn strategy() -> BoxedStrategy<TimeOfDay> {
         TimeOfDay::strategy()
+    }
+}
+
+impl Field for EchoedTime {
+    type Value = Self;
+    const FORMATS: &'static [&'static str] = TimeOfDay::FORMATS;
+    const RANGE: &'static str = TimeOfDay::RANGE;
+
+    fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
+        if let Some(time) = take_millis(reader) {
+            return Ok(Self::of(time));
+        }
+        let text = reader.trimmed()?;
+        let time = parse_time(text).ok_or(NOT_A_TIME)?;
+        let decimals = text.len().saturating_sub("hhmmss.".len()).min(9);
+        Ok(Self::with_decimals(time, decimals as u8))
+    }
+
+    fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        let (hour, minute, second, nanos) = value.time().hms_nano();
+        let field = writer.field();
+        for pair in [hour, minute, second] {
+            field.extend_from_slice(&two_digits(pair));
+        }
+        let mut rest = nanos;
+        let mut unit = 100_000_000;
+        for place in 0..value.decimals() {
+            if place == 0 {
+                field.push(b'.');
+            }
+            field.push(b'0' + (rest / unit) as u8);
+            rest %= unit;
+            unit /= 10;
+        }
+        Ok(())
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<Self> {
+        (0..86_401_000_000_000u64, 0..=9u8)
+            .prop_map(|(nanos, decimals)| {
+                let time = TimeOfDay::from_nanos(nanos).expect("within a day and a leap second");
+                Self::with_decimals(time, decimals)
+            })
+            .boxed()
     }
 }
 

@@ -3,7 +3,7 @@ use proptest::prelude::{BoxedStrategy, Strategy};
 
 use crate::error::Fault;
 use crate::field::{Field, Reader, Writer};
-use crate::text::Text;
+use crate::text::{RelayedText, Text};
 
 /// Free text, which may be empty. What may not stand in a [`Text`] is read as a blank: a status must not be lost to an
 /// accent in a file's name.
@@ -50,6 +50,38 @@ impl Field for LastText {
     #[cfg(test)]
     fn strategy() -> BoxedStrategy<Text> {
         Text::strategy()
+    }
+}
+
+/// The text that ends a message and is passed on with its delimiters; nothing at all is an empty text.
+impl Field for RelayedText {
+    type Value = Self;
+    const FORMATS: &'static [&'static str] = Text::FORMATS;
+    const RANGE: &'static str = "printable ascii, delimiters too";
+
+    fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
+        if reader.is_done() {
+            Ok(Self::default())
+        } else {
+            reader.text_to_end().map(Self::cleaned)
+        }
+    }
+
+    fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
+        if value.holds_command() {
+            return Err(Fault::expected(
+                "a text without $BP, which a vehicle could take for a command",
+            ));
+        }
+        writer.text(value.as_str());
+        Ok(())
+    }
+
+    #[cfg(test)]
+    fn strategy() -> BoxedStrategy<Self> {
+        proptest::prop_oneof!["[ -~]{0,60}", "[$][A-Z]{5}(,[$*,a-z0-9]{0,5}){0,6}[*][0-9A-F]{2}"]
+            .prop_map(|text| Self::cleaned(&text.replace("$BP", "$CC")))
+            .boxed()
     }
 }
 

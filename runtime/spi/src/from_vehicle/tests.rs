@@ -1,4 +1,5 @@
 use super::*;
+use crate::EchoedTime;
 use crate::{EncodeError, Fault, MAX_LINE, Sentence};
 
 fn decode(line: &str) -> FromVehicle {
@@ -43,7 +44,7 @@ fn acknowledgements_of_real_vehicles_are_read() {
     };
     let log = ack("$BFACK,081025.987,BPLOG,000000.000,0,2,0,log set");
     assert_eq!(log.command, CommandName::new("LOG").unwrap());
-    assert_eq!((log.command_created, log.behavior), (TimeOfDay::MIDNIGHT, None));
+    assert_eq!((log.command_created, log.behavior), (EchoedTime::NONE, None));
     assert_eq!((log.status, log.text.as_str()), (AckStatus::Succeeded, "log set"));
     let insert = ack("$BFACK,081025.987,RTK,081020.125,1001,3,0,,");
     assert_eq!(

@@ -4,6 +4,7 @@
 mod allocation;
 mod bad_input;
 mod golden;
+mod inner_dollar;
 mod tolerance;
 mod traffic;
 

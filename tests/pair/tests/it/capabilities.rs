@@ -155,7 +155,7 @@ const CAPABILITIES: &[Capability] = &[
         name: "trackline",
         command: "RTK",
         vehicle: Vehicle::UnderWay,
-        grants: &[Grant::Insert],
+        grants: &[Grant::Insert, Grant::Interrupt],
         topics: &[],
         ask: || Request::Trackline(line(1, (-500.0, 60.0), (-450.0, 60.0), true)),
         good: (&["sent", "pending", "accepted", "started", "ended"], 300.0),
@@ -167,7 +167,7 @@ const CAPABILITIES: &[Capability] = &[
         name: "trackcircle",
         command: "RTC",
         vehicle: Vehicle::UnderWay,
-        grants: &[Grant::Insert],
+        grants: &[Grant::Insert, Grant::Interrupt],
         topics: &[],
         ask: || Request::Trackcircle(circle(1, (-500.0, 80.0), 40.0)),
         good: (&["sent", "pending", "accepted", "started", "ended"], 500.0),
@@ -179,7 +179,7 @@ const CAPABILITIES: &[Capability] = &[
         name: "gps hit",
         command: "RGP",
         vehicle: Vehicle::UnderWay,
-        grants: &[Grant::Insert, Grant::Surface],
+        grants: &[Grant::Insert, Grant::Interrupt, Grant::Surface],
         topics: &[],
         ask: || {
             Request::GpsHit(GpsHitRequest {

@@ -3,3 +3,4 @@
 mod capabilities;
 mod helm;
 mod recovery;
+mod terms;

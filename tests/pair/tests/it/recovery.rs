@@ -19,7 +19,7 @@ fn setup(recovery: Recovery) -> Setup {
             recovery,
             ..Settings::default()
         },
-        plugin: course_plugin(&[Grant::Modify, Grant::Insert], &[]),
+        plugin: course_plugin(&[Grant::Modify, Grant::Insert, Grant::Interrupt], &[]),
         ..Setup::default()
     }
 }

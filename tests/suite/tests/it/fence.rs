@@ -18,7 +18,11 @@ fn what_crosses_the_fence_is_rejected_with_edge_and_metres_and_never_sent() {
             "end = { east_m = 600, north_m = 0 }",
             "end = { east_m = 600, north_m = 700 }",
         )
-        .edit("mission.toml", "[\"modify\"]", "[\"modify\", \"insert\"]")
+        .edit(
+            "mission.toml",
+            "[\"modify\"]",
+            "[\"modify\", \"insert\", \"interrupt\"]",
+        )
         .edit(
             "mission.toml",
             "fault = \"none\"",

@@ -3,6 +3,7 @@
 mod faults;
 mod fence;
 mod help;
+mod log_judge;
 mod predive;
 mod prober;
 mod real_time;

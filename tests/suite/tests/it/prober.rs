@@ -17,8 +17,9 @@ fn restless(seed: u64) -> Mission {
         .edit(
             "mission.toml",
             "[\"modify\"]",
-            "[\"modify\", \"insert\", \"message\", \"topside\", \"dvl\", \"silent\", \"trim\", \"acoustic\"]",
+            "[\"modify\", \"insert\", \"interrupt\", \"message\", \"topside\", \"dvl\", \"silent\", \"trim\", \"acoustic\"]",
         )
+        .edit("mission.toml", "[vehicle]", "[vehicle]\ntrackcircle_entry_angle = true")
         .cut("mission.toml", "fault = \"none\"")
         .append("mission.toml", &format!("seed = {seed}\n{CONFIG}"))
 }

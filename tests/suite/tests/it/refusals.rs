@@ -21,7 +21,7 @@ fn names(line: &str, parts: &[&str]) {
 #[test]
 fn an_unknown_key_is_named_with_its_line_in_each_file() {
     let line = refusal(&Mission::steady().edit("mission.toml", "turn_rate_dps", "turn_rate"));
-    names(&line, &["mission.toml:6", "unknown field `turn_rate`", "expected"]);
+    names(&line, &["mission.toml:9", "unknown field `turn_rate`", "expected"]);
     let line = refusal(&Mission::steady().edit("world.toml", "heading_deg = 90", "bearing_deg = 90"));
     names(
         &line,
@@ -38,7 +38,7 @@ fn a_wrong_value_is_named_with_what_was_expected() {
     let line = refusal(&Mission::steady().edit("mission.toml", "speed_max_mps = 2.0", "speed_max_mps = nan"));
     names(&line, &["mission.toml", "limits.speed_max_mps", "expected"]);
     let line = refusal(&Mission::steady().edit("mission.toml", "[\"modify\"]", "[\"steer\"]"));
-    names(&line, &["mission.toml:15", "`steer`", "expected"]);
+    names(&line, &["mission.toml:18", "`steer`", "expected"]);
     let line = refusal(&Mission::steady().edit("world.toml", "latitude_deg = 42.35", "latitude_deg = 95"));
     names(&line, &["world.toml", "latitude", "95"]);
     let line = refusal(&Mission::steady().write("mission.toml", b"\xff\xfe"));
@@ -255,10 +255,52 @@ fn a_malformed_address_is_told() {
 }
 
 #[test]
+fn sr_009_the_state_is_the_vehicles_and_whose_it_is_must_be_plain() {
+    let mission = Mission::steady();
+    let state = mission.beside("state");
+    let run = |mission: &Mission| {
+        Backseat::new()
+            .args(["run", "--connect", "127.0.0.1:1", "--first-identifier", "7", "--state"])
+            .arg(&state)
+            .mission(mission)
+            .run()
+            .refusal()
+    };
+    // A record of the kind that was kept before.
+    std::fs::create_dir(&state).unwrap();
+    std::fs::write(state.join("identifiers"), "40 1 3 0\n").unwrap();
+    let line = run(&mission);
+    names(
+        &line,
+        &["nothing that says of which vehicle", "echo steady >", "state/vehicle"],
+    );
+    // Another vehicle's.
+    std::fs::write(state.join("vehicle"), "other\n").unwrap();
+    let line = run(&mission);
+    names(&line, &["`other`", "`steady`", "vehicle.name"]);
+    // A mission that names no vehicle.
+    let nameless = Mission::steady().edit("mission.toml", "name = \"steady\"\n", "");
+    let line = run(&nameless);
+    names(&line, &["`other`", "set vehicle.name"]);
+    let line = Backseat::new()
+        .args(["run", "--connect", "127.0.0.1:1"])
+        .mission(&nameless)
+        .run()
+        .refusal();
+    names(&line, &["vehicle.name is missing", "--state DIR"]);
+    for name in ["", "../x", ".hidden", "a b"] {
+        let odd = Mission::steady().edit("mission.toml", "name = \"steady\"", &format!("name = \"{name}\""));
+        let line = Backseat::new().arg("check").mission(&odd).run().refusal();
+        names(&line, &["vehicle.name", "letters, digits"]);
+    }
+}
+
+#[test]
 fn a_record_of_identifiers_that_is_no_number_is_told() {
     let mission = Mission::steady();
     let state = mission.beside("state");
     std::fs::create_dir(&state).unwrap();
+    std::fs::write(state.join("vehicle"), "steady\n").unwrap();
     std::fs::write(state.join("identifiers"), "many\n").unwrap();
     let line = Backseat::new()
         .arg("run")

@@ -1,11 +1,11 @@
 use core::time::Duration;
 
-use backseat_spi::CommandName;
+use backseat_spi::{CommandName, Text};
 use backseat_units::{EastNorth, Timestamp};
 
 use super::{FaultEntry, FaultName};
 use crate::event::ClientId;
-use crate::faults::{AckFilter, Directions, Fault, FaultKind, LinkFault, LinkFaultKind, NegativeStatus, Whom};
+use crate::faults::{AckFilter, Directions, Fault, FaultKind, LinkFault, LinkFaultKind, NegativeStatus, Untrue, Whom};
 use crate::power::SHUTDOWN_NOTICE;
 
 /// No time in a plan is longer, seconds: ten years.
@@ -42,11 +42,23 @@ impl FaultEntry {
             Name::LinkCut => self.connection(Link::Cut)?,
             Name::Refuse => self.connection(Link::Refuse)?,
             Name::Stall => self.link(Link::Stall, &[])?,
+            Name::Deaf => {
+                self.only(&[&keys::CONNECTION, &[keys::FOR]])?;
+                FaultKind::Link(LinkFault {
+                    whom: self.whom()?,
+                    direction: Directions::ToVehicle,
+                    kind: Link::Deaf,
+                })
+            }
             Name::HalfOpen => self.link(Link::HalfOpen, &[])?,
             Name::Delay => {
                 let delay = seconds("delay_s", self.needed("delay_s", self.delay_s)?, 0.0, 60.0, "0 to 60 s")?;
                 let jitter = seconds("jitter_s", self.jitter_s.unwrap_or(0.0), 0.0, 60.0, "0 to 60 s")?;
-                self.link(Link::Delay { delay, jitter }, &["delay_s", "jitter_s"])?
+                let growth = ranged("growth", self.growth.unwrap_or(0.0), 0.0, 1.0, "0 to 1")?;
+                self.link(
+                    Link::Delay { delay, jitter, growth },
+                    &["delay_s", "jitter_s", "growth"],
+                )?
             }
             Name::Split => {
                 let bytes = self.needed("bytes", self.bytes)?;
@@ -92,6 +104,23 @@ impl FaultEntry {
             Name::ControlTaken => self.plain(FaultKind::ControlTaken)?,
             Name::NavigationFrozen => self.plain(FaultKind::NavigationFrozen)?,
             Name::NavigationMissing => self.plain(FaultKind::NavigationMissing)?,
+            Name::PositionCreep
+            | Name::PositionFrozen
+            | Name::PositionBackwards
+            | Name::VelocityMissing
+            | Name::HeadingFlip
+            | Name::DepthFlip => FaultKind::Untrue(self.untrue()?),
+            Name::AnotherDive => {
+                self.only(&[&["dive_file", "reversed"]])?;
+                let file = self.dive_file.as_deref().unwrap_or_default();
+                if file.trim().is_empty() || Text::cleaned(file).as_str() != file {
+                    return Err(format!("dive_file is {file:?}, expected a name without commas"));
+                }
+                FaultKind::AnotherDive {
+                    file: Text::cleaned(file),
+                    reversed: self.reversed.unwrap_or(false),
+                }
+            }
             Name::MissionAbort => self.plain(FaultKind::MissionAbort)?,
             Name::Shutdown => self.plain(FaultKind::Shutdown)?,
             Name::NavigationJump => {
@@ -117,12 +146,47 @@ impl FaultEntry {
         })
     }
 
+    /// What is wrong with the words of navigation, where the kind is one of those.
+    fn untrue(&self) -> Result<Untrue, String> {
+        let number =
+            |key, value: Option<f64>, most: f64, expected| ranged(key, self.needed(key, value)?, -most, most, expected);
+        #[expect(
+            clippy::wildcard_enum_match_arm,
+            reason = "the caller asks for kinds of untrue words alone"
+        )]
+        let (own, untrue): (&[&str], _) = match self.kind {
+            FaultName::PositionCreep => {
+                let speed_mps = self.needed("speed_mps", self.speed_mps)?;
+                let untrue = Untrue::PositionCreeps {
+                    speed_mps: ranged("speed_mps", speed_mps, 0.0, 100.0, "0 to 100 m/s")?,
+                    towards_deg: number("towards_deg", self.towards_deg, 360.0, "-360 to 360 degrees")?,
+                };
+                (&["speed_mps", "towards_deg"], untrue)
+            }
+            FaultName::PositionBackwards => (&[], Untrue::PositionBackwards),
+            FaultName::VelocityMissing => (&[], Untrue::VelocityMissing),
+            FaultName::HeadingFlip => {
+                let by_deg = number("by_deg", self.by_deg, 180.0, "-180 to 180 degrees")?;
+                (&["by_deg"], Untrue::HeadingFlips { by_deg })
+            }
+            FaultName::DepthFlip => {
+                let by_m = number("by_m", self.by_m, 1000.0, "-1000 to 1000 m")?;
+                (&["by_m"], Untrue::DepthFlips { by_m })
+            }
+            _ => (&[], Untrue::PositionFrozen),
+        };
+        self.only(&[own, &[keys::FOR]])?;
+        Ok(untrue)
+    }
+
     fn lasts(&self) -> Result<Duration, String> {
         use FaultName as Name;
         match (self.kind, self.for_s) {
-            (Name::MissionAbort, None) => Ok(Duration::ZERO),
+            (Name::MissionAbort | Name::AnotherDive, None) => Ok(Duration::ZERO),
             (Name::Shutdown, None) => Ok(SHUTDOWN_NOTICE),
-            (Name::MissionAbort | Name::Shutdown, Some(_)) => Err(format!("{} has no `for_s`", self.name())),
+            (Name::MissionAbort | Name::AnotherDive | Name::Shutdown, Some(_)) => {
+                Err(format!("{} has no `for_s`", self.name()))
+            }
             (Name::LinkCut | Name::NavigationJump | Name::ClockStep, None) => Ok(Duration::ZERO),
             (_, for_s) => seconds("for_s", self.needed("for_s", for_s)?, 0.0, LONGEST_S, SECONDS),
         }
@@ -202,6 +266,13 @@ impl FaultEntry {
             ("north_m", self.north_m.is_some()),
             ("sensor", self.sensor.is_some()),
             ("by_s", self.by_s.is_some()),
+            ("growth", self.growth.is_some()),
+            ("speed_mps", self.speed_mps.is_some()),
+            ("towards_deg", self.towards_deg.is_some()),
+            ("by_deg", self.by_deg.is_some()),
+            ("by_m", self.by_m.is_some()),
+            ("dive_file", self.dive_file.is_some()),
+            ("reversed", self.reversed.is_some()),
         ];
         let alien = there
             .iter()

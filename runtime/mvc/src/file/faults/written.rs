@@ -1,5 +1,5 @@
 use super::{FaultEntry, FaultName};
-use crate::faults::{AckFilter, Fault, FaultKind, LinkFault, LinkFaultKind, NegativeStatus, Whom};
+use crate::faults::{AckFilter, Fault, FaultKind, LinkFault, LinkFaultKind, NegativeStatus, Untrue, Whom};
 
 /// A typed fault as it is written, with every key that its kind has.
 impl FaultEntry {
@@ -26,6 +26,13 @@ impl FaultEntry {
             north_m: None,
             sensor: None,
             by_s: None,
+            growth: None,
+            speed_mps: None,
+            towards_deg: None,
+            by_deg: None,
+            by_m: None,
+            dive_file: None,
+            reversed: None,
         }
     }
 
@@ -60,6 +67,13 @@ impl FaultEntry {
                 ..bare(FaultName::NavigationJump)
             },
             FaultKind::NavigationMissing => bare(FaultName::NavigationMissing),
+            FaultKind::Untrue(untrue) => Self::of_untrue(fault, untrue),
+            FaultKind::AnotherDive { file, reversed } => Self {
+                for_s: None,
+                dive_file: Some(file.as_str().to_owned()),
+                reversed: Some(*reversed),
+                ..bare(FaultName::AnotherDive)
+            },
             FaultKind::MissionAbort => Self {
                 for_s: None,
                 ..bare(FaultName::MissionAbort)
@@ -75,6 +89,28 @@ impl FaultEntry {
             FaultKind::ClockStep(nanos) => Self {
                 by_s: Some(*nanos as f64 / 1e9),
                 ..bare(FaultName::ClockStep)
+            },
+        }
+    }
+
+    fn of_untrue(fault: &Fault, untrue: &Untrue) -> Self {
+        let bare = |kind| Self::bare(kind, fault);
+        match *untrue {
+            Untrue::PositionCreeps { speed_mps, towards_deg } => Self {
+                speed_mps: Some(speed_mps),
+                towards_deg: Some(towards_deg),
+                ..bare(FaultName::PositionCreep)
+            },
+            Untrue::PositionFrozen => bare(FaultName::PositionFrozen),
+            Untrue::PositionBackwards => bare(FaultName::PositionBackwards),
+            Untrue::VelocityMissing => bare(FaultName::VelocityMissing),
+            Untrue::HeadingFlips { by_deg } => Self {
+                by_deg: Some(by_deg),
+                ..bare(FaultName::HeadingFlip)
+            },
+            Untrue::DepthFlips { by_m } => Self {
+                by_m: Some(by_m),
+                ..bare(FaultName::DepthFlip)
             },
         }
     }
@@ -98,10 +134,12 @@ impl FaultEntry {
             LinkFaultKind::Cut => bare(FaultName::LinkCut),
             LinkFaultKind::Refuse => bare(FaultName::Refuse),
             LinkFaultKind::Stall => way(FaultName::Stall),
+            LinkFaultKind::Deaf => bare(FaultName::Deaf),
             LinkFaultKind::HalfOpen => way(FaultName::HalfOpen),
-            LinkFaultKind::Delay { delay, jitter } => Self {
+            LinkFaultKind::Delay { delay, jitter, growth } => Self {
                 delay_s: Some(delay.as_secs_f64()),
                 jitter_s: Some(jitter.as_secs_f64()),
+                growth: (growth > 0.0).then_some(growth),
                 ..way(FaultName::Delay)
             },
             LinkFaultKind::Split { bytes, gap } => Self {

@@ -12,7 +12,7 @@ use super::session::{SOON, runtime};
 fn steering_and_inserting() -> Mission {
     Mission::steady().append(
         "mission.toml",
-        "[[plugin]]\nname = \"inserter\"\ncomponent = \"faulty\"\ngrants = [\"insert\"]\n\
+        "[[plugin]]\nname = \"inserter\"\ncomponent = \"faulty\"\ngrants = [\"insert\", \"interrupt\"]\n\
          [plugin.config]\nfault = \"cross_fence\"\ntarget_east_m = -500.0\ntarget_north_m = 0.0\n\
          after_current = true",
     )
@@ -38,6 +38,7 @@ fn sr_009_no_insert_is_sent_whose_identifier_could_not_be_reserved_and_the_lease
     let mission = steering_and_inserting();
     let vehicle = Vehicle::start(&mission);
     fs::create_dir(mission.beside("state")).expect("the folder is ours");
+    fs::write(mission.beside("state/vehicle"), "steady").expect("the folder is ours");
     fs::write(mission.beside("state/identifiers"), "70").expect("the folder is ours");
     fill(&mission, "identifiers.new");
     let runtime = runtime(&mission, &vehicle.address, &["--arm"]);

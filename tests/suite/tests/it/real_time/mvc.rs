@@ -102,6 +102,15 @@ fn a_client_in_python_turns_the_vehicle_and_flies_a_line() {
 }
 
 /// Each kind of hostile client at once, and in their midst one who listens to navigation.
+/// Sets it when it goes.
+struct Stops<'a>(&'a AtomicBool);
+
+impl Drop for Stops<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
 #[test]
 fn hostile_clients_cost_nobody_else_anything() {
     let mission = Mission::steady().edit("world.toml", "[mission]", "[spi]\nclients_max = 24\n\n[mission]");
@@ -112,6 +121,8 @@ fn hostile_clients_cost_nobody_else_anything() {
     let mut gaps = Vec::new();
     let going = || !stop.load(Ordering::Relaxed);
     std::thread::scope(|scope| {
+        // However this ends, the others end too, or a failure would wait for them for ever.
+        let _stops = Stops(&stop);
         let spam = |bytes: Vec<u8>, reads: bool| {
             let (address, going) = (&address, &going);
             scope.spawn(move || {

@@ -104,12 +104,13 @@ fn stall(mission: &Mission, name: &str) {
 fn sr_022_the_disk_takes_neither_identifiers_nor_the_hold() {
     let mission = talkative().append(
         "mission.toml",
-        "[[plugin]]\nname = \"inserter\"\ncomponent = \"faulty\"\ngrants = [\"insert\"]\n\
+        "[[plugin]]\nname = \"inserter\"\ncomponent = \"faulty\"\ngrants = [\"insert\", \"interrupt\"]\n\
          [plugin.config]\nfault = \"cross_fence\"\ntarget_east_m = -500.0\ntarget_north_m = 0.0\n\
          after_current = true",
     );
     let vehicle = Vehicle::start(&mission);
     fs::create_dir(mission.beside("state")).expect("the folder is ours");
+    fs::write(mission.beside("state/vehicle"), "steady").expect("the folder is ours");
     fs::write(mission.beside("state/identifiers"), "70").expect("the folder is ours");
     stall(&mission, "identifiers.new");
     stall(&mission, "hold.new");

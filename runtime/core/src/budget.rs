@@ -1,0 +1,74 @@
+use std::time::Duration;
+
+use backseat_units::Timestamp;
+
+/// How many lines are told of a source in a second; as many more may come at once.
+const LINES_PER_S: u32 = 20;
+
+/// Lines that are told of one source: so many a second, and the rest is counted (safety requirement 022). What a peer says
+/// must not fill a log, nor what a plugin is refused.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LineBudget {
+    per_s: u32,
+    left: u32,
+    refilled: Timestamp,
+    untold: u64,
+}
+
+impl Default for LineBudget {
+    fn default() -> Self {
+        Self::of(LINES_PER_S)
+    }
+}
+
+impl LineBudget {
+    pub(crate) const fn of(per_s: u32) -> Self {
+        Self {
+            per_s,
+            left: 2 * per_s,
+            refilled: Timestamp::ZERO,
+            untold: 0,
+        }
+    }
+
+    /// Whether one more line is told now; else it is counted.
+    pub(crate) fn take(&mut self, now: Timestamp) -> bool {
+        let seconds = now.since(self.refilled).as_secs();
+        if seconds > 0 {
+            let refill = u32::try_from(seconds).unwrap_or(u32::MAX).saturating_mul(self.per_s);
+            self.left = self.left.saturating_add(refill).min(2 * self.per_s);
+            self.refilled = self.refilled + Duration::from_secs(seconds);
+        }
+        let told = self.left > 0;
+        if told {
+            self.left -= 1;
+        } else {
+            self.untold += 1;
+        }
+        told
+    }
+
+    /// How many lines were counted and not told since this was last asked.
+    pub(crate) fn take_untold(&mut self) -> u64 {
+        core::mem::take(&mut self.untold)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flood_is_told_of_in_part_and_counted_whole() {
+        let mut budget = LineBudget::default();
+        let mut told = 0;
+        for millis in 0..10_000 {
+            told += u64::from(budget.take(Timestamp::from_millis(millis)));
+        }
+        assert!((200..=240).contains(&told), "{told}");
+        assert_eq!(budget.take_untold(), 10_000 - told);
+        assert_eq!(budget.take_untold(), 0);
+        let slow = (0..100).all(|second| budget.take(Timestamp::from_secs(20 + second)));
+        assert!(slow, "what comes once a second is told");
+    }
+}

@@ -1,0 +1,145 @@
+//! What a modify can lead to (safety requirements 002 and 004).
+
+use backseat_fence::{Shape, VerticalExtent};
+use backseat_units::math::{SQRT_2, cos, hypot};
+use backseat_units::{EastNorth, Timestamp, utm_convergence_deg};
+
+use super::ends::{End, farthest_m};
+use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, Track, refusal, turn_radius_m};
+use crate::plugin::{NavigationSample, Refusal};
+use crate::switches::{Check, is_on};
+
+/// Where a modify can lead until the vehicle has noticed our silence and turned away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Reach {
+    /// Where the vehicle is.
+    here: EastNorth,
+    /// Where it is if it is straight on its heading already.
+    ahead: EastNorth,
+    /// How far it may be from the line between the two, metres.
+    radius_m: f64,
+    /// From here to there, metres.
+    along_m: f64,
+    /// How long it may be on its way there and in the turn away, seconds.
+    lasts_s: f64,
+}
+
+impl Reach {
+    /// How far the vehicle can come from where it is, metres.
+    fn farthest_m(&self) -> f64 {
+        self.along_m + self.radius_m
+    }
+}
+
+impl Envelope {
+    fn reach(&self, setpoint: &Setpoint, navigation: &NavigationSample, now: Timestamp) -> Reach {
+        let limits = &self.limits;
+        let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
+        let speed_mps = setpoint.speed.as_mps().max(ground_mps);
+        let radius_of_turn_m = turn_radius_m(speed_mps, limits.turn_rate_dps);
+        let turn_deg = navigation.heading.turn_to_deg(setpoint.heading).abs();
+        let obeyed_s =
+            MODIFY_TIMEOUT.as_secs_f64() + now.since(navigation.solution).as_secs_f64() + limits.link_delay_max_s;
+        let turn_away_s = 180.0 / limits.turn_rate_dps;
+        let here = navigation.local;
+        let along_m = speed_mps * obeyed_s;
+        let convergence_deg = self.fence.frame().convergence_deg(navigation.position);
+        let ahead = here.offset(setpoint.heading.as_deg() - convergence_deg, along_m);
+        // The specification does not say which north the vehicle counts from, so the set covers both.
+        let other_north_m = along_m * utm_convergence_deg(navigation.position).to_radians().abs();
+        // Sideways in the turn onto the heading, a whole turn's width in the turn away from it, where the vehicle may go as
+        // fast again as it is let, and the current's part.
+        let fastest_mps = speed_mps.max(limits.speed_max_mps);
+        let radius_m = radius_of_turn_m * (1.0 - cos(turn_deg.to_radians()))
+            + 2.0 * turn_radius_m(fastest_mps, limits.turn_rate_dps)
+            + limits.current_max_mps * (obeyed_s + turn_away_s)
+            + limits.navigation_error_m
+            + other_north_m;
+        Reach {
+            here,
+            ahead,
+            radius_m,
+            along_m,
+            lasts_s: obeyed_s + turn_away_s,
+        }
+    }
+
+    /// Safety requirement 002 for a modify: every position that the vehicle can reach until it has noticed our silence
+    /// and turned away, and the ways back to its plan. By how many metres it holds.
+    pub(crate) fn judge_modify(
+        &self,
+        setpoint: &Setpoint,
+        navigation: &NavigationSample,
+        lock: Option<BottomLock>,
+        route: &Route,
+        (now, clocks): (Timestamp, Clocks),
+    ) -> Result<f64, Refusal> {
+        let reach = self.reach(setpoint, navigation, now);
+        let extent = self.extent(
+            setpoint.vertical,
+            navigation.depth,
+            lock,
+            reach.here,
+            reach.farthest_m(),
+        )?;
+        self.judge_reach(&reach, &extent, route, clocks)
+    }
+
+    fn judge_reach(
+        &self,
+        reach: &Reach,
+        extent: &VerticalExtent,
+        route: &Route,
+        clocks: Clocks,
+    ) -> Result<f64, Refusal> {
+        if !is_on(Check::ModifyFence) {
+            return Ok(f64::MAX);
+        }
+        let Reach {
+            here,
+            ahead,
+            radius_m,
+            lasts_s,
+            ..
+        } = *reach;
+        // It takes no longer back than from the farthest that it can come to the farthest that it may return to, straight
+        // or by way of a line.
+        let legs_m = route
+            .legs
+            .iter()
+            .flat_map(Track::points)
+            .map(|end| SQRT_2 * (here.distance_m(end) + reach.farthest_m()));
+        let to_m = route
+            .to
+            .iter()
+            .map(|to| farthest_m(End::At(here), *to) + reach.farthest_m());
+        let back_s = legs_m.chain(to_m).fold(0.0, f64::max) / self.slowest_mps();
+        let when = clocks.next(lasts_s + back_s.max(route.before_s));
+        let straight = || self.sweep(Shape::leg(here, ahead), radius_m, extent, when);
+        if (route.legs.is_empty() && route.to.is_empty()) || !is_on(Check::ModifyWayBack) {
+            return straight();
+        }
+        // Back to the plan its own depths hold, which are the front seat's affair, but for what is to be kept out of. Each
+        // of the ways covers the way straight ahead, which need not be looked at again, but says best what is wrong.
+        let legs = route.legs.iter().flat_map(|track| track.onto(&[here, ahead]));
+        // What begins where a leg ends is in the leg's shape.
+        let ends_a_leg = |next: &&End| {
+            let at = |point| **next == End::At(point);
+            let mut legs = route.legs.iter();
+            legs.any(|track| matches!(track, Track::Line(start, end) if at(*start) || at(*end)))
+        };
+        let to = route.to.iter().filter(|next| !ends_a_leg(next));
+        let on = to.flat_map(|next| match next {
+            End::At(next) => vec![Shape::triangle(here, ahead, *next)],
+            End::Anywhere { .. } | End::Within { .. } => {
+                let corners = next.corners().into_iter();
+                Shape::hulls(&corners.chain([here, ahead]).collect::<Vec<_>>())
+            }
+        });
+        let ways: Vec<Shape> = legs.chain(on).collect();
+        let within_m = route.legs.iter().map(Track::within_m).fold(0.0, f64::max);
+        self.check_all(&ways, radius_m + within_m, extent, (route.passed_m(extent), when))
+            .map(|clearance| clearance.metres)
+            .map_err(|breach| straight().err().unwrap_or_else(|| refusal(&breach)))
+    }
+}

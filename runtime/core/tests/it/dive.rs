@@ -1,0 +1,175 @@
+//! SR-025: a plan serves only the dive that it was told for; and what the vehicle's words make us send and tell is bounded.
+
+use std::time::Duration;
+
+use backseat_core::Note;
+use backseat_core::plugin::Request;
+use backseat_spi::{BehaviorBegin, FromVehicle, MissionCommand, MissionStatus, Text};
+use backseat_units::Timestamp;
+
+use crate::course::{good_line, modify};
+use crate::trial::{Trial, shorts};
+use crate::vehicle::Reply;
+
+fn status_of(trial: &Trial, dive: &str) -> FromVehicle {
+    let message = MissionStatus {
+        created: trial.vehicle.clock(trial.now),
+        dive_file: Text::cleaned(dive),
+        status: Text::cleaned("Running"),
+        details: Text::cleaned(""),
+    };
+    message.into()
+}
+
+fn begin_of(trial: &Trial, dive: &str, number: u32) -> FromVehicle {
+    let message = BehaviorBegin {
+        created: trial.vehicle.clock(trial.now),
+        dive_file: Text::cleaned(dive),
+        number: Some(number),
+        identifier: None,
+        kind: Text::cleaned("trackline"),
+    };
+    message.into()
+}
+
+fn plans(trial: &Trial, since: Timestamp) -> usize {
+    trial.sent_since("RMP", since).len()
+}
+
+#[test]
+fn sr_025_another_dive_ends_the_lease_and_nothing_steers_until_its_plan_is_whole() {
+    for by_status in [true, false] {
+        let mut trial = Trial::steering();
+        trial.script(0, |_| (Duration::from_millis(1), Ok(vec![Request::Modify(modify(1))])));
+        let first = if by_status {
+            status_of(&trial, "survey.dive")
+        } else {
+            begin_of(&trial, "survey", 1)
+        };
+        trial.hear_now([first]);
+        trial.run_for(1.0);
+        assert!(trial.core.is_steering());
+        // The other dive's plan does not come for a while.
+        trial.vehicle.replies.insert("RMP", Reply::Silent);
+        let at = trial.now;
+        let other = if by_status {
+            status_of(&trial, "other.dive")
+        } else {
+            begin_of(&trial, "other", 1)
+        };
+        trial.hear_now([other]);
+        assert!(!trial.core.is_steering() && !trial.core.has_control());
+        assert_eq!(trial.sent_since("EMB", at).len(), 1);
+        trial.run_for(8.0);
+        assert_eq!(trial.sent_since("RMB", at).len(), 0, "by status {by_status}");
+        trial.ask(1, [good_line(2)]);
+        trial.run_for(0.3);
+        assert!(
+            trial.rejection(2).contains("the plan of this dive is not known yet"),
+            "{:?}",
+            trial.states(2)
+        );
+        trial.vehicle.replies.remove("RMP");
+        trial.run_for(20.0);
+        assert!(trial.core.is_steering(), "{:?}", trial.states(1).last());
+    }
+}
+
+#[test]
+fn sr_025_an_empty_name_says_nothing_and_neither_does_the_same_one_again() {
+    let mut trial = Trial::steering();
+    trial.run_for(0.2);
+    let at = trial.now;
+    for dive in ["survey.dive", "", " survey.dive ", "survey.dive"] {
+        let said = status_of(&trial, dive);
+        trial.hear_now([said]);
+    }
+    trial.run_for(1.0);
+    assert!(trial.core.is_steering() && trial.lease_ends().is_empty());
+    assert_eq!(plans(&trial, at), 0);
+}
+
+#[test]
+fn sr_025_a_number_that_a_fresh_plan_lacks_is_not_modified_and_costs_one_asking() {
+    let mut trial = Trial::under_way();
+    let at = trial.now;
+    let unknown = begin_of(&trial, "", 77);
+    trial.hear_now([unknown]);
+    trial.run_for(5.0);
+    assert_eq!(plans(&trial, at), 1);
+    for _ in 0..5 {
+        let unknown = begin_of(&trial, "", 77);
+        trial.hear_now([unknown]);
+        trial.run_for(3.0);
+    }
+    assert_eq!(plans(&trial, at), 1, "the plan is kept, and not asked for again");
+    trial.ask(0, [Request::Modify(modify(1))]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(1).starts_with("plan: "), "{:?}", trial.states(1));
+    let known = begin_of(&trial, "", 2);
+    trial.hear_now([known]);
+    trial.ask(0, [Request::Modify(modify(2))]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(2))[0], "sent", "{:?}", trial.states(2));
+}
+
+#[test]
+fn sr_025_a_flood_of_unknown_behaviors_has_the_plan_asked_for_now_and_then() {
+    let mut trial = Trial::under_way();
+    let at = trial.now;
+    for number in 100..1100 {
+        let unknown = begin_of(&trial, "", number);
+        trial.hear_now([unknown]);
+        trial.run_for(0.1);
+    }
+    let asked = plans(&trial, at);
+    assert!((6..=24).contains(&asked), "{asked} in 100 s");
+    assert!(trial.core.has_control());
+}
+
+#[test]
+fn sr_013_a_flood_of_mission_commands_is_told_of_in_part_and_counted() {
+    let mut trial = Trial::under_way();
+    let created = trial.vehicle.clock(trial.now);
+    let command = |text: String| {
+        FromVehicle::from(MissionCommand {
+            created,
+            text: Text::cleaned(&text),
+        })
+    };
+    for number in 0..5000 {
+        trial.hear_now([command(format!("flood {number}"))]);
+        trial.run_for(0.001);
+    }
+    trial.run_for(2.0);
+    let lines = |part: &str| {
+        let said = |(_, note): &(Timestamp, Note)| matches!(note, Note::Text { text } if text.contains(part));
+        trial.notes().iter().filter(|note| said(note)).count()
+    };
+    let told = lines("mission command: flood");
+    assert!((100..=160).contains(&told), "{told} lines in 5 s");
+    assert!(lines("lines more of what the vehicle said were left out") >= 4);
+}
+
+#[test]
+fn sr_019_what_is_over_a_plugins_rate_is_counted_and_not_told_one_by_one() {
+    let mut trial = Trial::under_way();
+    trial.script(0, |_| {
+        let requests = (0..40).map(|tag| Request::Modify(modify(tag))).collect();
+        (Duration::from_millis(1), Ok(requests))
+    });
+    trial.run_for(10.0);
+    let over = |(_, note): &(Timestamp, Note)| match note {
+        Note::Request(transition) => format!("{:?}", transition.state).contains("requests a second"),
+        _ => false,
+    };
+    let told = trial.notes().iter().filter(|note| over(note)).count();
+    assert!((8..=14).contains(&told), "{told}");
+    let counted = |(_, note): &(Timestamp, Note)| match note {
+        Note::Text { text } => text.contains("requests more of first were over its rate"),
+        _ => false,
+    };
+    assert!(trial.notes().iter().any(counted));
+    let rejected = trial.core.request_counts().rejected;
+    assert!(rejected > 3000, "all are in the ledger: {rejected}");
+}

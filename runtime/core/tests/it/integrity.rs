@@ -1,0 +1,202 @@
+//! SR-024: navigation that cannot be true steers nothing.
+
+use std::time::Duration;
+
+use backseat_core::Note;
+use backseat_core::plugin::Request;
+use backseat_spi::{Navigation, PositionQuality, VelocityAndRates};
+use backseat_units::{Altitude, Depth, EastNorth, Heading, TimeOfDay, Timestamp, utm_convergence_deg};
+
+use crate::course::{self, modify};
+use crate::trial::Trial;
+
+/// The vehicle's navigation goes wrong so: by the seconds since it began to. False where BFNVR stays away.
+type Wrong = fn(f64, f64, &mut Navigation, &mut VelocityAndRates) -> bool;
+
+fn move_by(navigation: &mut Navigation, by: EastNorth) {
+    let frame = *course::fence().frame();
+    navigation.position = frame.to_position(frame.to_local(navigation.position) + by);
+}
+
+fn head(navigation: &mut Navigation, degrees: f64) {
+    let heading = Heading::from_deg(degrees.rem_euclid(360.0)).unwrap();
+    navigation.heading = heading.to_grid(utm_convergence_deg(navigation.position));
+}
+
+/// Whether it is an even sample, at 10 Hz.
+fn is_even(since_s: f64) -> bool {
+    ((since_s * 10.0).round() as u64).is_multiple_of(2)
+}
+
+/// Position against velocity: it creeps by so many metres a second.
+fn creeps(figure: f64, since_s: f64, navigation: &mut Navigation, _: &mut VelocityAndRates) -> bool {
+    move_by(navigation, EastNorth::new(0.0, figure * since_s));
+    true
+}
+
+/// It stands still while the velocity says so many metres a second.
+fn freezes(figure: f64, since_s: f64, navigation: &mut Navigation, velocity: &mut VelocityAndRates) -> bool {
+    move_by(navigation, EastNorth::new(-1.5 * since_s, 0.0));
+    velocity.east_mps = figure;
+    // To the last digit.
+    let frame = *course::fence().frame();
+    let place = frame.to_local(navigation.position);
+    navigation.position = frame.to_position(EastNorth::new(place.east_m.round(), 0.0));
+    true
+}
+
+/// It goes backwards by so many metres a second while the velocity goes on.
+fn backs(figure: f64, since_s: f64, navigation: &mut Navigation, _: &mut VelocityAndRates) -> bool {
+    move_by(navigation, EastNorth::new(-(1.5 + figure) * since_s, 0.0));
+    true
+}
+
+/// The velocity itself is so much.
+fn races(figure: f64, since_s: f64, navigation: &mut Navigation, velocity: &mut VelocityAndRates) -> bool {
+    velocity.east_mps = figure;
+    move_by(navigation, EastNorth::new((figure - 1.5) * since_s, 0.0));
+    true
+}
+
+/// The heading jumps to and fro by so many degrees at each sample.
+fn flips(figure: f64, since_s: f64, navigation: &mut Navigation, _: &mut VelocityAndRates) -> bool {
+    let even = is_even(since_s);
+    head(navigation, if even { 90.0 } else { 90.0 + figure });
+    true
+}
+
+/// The depth jumps to and fro by so many metres at each sample.
+fn heaves(figure: f64, since_s: f64, navigation: &mut Navigation, _: &mut VelocityAndRates) -> bool {
+    let even = is_even(since_s);
+    let (depth_m, altitude_m) = if even {
+        (20.0, 70.0)
+    } else {
+        (20.0 + figure, 70.0 - figure)
+    };
+    navigation.depth = Depth::from_m(depth_m).unwrap();
+    navigation.altitude = Some(Altitude::from_m(altitude_m).unwrap());
+    true
+}
+
+/// BFNVR stays away.
+fn withholds(_: f64, _: f64, _: &mut Navigation, _: &mut VelocityAndRates) -> bool {
+    false
+}
+
+/// BFNVR is that of two seconds ago.
+fn lags(_: f64, _: f64, _: &mut Navigation, velocity: &mut VelocityAndRates) -> bool {
+    let nanos = velocity.created.as_nanos() - 2_000_000_000;
+    velocity.created = TimeOfDay::from_nanos(nanos).unwrap();
+    true
+}
+
+/// Depth plus altitude steps to and fro by so many metres.
+fn steps(figure: f64, since_s: f64, navigation: &mut Navigation, _: &mut VelocityAndRates) -> bool {
+    let even = is_even(since_s);
+    navigation.altitude = Some(Altitude::from_m(if even { 70.0 } else { 70.0 - figure }).unwrap());
+    true
+}
+
+/// How long after navigation goes wrong the lease ends, seconds; `None` where it stands for half a minute.
+fn ends_after_s(wrong: Wrong, figure: f64) -> Option<f64> {
+    let mut trial = Trial::steering();
+    trial.script(0, |_| (Duration::from_millis(1), Ok(vec![Request::Modify(modify(1))])));
+    trial.run_for(5.0);
+    let began = trial.now;
+    trial.vehicle.bend = Some(Box::new(move |now: Timestamp, navigation: &mut _, velocity: &mut _| {
+        wrong(figure, now.since(began).as_secs_f64(), navigation, velocity)
+    }));
+    trial.run_for(30.0);
+    let ended = trial.sent_since("EMB", began).first().copied();
+    if let Some(ended) = ended {
+        // While it goes on nothing steers again.
+        let steered = trial.sent_since("RMB", ended + Duration::from_millis(1));
+        assert!(
+            steered.is_empty(),
+            "{figure}: {:?} {:?}",
+            steered.first(),
+            trial.lease_ends()
+        );
+        assert!(!trial.core.has_control());
+    }
+    ended.map(|ended| ended.since(began).as_secs_f64())
+}
+
+#[test]
+fn sr_024_what_was_found_to_steer_on_ends_the_lease() {
+    let cases: [(&str, Wrong, f64, f64); 8] = [
+        ("creeping 9 m a sample", creeps, 90.0, 2.0),
+        ("frozen under 1.5 m/s", freezes, 1.5, 12.0),
+        ("backwards against BFNVR", backs, 1.5, 8.0),
+        ("no BFNVR", withholds, 0.0, 2.0),
+        ("BFNVR of another time", lags, 0.0, 2.0),
+        ("heading turned by 180 degrees at each sample", flips, 180.0, 2.0),
+        ("depth between 20 and 50 m at each sample", heaves, 30.0, 2.0),
+        ("a velocity of 30 m/s", races, 30.0, 2.0),
+    ];
+    for (name, wrong, figure, within_s) in cases {
+        let after_s = ends_after_s(wrong, figure);
+        assert!(
+            after_s.is_some_and(|after_s| after_s <= within_s),
+            "{name}: {after_s:?}"
+        );
+    }
+}
+
+#[test]
+fn sr_024_each_flaw_has_its_limit() {
+    // By the defaults: the limit, and what just passes it.
+    let cases: [(&str, Wrong, f64, f64); 6] = [
+        ("creeping", creeps, 1.3, 1.45),
+        ("frozen", freezes, 0.29, 0.31),
+        ("backwards", backs, 1.0, 1.5),
+        ("racing", races, 4.8, 5.2),
+        ("flipping", flips, 60.0, 61.5),
+        ("heaving", heaves, 5.0, 5.6),
+    ];
+    for (name, wrong, under, over) in cases {
+        if name != "backwards" && name != "creeping" && name != "frozen" {
+            assert_eq!(ends_after_s(wrong, under / 2.0), None, "{name}, half");
+            assert_eq!(ends_after_s(wrong, under), None, "{name}, just under");
+        }
+        assert!(ends_after_s(wrong, over).is_some(), "{name}, just over");
+    }
+    // Position against velocity: 10 m and 0.3 m/s over 9.5 s, which is 1.35 m/s.
+    for (drift, ends) in [(0.67, false), (1.3, false), (1.45, true)] {
+        assert_eq!(ends_after_s(creeps, drift).is_some(), ends, "{drift} m/s");
+    }
+    // Frozen: a vehicle of under 0.3 m/s may stand still, and of 0.29 m/s it is not told whether it does.
+    assert_eq!(ends_after_s(freezes, 0.0), None);
+    assert!(ends_after_s(steps, 14.5).is_none() && ends_after_s(steps, 30.0).is_some());
+}
+
+#[test]
+fn sr_024_a_true_fix_is_no_flaw_and_unsteady_all_the_same() {
+    for metres in [5.0, 15.0, 200.0] {
+        let mut trial = Trial::under_way();
+        trial.vehicle.bend = Some(Box::new(
+            move |now: Timestamp, navigation: &mut Navigation, _: &mut _| {
+                navigation.depth = Depth::from_m(0.5).unwrap();
+                navigation.altitude = None;
+                if now >= Timestamp::from_secs(20) {
+                    move_by(navigation, EastNorth::new(0.0, metres));
+                    if now < Timestamp::from_secs(30) {
+                        navigation.quality = PositionQuality::Gps;
+                    }
+                }
+                true
+            },
+        ));
+        // It comes up at once here, which is a flaw of its own and long over.
+        trial.run_for(17.0);
+        let before = trial.now;
+        trial.run_for(30.0);
+        let flaws: Vec<_> = trial
+            .notes()
+            .into_iter()
+            .filter(|(at, note)| *at > before && matches!(note, Note::Navigation { text } if !text.contains("jumped")))
+            .collect();
+        assert!(flaws.is_empty(), "{metres} m: {flaws:?}");
+        assert!(trial.core.has_control());
+    }
+}

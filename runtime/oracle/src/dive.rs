@@ -1,0 +1,59 @@
+use crate::moment::Moment;
+
+/// Which dive the vehicle says that it flies (SPI 6.9, 6.11).
+///
+/// BFMIS and BFMBS may write one file in two ways, so that each is held against its own kind; where one names another, the
+/// other kind will too, in its own way. An empty name says nothing.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Dive {
+    of_status: Option<Vec<u8>>,
+    of_behavior: Option<Vec<u8>>,
+    /// When another one was named whose plan was not told since.
+    unplanned: Option<Moment>,
+}
+
+impl Dive {
+    /// BFMIS names the dive file.
+    pub(crate) fn named_by_status(&mut self, at: Moment, name: &[u8]) {
+        if is_another(&mut self.of_status, name) {
+            self.of_behavior = None;
+            self.unplanned = Some(at);
+        }
+    }
+
+    /// BFMBS names the dive file.
+    pub(crate) fn named_by_behavior(&mut self, name: &[u8]) {
+        if is_another(&mut self.of_behavior, name) {
+            self.of_status = None;
+        }
+    }
+
+    /// A plan was told to its end.
+    pub(crate) const fn planned(&mut self) {
+        self.unplanned = None;
+    }
+
+    /// Whether the vehicle has named a dive.
+    pub(crate) const fn is_named(&self) -> bool {
+        self.of_status.is_some()
+    }
+
+    /// When another dive was named whose plan was not told since.
+    pub(crate) const fn unplanned(&self) -> Option<Moment> {
+        self.unplanned
+    }
+
+    /// What was said of late is not known.
+    pub(crate) fn forget(&mut self) {
+        *self = Self::default();
+    }
+}
+
+/// Whether a name is another than the one that is known, and takes its place.
+fn is_another(known: &mut Option<Vec<u8>>, name: &[u8]) -> bool {
+    let name = name.trim_ascii();
+    if name.is_empty() || known.as_deref() == Some(name) {
+        return false;
+    }
+    known.replace(name.to_vec()).is_some()
+}

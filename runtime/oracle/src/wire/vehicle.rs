@@ -1,0 +1,273 @@
+use super::fields::{Fault, Fields, integer, number, whole};
+use super::line::checked;
+use crate::earth::Position;
+use crate::time_of_day::{Echo, TimeOfDay};
+
+/// What the vehicle said, as far as a rule is about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Said<'a> {
+    /// BFMSC (SPI 5.1) with its text.
+    MissionCommand(&'a [u8]),
+    /// BFSHT (SPI 5.2): power will go.
+    Shutdown,
+    /// BFDVT (SPI 5.6).
+    DvlTriggering {
+        /// The payload may begin to trigger, or must cease.
+        begin: bool,
+    },
+    /// BFNVG (SPI 6.1).
+    Navigation(Fix),
+    /// BFMBS (SPI 6.9).
+    Begins {
+        /// The dive file.
+        dive: &'a [u8],
+        /// It is a behavior of the plan.
+        planned: bool,
+        /// It is an insert of ours.
+        identifier: Option<u32>,
+    },
+    /// BFMBE (SPI 6.10).
+    Ends {
+        /// It was an insert of ours.
+        identifier: Option<u32>,
+    },
+    /// BFMIS (SPI 6.11).
+    MissionStatus {
+        /// The dive file.
+        dive: &'a [u8],
+        /// Its status begins with `Running`.
+        running: bool,
+    },
+    /// BFPLN (SPI 6.20).
+    Element(Element),
+    /// BFACK (SPI 6.21).
+    Answer(Answer),
+    /// BFCTL (SPI 6.24).
+    Control {
+        /// The payload has control from now on.
+        granted: bool,
+    },
+    /// BFCMA (SPI 9.1).
+    Window {
+        /// When the sentence was made.
+        created: TimeOfDay,
+        /// When the window ends.
+        until: TimeOfDay,
+    },
+}
+
+/// Where the vehicle believes to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// When the solution was computed.
+    pub solution: TimeOfDay,
+    /// Where.
+    pub position: Position,
+    /// Metres.
+    pub depth_m: f64,
+    /// It says a height above the seabed: 0 is none.
+    pub locked: bool,
+    /// From the north of the grid, degrees.
+    pub heading_deg: f64,
+}
+
+/// An element of the vehicle's plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Element {
+    /// The behavior's number in the dive file.
+    pub number: Option<u32>,
+    /// The insert of ours that it is.
+    pub identifier: Option<u32>,
+    /// Its place among the points of its behavior.
+    pub index: u32,
+    /// Where it is.
+    pub position: Position,
+}
+
+/// What became of a command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// The three letters of its name; `NAK` for what was no command.
+    pub command: [u8; 3],
+    /// The command's own time; midnight where it had none.
+    pub command_created: Echo,
+    /// The insert that it asked for.
+    pub identifier: Option<u32>,
+    /// What became of it.
+    pub outcome: Outcome,
+}
+
+/// The status code of an acknowledgement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// 0: it could not be read.
+    Invalid,
+    /// 1: it was refused, or failed.
+    Failed,
+    /// 2: it was done.
+    Succeeded,
+    /// 3, or a code of a later version: nothing yet.
+    Pending,
+}
+
+/// What the vehicle said in a sentence, which begins with its dollar sign. Nothing where its checksum is wrong, where a
+/// field that a rule needs is not what the specification writes there, and where no rule needs the sentence.
+#[must_use]
+pub fn read_vehicle(sentence: &[u8]) -> Option<Said<'_>> {
+    // Most sentences are of no rule's interest: their checksums are not looked at.
+    let name = sentence.get(1..)?.first_chunk::<5>()?;
+    let reader = match name {
+        b"BFNVG" => navigation,
+        b"BFACK" => answer,
+        b"BFMBS" => begins,
+        b"BFMBE" => ends,
+        b"BFPLN" => element,
+        b"BFCTL" => control,
+        b"BFMIS" => mission_status,
+        b"BFMSC" => mission_command,
+        b"BFCMA" => window,
+        b"BFDVT" => triggering,
+        b"BFSHT" => shutdown,
+        _ => return None,
+    };
+    let (_, rest) = checked(sentence)?;
+    reader(&mut Fields::new(rest)).ok()
+}
+
+/// Each field is held to what the specification writes, those that no rule needs too: damage that the checksum does not
+/// show is seldom in one field alone.
+fn navigation<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    fields.time()?;
+    let position = fields.position()?;
+    // A code that the specification does not know says nothing against the place.
+    fields.read("a digit", |text| matches!(text, [b'0'..=b'9']).then_some(()))?;
+    let altitude_m = fields.read_or_empty("an altitude", |text| number(text).filter(|metres| *metres >= 0.0))?;
+    let depth_m = fields.number()?;
+    let heading_deg = fields.read("a heading", |text| {
+        number(text).filter(|deg| (0.0..=360.0).contains(deg))
+    })?;
+    let (_roll, _pitch) = (fields.number()?, fields.number()?);
+    Ok(Said::Navigation(Fix {
+        solution: fields.time()?,
+        position,
+        depth_m,
+        locked: altitude_m.is_some_and(|metres| metres > 0.0),
+        heading_deg,
+    }))
+}
+
+fn answer<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    fields.time()?;
+    // Its three letters, or the whole name.
+    let command = fields.read("a command's name", |text| {
+        let text = text.trim_ascii();
+        let letters = if text.len() == 5 {
+            text.strip_prefix(b"BP")?
+        } else {
+            text
+        };
+        let letters = <[u8; 3]>::try_from(letters).ok()?;
+        let named = |byte: &u8| byte.is_ascii_uppercase() || byte.is_ascii_digit();
+        letters.iter().all(named).then_some(letters)
+    })?;
+    let command_created = fields.echo()?;
+    let identifier = identifier(fields)?;
+    let outcome = match fields.read("a status", integer)? {
+        0 => Outcome::Invalid,
+        1 => Outcome::Failed,
+        2 => Outcome::Succeeded,
+        _ => Outcome::Pending,
+    };
+    Ok(Said::Answer(Answer {
+        command,
+        command_created,
+        identifier,
+        outcome,
+    }))
+}
+
+/// A number that may be left out: vehicles leave blanks there too.
+fn count(fields: &mut Fields<'_>) -> Result<Option<u32>, Fault> {
+    fields.read("a whole number, or nothing", |text| match text.trim_ascii() {
+        b"" => Some(None),
+        text => whole(text).map(Some),
+    })
+}
+
+/// The identifier of an insert of ours. Vehicles write 0 where there is none, as in acknowledgements.
+fn identifier(fields: &mut Fields<'_>) -> Result<Option<u32>, Fault> {
+    count(fields).map(|identifier| identifier.filter(|identifier| *identifier != 0))
+}
+
+/// Dive file, number and identifier of a behavior; its kind, which comes last, may be missing.
+fn behavior<'a>(fields: &mut Fields<'a>) -> Result<(&'a [u8], bool, Option<u32>), Fault> {
+    fields.time()?;
+    let dive = fields.text()?;
+    let planned = count(fields)?.is_some();
+    let identifier = identifier(fields)?;
+    Ok((dive, planned, identifier))
+}
+
+fn begins<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    let (dive, planned, identifier) = behavior(fields)?;
+    Ok(Said::Begins {
+        dive,
+        planned,
+        identifier,
+    })
+}
+
+fn ends<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    let (_, _, identifier) = behavior(fields)?;
+    Ok(Said::Ends { identifier })
+}
+
+fn element<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    fields.time()?;
+    let (number, identifier, index) = (count(fields)?, identifier(fields)?, fields.whole()?);
+    // Waypoint, start or end of a line, circle, or what a later version has.
+    fields.read("an element's kind", integer)?;
+    Ok(Said::Element(Element {
+        number,
+        identifier,
+        index,
+        position: fields.position()?,
+    }))
+}
+
+fn control<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    fields.time()?;
+    Ok(Said::Control {
+        granted: fields.flag()?,
+    })
+}
+
+fn mission_status<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    fields.time()?;
+    Ok(Said::MissionStatus {
+        dive: fields.text()?,
+        running: fields.text()?.starts_with(b"Running"),
+    })
+}
+
+fn mission_command<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    fields.time()?;
+    fields.text().map(Said::MissionCommand)
+}
+
+fn window<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    let (created, until) = (fields.time()?, fields.time()?);
+    // The modem's address; its kind may be missing.
+    fields.whole()?;
+    Ok(Said::Window { created, until })
+}
+
+fn triggering<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    fields.time()?;
+    Ok(Said::DvlTriggering { begin: fields.flag()? })
+}
+
+fn shutdown<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    fields.time()?;
+    Ok(Said::Shutdown)
+}

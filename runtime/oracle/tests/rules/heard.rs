@@ -1,0 +1,141 @@
+//! Requirements 023 and 025: nothing that steers leaves to a vehicle that does not hear us, or for another dive's plan.
+
+use crate::scenario::{END, MODIFY, Scenario, stamp};
+
+const TRACKLINE: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700,W,0,10,1.5,0,0";
+const INTERRUPT: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700,W,0,10,1.5,0,4";
+const GPS_HIT: &str = "BPRGP,{t},7,4200.300,N,07000.900,W,,,0";
+
+fn modified(run: Scenario, ms: u64) -> Scenario {
+    run.ours(ms, MODIFY).ours(ms + 500, END)
+}
+
+#[test]
+fn requirement_023_an_answer_speaks_for_three_seconds_from_when_its_command_left() {
+    // The last beat leaves at 3.055 s.
+    let silent = || Scenario::with_control().without_answers().beats_until(4000);
+    modified(silent(), 6054).finds_nothing();
+    modified(silent(), 6055).finds(&["unheard"]);
+    silent().ours(6100, TRACKLINE).finds(&["unheard"]);
+    silent()
+        .ours(6100, "BPSUS,{t}")
+        .ours(6200, "BPRES,{t}")
+        .finds(&["unheard"]);
+    // Whatever is answered shows that we are heard.
+    let another = silent().ours(6000, "BPMSG,{t},well");
+    let another = another.vehicle(6010, &format!("BFACK,{{t}},MSG,{},0,2,0,ok", stamp(6000)));
+    modified(another, 6500).finds_nothing();
+}
+
+#[test]
+fn requirement_023_only_an_answer_in_the_missions_time_and_on_this_connection_counts() {
+    let slow = |ms| modified(Scenario::with_control().without_answers().beats_take(ms), 8000);
+    slow(999).finds_nothing();
+    slow(1001).finds(&["unheard"]);
+    slow(1001)
+        .limits(|limits| limits.answered_within_s = 1.5)
+        .finds_nothing();
+    let lost = Scenario::with_control()
+        .without_answers()
+        .reconnects(4500, 5000)
+        .beats_until(5000);
+    modified(lost, 5500).finds(&["unheard"]);
+}
+
+#[test]
+fn requirement_023_an_answer_that_comes_twice_counts_once() {
+    let run = Scenario::with_control().without_answers().beats_until(1000);
+    let again = format!("BFACK,{{t}},STS,{},0,2,0,ok", stamp(55));
+    modified(run.vehicle(4000, &again), 4100).finds(&["unheard"]);
+}
+
+#[test]
+fn requirement_023_subscriptions_are_answered_in_their_order() {
+    let logs = |answered_ms| {
+        let run = Scenario::with_control().without_answers().beats_until(0);
+        run.ours(200, "BPLOG,CTL,ON")
+            .ours(300, "BPLOG,ACK,ON")
+            .ours(5000, "BPLOG,ACK,ON")
+            .vehicle(answered_ms, "BFACK,{t},LOG,000000.000,0,2,0,ok")
+    };
+    // It answers the one that left at 0.3 s, in time or not.
+    modified(logs(310), 3200).finds_nothing();
+    modified(logs(5010), 5100).finds(&["unheard"]);
+    let both = logs(5010).vehicle(5020, "BFACK,{t},LOG,000000.000,0,2,0,ok");
+    modified(both, 5100).finds_nothing();
+}
+
+#[test]
+fn requirement_023_what_nothing_takes_back_needs_an_answer_of_this_second() {
+    // The last beat is of 3.055 s, and so is its answer; 250 ms may pass until it is read.
+    let silent = || Scenario::with_control().beats_until(4000);
+    for body in [INTERRUPT, GPS_HIT] {
+        silent().ours(4305, body).finds_nothing();
+        silent().ours(4306, body).finds(&["unheard"]);
+    }
+    silent().ours(4306, TRACKLINE).finds_nothing();
+    // An answer of this second to what left long before it.
+    let slow = |ms| {
+        Scenario::with_control()
+            .limits(|limits| limits.answered_within_s = 2.5)
+            .beats_until(1000)
+            .beats_take(1500)
+            .ours(ms, INTERRUPT)
+    };
+    slow(2055).finds_nothing();
+    slow(2056).finds(&["unheard"]);
+}
+
+#[test]
+fn requirement_023_what_a_stopped_runtime_reads_late_was_not_answered_in_time() {
+    // The beat of 3.055 s is answered at once, while nobody reads.
+    let stopped = |until| {
+        Scenario::with_control()
+            .without_answers()
+            .beats_until(3100)
+            .beats_take(20)
+            .stopped(3060)
+            .continued(until)
+    };
+    modified(stopped(3500), 6000).finds_nothing();
+    modified(stopped(4100), 5060).finds(&["unheard"]);
+}
+
+#[test]
+fn an_echo_with_two_decimals_is_as_good_as_one_with_three() {
+    let cut = |ms: u64| stamp(ms)[..9].to_owned();
+    // 6.004 s is echoed as 6.00 s, and 6.006 s rounded as 6.01 s.
+    for (made, echoed) in [(6004, cut(6004)), (6006, cut(6010))] {
+        let run = Scenario::with_control().without_answers().beats_until(2000);
+        let run = run.ours(made, "BPMSG,{t},well");
+        let run = run.vehicle(6020, &format!("BFACK,{{t}},MSG,{echoed},0,2,0,ok"));
+        modified(run, 6100).finds_nothing();
+    }
+    // A modify that is refused in these words is.
+    let refused = |decimals: usize| {
+        let run = Scenario::with_control().without_answers().ours(3456, MODIFY);
+        let echo = &stamp(3456)[..decimals];
+        run.vehicle(3500, &format!("BFACK,{{t}},RMB,{echo},0,1,0,no"))
+            .ours(4400, END)
+    };
+    for decimals in [6, 8, 9, 10] {
+        refused(decimals).finds(&["lease-outlives"]);
+    }
+}
+
+#[test]
+fn requirement_025_another_dive_needs_another_plan() {
+    let named = |dive: &str| Scenario::with_control().vehicle(4000, &format!("BFMIS,{{t}},{dive},Running,"));
+    modified(named("b.dive"), 4240).finds_nothing();
+    modified(named("b.dive"), 4260).finds(&["another-dive"]);
+    for same in ["a.dive", " a.dive ", "", " "] {
+        modified(named(same), 5000).finds_nothing();
+    }
+    let asked = || named("b.dive").ours(4100, "BPRMP,{t}");
+    let pending = format!("BFACK,{{t}},RMP,{},0,3,0,wait", stamp(4100));
+    let told = format!("BFACK,{{t}},RMP,{},0,2,0,done", stamp(4100));
+    let element = "BFPLN,{t},1,,0,0,4200.300,N,07000.900,W,,,";
+    let series = asked().vehicle(4200, &pending).vehicle(4300, element);
+    modified(series.clone(), 5000).finds(&["another-dive"]);
+    modified(series.vehicle(4400, &told), 5000).finds_nothing();
+}

@@ -1,0 +1,95 @@
+//! What excuses a runtime that never sends anything again: that no plugin is left.
+
+use std::collections::BTreeMap;
+
+use crate::plan::Planned;
+use crate::trouble::Trouble;
+
+/// The faults of [`crate::PLUGIN_FAULTS`] by which a plugin fails at each step. By the others it asks for what it is refused, or
+/// for nothing, and is itself again when they are over.
+const FAILING: [&str; 10] = [
+    "trap",
+    "loop",
+    "grow",
+    "flood",
+    "error",
+    "huge_string",
+    "big_snapshot",
+    "nine_frames",
+    "long_frame",
+    "long_topside",
+];
+/// A plugin that fails more often is quarantined for good (`runtime/core`, conductor).
+const FAILURES_MAX: u64 = 5;
+
+/// Whether every plugin met a fault that it fails by, and has failed so often that it is quarantined. `plugins` are their
+/// names in the order of their slots.
+pub(crate) fn none_is_left<'a>(
+    plugins: impl IntoIterator<Item = &'a str>,
+    troubles: &[Planned],
+    failures: &BTreeMap<String, u64>,
+) -> bool {
+    plugins.into_iter().enumerate().all(|(slot, name)| {
+        let fails = |planned: &Planned| match &planned.trouble {
+            Trouble::Plugin { slot: at, fault, .. } => *at == slot && FAILING.contains(&fault.as_str()),
+            Trouble::AllTrap { .. } => true,
+            Trouble::Vehicle(_)
+            | Trouble::Kill { .. }
+            | Trouble::Stop { .. }
+            | Trouble::Hold { .. }
+            | Trouble::DiskFull { .. } => false,
+        };
+        troubles.iter().any(fails) && failures.get(name).is_some_and(|count| *count > FAILURES_MAX)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use backseat_units::Timestamp;
+
+    use super::*;
+    use crate::plan::Come;
+    use crate::trouble::PLUGIN_FAULTS;
+
+    const LASTS: Duration = Duration::from_secs(60);
+
+    fn planned(trouble: Trouble) -> Planned {
+        Planned {
+            come: Come::At(Timestamp::from_secs(100)),
+            trouble,
+        }
+    }
+
+    fn fault(slot: usize, fault: &str) -> Planned {
+        planned(Trouble::Plugin {
+            slot,
+            fault: fault.to_owned(),
+            lasts: LASTS,
+        })
+    }
+
+    fn left(troubles: &[Planned], [first, second]: [u64; 2]) -> bool {
+        let failures = BTreeMap::from([("first".to_owned(), first), ("second".to_owned(), second)]);
+        !none_is_left(["first", "second"], troubles, &failures)
+    }
+
+    #[test]
+    fn only_plugins_that_are_all_quarantined_by_a_fault_that_can_do_it_excuse_silence() {
+        assert!(!left(&[planned(Trouble::AllTrap { lasts: LASTS })], [6, 6]));
+        assert!(!left(&[fault(0, "trap"), fault(1, "grow")], [6, 7]));
+        // One of them is there still.
+        assert!(left(&[planned(Trouble::AllTrap { lasts: LASTS })], [6, 5]));
+        assert!(left(&[fault(0, "trap"), fault(0, "grow")], [6, 6]));
+        // Whatever it was, it was not this.
+        assert!(left(&[fault(0, "trap"), fault(1, "nan")], [6, 6]));
+        assert!(left(&[planned(Trouble::Stop { lasts: LASTS })], [6, 6]));
+        assert!(left(&[], [0, 0]));
+    }
+
+    #[test]
+    fn every_fault_that_excuses_is_one_of_the_plugins() {
+        assert!(FAILING.iter().all(|fault| PLUGIN_FAULTS.contains(fault)));
+    }
+}

@@ -1,0 +1,126 @@
+//! What no vehicle of the mock's makes necessary, for another term is greater, is held by its figure: each metre of an
+//! error is a metre of clearance.
+
+use std::time::Duration;
+
+use backseat_core::plugin::{
+    CartesianSample, GpsHitRequest, HoldRequest, HoldTarget, Judge, NavigationSample, Request, StepInput,
+    TrackcircleRequest, VerticalRequest,
+};
+use backseat_core::{Envelope, Limits};
+use backseat_fence::Fence;
+use backseat_units::{Altitude, Depth, Heading, Timestamp, Utc};
+
+use super::hover;
+use super::scene::{ORIGIN, Zone, exact, fence, frame, modify, place, trackline};
+
+/// By how many metres a request of a vehicle in the middle of a box holds.
+fn clearance_m(limits: &Limits, request: &Request, cartesian: Option<CartesianSample>) -> f64 {
+    let harbour = "\"depth_max_m\":60,\"altitude_min_m\":2,\"surfacing\":true";
+    let inside = Zone("inclusion", [-700.0, -700.0, 700.0, 700.0], harbour.to_owned());
+    let fence = Fence::from_geojson(&fence(ORIGIN, &[inside])).expect("the test's fence is right");
+    let position = frame(ORIGIN).origin();
+    let navigation = NavigationSample {
+        solution: Timestamp::from_millis(900),
+        position,
+        local: fence.frame().to_local(position),
+        depth: Depth::from_m(20.0).expect("a depth"),
+        altitude: Some(Altitude::from_m(70.0).expect("an altitude")),
+        heading: Heading::from_deg(0.0).expect("a heading"),
+        roll_deg: 0.0,
+        pitch_deg: 0.0,
+        east_mps: 0.0,
+        north_mps: 0.0,
+        down_mps: 0.0,
+        yaw_rate_dps: 0.0,
+        gps: false,
+    };
+    let input = StepInput {
+        now: Timestamp::from_millis(1000),
+        utc: Utc::from_unix_nanos(0),
+        clocks_apart: None,
+        navigation: Some(navigation),
+        relative: None,
+        cartesian,
+        control: true,
+        events: Vec::new(),
+    };
+    let judged = Envelope::new(fence, limits.clone()).judge(request, &input);
+    judged.expect("it is in the middle of the box")
+}
+
+/// By how many metres less it holds with other limits.
+fn costs_m(request: &Request, changed: impl FnOnce(&mut Limits)) -> f64 {
+    let limits = exact();
+    let mut worse = limits.clone();
+    changed(&mut worse);
+    clearance_m(&limits, request, None) - clearance_m(&worse, request, None)
+}
+
+fn assert_costs(what: &str, cost_m: f64, expected_m: f64) {
+    assert!(
+        (cost_m - expected_m).abs() < 1e-6,
+        "{what} costs {cost_m} m, not {expected_m} m"
+    );
+}
+
+/// The mock keeps to its lines within a decimetre, and its circles within two metres: a turn's width, which is judged
+/// too, is more. A vehicle that strays and then turns needs both.
+#[test]
+fn what_the_vehicle_strays_counts_in_full() {
+    let circle = Request::Trackcircle(TrackcircleRequest {
+        tag: 1,
+        centre: place(100.0, 100.0),
+        radius_m: 50.0,
+        orbits: 1.0,
+        vertical: VerticalRequest::DepthM(20.0),
+        speed_mps: 2.0,
+        entry_angle_deg: Some(0.0),
+        interrupt: true,
+    });
+    let line = trackline((0.0, 100.0), (300.0, 100.0), 2.0);
+    let surface = Request::GpsHit(GpsHitRequest {
+        tag: 1,
+        position: place(100.0, 0.0),
+    });
+    let turn_m = |turn_rate_dps: f64| 2.0 * 2.0 / turn_rate_dps.to_radians();
+    for (what, request) in [("a line", line), ("a circle", circle), ("a GPS hit", surface)] {
+        let cost_m = costs_m(&request, |limits| limits.tracking_error_m += 10.0);
+        assert_costs(&format!("the tracking error of {what}"), cost_m, 10.0);
+        let cost_m = costs_m(&request, |limits| limits.navigation_error_m += 10.0);
+        assert_costs(&format!("the navigation error of {what}"), cost_m, 10.0);
+        let cost_m = costs_m(&request, |limits| limits.turn_rate_dps = 7.0);
+        assert_costs(&format!("the turn of {what}"), cost_m, turn_m(7.0) - turn_m(14.0));
+    }
+}
+
+/// The part of the current while the vehicle obeys, which the speed over ground may hide where it is along the way.
+#[test]
+fn the_current_counts_while_it_obeys_and_while_it_turns() {
+    let cost_m = costs_m(&modify(0.0, 2.0), |limits| limits.current_max_mps += 0.5);
+    // From the solution on: 0.1 s, 5 s, and what a word may take.
+    assert_costs("the current", cost_m, 0.5 * (0.1 + 5.0 + 0.05 + 180.0 / 14.0));
+}
+
+/// No error of relative navigation can be set in the mock but as noise.
+#[test]
+fn the_error_of_relative_navigation_counts_in_full() {
+    let cartesian = CartesianSample {
+        measured: Timestamp::from_millis(900),
+        x_m: 0.0,
+        y_m: 0.0,
+        z_m: 20.0,
+        heading_deg: 0.0,
+    };
+    let hold = Request::Hold(HoldRequest {
+        tag: 1,
+        target: HoldTarget::Here,
+        speed_mps: None,
+        duration: Duration::from_secs(30),
+    });
+    let limits = hover::limits(40.0, 0.05);
+    let mut worse = limits.clone();
+    worse.hull.as_mut().unwrap().position_error_m += 3.0;
+    let cost_m = clearance_m(&limits, &hold, Some(cartesian)) - clearance_m(&worse, &hold, Some(cartesian));
+    assert_costs("the error of relative navigation", cost_m, 3.0);
+}

@@ -76,6 +76,8 @@ pub(crate) struct Courses {
     settled: bool,
     /// The depths that it has settled at in this mission, from and to, metres.
     depths_m: Option<[f64; 2]>,
+    /// The fastest over ground that it was seen to fly its own plan in this mission, m/s.
+    seen_mps: f64,
 }
 
 impl Courses {
@@ -137,6 +139,7 @@ impl Courses {
     pub(crate) fn forget(&mut self) {
         self.begun.clear();
         self.depths_m = None;
+        self.seen_mps = 0.0;
         self.left_plan = false;
         self.lose();
     }
@@ -147,6 +150,11 @@ impl Courses {
             Some(current) => self.of(current),
             None => self.begun.values().flatten().chain(&self.seen).copied().collect(),
         }
+    }
+
+    /// The fastest that it was seen to fly its own plan in this mission, m/s over ground.
+    pub(crate) const fn seen_mps(&self) -> f64 {
+        self.seen_mps
     }
 
     /// What is flown now, where that was heard.
@@ -249,6 +257,10 @@ impl Core {
             return;
         };
         let here = navigation.local;
+        if matches!(self.courses.current, Some(Flown::Planned(_))) {
+            let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
+            self.courses.seen_mps = self.courses.seen_mps.max(ground_mps);
+        }
         let level_for = if self.former.is_none() {
             LEVEL_FOR
         } else {

@@ -27,6 +27,7 @@ pub(crate) use ends::End;
 use ends::{farthest_m, ways};
 pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
 pub(crate) use onto::{Approach, Track};
+use surfacing::{Climb, deepest};
 pub(crate) use time::{APART_MAX, Clocks};
 
 /// The vehicle keeps a modify for this long after the last BPRMB that it received (SPI 7.12).
@@ -117,6 +118,8 @@ pub(crate) struct Route {
     pub(crate) to_surface: bool,
     /// The depth of what may be flown before it, where that is deeper than the vehicle is now, metres.
     pub(crate) deepest_m: f64,
+    /// The fastest that the vehicle was seen to fly its plan in this dive, m/s over ground.
+    pub(crate) seen_mps: f64,
     /// Where what may come next begins.
     pub(crate) to: Vec<End>,
     /// What it may take up again after it.
@@ -138,6 +141,10 @@ pub(crate) struct Passage {
     pub(crate) lock: Option<BottomLock>,
     /// A GPS hit is at one of its ends, and it goes through all depths down to this one.
     pub(crate) surfacing: bool,
+    /// The depth that it may climb from at that end where it is deeper than it is now, metres.
+    pub(crate) deepest_m: f64,
+    /// As a route's.
+    pub(crate) seen_mps: f64,
     /// As a route's.
     pub(crate) depths_m: Option<[f64; 2]>,
     pub(crate) clocks: Clocks,
@@ -294,11 +301,10 @@ impl Envelope {
         route: &Route,
         clocks: Clocks,
     ) -> Result<f64, Refusal> {
-        let limits = &self.limits;
         let frame = self.fence.frame();
         let speed_mps = insert
             .flight()
-            .map_or(limits.speed_max_mps, |flight| flight.speed.as_mps());
+            .map_or(self.fastest_mps(route.seen_mps), |flight| flight.speed.as_mps());
         let strayed_m = self.strayed_m(speed_mps);
         let (shape, reach_m) = match insert.path {
             InsertPath::Line { start, end, .. } => {
@@ -310,8 +316,13 @@ impl Envelope {
             }
             InsertPath::Surface { at } => (Shape::point(frame.to_local(at)), self.drift_m()),
         };
+        let climb = if insert.surfaces() || route.from_surface {
+            self.climb(deepest(depth, route.deepest_m)?)
+        } else {
+            Climb::default()
+        };
         let ends = self.ends(insert);
-        let when = clocks.next(route.before_s + self.lasts_s(insert, route));
+        let when = clocks.next(route.before_s + self.lasts_s(insert, route) + climb.lasts_s);
         let to_it = route.from.iter().map(|from| farthest_m(*from, ends.0));
         let from_it = route.goes_on_to().map(|to| farthest_m(ends.1, End::At(to)));
         let ways_m = to_it.chain(from_it).fold(0.0, f64::max);
@@ -320,25 +331,29 @@ impl Envelope {
         let around = ends.0.middle();
         let Some(flight) = insert.flight() else {
             // It goes there, up, and on as it likes: at every depth between the surface and where it comes from.
-            let deepest_m = depth.as_m().max(route.deepest_m).max(0.0);
-            let deepest = Depth::from_m(deepest_m).map_err(|error| limit(error.to_string()))?;
+            let deepest = deepest(depth, route.deepest_m)?;
             let extent = self.extent(Vertical::Depth(deepest), depth, lock, around, reach_m)?;
-            return self.judge_surfacing((shape, strayed_m), ends, &extent, route, when);
+            return self.judge_surfacing((shape, strayed_m + climb.along_m), ends, &extent, route, when);
         };
         let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
         // What comes before it and after it may be flown faster.
         let way = Way {
-            strayed_m: self.strayed_m(limits.speed_max_mps),
+            strayed_m: self.strayed_m(self.fastest_mps(route.seen_mps)),
             extent,
             depths_m: route.passed_m(&extent),
             when,
+        };
+        // It may come from where it has come up.
+        let to_it = Way {
+            strayed_m: way.strayed_m + climb.along_m,
+            ..way
         };
         let mut least_m = f64::MAX;
         if is_on(Check::InsertShape) {
             least_m = self.sweep(shape, strayed_m, &extent, when)?;
         }
         for from in route.checked_from() {
-            least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, &way)?);
+            least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, &to_it)?);
         }
         for to in route.checked_to() {
             least_m = least_m.min(self.way_by(route.to_surface, ends.1, *to, &way)?);
@@ -351,8 +366,12 @@ impl Envelope {
 
     /// The way from one end to another alone: what remains when an insert between them is cancelled.
     pub(crate) fn judge_way(&self, (from, to): (End, End), passage: &Passage) -> Result<f64, Refusal> {
-        let limits = &self.limits;
-        let strayed_m = self.strayed_m(limits.speed_max_mps);
+        let climb = if passage.surfacing {
+            self.climb(deepest(passage.depth, passage.deepest_m)?)
+        } else {
+            Climb::default()
+        };
+        let strayed_m = self.strayed_m(self.fastest_mps(passage.seen_mps)) + climb.along_m;
         let (depth_m, way_m) = (passage.depth.as_m(), farthest_m(from, to));
         let (shallowest_m, _) = self.water_depths(passage.lock, to.middle(), way_m + strayed_m);
         let extent = VerticalExtent {
@@ -364,7 +383,9 @@ impl Envelope {
             strayed_m,
             extent,
             depths_m: passage.depths_m.unwrap_or([depth_m, depth_m]),
-            when: passage.clocks.next(passage.before_s + way_m / self.slowest_mps()),
+            when: passage
+                .clocks
+                .next(passage.before_s + climb.lasts_s + way_m / self.slowest_mps()),
         };
         self.way_by(passage.surfacing, from, to, &way)
     }
@@ -489,7 +510,7 @@ impl Envelope {
             .iter()
             .map(|from| farthest_m(*from, self.ends(insert).0))
             .fold(0.0, f64::max);
-        let turns_s = 2.0 * 180.0 / limits.turn_rate_dps;
+        let turns_s = 2.0 * self.turn_away_s();
         (length_m + transit_m) / (speed_mps - limits.current_max_mps) + turns_s + at_surface_s
     }
 
@@ -522,8 +543,28 @@ impl Envelope {
         let limits = &self.limits;
         limits.tracking_error_m
             + limits.navigation_error_m
-            + 2.0 * turn_radius_m(speed_mps, limits.turn_rate_dps)
-            + limits.current_max_mps * 180.0 / limits.turn_rate_dps
+            + self.turn_away_m(speed_mps)
+            + limits.current_max_mps * self.turn_away_s()
+    }
+
+    /// The width of a whole turn, metres.
+    fn turn_away_m(&self, speed_mps: f64) -> f64 {
+        2.0 * turn_radius_m(speed_mps, self.limits.turn_rate_dps) + speed_mps * self.limits.turn_lag_s
+    }
+
+    /// How long half a circle takes, seconds.
+    fn turn_away_s(&self) -> f64 {
+        180.0 / self.limits.turn_rate_dps + self.limits.turn_lag_s
+    }
+
+    /// The fastest that the vehicle flies, m/s: a request of ours, or its own plan.
+    fn fastest_mps(&self, seen_mps: f64) -> f64 {
+        let of_plan_mps = match self.limits.plan_speed_max_mps {
+            // What the strongest current cannot account for shows that it is faster than it was said to be.
+            Some(told_mps) => told_mps.max(seen_mps - self.limits.current_max_mps),
+            None => seen_mps,
+        };
+        self.limits.speed_max_mps.max(of_plan_mps)
     }
 
     fn way(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {

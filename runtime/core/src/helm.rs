@@ -354,6 +354,7 @@ impl Core {
             to: self.plan.next_points().into_iter().map(End::At).collect(),
             before_s: self.flown_insert_s(),
             depths_m: self.depths_of_ways(),
+            seen_mps: self.courses.seen_mps(),
             ..Route::default()
         };
         // On the way to where its path begins it comes back to that way. Where it was not heard what is flown, any of the

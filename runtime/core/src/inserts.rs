@@ -590,6 +590,7 @@ impl Core {
             before_s: self.before_insert_s(interrupt),
             onto: self.taken_up_after(interrupt),
             depths_m: self.depths_of_ways(),
+            seen_mps: self.courses.seen_mps(),
             ..Route::default()
         };
         let here = self.tracker.newest().map(|navigation| End::At(navigation.local));
@@ -618,20 +619,29 @@ impl Core {
         }
         // One that was not answered may be flown before this one all the same.
         let doubtful: Vec<Insert> = self.ledger.doubtful().filter_map(|entry| entry.insert).collect();
-        for before in doubtful.iter().chain(chain.iter().map(|(_, insert, _)| insert)) {
-            route.from_surface |= before.surfaces();
-            let depth_m = self.tracker.newest().and_then(|navigation| {
-                let lock = self.tracker.bottom_lock(self.now);
-                self.envelope.deepest_m(before, navigation.depth, lock)
-            });
-            // Where its depth cannot be known, nothing that depends on it holds.
-            route.deepest_m = route.deepest_m.max(depth_m.unwrap_or(f64::INFINITY));
-        }
+        let mut before = doubtful.iter().chain(chain.iter().map(|(_, insert, _)| insert));
+        route.from_surface = before.any(Insert::surfaces);
+        route.deepest_m = self.deepest_open_m();
         route
             .from
             .extend(doubtful.iter().map(|insert| self.envelope.ends(insert).1));
         route.from.extend(self.comes_from(&chain));
         route
+    }
+
+    /// The greatest depth that an open insert leads to, metres, or one that was not answered.
+    pub(crate) fn deepest_open_m(&self) -> f64 {
+        let chain = self.chain();
+        let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
+        let open = doubtful.chain(chain.into_iter().map(|(_, insert, _)| insert));
+        let depth_m = |insert: Insert| {
+            let navigation = self.tracker.newest()?;
+            let lock = self.tracker.bottom_lock(self.now);
+            self.envelope.deepest_m(&insert, navigation.depth, lock)
+        };
+        // Where one cannot be known, nothing that depends on it holds.
+        open.map(|insert| depth_m(insert).unwrap_or(f64::INFINITY))
+            .fold(0.0, f64::max)
     }
 
     /// Asks for more where few identifiers are left, or not as many inserts as may be open at once.

@@ -39,6 +39,17 @@ pub struct Limits {
     pub speed_max_mps: f64,
     /// The turn rate that the vehicle reaches at least, degrees per second.
     pub turn_rate_dps: f64,
+    /// How much longer a turn takes than at that rate throughout, seconds: the rate has to be reached, and given up again.
+    #[serde(default = "default::turn_lag_s")]
+    pub turn_lag_s: f64,
+    /// The greatest speed of the vehicle's own plan, m/s: no sentence says how fast a plan is flown. Without it
+    /// `speed_max_mps`, or the greatest speed over ground that was seen in this dive while the plan was flown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan_speed_max_mps: Option<f64>,
+    /// The shallowest angle at which the vehicle climbs to the surface, degrees: so far it goes on from the place of a GPS
+    /// hit.
+    #[serde(default = "default::climb_angle_min_deg")]
+    pub climb_angle_min_deg: f64,
     /// The strongest current, m/s.
     pub current_max_mps: f64,
     /// The shallowest water depth inside the fence, metres; without it only bottom lock tells.
@@ -116,6 +127,12 @@ pub struct Limits {
 }
 
 mod default {
+    pub(super) const fn turn_lag_s() -> f64 {
+        2.0
+    }
+    pub(super) const fn climb_angle_min_deg() -> f64 {
+        15.0
+    }
     pub(super) const fn seabed_slope_max() -> f64 {
         0.15
     }
@@ -188,6 +205,8 @@ impl Limits {
             ("speed_min_mps", self.speed_min_mps),
             ("speed_max_mps", self.speed_max_mps),
             ("turn_rate_dps", self.turn_rate_dps),
+            ("climb_angle_min_deg", self.climb_angle_min_deg),
+            ("plan_speed_max_mps", self.plan_speed_max_mps.unwrap_or(1.0)),
             ("navigation_age_max_s", self.navigation_age_max_s),
             ("link_delay_max_s", self.link_delay_max_s),
             ("modify_term_max_s", self.modify_term_max_s),
@@ -208,6 +227,7 @@ impl Limits {
         }
         let not_negative = [
             ("current_max_mps", self.current_max_mps),
+            ("turn_lag_s", self.turn_lag_s),
             ("seabed_slope_max", self.seabed_slope_max),
             ("navigation_error_m", self.navigation_error_m),
             ("tracking_error_m", self.tracking_error_m),
@@ -222,6 +242,13 @@ impl Limits {
                     expected: "0 or more",
                 });
             }
+        }
+        if self.climb_angle_min_deg > 90.0 {
+            return Err(LimitError {
+                key: "climb_angle_min_deg",
+                value: self.climb_angle_min_deg,
+                expected: "at most 90: straight up",
+            });
         }
         if self.speed_max_mps < self.speed_min_mps {
             return Err(LimitError {
@@ -340,6 +367,9 @@ pub(crate) mod tests {
             speed_min_mps: 1.0,
             speed_max_mps: 2.0,
             turn_rate_dps: 8.0,
+            turn_lag_s: 0.0,
+            plan_speed_max_mps: None,
+            climb_angle_min_deg: 90.0,
             current_max_mps: 0.3,
             water_depth_min_m: None,
             water_depth_max_m: None,

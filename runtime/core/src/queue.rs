@@ -131,6 +131,8 @@ impl Core {
             depth,
             lock: self.tracker.bottom_lock(self.now),
             surfacing,
+            deepest_m: self.deepest_open_m(),
+            seen_mps: self.courses.seen_mps(),
             depths_m: self.depths_of_ways(),
             clocks: self.clocks(),
             before_s,

@@ -32,7 +32,7 @@ impl Reach {
 }
 
 impl Envelope {
-    fn reach(&self, setpoint: &Setpoint, navigation: &NavigationSample, now: Timestamp) -> Reach {
+    fn reach(&self, setpoint: &Setpoint, navigation: &NavigationSample, seen_mps: f64, now: Timestamp) -> Reach {
         let limits = &self.limits;
         let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
         let speed_mps = setpoint.speed.as_mps().max(ground_mps);
@@ -40,7 +40,6 @@ impl Envelope {
         let turn_deg = navigation.heading.turn_to_deg(setpoint.heading).abs();
         let obeyed_s =
             MODIFY_TIMEOUT.as_secs_f64() + now.since(navigation.solution).as_secs_f64() + limits.link_delay_max_s;
-        let turn_away_s = 180.0 / limits.turn_rate_dps;
         let here = navigation.local;
         let along_m = speed_mps * obeyed_s;
         let convergence_deg = self.fence.frame().convergence_deg(navigation.position);
@@ -49,10 +48,11 @@ impl Envelope {
         let other_north_m = along_m * utm_convergence_deg(navigation.position).to_radians().abs();
         // Sideways in the turn onto the heading, a whole turn's width in the turn away from it, where the vehicle may go as
         // fast again as it is let, and the current's part.
-        let fastest_mps = speed_mps.max(limits.speed_max_mps);
+        let fastest_mps = speed_mps.max(self.fastest_mps(seen_mps));
         let radius_m = radius_of_turn_m * (1.0 - cos(turn_deg.to_radians()))
-            + 2.0 * turn_radius_m(fastest_mps, limits.turn_rate_dps)
-            + limits.current_max_mps * (obeyed_s + turn_away_s)
+            + speed_mps * limits.turn_lag_s
+            + self.turn_away_m(fastest_mps)
+            + limits.current_max_mps * (obeyed_s + self.turn_away_s())
             + limits.navigation_error_m
             + other_north_m;
         Reach {
@@ -60,7 +60,7 @@ impl Envelope {
             ahead,
             radius_m,
             along_m,
-            lasts_s: obeyed_s + turn_away_s,
+            lasts_s: obeyed_s + self.turn_away_s(),
         }
     }
 
@@ -74,7 +74,7 @@ impl Envelope {
         route: &Route,
         (now, clocks): (Timestamp, Clocks),
     ) -> Result<f64, Refusal> {
-        let reach = self.reach(setpoint, navigation, now);
+        let reach = self.reach(setpoint, navigation, route.seen_mps, now);
         let extent = self.extent(
             setpoint.vertical,
             navigation.depth,

@@ -2,12 +2,40 @@
 
 use backseat_fence::{Shape, Span, Sweep, VerticalExtent};
 use backseat_units::Depth;
+use backseat_units::math::sin_cos;
 
-use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Track, Way, position, refusal, ways};
+use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Track, Way, limit, position, refusal, ways};
 use crate::plugin::{GpsHitRequest, Refusal};
 use crate::switches::{Check, is_on};
 
+/// A way up to the surface.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Climb {
+    /// How far it leads over ground, metres, in whatever direction.
+    pub(super) along_m: f64,
+    /// How long it takes, seconds.
+    pub(super) lasts_s: f64,
+}
+
+/// The deeper of where the vehicle is and where it may be by then, metres.
+pub(super) fn deepest(now: Depth, then_m: f64) -> Result<Depth, Refusal> {
+    Depth::from_m(now.as_m().max(then_m).max(0.0)).map_err(|error| limit(error.to_string()))
+}
+
 impl Envelope {
+    /// The longest way up from a depth: no steeper than the limits promise, no faster than the slowest request, and with the
+    /// strongest current.
+    pub(super) fn climb(&self, from: Depth) -> Climb {
+        let limits = &self.limits;
+        let (sine, cosine) = sin_cos(limits.climb_angle_min_deg.to_radians());
+        let length_m = from.as_m().max(0.0) / sine;
+        let lasts_s = length_m / limits.speed_min_mps;
+        Climb {
+            along_m: length_m * cosine + limits.current_max_mps * lasts_s,
+            lasts_s,
+        }
+    }
+
     pub(crate) fn admit_gps_hit(&self, request: &GpsHitRequest) -> Result<Insert, Refusal> {
         Ok(Insert {
             path: InsertPath::Surface {
@@ -18,7 +46,7 @@ impl Envelope {
         })
     }
 
-    /// Safety requirement 002 for a GPS hit: the place with the drift of the whole wait, in a zone that allows surfacing,
+    /// Safety requirement 002 for a GPS hit: the place with the climb and the drift of the whole wait, in a zone that allows surfacing,
     /// and the ways to it and on.
     pub(super) fn judge_surfacing(
         &self,

@@ -14,6 +14,8 @@
 //! | modify: navigation's error | 22.0 | `the_error_of_navigation` |
 //! | modify: the turn onto the heading | 3.5 | `the_turn_onto_the_heading` |
 //! | modify: the turn away | 15.1 | `the_turn_away` |
+//! | modify: the begin and the end of a turn | 1.5 | `a_turn_has_to_begin` |
+//! | modify: a plan that is faster than any request | 5.8 | `the_plan_may_be_faster_than_any_request` |
 //! | modify: the other north | 0.3 | `the_other_north` |
 //! | modify: the ways back | 11.3 | `the_ways_back` |
 //! | insert: navigation's error | 8.4 | `the_error_of_navigation_on_a_line` |
@@ -24,6 +26,7 @@
 //! | insert: the way on | 10.0 | `the_way_on_from_a_line` |
 //! | circle: entered anywhere | 10.0 | `a_circle_that_is_entered_anywhere_is_left_anywhere` |
 //! | GPS hit: the drift of the wait | 83.2 | `the_drift_of_the_wait_for_gps` |
+//! | GPS hit: the climb | 40 | `a_climb_leads_on_from_the_place` |
 //! | GPS hit: the depths on the way | 8.0 | `the_depths_on_the_way_from_the_surface` |
 //! | depth: vertical error | 2.3 | `the_error_of_the_depth` |
 //! | altitude: vertical error | 0.2 | `the_error_of_the_altitude` |
@@ -36,8 +39,7 @@
 //!
 //! `figures` holds by their figures what the mock makes no use of, for a greater term covers it: the tracking error, the
 //! current while a modify is obeyed, the error of relative navigation. The limit of 2.5 s to a refresh is behind three other
-//! checks, see `no_refresh_is_later_than_two_and_a_half_seconds`. Where the envelope is too small, an ignored test is named
-//! `finding_...`.
+//! checks, see `no_refresh_is_later_than_two_and_a_half_seconds`.
 
 mod figures;
 mod hover;

@@ -124,6 +124,7 @@ pub(super) fn exact() -> Limits {
             ..IntegrityLimits::default()
         },
         turn_rate_dps: 14.0,
+        plan_speed_max_mps: Some(2.0),
         current_max_mps: 0.0,
         navigation_age_max_s: 1.0,
         navigation_error_m: 0.0,

@@ -18,6 +18,7 @@ mod ends;
 mod hull;
 mod judge;
 mod modify;
+mod motion;
 mod onto;
 mod place;
 mod surfacing;
@@ -26,6 +27,7 @@ mod time;
 pub(crate) use ends::End;
 use ends::{farthest_m, ways};
 pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
+use motion::turn_radius_m;
 pub(crate) use onto::{Approach, Track};
 use surfacing::{Climb, deepest};
 pub(crate) use time::{APART_MAX, Clocks};
@@ -537,36 +539,6 @@ impl Envelope {
         }
     }
 
-    /// How far the vehicle may be beside a way or a line, metres: the errors, and a whole turn's width with the current's
-    /// part in it, for what it goes to may be behind it or abeam.
-    fn strayed_m(&self, speed_mps: f64) -> f64 {
-        let limits = &self.limits;
-        limits.tracking_error_m
-            + limits.navigation_error_m
-            + self.turn_away_m(speed_mps)
-            + limits.current_max_mps * self.turn_away_s()
-    }
-
-    /// The width of a whole turn, metres.
-    fn turn_away_m(&self, speed_mps: f64) -> f64 {
-        2.0 * turn_radius_m(speed_mps, self.limits.turn_rate_dps) + speed_mps * self.limits.turn_lag_s
-    }
-
-    /// How long half a circle takes, seconds.
-    fn turn_away_s(&self) -> f64 {
-        180.0 / self.limits.turn_rate_dps + self.limits.turn_lag_s
-    }
-
-    /// The fastest that the vehicle flies, m/s: a request of ours, or its own plan.
-    fn fastest_mps(&self, seen_mps: f64) -> f64 {
-        let of_plan_mps = match self.limits.plan_speed_max_mps {
-            // What the strongest current cannot account for shows that it is faster than it was said to be.
-            Some(told_mps) => told_mps.max(seen_mps - self.limits.current_max_mps),
-            None => seen_mps,
-        };
-        self.limits.speed_max_mps.max(of_plan_mps)
-    }
-
     fn way(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
         self.least(ways(from, to), way.strayed_m, |sweep| self.sweep_way(sweep, way))
     }
@@ -684,10 +656,6 @@ pub(crate) fn bottom_lock(navigation: &NavigationSample) -> Option<BottomLock> {
         water_depth_m: navigation.depth.as_m() + altitude.as_m(),
         at: navigation.local,
     })
-}
-
-fn turn_radius_m(speed_mps: f64, turn_rate_dps: f64) -> f64 {
-    speed_mps / turn_rate_dps.to_radians()
 }
 
 fn vertical(request: VerticalRequest) -> Result<Vertical, Refusal> {

@@ -3,8 +3,8 @@
 //! A vehicle that has been led off its way, or takes up again what was interrupted, does not head for the nearest of its
 //! ends: it steers to the line itself (line-of-sight steering, Fossen, *Handbook of Marine Craft Hydrodynamics and Motion
 //! Control*, 2011, section 10.3). To know where that may lead to, the places are kept where the behaviours began that it
-//! may fly on. Of one whose begin was not heard, the first place at which the vehicle was seen stands for it. All that is
-//! judged by it belongs to safety requirement 002.
+//! may fly on. Of one whose begin was not heard nobody knows it: what is flown has to be heard, or to be seen from the lines
+//! that the vehicle keeps to, before anything of ours steers. All that is judged by it belongs to safety requirement 002.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -14,10 +14,11 @@ use backseat_units::math::hypot;
 use backseat_units::{EastNorth, Timestamp};
 
 use crate::envelope::{Approach, Insert, Track};
+use crate::helm::refused;
 use crate::ledger::Entry;
 use crate::machine::Core;
 use crate::navigation::Jump;
-use crate::plugin::RequestState;
+use crate::plugin::{Refusal, RequestState};
 
 /// How often one behaviour can begin until a later begin takes the place of the last.
 const BEGINS_MAX: usize = 4;
@@ -59,19 +60,17 @@ pub(crate) struct Courses {
     begun_at: Option<Timestamp>,
     /// No navigation had been heard by then.
     unplaced: bool,
-    /// Where the vehicle was when this connection first told of it, and where the one before told of it last if that is
-    /// too far away to be true.
-    seen: Vec<Begin>,
     /// Since when it goes along the line of what is flown now.
     on_line_since: Option<Timestamp>,
+    /// Where nobody heard what is flown, whose lines it goes along, and since when.
+    along: Vec<(Flown, Timestamp)>,
+    /// Where nobody heard what is flown, what it was seen to fly.
+    placed: Vec<Flown>,
     /// It may have left a behaviour of its plan that is not done: for an insert that interrupts, and no planned behaviour
     /// has begun since. Other inserts may be flown first (SPI 7.5).
     left_plan: bool,
     /// Since when it neither climbs nor dives, while nobody of ours steers.
     level_since: Option<Timestamp>,
-    /// What is flown is known, or it went along a line since this process began: where a process before this one may have
-    /// led it away to, it has come back from.
-    placed: bool,
     /// It has come to the depth of what is flown now.
     settled: bool,
     /// The depths that it has settled at in this mission, from and to, metres.
@@ -96,10 +95,9 @@ impl Courses {
         begins.truncate(BEGINS_MAX - 1);
         begins.extend(here);
         self.current = Some(flown);
-        self.placed = true;
+        self.unplace();
         self.begun_at = Some(now);
         self.unplaced = here.is_none();
-        self.seen.clear();
         self.on_line_since = None;
         (self.settled, self.level_since) = (false, None);
     }
@@ -112,10 +110,35 @@ impl Courses {
     /// What is flown is not known: the link is gone, or it has ended and nothing has begun.
     pub(crate) fn lose(&mut self) {
         self.current = None;
+        self.unplace();
         self.begun_at = None;
-        self.seen.clear();
         self.on_line_since = None;
         (self.settled, self.level_since) = (false, None);
+    }
+
+    fn unplace(&mut self) {
+        self.along.clear();
+        self.placed.clear();
+    }
+
+    /// Nobody heard what is flown, nor steers: it goes along these paths. True where it was seen by now what it flies.
+    fn keeps_to(&mut self, now: Timestamp, paths: &[Flown]) -> bool {
+        let since = |path: &Flown| {
+            let before = self.along.iter().find(|(along, _)| along == path);
+            (*path, before.map_or(now, |(_, since)| *since))
+        };
+        self.along = paths.iter().map(since).collect();
+        let long = |(_, since): &(Flown, Timestamp)| now.since(*since) >= ON_LINE_FOR;
+        let seen = self.along.iter().any(long);
+        if seen {
+            self.placed = paths.to_vec();
+            // It is on their lines: what led there is behind it.
+            for path in paths {
+                self.begun.insert(*path, Vec::new());
+                self.left_plan &= !matches!(path, Flown::Planned(_));
+            }
+        }
+        seen
     }
 
     /// Where it is and how fast it dives, while nobody of ours steers.
@@ -148,7 +171,7 @@ impl Courses {
     pub(crate) fn of_current(&self) -> Vec<Begin> {
         match self.current {
             Some(current) => self.of(current),
-            None => self.begun.values().flatten().chain(&self.seen).copied().collect(),
+            None => self.begun.values().flatten().copied().collect(),
         }
     }
 
@@ -160,6 +183,16 @@ impl Courses {
     /// What is flown now, where that was heard.
     pub(crate) const fn current(&self) -> Option<Flown> {
         self.current
+    }
+
+    /// What was seen to be flown, where nobody heard it.
+    pub(crate) fn placed(&self) -> &[Flown] {
+        &self.placed
+    }
+
+    /// Where the plan is taken up again it is not known where its behaviour began.
+    fn lacks_plan(&self) -> bool {
+        !self.begun.keys().any(|flown| matches!(flown, Flown::Planned(_)))
     }
 
     /// Where a behaviour may have begun.
@@ -207,10 +240,9 @@ impl Core {
         let courses = &mut self.courses;
         let places = match courses.current {
             Some(current) if courses.begun_at.is_some() => courses.begun.entry(current).or_default(),
-            None if courses.seen.is_empty() => &mut courses.seen,
             _ => return,
         };
-        if before.is_some() || courses.current.is_none() || courses.unplaced {
+        if before.is_some() || courses.unplaced {
             places.extend(before);
             places.push(here);
             courses.unplaced = false;
@@ -220,24 +252,60 @@ impl Core {
             .filter(|begun| solution.is_none_or(|solution| solution <= *begun));
     }
 
-    /// Whether it is known what the vehicle flies, or at least that it is one of the things that are judged: its plan and our
-    /// inserts. What a process before this one has led it away from it may yet be on its way back to, from where nobody
-    /// knows to what, until it goes along a line.
-    pub(crate) fn knows_what_is_flown(&self) -> bool {
-        match self.courses.current {
-            None => self.former.is_none() || self.courses.placed,
+    /// Whether it is known what the vehicle flies and goes on to, so that a modify's ways back can be judged: a behaviour of
+    /// its plan or an insert of this process, which was heard to begin or was seen by its lines.
+    pub(crate) fn knows_what_is_flown(&self) -> Result<(), Refusal> {
+        let known = match self.courses.current {
+            // Who needs no plan is judged without it, but for what a process before this one has led the vehicle away from.
+            None => self.is_placed() || (!self.envelope.limits().modify_needs_plan && self.former.is_none()),
             Some(Flown::Planned(number)) => self.plan.names(number) || !self.plan.is_complete(),
-            Some(Flown::Inserted(identifier)) => {
-                self.ledger.by_identifier(identifier).is_some()
-                    || (self.plan.has(identifier) && !self.sent_identifiers.contains(&identifier))
-            }
+            Some(Flown::Inserted(identifier)) => self.ledger.by_identifier(identifier).is_some(),
+        };
+        if !known {
+            let text = if self.courses.current.is_none() {
+                "it was not heard what the vehicle flies, nor has it kept to a line of its plan for 10 s"
+            } else {
+                "what the vehicle flies is not in its plan, nor so the way back to it"
+            };
+            return Err(refused("plan", text));
         }
+        self.knows_what_is_taken_up(false)
+    }
+
+    /// Whether it was seen what the vehicle flies, where nobody heard it.
+    fn is_placed(&self) -> bool {
+        let placed = self.courses.placed();
+        let known = |flown: &Flown| match flown {
+            Flown::Planned(number) => self.plan.names(*number),
+            Flown::Inserted(identifier) => self.ledger.by_identifier(*identifier).is_some(),
+        };
+        !placed.is_empty() && placed.iter().all(known)
+    }
+
+    /// Whether it was heard what the vehicle flies, so that an insert's way to it can be judged.
+    pub(crate) fn heard_what_is_flown(&self, interrupts: bool) -> Result<(), Refusal> {
+        if self.courses.current.is_none() {
+            let text = "it was not heard what the vehicle flies, nor so where the insert would begin";
+            return Err(refused("plan", text));
+        }
+        self.knows_what_is_taken_up(interrupts)
+    }
+
+    /// Whether it is known where the planned behaviour began that the vehicle may take up again.
+    fn knows_what_is_taken_up(&self, interrupts: bool) -> Result<(), Refusal> {
+        if self.takes_up_plan(interrupts) && self.courses.lacks_plan() {
+            let text =
+                "it was not heard what the vehicle takes up again after what it flies, nor so the way back to it";
+            return Err(refused("plan", text));
+        }
+        Ok(())
     }
 
     /// A behaviour has ended, for good or for one that interrupts it. Until another begins what is flown is not known.
     pub(crate) fn course_ended(&mut self, number: Option<u32>, identifier: Option<BehaviorId>) {
         let ended = identifier.map(Flown::Inserted).or(number.map(Flown::Planned));
-        if ended.is_some() && ended == self.courses.current {
+        // Where it was seen what is flown, whatever ends makes that another.
+        if ended.is_some() && (self.courses.current.is_none() || ended == self.courses.current) {
             self.courses.lose();
         }
         let Some(identifier) = identifier else { return };
@@ -268,26 +336,49 @@ impl Core {
         };
         let vertical = [navigation.depth.as_m(), navigation.down_mps];
         self.courses.levels(self.now, vertical, level_for);
-        let lines: Vec<_> = match self.courses.current {
-            None if self.courses.placed => return,
-            None => self.plan.elements().flat_map(crate::plan::Element::legs).collect(),
-            Some(current) if self.courses.begun.get(&current).is_none_or(Vec::is_empty) => return,
-            Some(current) => self.first_line_of(current).into_iter().collect(),
-        };
         let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
         let within_m = self.envelope.limits().tracking_error_m;
-        let on_line = lines.iter().any(|line| is_on(*line, here, velocity, within_m));
+        let line = match self.courses.current {
+            None => {
+                let mut paths: Vec<Flown> = Vec::new();
+                for (flown, line) in self.lines_that_may_be_flown() {
+                    if is_on(line, here, velocity, within_m) && !paths.contains(&flown) {
+                        paths.push(flown);
+                    }
+                }
+                if self.courses.placed.is_empty() && self.courses.keeps_to(self.now, &paths) {
+                    self.plan.seen_at(self.courses.placed());
+                }
+                return;
+            }
+            Some(current) if self.courses.begun.get(&current).is_none_or(Vec::is_empty) => return,
+            Some(current) => self.first_line_of(current),
+        };
+        let on_line = line.is_some_and(|line| is_on(line, here, velocity, within_m));
         let since = self.courses.on_line_since.filter(|_| on_line);
         self.courses.on_line_since = on_line.then(|| since.unwrap_or(self.now));
         if since.is_none_or(|since| self.now.since(since) < ON_LINE_FOR) {
             return;
         }
-        match self.courses.current {
-            None => self.courses.placed = true,
-            Some(current) => {
-                self.courses.begun.insert(current, Vec::new());
-            }
+        if let Some(current) = self.courses.current {
+            self.courses.begun.insert(current, Vec::new());
         }
+    }
+
+    /// The lines of the plan and of our open tracklines, and whose they are; none where the vehicle may fly anything else.
+    fn lines_that_may_be_flown(&self) -> Vec<(Flown, (EastNorth, EastNorth))> {
+        let mut others = self
+            .plan
+            .others(|identifier| self.sent_identifiers.contains(&identifier));
+        if !self.plan.is_complete() || others.next().is_some() {
+            return Vec::new();
+        }
+        let planned = self.plan.lines().map(|(number, line)| (Flown::Planned(number), line));
+        let ours = self.ledger.iter().filter_map(|(_, entry)| {
+            let (identifier, insert) = (entry.identifier?, entry.insert?);
+            Some((Flown::Inserted(identifier), self.envelope.line_led(&insert)?))
+        });
+        planned.chain(ours).collect()
     }
 
     /// The depths on the ways to what the vehicle flies before or after a request, from and to, metres. Those of our own
@@ -377,7 +468,7 @@ impl Core {
     /// and where the insert interrupts, what is flown now (SPI 7.5; vehicles differ).
     pub(crate) fn taken_up_after(&self, interrupts: bool) -> Vec<Track> {
         let mut tracks = Vec::new();
-        if interrupts || self.ledger.interrupts() || self.former_may_fly() || self.courses.left_plan {
+        if self.takes_up_plan(interrupts) {
             let planned: Vec<_> = self.plan.current().flat_map(crate::plan::Element::legs).collect();
             let begun: Vec<Begin> = self
                 .courses
@@ -385,7 +476,6 @@ impl Core {
                 .iter()
                 .filter(|(flown, _)| matches!(flown, Flown::Planned(_)))
                 .flat_map(|(_, begun)| begun.iter().copied())
-                .chain(self.courses.seen.iter().copied())
                 .collect();
             tracks.extend(self.tracks_of_lines(&begun, &planned));
         }
@@ -398,6 +488,11 @@ impl Core {
             tracks.extend(self.tracks_of_insert(&insert, &begun.unwrap_or_default()));
         }
         tracks
+    }
+
+    /// Whether the vehicle may take up its plan again after what it flies, or after an insert that interrupts that.
+    fn takes_up_plan(&self, interrupts: bool) -> bool {
+        interrupts || self.ledger.interrupts() || self.former_may_fly() || self.courses.left_plan
     }
 }
 
@@ -437,12 +532,8 @@ mod tests {
     #[test]
     fn where_what_is_flown_began_is_known_until_its_line_or_another_behaviour() {
         let insert = BehaviorId::new(7);
-        let mut courses = Courses {
-            seen: vec![begin(1.0)],
-            ..Courses::default()
-        };
+        let mut courses = Courses::default();
         let now = Timestamp::default();
-        assert_eq!(courses.of_current(), [begin(1.0)]);
         courses.began(now, Flown::Planned(1), Some(begin(2.0)));
         assert_eq!(courses.of_current(), [begin(2.0)]);
         courses.began(now, Flown::Inserted(insert), Some(begin(3.0)));
@@ -454,10 +545,30 @@ mod tests {
         courses.ended(insert);
         courses.began(now, Flown::Planned(2), Some(begin(5.0)));
         assert_eq!(courses.of(Flown::Planned(1)), []);
-        // What began while nothing was heard, nobody knows.
         courses.lose();
-        courses.seen = vec![begin(6.0)];
-        assert_eq!(courses.of_current(), [begin(5.0), begin(6.0)]);
+        assert_eq!(courses.of_current(), [begin(5.0)]);
+    }
+
+    #[test]
+    fn what_was_not_heard_is_seen_once_one_path_was_kept_to_for_ten_seconds() {
+        let (second, third) = (Flown::Planned(2), Flown::Planned(3));
+        let at = |seconds: u64| Timestamp::from_millis(1000 * seconds);
+        let mut courses = Courses::default();
+        // Ten seconds on two paths, but on neither for as long.
+        assert!(!courses.keeps_to(at(0), &[second]));
+        assert!(!courses.keeps_to(at(5), &[second, third]));
+        assert!(!courses.keeps_to(at(8), &[third]));
+        assert!(!courses.keeps_to(at(14), &[second, third]));
+        assert!(courses.keeps_to(at(15), &[second, third]));
+        // Both count, for it may be either.
+        assert_eq!(courses.placed(), [second, third]);
+        courses.lose();
+        assert_eq!(courses.placed(), []);
+        assert!(!courses.keeps_to(at(16), &[third]));
+        assert!(!courses.keeps_to(at(20), &[]));
+        assert!(!courses.keeps_to(at(26), &[third]));
+        courses.began(at(30), third, None);
+        assert!(!courses.keeps_to(at(36), &[third]));
     }
 
     #[test]

@@ -446,6 +446,12 @@ impl Envelope {
         }
     }
 
+    /// The same with its longest leads.
+    pub(crate) fn line_led(&self, insert: &Insert) -> Option<(EastNorth, EastNorth)> {
+        let (start, end) = self.line_given(insert)?;
+        Some(self.with_leads(start, end))
+    }
+
     /// Between which two points the path of an insert begins that the vehicle has begun on its way to: nobody knows how long
     /// its lead-in is, nor where on a circle without an entry angle it goes.
     pub(crate) fn path_begins(&self, insert: &Insert, begun: EastNorth) -> [EastNorth; 2] {

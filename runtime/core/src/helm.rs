@@ -6,7 +6,8 @@ use backseat_spi::{EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, M
 use backseat_units::{Timestamp, utm_convergence_deg};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
-use crate::envelope::{End, Route, Setpoint, Vertical};
+use crate::course::Flown;
+use crate::envelope::{End, Route, Setpoint, Track, Vertical};
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::{Grant, HeadingFrame};
@@ -155,9 +156,8 @@ impl Core {
             return Err(refused("priority", "a plugin of higher priority holds the vehicle"));
         }
         self.admit_beside_gps_hit()?;
-        if !self.knows_what_is_flown() && is_on(Check::PlanKnown) {
-            let text = "what the vehicle flies is not in its plan, or not known yet, nor so the way back to it";
-            return Err(refused("plan", text));
+        if is_on(Check::PlanKnown) {
+            self.knows_what_is_flown()?;
         }
         let setpoint = self.envelope.admit_modify(modify)?;
         self.cap_steering(plugin, modify.duration)?;
@@ -357,35 +357,44 @@ impl Core {
             seen_mps: self.courses.seen_mps(),
             ..Route::default()
         };
-        // On the way to where its path begins it comes back to that way. Where it was not heard what is flown, any of the
-        // inserts may be, or none.
-        let begun = self.courses.of_current();
-        let heard = self.courses.current().is_some();
+        // On the way to where its path begins it comes back to that way. What was seen by its lines is on them.
+        let begun = match self.courses.current() {
+            Some(_) => self.courses.of_current(),
+            None => Vec::new(),
+        };
+        let placed = self.courses.placed();
         let mut flying = false;
-        let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
-        let open = self.chain().into_iter().map(|(_, insert, started)| (insert, started));
-        for (insert, started) in open.chain(doubtful.map(|insert| (insert, false))) {
-            if started || !heard {
+        for (_, entry) in self.ledger.iter() {
+            let Some(insert) = entry.insert else { continue };
+            let seen = entry
+                .identifier
+                .is_some_and(|own| placed.contains(&Flown::Inserted(own)));
+            let heard = self.courses.current().is_some() && entry.state == RequestState::Started;
+            if seen || heard {
                 route.legs.extend(self.tracks_of_insert(&insert, &begun));
             }
-            if started && heard {
-                flying = true;
-            } else {
+            flying |= heard;
+            if !heard {
                 route.to.push(self.envelope.ends(&insert).0);
             }
         }
-        route.to.extend(self.returns_to().map(End::At));
-        // The vehicle may end an insert that it is led away from (SPI 7.12), and take up what that has interrupted.
-        route.legs.extend(self.taken_up_after(false));
-        // An insert that is not ours may be the one that is flown.
+        // What the vehicle has not answered for, and what is not ours, may come next.
+        let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
+        route.to.extend(doubtful.map(|insert| self.envelope.ends(&insert).0));
         let others = self
             .plan
             .others(|identifier| self.sent_identifiers.contains(&identifier));
-        let mut lines: Vec<_> = others.flat_map(|(_, element)| element.legs()).collect();
+        route.to.extend(others.map(|(_, element)| End::At(element.first())));
+        route.to.extend(self.returns_to().map(End::At));
+        // The vehicle may end an insert that it is led away from (SPI 7.12), and take up what that has interrupted.
+        route.legs.extend(self.taken_up_after(false));
         if !flying {
-            lines.extend(self.plan.current().flat_map(crate::plan::Element::legs));
+            let lines: Vec<_> = self.plan.current().flat_map(crate::plan::Element::legs).collect();
+            route.legs.extend(self.tracks_of_lines(&begun, &lines));
         }
-        route.legs.extend(self.tracks_of_lines(&begun, &lines));
+        route
+            .legs
+            .extend(self.plan.seen_before().map(|(start, end)| Track::Line(start, end)));
         route
     }
 }

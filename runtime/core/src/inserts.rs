@@ -157,12 +157,6 @@ impl Core {
             ));
         }
         let current = self.orders.current();
-        if insert.interrupt && self.orders.is_unheard() && is_on(Check::InterruptOfInterrupt) {
-            return Err(refused(
-                "interrupt",
-                "it was not heard what is flown, which may be an insert that none may interrupt (SPI 7.5)",
-            ));
-        }
         if insert.interrupt
             && current.is_some_and(|current| !self.sent_identifiers.contains(&current))
             && is_on(Check::InterruptOfInterrupt)
@@ -207,6 +201,9 @@ impl Core {
         if let Some(most) = own.inserts_total_max.filter(|most| !surfaces && sent >= *most) {
             let text = format!("it has sent {sent} inserts, and may send {most}");
             return Err(refused("cap", &text));
+        }
+        if is_on(Check::PlanKnown) {
+            self.heard_what_is_flown(insert.interrupt)?;
         }
         if let Some(identifiers) = &mut self.start.identifiers {
             // The record may be older than the vehicle's mission, and another payload may count like us.

@@ -158,9 +158,7 @@ pub(crate) struct Orders {
     ended: bool,
     /// The insert that the newest BFMBS named, until its BFMBE.
     current: Option<BehaviorId>,
-    /// Another may have begun since: nothing has since the link, or something on it, was lost.
-    unheard: bool,
-    /// What was the current one then, and may be still.
+    /// What was the current one when something was not heard, and may be still.
     before: Option<BehaviorId>,
     phase: Phase,
     /// There has been a connection.
@@ -188,13 +186,7 @@ impl Orders {
     /// A behaviour has begun: an insert's, or another.
     pub(crate) fn began(&mut self, identifier: Option<BehaviorId>) {
         self.current = identifier;
-        self.unheard = false;
         self.before = None;
-    }
-
-    /// Whether a behaviour may have begun that was not heard.
-    pub(crate) const fn is_unheard(&self) -> bool {
-        self.unheard
     }
 
     /// The insert that the newest behaviour to begin is.
@@ -210,7 +202,6 @@ impl Orders {
     /// Something was not heard, which may have been a begin: what is flown may be another's.
     pub(crate) fn lose(&mut self) {
         self.before = self.current.take().or(self.before);
-        self.unheard = true;
     }
 
     /// A behaviour has ended.
@@ -296,7 +287,6 @@ impl Core {
             Phase::Running => self.empty_mission_runs(),
             Phase::Ending | Phase::Over => {
                 self.orders.current = None;
-                self.orders.unheard &= phase != Phase::Over;
                 self.orders.before = None;
                 self.orders.ended = false;
             }

@@ -3,6 +3,8 @@ use std::collections::BTreeSet;
 use backseat_spi::{BehaviorId, PlanElement, PlanElementKind};
 use backseat_units::{EastNorth, LocalFrame, Timestamp};
 
+use crate::course::Flown;
+
 /// How many points a plan may have before it is taken for nonsense.
 const POINTS_MAX: usize = 10_000;
 /// So many numbers are remembered that the plan does not have.
@@ -79,6 +81,8 @@ pub(crate) struct Plan {
     between: bool,
     /// Another may have begun since.
     unheard: bool,
+    /// What it was seen to fly, where that was not heard.
+    seen: Vec<u32>,
 }
 
 impl Plan {
@@ -184,6 +188,7 @@ impl Plan {
     pub(crate) fn began(&mut self, number: u32) -> bool {
         self.current = Some(number);
         (self.between, self.unheard) = (false, false);
+        self.seen.clear();
         !self.complete || self.names(number) || self.lacks.contains(&number)
     }
 
@@ -192,11 +197,23 @@ impl Plan {
         if self.current == Some(number) {
             self.between = true;
         }
+        self.seen.clear();
     }
 
     /// Something was not heard: which planned behaviour is flown is not known until one begins.
     pub(crate) fn lose(&mut self) {
         self.unheard = true;
+        self.seen.clear();
+    }
+
+    /// It was not heard what is flown, but the vehicle was seen to keep to the lines of these: one of them is flown. Where
+    /// any is an insert, the place in the plan is not known by it.
+    pub(crate) fn seen_at(&mut self, flown: &[Flown]) {
+        let number = |flown: &Flown| match flown {
+            Flown::Planned(number) => Some(*number),
+            Flown::Inserted(_) => None,
+        };
+        self.seen = flown.iter().map(number).collect::<Option<_>>().unwrap_or_default();
     }
 
     /// An insert has begun: what has ended before it is what it was inserted after, and may have been left for it.
@@ -204,10 +221,18 @@ impl Plan {
         self.between = false;
     }
 
-    /// The planned behaviour that is flown, or was when an insert began, where the plan has it.
-    fn at(&self) -> Option<u32> {
-        let current = self.current.filter(|_| !self.between && !self.unheard);
-        current.filter(|number| self.names(*number))
+    /// The planned behaviour that is flown, or was when an insert began, where the plan has it; several where it was seen to
+    /// be one of them, none where nobody knows.
+    fn at(&self) -> &[u32] {
+        let heard = |number: &u32| !self.between && !self.unheard && self.names(*number);
+        match &self.current {
+            Some(current) if heard(current) => std::slice::from_ref(current),
+            _ => &self.seen,
+        }
+    }
+
+    fn is_at(&self, element: &Element) -> bool {
+        element.number.is_some_and(|number| self.at().contains(&number))
     }
 
     /// Whether the plan names an insert.
@@ -237,9 +262,8 @@ impl Plan {
 
     /// The elements that the vehicle may be on now: the current one, or every one where that is not known.
     pub(crate) fn current(&self) -> impl Iterator<Item = &Element> {
-        let current = self.at();
-        self.planned()
-            .filter(move |element| current.is_none() || element.number == current)
+        let anywhere = self.at().is_empty();
+        self.planned().filter(move |element| anywhere || self.is_at(element))
     }
 
     /// Whether it tells of a planned behaviour.
@@ -249,23 +273,39 @@ impl Plan {
 
     /// The elements of the planned behaviour that is flown; none where that is not known.
     pub(crate) fn flown(&self) -> impl Iterator<Item = &Element> {
-        let current = self.at();
-        self.planned()
-            .filter(move |element| current.is_some() && element.number == current)
+        self.planned().filter(|element| self.is_at(element))
+    }
+
+    /// The lines of the front seat's own elements, each with the way to it from the element before, and whose they are.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (u32, (EastNorth, EastNorth))> + '_ {
+        let before = std::iter::once(None).chain(self.planned().map(Some));
+        before.zip(self.planned()).flat_map(|(before, element)| {
+            let way = before.map(|before| (before.last(), element.first()));
+            let lines = way.into_iter().chain(element.legs());
+            lines.filter_map(|line| Some((element.number?, line)))
+        })
+    }
+
+    /// Where nobody heard what is flown but it was seen: the ways to what is flown, and what comes before it.
+    pub(crate) fn seen_before(&self) -> impl Iterator<Item = (EastNorth, EastNorth)> + '_ {
+        let pairs = self.planned().zip(self.planned().skip(1));
+        let pairs = pairs.filter(|(_, element)| element.number.is_some_and(|number| self.seen.contains(&number)));
+        pairs.flat_map(|(before, element)| before.legs().chain([(before.last(), element.first())]))
     }
 
     /// The first points of what may come after the current element.
     pub(crate) fn next_points(&self) -> Vec<EastNorth> {
-        let Some(current) = self.at() else {
+        if self.at().is_empty() {
             return self.planned().map(Element::first).collect();
+        }
+        let next = |current: &u32| {
+            let mut after = self.planned().skip_while(|element| element.number != Some(*current));
+            // A number that recurs (several elements of one behaviour) is passed over whole.
+            after
+                .find(|element| element.number != Some(*current))
+                .map(Element::first)
         };
-        let mut after = self.planned().skip_while(|element| element.number != Some(current));
-        // A number that recurs (several elements of one behaviour) is passed over whole.
-        after
-            .find(|element| element.number != Some(current))
-            .map(Element::first)
-            .into_iter()
-            .collect()
+        self.at().iter().filter_map(next).collect()
     }
 
     /// All elements, the inserts included.

@@ -49,6 +49,8 @@ impl Chance {
 struct BadLine {
     chance: Chance,
     counts: FrameCounts,
+    /// Nothing is wrong with it for the time being.
+    good: bool,
 }
 
 fn checked(body: &str) -> Vec<u8> {
@@ -60,11 +62,11 @@ impl BadLine {
     fn pass(&mut self, bytes: &[u8]) -> Vec<u8> {
         let mut out = Vec::with_capacity(bytes.len() + 64);
         for sentence in bytes.split_inclusive(|byte| *byte == b'\n') {
-            if self.chance.one_in(40) {
+            if !self.good && self.chance.one_in(40) {
                 self.disturb(sentence, &mut out);
             }
             let navigation = sentence.starts_with(b"$BFNV");
-            if navigation && self.chance.one_in(200) {
+            if !self.good && navigation && self.chance.one_in(200) {
                 self.corrupt(sentence, &mut out);
             } else {
                 out.extend_from_slice(sentence);
@@ -366,6 +368,7 @@ fn happen(trial: &mut Trial, chance: &mut Chance) {
             if let Some(identifier) = trial.vehicle.inserted.first().copied() {
                 trial.vehicle.begin(now, None, Some(identifier));
                 trial.vehicle.end(now + Duration::from_secs(5), None, Some(identifier));
+                trial.vehicle.begin(now + Duration::from_secs(5), Some(1), None);
                 trial.vehicle.inserted.remove(&identifier);
             }
         }
@@ -376,6 +379,7 @@ fn happen(trial: &mut Trial, chance: &mut Chance) {
             trial.run_for(5.0);
             let next = trial.now;
             trial.vehicle.set_status(next, "Running");
+            trial.vehicle.begin(next, Some(1), None);
         }
         141..180 => trial.read_max = usize::try_from(1 + chance.below(400)).unwrap(),
         _ => {}
@@ -394,8 +398,9 @@ fn sr_009_sr_013_a_day_of_traffic_loses_nothing_but_what_was_cut_and_closes_its_
     let mut survey = surveyor(Chance(1));
     trial.script(0, move |input| (Duration::from_millis(2), Ok(survey(input))));
     let bad = Rc::new(RefCell::new(BadLine {
-        chance: Chance(2),
+        chance: Chance(5),
         counts: FrameCounts::default(),
+        good: false,
     }));
     let way = Rc::clone(&bad);
     trial.way = Some(Box::new(move |bytes| way.borrow_mut().pass(&bytes)));
@@ -409,8 +414,17 @@ fn sr_009_sr_013_a_day_of_traffic_loses_nothing_but_what_was_cut_and_closes_its_
         let turn = trial.now.as_secs_f64() / 50.0;
         trial.vehicle.jump = EastNorth::default().offset(turn.to_degrees() % 360.0, 40.0);
         if quiet {
+            bad.borrow_mut().good = true;
             settle(&mut trial, &mut books, midnight, ours);
+            bad.borrow_mut().good = false;
             continue;
+        }
+        // The line is bad for one minute of ten.
+        let good = trial.now.as_secs_f64() % 600.0 >= 60.0;
+        if core::mem::replace(&mut bad.borrow_mut().good, good) != good && good {
+            // While the line was bad, nobody knows what was flown.
+            let now = trial.now;
+            trial.vehicle.begin(now, Some(1), None);
         }
         happen(&mut trial, &mut chance);
         if trial.is_connected() && chance.one_in(10) {
@@ -479,7 +493,11 @@ fn sr_009_sr_013_a_day_of_traffic_loses_nothing_but_what_was_cut_and_closes_its_
 fn settle(trial: &mut Trial, books: &mut Books, midnight: Timestamp, ours: Timestamp) {
     trial.vehicle.replies.clear();
     (trial.read_max, trial.stalled_until) = (usize::MAX, trial.now);
-    trial.run_for(20.0);
+    trial.run_for(19.0);
+    // What began before, something that was lost may have ended.
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(1), None);
+    trial.run_for(1.0);
     assert!(trial.core.has_control(), "at {}", trial.now);
     books.enter(trial);
     let before = trial.now;

@@ -21,6 +21,13 @@ fn end(trial: &mut Trial, identifier: u32) {
     trial.run_for(0.3);
 }
 
+/// The plan goes on.
+fn goes_on(trial: &mut Trial) {
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(1), None);
+    trial.run_for(0.3);
+}
+
 /// An accepted insert under tag 1 with identifier 1.
 fn accepted() -> Trial {
     let mut trial = Trial::under_way();
@@ -186,6 +193,7 @@ fn sr_009_no_further_insert_while_one_is_in_doubt() {
     end(&mut trial, 1);
     assert_eq!(shorts(&trial.states(1)).last(), Some(&"ended"));
     trial.vehicle.replies.clear();
+    goes_on(&mut trial);
     trial.run_for(16.0);
     trial.ask(0, [good_line(3)]);
     trial.run_for(0.5);
@@ -275,6 +283,7 @@ fn sr_019_what_a_killed_process_left_in_the_vehicles_plan_counts_under_the_cap_u
     );
     begin(&mut trial, 7);
     end(&mut trial, 7);
+    goes_on(&mut trial);
     trial.ask(0, [good_line(2)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
@@ -474,6 +483,7 @@ fn sr_019_the_open_inserts_are_capped_in_number() {
     );
     begin(&mut trial, 1);
     end(&mut trial, 1);
+    goes_on(&mut trial);
     trial.ask(0, [good_line(6)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(6)), ["sent", "accepted"]);
@@ -568,6 +578,11 @@ fn sr_010_nothing_interrupts_an_interrupting_insert() {
     assert!(trial.rejection(3).contains("interrupt"));
     assert_eq!(shorts(&trial.states(4)), ["sent", "accepted"], "one that waits may");
     end(&mut trial, 1);
+    // Until something begins nobody knows what an insert would come after.
+    trial.ask(1, [good_line(6)]);
+    trial.run_for(0.5);
+    assert!(trial.rejection(6).contains("not heard"), "{}", trial.rejection(6));
+    goes_on(&mut trial);
     trial.ask(1, [interrupting(5)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(5)), ["sent", "accepted"]);

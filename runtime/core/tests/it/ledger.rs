@@ -34,6 +34,8 @@ fn known_once_it_has_come_anew(trial: &mut Trial) {
         trial.states(1)
     );
     trial.vehicle.replies.clear();
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(1), None);
     trial.run_for(20.0);
     trial.ask(0, [good_line(2)]);
     trial.run_for(0.5);

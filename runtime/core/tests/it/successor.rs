@@ -17,6 +17,13 @@ fn end(trial: &mut Trial, identifier: u32) {
     trial.run_for(0.3);
 }
 
+/// The plan goes on.
+fn goes_on(trial: &mut Trial) {
+    let now = trial.now;
+    trial.vehicle.begin(now, Some(1), None);
+    trial.run_for(0.3);
+}
+
 /// The identifiers of the lines that were sent, in their order.
 fn identifiers(trial: &Trial) -> Vec<u32> {
     let of = |(_, message): &(_, ToVehicle)| match message {
@@ -91,6 +98,7 @@ fn sr_010_an_insert_that_was_refused_and_is_flown_all_the_same_is_not_interrupte
         trial.rejection(2)
     );
     end(&mut trial, first);
+    goes_on(&mut trial);
     trial.ask(0, [interrupting(3)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
@@ -249,6 +257,7 @@ fn sr_010_nothing_interrupts_while_an_insert_of_a_killed_process_may_be_flown() 
         trial.rejection(2)
     );
     end(&mut trial, 7);
+    goes_on(&mut trial);
     trial.ask(0, [interrupting(3)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));

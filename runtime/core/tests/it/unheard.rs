@@ -30,7 +30,7 @@ fn sr_002_over_a_lost_link_an_insert_that_was_flown_may_have_ended() {
     trial.vehicle.inserted.remove(&1);
     outage(&mut trial);
     led_to(&mut trial, -600.0, -1500.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "wreck");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
 }
 
 #[test]
@@ -49,10 +49,10 @@ fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_been_flown() {
     accepted(&mut trial, first, 1);
     trial.vehicle.inserted.remove(&1);
     outage(&mut trial);
-    refused_for(&mut trial, second(), 2, "wreck");
+    refused_for(&mut trial, second(), 2, "not heard");
 }
 
-/// As a1, with an insert that was accepted and begins during the outage.
+/// An insert that was accepted begins before the outage or during it.
 #[test]
 fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_begun() {
     let flown = |heard: bool| {
@@ -70,8 +70,8 @@ fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_begun() {
         led_to(&mut trial, -500.0, -700.0);
         trial
     };
-    refused_for(&mut flown(true), Request::Modify(modify(8)), 8, "wreck");
-    refused_for(&mut flown(false), Request::Modify(modify(9)), 9, "wreck");
+    refused_for(&mut flown(true), Request::Modify(modify(8)), 8, "not heard");
+    refused_for(&mut flown(false), Request::Modify(modify(9)), 9, "not heard");
 }
 
 #[test]
@@ -187,7 +187,7 @@ fn sr_002_after_a_planned_behaviour_has_ended_it_is_not_known_which_is_flown_unt
     begins(&mut trial, Some(2), None);
     trial.way = None;
     led_to(&mut trial, 600.0, -100.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "wreck");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn sr_002_of_what_was_lost_on_the_link_any_may_have_been_a_begin() {
     begins(&mut trial, Some(2), None);
     trial.way = None;
     led_to(&mut trial, 600.0, -100.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "wreck");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
 }
 
 /// Noise on the line: a bit of each such sentence is turned.

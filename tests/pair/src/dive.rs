@@ -92,6 +92,9 @@ pub struct Dive {
     to_vehicle: VecDeque<(Timestamp, Vec<u8>)>,
     answers: VecDeque<(Timestamp, PluginId, Answer)>,
     asked: Vec<Request>,
+    envelope: Arc<Envelope>,
+    settings: Settings,
+    plugin: PluginSetup,
 }
 
 impl Dive {
@@ -125,7 +128,12 @@ impl Dive {
             Fence::from_geojson(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
         });
         let envelope = Arc::new(Envelope::new(fence, setup.limits));
-        let core = Core::new(setup.settings, envelope, vec![setup.plugin], start);
+        let core = Core::new(
+            setup.settings.clone(),
+            Arc::clone(&envelope),
+            vec![setup.plugin.clone()],
+            start,
+        );
         let mut dive = Self {
             core,
             mvc,
@@ -145,6 +153,9 @@ impl Dive {
             to_vehicle: VecDeque::new(),
             answers: VecDeque::new(),
             asked: Vec::new(),
+            envelope,
+            settings: setup.settings,
+            plugin: setup.plugin,
         };
         dive.drain();
         dive
@@ -198,6 +209,29 @@ impl Dive {
             self.mvc.disconnect(self.now, self.client);
             self.feed(Input::LinkDown);
         }
+    }
+
+    /// The process is killed, and another takes its place, which knows that so many inserts were sent.
+    pub fn kill(&mut self, sent: u32) {
+        self.cut();
+        let start = Start {
+            utc: self.mvc.utc(self.now),
+            identifiers: Some(Identifiers {
+                next: 1 + sent,
+                reserved: 1 + sent,
+                first: 1,
+                inserts: sent,
+                ..Identifiers::default()
+            }),
+            armed: true,
+            held: false,
+            jitter: 1,
+        };
+        let plugins = vec![self.plugin.clone()];
+        self.core = Core::new(self.settings.clone(), Arc::clone(&self.envelope), plugins, start);
+        (self.asked, self.events, self.notes) = (Vec::new(), Vec::new(), Vec::new());
+        self.answers.clear();
+        self.drain();
     }
 
     /// The states that the plugin's request under a tag came to, without their texts; cancels apart.

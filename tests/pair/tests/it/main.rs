@@ -4,3 +4,4 @@ mod capabilities;
 mod helm;
 mod recovery;
 mod terms;
+mod unheard;

@@ -1,0 +1,76 @@
+//! The lines that an insert is flown along.
+
+use backseat_units::EastNorth;
+
+use super::{Envelope, Insert, InsertPath};
+
+impl Envelope {
+    /// The line of a trackline as it was given, without leads.
+    pub(crate) fn line_given(&self, insert: &Insert) -> Option<(EastNorth, EastNorth)> {
+        let frame = self.fence.frame();
+        match insert.path {
+            InsertPath::Line { start, end, .. } => Some((frame.to_local(start), frame.to_local(end))),
+            InsertPath::Surface { .. } | InsertPath::Circle { .. } => None,
+        }
+    }
+
+    /// The same with its longest leads.
+    pub(crate) fn line_led(&self, insert: &Insert) -> Option<(EastNorth, EastNorth)> {
+        let (start, end) = self.line_given(insert)?;
+        Some(self.with_leads(start, end))
+    }
+
+    /// Between which two points the path of an insert begins that the vehicle has begun on its way to: nobody knows how long
+    /// its lead-in is, nor where on a circle without an entry angle it goes.
+    pub(crate) fn path_begins(&self, insert: &Insert, begun: EastNorth) -> [EastNorth; 2] {
+        let frame = self.fence.frame();
+        match insert.path {
+            InsertPath::Line { start, end, .. } => {
+                let (start, end) = (frame.to_local(start), frame.to_local(end));
+                [self.with_leads(start, end).0, start]
+            }
+            InsertPath::Circle {
+                centre,
+                radius_m,
+                entry_angle_deg: None,
+                ..
+            } => {
+                let centre = frame.to_local(centre);
+                let bearing_deg = begun.bearing_deg(centre);
+                let away_m = begun.distance_m(centre);
+                // From within a circle, or as near to it as navigation tells, every direction leads to it: it has begun
+                // between the two.
+                if away_m <= radius_m + self.limits.navigation_error_m {
+                    return [2.0 * radius_m, -2.0 * radius_m].map(|off_m| begun.offset(bearing_deg, off_m));
+                }
+                // Abreast of the middle, on the two lines that touch it.
+                let radius_m = radius_m * away_m / (away_m * away_m - radius_m * radius_m).sqrt();
+                let across_deg = bearing_deg + 90.0;
+                [radius_m, -radius_m].map(|off_m| centre.offset(across_deg, off_m))
+            }
+            InsertPath::Circle { .. } | InsertPath::Surface { .. } => [self.ends(insert).0.middle(); 2],
+        }
+    }
+
+    /// The lines between which a vehicle lies that flies an insert: the line itself, or the sides of the box around a
+    /// circle or around where it drifts.
+    pub(crate) fn legs(&self, insert: &Insert) -> Vec<(EastNorth, EastNorth)> {
+        let (centre, radius_m) = match insert.path {
+            InsertPath::Line { start, end, .. } => {
+                let frame = self.fence.frame();
+                return vec![self.with_leads(frame.to_local(start), frame.to_local(end))];
+            }
+            InsertPath::Circle { centre, radius_m, .. } => (centre, radius_m),
+            InsertPath::Surface { at } => (at, self.drift_m()),
+        };
+        let centre = self.fence.frame().to_local(centre);
+        let corner = |east, north| centre + EastNorth::new(east, north) * radius_m;
+        let corners = [
+            corner(-1.0, -1.0),
+            corner(-1.0, 1.0),
+            corner(1.0, 1.0),
+            corner(1.0, -1.0),
+        ];
+        (0..4).map(|side| (corners[side], corners[(side + 1) % 4])).collect()
+    }
+}

@@ -1,4 +1,5 @@
-//! How the vehicle moves at worst: how wide it turns, how long that takes, how fast it is, how far it strays.
+//! How the vehicle moves at worst: how wide it turns, how long that takes, how fast it is, how far it strays (safety
+//! requirement 002).
 
 use super::Envelope;
 

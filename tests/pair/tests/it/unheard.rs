@@ -33,12 +33,12 @@ fn steers_after_s(dive: &mut Dive) -> Option<f64> {
 }
 
 fn rejection(dive: &Dive, tag: u64) -> String {
-    let of_tag = |(_, note): &(_, Note)| match note {
-        Note::Request(transition) if transition.tag == tag => match &transition.state {
-            RequestState::Rejected(text) => Some(text.clone()),
-            _ => None,
-        },
-        _ => None,
+    let of_tag = |(_, note): &(_, Note)| {
+        let Note::Request(transition) = note else { return None };
+        let RequestState::Rejected(text) = &transition.state else {
+            return None;
+        };
+        (transition.tag == tag).then(|| text.clone())
     };
     dive.notes.iter().find_map(of_tag).unwrap_or_default()
 }

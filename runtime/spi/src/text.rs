@@ -26,7 +26,7 @@ impl Text {
     /// # Errors
     /// [`TextError`] names the first character that is not allowed.
     pub fn new(text: &str) -> Result<Self, TextError> {
-        match text.char_indices().find(|&(_, character)| !is_allowed(character)) {
+        match first_foreign(text, is_allowed) {
             None => Ok(Self(text.into())),
             Some((at, character)) => Err(TextError { character, at }),
         }
@@ -35,69 +35,12 @@ impl Text {
     /// The text with a blank in place of each character that is not allowed.
     #[must_use]
     pub fn cleaned(text: &str) -> Self {
-        if text.bytes().all(|byte| is_allowed(char::from(byte))) {
-            return Self(text.into());
-        }
-        Self(
-            text.chars()
-                .map(|character| if is_allowed(character) { character } else { ' ' })
-                .collect(),
-        )
-    }
-
-    /// The text.
-    #[must_use]
-    pub fn as_str(&self) -> &str {
-        &self.0
-    }
-
-    /// Whether there is none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        Self(blanked(text, is_allowed))
     }
 }
 
 const fn is_allowed(character: char) -> bool {
     is_printable(character) && !matches!(character, ',' | '*' | '$')
-}
-
-impl<'de> Deserialize<'de> for Text {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = <Cow<'de, str>>::deserialize(deserializer)?;
-        Self::new(&text).map_err(serde::de::Error::custom)
-    }
-}
-
-impl fmt::Display for Text {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl AsRef<str> for Text {
-    fn as_ref(&self) -> &str {
-        &self.0
-    }
-}
-
-impl TryFrom<&str> for Text {
-    type Error = TextError;
-    fn try_from(text: &str) -> Result<Self, TextError> {
-        Self::new(text)
-    }
-}
-
-impl PartialEq<str> for Text {
-    fn eq(&self, other: &str) -> bool {
-        &*self.0 == other
-    }
-}
-
-impl PartialEq<&str> for Text {
-    fn eq(&self, other: &&str) -> bool {
-        &*self.0 == *other
-    }
 }
 
 /// Text that ends its sentence and is passed on as it is: printable ASCII, and delimiters too.
@@ -125,7 +68,7 @@ impl RelayedText {
     /// # Errors
     /// [`RelayedTextError`] names the first character that is not allowed.
     pub fn new(text: &str) -> Result<Self, RelayedTextError> {
-        match text.char_indices().find(|&(_, character)| !is_printable(character)) {
+        match first_foreign(text, is_printable) {
             None => Ok(Self(text.into())),
             Some((at, character)) => Err(RelayedTextError { character, at }),
         }
@@ -134,26 +77,7 @@ impl RelayedText {
     /// The text with a blank in place of each character that is not allowed.
     #[must_use]
     pub fn cleaned(text: &str) -> Self {
-        if text.bytes().all(|byte| is_printable(char::from(byte))) {
-            return Self(text.into());
-        }
-        Self(
-            text.chars()
-                .map(|character| if is_printable(character) { character } else { ' ' })
-                .collect(),
-        )
-    }
-
-    /// The text.
-    #[must_use]
-    pub fn as_str(&self) -> &str {
-        &self.0
-    }
-
-    /// Whether there is none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        Self(blanked(text, is_printable))
     }
 
     /// Whether a command of a payload begins inside it (SPI 7). A vehicle that begins anew at each dollar sign would carry
@@ -168,48 +92,84 @@ const fn is_printable(character: char) -> bool {
     matches!(character, ' '..='~')
 }
 
-impl<'de> Deserialize<'de> for RelayedText {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = <Cow<'de, str>>::deserialize(deserializer)?;
-        Self::new(&text).map_err(serde::de::Error::custom)
-    }
-}
-
-impl fmt::Display for RelayedText {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl AsRef<str> for RelayedText {
-    fn as_ref(&self) -> &str {
-        &self.0
-    }
-}
-
 impl From<Text> for RelayedText {
     fn from(text: Text) -> Self {
         Self(text.0)
     }
 }
 
-impl TryFrom<&str> for RelayedText {
-    type Error = RelayedTextError;
-    fn try_from(text: &str) -> Result<Self, RelayedTextError> {
-        Self::new(text)
-    }
+/// What both texts share: read as a string, checked on the way in, compared with strings.
+macro_rules! is_string {
+    ($text:ident, $error:ident) => {
+        impl $text {
+            /// The text.
+            #[must_use]
+            pub fn as_str(&self) -> &str {
+                &self.0
+            }
+
+            /// Whether there is none.
+            #[must_use]
+            pub fn is_empty(&self) -> bool {
+                self.0.is_empty()
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $text {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let text = <Cow<'de, str>>::deserialize(deserializer)?;
+                Self::new(&text).map_err(serde::de::Error::custom)
+            }
+        }
+
+        impl fmt::Display for $text {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(&self.0)
+            }
+        }
+
+        impl AsRef<str> for $text {
+            fn as_ref(&self) -> &str {
+                &self.0
+            }
+        }
+
+        impl TryFrom<&str> for $text {
+            type Error = $error;
+            fn try_from(text: &str) -> Result<Self, $error> {
+                Self::new(text)
+            }
+        }
+
+        impl PartialEq<str> for $text {
+            fn eq(&self, other: &str) -> bool {
+                &*self.0 == other
+            }
+        }
+
+        impl PartialEq<&str> for $text {
+            fn eq(&self, other: &&str) -> bool {
+                &*self.0 == *other
+            }
+        }
+    };
 }
 
-impl PartialEq<str> for RelayedText {
-    fn eq(&self, other: &str) -> bool {
-        &*self.0 == other
-    }
+is_string!(Text, TextError);
+is_string!(RelayedText, RelayedTextError);
+
+/// The first character that is not allowed, and where it stands.
+fn first_foreign(text: &str, is_allowed: fn(char) -> bool) -> Option<(usize, char)> {
+    text.char_indices().find(|&(_, character)| !is_allowed(character))
 }
 
-impl PartialEq<&str> for RelayedText {
-    fn eq(&self, other: &&str) -> bool {
-        &*self.0 == *other
+/// The text with a blank in place of each character that is not allowed.
+fn blanked(text: &str, is_allowed: fn(char) -> bool) -> Box<str> {
+    if text.bytes().all(|byte| is_allowed(char::from(byte))) {
+        return text.into();
     }
+    let or_blank = |character| if is_allowed(character) { character } else { ' ' };
+    text.chars().map(or_blank).collect()
 }
 
 #[cfg(test)]

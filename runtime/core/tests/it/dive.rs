@@ -76,6 +76,21 @@ fn sr_025_another_dive_ends_the_lease_and_nothing_steers_until_its_plan_is_whole
 }
 
 #[test]
+fn sr_025_what_begins_belongs_to_the_dive_that_its_begin_names() {
+    let mut trial = Trial::under_way();
+    let first = begin_of(&trial, "survey", 1);
+    trial.hear_now([first]);
+    trial.run_for(1.0);
+    let other = begin_of(&trial, "other", 1);
+    trial.hear_now([other]);
+    trial.run_for(5.0);
+    // It was heard what is flown of the other dive, whose plan has come.
+    trial.ask(0, [good_line(1)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
+}
+
+#[test]
 fn sr_025_an_empty_name_says_nothing_and_neither_does_the_same_one_again() {
     let mut trial = Trial::steering();
     trial.run_for(0.2);

@@ -40,6 +40,15 @@ pub(crate) fn mission() -> &'static Mission {
     &hangar().mission
 }
 
+/// The same, but a behaviour begins every 20 s.
+fn in_legs() -> &'static Mission {
+    static LEGS: OnceLock<Mission> = OnceLock::new();
+    LEGS.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/missions/legs");
+        Mission::load(&folder, &Layers::default()).unwrap()
+    })
+}
+
 /// The mission's plugins, started.
 pub(crate) fn crew() -> Loaded {
     components().start(mission()).unwrap()
@@ -85,6 +94,12 @@ pub(crate) struct Flight {
 impl Flight {
     pub(crate) fn new(seed: u64) -> Self {
         let sim = Simulation::new(mission(), seed, crew(), None).unwrap();
+        Self { sim }
+    }
+
+    /// One in which a process that connects later soon hears a behaviour begin.
+    pub(crate) fn in_legs(seed: u64) -> Self {
+        let sim = Simulation::new(in_legs(), seed, crew(), None).unwrap();
         Self { sim }
     }
 

@@ -35,7 +35,7 @@ fn sr_007_a_runtime_killed_in_a_lease_leaves_a_modify_that_lapses_within_five_se
 
 #[test]
 fn sr_009_a_new_process_uses_no_identifier_of_the_old_ones() {
-    let mut flight = Flight::new(1);
+    let mut flight = Flight::in_legs(1);
     let mut sent = Vec::new();
     for process in 0..4 {
         let begin = 40.0 * f64::from(process);
@@ -217,7 +217,7 @@ fn a_signal_to_a_process_that_is_killed_before_it_hears_is_lost_and_nobody_holds
 
 #[test]
 fn sr_009_on_a_full_disk_no_insert_is_sent_until_there_is_room_and_the_lease_stands() {
-    let mut flight = Flight::new(1);
+    let mut flight = Flight::in_legs(1);
     flight.sim.reserve_fails(true);
     // The first block was reserved at once; the next process finds the disk full.
     flight.until(20.0).sim.kill(seconds(1), crew(), 0);

@@ -40,7 +40,8 @@
 //! | 019 rates and totals | `inserts-total`, `inserts-open`, `inserts-duration`, `requests-total` |
 //! | 020 recovery | `modify-fence` where a lease begins outside; by truth `truth-cancel` |
 //! | 021 the monitor's truth | `jump-ignored`, `moves-truth` |
-//! | 023 the vehicle hears us | `unheard` |
+//! | 023 the vehicle hears us | `unheard`, `pause-ignored`, `clock-set` |
+//! | 024 navigation that is true | `velocity-missing`; by truth `navigation-untrue` |
 //! | 025 another dive | `another-dive` |
 //!
 //! # What a rule is judged by
@@ -59,6 +60,7 @@
 //! what else follows from it is the plugin's to know.
 
 mod area;
+mod clock;
 mod conduct;
 mod consequence;
 mod control;
@@ -67,10 +69,12 @@ mod dive;
 mod due;
 mod earth;
 mod error;
+mod flaws;
 mod geojson;
 mod heartbeat;
 mod hold;
 mod inserts;
+mod integrity;
 mod judged;
 mod lease;
 mod limits;
@@ -79,6 +83,7 @@ mod moment;
 mod navigation;
 mod operator;
 mod oracle;
+mod pause;
 mod plan;
 mod plane;
 mod process;

@@ -51,6 +51,14 @@
 //! log of a dive has no truth and no arrivals, and may have gaps ([`Oracle::gap`]); its times are those at which the runtime
 //! sent and heard.
 //!
+//! `navigation-untrue` looks at windows of at most 9.5 s of the solutions' time. In each it takes by how much the told place
+//! left the truth, and from that by how much the told velocities, added up, left it too: what both have wrong alike no
+//! payload can see. The rest may be `position_step_m`, `position_drift_mps` for each second of the window, and 0.5 m for the
+//! wire's decimals. By a mission's default limits that is 13.35 m in a whole window: a place that creeps away at 1.5 m/s is
+//! found, one at 1.3 m/s is not. Before it counts, a stretch of half a second must disagree with a later sample. Nothing
+//! that steers may leave from when that sample was heard until 9.9 s after the begin of the stretch. Windows begin anew
+//! where the runtime cannot compare: on another connection, after a gap, after a standstill, by GPS at the surface.
+//!
 //! `malformed` is of the interface (SPI 4.2) and of no requirement.
 //!
 //! What bytes and truth cannot show, beside 006 and 013: that plugins and logs were told and closed in time (011), that

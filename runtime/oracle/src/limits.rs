@@ -36,10 +36,9 @@ pub struct Limits {
     pub link_delay_s: f64,
     /// The longest round trip, from a command to its acknowledgement, that shows that the vehicle hears us, seconds.
     pub answered_within_s: f64,
-    /// How far the place that navigation tells may step beside its velocities, metres, and how far the two may drift apart in
-    /// a second, m/s.
+    /// How far the place that navigation tells may step beside its velocities, metres.
     pub position_step_m: f64,
-    /// See there.
+    /// How far the place and the velocities added up may drift apart in a second, m/s.
     pub position_drift_mps: f64,
     /// How long navigation may come without velocities, seconds.
     pub velocity_gap_s: f64,

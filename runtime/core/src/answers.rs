@@ -58,6 +58,9 @@ impl Core {
             Purpose::EmptyMission(request) => self.empty_mission_answered(request, answer),
             Purpose::SpeedRestored(request) => self.speed_restored(request, answer),
             Purpose::Courtesy => {
+                if command.name == name("RMB") && matches!(answer, Answer::Missing | Answer::Refused(_)) {
+                    self.failed_after_its_end();
+                }
                 if let Answer::Refused(text) = answer {
                     self.note(Note::Text {
                         text: format!("the vehicle refused {}: {text}", command.name.as_str()),

@@ -348,6 +348,14 @@ impl Core {
         }
     }
 
+    /// The vehicle has refused a BPRMB, or not answered it in time, whose lease was over by then: the next one waits all the
+    /// same, or whoever ends each lease at once would never wait. While it waits, all such are of before.
+    pub(crate) fn failed_after_its_end(&mut self) {
+        if self.pause.left(self.now).is_none() {
+            self.pause.failed(self.now);
+        }
+    }
+
     /// Where a lapsed modify leads back to: the leg that is flown, and what comes after it.
     fn route_of_modify(&self) -> Route {
         let mut route = Route {

@@ -1,4 +1,7 @@
+use std::collections::VecDeque;
+
 use crate::moment::Moment;
+use crate::time_of_day::{Echo, TimeOfDay};
 
 /// Which dive the vehicle says that it flies (SPI 6.9, 6.11).
 ///
@@ -10,9 +13,13 @@ pub(crate) struct Dive {
     of_behavior: Option<Vec<u8>>,
     /// When another one was named whose plan was not told since.
     unplanned: Option<Moment>,
+    /// When we asked for the plan, with the times of BPRMP, oldest first.
+    asked: VecDeque<(TimeOfDay, Moment)>,
 }
 
 impl Dive {
+    const ASKED_MAX: usize = 32;
+
     /// BFMIS names the dive file.
     pub(crate) fn named_by_status(&mut self, at: Moment, name: &[u8]) {
         if is_another(&mut self.of_status, name) {
@@ -22,20 +29,32 @@ impl Dive {
     }
 
     /// BFMBS names the dive file.
-    pub(crate) fn named_by_behavior(&mut self, name: &[u8]) {
+    pub(crate) fn named_by_behavior(&mut self, at: Moment, name: &[u8]) {
         if is_another(&mut self.of_behavior, name) {
             self.of_status = None;
+            self.unplanned = Some(at);
         }
     }
 
-    /// A plan was told to its end.
-    pub(crate) const fn planned(&mut self) {
-        self.unplanned = None;
+    /// We asked for the plan.
+    pub(crate) fn asked(&mut self, at: Moment, created: TimeOfDay) {
+        if self.asked.len() == Self::ASKED_MAX {
+            self.asked.pop_front();
+        }
+        self.asked.push_back((created, at));
+    }
+
+    /// A plan was told to its end, in answer to what we asked at a time. What was asked before the dive was named may be
+    /// of the one before it.
+    pub(crate) fn planned(&mut self, echo: Echo) {
+        let answered = |(created, _): &&(TimeOfDay, Moment)| echo.echoes(*created);
+        let asked = self.asked.iter().rev().find(answered).map(|(_, at)| *at);
+        self.unplanned = self.unplanned.filter(|named| asked.is_some_and(|asked| asked < *named));
     }
 
     /// Whether the vehicle has named a dive.
     pub(crate) const fn is_named(&self) -> bool {
-        self.of_status.is_some()
+        self.of_status.is_some() || self.of_behavior.is_some()
     }
 
     /// When another dive was named whose plan was not told since.

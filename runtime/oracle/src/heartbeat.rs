@@ -39,6 +39,8 @@ pub(crate) struct Heartbeat {
     unread: Vec<Moment>,
     /// What was said before this is not known.
     unseen_until: Option<Moment>,
+    /// The vehicle has answered a BPSTS of this process.
+    status_is_answered: bool,
 }
 
 impl Heartbeat {
@@ -56,6 +58,7 @@ impl Heartbeat {
             trips: VecDeque::new(),
             unread: Vec::new(),
             unseen_until: None,
+            status_is_answered: false,
         }
     }
 
@@ -88,8 +91,9 @@ impl Heartbeat {
         }
     }
 
-    /// The vehicle answered something. `stopped` where the runtime stands still, and reads it when it goes on.
-    pub(crate) fn answered(&mut self, at: Moment, command: [u8; 3], echo: Echo, stopped: bool) {
+    /// The vehicle answered something: when that had left. `stopped` where the runtime stands still, and reads it when it
+    /// goes on.
+    pub(crate) fn answered(&mut self, at: Moment, command: [u8; 3], echo: Echo, stopped: bool) -> Option<Moment> {
         let left = if command == *b"LOG" {
             let known = self.logs.pop_front().or_else(|| self.early_log.take());
             // One that left unseen may be meant.
@@ -101,9 +105,13 @@ impl Heartbeat {
         };
         match left {
             Some(left) if stopped && self.unread.len() < Self::TRIPS_MAX => self.unread.push(left),
-            Some(left) if !stopped => self.trip(left, at),
+            Some(left) if !stopped => {
+                self.status_is_answered |= command == *b"STS";
+                self.trip(left, at);
+            }
             Some(_) | None => {}
         }
+        left
     }
 
     /// The runtime goes on, and reads what came meanwhile.
@@ -141,6 +149,21 @@ impl Heartbeat {
             now.since(*left) <= JUST_LEFT + self.late && now.since(*came) <= JUST_NOW + sure
         };
         self.trips.iter().any(just) || self.unseen_until.is_some_and(|until| just(&(until, until)))
+    }
+
+    /// When a BPSTS left, after all that was answered, that waits for its answer though the vehicle answers them: who
+    /// knows no more than that does not know that what left before it was read.
+    pub(crate) fn waits(&self) -> Option<Moment> {
+        let (newest, _) = self.newest()?;
+        let waits = |(name, _, left): &&([u8; 3], TimeOfDay, Moment)| name == b"STS" && *left > newest;
+        let waiting = self.sent.iter().find(waits).map(|(_, _, left)| *left);
+        waiting.filter(|_| self.status_is_answered)
+    }
+
+    /// Another process knows nothing of the vehicle's habits.
+    pub(crate) fn new_process(&mut self) {
+        self.cut();
+        self.status_is_answered = false;
     }
 
     /// The connection is over.

@@ -40,7 +40,8 @@
 //! | 019 rates and totals | `inserts-total`, `inserts-open`, `inserts-duration`, `requests-total` |
 //! | 020 recovery | `modify-fence` where a lease begins outside; by truth `truth-cancel` |
 //! | 021 the monitor's truth | `jump-ignored`, `moves-truth` |
-//! | 023 the vehicle hears us | `unheard` |
+//! | 023 the vehicle hears us | `unheard`, `pause-ignored`, `clock-set` |
+//! | 024 navigation that is true | `velocity-missing`; by truth `navigation-untrue` |
 //! | 025 another dive | `another-dive` |
 //!
 //! # What a rule is judged by
@@ -49,6 +50,14 @@
 //! arrival of our words, or the truth. [`Oracle::rules`] tells how often each was judged, and why not where it was not. The
 //! log of a dive has no truth and no arrivals, and may have gaps ([`Oracle::gap`]); its times are those at which the runtime
 //! sent and heard.
+//!
+//! `navigation-untrue` looks at windows of at most 9.5 s of the solutions' time. In each it takes by how much the told place
+//! left the truth, and from that by how much the told velocities, added up, left it too: what both have wrong alike no
+//! payload can see. The rest may be `position_step_m`, `position_drift_mps` for each second of the window, and 0.5 m for the
+//! wire's decimals. By a mission's default limits that is 13.35 m in a whole window: a place that creeps away at 1.5 m/s is
+//! found, one at 1.3 m/s is not. Before it counts, a stretch of half a second must disagree with a later sample. Nothing
+//! that steers may leave from when that sample was heard until 9.9 s after the begin of the stretch. Windows begin anew
+//! where the runtime cannot compare: on another connection, after a gap, after a standstill, by GPS at the surface.
 //!
 //! `malformed` is of the interface (SPI 4.2) and of no requirement.
 //!
@@ -59,6 +68,7 @@
 //! what else follows from it is the plugin's to know.
 
 mod area;
+mod clock;
 mod conduct;
 mod consequence;
 mod control;
@@ -67,10 +77,12 @@ mod dive;
 mod due;
 mod earth;
 mod error;
+mod flaws;
 mod geojson;
 mod heartbeat;
 mod hold;
 mod inserts;
+mod integrity;
 mod judged;
 mod lease;
 mod limits;
@@ -79,6 +91,7 @@ mod moment;
 mod navigation;
 mod operator;
 mod oracle;
+mod pause;
 mod plan;
 mod plane;
 mod process;

@@ -36,6 +36,12 @@ pub struct Limits {
     pub link_delay_s: f64,
     /// The longest round trip, from a command to its acknowledgement, that shows that the vehicle hears us, seconds.
     pub answered_within_s: f64,
+    /// How far the place that navigation tells may step beside its velocities, metres.
+    pub position_step_m: f64,
+    /// How far the place and the velocities added up may drift apart in a second, m/s.
+    pub position_drift_mps: f64,
+    /// How long navigation may come without velocities, seconds.
+    pub velocity_gap_s: f64,
     /// How late the runtime's own clock may catch what it does, seconds: nothing in simulation, and what a busy computer may
     /// cost where a run is judged by what the runtime has recorded.
     pub runtime_late_s: f64,
@@ -47,7 +53,8 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// Speeds from 0.5 to 2.5 m/s, 5 m of tracking error, 1 s of navigation age; 4 inserts open, 100 in all, 3600 s of
+    /// Speeds from 0.5 to 2.5 m/s, 5 m of tracking error, 1 s of navigation age, a step of 10 m and a drift
+    /// of 0.3 m/s of it, 1.5 s without velocities; 4 inserts open, 100 in all, 3600 s of
     /// them; a link that delays nothing; no operator commands; a
     /// known depth of the water and no boxes.
     fn default() -> Self {
@@ -66,6 +73,9 @@ impl Default for Limits {
             bottom_box: None,
             link_delay_s: 0.0,
             answered_within_s: 1.0,
+            position_step_m: 10.0,
+            position_drift_mps: 0.3,
+            velocity_gap_s: 1.5,
             runtime_late_s: 0.0,
             truth_told: true,
             operator_commands: false,
@@ -83,6 +93,9 @@ impl Limits {
             ("inserts_duration_max_s", self.inserts_duration_max_s),
             ("link_delay_s", self.link_delay_s),
             ("answered_within_s", self.answered_within_s),
+            ("position_step_m", self.position_step_m),
+            ("position_drift_mps", self.position_drift_mps),
+            ("velocity_gap_s", self.velocity_gap_s),
             ("runtime_late_s", self.runtime_late_s),
             ("silent_term_s", self.caps.silent_term_s),
         ];

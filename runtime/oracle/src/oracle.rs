@@ -9,6 +9,7 @@ use std::time::Duration;
 use crate::moment::Moment;
 
 use crate::area::Area;
+use crate::clock::Clock;
 use crate::conduct::{Conduct, Context};
 use crate::consequence::Consequence;
 use crate::control::{Change, Control};
@@ -16,14 +17,17 @@ use crate::delivery::Delivery;
 use crate::dive::Dive;
 use crate::due::Due;
 use crate::error::OracleError;
+use crate::flaws::Flaws;
 use crate::heartbeat::Heartbeat;
 use crate::hold::Hold;
 use crate::inserts::Inserts;
+use crate::integrity::Integrity;
 use crate::lease::Lease;
 use crate::limits::{Activity, Limits, Truth, seconds};
 use crate::lines::{Lines, Piece};
 use crate::navigation::{Jump, Navigation, Told};
 use crate::operator::Operator;
+use crate::pause::Pause;
 use crate::plan::Plan;
 use crate::process::Process;
 use crate::rule::Rule;
@@ -58,6 +62,10 @@ pub struct Oracle {
     control: Control,
     control_held: Duration,
     navigation: Navigation,
+    integrity: Integrity,
+    clock: Clock,
+    flaws: Flaws,
+    pause: Pause,
     lease: Lease,
     hold: Hold,
     delivery: Delivery,
@@ -110,6 +118,10 @@ impl Oracle {
             control: Control::new(limits.control.clone()),
             control_held: Duration::ZERO,
             navigation: Navigation::default(),
+            integrity: Integrity::new(&limits),
+            clock: Clock::default(),
+            flaws: Flaws::default(),
+            pause: Pause::default(),
             lease: Lease::default(),
             hold: Hold::default(),
             delivery: Delivery::default(),
@@ -156,6 +168,9 @@ impl Oracle {
         self.to_vehicle.clear();
         self.arriving.clear();
         self.navigation.cut();
+        self.integrity.cut();
+        // What was on its way may not have been read.
+        self.flaws.unread_from(at - self.sure());
         // The old connection is over either way, even where its end was not told.
         let change = self.control.link(at, false);
         self.control_changed(at, change);
@@ -195,10 +210,14 @@ impl Oracle {
         self.process.begins(at);
         self.inserts.new_process();
         self.navigation.clear();
+        self.integrity.cut();
+        self.clock.forget();
+        self.flaws.clear();
+        self.pause.clear();
         self.plan_heard = false;
         self.trigger = Trigger::default();
         self.silence = Silence::default();
-        self.heartbeat.cut();
+        self.heartbeat.new_process();
         self.dive = Dive::default();
         self.quota = Quota::default();
         self.shutdown = Shutdown::default();
@@ -286,6 +305,7 @@ impl Oracle {
     pub fn truth(&mut self, truth: &Truth) {
         let at = Moment::from_nanos(truth.at_ns);
         self.pass_time(at);
+        self.integrity.truth(truth.position);
         self.follow_inserts(at, truth);
         let news = |told: &Told| at.since(told.at) < RECENT;
         let context = Context {
@@ -340,6 +360,7 @@ impl Oracle {
     fn goes_on(&mut self, at: Moment) {
         if self.process.is_stopped() {
             self.heartbeat.goes_on(at);
+            self.integrity.cut();
         }
         self.process.goes_on(at);
     }

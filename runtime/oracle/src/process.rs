@@ -57,6 +57,15 @@ impl Process {
         core::mem::take(&mut self.slept)
     }
 
+    /// Until when what was said has been heard for sure, where that takes `sure` at most.
+    pub(crate) fn heard_until(&self, now: Moment, sure: Duration) -> Moment {
+        if self.woken + sure <= now {
+            now - sure
+        } else {
+            Moment::ZERO
+        }
+    }
+
     /// When the runtime could hear what was said at a time.
     pub(crate) fn heard(&self, said: Moment) -> Moment {
         said.max(self.woken)

@@ -143,6 +143,15 @@ rules! {
     /// connection, of a command that left under 3 s ago; for what nothing takes back, none within the last second of one
     /// that left at most 2 s ago.
     Unheard = "unheard", Some(23), Heard;
+    /// A lease began too soon after one that the vehicle had refused.
+    PauseIgnored = "pause-ignored", Some(23), Heard;
+    /// What steers left within 10 s of an answer that shows that the vehicle's clock was set.
+    ClockSet = "clock-set", Some(23), Heard;
+    /// What steers left though, over a window of at most 9.5 s within the last 10 s, navigation's place has left the truth by
+    /// more than its own velocities and the mission's limits explain.
+    NavigationUntrue = "navigation-untrue", Some(24), Truth;
+    /// What steers left within 10 s of navigation that came without velocities for longer than the mission lets it.
+    VelocityMissing = "velocity-missing", Some(24), Heard;
     /// What steers left though the vehicle has named another dive file and has not told the plan of it.
     AnotherDive = "another-dive", Some(25), Heard;
     /// A sentence of ours that does not parse.

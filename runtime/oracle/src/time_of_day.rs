@@ -65,6 +65,12 @@ impl Echo {
         }
     }
 
+    /// Whether it is as fine as our times are, so that it means one command alone.
+    #[must_use]
+    pub const fn is_precise(self) -> bool {
+        self.decimals == 3
+    }
+
     /// The time as it stands.
     #[must_use]
     pub const fn time(self) -> TimeOfDay {

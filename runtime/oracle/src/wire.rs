@@ -16,4 +16,4 @@ pub use fields::{Fault, Setpoint, Speed};
 pub use line::LINE_MAX;
 pub(crate) use line::{newest_sentence, sentences};
 pub use ours::{Modify, Ours, Request, Trackcircle, Trackline, read_ours};
-pub use vehicle::{Answer, Element, Fix, Outcome, Said, read_vehicle};
+pub use vehicle::{Answer, Element, Fix, Outcome, Said, Velocities, read_vehicle};

@@ -36,6 +36,9 @@ enum Task {
         /// Write the whole log of the flight here
         #[arg(long)]
         log: Option<PathBuf>,
+        /// Switch a check of the monitor off: in a build with the feature `switches`
+        #[arg(long)]
+        without: Option<String>,
     },
     /// Add up what several hunts have exercised, by the files that `fly --coverage` wrote
     Sum {
@@ -137,7 +140,12 @@ fn run() -> Result<bool> {
     let cli = Cli::parse();
     match cli.task {
         Task::Fly(arguments) => fly(&cli.plugins, &arguments),
-        Task::Replay { plan, log } => replay(&cli.plugins, &plan, log.as_deref()),
+        Task::Replay { plan, log, without } => {
+            if let Some(check) = &without {
+                switch_off(check)?;
+            }
+            replay(&cli.plugins, &plan, log.as_deref())
+        }
         Task::Sum { files, least } => sum(&files, least),
         Task::Alarms {
             runs,

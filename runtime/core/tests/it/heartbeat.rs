@@ -208,6 +208,31 @@ fn sr_023_a_modify_that_is_never_answered_is_tried_less_and_less() {
     }
 }
 
+/// A lease that is over before its answer comes is no way around the pause.
+#[test]
+fn sr_023_a_refusal_that_comes_after_the_lease_has_ended_counts_too() {
+    for reply in [Reply::Silent, Reply::Refuse] {
+        let mut trial = Trial::under_way();
+        trial.vehicle.replies.insert("RMB", reply);
+        trial.script(0, |_| {
+            let step = vec![Request::Modify(modify(1)), Request::EndModify];
+            (Duration::from_millis(1), Ok(step))
+        });
+        trial.run_for(240.0);
+        let sent = trial.sent("RMB");
+        // Without an answer some leave until the first is known to be missing.
+        let pauses = sent.windows(2).map(|pair| pair[1].since(pair[0]));
+        let pauses: Vec<f64> = pauses
+            .map(|pause| pause.as_secs_f64())
+            .filter(|pause| *pause > 0.9)
+            .collect();
+        assert!(sent.len() <= 54, "{reply:?}: {} BPRMB", sent.len());
+        assert!((5..=9).contains(&pauses.len()), "{reply:?}: {pauses:?}");
+        let longer = |pair: &[f64]| pair[1] > 1.5 * pair[0] || pair[1] > 59.0;
+        assert!(pauses.windows(2).all(longer), "{reply:?}: {pauses:?}");
+    }
+}
+
 #[test]
 fn sr_023_where_status_is_never_answered_subscriptions_carry_the_beat() {
     let mut trial = Trial::new();

@@ -78,7 +78,12 @@ impl Oracle {
                 ),
                 None => format!("{name}, which nothing takes back, though nothing was answered"),
             });
+        } else if let Some(left) = self.heartbeat.waits().filter(|_| stays) {
+            self.findings.add(at, Rule::Unheard, || {
+                format!("{name}, which nothing takes back, though the BPSTS that left at {left} waits for its answer")
+            });
         }
+        self.judge_flaws(at, &name);
         if self.dive.is_named() {
             self.findings.judge(Rule::AnotherDive);
         }
@@ -87,6 +92,30 @@ impl Oracle {
         {
             self.findings.add(at, Rule::AnotherDive, || {
                 format!("{name} though another dive file was named at {named}, whose plan was not told since")
+            });
+        }
+    }
+
+    /// Whether navigation, and the clock that it goes by, were well for long enough before something that steers.
+    fn judge_flaws(&mut self, at: Moment, name: &str) {
+        if self.integrity.has_window() {
+            self.findings.judge(Rule::NavigationUntrue);
+        }
+        if self.integrity.has_navigation() {
+            self.findings.judge(Rule::VelocityMissing);
+        }
+        if self.clock.is_known() {
+            self.findings.judge(Rule::ClockSet);
+        }
+        let heard = self.process.heard_until(at, self.sure());
+        // A step that is a jump by itself is judged as that.
+        let jumped = self.unsteady(at).is_some();
+        for flaw in self.flaws.standing(at, heard) {
+            if jumped && flaw.what.rule() == Rule::NavigationUntrue {
+                continue;
+            }
+            self.findings.add(at, flaw.what.rule(), || {
+                format!("{name} though until {} {}", flaw.told, flaw.what)
             });
         }
     }

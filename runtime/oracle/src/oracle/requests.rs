@@ -69,6 +69,7 @@ impl Oracle {
             }
             Ours::RequestPlan => {
                 self.plan.asked();
+                self.dive.asked(at, created);
                 self.inserts.plan_asked(at, created);
             }
             Ours::FrameMoves => self.frame_moves(at),
@@ -122,6 +123,9 @@ impl Oracle {
         self.counts.modifies += 1;
         // Where control is just being lost, the lease that this opens ends with it.
         let opens = !self.lease.is_alive();
+        if opens && !denied {
+            self.judge_pause(at);
+        }
         let slept = self.process.slept();
         if slept > SLEPT_MAX {
             self.findings.judge(Rule::LeaseAfterStop);
@@ -254,6 +258,21 @@ impl Oracle {
         self.judge_shape();
         let verdict = self.area.judge_circle(circle.centre, circle.radius_m, circle.vertical);
         self.tell_fault(at, &what, verdict);
+    }
+
+    /// A lease begins: not too soon after one that the vehicle has refused.
+    fn judge_pause(&mut self, at: Moment) {
+        if !self.pause.is_any() {
+            return;
+        }
+        self.findings.judge(Rule::PauseIgnored);
+        let heard = self.process.heard_until(at, self.sure());
+        if let Some((refused, pause)) = self.pause.standing(at, heard) {
+            self.findings.add(at, Rule::PauseIgnored, || {
+                let pause_s = pause.as_secs_f64();
+                format!("a lease begins though the vehicle refused one at {refused}, and none may for {pause_s:.0} s")
+            });
+        }
     }
 
     /// We tell the vehicle that it is elsewhere: what steers by where it was has ended before.

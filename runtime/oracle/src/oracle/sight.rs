@@ -23,6 +23,10 @@ impl Oracle {
         self.operator.releases();
         self.process.begins(at);
         self.navigation.forget(at);
+        self.integrity.cut();
+        self.clock.forget();
+        self.flaws.clear();
+        self.pause.clear();
         self.frame_moved = None;
         self.plan_heard = true;
         self.trigger.forget();

@@ -18,6 +18,13 @@ impl Oracle {
     fn vehicle_says(&mut self, at: Moment, said: &Said<'_>) {
         match said {
             Said::Navigation(fix) => self.navigated(at, *fix),
+            Said::Velocities(velocities) => {
+                if !self.process.is_stopped()
+                    && let Some(flaw) = self.integrity.velocities(velocities)
+                {
+                    self.flaws.add(flaw);
+                }
+            }
             Said::Control { granted } => {
                 let change = self.control.backseat_control(at, *granted);
                 self.control_changed(at, change);
@@ -49,7 +56,7 @@ impl Oracle {
                 planned,
                 identifier,
             } => {
-                self.dive.named_by_behavior(dive);
+                self.dive.named_by_behavior(at, dive);
                 self.behavior_changed(at);
                 if let Some(identifier) = identifier {
                     self.inserts.begins(at, *identifier);
@@ -75,6 +82,11 @@ impl Oracle {
     }
 
     fn navigated(&mut self, at: Moment, fix: Fix) {
+        if !self.process.is_stopped()
+            && let Some(flaw) = self.integrity.fix(at, fix)
+        {
+            self.flaws.add(flaw);
+        }
         if !self.navigation.heard(at, fix, self.sure()) {
             return;
         }
@@ -94,7 +106,15 @@ impl Oracle {
     fn answered(&mut self, at: Moment, answer: &Answer) {
         let created = answer.command_created;
         let (command, identifier) = (answer.command, answer.identifier);
-        self.heartbeat.answered(at, command, created, self.process.is_stopped());
+        let left = self.heartbeat.answered(at, command, created, self.process.is_stopped());
+        if let Some(left) = left
+            && created.is_precise()
+            && !created.is_none()
+            && !self.process.is_stopped()
+            && let Some(flaw) = self.clock.answered(left, at, answer.created)
+        {
+            self.flaws.add(flaw);
+        }
         if matches!(&command, b"RMB" | b"NAK") {
             self.lease.answered();
         }
@@ -109,6 +129,9 @@ impl Oracle {
             b"RTK" | b"RTC" | b"RGP" if unreadable => self.inserts.unreadable(Some(command)),
             b"NAK" if unreadable => self.inserts.unreadable(None),
             b"RMB" if !taken && self.lease.has(created) => {
+                if !self.process.is_stopped() {
+                    self.pause.refused(at);
+                }
                 self.lease_must_end(self.due(at, Rule::LeaseOutlives, "the vehicle refused it"));
             }
             b"RTK" | b"RTC" | b"RGP" => {
@@ -135,7 +158,7 @@ impl Oracle {
             b"RMP" => {
                 self.plan_heard |= taken;
                 if taken {
-                    self.dive.planned();
+                    self.dive.planned(created);
                 }
                 self.inserts.plan_told(created, taken);
             }

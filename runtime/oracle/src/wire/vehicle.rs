@@ -17,6 +17,8 @@ pub enum Said<'a> {
     },
     /// BFNVG (SPI 6.1).
     Navigation(Fix),
+    /// BFNVR (SPI 6.2).
+    Velocities(Velocities),
     /// BFMBS (SPI 6.9).
     Begins {
         /// The dive file.
@@ -56,9 +58,22 @@ pub enum Said<'a> {
     },
 }
 
+/// How fast the vehicle believes to go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Velocities {
+    /// When the sentence was made.
+    pub created: TimeOfDay,
+    /// East, m/s.
+    pub east_mps: f64,
+    /// North, m/s.
+    pub north_mps: f64,
+}
+
 /// Where the vehicle believes to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
+    /// When the sentence was made.
+    pub created: TimeOfDay,
     /// When the solution was computed.
     pub solution: TimeOfDay,
     /// Where.
@@ -67,6 +82,8 @@ pub struct Fix {
     pub depth_m: f64,
     /// It says a height above the seabed: 0 is none.
     pub locked: bool,
+    /// GPS is in the solution, or what a later version has.
+    pub by_gps: bool,
     /// From the north of the grid, degrees.
     pub heading_deg: f64,
 }
@@ -87,6 +104,8 @@ pub struct Element {
 /// What became of a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
+    /// When the answer was made.
+    pub created: TimeOfDay,
     /// The three letters of its name; `NAK` for what was no command.
     pub command: [u8; 3],
     /// The command's own time; midnight where it had none.
@@ -118,6 +137,7 @@ pub fn read_vehicle(sentence: &[u8]) -> Option<Said<'_>> {
     let name = sentence.get(1..)?.first_chunk::<5>()?;
     let reader = match name {
         b"BFNVG" => navigation,
+        b"BFNVR" => velocities,
         b"BFACK" => answer,
         b"BFMBS" => begins,
         b"BFMBE" => ends,
@@ -137,10 +157,13 @@ pub fn read_vehicle(sentence: &[u8]) -> Option<Said<'_>> {
 /// Each field is held to what the specification writes, those that no rule needs too: damage that the checksum does not
 /// show is seldom in one field alone.
 fn navigation<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
-    fields.time()?;
+    let created = fields.time()?;
     let position = fields.position()?;
     // A code that the specification does not know says nothing against the place.
-    fields.read("a digit", |text| matches!(text, [b'0'..=b'9']).then_some(()))?;
+    let code = fields.read("a digit", |text| match text {
+        [digit @ b'0'..=b'9'] => Some(digit),
+        _ => None,
+    })?;
     let altitude_m = fields.read_or_empty("an altitude", |text| number(text).filter(|metres| *metres >= 0.0))?;
     let depth_m = fields.number()?;
     let heading_deg = fields.read("a heading", |text| {
@@ -148,16 +171,29 @@ fn navigation<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
     })?;
     let (_roll, _pitch) = (fields.number()?, fields.number()?);
     Ok(Said::Navigation(Fix {
+        created,
         solution: fields.time()?,
         position,
         depth_m,
         locked: altitude_m.is_some_and(|metres| metres > 0.0),
+        by_gps: *code != b'0',
         heading_deg,
     }))
 }
 
+fn velocities<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
+    let created = fields.time()?;
+    let (east_mps, north_mps, _down_mps) = (fields.number()?, fields.number()?, fields.number()?);
+    let (_pitch, _roll, _yaw) = (fields.number()?, fields.number()?, fields.number()?);
+    Ok(Said::Velocities(Velocities {
+        created,
+        east_mps,
+        north_mps,
+    }))
+}
+
 fn answer<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
-    fields.time()?;
+    let created = fields.time()?;
     // Its three letters, or the whole name.
     let command = fields.read("a command's name", |text| {
         let text = text.trim_ascii();
@@ -179,6 +215,7 @@ fn answer<'a>(fields: &mut Fields<'a>) -> Result<Said<'a>, Fault> {
         _ => Outcome::Pending,
     };
     Ok(Said::Answer(Answer {
+        created,
         command,
         command_created,
         identifier,

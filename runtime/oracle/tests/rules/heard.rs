@@ -87,6 +87,22 @@ fn requirement_023_what_nothing_takes_back_needs_an_answer_of_this_second() {
 }
 
 #[test]
+fn requirement_023_what_nothing_takes_back_waits_for_the_answer_to_what_left_before_it() {
+    // The beat of 4.055 s has left, and its answer comes 300 ms later.
+    let slow = |ms, body| Scenario::with_control().beats_take(300).ours(ms, body);
+    for body in [INTERRUPT, GPS_HIT] {
+        slow(4050, body).finds_nothing();
+        slow(4060, body).finds(&["unheard"]);
+        slow(4400, body).finds_nothing();
+    }
+    slow(4060, TRACKLINE).finds_nothing();
+    // A vehicle that does not answer BPSTS.
+    let other = Scenario::with_control().beats_take(60_000).ours(3900, "BPMSG,{t},well");
+    let other = other.vehicle(3910, &format!("BFACK,{{t}},MSG,{},0,2,0,ok", stamp(3900)));
+    other.ours(4100, INTERRUPT).finds_nothing();
+}
+
+#[test]
 fn requirement_023_what_a_stopped_runtime_reads_late_was_not_answered_in_time() {
     // The beat of 3.055 s is answered at once, while nobody reads.
     let stopped = |until| {
@@ -131,6 +147,29 @@ fn requirement_025_another_dive_needs_another_plan() {
     for same in ["a.dive", " a.dive ", "", " "] {
         modified(named(same), 5000).finds_nothing();
     }
+    // BFMBS names it too, each in its own way; once one of them has, the other may follow in its way.
+    let begins = |dive: &str| format!("BFMBS,{{t}},{dive},2,,trackline");
+    let flown = |dives: [&str; 2]| {
+        let run = Scenario::with_control().vehicle(3000, &begins(dives[0]));
+        run.vehicle(4000, &begins(dives[1]))
+    };
+    modified(flown(["a", "b"]), 4240).finds_nothing();
+    modified(flown(["a", "b"]), 4260).finds(&["another-dive"]);
+    for same in [["a", "a"], ["a", " a "], ["a", ""], ["", "a"], ["b", "b"]] {
+        modified(flown(same), 5000).finds_nothing();
+    }
+    let both = || flown(["a", "b"]).ours(4100, "BPRMP,{t}");
+    let told = |asked: u64| format!("BFACK,{{t}},RMP,{},0,2,0,done", stamp(asked));
+    let both = both().vehicle(4400, &told(4100));
+    let followed = both.clone().vehicle(4500, "BFMIS,{t},b.dive,Running,");
+    modified(both, 5000).finds_nothing();
+    modified(followed.clone(), 5000).finds_nothing();
+    let third = followed.vehicle(4600, "BFMIS,{t},c.dive,Running,");
+    modified(third, 5000).finds(&["another-dive"]);
+    // A plan that was asked for before may be the other dive's.
+    let before = Scenario::with_control().ours(3900, "BPRMP,{t}");
+    let before = before.vehicle(4000, "BFMIS,{t},b.dive,Running,");
+    modified(before.vehicle(4100, &told(3900)), 5000).finds(&["another-dive"]);
     let asked = || named("b.dive").ours(4100, "BPRMP,{t}");
     let pending = format!("BFACK,{{t}},RMP,{},0,3,0,wait", stamp(4100));
     let told = format!("BFACK,{{t}},RMP,{},0,2,0,done", stamp(4100));

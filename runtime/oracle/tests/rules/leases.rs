@@ -225,7 +225,9 @@ fn requirement_004_a_refresh_does_not_certainly_lead_out() {
         .ours(5200, END)
         .finds_nothing();
     let comes_near = |ms, place| {
+        // A step of 29 m, which this mission lets pass for a correction.
         Scenario::with_control()
+            .limits(|limits| limits.position_step_m = 40.0)
             .believes(0, "4200.300,N,07000.0250,W")
             .believes(ms, place)
             .ours(3000, MODIFY)
@@ -250,12 +252,13 @@ fn requirement_021_a_jump_ends_the_lease_until_navigation_has_been_steady() {
     later(6000).finds(&["jump-ignored"]);
     later(14_600).finds(&["jump-ignored"]);
     later(14_800).finds_nothing();
-    // Another 20 m could be a correction.
-    Scenario::with_control()
-        .believes(5000, "4200.300,N,07000.914,W")
-        .ours(6000, MODIFY)
-        .ours(6100, END)
-        .finds_nothing();
+    // 9 m could be a correction; 20 m are a jump to who holds place and velocity against each other.
+    let steps = |place| {
+        let steps = Scenario::with_control().believes(5000, place);
+        steps.ours(6000, MODIFY).ours(6100, END)
+    };
+    steps("4200.300,N,07000.9065,W").finds_nothing();
+    steps("4200.300,N,07000.9145,W").finds(&["navigation-untrue"]);
 }
 
 #[test]
@@ -416,6 +419,7 @@ fn requirement_008_a_repeated_or_late_solution_is_not_fresh() {
                 ms,
                 &format!("BFNVG,{{t}},4200.300,N,07000.900,W,1,30,10,90,0,0,{solution}"),
             );
+            run = run.vehicle(ms, "BFNVR,{t},0,0,0,0,0,0");
         }
         run.ours(8000, MODIFY).ours(8100, END)
     };

@@ -4,6 +4,7 @@ mod scenario;
 
 mod control;
 mod faults;
+mod flaws;
 mod gaps;
 mod heard;
 mod holds;

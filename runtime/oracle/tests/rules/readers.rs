@@ -3,12 +3,13 @@
 
 use backseat_oracle::Position;
 use backseat_oracle::wire::{
-    Answer, Element, Fix, Modify, Ours, Outcome, Request, Said, Setpoint, Speed, Trackcircle, Trackline, read_ours,
-    read_vehicle,
+    Answer, Element, Fix, Modify, Ours, Outcome, Request, Said, Setpoint, Speed, Trackcircle, Trackline, Velocities,
+    read_ours, read_vehicle,
 };
 use backseat_spi::{
     AckStatus, BehaviorId, ChecksumState, Direction, Entry, EntryField, FromVehicle, HorizontalMode, Interrupt,
-    ModifySpeedMode, ModifyVerticalMode, Sentence, SpeedMode, ToVehicle, VerticalMode, VerticalReference, catalogue,
+    ModifySpeedMode, ModifyVerticalMode, PositionQuality, Sentence, SpeedMode, ToVehicle, VerticalMode,
+    VerticalReference, catalogue,
 };
 use proptest::prelude::*;
 
@@ -188,14 +189,19 @@ fn spi_heard(line: &str) -> Option<Heard> {
         FromVehicle::Shutdown(_) => "shutdown".to_owned(),
         FromVehicle::DvlTriggering(it) => format!("trigger {}", it.begin),
         FromVehicle::Navigation(it) => {
-            times.push(nanos(it.solution));
+            times.extend([nanos(it.created), nanos(it.solution)]);
             format!(
-                "fix {:?} {} {} {}",
+                "fix {:?} {} {} {} {}",
                 place_of(it.position),
                 it.depth.as_m(),
                 it.altitude.is_some(),
+                it.quality != PositionQuality::NoGps,
                 it.heading.as_deg()
             )
+        }
+        FromVehicle::VelocityAndRates(it) => {
+            times.push(nanos(it.created));
+            format!("velocities {} {}", it.east_mps + 0.0, it.north_mps + 0.0)
         }
         FromVehicle::BehaviorBegin(it) => format!("begins {} {:?}", it.number.is_some(), id(it.identifier)),
         FromVehicle::BehaviorEnd(it) => format!("ends {:?}", id(it.identifier)),
@@ -208,7 +214,7 @@ fn spi_heard(line: &str) -> Option<Heard> {
             place_of(it.position)
         ),
         FromVehicle::Acknowledgement(it) => {
-            times.push(nanos(it.command_created.time()));
+            times.extend([nanos(it.created), nanos(it.command_created.time())]);
             let outcome = match it.status {
                 AckStatus::Invalid => Outcome::Invalid,
                 AckStatus::Failed => Outcome::Failed,
@@ -234,16 +240,26 @@ fn oracle_heard(line: &str) -> Option<Heard> {
         Said::MissionCommand(text) => format!("command {:?}", String::from_utf8_lossy(text)),
         Said::Shutdown => "shutdown".to_owned(),
         Said::DvlTriggering { begin } => format!("trigger {begin}"),
+        Said::Velocities(Velocities {
+            created,
+            east_mps,
+            north_mps,
+        }) => {
+            times.push(created.as_nanos());
+            format!("velocities {} {}", east_mps + 0.0, north_mps + 0.0)
+        }
         Said::Navigation(Fix {
+            created,
             solution,
             position,
             depth_m,
             locked,
+            by_gps,
             heading_deg,
         }) => {
-            times.push(solution.as_nanos());
+            times.extend([created.as_nanos(), solution.as_nanos()]);
             format!(
-                "fix {:?} {} {locked} {}",
+                "fix {:?} {} {locked} {by_gps} {}",
                 rounded(position),
                 depth_m + 0.0,
                 heading_deg % 360.0 + 0.0
@@ -261,12 +277,13 @@ fn oracle_heard(line: &str) -> Option<Heard> {
             position,
         }) => format!("element {number:?} {identifier:?} {index} {:?}", rounded(position)),
         Said::Answer(Answer {
+            created,
             command,
             command_created,
             identifier,
             outcome,
         }) => {
-            times.push(command_created.time().as_nanos());
+            times.extend([created.as_nanos(), command_created.time().as_nanos()]);
             let command = String::from_utf8_lossy(&command).into_owned();
             format!("answer {command} {identifier:?} {outcome:?}")
         }
@@ -280,8 +297,8 @@ fn oracle_heard(line: &str) -> Option<Heard> {
 }
 
 /// The sentences of the vehicle's that a rule needs.
-const HEARD: [&str; 11] = [
-    "BFNVG", "BFACK", "BFMBS", "BFMBE", "BFPLN", "BFCTL", "BFMIS", "BFMSC", "BFCMA", "BFDVT", "BFSHT",
+const HEARD: [&str; 12] = [
+    "BFNVG", "BFNVR", "BFACK", "BFMBS", "BFMBE", "BFPLN", "BFCTL", "BFMIS", "BFMSC", "BFCMA", "BFDVT", "BFSHT",
 ];
 
 #[test]

@@ -60,6 +60,13 @@ pub(crate) struct Scenario {
     beats_take_ms: u64,
     /// Where BFNVG says that the vehicle is, from when on: latitude and longitude as they are written.
     believed: Vec<(u64, &'static str)>,
+    /// From one time until another the place that BFNVG tells goes north by so many m/s more than it does.
+    creeps: Option<(u64, u64, f64)>,
+    /// How fast BFNVR says that the vehicle goes north, m/s, and from when until when there is none, milliseconds.
+    north_mps: f64,
+    without_velocities: std::ops::Range<u64>,
+    /// The vehicle's clock is set by so many milliseconds at a time.
+    clock_set: (u64, i64),
 }
 
 /// What the oracle made of it.
@@ -89,6 +96,10 @@ impl Scenario {
             beats_until_ms: u64::MAX,
             beats_take_ms: 0,
             believed: vec![(0, "4200.300,N,07000.900,W")],
+            creeps: None,
+            north_mps: 0.0,
+            without_velocities: 0..0,
+            clock_set: (u64::MAX, 0),
         }
         .link(0, true)
         .vehicle(50, "BFPLN,{t},1,,0,0,4200.300,N,07000.900,W,,,")
@@ -120,6 +131,30 @@ impl Scenario {
     /// Where BFNVG says that the vehicle is.
     pub(crate) fn believes(mut self, ms: u64, place: &'static str) -> Self {
         self.believed.push((ms, place));
+        self
+    }
+
+    /// The place that BFNVG tells creeps north from one time until another.
+    pub(crate) fn creeps(mut self, from_ms: u64, until_ms: u64, mps: f64) -> Self {
+        self.creeps = Some((from_ms, until_ms, mps));
+        self
+    }
+
+    /// How fast BFNVR says that the vehicle goes north.
+    pub(crate) fn goes_north(mut self, mps: f64) -> Self {
+        self.north_mps = mps;
+        self
+    }
+
+    /// No BFNVR comes.
+    pub(crate) fn without_velocities(mut self, ms: std::ops::Range<u64>) -> Self {
+        self.without_velocities = ms;
+        self
+    }
+
+    /// The vehicle's clock is set.
+    pub(crate) fn clock_set(mut self, ms: u64, by_ms: i64) -> Self {
+        self.clock_set = (ms, by_ms);
         self
     }
 
@@ -254,6 +289,11 @@ impl Scenario {
         let (mut states, mut delay_ms) = (Vec::new(), 0);
         let mut events = self.events.into_iter().peekable();
         let mut lock_m = 30;
+        let (set_ms, by_ms) = self.clock_set;
+        let clock = |ms: u64| match ms {
+            ms if ms < set_ms => stamp(ms),
+            ms => stamp((86_400_000 + ms).saturating_add_signed(by_ms)),
+        };
         for ms in 0..=until_ms {
             let at = ms * 1_000_000;
             if let Some((from, _)) = gap.take_if(|(_, until_ms)| *until_ms <= ms) {
@@ -274,7 +314,7 @@ impl Scenario {
                     Event::Ours(bytes) => {
                         oracle.to_vehicle(at, &bytes);
                         if self.answers && bytes.starts_with(b"$BPRMB") && up {
-                            let ack = format!("BFACK,{0},RMB,{0},0,2,0,ok", stamp(ms));
+                            let ack = format!("BFACK,{},RMB,{},0,2,0,ok", clock(ms), stamp(ms));
                             oracle.from_vehicle(at, sentence(&ack).as_bytes());
                         }
                     }
@@ -314,19 +354,31 @@ impl Scenario {
             }
             while beats.first().is_some_and(|sent| *sent + self.beats_take_ms <= ms) {
                 let sent = beats.remove(0);
-                let ack = format!("BFACK,{},STS,{},0,2,0,ok", stamp(ms), stamp(sent));
+                let ack = format!("BFACK,{},STS,{},0,2,0,ok", clock(ms), stamp(sent));
                 oracle.from_vehicle(at, sentence(&ack).as_bytes());
             }
             if ms % 100 != 0 {
                 continue;
             }
             if navigation && up {
-                let time = stamp(ms.saturating_sub(delay_ms));
+                let time = clock(ms.saturating_sub(delay_ms));
                 let place = self.believed.iter().rev().find(|(since, _)| *since <= ms).unwrap().1;
+                let place = match self.creeps {
+                    Some((from, until, mps)) if ms > from => {
+                        let crept_m = mps * (ms.min(until) - from) as f64 / 1e3;
+                        // A minute of latitude is 1851.2 m here.
+                        format!("42{:010.7},N,07000.900,W", 0.3 + crept_m / 1851.2)
+                    }
+                    Some(_) | None => place.to_owned(),
+                };
                 let text = sentence(&format!("BFNVG,{time},{place},1,{lock_m},10,90,0,0,{time}"));
+                let velocities = sentence(&format!("BFNVR,{time},0,{},0,0,0,0", self.north_mps));
                 let (first, second) = text.as_bytes().split_at(ms as usize / 100 % text.len());
                 oracle.from_vehicle(at, first);
                 oracle.from_vehicle(at, second);
+                if !self.without_velocities.contains(&ms) {
+                    oracle.from_vehicle(at, velocities.as_bytes());
+                }
             }
             truth.at_ns = at;
             oracle.truth(&truth);

@@ -139,6 +139,9 @@ pub(crate) fn limits(mission: &MissionFile) -> Limits {
         }),
         link_delay_s: 0.0,
         answered_within_s: limits.link_delay_max_s,
+        position_step_m: limits.integrity.position_step_m,
+        position_drift_mps: limits.integrity.position_drift_mps,
+        velocity_gap_s: limits.integrity.velocity_gap_s,
         runtime_late_s: 0.0,
         truth_told: true,
     }

@@ -1,0 +1,87 @@
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use crate::moment::Moment;
+use crate::rule::Rule;
+
+/// For so long nothing steers by navigation after a flaw of it, less what is lost between two figures.
+const STEADY: Duration = Duration::from_millis(9900);
+
+/// What has shown that navigation, or the clock that it goes by, cannot be steered by.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Flaw {
+    /// The runtime cannot have seen it before this, and so cannot count from earlier.
+    pub(crate) since: Moment,
+    /// When the words left that show it.
+    pub(crate) told: Moment,
+    pub(crate) what: What,
+}
+
+/// What is wrong, with its figures.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum What {
+    /// The place has left the truth by so much within a window.
+    Untrue { off_m: f64, span_s: f64 },
+    /// No velocities came with it for so long.
+    NoVelocity { for_s: f64 },
+    /// The vehicle's clock was set by so much at least.
+    ClockSet { by_s: f64 },
+}
+
+impl What {
+    pub(crate) const fn rule(self) -> Rule {
+        match self {
+            Self::Untrue { .. } => Rule::NavigationUntrue,
+            Self::NoVelocity { .. } => Rule::VelocityMissing,
+            Self::ClockSet { .. } => Rule::ClockSet,
+        }
+    }
+}
+
+impl std::fmt::Display for What {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Untrue { off_m, span_s } => {
+                write!(f, "navigation left the truth by {off_m:.1} m within {span_s:.1} s")
+            }
+            Self::NoVelocity { for_s } => write!(f, "navigation had come without velocities for {for_s:.1} s"),
+            Self::ClockSet { by_s } => write!(f, "the vehicle's clock was set by {by_s:.1} s or more"),
+        }
+    }
+}
+
+/// The flaws of the last seconds.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Flaws(VecDeque<Flaw>);
+
+impl Flaws {
+    const MAX: usize = 256;
+
+    pub(crate) fn add(&mut self, flaw: Flaw) {
+        if self.0.len() == Self::MAX {
+            self.0.pop_front();
+        }
+        self.0.push_back(flaw);
+    }
+
+    /// What was told after this the runtime may never have read.
+    pub(crate) fn unread_from(&mut self, told: Moment) {
+        self.0.retain(|flaw| flaw.told < told);
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// For each rule the newest that was told before `heard` and after which nothing may steer yet.
+    pub(crate) fn standing(&mut self, now: Moment, heard: Moment) -> Vec<Flaw> {
+        self.0.retain(|flaw| now.since(flaw.since) < STEADY);
+        let mut standing: Vec<Flaw> = Vec::new();
+        for flaw in self.0.iter().rev().filter(|flaw| flaw.told <= heard) {
+            if standing.iter().all(|other| other.what.rule() != flaw.what.rule()) {
+                standing.push(*flaw);
+            }
+        }
+        standing
+    }
+}

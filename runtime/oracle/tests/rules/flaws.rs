@@ -1,0 +1,145 @@
+//! Requirements 023 and 024: nothing that steers leaves by navigation, or a clock, that has just shown to be wrong.
+
+use crate::scenario::{END, MODIFY, Outcome, Scenario, stamp};
+
+const TRACKLINE: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700,W,0,10,1.5,0,0";
+
+fn modified(run: Scenario, ms: u64) -> Scenario {
+    run.ours(ms, MODIFY).ours(ms + 100, END)
+}
+
+fn rules(outcome: &Outcome) -> Vec<&str> {
+    outcome.violations.iter().map(|violation| violation.rule).collect()
+}
+
+/// What a lease from 3 s to 18 s breaks while the place that is told creeps from 4 s on.
+fn under_a_creep(mps: f64) -> Outcome {
+    let run = Scenario::with_control().creeps(4000, 18_000, mps).lease(3000, 18_000);
+    run.ours(18_500, END)
+        .activity(18_600, backseat_oracle::Activity::Plan)
+        .run(20_000)
+}
+
+#[test]
+fn requirement_024_a_creep_that_steers_on_is_named_and_one_within_the_limits_is_not() {
+    // 10 m and 0.3 m/s in 9.5 s are 12.9 m.
+    for mps in [0.1, 0.3, 1.0, 1.3] {
+        assert_eq!(rules(&under_a_creep(mps)), Vec::<&str>::new(), "{mps} m/s");
+    }
+    for mps in [1.5, 2.0, 3.0, 8.0, -1.5, -8.0] {
+        let outcome = under_a_creep(mps);
+        let found = rules(&outcome);
+        assert!(!found.is_empty(), "{mps} m/s");
+        assert!(found.iter().all(|rule| *rule == "navigation-untrue"), "{found:?}");
+    }
+    // It is named for what any sample of it would be: 8 m/s for 1.5 s are 12 m.
+    assert!(under_a_creep(8.0).violations[0].at_ns <= 6_000_000_000);
+    let tight = |mps| {
+        let run = Scenario::with_control().limits(|limits| limits.position_step_m = 5.0);
+        modified(run.creeps(4000, 18_000, mps), 14_000)
+    };
+    tight(0.7).finds_nothing();
+    tight(1.0).finds(&["navigation-untrue"]);
+}
+
+#[test]
+fn requirement_024_what_place_and_velocity_have_wrong_alike_nobody_sees() {
+    let run = Scenario::with_control().creeps(0, 20_000, 1.5).goes_north(1.5);
+    modified(run, 14_000).finds_nothing();
+    // The vehicle stands, and so does the place, and the velocity is wrong: no error of the place.
+    modified(Scenario::with_control().goes_north(3.0), 14_000).finds_nothing();
+}
+
+#[test]
+fn requirement_024_a_creep_that_is_over_is_forgotten_when_the_window_is() {
+    // 24 m from 4 s to 7 s. At 6.8 s a lease is wrong, and at 12 s.
+    let crept = |ms| modified(Scenario::with_control().creeps(4000, 7000, 8.0), ms);
+    crept(6800).finds(&["navigation-untrue"]);
+    crept(12_000).finds(&["navigation-untrue"]);
+    crept(16_900).finds_nothing();
+    // What was said just now may not have been heard.
+    crept(5700).finds_nothing();
+    let insert = Scenario::with_control().creeps(4000, 7000, 8.0).ours(8000, TRACKLINE);
+    insert.finds(&["navigation-untrue"]);
+}
+
+#[test]
+fn requirement_024_another_connection_or_process_begins_another_window() {
+    let lost = Scenario::with_control()
+        .creeps(4000, 5500, 9.0)
+        .reconnects(5600, 5700)
+        .ours(6500, MODIFY)
+        .ours(6600, END);
+    lost.finds_nothing();
+    let stopped = Scenario::with_control().creeps(4000, 5800, 8.0).stopped(4100);
+    modified(stopped.continued(5900), 7000).finds_nothing();
+    let killed = Scenario::with_control().creeps(4000, 6500, 8.0).started(7000);
+    modified(
+        killed
+            .ours(7050, "BPRMP,{t}")
+            .vehicle(7060, "BFPLN,{t},1,,0,0,4200.300,N,07000.900,W,,,"),
+        8200,
+    )
+    .finds_nothing();
+}
+
+#[test]
+fn requirement_024_navigation_without_velocities_steers_nothing_for_ten_seconds() {
+    let without = |until, ms| modified(Scenario::with_control().without_velocities(4000..until), ms);
+    // The first without is of 4 s, and 1.7 s later it is too long for sure.
+    without(5700, 6500).finds_nothing();
+    without(5900, 6500).finds(&["velocity-missing"]);
+    without(5900, 15_600).finds(&["velocity-missing"]);
+    without(5900, 15_800).finds_nothing();
+    let patient = Scenario::with_control().limits(|limits| limits.velocity_gap_s = 3.0);
+    modified(patient.without_velocities(4000..6900), 7500).finds_nothing();
+    // None at all, and an insert.
+    let never = Scenario::with_control().without_velocities(0..20_000);
+    never.ours(8000, TRACKLINE).finds(&["velocity-missing"]);
+}
+
+#[test]
+fn requirement_023_a_clock_that_was_set_steers_nothing_for_ten_seconds() {
+    let set = |by_ms, ms| modified(Scenario::with_control().clock_set(5000, by_ms), ms);
+    for by_ms in [600, 3000] {
+        // The beat of 5.055 s tells it.
+        set(by_ms, 5200).finds_nothing();
+        set(by_ms, 6500).finds(&["clock-set"]);
+        set(by_ms, 14_900).finds(&["clock-set"]);
+        set(by_ms, 15_000).finds_nothing();
+    }
+    set(300, 6500).finds_nothing();
+    // Backwards, where navigation is none before its time has passed the one before.
+    set(-600, 8000).finds(&["clock-set"]);
+    set(-600, 15_000).finds_nothing();
+    // Of another process nobody knows what time it had before.
+    let killed = Scenario::with_control().clock_set(5000, 3000).started(6000);
+    let killed = killed.vehicle(6100, "BFPLN,{t},1,,0,0,4200.300,N,07000.900,W,,,");
+    modified(killed, 7500).finds_nothing();
+}
+
+#[test]
+fn requirement_023_after_a_refusal_the_next_lease_waits() {
+    let refused = |run: Scenario, ms: u64| {
+        let refusal = format!("BFACK,{{t}},RMB,{},0,1,0,no", stamp(ms));
+        run.ours(ms, MODIFY).vehicle(ms + 50, &refusal).ours(ms + 60, END)
+    };
+    let run = || Scenario::with_control().without_answers();
+    let once = || refused(run(), 3000);
+    modified(once(), 3290).finds_nothing();
+    modified(once(), 3500).finds(&["pause-ignored"]);
+    modified(once(), 4000).finds(&["pause-ignored"]);
+    modified(once(), 4100).finds_nothing();
+    // And longer each time.
+    let twice = || refused(once(), 4500);
+    modified(twice(), 6500).finds(&["pause-ignored"]);
+    modified(twice(), 6600).finds_nothing();
+    // A refusal that comes twice is one.
+    let again = format!("BFACK,{{t}},RMB,{},0,1,0,no", stamp(3000));
+    modified(once().vehicle(3051, &again), 4100).finds_nothing();
+    // What is no modify's says nothing.
+    let insert = run()
+        .ours(3000, TRACKLINE)
+        .vehicle(3050, &format!("BFACK,{{t}},RTK,{},7,1,0,no", stamp(3000)));
+    modified(insert, 3500).finds_nothing();
+}

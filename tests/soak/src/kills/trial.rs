@@ -66,6 +66,7 @@ impl Subject {
             Self::Hold => Mission::hovering(),
             // One of some 60 m after the other, each second where none is under way.
             Self::Insert => Mission::steady()
+                .in_legs()
                 .edit("mission.toml", "[\"modify\"]", "[\"insert\", \"interrupt\"]")
                 .edit(
                     "mission.toml",

@@ -10,7 +10,7 @@ use super::session::{SOON, runtime};
 
 /// The steady mission with a second plugin that asks each second for a trackline ahead.
 fn steering_and_inserting() -> Mission {
-    Mission::steady().append(
+    Mission::steady().in_legs().append(
         "mission.toml",
         "[[plugin]]\nname = \"inserter\"\ncomponent = \"faulty\"\ngrants = [\"insert\", \"interrupt\"]\n\
          [plugin.config]\nfault = \"cross_fence\"\ntarget_east_m = -500.0\ntarget_north_m = 0.0\n\

@@ -10,6 +10,7 @@ use super::session::{SOON, runtime};
 /// Asks each second for a trackline that is flown after the current behavior.
 fn inserting() -> Mission {
     Mission::steady()
+        .in_legs()
         .edit("mission.toml", "[limits]", "[limits]\ninserts_open_max = 16")
         .edit("mission.toml", "[\"modify\"]", "[\"insert\"]")
         .edit(

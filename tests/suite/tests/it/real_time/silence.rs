@@ -146,6 +146,7 @@ fn an_ordered_stop_gives_the_helm_back_before_it_goes() {
 fn sr_007_an_accepted_insert_is_flown_without_us() {
     // 30 m or so: half a minute.
     let mission = Mission::steady()
+        .in_legs()
         .edit("mission.toml", "[\"modify\"]", "[\"insert\", \"interrupt\"]")
         .edit(
             "mission.toml",

@@ -110,7 +110,10 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
         utc_set_nanos: 0,
         names,
     };
-    runtime.block_on(driver.drive(answers, kept, heard, signals))?;
+    let driven = runtime.block_on(driver.drive(answers, kept, heard, signals));
+    // Not dropped: that would wait for a name that is being resolved, which can take for ever.
+    runtime.shutdown_background();
+    driven?;
     Ok(true)
 }
 

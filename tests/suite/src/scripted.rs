@@ -34,6 +34,8 @@ pub struct Behavior {
     pub commands_per_s: u32,
     /// BFMBS of behaviours that its plan does not have, a second.
     pub begins_per_s: u32,
+    /// Lines that are no sentences, KiB a second.
+    pub noise_kib_per_s: u32,
 }
 
 impl Default for Behavior {
@@ -49,6 +51,7 @@ impl Default for Behavior {
             velocities: true,
             commands_per_s: 0,
             begins_per_s: 0,
+            noise_kib_per_s: 0,
         }
     }
 }
@@ -205,6 +208,7 @@ impl Serving {
             let behavior = self.behavior.lock().expect("no thread panicked").clone();
             let now = self.since.elapsed();
             if !behavior.deaf && !self.read(&mut connection, &behavior) {
+                self.hear_the_rest(&mut connection, &behavior);
                 return;
             }
             while connection.to_hear.front().is_some_and(|(due, _)| *due <= now) {
@@ -232,6 +236,14 @@ impl Serving {
                 return;
             }
             settle(Duration::from_millis(1));
+        }
+    }
+
+    /// The other side has closed: what it said before is heard all the same, each word when it is due.
+    fn hear_the_rest(&self, connection: &mut Connection, behavior: &Behavior) {
+        while let Some((due, sentence)) = connection.to_hear.pop_front() {
+            settle(due.saturating_sub(self.since.elapsed()));
+            self.obey(connection, behavior, &sentence);
         }
     }
 
@@ -267,6 +279,10 @@ impl Serving {
                 format!("BFMBS,{},{},{unknown},,trackline", utc(), behavior.dive),
             );
         }
+        for _ in 0..behavior.noise_kib_per_s / 10 {
+            let noise = format!("{}\r\n", "-".repeat(1022));
+            connection.to_say.push_back((self.since.elapsed(), noise));
+        }
         connection.told_s += 0.1;
     }
 
@@ -301,14 +317,14 @@ impl Serving {
 
     fn read(&self, connection: &mut Connection, behavior: &Behavior) -> bool {
         let mut bytes = [0; 4096];
-        loop {
+        let open = loop {
             match connection.stream.read(&mut bytes) {
-                Ok(0) => return false,
+                Ok(0) => break false,
                 Ok(read) => connection.partial.extend_from_slice(&bytes[..read]),
-                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
-                Err(_) => return false,
+                Err(error) if error.kind() == ErrorKind::WouldBlock => break true,
+                Err(_) => break false,
             }
-        }
+        };
         let due = self.since.elapsed() + behavior.slow;
         while let Some(end) = connection.partial.iter().position(|byte| *byte == b'\n') {
             let line: Vec<u8> = connection.partial.drain(..=end).collect();
@@ -316,7 +332,7 @@ impl Serving {
             let after = connection.to_hear.back().map_or(due, |(before, _)| due.max(*before));
             connection.to_hear.push_back((after, sentence));
         }
-        true
+        open
     }
 
     fn obey(&self, connection: &mut Connection, behavior: &Behavior, sentence: &str) {

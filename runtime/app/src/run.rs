@@ -89,27 +89,13 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     );
     let (sender, answers) = unbounded_channel();
     let (keeps, kept) = unbounded_channel();
-    let driver = Driver {
-        core,
-        clock,
-        link: Link::default(),
-        address,
-        connect_at: None,
-        connecting: None,
-        judged: Timestamp::ZERO,
+    let around = Around {
         crew: Crew::new(host, loaded.plugins, sender),
         ports,
         keeper: Keeper::start(state, start.held, keeps)?,
         recorder,
-        finished: false,
-        reset: false,
-        cannot_reserve: false,
-        last_refusal: None,
-        link_lost: None,
-        recorded_navigation: None,
-        utc_set_nanos: 0,
-        names,
     };
+    let driver = Driver::new(core, clock, address, around, names);
     let driven = runtime.block_on(driver.drive(answers, kept, heard, signals));
     // Not dropped: that would wait for a name that is being resolved, which can take for ever.
     runtime.shutdown_background();
@@ -166,7 +152,15 @@ async fn connected(
     }
 }
 
-struct Driver {
+/// What has threads or tasks of its own.
+pub(crate) struct Around {
+    pub(crate) crew: Crew,
+    pub(crate) ports: Ports,
+    pub(crate) keeper: Keeper,
+    pub(crate) recorder: Recording,
+}
+
+pub(crate) struct Driver {
     core: Core,
     clock: Clock,
     link: Link,
@@ -194,7 +188,39 @@ struct Driver {
 }
 
 impl Driver {
-    async fn drive(
+    /// Before its first connection to the vehicle at this address. `names` are the plugins'.
+    pub(crate) fn new(core: Core, clock: Clock, address: String, around: Around, names: Vec<String>) -> Self {
+        let Around {
+            crew,
+            ports,
+            keeper,
+            recorder,
+        } = around;
+        Self {
+            core,
+            clock,
+            link: Link::default(),
+            address,
+            connect_at: None,
+            connecting: None,
+            judged: Timestamp::ZERO,
+            crew,
+            ports,
+            keeper,
+            recorder,
+            finished: false,
+            reset: false,
+            cannot_reserve: false,
+            last_refusal: None,
+            link_lost: None,
+            recorded_navigation: None,
+            utc_set_nanos: 0,
+            names,
+        }
+    }
+
+    /// Serves core until it has finished.
+    pub(crate) async fn drive(
         mut self,
         mut answers: UnboundedReceiver<Answer>,
         mut kept: UnboundedReceiver<Kept>,
@@ -281,6 +307,12 @@ impl Driver {
                 error!("the operator's act holds for this run only, it could not be kept: {error:#}");
             }
             Kept::Act(act) => self.operator(act),
+            Kept::Gone => {
+                self.cannot_reserve = true;
+                error!(
+                    "the thread that keeps the state has panicked: the operator's acts hold for this run only, no more inserts are sent"
+                );
+            }
         }
     }
 

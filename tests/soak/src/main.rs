@@ -25,7 +25,7 @@ enum Cli {
     Frozen(frozen::Frozen),
 }
 
-/// Nothing was shown: what `make check` of many projects takes for a test that was skipped.
+/// Nothing was shown. Automake's tests say by this code that they were skipped.
 const NOT_SHOWN: u8 = 77;
 
 fn main() -> Result<ExitCode> {

@@ -15,6 +15,8 @@ pub(super) struct Figures {
     pub(super) ended_s: f64,
     /// From SIGTERM to the end of the process.
     pub(super) gone_s: f64,
+    /// How late the loop woke at worst, where standard error can be read.
+    pub(super) slip_s: Option<f64>,
 }
 
 impl Figures {
@@ -26,6 +28,7 @@ impl Figures {
             held_s: self.held_s.max(other.held_s),
             ended_s: self.ended_s.max(other.ended_s),
             gone_s: self.gone_s.max(other.gone_s),
+            slip_s: self.slip_s.zip(other.slip_s).map(|(one, two)| one.max(two)),
         }
     }
 }
@@ -79,4 +82,14 @@ pub(super) fn end(vehicle: &Scripted, runtime: &mut Process) -> (Figures, Option
         ..Figures::default()
     };
     (figures, code)
+}
+
+/// How late the loop woke at worst, as it says at its end: `slips: none`, or `slips: ... the worst 0.123 s`.
+pub(super) fn slip(said: &str) -> Option<f64> {
+    let slips = said.lines().rev().find_map(|line| line.split_once(" slips: "))?.1;
+    if slips == "none" {
+        return Some(0.0);
+    }
+    let worst = slips.rsplit_once("the worst ")?.1;
+    worst.strip_suffix(" s")?.parse().ok()
 }

@@ -17,11 +17,24 @@ use clap::Args;
 use tempfile::TempDir;
 
 use super::flight::{self, Figures};
-use super::{ACTS_WITHIN, heading, late, line};
+use super::{ACTS_WITHIN, heading, last_lines, late, line};
 
 const IMAGE_BYTES: u64 = 64 << 20;
 /// What the child waits for the end of this process at most, seconds: then it thaws whatever there is.
 const THAWS_WITHIN_S: &str = "300";
+
+/// Waits for the end of its standard input, thaws, kills whoever still writes there, and unmounts.
+const THAW: &str = r#"
+trap '' INT TERM HUP
+timeout "$1" cat >/dev/null
+fsfreeze --unfreeze "$0" 2>/dev/null
+for file in /proc/[0-9]*/fd/*; do
+    case "$(readlink "$file")" in
+        "$0"/*) process="${file#/proc/}"; kill -9 "${process%%/*}" ;;
+    esac
+done 2>/dev/null
+umount --lazy --quiet "$0"
+"#;
 
 /// What to freeze.
 #[derive(Clone, Debug, Args)]
@@ -104,10 +117,10 @@ fn thawed(disk: &Disk, seconds: f64) -> Result<Figures> {
     let ended_s = flight::end_lease(&vehicle, &runtime, Signal::TERM);
     let code = runtime.wait(ACTS_WITHIN);
     if code != Some(0) {
-        bail!("it ended with {code:?}\n{}", runtime.stderr());
+        bail!("it ended with {code:?}\n{}", last_lines(&runtime.stderr()));
     }
     if runtime.stderr().contains("the log has no end") {
-        bail!("the log has not gone on\n{}", runtime.stderr());
+        bail!("the log has not gone on\n{}", last_lines(&runtime.stderr()));
     }
     Ok(Figures {
         modifies,
@@ -115,6 +128,7 @@ fn thawed(disk: &Disk, seconds: f64) -> Result<Figures> {
         held_s,
         ended_s,
         gone_s: stopped.elapsed().as_secs_f64(),
+        slip_s: flight::slip(&runtime.stderr()),
     })
 }
 
@@ -138,7 +152,7 @@ fn to_the_end(disk: &Disk, seconds: f64) -> Result<Figures> {
         bail!("it ended before the thaw: nothing of it waited for the file system, so that nothing was shown");
     }
     if code != Some(0) {
-        bail!("it ended with {code:?}\n{}", runtime.stderr());
+        bail!("it ended with {code:?}\n{}", last_lines(&runtime.stderr()));
     }
     Ok(Figures {
         modifies,
@@ -146,6 +160,7 @@ fn to_the_end(disk: &Disk, seconds: f64) -> Result<Figures> {
         held_s,
         ended_s,
         gone_s,
+        slip_s: flight::slip(&runtime.stderr()),
     })
 }
 
@@ -214,10 +229,8 @@ fn unmounted(folder: &Path) {
 /// the file system and unmounts it.
 fn watch(folder: &Path) -> Result<Child> {
     use std::os::unix::process::CommandExt as _;
-    let script = "trap '' INT TERM HUP; timeout \"$1\" cat >/dev/null; \
-        fsfreeze --unfreeze \"$0\" 2>/dev/null; umount --lazy --quiet \"$0\"";
     Command::new("sh")
-        .args(["-c", script])
+        .args(["-c", THAW])
         .arg(folder)
         .arg(THAWS_WITHIN_S)
         .stdin(Stdio::piped())

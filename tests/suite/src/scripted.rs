@@ -11,6 +11,9 @@ use std::time::Duration;
 
 use crate::clock::{Stopwatch, settle, utc_millis};
 
+/// No more lines of noise wait to be sent than this, each of a KiB.
+const NOISE_WAITING_MAX: usize = 1024;
+
 /// How it behaves from now on.
 #[derive(Clone, Debug)]
 pub struct Behavior {
@@ -34,7 +37,7 @@ pub struct Behavior {
     pub commands_per_s: u32,
     /// BFMBS of behaviours that its plan does not have, a second.
     pub begins_per_s: u32,
-    /// Lines that are no sentences, KiB a second.
+    /// Lines that are no sentences, KiB a second, as far as the other side reads them.
     pub noise_kib_per_s: u32,
 }
 
@@ -279,7 +282,9 @@ impl Serving {
                 format!("BFMBS,{},{},{unknown},,trackline", utc(), behavior.dive),
             );
         }
-        for _ in 0..behavior.noise_kib_per_s / 10 {
+        // What waits already would make navigation behind it late.
+        let room = usize::saturating_sub(NOISE_WAITING_MAX, connection.to_say.len());
+        for _ in 0..room.min(behavior.noise_kib_per_s as usize / 10) {
             let noise = format!("{}\r\n", "-".repeat(1022));
             connection.to_say.push_back((self.since.elapsed(), noise));
         }

@@ -76,7 +76,7 @@ fn sr_022_the_log_hangs_for_eight_seconds_and_says_what_it_missed() {
     let since_s = vehicle.now_s();
     stall.begin();
     // More than the queue before the disk takes.
-    vehicle.change(|behavior| behavior.noise_kib_per_s = 8 << 10);
+    vehicle.change(|behavior| behavior.noise_kib_per_s = 6 << 10);
     runtime.says("records are left out until it does", SOON);
     vehicle.change(|behavior| behavior.noise_kib_per_s = 0);
     while vehicle.now_s() < since_s + 8.0 {

@@ -24,6 +24,8 @@ pub(crate) enum Kept {
     Reserved(Reservation),
     /// This is not, and why.
     NotReserved(anyhow::Error),
+    /// The operator's act outlives the process.
+    Held,
     /// The operator's act holds for this run only, and why.
     NotHeld(anyhow::Error),
     /// The operator has changed the hold's file.
@@ -143,9 +145,10 @@ fn serve(state: &State, mut watch: HoldWatch, shared: &Shared, kept: &UnboundedS
         if let Some(held) = held {
             let result = state.set_held(held);
             watch.follow(state);
-            if let Err(error) = result {
-                tell(Kept::NotHeld(error));
-            }
+            tell(match result {
+                Ok(()) => Kept::Held,
+                Err(error) => Kept::NotHeld(error),
+            });
         } else if let Some(act) = watch.look(state) {
             tell(Kept::Act(act));
         }
@@ -187,7 +190,13 @@ mod tests {
         let keeper = Keeper::start(state, false, sender).unwrap();
         keeper.reserve(reservation(65));
         keeper.hold(true);
-        assert!(matches!(kept.blocking_recv(), Some(Kept::Reserved(kept)) if kept.below == 65));
+        let told: Vec<Kept> = std::iter::from_fn(|| kept.blocking_recv()).take(2).collect();
+        assert!(told.iter().any(|kept| matches!(kept, Kept::Held)), "{told:?}");
+        assert!(
+            told.iter()
+                .any(|kept| matches!(kept, Kept::Reserved(kept) if kept.below == 65)),
+            "{told:?}"
+        );
         assert!(keeper.finish(Some(reservation(3))));
         let state = State::open(folder.path(), None).unwrap();
         assert!(state.held());
@@ -219,7 +228,9 @@ mod tests {
             keeper.reserve(reservation(below));
             keeper.hold(below % 2 == 0);
         }
-        assert!(kept.try_recv().is_err());
+        while let Ok(told) = kept.try_recv() {
+            assert!(matches!(told, Kept::Held), "nothing is reserved: {told:?}");
+        }
         assert!(!keeper.finish(None), "it says that it is not kept");
         // Let the thread end.
         std::fs::read(&pipe).unwrap();

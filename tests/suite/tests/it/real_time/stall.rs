@@ -143,6 +143,7 @@ fn sr_022_the_state_folder_hangs_and_the_lease_goes_on_until_the_operator_ends_i
     vehicle.hears("BPRMB", vehicle.heard("BPRMB").len() + 4, SOON);
     steered_without_a_gap(&vehicle, since_s);
     is_held(&vehicle, &runtime);
+    runtime.says("until it does the operator's acts hold for this run only", SOON);
     let said = ends_held(runtime);
     assert!(said.contains("the state folder does not answer"), "{said}");
     assert!(!mission.beside("state/hold").exists(), "nothing reached the disk");
@@ -192,6 +193,7 @@ fn sr_022_no_insert_leaves_while_the_state_folder_hangs_and_a_hold_reaches_it_wh
     assert!(!mission.beside("state/hold").exists());
 
     stall.end();
+    runtime.says("the state folder answers again", SOON);
     backseat_suite::eventually(
         SOON,
         || mission.beside("state/hold").exists().then_some(()),

@@ -37,7 +37,7 @@ pub struct Behavior {
     pub commands_per_s: u32,
     /// BFMBS of behaviours that its plan does not have, a second.
     pub begins_per_s: u32,
-    /// Lines that are no sentences, KiB a second, as far as the other side reads them.
+    /// Sentences that nobody knows, KiB a second, as far as the other side reads them.
     pub noise_kib_per_s: u32,
 }
 
@@ -285,7 +285,10 @@ impl Serving {
         // What waits already would make navigation behind it late.
         let room = usize::saturating_sub(NOISE_WAITING_MAX, connection.to_say.len());
         for _ in 0..room.min(behavior.noise_kib_per_s as usize / 10) {
-            let noise = format!("{}\r\n", "-".repeat(1022));
+            // Of a name that the interface does not have: what is no sentence might have hidden one.
+            let body = format!("BFXYZ,{},{}", utc(), "-".repeat(180));
+            let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+            let noise = format!("${body}*{sum:02X}\r\n").repeat(5);
             connection.to_say.push_back((self.since.elapsed(), noise));
         }
         connection.told_s += 0.1;

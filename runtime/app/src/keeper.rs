@@ -1,6 +1,7 @@
 //! What keeps state for the loop, on a thread of its own (safety requirement 022): identifiers are reserved on disk before
 //! they are sent and the operator's hold outlives the process, but the loop waits for neither.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
@@ -23,10 +24,14 @@ pub(crate) enum Kept {
     Reserved(Reservation),
     /// This is not, and why.
     NotReserved(anyhow::Error),
+    /// The operator's act outlives the process.
+    Held,
     /// The operator's act holds for this run only, and why.
     NotHeld(anyhow::Error),
     /// The operator has changed the hold's file.
     Act(Operator),
+    /// Nothing is kept any more: the thread has panicked.
+    Gone,
 }
 
 /// The loop's side: it says what is to be kept, and hears of it as [`Kept`].
@@ -49,6 +54,8 @@ struct Wanted {
     /// All is to be kept once more, and then no more.
     end: bool,
     ended: bool,
+    /// The thread has panicked.
+    gone: bool,
 }
 
 impl Shared {
@@ -65,15 +72,37 @@ impl Shared {
 impl Keeper {
     /// Begins to keep, and to watch the hold's file.
     pub(crate) fn start(state: State, held: bool, kept: UnboundedSender<Kept>) -> Result<Self> {
+        Self::serving(kept, move |shared, kept| {
+            serve(&state, HoldWatch::new(held), shared, kept)
+        })
+    }
+
+    /// The thread does this.
+    fn serving(
+        kept: UnboundedSender<Kept>,
+        serve: impl FnOnce(&Shared, &UnboundedSender<Kept>) + Send + 'static,
+    ) -> Result<Self> {
         let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
         thread::Builder::new().name("state".to_owned()).spawn(move || {
-            serve(&state, HoldWatch::new(held), &theirs, &kept);
-            // The folder's lock is released before anybody is told that this has ended.
-            drop(state);
-            theirs.want(|wanted| wanted.ended = true);
+            // What it owns goes with it: the folder's lock is released before anybody is told that this has ended.
+            let served = catch_unwind(AssertUnwindSafe(|| serve(&theirs, &kept)));
+            if served.is_err() {
+                // The loop may have ended: then nobody needs to know.
+                let _gone = kept.send(Kept::Gone);
+            }
+            theirs.want(|wanted| match served {
+                Ok(()) => wanted.ended = true,
+                Err(_) => wanted.gone = true,
+            });
         })?;
         Ok(Self { shared })
+    }
+
+    /// One whose thread panics at once.
+    #[cfg(test)]
+    pub(crate) fn panicking(kept: UnboundedSender<Kept>) -> Result<Self> {
+        Self::serving(kept, |_, _| panic!("the keeper panics, as it is meant to"))
     }
 
     /// This is to be reserved; [`Kept::Reserved`] says when it is.
@@ -97,7 +126,7 @@ impl Keeper {
         let waited = self
             .shared
             .changed
-            .wait_timeout_while(wanted, FAREWELL, |wanted| !wanted.ended);
+            .wait_timeout_while(wanted, FAREWELL, |wanted| !wanted.ended && !wanted.gone);
         waited.unwrap_or_else(PoisonError::into_inner).0.ended
     }
 }
@@ -116,9 +145,10 @@ fn serve(state: &State, mut watch: HoldWatch, shared: &Shared, kept: &UnboundedS
         if let Some(held) = held {
             let result = state.set_held(held);
             watch.follow(state);
-            if let Err(error) = result {
-                tell(Kept::NotHeld(error));
-            }
+            tell(match result {
+                Ok(()) => Kept::Held,
+                Err(error) => Kept::NotHeld(error),
+            });
         } else if let Some(act) = watch.look(state) {
             tell(Kept::Act(act));
         }
@@ -160,12 +190,28 @@ mod tests {
         let keeper = Keeper::start(state, false, sender).unwrap();
         keeper.reserve(reservation(65));
         keeper.hold(true);
-        assert!(matches!(kept.blocking_recv(), Some(Kept::Reserved(kept)) if kept.below == 65));
+        let told: Vec<Kept> = std::iter::from_fn(|| kept.blocking_recv()).take(2).collect();
+        assert!(told.iter().any(|kept| matches!(kept, Kept::Held)), "{told:?}");
+        assert!(
+            told.iter()
+                .any(|kept| matches!(kept, Kept::Reserved(kept) if kept.below == 65)),
+            "{told:?}"
+        );
         assert!(keeper.finish(Some(reservation(3))));
         let state = State::open(folder.path(), None).unwrap();
         assert!(state.held());
         let identifiers: Option<Identifiers> = state.identifiers(None).unwrap();
         assert_eq!(identifiers.unwrap().next, 3);
+    }
+
+    #[test]
+    fn sr_022_a_keeper_that_panics_says_so_and_is_waited_for_by_nobody() {
+        let (sender, mut kept) = unbounded_channel();
+        let keeper = Keeper::panicking(sender).unwrap();
+        assert!(matches!(kept.blocking_recv(), Some(Kept::Gone)));
+        keeper.hold(true);
+        keeper.reserve(reservation(65));
+        assert!(!keeper.finish(None), "it says that it is not kept");
     }
 
     #[test]
@@ -182,7 +228,9 @@ mod tests {
             keeper.reserve(reservation(below));
             keeper.hold(below % 2 == 0);
         }
-        assert!(kept.try_recv().is_err());
+        while let Ok(told) = kept.try_recv() {
+            assert!(matches!(told, Kept::Held), "nothing is reserved: {told:?}");
+        }
         assert!(!keeper.finish(None), "it says that it is not kept");
         // Let the thread end.
         std::fs::read(&pipe).unwrap();

@@ -15,6 +15,8 @@ mod mvc;
 mod operator;
 mod output;
 mod plugins;
+#[cfg(test)]
+mod real_time;
 mod recording;
 mod run;
 mod service;
@@ -24,6 +26,7 @@ mod state;
 mod terminal;
 
 use std::io::IsTerminal;
+use std::panic::UnwindSafe;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -37,12 +40,19 @@ use crate::cli::{Cli, Command};
 const UNMET: u8 = 1;
 /// Wrong usage or input.
 const UNUSABLE: u8 = 2;
+/// A fault of the program itself.
+const PANICKED: u8 = 101;
 
 fn main() -> ExitCode {
     terminal::start();
-    let code = program();
+    let code = guarded(program);
     terminal::finish();
     code
+}
+
+/// What panics in this thread ends the program, with the code that Rust gives it; but what it says gets out first.
+fn guarded(program: impl FnOnce() -> ExitCode + UnwindSafe) -> ExitCode {
+    std::panic::catch_unwind(program).unwrap_or(ExitCode::from(PANICKED))
 }
 
 fn program() -> ExitCode {
@@ -93,4 +103,15 @@ fn one_line(error: &anyhow::Error) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_of_the_loop_ends_the_program_as_rust_does() {
+        assert_eq!(guarded(|| panic!("as it is meant to")), ExitCode::from(101));
+        assert_eq!(guarded(|| ExitCode::from(UNMET)), ExitCode::from(UNMET));
+    }
 }

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
@@ -47,6 +47,17 @@ struct Disk {
     failure: Mutex<Option<io::Error>>,
 }
 
+impl Disk {
+    /// What has failed since it was last asked.
+    fn failure(&self) -> Option<io::Error> {
+        self.failure.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    fn fail(&self, failure: io::Error) {
+        *self.failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(failure);
+    }
+}
+
 impl Recording {
     /// Creates the file; one of that name is replaced.
     pub(crate) fn create(path: &Path, header: &Header<'_>) -> Result<Self> {
@@ -57,7 +68,8 @@ impl Recording {
         Self::to(file, path.display().to_string(), header)
     }
 
-    fn to(file: impl Write + Send + 'static, name: String, header: &Header<'_>) -> Result<Self> {
+    /// Writes the log there; `name` is what it is called.
+    pub(crate) fn to(file: impl Write + Send + 'static, name: String, header: &Header<'_>) -> Result<Self> {
         let disk = Arc::new(Disk::default());
         let (pieces, waiting) = channel();
         let (has_ended, ended) = channel();
@@ -88,7 +100,7 @@ impl Recording {
         act: impl FnOnce(&mut Recorder<Queue>) -> Result<(), RecorderError>,
     ) {
         let Some(recorder) = &mut self.recorder else { return };
-        if let Some(failure) = self.disk.failure.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        if let Some(failure) = self.disk.failure() {
             error!("the log ends here, the run goes on: {failure}");
             self.recorder = None;
             return;
@@ -134,10 +146,13 @@ impl Recording {
         if let Some(Err(error)) = finished {
             error!("the log has no end: {error}");
         }
-        if self.ended.recv_timeout(FAREWELL).is_err() {
-            error!("the log has no end: the disk does not take it");
-        } else if let Some(failure) = self.disk.failure.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            error!("the log has no end: {failure}");
+        match self.ended.recv_timeout(FAREWELL) {
+            Err(RecvTimeoutError::Timeout) => error!("the log has no end: the disk does not take it"),
+            Ok(()) | Err(RecvTimeoutError::Disconnected) => {
+                if let Some(failure) = self.disk.failure() {
+                    error!("the log has no end: {failure}");
+                }
+            }
         }
     }
 }
@@ -148,7 +163,7 @@ fn write_out(mut file: impl Write, pieces: &Receiver<Vec<u8>>, disk: &Disk) {
         // After a failure the rest is taken and thrown away, so that nothing piles up until the loop hears of it.
         if !failed && let Err(failure) = file.write_all(&piece) {
             failed = true;
-            *disk.failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(failure);
+            disk.fail(failure);
         }
         disk.waiting.fetch_sub(piece.len(), Ordering::Relaxed);
     }
@@ -176,8 +191,11 @@ impl Write for Queue {
         if !self.buffer.is_empty() {
             let piece = std::mem::replace(&mut self.buffer, Vec::with_capacity(PIECE));
             self.disk.waiting.fetch_add(piece.len(), Ordering::Relaxed);
-            // The thread goes on as long as this end is there.
-            let _gone = self.pieces.send(piece);
+            // The thread goes on as long as this end is there, unless it has panicked.
+            if let Err(unsent) = self.pieces.send(piece) {
+                self.disk.waiting.fetch_sub(unsent.0.len(), Ordering::Relaxed);
+                self.disk.fail(io::Error::other("its thread has panicked"));
+            }
         }
         Ok(())
     }
@@ -234,9 +252,21 @@ mod tests {
         Timestamp::ZERO + Duration::from_millis(millis)
     }
 
-    #[test]
-    fn sr_022_a_disk_that_is_stuck_costs_records_and_the_log_says_which() {
-        let header = Header {
+    /// A disk that panics.
+    struct Panics;
+
+    impl Write for Panics {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            panic!("as it is meant to")
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn header() -> Header<'static> {
+        Header {
             utc_at_start: Utc::from_unix_nanos(0),
             rate: Rate::Deployed,
             mission: "a mission",
@@ -245,7 +275,28 @@ mod tests {
             fence: "{}",
             components: &[],
             version: "0",
-        };
+        }
+    }
+
+    #[test]
+    fn sr_022_a_log_whose_thread_panics_ends_and_the_run_goes_on() {
+        let mut recording = Recording::to(Panics, "a log".to_owned(), &header()).unwrap();
+        let bytes = vec![b'x'; PIECE];
+        let mut second = 0;
+        while recording.recorder.is_some() {
+            second += 1;
+            assert!(second < 10_000, "it has not ended");
+            let now = at(1000 * second);
+            recording.record(now, |recorder| {
+                recorder.input(now, &backseat_core::Input::Received(&bytes))
+            });
+            thread::yield_now();
+        }
+        recording.finish(at(1_000_000));
+    }
+
+    #[test]
+    fn sr_022_a_disk_that_is_stuck_costs_records_and_the_log_says_which() {
         let (thaws, thaw) = channel();
         let written = Arc::new(Mutex::new(Vec::new()));
         let stuck = Stuck {
@@ -253,7 +304,7 @@ mod tests {
             thawed: false,
             written: Arc::clone(&written),
         };
-        let mut recording = Recording::to(stuck, "a log".to_owned(), &header).unwrap();
+        let mut recording = Recording::to(stuck, "a log".to_owned(), &header()).unwrap();
         let bytes = vec![b'x'; 1 << 20];
         let read = backseat_core::Input::Received(&bytes);
         for second in 0..100 {

@@ -1,5 +1,6 @@
 //! The driver at sea: core on a real clock, a TCP link, and plugins on threads of their own.
 
+use std::mem::ManuallyDrop;
 use std::path::Path;
 use std::pin::Pin;
 use std::time::Duration;
@@ -31,12 +32,15 @@ const NAMED: [Grant; 3] = [Grant::Insert, Grant::Surface, Grant::Acoustic];
 const FLUSH_EVERY: Duration = Duration::from_secs(2);
 /// A change of the system's UTC against its monotonic clock that is more than a daemon's slewing between two looks.
 const UTC_STEP_MIN: Duration = Duration::from_millis(500);
+/// A state folder that has not answered for this long hangs.
+const STATE_WITHIN: Duration = Duration::from_secs(2);
 /// How long a last BPEMB may take to leave when the run ends.
 const FAREWELL: Duration = Duration::from_millis(300);
 
 pub(crate) fn run(arguments: &Run) -> Result<bool> {
     // Before anything that takes time: an operator's signal counts from the first moment.
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    // Never dropped, also in a panic: that would wait for a name that is being resolved, which can take for ever.
+    let runtime = ManuallyDrop::new(tokio::runtime::Builder::new_current_thread().enable_all().build()?);
     let signals = {
         let _within = runtime.enter();
         Signals::new()?
@@ -89,27 +93,13 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     );
     let (sender, answers) = unbounded_channel();
     let (keeps, kept) = unbounded_channel();
-    let driver = Driver {
-        core,
-        clock,
-        link: Link::default(),
-        address,
-        connect_at: None,
-        connecting: None,
-        judged: Timestamp::ZERO,
+    let around = Around {
         crew: Crew::new(host, loaded.plugins, sender),
         ports,
         keeper: Keeper::start(state, start.held, keeps)?,
         recorder,
-        finished: false,
-        reset: false,
-        cannot_reserve: false,
-        last_refusal: None,
-        link_lost: None,
-        recorded_navigation: None,
-        utc_set_nanos: 0,
-        names,
     };
+    let driver = Driver::new(core, clock, address, around, names);
     runtime.block_on(driver.drive(answers, kept, heard, signals))?;
     Ok(true)
 }
@@ -163,7 +153,15 @@ async fn connected(
     }
 }
 
-struct Driver {
+/// What has threads or tasks of its own.
+pub(crate) struct Around {
+    pub(crate) crew: Crew,
+    pub(crate) ports: Ports,
+    pub(crate) keeper: Keeper,
+    pub(crate) recorder: Recording,
+}
+
+pub(crate) struct Driver {
     core: Core,
     clock: Clock,
     link: Link,
@@ -180,6 +178,10 @@ struct Driver {
     reset: bool,
     /// The disk did not take the last reservation.
     cannot_reserve: bool,
+    /// Since when the state folder has not answered what it was asked.
+    state_asked: Option<Timestamp>,
+    /// That was told.
+    state_silent: bool,
     last_refusal: Option<String>,
     /// Why the link is gone, until it is told with what is done about it.
     link_lost: Option<String>,
@@ -191,7 +193,41 @@ struct Driver {
 }
 
 impl Driver {
-    async fn drive(
+    /// Before its first connection to the vehicle at this address. `names` are the plugins'.
+    pub(crate) fn new(core: Core, clock: Clock, address: String, around: Around, names: Vec<String>) -> Self {
+        let Around {
+            crew,
+            ports,
+            keeper,
+            recorder,
+        } = around;
+        Self {
+            core,
+            clock,
+            link: Link::default(),
+            address,
+            connect_at: None,
+            connecting: None,
+            judged: Timestamp::ZERO,
+            crew,
+            ports,
+            keeper,
+            recorder,
+            finished: false,
+            reset: false,
+            cannot_reserve: false,
+            state_asked: None,
+            state_silent: false,
+            last_refusal: None,
+            link_lost: None,
+            recorded_navigation: None,
+            utc_set_nanos: 0,
+            names,
+        }
+    }
+
+    /// Serves core until it has finished.
+    pub(crate) async fn drive(
         mut self,
         mut answers: UnboundedReceiver<Answer>,
         mut kept: UnboundedReceiver<Kept>,
@@ -246,6 +282,7 @@ impl Driver {
                 flush_at = now + FLUSH_EVERY;
                 self.record(Recorder::flush);
                 self.follow_utc();
+                self.watch_state(now);
             }
         }
         service.stopping();
@@ -261,7 +298,14 @@ impl Driver {
 
     /// What the keeper of the state has done, or the operator to its folder.
     fn kept(&mut self, kept: Kept) {
+        if !matches!(kept, Kept::Act(_) | Kept::Gone) {
+            self.state_asked = None;
+            if std::mem::take(&mut self.state_silent) {
+                info!("the state folder answers again");
+            }
+        }
         match kept {
+            Kept::Held => {}
             Kept::Reserved(reservation) => {
                 if std::mem::take(&mut self.cannot_reserve) {
                     info!("identifiers can be reserved again, inserts are sent again");
@@ -278,6 +322,29 @@ impl Driver {
                 error!("the operator's act holds for this run only, it could not be kept: {error:#}");
             }
             Kept::Act(act) => self.operator(act),
+            Kept::Gone => {
+                (self.cannot_reserve, self.state_silent) = (true, true);
+                error!(
+                    "the thread that keeps the state has panicked: the operator's acts hold for this run only, no more inserts \
+                     are sent"
+                );
+            }
+        }
+    }
+
+    /// The state folder was asked to keep something.
+    fn ask_state(&mut self) {
+        self.state_asked.get_or_insert(self.clock.now());
+    }
+
+    /// A disk that hangs gives no error: who waits for it in vain is told.
+    fn watch_state(&mut self, now: Timestamp) {
+        let late = |asked: Timestamp| now.since(asked) >= STATE_WITHIN;
+        if self.state_asked.is_some_and(late) && !std::mem::replace(&mut self.state_silent, true) {
+            error!(
+                "the state folder does not answer; until it does the operator's acts hold for this run only, and no insert is \
+                 sent that is not reserved"
+            );
         }
     }
 
@@ -346,7 +413,10 @@ impl Driver {
             Output::Invoke(plugin, input) => self.crew.step(plugin, input),
             Output::Restart(plugin) => self.crew.restart(plugin),
             Output::Driver(driver, line) => self.ports.tell(driver, line),
-            Output::Reserve(reservation) => self.keeper.reserve(reservation),
+            Output::Reserve(reservation) => {
+                self.ask_state();
+                self.keeper.reserve(reservation);
+            }
             Output::Finish => self.finished = true,
             Output::Note(note) => {
                 if let Note::Operator { act } = &note {
@@ -405,12 +475,14 @@ impl Driver {
     }
 
     /// Hold and release outlive the process, whether the operator said them or a policy did.
-    fn keep(&self, act: &Operator) {
-        match act {
-            Operator::Hold => self.keeper.hold(true),
-            Operator::Release => self.keeper.hold(false),
-            Operator::Stop | Operator::Order(_) => {}
-        }
+    fn keep(&mut self, act: &Operator) {
+        let held = match act {
+            Operator::Hold => true,
+            Operator::Release => false,
+            Operator::Stop | Operator::Order(_) => return,
+        };
+        self.ask_state();
+        self.keeper.hold(held);
     }
 
     fn operator(&mut self, act: Operator) {

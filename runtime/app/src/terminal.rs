@@ -169,4 +169,27 @@ mod tests {
         drop(lets);
         terminal.put(b"nobody\n".to_vec());
     }
+
+    /// Panics at whatever it is given.
+    struct Panics;
+
+    impl Write for Panics {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            panic!("as it is meant to")
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn sr_022_a_terminal_whose_thread_panics_is_waited_for_by_nobody() {
+        let terminal = Terminal::new(Panics);
+        for line in 0..2 * LINES_MAX {
+            terminal.put(format!("{line}\n").into_bytes());
+        }
+        let lost = terminal.dropped.load(Ordering::Relaxed);
+        assert!(lost >= LINES_MAX as u64 - 1, "{lost} lines are counted");
+    }
 }

@@ -1,7 +1,7 @@
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -18,6 +18,9 @@ use crate::tests::prepare;
 /// Where it is kept when this last ran, and on what.
 const RECORD: &str = "tests/soak/last-run.txt";
 
+/// The exit code of a long run that this machine cannot do.
+const SKIPPED: i32 = 77;
+
 /// What is too long for every change: run it before a release, or after a change of what it is about.
 #[derive(Args)]
 pub(crate) struct Soak {
@@ -33,12 +36,14 @@ pub(crate) struct Soak {
 type Task = (&'static str, fn() -> Result<()>);
 
 /// What is longer than a change can wait for, the longest last.
-const TASKS: [Task; 8] = [
+const TASKS: [Task; 10] = [
     ("property tests, other and more cases", properties),
     ("seeds of the reference missions", flights),
     ("same bytes in debug and release", same_bytes),
     ("kills of the runtime", || long(&["kills", "--trials", "100"])),
     ("faulty plugins beside a good one", || long(&["beside"])),
+    ("stuck terminals and disks around the runtime", || long(&["stuck"])),
+    ("a frozen file system under the log", frozen),
     ("clients over TCP", || long(&["tcp", "--minutes", "5"])),
     ("a simulated month", || long(&["year", "--days", "30"])),
     ("hunt", hunts),
@@ -60,19 +65,25 @@ pub(crate) fn soak(arguments: &Soak) -> Result<()> {
     // Before the hour that it takes: what is committed meanwhile was not run.
     let began = format!("last run of `cargo xtask soak`: {}\non commit {}", date()?, commit()?);
     let mut steps = Steps::default();
-    let mut failed = Vec::new();
+    let (mut failed, mut not_shown) = (Vec::new(), Vec::new());
     for (name, task) in TASKS {
         if !chosen(name) {
             continue;
         }
         // One that fails does not keep the others from being run.
         if let Err(error) = steps.run(name, task) {
-            failed.push(format!("{name}: {error:#}"));
+            match error.downcast_ref::<NotShown>() {
+                Some(NotShown(why)) => not_shown.push(format!("{name}: {why}")),
+                None => failed.push(format!("{name}: {error:#}")),
+            }
         }
     }
     let mut told = format!("{began}\n\n{steps}");
     for failure in &failed {
         let _infallible = writeln!(told, "FAILED {failure}");
+    }
+    for step in &not_shown {
+        let _infallible = writeln!(told, "NOT SHOWN {step}");
     }
     println!("\n{told}");
     if arguments.only.is_none() {
@@ -87,13 +98,56 @@ pub(crate) fn soak(arguments: &Soak) -> Result<()> {
 
 /// Runs `tests/soak`, built for release.
 fn long(arguments: &[&str]) -> Result<()> {
+    run(&mut long_command(arguments)?)
+}
+
+fn long_command(arguments: &[&str]) -> Result<Command> {
     plugins::plugins()?;
-    cargo(&["build", "--release", "--package", "backseat-soak"])?;
+    cargo(&[
+        "build",
+        "--release",
+        "--package",
+        "backseat-soak",
+        "--package",
+        "backseat-stall",
+    ])?;
     println!("> backseat-soak {}", arguments.join(" "));
-    run(Command::new(target()?.join("release/backseat-soak"))
+    let mut command = Command::new(target()?.join("release/backseat-soak"));
+    command
         .args(arguments)
         .env("BACKSEAT_TEST_PROGRAM", target()?.join("release/backseat"))
-        .env("BACKSEAT_TEST_PLUGINS", plugins::folder()?))
+        .env("BACKSEAT_TEST_PLUGINS", plugins::folder()?);
+    Ok(command)
+}
+
+/// A step that this machine could not do, and why: neither a success nor a failure.
+#[derive(Debug)]
+struct NotShown(String);
+
+impl fmt::Display for NotShown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "not shown: {}", self.0)
+    }
+}
+
+impl std::error::Error for NotShown {}
+
+/// Where no file system can be frozen (not as root, in most containers) the tool says why, and ends with [`SKIPPED`].
+fn frozen() -> Result<()> {
+    let mut command = long_command(&["frozen"])?;
+    let output = command
+        .current_dir(root()?)
+        .stderr(Stdio::inherit())
+        .output()
+        .with_context(|| format!("{command:?}"))?;
+    let said = String::from_utf8_lossy(&output.stdout);
+    print!("{said}");
+    if output.status.code() == Some(SKIPPED) {
+        let why = said.trim().trim_start_matches("NOT SHOWN: ");
+        return Err(NotShown(why.to_owned()).into());
+    }
+    anyhow::ensure!(output.status.success(), "{command:?} ended with {}", output.status);
+    Ok(())
 }
 
 /// The property tests of all crates with other cases than every day, and more of them.

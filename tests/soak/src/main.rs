@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use anyhow::Result;
+use backseat_soak::stuck::{self, frozen};
 use backseat_soak::{beside, kills, tcp, year};
 use clap::Parser;
 
@@ -18,7 +19,14 @@ enum Cli {
     Kills(kills::Kills),
     /// Fly every fault of the plugin `faulty` beside a good plugin, and measure the good one's modifies
     Beside(beside::Beside),
+    /// Measure the runtime's modifies and how soon it obeys, while standard error and disks are slow, stuck, full or gone
+    Stuck(stuck::Stuck),
+    /// The same while the log's file system is frozen, as root; exit code 77 where none can be frozen
+    Frozen(frozen::Frozen),
 }
+
+/// Nothing was shown. Automake's tests say by this code that they were skipped.
+const NOT_SHOWN: u8 = 77;
 
 fn main() -> Result<ExitCode> {
     let (report, faults) = match Cli::parse() {
@@ -32,6 +40,18 @@ fn main() -> Result<ExitCode> {
         }
         Cli::Beside(arguments) => {
             let report = beside::run(&arguments)?;
+            (report.to_string(), report.faults())
+        }
+        Cli::Stuck(arguments) => {
+            let report = stuck::run(&arguments)?;
+            (report.to_string(), report.faults())
+        }
+        Cli::Frozen(arguments) => {
+            let report = frozen::run(&arguments)?;
+            if !report.was_shown() {
+                println!("{report}");
+                return Ok(ExitCode::from(NOT_SHOWN));
+            }
             (report.to_string(), report.faults())
         }
         Cli::Kills(arguments) => {

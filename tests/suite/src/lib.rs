@@ -20,6 +20,7 @@ mod mission;
 mod process;
 mod program;
 mod scripted;
+mod stall;
 mod vehicle;
 
 pub use clock::{Stopwatch, eventually, settle};
@@ -28,4 +29,5 @@ pub use process::Process;
 pub use program::{Backseat, Finished};
 pub use rustix::process::Signal;
 pub use scripted::{Behavior, Heard, Scripted};
+pub use stall::Stall;
 pub use vehicle::{Line, Vehicle, Way, free_address};

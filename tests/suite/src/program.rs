@@ -1,5 +1,5 @@
-use std::ffi::OsString;
-use std::path::PathBuf;
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -8,6 +8,7 @@ use serde_json::Value;
 use crate::clock::eventually;
 use crate::mission::Mission;
 use crate::process::Process;
+use crate::stall::Stall;
 
 /// The longest that a command may take which ends by itself.
 const ENDS_WITHIN: Duration = Duration::from_secs(180);
@@ -93,6 +94,15 @@ impl Backseat {
     pub fn file_max_kib(mut self, kib: u64) -> Self {
         self.file_max_kib = Some(kib);
         self
+    }
+
+    /// Its files under these folders hang while the stall stands.
+    #[must_use]
+    pub fn stalled(self, stall: &Stall, folders: &[&Path]) -> Self {
+        let folders: Vec<_> = folders.iter().map(|folder| folder.as_os_str()).collect();
+        self.env("LD_PRELOAD", backseat_test_support::stall())
+            .env("STALL_WHILE", stall.flag())
+            .env("STALL_UNDER", folders.join(OsStr::new(":")))
     }
 
     /// Runs it to its end.

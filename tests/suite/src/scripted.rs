@@ -11,6 +11,9 @@ use std::time::Duration;
 
 use crate::clock::{Stopwatch, settle, utc_millis};
 
+/// No more lines of noise wait to be sent than this, each of a KiB.
+const NOISE_WAITING_MAX: usize = 1024;
+
 /// How it behaves from now on.
 #[derive(Clone, Debug)]
 pub struct Behavior {
@@ -34,6 +37,8 @@ pub struct Behavior {
     pub commands_per_s: u32,
     /// BFMBS of behaviours that its plan does not have, a second.
     pub begins_per_s: u32,
+    /// Sentences that nobody knows, KiB a second, as far as the other side reads them.
+    pub noise_kib_per_s: u32,
 }
 
 impl Default for Behavior {
@@ -49,6 +54,7 @@ impl Default for Behavior {
             velocities: true,
             commands_per_s: 0,
             begins_per_s: 0,
+            noise_kib_per_s: 0,
         }
     }
 }
@@ -205,6 +211,7 @@ impl Serving {
             let behavior = self.behavior.lock().expect("no thread panicked").clone();
             let now = self.since.elapsed();
             if !behavior.deaf && !self.read(&mut connection, &behavior) {
+                self.hear_the_rest(&mut connection, &behavior);
                 return;
             }
             while connection.to_hear.front().is_some_and(|(due, _)| *due <= now) {
@@ -232,6 +239,14 @@ impl Serving {
                 return;
             }
             settle(Duration::from_millis(1));
+        }
+    }
+
+    /// The other side has closed: what it said before is heard all the same, each word when it is due.
+    fn hear_the_rest(&self, connection: &mut Connection, behavior: &Behavior) {
+        while let Some((due, sentence)) = connection.to_hear.pop_front() {
+            settle(due.saturating_sub(self.since.elapsed()));
+            self.obey(connection, behavior, &sentence);
         }
     }
 
@@ -267,6 +282,15 @@ impl Serving {
                 format!("BFMBS,{},{},{unknown},,trackline", utc(), behavior.dive),
             );
         }
+        // What waits already would make navigation behind it late.
+        let room = usize::saturating_sub(NOISE_WAITING_MAX, connection.to_say.len());
+        for _ in 0..room.min(behavior.noise_kib_per_s as usize / 10) {
+            // Of a name that the interface does not have: what is no sentence might have hidden one.
+            let body = format!("BFXYZ,{},{}", utc(), "-".repeat(180));
+            let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+            let noise = format!("${body}*{sum:02X}\r\n").repeat(5);
+            connection.to_say.push_back((self.since.elapsed(), noise));
+        }
         connection.told_s += 0.1;
     }
 
@@ -301,14 +325,14 @@ impl Serving {
 
     fn read(&self, connection: &mut Connection, behavior: &Behavior) -> bool {
         let mut bytes = [0; 4096];
-        loop {
+        let open = loop {
             match connection.stream.read(&mut bytes) {
-                Ok(0) => return false,
+                Ok(0) => break false,
                 Ok(read) => connection.partial.extend_from_slice(&bytes[..read]),
-                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
-                Err(_) => return false,
+                Err(error) if error.kind() == ErrorKind::WouldBlock => break true,
+                Err(_) => break false,
             }
-        }
+        };
         let due = self.since.elapsed() + behavior.slow;
         while let Some(end) = connection.partial.iter().position(|byte| *byte == b'\n') {
             let line: Vec<u8> = connection.partial.drain(..=end).collect();
@@ -316,7 +340,7 @@ impl Serving {
             let after = connection.to_hear.back().map_or(due, |(before, _)| due.max(*before));
             connection.to_hear.push_back((after, sentence));
         }
-        true
+        open
     }
 
     fn obey(&self, connection: &mut Connection, behavior: &Behavior, sentence: &str) {

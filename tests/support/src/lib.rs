@@ -60,40 +60,57 @@ pub fn plugins() -> &'static Path {
 #[must_use]
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    PROGRAM.get_or_init(|| {
-        if let Some(program) = std::env::var_os("BACKSEAT_TEST_PROGRAM") {
-            return program.into();
-        }
-        // TARGET/PROFILE/deps/TEST, or one folder less where the test is a program itself.
-        let test = std::env::current_exe().expect("a running program has a path");
-        let folder = test
-            .ancestors()
-            .skip(1)
-            .find(|folder| !folder.ends_with("deps"))
-            .expect("a program lies in a folder");
-        let name = folder.file_name().map_or("debug".into(), |name| name.to_string_lossy());
-        let profile = if name == "debug" { "dev" } else { &name };
-        let target = folder.parent().expect("a profile's folder lies in the target folder");
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let built = Command::new(cargo)
-            .args([
-                "build",
-                "--quiet",
-                "--package",
-                "backseat",
-                "--bin",
-                "backseat",
-                "--profile",
-                profile,
-            ])
-            .arg("--target-dir")
-            .arg(target)
-            .current_dir(workspace())
-            .status();
-        match built {
-            Ok(status) if status.success() => folder.join("backseat"),
-            Ok(status) => panic!("the program cannot be built: cargo ended with {status}"),
-            Err(error) => panic!("the program cannot be built: cargo does not start: {error}"),
-        }
+    PROGRAM.get_or_init(|| match std::env::var_os("BACKSEAT_TEST_PROGRAM") {
+        Some(program) => program.into(),
+        None => build("backseat").join("backseat"),
     })
+}
+
+/// The library of `tests/stall`, which makes files hang for a program that loads it. It lies beside the program.
+///
+/// # Panics
+/// Where it cannot be built; the message says why.
+#[must_use]
+pub fn stall() -> &'static Path {
+    static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
+    LIBRARY.get_or_init(|| {
+        let name = "libbackseat_stall.so";
+        let library = match std::env::var_os("BACKSEAT_TEST_PROGRAM") {
+            Some(program) => Path::new(&program).with_file_name(name),
+            None => build("backseat-stall").join(name),
+        };
+        // The loader goes on without a library that it does not find, and the test would show nothing.
+        assert!(
+            library.is_file(),
+            "{}: not there; `cargo build --package backseat-stall` builds it",
+            library.display()
+        );
+        library
+    })
+}
+
+/// Builds a package in the target folder and with the profile of the program that asks. Gives the folder with what it built.
+fn build(package: &str) -> PathBuf {
+    // TARGET/PROFILE/deps/TEST, or one folder less where the test is a program itself.
+    let test = std::env::current_exe().expect("a running program has a path");
+    let folder = test
+        .ancestors()
+        .skip(1)
+        .find(|folder| !folder.ends_with("deps"))
+        .expect("a program lies in a folder");
+    let name = folder.file_name().map_or("debug".into(), |name| name.to_string_lossy());
+    let profile = if name == "debug" { "dev" } else { &name };
+    let target = folder.parent().expect("a profile's folder lies in the target folder");
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let built = Command::new(cargo)
+        .args(["build", "--quiet", "--package", package, "--profile", profile])
+        .arg("--target-dir")
+        .arg(target)
+        .current_dir(workspace())
+        .status();
+    match built {
+        Ok(status) if status.success() => folder.to_path_buf(),
+        Ok(status) => panic!("{package} cannot be built: cargo ended with {status}"),
+        Err(error) => panic!("{package} cannot be built: cargo does not start: {error}"),
+    }
 }

@@ -13,4 +13,5 @@ mod operator;
 mod service;
 mod session;
 mod silence;
+mod stall;
 mod stuck;

@@ -30,7 +30,7 @@ fn steering() -> (Mission, Scripted, Process) {
     (mission, vehicle, runtime)
 }
 
-fn worst_gap_s(heard: &[Heard]) -> f64 {
+pub(crate) fn worst_gap_s(heard: &[Heard]) -> f64 {
     heard
         .windows(2)
         .map(|pair| pair[1].at_s - pair[0].at_s)
@@ -38,7 +38,7 @@ fn worst_gap_s(heard: &[Heard]) -> f64 {
 }
 
 /// Waits for the end of the lease after a time, and gives how long that took, seconds.
-fn ended_after_s(vehicle: &Scripted, since_s: f64, within: Duration) -> f64 {
+pub(crate) fn ended_after_s(vehicle: &Scripted, since_s: f64, within: Duration) -> f64 {
     let watch = Stopwatch::start();
     loop {
         if let Some(ended) = vehicle.heard_since("BPEMB", since_s).first() {

@@ -1,0 +1,325 @@
+//! Whatever is around the runtime is slow, stuck, full or gone: how long the vehicle waits for a modify, and for the end of
+//! the lease when the operator ends it, by the vehicle's own clock (safety requirement 022).
+
+mod flight;
+pub mod frozen;
+
+use std::fmt;
+use std::fs::{self, File};
+use std::io::{PipeReader, Read, Write, pipe};
+use std::os::unix::fs::symlink;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use anyhow::{Result, bail};
+use backseat_suite::{Backseat, Behavior, Mission, Scripted, Stall, settle};
+use clap::Args;
+
+use flight::Figures;
+
+const STARTS_WITHIN: Duration = Duration::from_secs(60);
+const ACTS_WITHIN: Duration = Duration::from_secs(30);
+/// Plugins that say as much as they may.
+const TALKERS: u32 = 12;
+/// What is wanted on a machine that does nothing else, seconds.
+const AIM_GAP_S: f64 = 1.5;
+const AIM_OBEYED_S: f64 = 0.2;
+/// What is not as it must be, however busy the machine is, seconds. A gap of 2.5 s is safety requirement 003's.
+const GAP_MAX_S: f64 = 2.5;
+const OBEYED_MAX_S: f64 = 1.0;
+/// The end gives the log 2 s, the state folder, the link and standard error less than half a second each.
+const GONE_MAX_S: f64 = 5.0;
+
+/// What to measure.
+#[derive(Clone, Debug, Args)]
+pub struct Stuck {
+    /// So many flights of each kind; the worst counts
+    #[arg(long, default_value_t = 3)]
+    pub flights: u32,
+    /// How long modifies are watched in each, seconds
+    #[arg(long, default_value_t = 8.0)]
+    pub seconds: f64,
+    /// Only what has this in its name
+    #[arg(long, value_name = "TEXT")]
+    pub only: Option<String>,
+}
+
+/// What is wrong around the runtime.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Trouble {
+    Nothing,
+    ErrorsTalkative,
+    ErrorsSlow,
+    ErrorsStuck,
+    ErrorsFull,
+    ErrorsGone,
+    LogFull,
+    LogHangs,
+    StateFull,
+    StateHangs,
+}
+
+const TROUBLES: [(Trouble, &str); 10] = [
+    (Trouble::Nothing, "nothing"),
+    (Trouble::ErrorsTalkative, "standard error: much of it, to a file"),
+    (Trouble::ErrorsSlow, "standard error: read at 11 KB/s"),
+    (Trouble::ErrorsStuck, "standard error: read by nobody"),
+    (Trouble::ErrorsFull, "standard error: full"),
+    (Trouble::ErrorsGone, "standard error: its reader is gone"),
+    (Trouble::LogFull, "log: disk full"),
+    (Trouble::LogHangs, "log: disk hangs"),
+    (Trouble::StateFull, "state: disk full"),
+    (Trouble::StateHangs, "state: disk hangs"),
+];
+
+/// What came of it.
+#[derive(Clone, Debug, Default)]
+pub struct StuckReport {
+    rows: Vec<(String, Figures)>,
+    misses: Vec<String>,
+}
+
+/// Flies them, one after the other.
+///
+/// # Errors
+/// Where nothing has such a name.
+pub fn run(arguments: &Stuck) -> Result<StuckReport> {
+    let chosen = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only.as_str()));
+    if !TROUBLES.iter().any(|(_, name)| chosen(name)) {
+        let names: Vec<&str> = TROUBLES.iter().map(|(_, name)| *name).collect();
+        bail!("--only: nothing has this in its name; there are: {}", names.join("; "));
+    }
+    let mut report = StuckReport::default();
+    for (trouble, name) in TROUBLES.into_iter().filter(|(_, name)| chosen(name)) {
+        let mut worst: Option<Figures> = None;
+        for _ in 0..arguments.flights.max(1) {
+            match catch_unwind(AssertUnwindSafe(|| fly(trouble, arguments.seconds))) {
+                Ok(Ok(figures)) => worst = Some(worst.map_or(figures, |worst| worst.worst(figures))),
+                Ok(Err(why)) => report.misses.push(format!("{name}: {why}")),
+                Err(panic) => {
+                    let why = panic.downcast_ref::<String>().map_or("it panicked", String::as_str);
+                    report.misses.push(format!("{name}: could not be flown: {why}"));
+                }
+            }
+        }
+        report.rows.extend(worst.map(|worst| (name.to_owned(), worst)));
+    }
+    Ok(report)
+}
+
+/// One flight. What is wrong from the start is wrong from the start; a disk hangs once the vehicle is steered.
+fn fly(trouble: Trouble, seconds: f64) -> Result<Figures> {
+    let (mission, stall) = (mission(trouble), Stall::new());
+    let vehicle = Scripted::start(Behavior::default());
+    let (logs, state) = (mission.beside("logs"), mission.beside("state"));
+    let mut program = Backseat::new()
+        .args(["run", "--arm", "--connect", &vehicle.address, "--log"])
+        .arg(&logs)
+        .arg("--state")
+        .arg(&state)
+        .mission(&mission);
+    // Kept to the end of the flight.
+    let (mut unread, mut slow) = (None, None);
+    match trouble {
+        Trouble::Nothing => {}
+        Trouble::ErrorsTalkative => program = program.env("BACKSEAT_LOG", "trace"),
+        Trouble::ErrorsSlow => {
+            let (reader, writer) = pipe()?;
+            slow = Some(SlowReader::start(reader));
+            program = program.env("BACKSEAT_LOG", "trace").stderr_to(writer);
+        }
+        Trouble::ErrorsStuck => {
+            let (reader, mut writer) = pipe()?;
+            // It takes 64 KiB, of which a page is left.
+            writer.write_all(&[b'\n'; 15 << 12])?;
+            unread = Some(reader);
+            program = program.env("BACKSEAT_LOG", "trace").stderr_to(writer);
+        }
+        Trouble::ErrorsFull => {
+            let full = File::options().write(true).open("/dev/full")?;
+            program = program.env("BACKSEAT_LOG", "trace").stderr_to(full);
+        }
+        Trouble::ErrorsGone => {
+            let (_, writer) = pipe()?;
+            program = program.env("BACKSEAT_LOG", "trace").stderr_to(writer);
+        }
+        Trouble::LogFull => {
+            // The plugin is attached to the log, and then there is room for some seconds.
+            let attached = fs::metadata(backseat_test_support::plugins().join("faulty.wasm"))?.len();
+            program = program.file_max_kib(attached / 1024 + 40);
+        }
+        Trouble::StateFull => {
+            fs::create_dir(&state)?;
+            fs::write(state.join("vehicle"), "steady")?;
+            fs::write(state.join("identifiers"), "70")?;
+            for name in ["identifiers.new", "hold.new"] {
+                symlink("/dev/full", state.join(name))?;
+            }
+        }
+        Trouble::LogHangs => program = program.stalled(&stall, &[&logs]),
+        Trouble::StateHangs => program = program.stalled(&stall, &[&state]),
+    }
+    let mut runtime = program.spawn();
+    flight::begin(&vehicle);
+    let hangs = matches!(trouble, Trouble::LogHangs | Trouble::StateHangs);
+    if hangs {
+        stall.begin();
+    }
+    let (modifies, gap_s) = flight::window(&vehicle, seconds);
+    let (figures, code) = flight::end(&vehicle, &mut runtime);
+    drop(unread);
+    let said = runtime.stderr();
+    if code != Some(0) {
+        bail!("it ended with {code:?}\n{}", last_lines(&said));
+    }
+    let happened = match trouble {
+        Trouble::LogFull => said.contains("the log ends here"),
+        Trouble::StateFull => said.contains("identifiers cannot be reserved"),
+        Trouble::LogHangs | Trouble::StateHangs => !stall.held().is_empty(),
+        Trouble::ErrorsTalkative => said.len() > 100_000,
+        Trouble::ErrorsSlow => slow.is_some_and(SlowReader::missed_some),
+        Trouble::Nothing | Trouble::ErrorsStuck | Trouble::ErrorsFull | Trouble::ErrorsGone => true,
+    };
+    if !happened {
+        bail!("it did not come to it\n{}", last_lines(&said));
+    }
+    Ok(Figures {
+        modifies,
+        gap_s,
+        slip_s: flight::slip(&said),
+        ..figures
+    })
+}
+
+fn mission(trouble: Trouble) -> Mission {
+    match trouble {
+        Trouble::Nothing | Trouble::LogFull | Trouble::LogHangs | Trouble::StateHangs => Mission::steady(),
+        Trouble::ErrorsTalkative
+        | Trouble::ErrorsSlow
+        | Trouble::ErrorsStuck
+        | Trouble::ErrorsFull
+        | Trouble::ErrorsGone => talkative(),
+        Trouble::StateFull => Mission::steady().append(
+            "mission.toml",
+            "[[plugin]]\nname = \"inserter\"\ncomponent = \"faulty\"\ngrants = [\"insert\", \"interrupt\"]\n\
+             [plugin.config]\nfault = \"cross_fence\"\ntarget_east_m = -500.0\ntarget_north_m = 0.0\n\
+             after_current = true",
+        ),
+    }
+}
+
+/// The pilot steers, and others beside it say more lines at each step than they may: 25 KB/s in all.
+fn talkative() -> Mission {
+    (1..=TALKERS).fold(Mission::steady(), |mission, number| {
+        let table = format!(
+            "[[plugin]]\nname = \"talker-{number}\"\ncomponent = \"faulty\"\ngrants = [\"message\"]\n\
+             [plugin.config]\nfault = \"log_flood\""
+        );
+        mission.append("mission.toml", &table)
+    })
+}
+
+/// Reads as a serial console of 115,200 baud writes: 11 KB/s.
+struct SlowReader {
+    hurries: Arc<AtomicBool>,
+    thread: JoinHandle<bool>,
+}
+
+impl SlowReader {
+    fn start(mut reader: PipeReader) -> Self {
+        let hurries = Arc::new(AtomicBool::new(false));
+        let hurry = Arc::clone(&hurries);
+        let thread = thread::spawn(move || {
+            let (mut buffer, mut read) = ([0; 1100], Vec::new());
+            while let Ok(count @ 1..) = reader.read(&mut buffer) {
+                read.extend_from_slice(&buffer[..count]);
+                if !hurry.load(Ordering::Relaxed) {
+                    settle(Duration::from_millis(100));
+                }
+            }
+            String::from_utf8_lossy(&read).contains("lines were dropped")
+        });
+        Self { hurries, thread }
+    }
+
+    /// The process has ended: whether it was told that lines were dropped, because it read too slowly.
+    fn missed_some(self) -> bool {
+        self.hurries.store(true, Ordering::Relaxed);
+        self.thread.join().unwrap_or(false)
+    }
+}
+
+fn last_lines(said: &str) -> String {
+    let lines: Vec<&str> = said.lines().collect();
+    lines[lines.len().saturating_sub(10)..].join("\n")
+}
+
+impl StuckReport {
+    /// What is not as it must be.
+    #[must_use]
+    pub fn faults(&self) -> Vec<String> {
+        let mut faults = self.misses.clone();
+        for (name, figures) in &self.rows {
+            faults.extend(late(name, figures));
+        }
+        faults
+    }
+}
+
+/// Which of the figures are not as they must be.
+fn late<'a>(name: &'a str, figures: &Figures) -> impl Iterator<Item = String> + 'a {
+    let Figures {
+        gap_s,
+        held_s,
+        ended_s,
+        gone_s,
+        ..
+    } = *figures;
+    [
+        (gap_s, GAP_MAX_S, "without a modify"),
+        (held_s, OBEYED_MAX_S, "from SIGUSR1 to BPEMB"),
+        (ended_s, OBEYED_MAX_S, "from SIGTERM to BPEMB"),
+        (gone_s, GONE_MAX_S, "from SIGTERM to the end of the process"),
+    ]
+    .into_iter()
+    .filter(|(figure_s, most_s, _)| figure_s > most_s)
+    .map(move |(figure_s, most_s, what)| format!("{name}: {figure_s:.3} s {what}, at most {most_s} s"))
+}
+
+impl fmt::Display for StuckReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", heading())?;
+        for (name, figures) in &self.rows {
+            writeln!(f, "{}", line(name, figures))?;
+        }
+        write!(
+            f,
+            "the worst of all flights, seconds; aims: {AIM_GAP_S} s without a modify, {AIM_OBEYED_S} s to BPEMB\n\
+             slip: how late the loop woke at worst, by its own words; 0 where that was less than 0.05"
+        )
+    }
+}
+
+fn heading() -> String {
+    let (modifies, gap, held, ended, gone) = ("modifies", "worst gap", "USR1>BPEMB", "TERM>BPEMB", "TERM>end");
+    format!(
+        "{:<40}{modifies:>9}{gap:>11}{held:>12}{ended:>12}{gone:>10}{:>8}",
+        "trouble", "slip"
+    )
+}
+
+fn line(name: &str, figures: &Figures) -> String {
+    let Figures {
+        modifies,
+        gap_s,
+        held_s,
+        ended_s,
+        gone_s,
+        slip_s,
+    } = figures;
+    let slip = slip_s.map_or("?".to_owned(), |slip_s| format!("{slip_s:.3}"));
+    format!("{name:<40}{modifies:>9}{gap_s:>11.3}{held_s:>12.3}{ended_s:>12.3}{gone_s:>10.3}{slip:>8}")
+}

@@ -3,6 +3,7 @@
 
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -75,7 +76,10 @@ impl Recording {
         let (has_ended, ended) = channel();
         let shared = Arc::clone(&disk);
         thread::Builder::new().name("log".to_owned()).spawn(move || {
-            write_out(file, &waiting, &shared);
+            // Who has panicked takes no piece any more, so that the queue stays full and nothing is sent that could fail.
+            if catch_unwind(AssertUnwindSafe(|| write_out(file, &waiting, &shared))).is_err() {
+                shared.fail(io::Error::other("its thread has panicked"));
+            }
             // The loop may be gone.
             let _gone = has_ended.send(());
         })?;
@@ -191,11 +195,8 @@ impl Write for Queue {
         if !self.buffer.is_empty() {
             let piece = std::mem::replace(&mut self.buffer, Vec::with_capacity(PIECE));
             self.disk.waiting.fetch_add(piece.len(), Ordering::Relaxed);
-            // The thread goes on as long as this end is there, unless it has panicked.
-            if let Err(unsent) = self.pieces.send(piece) {
-                self.disk.waiting.fetch_sub(unsent.0.len(), Ordering::Relaxed);
-                self.disk.fail(io::Error::other("its thread has panicked"));
-            }
+            // The thread goes on as long as this end is there, unless it has panicked, and then it has said so.
+            let _gone = self.pieces.send(piece);
         }
         Ok(())
     }
@@ -281,11 +282,12 @@ mod tests {
     #[test]
     fn sr_022_a_log_whose_thread_panics_ends_and_the_run_goes_on() {
         let mut recording = Recording::to(Panics, "a log".to_owned(), &header()).unwrap();
-        let bytes = vec![b'x'; PIECE];
+        // Far more than the queue holds, for a panic takes its time.
+        let bytes = vec![b'x'; 1 << 20];
         let mut second = 0;
         while recording.recorder.is_some() {
             second += 1;
-            assert!(second < 10_000, "it has not ended");
+            assert!(second < 10_000_000, "it has not ended");
             let now = at(1000 * second);
             recording.record(now, |recorder| {
                 recorder.input(now, &backseat_core::Input::Received(&bytes))

@@ -56,19 +56,19 @@ impl Mission {
         self.write(file, text.replace(from, to))
     }
 
-    /// The steady mission's line in pieces, of which one begins every 20 s: who connects while it is flown soon hears what is
+    /// The steady mission's line in pieces, of which one begins every 10 s: who connects while it is flown soon hears what is
     /// flown, without which no insert is sent.
     #[must_use]
     pub fn in_legs(self) -> Self {
         let leg = |number: i32| {
-            let (start_m, end_m) = (40 * number - 600, 40 * number - 560);
+            let (start_m, end_m) = (20 * number - 600, 20 * number - 580);
             format!(
                 "[[plan]]\nkind = \"trackline\"\nstart = {{ east_m = {start_m}, north_m = 0 }}\n\
                  end = {{ east_m = {end_m}, north_m = 0 }}\ndepth_m = 8\nspeed_mps = 1.5\ndynamic = true\n\
-                 timeout_s = 20\n\n"
+                 timeout_s = 10\n\n"
             )
         };
-        let legs: String = (0..30).map(leg).collect();
+        let legs: String = (0..60).map(leg).collect();
         let world = self.read("world.toml");
         let (before, plan) = world.split_once("[[plan]]").expect("a plan");
         let (_, after) = plan.rsplit_once("[expect]").expect("what is expected");

@@ -40,7 +40,7 @@ pub(crate) fn mission() -> &'static Mission {
     &hangar().mission
 }
 
-/// The same, but a behaviour begins every 20 s.
+/// The same, but a behaviour begins every 20 s, and the vehicle refuses each trackline.
 fn in_legs() -> &'static Mission {
     static LEGS: OnceLock<Mission> = OnceLock::new();
     LEGS.get_or_init(|| {

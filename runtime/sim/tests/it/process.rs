@@ -39,9 +39,9 @@ fn sr_009_a_new_process_uses_no_identifier_of_the_old_ones() {
     let mut sent = Vec::new();
     for process in 0..4 {
         let begin = 40.0 * f64::from(process);
-        flight.until(begin + 20.0);
+        flight.until(begin + 25.0);
         flight.sim.substitute(SECOND, Some(patient_understudy("cross_fence")));
-        flight.until(begin + 21.5).sim.substitute(SECOND, None);
+        flight.until(begin + 31.5).sim.substitute(SECOND, None);
         flight.until(begin + 38.0);
         sent.push(flight.sim.statistics().inserts_sent);
         if process < 3 {

@@ -81,6 +81,8 @@ pub struct Oracle {
     plan: Plan,
     /// The vehicle has told this process something of its plan.
     plan_heard: bool,
+    /// A behavior was told to begin on this connection, or nobody has written down whether one was.
+    begin_heard: bool,
     trigger: Trigger,
     acoustic: Acoustic,
     silence: Silence,
@@ -134,6 +136,7 @@ impl Oracle {
             stamps: Stamps::default(),
             plan: Plan::default(),
             plan_heard: false,
+            begin_heard: false,
             trigger: Trigger::default(),
             acoustic: Acoustic::default(),
             silence: Silence::default(),
@@ -159,6 +162,7 @@ impl Oracle {
         self.inserts.cut(self.limits.truth_told);
         self.heartbeat.cut();
         self.blind = false;
+        self.begin_heard = false;
         self.process.link_changed();
         self.operator.cut();
         self.trigger.cut();
@@ -215,6 +219,7 @@ impl Oracle {
         self.flaws.clear();
         self.pause.clear();
         self.plan_heard = false;
+        self.begin_heard = false;
         self.trigger = Trigger::default();
         self.silence = Silence::default();
         self.heartbeat.new_process();

@@ -71,6 +71,8 @@ rules! {
     InsertMargin = "insert-margin", Some(2), Truth;
     /// An insert though no plan was ever told.
     PlanUnknown = "plan-unknown", Some(2), Heard;
+    /// An insert though on this connection no behavior was ever told to begin: nobody knows what it would come after.
+    BeginUnheard = "begin-unheard", Some(2), Heard;
     /// A lease goes on, or begins, within 10 s of a jump of navigation, or of what moves the vehicle's frame.
     JumpIgnored = "jump-ignored", Some(21), Heard;
     /// A BPRMB came to the vehicle long after it was sent.

@@ -295,6 +295,12 @@ impl Oracle {
                 format!("insert {identifier} though the vehicle has told nothing of its plan")
             });
         }
+        self.findings.judge(Rule::BeginUnheard);
+        if !self.begin_heard && self.control.is_granted() {
+            self.findings.add(at, Rule::BeginUnheard, || {
+                format!("insert {identifier} though on this connection no behavior was told to begin")
+            });
+        }
         let total_max = self.limits.inserts_total_max;
         self.inserts.sent(at, identifier, insert, total_max, &mut self.findings);
     }

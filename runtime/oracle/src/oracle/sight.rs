@@ -29,6 +29,7 @@ impl Oracle {
         self.pause.clear();
         self.frame_moved = None;
         self.plan_heard = true;
+        self.begin_heard = true;
         self.trigger.forget();
         self.acoustic.forget();
         self.silence = Silence::default();

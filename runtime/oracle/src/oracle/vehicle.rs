@@ -58,6 +58,7 @@ impl Oracle {
             } => {
                 self.dive.named_by_behavior(at, dive);
                 self.behavior_changed(at);
+                self.begin_heard |= *planned || identifier.is_some();
                 if let Some(identifier) = identifier {
                     self.inserts.begins(at, *identifier);
                 } else if *planned {

@@ -47,6 +47,7 @@ fn requirement_001_a_new_connection_knows_nothing() {
         .link(6000, true)
         .vehicle(7000, "BFMIS,{t},a.dive,Running,")
         .vehicle(7000, "BFCTL,{t},1")
+        .vehicle(7000, "BFMBS,{t},,1,,trackline")
         .ours(8000, TRACKLINE)
         .finds_nothing();
 }
@@ -130,6 +131,7 @@ fn other_hooks_hand_over_too() {
     Scenario::without_control()
         .limits(|limits| limits.control = ControlHook::MissionRunning)
         .vehicle(100, "BFMIS,{t},a.dive,Running,")
+        .vehicle(100, "BFMBS,{t},,1,,trackline")
         .ours(2000, TRACKLINE)
         .finds_nothing();
     let hook = ControlHook::MissionCommand {

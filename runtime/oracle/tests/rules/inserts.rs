@@ -117,8 +117,29 @@ fn requirement_002_nothing_is_inserted_into_an_unknown_plan() {
         .link(4000, true)
         .vehicle(4100, "BFMIS,{t},a.dive,Running,")
         .vehicle(4100, "BFCTL,{t},1")
+        .vehicle(4100, "BFMBS,{t},,1,,trackline")
         .ours(5000, &good(8))
         .finds(&["plan-unknown"]);
+}
+
+#[test]
+fn requirement_002_nothing_is_inserted_where_nobody_heard_what_is_flown() {
+    let again = || {
+        Scenario::with_control()
+            .link(3000, false)
+            .link(4000, true)
+            .vehicle(4100, "BFMIS,{t},a.dive,Running,")
+            .vehicle(4100, "BFCTL,{t},1")
+            .vehicle(4200, "BFPLN,{t},1,,0,0,4200.300,N,07000.900,W,,,")
+    };
+    again().ours(5000, &good(8)).finds(&["begin-unheard"]);
+    // An adjustment comes beside what is flown, and says nothing of it.
+    let beside = again().vehicle(4300, "BFMBS,{t},,,,trim");
+    beside.ours(5000, &good(8)).finds(&["begin-unheard"]);
+    for begun in ["2,,trackline", ",6,trackline"] {
+        let begun = again().vehicle(4300, &format!("BFMBS,{{t}},,{begun}"));
+        begun.ours(5000, &good(8)).finds_nothing();
+    }
 }
 
 #[test]
@@ -129,6 +150,7 @@ fn requirement_009_identifiers_never_repeat_even_after_a_reconnect() {
         .link(4000, true)
         .vehicle(4100, "BFMIS,{t},a.dive,Running,")
         .vehicle(4100, "BFCTL,{t},1")
+        .vehicle(4100, "BFMBS,{t},,1,,trackline")
         .vehicle(4200, &ack(7, 1))
         .ours(5000, &good(7))
         .finds(&["identifier-repeated"]);
@@ -286,6 +308,7 @@ fn requirement_010_an_interrupt_is_not_interrupted() {
             .link(4500, true)
             .vehicle(4600, "BFMIS,{t},a.dive,Running,")
             .vehicle(4600, "BFCTL,{t},1")
+            .vehicle(4600, "BFMBS,{t},,1,,trackline")
             .ours(6000, &interrupting(8))
             .finds_nothing();
     };

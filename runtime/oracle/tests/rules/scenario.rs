@@ -83,6 +83,7 @@ impl Scenario {
         Self::without_control()
             .vehicle(100, "BFMIS,{t},a.dive,Running /logs/1,")
             .vehicle(100, "BFCTL,{t},1")
+            .vehicle(100, "BFMBS,{t},,1,,trackline")
     }
 
     pub(crate) fn without_control() -> Self {
@@ -265,6 +266,7 @@ impl Scenario {
             .vehicle(back_ms + 100, "BFMIS,{t},a.dive,Running,")
             .vehicle(back_ms + 100, "BFCTL,{t},1")
             .vehicle(back_ms + 100, "BFPLN,{t},1,,0,0,4200.300,N,07000.900,W,,,")
+            .vehicle(back_ms + 100, "BFMBS,{t},,1,,trackline")
     }
 
     fn event(mut self, ms: u64, event: Event) -> Self {

@@ -13,6 +13,7 @@ fn an_insert_goes_through_its_states() {
         .link(1000, true)
         .vehicle(1500, "BFMIS,{t},a.dive,Running /logs/1,")
         .vehicle(1500, "BFCTL,{t},1")
+        .vehicle(1500, "BFMBS,{t},,1,,trackline")
         .ours(2000, TRACKLINE)
         .vehicle(2300, "BFACK,{t},RTK,000000.000,7,3,0,text")
         .vehicle(2500, "BFACK,{t},RTK,000000.000,7,2,0,text")

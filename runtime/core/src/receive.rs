@@ -13,7 +13,7 @@ use crate::expected::Compared;
 use crate::integrity::Flaw;
 use crate::io::{Note, Operator};
 use crate::machine::{CLOSE_AFTER_SHUTDOWN, Core};
-use crate::navigation::Change;
+use crate::navigation::{Change, WITHOUT_VELOCITIES};
 use crate::orders::Condition;
 use crate::owner::Owner;
 use crate::plugin::{Behavior, CtdSample, Event, PluginId, RequestState, Topic};
@@ -209,6 +209,10 @@ impl Core {
             self.note_of_vehicle(Note::Navigation {
                 text: format!("{what}: {text}"),
             });
+            // They may never have been subscribed: an answer to BPLOG does not say to which it is.
+            if what == WITHOUT_VELOCITIES {
+                self.subscribe_anew("NVR");
+            }
         }
         self.end_lease(what);
         self.end_hold(what);

@@ -129,6 +129,15 @@ impl Session {
         self.unconfirmed = self.subscriptions.len();
     }
 
+    /// The vehicle may not have the subscription at this place of the list, though it seemed to be answered: the answers to
+    /// BPLOG do not say to which (SPI 7.1).
+    fn doubt_subscription(&mut self, index: usize) {
+        self.unanswered[index] = 0;
+        if core::mem::take(&mut self.confirmed[index]) {
+            self.unconfirmed += 1;
+        }
+    }
+
     /// The messages that are subscribed, in order.
     pub(crate) fn subscriptions(&self) -> &[&'static str] {
         &self.subscriptions
@@ -280,6 +289,15 @@ impl Core {
 
     fn subscribe_all(&mut self) {
         for index in 0..self.session.subscriptions.len() {
+            self.subscribe(index);
+        }
+    }
+
+    /// A message stays away that was subscribed.
+    pub(crate) fn subscribe_anew(&mut self, message: &str) {
+        let index = self.session.subscriptions.iter().position(|known| *known == message);
+        if let Some(index) = index {
+            self.session.doubt_subscription(index);
             self.subscribe(index);
         }
     }

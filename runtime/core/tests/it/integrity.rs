@@ -200,3 +200,18 @@ fn sr_024_a_true_fix_is_no_flaw_and_unsteady_all_the_same() {
         assert!(trial.core.has_control());
     }
 }
+
+/// The vehicle has lost BPLOG,NVR on the way, and an answer of another one was taken for its own.
+#[test]
+fn sr_024_velocities_that_stay_away_are_subscribed_anew() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.subscribed.remove("NVR");
+    let at = trial.now;
+    trial.run_for(3.0);
+    assert!(!trial.core.has_control());
+    let asked = trial.sent_since("LOG", at);
+    assert_eq!(asked.len(), 1, "once, and only that: {asked:?}");
+    assert!(trial.vehicle.subscribed.contains("NVR"));
+    trial.run_for(15.0);
+    assert!(trial.core.has_control());
+}

@@ -153,7 +153,7 @@ impl Vehicle {
         let mut said: Vec<_> = due.into_iter().map(|(_, message)| (message, None)).collect();
         if self.next_navigation <= now {
             self.next_navigation = now + Duration::from_millis(100);
-            if self.navigates && self.subscribed.contains("NVG") && self.subscribed.contains("NVR") {
+            if self.navigates && self.subscribed.contains("NVG") {
                 let solved = self.frozen.unwrap_or(now);
                 let mut navigation = self.navigation(now, solved);
                 let mut velocity = self.velocity(now);
@@ -162,7 +162,7 @@ impl Vehicle {
                     None => true,
                 };
                 said.push((navigation.into(), Some(solved)));
-                if complete {
+                if complete && self.subscribed.contains("NVR") {
                     said.push((velocity.into(), None));
                 }
             }

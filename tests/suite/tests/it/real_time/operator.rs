@@ -63,6 +63,8 @@ fn one_release_undoes_any_number_of_holds() {
         runtime.signal(Signal::USR1);
     }
     runtime.says("operator: Hold", SOON);
+    // A hold and a release that are read together are a hold: all three are read before.
+    settle(Duration::from_millis(500));
     runtime.signal(Signal::USR2);
     let count = vehicle.received("BPRMB").len();
     vehicle.receives("BPRMB", count + 2, SOON);

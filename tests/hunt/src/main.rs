@@ -4,12 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use backseat_hunt::{Alarm, Campaign, Coverage, Flight, Order, Plan, Range, shrink};
+use backseat_hunt::{
+    Alarm, Campaign, Coverage, Digests, Flight, Order, Plan, Range, each_seed, of_mission, of_plans, shrink,
+};
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
@@ -64,6 +65,8 @@ enum Task {
         #[arg(long, default_value_t = 1.0)]
         times: f64,
     },
+    /// Print digests of many runs, a line a seed: those of a refactoring are the same before and after
+    Digests(Seeds),
     /// Print the tree hash alone
     Tree,
     /// The checks of the monitor that this build can switch off, one a line
@@ -79,6 +82,25 @@ enum Task {
         #[arg(long, conflicts_with = "detours")]
         clean: bool,
     },
+}
+
+#[derive(Args)]
+struct Seeds {
+    /// A mission's folder [default: the drawn missions that `fly` flies]
+    #[arg(long)]
+    mission: Option<PathBuf>,
+    /// The drawn missions that `fly --detours` flies
+    #[arg(long, conflicts_with = "mission")]
+    detours: bool,
+    /// How many seeds
+    #[arg(long, default_value_t = 200)]
+    runs: u64,
+    /// The first seed
+    #[arg(long, default_value_t = 1)]
+    first: u64,
+    /// Threads [default: one a core]
+    #[arg(long)]
+    workers: Option<usize>,
 }
 
 #[derive(Args)]
@@ -153,6 +175,7 @@ fn run() -> Result<bool> {
             workers,
             times,
         } => alarms(&cli.plugins, first..first.saturating_add(runs), workers, times),
+        Task::Digests(seeds) => digests(&cli.plugins, &seeds),
         Task::Tree => {
             println!("{TREE}");
             Ok(true)
@@ -261,39 +284,27 @@ fn cores() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
 }
 
+/// Flies seeds and prints their digests: of the link, then of the report.
+fn digests(plugins: &Path, seeds: &Seeds) -> Result<bool> {
+    let range = seeds.first..seeds.first.saturating_add(seeds.runs);
+    let workers = seeds.workers.unwrap_or_else(cores);
+    let flown = match &seeds.mission {
+        Some(mission) => of_mission(plugins, mission, range, workers)?,
+        None => of_plans(plugins, drawn(seeds.detours), range, workers)?,
+    };
+    for (seed, Digests { link, report }) in &flown {
+        println!("{seed} {link} {report}");
+    }
+    Ok(true)
+}
+
 /// Flies clean missions and tells each alarm. Whether there was none.
 fn alarms(plugins: &Path, seeds: std::ops::Range<u64>, workers: Option<usize>, times: f64) -> Result<bool> {
-    let (first, last) = (seeds.start, seeds.end);
     let all = Range::new(plugins)?;
-    let next = AtomicU64::new(first);
-    let work = |range: Range| -> Result<BTreeMap<u64, Flight>> {
-        let mut told = BTreeMap::new();
-        loop {
-            let seed = next.fetch_add(1, Ordering::Relaxed);
-            if seed >= last {
-                return Ok(told);
-            }
-            let flight = range
-                .fly(&Plan::draw_clean(seed, times))
-                .with_context(|| format!("seed {seed}"))?;
-            told.insert(seed, flight);
-        }
-    };
-    let mut flown = BTreeMap::new();
-    thread::scope(|scope| -> Result<()> {
-        let mut threads = Vec::new();
-        for _ in 0..workers.unwrap_or_else(cores).max(1) {
-            let range = all.another()?;
-            threads.push(scope.spawn(|| work(range)));
-        }
-        for thread in threads {
-            match thread.join() {
-                Ok(told) => flown.append(&mut told?),
-                Err(_) => bail!("a worker panicked"),
-            }
-        }
-        Ok(())
-    })?;
+    let ranges = (0..workers.unwrap_or_else(cores).max(1))
+        .map(|_| all.another())
+        .collect::<Result<Vec<_>>>()?;
+    let flown = each_seed(seeds, ranges, |range, seed| range.fly(&Plan::draw_clean(seed, times)))?;
     let (mut missions, mut kinds) = (0, BTreeMap::<String, u64>::new());
     let (mut leases, mut hours, mut fixes, mut failed) = (0, 0.0, 0, 0);
     for (seed, flight) in &flown {

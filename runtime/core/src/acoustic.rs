@@ -35,8 +35,6 @@ const WINDOW_MAX: Duration = Duration::from_secs(3600);
 /// What is known of the modem.
 #[derive(Debug, Default)]
 pub(crate) struct Acoustic {
-    /// A packet may leave before this, to arrive before the window's end.
-    open_until: Option<Timestamp>,
     /// When the window was said by the vehicle's clock, and for how long.
     said: Option<(TimeOfDay, Duration)>,
     /// The packets without a report.
@@ -52,39 +50,32 @@ struct Unreported {
     overdue: Timestamp,
 }
 
-impl Acoustic {
-    /// Whether the payload may send now.
-    pub(crate) fn is_open(&self, now: Timestamp) -> bool {
-        self.open_until.is_some_and(|until| now < until)
-    }
-}
-
 impl Core {
     pub(crate) fn ask_packet(&mut self, plugin: PluginId, asked: PacketRequest) {
-        let request = self.ledger.propose(plugin, asked.tag, RequestKind::Packet);
+        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::Packet);
         match self.admit_packet(plugin, asked) {
             Ok(packet) => self.send_packet(request, packet),
-            Err(refusal) => self.reject(request, refusal),
+            Err(refusal) => self.cx.reject(request, refusal),
         }
     }
 
     fn admit_packet(&mut self, plugin: PluginId, asked: PacketRequest) -> Result<Packet, Refusal> {
-        self.admit(plugin, Grant::Acoustic)?;
+        self.cx.admit(plugin, Grant::Acoustic)?;
         for message in ["CMA", "CPS"] {
-            if !self.session.is_subscribed(message) {
+            if !self.cx.session.is_subscribed(message) {
                 let text = format!("the vehicle has not acknowledged the subscription to BF{message}");
                 return Err(refused("window", &text));
             }
         }
         self.narrow_window();
-        if !self.acoustic.is_open(self.now) && is_on(Check::ModemWindow) {
+        if !self.cx.permits.window_is_open(self.cx.now) && is_on(Check::ModemWindow) {
             return Err(refused("window", "no window is open, or it ends too soon (SPI 9.1)"));
         }
         if self.silent.is_kept() {
             return Err(refused("state", "the vehicle is in silent mode (SPI 7.22)"));
         }
-        let most = self.envelope.limits().packets_per_min;
-        if !self.acoustic.sent.has_room(self.now, most) {
+        let most = self.cx.envelope.limits().packets_per_min;
+        if !self.acoustic.sent.has_room(self.cx.now, most) {
             let text = format!("{most} packets have been sent in the last minute, the most there may be");
             return Err(refused("rate", &text));
         }
@@ -101,7 +92,7 @@ impl Core {
         }
         let frames = FrameData::new(asked.frames).map_err(|error| limit(error.to_string()))?;
         let packet = Packet {
-            created: self.stamper.stamp(self.now, "CPD"),
+            created: self.cx.stamper.stamp(self.cx.now, "CPD"),
             request: self.packet_identifier()?,
             destination: asked.destination,
             mode: asked.mode,
@@ -117,7 +108,7 @@ impl Core {
 
     /// The next identifier, from the numbers of the inserts: unique for the whole mission, whatever restarts.
     fn packet_identifier(&self) -> Result<u32, Refusal> {
-        match self.start.identifiers {
+        match self.cx.start.identifiers {
             None => Err(refused("identifier", "the identifiers' state on disk is missing")),
             Some(identifiers) if identifiers.next >= identifiers.reserved && is_on(Check::IdentifiersReserved) => {
                 Err(refused("identifier", "no identifier is reserved on disk yet"))
@@ -128,17 +119,20 @@ impl Core {
 
     fn send_packet(&mut self, request: u64, packet: Packet) {
         let identifier = packet.request;
-        if let Some(identifiers) = &mut self.start.identifiers {
+        if let Some(identifiers) = &mut self.cx.start.identifiers {
             identifiers.next = identifier + 1;
         }
-        self.reserve();
+        self.cx.reserve();
         let purpose = Purpose::Packet(request);
-        if self.send_request(request, "CPD", &ToVehicle::Packet(packet), purpose) {
-            self.acoustic.sent.add(self.now);
+        if self
+            .cx
+            .send_request(request, "CPD", &ToVehicle::Packet(packet), purpose)
+        {
+            self.acoustic.sent.add(self.cx.now);
             self.acoustic.packets.push(Unreported {
                 request,
                 identifier,
-                overdue: self.now + REPORT_WITHIN,
+                overdue: self.cx.now + REPORT_WITHIN,
             });
             self.watch_acoustic();
         }
@@ -146,12 +140,12 @@ impl Core {
 
     pub(crate) fn packet_answered(&mut self, request: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.transition(request, RequestState::Pending),
-            Answer::Done => self.transition(request, RequestState::Accepted),
+            Answer::Pending => self.cx.transition(request, RequestState::Pending),
+            Answer::Done => self.cx.transition(request, RequestState::Accepted),
             Answer::Refused(text) => {
                 self.acoustic.packets.retain(|packet| packet.request != request);
                 self.watch_acoustic();
-                self.transition(request, RequestState::Failed(text.to_owned()));
+                self.cx.transition(request, RequestState::Failed(text.to_owned()));
             }
             // The report says more than the acknowledgement would have, and may come yet.
             Answer::Missing => {}
@@ -160,20 +154,20 @@ impl Core {
 
     /// BFCMA. The newest one holds: it may shorten an earlier one.
     pub(crate) fn window(&mut self, message: &MediumAccess) {
-        self.heard(message.created);
-        self.acoustic.open_until = None;
+        self.cx.heard(message.created);
+        self.cx.permits.window_until = None;
         match self.ends_of(message) {
             Ok((until, open_until)) => {
-                self.acoustic.open_until = Some(open_until);
+                self.cx.permits.window_until = Some(open_until);
                 self.acoustic.said = Some((message.created, length_of(message)));
                 let window = Window {
                     until,
                     address: message.address,
                     device: message.device.as_str().to_owned(),
                 };
-                self.tell_wanting(Topic::Acoustic, &Event::Window(window));
+                self.cx.tell_wanting(Topic::Acoustic, &Event::Window(window));
             }
-            Err(reason) => self.note(Note::Text {
+            Err(reason) => self.cx.note(Note::Text {
                 text: format!("an acoustic window until {} is none: {reason}", message.until),
             }),
         }
@@ -190,10 +184,10 @@ impl Core {
             return Err("it ends more than an hour after it begins");
         }
         // It may have waited for us, and the vehicle's clock may have been set meanwhile.
-        let age = self.age(message.created).max(self.session.reads.waited());
-        let until = self.now + length - age;
+        let age = self.age(message.created).max(self.cx.session.reads.waited());
+        let until = self.cx.now + length - age;
         let open_until = until - self.before_its_end();
-        if open_until > self.now {
+        if open_until > self.cx.now {
             Ok((until, open_until))
         } else {
             Err("nothing that leaves now would arrive in it")
@@ -203,7 +197,7 @@ impl Core {
     /// How long before a window's end the last packet may leave: once for the delay that the clocks' offset hides, once
     /// for the packet's own way.
     fn before_its_end(&self) -> Duration {
-        2 * self.envelope.limits().link_delay_max()
+        2 * self.cx.envelope.limits().link_delay_max()
     }
 
     /// What is known of the vehicle's clock by now may bring the window's end nearer, and never farther.
@@ -211,44 +205,44 @@ impl Core {
         let Some((created, length)) = self.acoustic.said else {
             return;
         };
-        let until = self.now + length - self.age(created) - self.before_its_end();
-        self.acoustic.open_until = self.acoustic.open_until.map(|open_until| open_until.min(until));
+        let until = self.cx.now + length - self.age(created) - self.before_its_end();
+        self.cx.permits.window_until = self.cx.permits.window_until.map(|open_until| open_until.min(until));
     }
 
     /// BFCPS: of our packets and of everybody's else.
     pub(crate) fn packet_sent(&mut self, message: &PacketSent) {
-        self.heard(message.created);
+        self.cx.heard(message.created);
         let packets = &mut self.acoustic.packets;
         let own = packets.iter().position(|packet| packet.identifier == message.request);
         let Some(index) = own else { return };
         let request = packets.remove(index).request;
         self.watch_acoustic();
-        self.transition(request, RequestState::Ended(report(message)));
+        self.cx.transition(request, RequestState::Ended(report(message)));
     }
 
     /// BFCPR: as many frames as it says, good or not; places that it left empty count as not good.
     pub(crate) fn packet_received(&mut self, message: PacketReceived) {
-        self.heard(message.created);
+        self.cx.heard(message.created);
         let count = usize::try_from(message.frames).unwrap_or(usize::MAX);
         let frames = message.data.into_iter().take(count).map(|frame| ReceivedFrame {
             good: frame.status == FrameReceivedStatus::Good,
             data: frame.data.into_vec(),
         });
         let packet = ReceivedPacket {
-            arrived: self.now - self.age(message.arrived),
+            arrived: self.cx.now - self.age(message.arrived),
             source: message.source,
             destination: message.destination,
             mode: (message.mode != -1).then_some(message.mode),
             frames: frames.collect(),
         };
-        self.tell_wanting(Topic::Acoustic, &Event::Packet(packet));
+        self.cx.tell_wanting(Topic::Acoustic, &Event::Packet(packet));
     }
 
     pub(crate) fn acoustic_expired(&mut self) {
-        if !self.acoustic.is_open(self.now) {
-            self.acoustic.open_until = None;
+        if !self.cx.permits.window_is_open(self.cx.now) {
+            self.cx.permits.window_until = None;
         }
-        let now = self.now;
+        let now = self.cx.now;
         let overdue: Vec<Unreported> = self
             .acoustic
             .packets
@@ -256,32 +250,32 @@ impl Core {
             .collect();
         self.watch_acoustic();
         for packet in overdue {
-            self.transition(packet.request, RequestState::TimedOut);
+            self.cx.transition(packet.request, RequestState::TimedOut);
         }
     }
 
     /// What is not known to be open is closed. The packets' reports may come on the next connection.
     pub(crate) fn acoustic_link_lost(&mut self) {
-        self.acoustic.open_until = None;
+        self.cx.permits.window_until = None;
         self.watch_acoustic();
         let unreported: Vec<u64> = self.acoustic.packets.iter().map(|packet| packet.request).collect();
         for request in unreported {
-            let state = self.ledger.get(request).map(|entry| &entry.state);
+            let state = self.cx.ledger.get(request).map(|entry| &entry.state);
             if matches!(state, Some(RequestState::Sent | RequestState::Pending)) {
-                self.transition(request, RequestState::Unknown);
+                self.cx.transition(request, RequestState::Unknown);
             }
         }
     }
 
     fn watch_acoustic(&mut self) {
         let packets = self.acoustic.packets.iter().map(|packet| packet.overdue);
-        let next = packets.chain(self.acoustic.open_until).min();
-        self.timers.set_or_stop(Timer::Acoustic, next);
+        let next = packets.chain(self.cx.permits.window_until).min();
+        self.cx.timers.set_or_stop(Timer::Acoustic, next);
     }
 
     /// How old something of the vehicle's time is.
     fn age(&self, written: TimeOfDay) -> Duration {
-        let age = self.tracker.clock().age(self.now, self.utc(), written);
+        let age = self.cx.tracker.clock().age(self.cx.now, self.cx.utc(), written);
         age.unwrap_or_default()
     }
 }

@@ -110,17 +110,20 @@ impl Adjustments {
 
 impl Core {
     pub(crate) fn ask_adjustment(&mut self, plugin: PluginId, tag: u64, what: Adjusts) {
-        let request = self.ledger.propose(plugin, tag, what.kind());
+        let request = self.cx.ledger.propose(plugin, tag, what.kind());
         if let Err(refusal) = self.admit_adjustment(plugin, what) {
-            return self.reject(request, refusal);
+            return self.cx.reject(request, refusal);
         }
         let letters = what.letters();
-        let created = self.stamper.stamp(self.now, letters);
+        let created = self.cx.stamper.stamp(self.cx.now, letters);
         let message = match what {
             Adjusts::Trim => ToVehicle::TrimAdjustment(TrimAdjustment { created }),
             Adjusts::Buoyancy => ToVehicle::BuoyancyAdjustment(BuoyancyAdjustment { created }),
         };
-        if self.send_request(request, letters, &message, Purpose::Adjustment(request)) {
+        if self
+            .cx
+            .send_request(request, letters, &message, Purpose::Adjustment(request))
+        {
             self.adjustments.sent += 1;
             *self.adjustments.of(what) = Some(Adjustment {
                 request,
@@ -132,15 +135,15 @@ impl Core {
     }
 
     fn admit_adjustment(&mut self, plugin: PluginId, what: Adjusts) -> Result<(), Refusal> {
-        self.admit(plugin, what.grant())?;
-        if !self.session.is_subscribed(what.letters()) {
+        self.cx.admit(plugin, what.grant())?;
+        if !self.cx.session.is_subscribed(what.letters()) {
             let text = format!("the vehicle has not confirmed the subscription to BF{}", what.letters());
             return Err(refused("state", &text));
         }
         if self.adjustments.of(what).is_some() {
             return Err(refused("state", "an adjustment of this kind is under way"));
         }
-        let most = self.envelope.limits().adjustments_total_max;
+        let most = self.cx.envelope.limits().adjustments_total_max;
         if self.adjustments.sent >= most && is_on(Check::AdjustmentsTotal) {
             let text = format!("{most} adjustments have been sent, the most of a mission");
             return Err(refused("cap", &text));
@@ -151,12 +154,12 @@ impl Core {
     /// The vehicle's answer: done is begun.
     pub(crate) fn adjustment_answered(&mut self, request: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Pending => self.cx.transition(request, RequestState::Pending),
             Answer::Refused(text) => self.end_adjustment(request, RequestState::Failed(text.to_owned())),
             Answer::Missing => self.end_adjustment(request, RequestState::TimedOut),
             Answer::Done => {
-                self.transition(request, RequestState::Accepted);
-                let now = self.now;
+                self.cx.transition(request, RequestState::Accepted);
+                let now = self.cx.now;
                 let mut begun = false;
                 for what in Adjusts::ALL {
                     if let Some(adjustment) = self.adjustments.of(what)
@@ -168,7 +171,7 @@ impl Core {
                     }
                 }
                 if begun {
-                    self.transition(request, RequestState::Started);
+                    self.cx.transition(request, RequestState::Started);
                 }
                 self.set_adjustment_timer();
             }
@@ -177,29 +180,29 @@ impl Core {
 
     /// BFTRM.
     pub(crate) fn trim_status(&mut self, message: &TrimStatus) {
-        self.heard(message.created);
+        self.cx.heard(message.created);
         let (pitch_deg, roll_deg) = (message.pitch_deg, message.roll_deg);
         let sample = Sample::Trim(TrimSample {
-            measured: self.when(message.created),
+            measured: self.cx.when(message.created),
             adjusting: message.status == AdjustmentStatus::InProgress,
             pitch_deg,
             roll_deg,
         });
-        self.tell_wanting(Topic::Trim, &Event::Sample(sample));
+        self.cx.tell_wanting(Topic::Trim, &Event::Sample(sample));
         let text = format!("{}, pitch {pitch_deg} deg, roll {roll_deg} deg", message.text.as_str());
         self.adjustment_status(Adjusts::Trim, message.status, message.error, &text);
     }
 
     /// BFBOY.
     pub(crate) fn buoyancy_status(&mut self, message: &BuoyancyStatus) {
-        self.heard(message.created);
+        self.cx.heard(message.created);
         let buoyancy_n = message.buoyancy_n;
         let sample = Sample::Buoyancy(BuoyancySample {
-            measured: self.when(message.created),
+            measured: self.cx.when(message.created),
             adjusting: message.status == AdjustmentStatus::InProgress,
             buoyancy_n,
         });
-        self.tell_wanting(Topic::Buoyancy, &Event::Sample(sample));
+        self.cx.tell_wanting(Topic::Buoyancy, &Event::Sample(sample));
         let text = format!("{}, buoyancy {buoyancy_n} N", message.text.as_str());
         self.adjustment_status(Adjusts::Buoyancy, message.status, message.error, &text);
     }
@@ -215,10 +218,12 @@ impl Core {
             AdjustmentStatus::InProgress => self.adjustment_begun(what),
             AdjustmentStatus::Idle => {
                 let idle = || RequestState::Ended(format!("the vehicle is idle: {text}"));
-                match self.ledger.get(request).map(|entry| &entry.state) {
+                match self.cx.ledger.get(request).map(|entry| &entry.state) {
                     Some(RequestState::Started | RequestState::Unknown) => self.end_adjustment(request, idle()),
                     // Said at once, it may have been on its way when the adjustment began.
-                    Some(RequestState::Accepted) if acknowledged.is_some_and(|at| self.now.since(at) >= IDLE_AFTER) => {
+                    Some(RequestState::Accepted)
+                        if acknowledged.is_some_and(|at| self.cx.now.since(at) >= IDLE_AFTER) =>
+                    {
                         self.end_adjustment(request, idle());
                     }
                     Some(
@@ -250,14 +255,14 @@ impl Core {
             return;
         };
         let request = adjustment.request;
-        match self.ledger.get(request).map(|entry| &entry.state) {
+        match self.cx.ledger.get(request).map(|entry| &entry.state) {
             // Ours, or one that the vehicle makes by itself: the acknowledgement tells.
             Some(RequestState::Sent | RequestState::Pending) => adjustment.begun = true,
             Some(RequestState::Unknown) => {
-                self.transition(request, RequestState::Accepted);
-                self.transition(request, RequestState::Started);
+                self.cx.transition(request, RequestState::Accepted);
+                self.cx.transition(request, RequestState::Started);
             }
-            Some(RequestState::Accepted) => self.transition(request, RequestState::Started),
+            Some(RequestState::Accepted) => self.cx.transition(request, RequestState::Started),
             Some(
                 RequestState::Started
                 | RequestState::Rejected(_)
@@ -276,7 +281,7 @@ impl Core {
             return;
         };
         let request = adjustment.request;
-        match self.ledger.get(request).map(|entry| &entry.state) {
+        match self.cx.ledger.get(request).map(|entry| &entry.state) {
             Some(RequestState::Sent | RequestState::Pending) => adjustment.begun = false,
             Some(RequestState::Accepted | RequestState::Started | RequestState::Unknown) => {
                 self.end_adjustment(request, state);
@@ -294,7 +299,7 @@ impl Core {
 
     /// A behaviour that is neither the plan's nor an identified insert has begun or ended.
     pub(crate) fn adjustment_behavior(&mut self, began: bool, kind: &str) {
-        let until = self.now + SAID_WITHIN;
+        let until = self.cx.now + SAID_WITHIN;
         for what in Adjusts::ALL {
             if !what.is_type(kind) {
                 continue;
@@ -304,6 +309,7 @@ impl Core {
             } else if let Some(adjustment) = self.adjustments.of(what)
                 && let Some(deadline) = adjustment.deadline
                 && self
+                    .cx
                     .ledger
                     .get(adjustment.request)
                     .is_some_and(|entry| entry.state == RequestState::Started)
@@ -321,7 +327,7 @@ impl Core {
                 *open = None;
             }
         }
-        self.transition(request, state);
+        self.cx.transition(request, state);
         self.set_adjustment_timer();
     }
 
@@ -337,7 +343,7 @@ impl Core {
     pub(crate) fn adjustment_expired(&mut self) {
         let open: Vec<Adjustment> = self.adjustments.open().collect();
         for adjustment in open {
-            if adjustment.deadline.is_some_and(|deadline| deadline <= self.now) {
+            if adjustment.deadline.is_some_and(|deadline| deadline <= self.cx.now) {
                 self.end_adjustment(adjustment.request, RequestState::TimedOut);
             }
         }
@@ -347,14 +353,14 @@ impl Core {
     /// The link is gone: one that was not acknowledged may have begun, which its status tells on the next connection. One
     /// that was goes on.
     pub(crate) fn adjustments_link_lost(&mut self) {
-        let until = self.now + OVER_WITHIN;
+        let until = self.cx.now + OVER_WITHIN;
         for what in Adjusts::ALL {
             if let Some(adjustment) = self.adjustments.of(what)
                 && adjustment.deadline.is_none()
             {
                 adjustment.deadline = Some(until);
                 let request = adjustment.request;
-                self.transition(request, RequestState::Unknown);
+                self.cx.transition(request, RequestState::Unknown);
             }
         }
         self.set_adjustment_timer();
@@ -362,7 +368,7 @@ impl Core {
 
     fn set_adjustment_timer(&mut self) {
         let first = self.adjustments.open().filter_map(|open| open.deadline).min();
-        self.timers.set_or_stop(Timer::Adjustment, first);
+        self.cx.timers.set_or_stop(Timer::Adjustment, first);
     }
 }
 

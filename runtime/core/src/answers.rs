@@ -3,6 +3,7 @@
 use backseat_spi::{AckStatus, Acknowledgement, ToVehicle};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
+use crate::context::Context;
 use crate::helm::refused;
 use crate::io::Note;
 use crate::machine::Core;
@@ -11,18 +12,18 @@ use crate::session::name;
 
 impl Core {
     pub(crate) fn acknowledged(&mut self, ack: &Acknowledgement) {
-        self.heard(ack.created);
+        self.cx.heard(ack.created);
         self.round_trip(ack);
         if let AckStatus::Other(code) = ack.status {
             // It neither accepts nor refuses: the command stays unanswered, or what the vehicle flies would count as over.
-            if let Some(count) = self.session.malformed() {
+            if let Some(count) = self.cx.session.malformed() {
                 let text = format!("BFACK of {}: status {code} is not defined", ack.command.as_str());
-                self.note(Note::Malformed { text, count });
+                self.cx.note(Note::Malformed { text, count });
             }
             return;
         }
-        let subscriptions = self.session.subscriptions();
-        let Some((command, settled)) = self.commands.answer(ack, self.now, subscriptions) else {
+        let subscriptions = self.cx.session.subscriptions();
+        let Some((command, settled)) = self.cx.commands.answer(ack, self.cx.now, subscriptions) else {
             return;
         };
         let answer = match ack.status {
@@ -62,7 +63,7 @@ impl Core {
                     self.failed_after_its_end();
                 }
                 if let Answer::Refused(text) = answer {
-                    self.note(Note::Text {
+                    self.cx.note(Note::Text {
                         text: format!("the vehicle refused {}: {text}", command.name.as_str()),
                     });
                 }
@@ -70,6 +71,21 @@ impl Core {
         }
     }
 
+    /// The answer to a request that ends with it.
+    fn request_answered(&mut self, request: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => self.cx.transition(request, RequestState::Pending),
+            Answer::Done => {
+                self.cx.transition(request, RequestState::Accepted);
+                self.cx.transition(request, RequestState::Ended("done".to_owned()));
+            }
+            Answer::Refused(text) => self.cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => self.cx.transition(request, RequestState::TimedOut),
+        }
+    }
+}
+
+impl Context {
     /// Sends a request's command. False where the gate holds it back: then the request is rejected.
     pub(crate) fn send_request(
         &mut self,
@@ -94,18 +110,5 @@ impl Core {
             self.reject(request, refused("control", "it could not be sent"));
         }
         sent
-    }
-
-    /// The answer to a request that ends with it.
-    fn request_answered(&mut self, request: u64, answer: Answer<'_>) {
-        match answer {
-            Answer::Pending => self.transition(request, RequestState::Pending),
-            Answer::Done => {
-                self.transition(request, RequestState::Accepted);
-                self.transition(request, RequestState::Ended("done".to_owned()));
-            }
-            Answer::Refused(text) => self.transition(request, RequestState::Failed(text.to_owned())),
-            Answer::Missing => self.transition(request, RequestState::TimedOut),
-        }
     }
 }

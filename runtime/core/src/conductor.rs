@@ -8,6 +8,7 @@ use backseat_units::Timestamp;
 
 use crate::adjustment::Adjusts;
 use crate::budget::LineBudget;
+use crate::context::Context;
 use crate::envelope::limit;
 use crate::helm::refused;
 use crate::io::{Note, Output, Restarted};
@@ -69,8 +70,6 @@ pub(crate) struct Slot {
     messages: Allowance,
     /// How many tracklines and trackcircles of its have been sent.
     inserts_sent: u32,
-    /// How long it has steered, the lease or hold that stands left out.
-    steered: Duration,
 }
 
 impl Slot {
@@ -89,7 +88,6 @@ impl Slot {
             over_rate: LineBudget::of(1),
             messages: Allowance::default(),
             inserts_sent: 0,
-            steered: Duration::ZERO,
         }
     }
 
@@ -185,34 +183,16 @@ impl Allowance {
 }
 
 impl Core {
-    pub(crate) fn tell(&mut self, plugin: PluginId, event: Event) {
-        let slot = &mut self.plugins[plugin.0];
-        match slot.state {
-            State::Quarantined => {}
-            State::Idle | State::Running if slot.events.len() >= EVENTS_MAX => {
-                let fault = PluginFault {
-                    kind: FaultKind::Overflow,
-                    text: format!("more than {EVENTS_MAX} events came before it returned"),
-                };
-                self.failed(plugin, fault);
-            }
-            State::Condemned | State::BackingOff { .. } | State::Restarting if slot.events.len() >= EVENTS_MAX => {}
-            State::Idle | State::Running | State::Condemned | State::BackingOff { .. } | State::Restarting => {
-                slot.events.push(event);
-            }
-        }
-    }
-
     /// When the next plugin is due for something.
     pub(crate) fn plugins_due(&self) -> Option<Timestamp> {
-        self.plugins.iter().filter_map(Slot::wakes_at).min()
+        self.cx.plugins.iter().filter_map(Slot::wakes_at).min()
     }
 
     /// Steps every plugin that is due: with navigation, at its period; without, when that is overdue.
     pub(crate) fn step_due(&mut self, with_navigation: bool) {
-        let now = self.now;
-        for index in 0..self.plugins.len() {
-            let slot = &mut self.plugins[index];
+        let now = self.cx.now;
+        for index in 0..self.cx.plugins.len() {
+            let slot = &mut self.cx.plugins[index];
             // Navigation's own jitter must not make a step wait for the next one.
             let early = if with_navigation {
                 slot.period() / 10
@@ -243,7 +223,7 @@ impl Core {
                 State::Running if with_navigation && now + early >= due => slot.overdue = true,
                 State::BackingOff { until } if until <= now => {
                     slot.state = State::Restarting;
-                    self.outputs.push_back(Output::Restart(PluginId(index)));
+                    self.cx.outputs.push_back(Output::Restart(PluginId(index)));
                 }
                 State::Running
                 | State::Condemned
@@ -255,11 +235,14 @@ impl Core {
     }
 
     fn invoke(&mut self, index: usize) {
-        let navigation = self.tracker.fresh(self.now).copied();
-        let (relative, cartesian) = (self.hull.relative(self.now), self.hull.cartesian(self.now));
-        let clocks = self.clocks();
-        let (now, control) = (self.now, self.granted);
-        let slot = &mut self.plugins[index];
+        let navigation = self.cx.tracker.fresh(self.cx.now).copied();
+        let (relative, cartesian) = (
+            self.cx.relative.fresh(self.cx.now),
+            self.cx.cartesian.fresh(self.cx.now),
+        );
+        let clocks = self.cx.clocks();
+        let (now, control) = (self.cx.now, self.cx.granted);
+        let slot = &mut self.cx.plugins[index];
         slot.state = State::Running;
         slot.overdue = false;
         slot.invoked = now;
@@ -270,7 +253,7 @@ impl Core {
             now + slot.period()
         };
         let events = std::mem::take(&mut slot.events);
-        self.outputs.push_back(Output::Invoke(
+        self.cx.outputs.push_back(Output::Invoke(
             PluginId(index),
             StepInput {
                 now,
@@ -287,9 +270,9 @@ impl Core {
 
     pub(crate) fn returned(&mut self, plugin: PluginId, returned: Returned) {
         for line in returned.log {
-            self.note(Note::PluginLog { plugin, line });
+            self.cx.note(Note::PluginLog { plugin, line });
         }
-        let Some(slot) = self.plugins.get_mut(plugin.0) else {
+        let Some(slot) = self.cx.plugins.get_mut(plugin.0) else {
             return;
         };
         match slot.state {
@@ -301,22 +284,23 @@ impl Core {
             Ok(requests) => {
                 for request in requests {
                     // One that has failed by the events of its own requests gets nothing more.
-                    if self.plugins[plugin.0].state != State::Idle {
+                    if self.cx.plugins[plugin.0].state != State::Idle {
                         break;
                     }
                     self.ask(plugin, request);
+                    self.fail_overflowed();
                 }
             }
             Err(fault) => self.failed(plugin, fault),
         }
-        let slot = &self.plugins[plugin.0];
+        let slot = &self.cx.plugins[plugin.0];
         if slot.overdue && slot.state == State::Idle {
             self.invoke(plugin.0);
         }
     }
 
     pub(crate) fn restarted(&mut self, plugin: PluginId, restarted: Restarted) {
-        let Some(slot) = self.plugins.get_mut(plugin.0) else {
+        let Some(slot) = self.cx.plugins.get_mut(plugin.0) else {
             return;
         };
         if slot.state != State::Restarting {
@@ -327,21 +311,22 @@ impl Core {
                 slot.state = State::Idle;
                 slot.events.clear();
                 slot.timers.clear();
-                self.note(Note::PluginRestarted { plugin });
+                self.cx.note(Note::PluginRestarted { plugin });
                 let open = self
+                    .cx
                     .ledger
                     .iter()
                     .filter(|(_, entry)| entry.owner == plugin)
                     .map(|(_, entry)| entry.tag)
                     .collect();
-                self.tell(
+                self.cx.tell(
                     plugin,
                     Event::Restored {
                         lost_steps: restarted.lost_steps,
                         open,
                     },
                 );
-                self.tell(plugin, Event::Control(self.granted));
+                self.cx.tell(plugin, Event::Control(self.cx.granted));
             }
             Err(fault) => {
                 // Whatever it says of itself, there is no instance.
@@ -351,11 +336,22 @@ impl Core {
         }
     }
 
+    /// Plugins whose events were more than they may be have failed.
+    pub(crate) fn fail_overflowed(&mut self) {
+        while let Some(plugin) = self.cx.overflowed.pop() {
+            let fault = PluginFault {
+                kind: FaultKind::Overflow,
+                text: format!("more than {EVENTS_MAX} events came before it returned"),
+            };
+            self.failed(plugin, fault);
+        }
+    }
+
     /// A plugin has failed: it steers no longer, what it declared for the case is done, and it comes back later or not
     /// at all. Its siblings notice nothing.
     fn failed(&mut self, plugin: PluginId, fault: PluginFault) {
-        let now = self.now;
-        let slot = &mut self.plugins[plugin.0];
+        let now = self.cx.now;
+        let slot = &mut self.cx.plugins[plugin.0];
         if now.since(slot.failed_at) > FORGIVEN_AFTER {
             slot.failures = 0;
         }
@@ -382,8 +378,8 @@ impl Core {
         } else {
             "it goes on"
         };
-        let quarantined = self.plugins[plugin.0].is_quarantined();
-        self.note(Note::PluginFailed { plugin, fault, then });
+        let quarantined = self.cx.plugins[plugin.0].is_quarantined();
+        self.cx.note(Note::PluginFailed { plugin, fault, then });
         if is_on(Check::PluginFailure) {
             if self.lease.is_some_and(|lease| lease.plugin == plugin) {
                 self.end_lease("its plugin failed");
@@ -411,8 +407,8 @@ impl Core {
     }
 
     fn back_off(&mut self, plugin: PluginId) {
-        let now = self.now;
-        let slot = &mut self.plugins[plugin.0];
+        let now = self.cx.now;
+        let slot = &mut self.cx.plugins[plugin.0];
         let doublings = slot.failures.saturating_sub(1).min(8);
         slot.state = State::BackingOff {
             until: now + BACK_OFF * (1 << doublings),
@@ -439,18 +435,64 @@ impl Core {
             Request::Camera(asked) => self.ask_camera(plugin, &asked),
             Request::Light(asked) => self.ask_light(plugin, &asked),
             Request::Timer { id, after } => {
-                let slot = &mut self.plugins[plugin.0];
+                let slot = &mut self.cx.plugins[plugin.0];
                 if slot.timers.len() < TIMERS_MAX {
-                    slot.timers.push((self.now + after.max(PERIOD_MIN), id));
+                    slot.timers.push((self.cx.now + after.max(PERIOD_MIN), id));
                 } else {
                     let text = format!("a timer was dropped: {TIMERS_MAX} are set already");
                     let line = crate::plugin::LogLine {
                         level: LogLevel::Warn,
                         text,
                     };
-                    self.note(Note::PluginLog { plugin, line });
+                    self.cx.note(Note::PluginLog { plugin, line });
                 }
             }
+        }
+    }
+
+    fn ask_message(&mut self, plugin: PluginId, text: &str) {
+        let now = self.cx.now;
+        let slot = &mut self.cx.plugins[plugin.0];
+        let in_time = slot.messages.take(now, 1.0) || !is_on(Check::MessageRate);
+        if !slot.setup.grants.contains(&Grant::Message) || !in_time {
+            return;
+        }
+        let created = self.cx.stamper.stamp(now, "MSG");
+        let cut: String = text.chars().take(MESSAGE_BYTES_MAX).collect();
+        // In lower case: there are vehicles that take a sentence for the one whose name its text contains.
+        let text = Text::cleaned(&cut.to_lowercase());
+        let command = self.cx.courtesy("MSG", Some(created));
+        self.cx
+            .transmit(&ToVehicle::LogMessage(LogMessage { created, text }), Some(command));
+    }
+}
+
+impl Context {
+    pub(crate) fn tell(&mut self, plugin: PluginId, event: Event) {
+        let slot = &mut self.plugins[plugin.0];
+        match slot.state {
+            State::Quarantined => {}
+            State::Idle | State::Running if slot.events.len() >= EVENTS_MAX => {
+                if !self.overflowed.contains(&plugin) {
+                    self.overflowed.push(plugin);
+                }
+            }
+            State::Condemned | State::BackingOff { .. } | State::Restarting if slot.events.len() >= EVENTS_MAX => {}
+            State::Idle | State::Running | State::Condemned | State::BackingOff { .. } | State::Restarting => {
+                slot.events.push(event);
+            }
+        }
+    }
+
+    pub(crate) fn reject(&mut self, request: u64, refusal: Refusal) {
+        let reason = format!("{}: {}", refusal.rule, refusal.text);
+        let owner = self.ledger.get(request).and_then(|entry| entry.owner.plugin());
+        let counted =
+            owner.is_some_and(|plugin| refusal.rule == OVER_RATE && !self.plugins[plugin.0].over_rate.take(self.now));
+        if counted {
+            self.transition_unnoted(request, RequestState::Rejected(reason));
+        } else {
+            self.transition(request, RequestState::Rejected(reason));
         }
     }
 
@@ -483,65 +525,15 @@ impl Core {
         if !self.start.armed {
             return Err(refused("control", "the runtime is not armed"));
         }
-        if self.whereabouts.recovers() {
+        if self.recovering {
             return Err(refused("recovery", "the vehicle is outside the fence"));
         }
         Ok(())
     }
 
-    /// A plugin no longer steers as it has since then.
-    pub(crate) fn has_steered(&mut self, plugin: PluginId, since: Timestamp) {
-        self.plugins[plugin.0].steered += self.now.since(since);
-    }
-
-    /// Whether a plugin may steer for so much longer: a lease or hold of its counts until now, and then anew. Safety
-    /// requirement 019.
+    /// Whether a plugin may steer for so much longer.
     pub(crate) fn cap_steering(&self, plugin: PluginId, duration: Duration) -> Result<(), Refusal> {
-        let slot = &self.plugins[plugin.0];
-        let Some(most) = slot.limits().steering_max() else {
-            return Ok(());
-        };
-        let standing = self
-            .steering()
-            .filter(|(who, _)| *who == plugin)
-            .map_or(Duration::ZERO, |(_, since)| self.now.since(since));
-        let steered = slot.steered + standing;
-        if steered.saturating_add(duration) <= most {
-            return Ok(());
-        }
-        let text = format!(
-            "it has steered for {:.0} s and would for {:.0} s more, together over {} s",
-            steered.as_secs_f64(),
-            duration.as_secs_f64(),
-            most.as_secs_f64()
-        );
-        Err(refused("cap", &text))
-    }
-
-    pub(crate) fn reject(&mut self, request: u64, refusal: Refusal) {
-        let reason = format!("{}: {}", refusal.rule, refusal.text);
-        let owner = self.ledger.get(request).and_then(|entry| entry.owner.plugin());
-        let counted =
-            owner.is_some_and(|plugin| refusal.rule == OVER_RATE && !self.plugins[plugin.0].over_rate.take(self.now));
-        if counted {
-            self.transition_unnoted(request, RequestState::Rejected(reason));
-        } else {
-            self.transition(request, RequestState::Rejected(reason));
-        }
-    }
-
-    fn ask_message(&mut self, plugin: PluginId, text: &str) {
-        let now = self.now;
-        let slot = &mut self.plugins[plugin.0];
-        let in_time = slot.messages.take(now, 1.0) || !is_on(Check::MessageRate);
-        if !slot.setup.grants.contains(&Grant::Message) || !in_time {
-            return;
-        }
-        let created = self.stamper.stamp(now, "MSG");
-        let cut: String = text.chars().take(MESSAGE_BYTES_MAX).collect();
-        // In lower case: there are vehicles that take a sentence for the one whose name its text contains.
-        let text = Text::cleaned(&cut.to_lowercase());
-        let command = self.courtesy("MSG", Some(created));
-        self.transmit(&ToVehicle::LogMessage(LogMessage { created, text }), Some(command));
+        let most = self.plugins[plugin.0].limits().steering_max();
+        self.arbiter.cap(self.now, plugin, duration, most)
     }
 }

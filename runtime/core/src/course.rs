@@ -13,6 +13,7 @@ use backseat_spi::BehaviorId;
 use backseat_units::math::hypot;
 use backseat_units::{EastNorth, Timestamp};
 
+use crate::context::Context;
 use crate::envelope::{Approach, Insert, Track};
 use crate::helm::refused;
 use crate::ledger::Entry;
@@ -202,6 +203,58 @@ impl Courses {
 }
 
 impl Core {
+    /// Where the vehicle is while nobody of ours steers: on its line, from where on the way to it is behind it.
+    pub(crate) fn watch_course(&mut self) {
+        if self.lease.is_some() {
+            self.cx.courses.level_since = None;
+            return;
+        }
+        let Some(navigation) = self.cx.tracker.newest() else {
+            return;
+        };
+        let here = navigation.local;
+        if matches!(self.cx.courses.current, Some(Flown::Planned(_))) {
+            let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
+            self.cx.courses.seen_mps = self.cx.courses.seen_mps.max(ground_mps);
+        }
+        let level_for = if self.cx.former.is_none() {
+            LEVEL_FOR
+        } else {
+            LEVEL_AFTER_ANOTHER_FOR
+        };
+        let vertical = [navigation.depth.as_m(), navigation.down_mps];
+        self.cx.courses.levels(self.cx.now, vertical, level_for);
+        let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
+        let within_m = self.cx.envelope.limits().tracking_error_m;
+        let line = match self.cx.courses.current {
+            None => {
+                let mut paths: Vec<Flown> = Vec::new();
+                for (flown, line) in self.cx.lines_that_may_be_flown() {
+                    if is_on(line, here, velocity, within_m) && !paths.contains(&flown) {
+                        paths.push(flown);
+                    }
+                }
+                if self.cx.courses.placed.is_empty() && self.cx.courses.keeps_to(self.cx.now, &paths) {
+                    self.cx.plan.seen_at(self.cx.courses.placed());
+                }
+                return;
+            }
+            Some(current) if self.cx.courses.begun.get(&current).is_none_or(Vec::is_empty) => return,
+            Some(current) => self.cx.first_line_of(current),
+        };
+        let on_line = line.is_some_and(|line| is_on(line, here, velocity, within_m));
+        let since = self.cx.courses.on_line_since.filter(|_| on_line);
+        self.cx.courses.on_line_since = on_line.then(|| since.unwrap_or(self.cx.now));
+        if since.is_none_or(|since| self.cx.now.since(since) < ON_LINE_FOR) {
+            return;
+        }
+        if let Some(current) = self.cx.courses.current {
+            self.cx.courses.begun.insert(current, Vec::new());
+        }
+    }
+}
+
+impl Context {
     /// A behaviour has begun here.
     pub(crate) fn course_began(&mut self, number: Option<u32>, identifier: Option<BehaviorId>) {
         let planned = number.map(Flown::Planned);
@@ -217,7 +270,7 @@ impl Core {
     }
 
     /// Where the vehicle is, and how far it may have gone since it was there.
-    fn begins_here(&self) -> Option<Begin> {
+    pub(crate) fn begins_here(&self) -> Option<Begin> {
         let navigation = self.tracker.newest()?;
         let limits = self.envelope.limits();
         let age_s = self.now.since(navigation.solution).as_secs_f64() + limits.link_delay_max_s;
@@ -273,7 +326,7 @@ impl Core {
     }
 
     /// Whether it was seen what the vehicle flies, where nobody heard it.
-    fn is_placed(&self) -> bool {
+    pub(crate) fn is_placed(&self) -> bool {
         let placed = self.courses.placed();
         let known = |flown: &Flown| match flown {
             Flown::Planned(number) => self.plan.names(*number),
@@ -292,7 +345,7 @@ impl Core {
     }
 
     /// Whether it is known where the planned behaviour began that the vehicle may take up again.
-    fn knows_what_is_taken_up(&self, interrupts: bool) -> Result<(), Refusal> {
+    pub(crate) fn knows_what_is_taken_up(&self, interrupts: bool) -> Result<(), Refusal> {
         if self.takes_up_plan(interrupts) && self.courses.lacks_plan() {
             let text =
                 "it was not heard what the vehicle takes up again after what it flies, nor so the way back to it";
@@ -315,58 +368,8 @@ impl Core {
         }
     }
 
-    /// Where the vehicle is while nobody of ours steers: on its line, from where on the way to it is behind it.
-    pub(crate) fn watch_course(&mut self) {
-        if self.lease.is_some() {
-            self.courses.level_since = None;
-            return;
-        }
-        let Some(navigation) = self.tracker.newest() else {
-            return;
-        };
-        let here = navigation.local;
-        if matches!(self.courses.current, Some(Flown::Planned(_))) {
-            let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
-            self.courses.seen_mps = self.courses.seen_mps.max(ground_mps);
-        }
-        let level_for = if self.former.is_none() {
-            LEVEL_FOR
-        } else {
-            LEVEL_AFTER_ANOTHER_FOR
-        };
-        let vertical = [navigation.depth.as_m(), navigation.down_mps];
-        self.courses.levels(self.now, vertical, level_for);
-        let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
-        let within_m = self.envelope.limits().tracking_error_m;
-        let line = match self.courses.current {
-            None => {
-                let mut paths: Vec<Flown> = Vec::new();
-                for (flown, line) in self.lines_that_may_be_flown() {
-                    if is_on(line, here, velocity, within_m) && !paths.contains(&flown) {
-                        paths.push(flown);
-                    }
-                }
-                if self.courses.placed.is_empty() && self.courses.keeps_to(self.now, &paths) {
-                    self.plan.seen_at(self.courses.placed());
-                }
-                return;
-            }
-            Some(current) if self.courses.begun.get(&current).is_none_or(Vec::is_empty) => return,
-            Some(current) => self.first_line_of(current),
-        };
-        let on_line = line.is_some_and(|line| is_on(line, here, velocity, within_m));
-        let since = self.courses.on_line_since.filter(|_| on_line);
-        self.courses.on_line_since = on_line.then(|| since.unwrap_or(self.now));
-        if since.is_none_or(|since| self.now.since(since) < ON_LINE_FOR) {
-            return;
-        }
-        if let Some(current) = self.courses.current {
-            self.courses.begun.insert(current, Vec::new());
-        }
-    }
-
     /// The lines of the plan and of our open tracklines, and whose they are; none where the vehicle may fly anything else.
-    fn lines_that_may_be_flown(&self) -> Vec<(Flown, (EastNorth, EastNorth))> {
+    pub(crate) fn lines_that_may_be_flown(&self) -> Vec<(Flown, (EastNorth, EastNorth))> {
         let mut others = self
             .plan
             .others(|identifier| self.sent_identifiers.contains(&identifier));
@@ -410,7 +413,7 @@ impl Core {
 
     /// The line of a behaviour that is one line, or the first of several, as it was given: the way to it may lead along any
     /// other.
-    fn first_line_of(&self, flown: Flown) -> Option<(EastNorth, EastNorth)> {
+    pub(crate) fn first_line_of(&self, flown: Flown) -> Option<(EastNorth, EastNorth)> {
         match flown {
             Flown::Planned(_) => self.plan.flown().flat_map(crate::plan::Element::legs).next(),
             Flown::Inserted(identifier) => {
@@ -453,7 +456,7 @@ impl Core {
     }
 
     /// The way from a begin to where the path begins; none from as near as the vehicle tracks, which is there.
-    fn approach(&self, begin: &Begin, to: [EastNorth; 2]) -> Option<Track> {
+    pub(crate) fn approach(&self, begin: &Begin, to: [EastNorth; 2]) -> Option<Track> {
         let there_m = self.envelope.limits().tracking_error_m;
         let there = to.iter().all(|to| begin.at.distance_m(*to) <= there_m);
         let approach = Approach {
@@ -491,7 +494,7 @@ impl Core {
     }
 
     /// Whether the vehicle may take up its plan again after what it flies, or after an insert that interrupts that.
-    fn takes_up_plan(&self, interrupts: bool) -> bool {
+    pub(crate) fn takes_up_plan(&self, interrupts: bool) -> bool {
         interrupts || self.ledger.interrupts() || self.former_may_fly() || self.courses.left_plan
     }
 }

@@ -10,26 +10,26 @@ use crate::plugin::{CameraRequest, LightRequest, PluginId, Refusal, SonarAngleRe
 
 impl Core {
     pub(crate) fn ask_sonar_angle(&mut self, plugin: PluginId, asked: &SonarAngleRequest) {
-        let request = self.ledger.propose(plugin, asked.tag, RequestKind::SonarAngle);
+        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::SonarAngle);
         let admitted = self.admit_device(plugin);
-        if let Err(refusal) = admitted.and_then(|()| self.envelope.admit_sonar_angle(asked)) {
-            return self.reject(request, refusal);
+        if let Err(refusal) = admitted.and_then(|()| self.cx.envelope.admit_sonar_angle(asked)) {
+            return self.cx.reject(request, refusal);
         }
         let message = SonarAngle {
-            created: self.stamper.stamp(self.now, "SAN"),
+            created: self.cx.stamper.stamp(self.cx.now, "SAN"),
             angle_deg: asked.angle_deg,
         };
         self.send_device(request, "SAN", &ToVehicle::SonarAngle(message));
     }
 
     pub(crate) fn ask_camera(&mut self, plugin: PluginId, asked: &CameraRequest) {
-        let request = self.ledger.propose(plugin, asked.tag, RequestKind::Camera);
+        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::Camera);
         let admitted = self.admit_device(plugin);
-        if let Err(refusal) = admitted.and_then(|()| self.envelope.admit_camera(asked)) {
-            return self.reject(request, refusal);
+        if let Err(refusal) = admitted.and_then(|()| self.cx.envelope.admit_camera(asked)) {
+            return self.cx.reject(request, refusal);
         }
         let message = Camera {
-            created: self.stamper.stamp(self.now, "PTZ"),
+            created: self.cx.stamper.stamp(self.cx.now, "PTZ"),
             pan: asked.pan,
             tilt: asked.tilt,
             zoom: asked.zoom,
@@ -38,13 +38,13 @@ impl Core {
     }
 
     pub(crate) fn ask_light(&mut self, plugin: PluginId, asked: &LightRequest) {
-        let request = self.ledger.propose(plugin, asked.tag, RequestKind::Light);
+        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::Light);
         let admitted = self.admit_device(plugin);
-        if let Err(refusal) = admitted.and_then(|()| self.envelope.admit_light(asked)) {
-            return self.reject(request, refusal);
+        if let Err(refusal) = admitted.and_then(|()| self.cx.envelope.admit_light(asked)) {
+            return self.cx.reject(request, refusal);
         }
         let message = Light {
-            created: self.stamper.stamp(self.now, "LIT"),
+            created: self.cx.stamper.stamp(self.cx.now, "LIT"),
             light: asked.light,
             on: asked.on,
         };
@@ -52,11 +52,13 @@ impl Core {
     }
 
     fn admit_device(&mut self, plugin: PluginId) -> Result<(), Refusal> {
-        self.admit(plugin, Grant::Devices)
+        self.cx.admit(plugin, Grant::Devices)
     }
 
     fn send_device(&mut self, request: u64, letters: &'static str, message: &ToVehicle) {
         // Where it is held back the request has been rejected.
-        let _sent = self.send_request(request, letters, message, Purpose::Request(request));
+        let _sent = self
+            .cx
+            .send_request(request, letters, message, Purpose::Request(request));
     }
 }

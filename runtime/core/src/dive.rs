@@ -2,6 +2,7 @@
 
 use backseat_spi::Text;
 
+use crate::context::Context;
 use crate::expected::Compared;
 use crate::io::Note;
 use crate::machine::Core;
@@ -53,31 +54,33 @@ impl Core {
     /// Where the vehicle names another dive file, the plan is forgotten and asked for, and nothing steers until it is
     /// whole.
     pub(crate) fn dive_named(&mut self, by: NamedBy, file: &Text) {
-        if !self.dive.named(by, file) || !is_on(Check::DiveIdentity) {
+        if !self.cx.dive.named(by, file) || !is_on(Check::DiveIdentity) {
             return;
         }
-        self.note_of_vehicle(Note::Text {
+        self.cx.note_of_vehicle(Note::Text {
             text: format!("another dive: {}", file.as_str().trim()),
         });
         self.end_lease("the vehicle flies another dive");
         self.end_hold("the vehicle flies another dive");
-        self.plan.forget();
-        self.compared = Compared::default();
-        self.commands.forget_plan();
-        self.courses.lose();
-        self.dive.plan_due = true;
+        self.cx.plan.forget();
+        self.cx.compared = Compared::default();
+        self.cx.commands.forget_plan();
+        self.cx.courses.lose();
+        self.cx.dive.plan_due = true;
         self.want_plan();
         self.settle_control();
+    }
+}
+
+impl Context {
+    /// Why another dive leaves us without control.
+    pub(crate) fn unplanned_dive(&self) -> Option<&'static str> {
+        self.dive.plan_due.then_some("the plan of this dive is not known yet")
     }
 
     /// The vehicle's plan has come whole.
     pub(crate) fn dive_planned(&mut self) {
         self.dive.plan_due = false;
-    }
-
-    /// Why another dive leaves us without control.
-    pub(crate) fn unplanned_dive(&self) -> Option<&'static str> {
-        self.dive.plan_due.then_some("the plan of this dive is not known yet")
     }
 }
 

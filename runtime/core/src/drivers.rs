@@ -13,6 +13,7 @@ use backseat_units::{TimeOfDay, Timestamp};
 use serde::{Deserialize, Serialize};
 
 use crate::commands::Purpose;
+use crate::context::Context;
 use crate::helm::refused;
 use crate::io::{Note, Output};
 use crate::ledger::{RequestKind, Transition, is_end};
@@ -191,12 +192,12 @@ fn read(sentence: &Sentence<'_>) -> Said {
 impl Core {
     /// Bytes from a driver.
     pub(crate) fn driver_received(&mut self, driver: DriverId, bytes: &[u8]) {
-        let Some(port) = self.drivers.ports.get_mut(driver.0) else {
+        let Some(port) = self.cx.drivers.ports.get_mut(driver.0) else {
             return;
         };
         port.framer.push(bytes);
         let mut lines = 0;
-        while let Some(port) = self.drivers.ports.get_mut(driver.0) {
+        while let Some(port) = self.cx.drivers.ports.get_mut(driver.0) {
             let said = port.framer.next_sentence().map(|sentence| read(&sentence));
             for _ in 0..port.dropped() {
                 lines += 1;
@@ -223,7 +224,7 @@ impl Core {
     fn driver_said(&mut self, driver: DriverId, lines: usize, message: ToVehicle) {
         let echoed = message.created().unwrap_or(TimeOfDay::MIDNIGHT);
         let name = name_of(message.name());
-        let sends = &self.drivers.ports[driver.0].setup.sends;
+        let sends = &self.cx.drivers.ports[driver.0].setup.sends;
         let sentence =
             DriverSentence::of(&message).filter(|sentence| sends.contains(sentence) || !is_on(Check::DriverSends));
         if let Some(sentence) = sentence {
@@ -236,7 +237,9 @@ impl Core {
         }
         if is_courtesy(&message) && lines <= LINES_MAX {
             // Programs that speak to a vehicle begin like this. Acknowledgements are always on here.
-            return self.acknowledge_driver(driver, name, echoed, AckStatus::Succeeded, "");
+            return self
+                .cx
+                .acknowledge_driver(driver, name, echoed, AckStatus::Succeeded, "");
         }
         let text = "the mission does not let this driver send it";
         self.refuse_line(driver, lines, name, echoed, text);
@@ -251,9 +254,9 @@ impl Core {
         echoed: TimeOfDay,
         message: ToVehicle,
     ) {
-        let port = &mut self.drivers.ports[driver.0];
+        let port = &mut self.cx.drivers.ports[driver.0];
         port.tag += 1;
-        let request = self.ledger.propose(driver, port.tag, sentence.kind());
+        let request = self.cx.ledger.propose(driver, port.tag, sentence.kind());
         port.open.insert(request, (name, echoed));
         match self.admit_driver(driver, sentence, message) {
             Ok(message) => {
@@ -264,12 +267,18 @@ impl Core {
                     self.end_lease(reason);
                     self.end_hold(reason);
                 }
-                self.send_request(request, sentence.letters(), &message, Purpose::Request(request));
+                let sent = self
+                    .cx
+                    .send_request(request, sentence.letters(), &message, Purpose::Request(request));
+                if sent && bounds::resets_relative(&message) && is_on(Check::FrameReset) {
+                    self.cx.relative.unsettle(self.cx.now);
+                    self.cx.cartesian.unsettle(self.cx.now);
+                }
                 if moves {
-                    self.tracker.frame_reset(self.now);
+                    self.cx.tracker.frame_reset(self.cx.now);
                 }
             }
-            Err(refusal) => self.reject(request, refusal),
+            Err(refusal) => self.cx.reject(request, refusal),
         }
     }
 
@@ -280,32 +289,32 @@ impl Core {
         sentence: DriverSentence,
         message: ToVehicle,
     ) -> Result<ToVehicle, Refusal> {
-        let port = &mut self.drivers.ports[driver.0];
-        if !port.take(self.now) {
+        let port = &mut self.cx.drivers.ports[driver.0];
+        if !port.take(self.cx.now) {
             let text = format!("more than {} sentences a second", port.setup.bounds.rate_max_hz);
             return Err(refused("rate", &text));
         }
         // What is relayed is the topside's word, which is no wish of ours: it passes without control (014).
         if sentence != DriverSentence::Relay
-            && let Some(reason) = self.lost_because()
+            && let Some(reason) = self.cx.lost_because()
         {
             return Err(refused("control", reason));
         }
-        if !self.session.is_up() {
+        if !self.cx.session.is_up() {
             return Err(refused("control", "the link is down"));
         }
-        if !self.start.armed {
+        if !self.cx.start.armed {
             return Err(refused("control", "the runtime is not armed"));
         }
         let message = self.bounded(driver, message)?;
-        let created = self.stamper.stamp(self.now, sentence.letters());
+        let created = self.cx.stamper.stamp(self.cx.now, sentence.letters());
         Ok(bounds::stamped(message, created))
     }
 
     /// The message, every figure within the driver's bounds.
     fn bounded(&self, driver: DriverId, message: ToVehicle) -> Result<ToVehicle, Refusal> {
-        let bounds = &self.drivers.ports[driver.0].setup.bounds;
-        let utc = self.utc().time_of_day();
+        let bounds = &self.cx.drivers.ports[driver.0].setup.bounds;
+        let utc = self.cx.utc().time_of_day();
         #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is a driver's")]
         match message {
             ToVehicle::TopsideRelay(relay) if relay.text.holds_command() => Err(refused(
@@ -315,10 +324,10 @@ impl Core {
             ToVehicle::TopsideRelay(relay) => Ok(relay.into()),
             ToVehicle::PayloadCtd(ctd) => bounds.ctd(ctd, utc).map(ToVehicle::from),
             ToVehicle::PositionFix(fix) => {
-                let Some(navigation) = self.tracker.fresh(self.now) else {
+                let Some(navigation) = self.cx.tracker.fresh(self.cx.now) else {
                     return Err(refused("navigation", "navigation is stale"));
                 };
-                let frame = self.envelope.fence().frame();
+                let frame = self.cx.envelope.fence().frame();
                 bounds.fix(&fix, utc, frame, navigation)?;
                 Ok(fix.into())
             }
@@ -334,6 +343,26 @@ impl Core {
         }
     }
 
+    /// A line that is not taken: answered, unless there are too many in one read, and counted.
+    fn refuse_line(&mut self, driver: DriverId, lines: usize, name: CommandName, echoed: TimeOfDay, text: &str) {
+        if lines <= LINES_MAX {
+            self.cx
+                .acknowledge_driver(driver, name, echoed, AckStatus::Invalid, text);
+        }
+        self.count_refused(driver);
+    }
+
+    fn count_refused(&mut self, driver: DriverId) {
+        let port = &mut self.cx.drivers.ports[driver.0];
+        port.refused += 1;
+        if is_told(port.refused) {
+            let text = format!("driver {}: {} lines were not taken", port.setup.name, port.refused);
+            self.cx.note(Note::Text { text });
+        }
+    }
+}
+
+impl Context {
     /// A driver's request has come to another state: its end, or that it is pending, is said to it as the vehicle would.
     pub(crate) fn tell_driver(&mut self, driver: DriverId, transition: &Transition) {
         let Some(port) = self.drivers.ports.get_mut(driver.0) else {
@@ -357,24 +386,7 @@ impl Core {
         self.acknowledge_driver(driver, name, echoed, status, text);
     }
 
-    /// A line that is not taken: answered, unless there are too many in one read, and counted.
-    fn refuse_line(&mut self, driver: DriverId, lines: usize, name: CommandName, echoed: TimeOfDay, text: &str) {
-        if lines <= LINES_MAX {
-            self.acknowledge_driver(driver, name, echoed, AckStatus::Invalid, text);
-        }
-        self.count_refused(driver);
-    }
-
-    fn count_refused(&mut self, driver: DriverId) {
-        let port = &mut self.drivers.ports[driver.0];
-        port.refused += 1;
-        if is_told(port.refused) {
-            let text = format!("driver {}: {} lines were not taken", port.setup.name, port.refused);
-            self.note(Note::Text { text });
-        }
-    }
-
-    fn acknowledge_driver(
+    pub(crate) fn acknowledge_driver(
         &mut self,
         driver: DriverId,
         command: CommandName,

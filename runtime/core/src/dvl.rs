@@ -83,7 +83,7 @@ impl DvlTrigger {
 
 impl Core {
     pub(crate) fn ask_dvl(&mut self, plugin: PluginId, asked: &DvlTriggerRequest) {
-        if self.dvl.open.is_some_and(|open| open.until <= self.now) {
+        if self.dvl.open.is_some_and(|open| open.until <= self.cx.now) {
             // Its time was over before this was asked.
             self.dvl_expired();
         }
@@ -97,31 +97,34 @@ impl Core {
         };
         if let Err(refusal) = refusal {
             // The open request stands: a refused step has an entry of its own.
-            let request = self.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
-            self.reject(request, refusal);
+            let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
+            self.cx.reject(request, refusal);
         }
     }
 
     fn request_dvl(&mut self, plugin: PluginId, asked: &DvlTriggerRequest) {
-        let request = self.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
+        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
         if let Err(refusal) = self.admit_dvl(plugin, asked) {
-            return self.reject(request, refusal);
+            return self.cx.reject(request, refusal);
         }
         let message = self.dvl_message(true, false);
-        if self.send_request(request, "DVR", &message, Purpose::DvlTrigger(request)) {
+        if self
+            .cx
+            .send_request(request, "DVR", &message, Purpose::DvlTrigger(request))
+        {
             self.dvl.open = Some(Handshake {
                 request,
                 plugin,
                 tag: asked.tag,
                 phase: Phase::Requested,
-                until: self.now + ALLOW_WITHIN,
+                until: self.cx.now + ALLOW_WITHIN,
             });
             self.watch_dvl();
         }
     }
 
     fn admit_dvl(&mut self, plugin: PluginId, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
-        self.admit(plugin, Grant::Dvl)?;
+        self.cx.admit(plugin, Grant::Dvl)?;
         match self.dvl.open {
             Some(open) if open.plugin == plugin => Err(refused(
                 "tag",
@@ -145,7 +148,7 @@ impl Core {
             self.end_dvl(reason);
             return Ok(());
         }
-        self.admit(open.plugin, Grant::Dvl)?;
+        self.cx.admit(open.plugin, Grant::Dvl)?;
         match (asked.external, asked.triggering) {
             (true, false) => match open.phase {
                 Phase::Requested | Phase::Allowed => {}
@@ -156,7 +159,7 @@ impl Core {
             (true, true) => match open.phase {
                 Phase::Allowed => {
                     self.say_dvl(open, asked, Phase::Triggering, TRIGGER_WITHIN);
-                    self.transition(open.request, RequestState::Started);
+                    self.cx.transition(open.request, RequestState::Started);
                 }
                 Phase::Triggering => self.enter_dvl(open, Phase::Triggering, TRIGGER_WITHIN),
                 Phase::Requested | Phase::Ending | Phase::Ceasing if !is_on(Check::DvlLeave) => {
@@ -176,9 +179,9 @@ impl Core {
     /// Sends a step of the open request, which brings it into another phase.
     fn say_dvl(&mut self, open: Handshake, asked: &DvlTriggerRequest, phase: Phase, within: Duration) {
         let message = self.dvl_message(asked.external, asked.triggering);
-        let mut command = self.courtesy("DVR", message.created());
+        let mut command = self.cx.courtesy("DVR", message.created());
         command.purpose = Purpose::DvlTrigger(open.request);
-        if self.transmit_for(open.plugin.into(), &message, Some(command)) {
+        if self.cx.transmit_for(open.plugin.into(), &message, Some(command)) {
             self.enter_dvl(open, phase, within);
         } else {
             self.end_dvl("it could not be sent");
@@ -186,14 +189,14 @@ impl Core {
     }
 
     fn enter_dvl(&mut self, open: Handshake, phase: Phase, within: Duration) {
-        let until = self.now + within;
+        let until = self.cx.now + within;
         self.dvl.open = Some(Handshake { phase, until, ..open });
         self.watch_dvl();
     }
 
     fn dvl_message(&mut self, external: bool, triggering: bool) -> ToVehicle {
         ToVehicle::DvlTriggerRequest(Said {
-            created: self.stamper.stamp(self.now, "DVR"),
+            created: self.cx.stamper.stamp(self.cx.now, "DVR"),
             external,
             triggering,
         })
@@ -204,9 +207,9 @@ impl Core {
             return;
         };
         match answer {
-            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Pending => self.cx.transition(request, RequestState::Pending),
             // Of the first step; for the later ones the request has come further.
-            Answer::Done => self.transition(request, RequestState::Accepted),
+            Answer::Done => self.cx.transition(request, RequestState::Accepted),
             Answer::Refused(text) => self.close_dvl(if self.has_started(request) {
                 RequestState::Ended(format!("the vehicle refused it: {text}"))
             } else {
@@ -225,21 +228,22 @@ impl Core {
     }
 
     fn has_started(&self, request: u64) -> bool {
-        self.ledger
+        self.cx
+            .ledger
             .get(request)
             .is_some_and(|entry| entry.state == RequestState::Started)
     }
 
     /// BFDVT.
     pub(crate) fn dvl_triggering(&mut self, message: &DvlTriggering) {
-        self.heard(message.created);
+        self.cx.heard(message.created);
         let Some(open) = self.dvl.open else {
             return self.answer_unasked(message.begin);
         };
         let said = match (message.begin, open.phase) {
             (true, Phase::Requested) => {
                 // The vehicle has counted since it said so: what was held up on its way leaves less.
-                let age = self.tracker.clock().age(self.now, self.utc(), message.created);
+                let age = self.cx.tracker.clock().age(self.cx.now, self.cx.utc(), message.created);
                 let within = TRIGGER_WITHIN.saturating_sub(age.unwrap_or_default());
                 self.enter_dvl(open, Phase::Allowed, within);
                 true
@@ -253,18 +257,18 @@ impl Core {
                 return;
             }
         };
-        self.tell(open.plugin, Event::DvlTrigger(said));
+        self.cx.tell(open.plugin, Event::DvlTrigger(said));
     }
 
     /// Nobody has asked, or no longer: we neither trigger nor want to.
     fn answer_unasked(&mut self, begin: bool) {
-        let recent = |at: Timestamp| self.now.since(at) < ANSWER_EVERY;
+        let recent = |at: Timestamp| self.cx.now.since(at) < ANSWER_EVERY;
         if self.dvl.answered.is_some_and(recent) {
             return;
         }
-        self.dvl.answered = Some(self.now);
+        self.dvl.answered = Some(self.cx.now);
         let what = if begin { "allows" } else { "stops" };
-        self.note(Note::Text {
+        self.cx.note(Note::Text {
             text: format!("the vehicle {what} DVL triggering that no open request is about"),
         });
         self.say_not_triggering();
@@ -272,8 +276,8 @@ impl Core {
 
     fn say_not_triggering(&mut self) {
         let message = self.dvl_message(false, false);
-        let command = self.courtesy("DVR", message.created());
-        self.transmit(&message, Some(command));
+        let command = self.cx.courtesy("DVR", message.created());
+        self.cx.transmit(&message, Some(command));
     }
 
     pub(crate) fn dvl_expired(&mut self) {
@@ -299,14 +303,14 @@ impl Core {
         let Some(open) = self.dvl.open.take() else { return };
         self.watch_dvl();
         self.say_not_triggering();
-        self.transition(open.request, state);
+        self.cx.transition(open.request, state);
     }
 
     /// Without us the vehicle takes the DVL back by itself, 5 s after the last trigger.
     pub(crate) fn dvl_link_lost(&mut self) {
         self.dvl.answered = None;
         let unanswered = |open: Handshake| {
-            let state = self.ledger.get(open.request).map(|entry| &entry.state);
+            let state = self.cx.ledger.get(open.request).map(|entry| &entry.state);
             matches!(state, Some(RequestState::Sent | RequestState::Pending))
         };
         self.close_dvl(if self.dvl.open.is_some_and(unanswered) {
@@ -323,7 +327,9 @@ impl Core {
     }
 
     fn watch_dvl(&mut self) {
-        self.timers
+        self.cx.permits.may_trigger = self.dvl.may_trigger();
+        self.cx
+            .timers
             .set_or_stop(Timer::Dvl, self.dvl.open.map(|open| open.until));
     }
 }

@@ -7,8 +7,8 @@
 use backseat_spi::PlanElementKind;
 use backseat_units::{LocalFrame, Position};
 
+use crate::context::Context;
 use crate::io::Note;
-use crate::machine::Core;
 use crate::plan::{Element, Plan};
 
 /// A front seat's plan as it was checked.
@@ -55,7 +55,7 @@ pub(crate) enum Compared {
     Differs,
 }
 
-impl Core {
+impl Context {
     /// Why the vehicle's plan leaves us without control; `None` where it is the expected one, or none is expected.
     pub(crate) fn unlike_expected(&self) -> Option<&'static str> {
         self.settings.expected_plan.as_ref()?;

@@ -11,6 +11,7 @@ use std::time::Duration;
 
 use backseat_spi::{BehaviorId, CancelBehavior, ToVehicle};
 
+use crate::context::Context;
 use crate::io::{Identifiers, Note};
 use crate::ledger::Entry;
 use crate::machine::Core;
@@ -113,6 +114,47 @@ impl Former {
 }
 
 impl Core {
+    /// The operator holds: what an earlier process has left in the plan is taken back too. What cannot be (a GPS hit) the
+    /// vehicle refuses.
+    pub(crate) fn cancel_former(&mut self) {
+        let former = &self.cx.former;
+        let may_be_sent =
+            |identifier: &&BehaviorId| former.cancelled.get(identifier).is_none_or(|sent| *sent < SENT_MAX);
+        let waiting: Vec<BehaviorId> = former.left.iter().filter(may_be_sent).copied().collect();
+        for identifier in &waiting {
+            self.take_back(*identifier);
+        }
+        if !waiting.is_empty() {
+            self.cx.timers.set(Timer::Plan, self.cx.now + AGAIN_AFTER);
+        }
+    }
+
+    /// The vehicle's plan names an insert, before the plan has come whole: under the operator's hold it is taken back at
+    /// once.
+    pub(crate) fn former_named(&mut self, identifier: Option<BehaviorId>) {
+        let Some(identifier) = identifier.filter(|identifier| self.cx.former.includes(*identifier)) else {
+            return;
+        };
+        let is_new = self.cx.former.left.insert(identifier) && !self.cx.former.cancelled.contains_key(&identifier);
+        if is_new && self.cx.held && is_on(Check::HoldCancels) {
+            self.take_back(identifier);
+            self.cx.timers.set(Timer::Plan, self.cx.now + AGAIN_AFTER);
+        }
+    }
+
+    fn take_back(&mut self, identifier: BehaviorId) {
+        let created = self.cx.stamper.stamp(self.cx.now, "RCN");
+        let command = self.cx.courtesy("RCN", Some(created));
+        let message = ToVehicle::CancelBehavior(CancelBehavior { created, identifier });
+        if self.cx.transmit(&message, Some(command)) {
+            *self.cx.former.cancelled.entry(identifier).or_default() += 1;
+            let text = format!("insert {identifier} of an earlier process is taken back");
+            self.cx.note(Note::Text { text });
+        }
+    }
+}
+
+impl Context {
     /// Whether the vehicle may yet fly an insert of an earlier process, or flies one that was held to be over.
     pub(crate) fn former_may_fly(&self) -> bool {
         let former = &self.former;
@@ -121,7 +163,10 @@ impl Core {
         }
         !former.is_none()
             && (!former.heard
-                || self.orders.current().is_some_and(|current| former.includes(current))
+                || self
+                    .named_insert
+                    .current()
+                    .is_some_and(|current| former.includes(current))
                 || self
                     .plan
                     .others(|identifier| !former.includes(identifier))
@@ -161,44 +206,5 @@ impl Core {
         let former = &self.former;
         let left = self.plan.others(|identifier| !former.includes(identifier));
         self.former.left = left.map(|(identifier, _)| identifier).collect();
-    }
-
-    /// The operator holds: what an earlier process has left in the plan is taken back too. What cannot be (a GPS hit) the
-    /// vehicle refuses.
-    pub(crate) fn cancel_former(&mut self) {
-        let former = &self.former;
-        let may_be_sent =
-            |identifier: &&BehaviorId| former.cancelled.get(identifier).is_none_or(|sent| *sent < SENT_MAX);
-        let waiting: Vec<BehaviorId> = former.left.iter().filter(may_be_sent).copied().collect();
-        for identifier in &waiting {
-            self.take_back(*identifier);
-        }
-        if !waiting.is_empty() {
-            self.timers.set(Timer::Plan, self.now + AGAIN_AFTER);
-        }
-    }
-
-    /// The vehicle's plan names an insert, before the plan has come whole: under the operator's hold it is taken back at
-    /// once.
-    pub(crate) fn former_named(&mut self, identifier: Option<BehaviorId>) {
-        let Some(identifier) = identifier.filter(|identifier| self.former.includes(*identifier)) else {
-            return;
-        };
-        let is_new = self.former.left.insert(identifier) && !self.former.cancelled.contains_key(&identifier);
-        if is_new && self.held && is_on(Check::HoldCancels) {
-            self.take_back(identifier);
-            self.timers.set(Timer::Plan, self.now + AGAIN_AFTER);
-        }
-    }
-
-    fn take_back(&mut self, identifier: BehaviorId) {
-        let created = self.stamper.stamp(self.now, "RCN");
-        let command = self.courtesy("RCN", Some(created));
-        let message = ToVehicle::CancelBehavior(CancelBehavior { created, identifier });
-        if self.transmit(&message, Some(command)) {
-            *self.former.cancelled.entry(identifier).or_default() += 1;
-            let text = format!("insert {identifier} of an earlier process is taken back");
-            self.note(Note::Text { text });
-        }
     }
 }

@@ -2,12 +2,14 @@
 //!
 //! Who asks for a message has checked all that it needs; this is checked once more here, for the day when one forgets.
 
-use backseat_spi::ToVehicle;
+use backseat_spi::{HullSpeedLimit, ToVehicle};
+use backseat_units::Timestamp;
 
 use crate::commands::{Command, Purpose};
+use crate::context::Context;
 use crate::io::{Note, Output};
-use crate::machine::Core;
 use crate::owner::Owner;
+use crate::phase::Phase;
 use crate::switches::{Check, is_on};
 
 /// What a message needs before it may leave.
@@ -79,7 +81,7 @@ const fn needs(message: &ToVehicle) -> Needs {
         M::StartEmptyMission(_) => Needs::NoMission,
         M::TopsideRelay(_) => Needs::Driver,
         M::Packet(_) => Needs::Window,
-        // Only as the end of a hold, see `Core::ends_hold`.
+        // Only as the end of a hold, see `Context::ends_station`.
         M::Resume(_) => Needs::Never,
         // What is unknown is not ours.
         M::Unknown(_) => Needs::Never,
@@ -103,7 +105,25 @@ const fn steers(message: &ToVehicle) -> bool {
     )
 }
 
-impl Core {
+/// What the vehicle has permitted, and which of our own ends is on its way.
+#[derive(Debug, Default)]
+pub(crate) struct Permits {
+    /// An acoustic packet may leave before this, to arrive before the window's end (016).
+    pub(crate) window_until: Option<Timestamp>,
+    /// The payload may say that it triggers the DVL (017).
+    pub(crate) may_trigger: bool,
+    /// The messages that end station keeping are on their way through the gate.
+    pub(crate) station_ends: bool,
+}
+
+impl Permits {
+    /// Whether a packet may leave now.
+    pub(crate) fn window_is_open(&self, now: Timestamp) -> bool {
+        self.window_until.is_some_and(|until| now < until)
+    }
+}
+
+impl Context {
     /// Sends a message of the runtime's own.
     pub(crate) fn transmit(&mut self, message: &ToVehicle, command: Option<Command>) -> bool {
         self.pass(None, message, command)
@@ -114,11 +134,10 @@ impl Core {
         self.pass(Some(owner), message, command)
     }
 
-    fn pass(&mut self, owner: Option<Owner>, message: &ToVehicle, command: Option<Command>) -> bool {
-        if !self.session.is_up() || !(self.ends_hold(message) || self.may_leave(owner, message)) {
+    pub(crate) fn pass(&mut self, owner: Option<Owner>, message: &ToVehicle, command: Option<Command>) -> bool {
+        if !self.session.is_up() || !(self.ends_station(message) || self.may_leave(owner, message)) {
             return false;
         }
-        self.hull_resets(message);
         let mut bytes = Vec::with_capacity(96);
         if let Err(error) = message.encode(&mut bytes) {
             self.note(Note::Text {
@@ -140,7 +159,7 @@ impl Core {
         true
     }
 
-    fn may_leave(&self, owner: Option<Owner>, message: &ToVehicle) -> bool {
+    pub(crate) fn may_leave(&self, owner: Option<Owner>, message: &ToVehicle) -> bool {
         let operator = owner == Some(Owner::Operator);
         let driver = matches!(owner, Some(Owner::Driver(_)));
         let armed = self.start.armed;
@@ -152,15 +171,23 @@ impl Core {
             Needs::OperatorWithControl => operator && control(),
             Needs::DriverWithControl => (operator || driver) && control(),
             Needs::OperatorArmed => operator && armed,
-            Needs::NoMission => operator && armed && !self.held && !self.stopping && self.orders.no_mission(),
+            Needs::NoMission => operator && armed && !self.held && !self.stopping && self.phase == Phase::Over,
             Needs::Driver => driver && armed,
-            Needs::Window => control() && (self.acoustic.is_open(self.now) || !is_on(Check::ModemWindow)),
-            Needs::Handshake => control() && (self.dvl.may_trigger() || !is_on(Check::DvlLeave)),
+            Needs::Window => control() && (self.permits.window_is_open(self.now) || !is_on(Check::ModemWindow)),
+            Needs::Handshake => control() && (self.permits.may_trigger || !is_on(Check::DvlLeave)),
             Needs::Never => false,
         }
     }
 
-    fn is_own_insert(&self, message: &ToVehicle) -> bool {
+    /// Whether a message ends the station keeping that is being ended: that needs no control (safety requirement 014).
+    pub(crate) fn ends_station(&self, message: &ToVehicle) -> bool {
+        let restores = |limit: &HullSpeedLimit| self.speed_default_mps() == Some(limit.speed_mps);
+        self.permits.station_ends
+            && (matches!(message, ToVehicle::Resume(_))
+                || matches!(message, ToVehicle::HullSpeedLimit(limit) if restores(limit)))
+    }
+
+    pub(crate) fn is_own_insert(&self, message: &ToVehicle) -> bool {
         if let ToVehicle::CancelBehavior(cancel) = message {
             self.sent_identifiers.contains(&cancel.identifier) || self.former.includes(cancel.identifier)
         } else {
@@ -184,6 +211,7 @@ mod tests {
     use crate::envelope::Envelope;
     use crate::io::{Identifiers, Input, Operator, Start};
     use crate::limits::tests::limits;
+    use crate::machine::Core;
     use crate::orders::Order;
     use crate::owner::DriverId;
     use crate::plugin::PluginId;
@@ -197,11 +225,11 @@ mod tests {
     fn hear(core: &mut Core, message: impl Into<FromVehicle>) {
         let mut bytes = Vec::new();
         message.into().encode(&mut bytes).unwrap();
-        core.handle(core.now, Input::Received(&bytes));
+        core.handle(core.cx.now, Input::Received(&bytes));
     }
 
     fn hear_control(core: &mut Core, granted: bool) {
-        let created = core.utc().time_of_day();
+        let created = core.cx.utc().time_of_day();
         hear(core, BackseatControl { created, granted });
     }
 
@@ -209,7 +237,7 @@ mod tests {
     fn connected(armed: bool, status: &str) -> Core {
         let mut core = unconnected(armed);
         core.handle(Timestamp::ZERO, Input::LinkUp);
-        let created = core.utc().time_of_day();
+        let created = core.cx.utc().time_of_day();
         let text = |text: &str| Text::cleaned(text);
         let mission = MissionStatus {
             created,
@@ -230,8 +258,8 @@ mod tests {
         hear(&mut core, mission);
         hear_control(&mut core, true);
         for tenths in 0..10u64 {
-            core.now = Timestamp::from_millis(100 * tenths);
-            let created = core.utc().time_of_day();
+            core.cx.now = Timestamp::from_millis(100 * tenths);
+            let created = core.cx.utc().time_of_day();
             let navigation = Navigation {
                 created,
                 position: Position::from_deg(42.0, -70.0).unwrap(),
@@ -287,10 +315,9 @@ mod tests {
     }
 
     fn situations() -> Vec<Situation> {
-        let situation = |name, core, control, idle| {
-            let Core { start, .. } = &core;
-            let armed = start.armed;
-            let link = core.session.is_up();
+        let situation = |name, core: Core, control, idle| {
+            let armed = core.cx.start.armed;
+            let link = core.cx.session.is_up();
             Situation {
                 name,
                 core,
@@ -312,24 +339,26 @@ mod tests {
             situation("no mission, unarmed", connected(false, "Ready"), false, false),
             situation("no link yet", unconnected(true), false, false),
             with("the vehicle has control", |core| hear_control(core, false)),
-            with("held", |core| core.handle(core.now, Input::Operator(Operator::Hold))),
+            with("held", |core| core.handle(core.cx.now, Input::Operator(Operator::Hold))),
             with("held, no mission", |core| {
                 *core = connected(true, "Ready");
-                core.handle(core.now, Input::Operator(Operator::Hold));
+                core.handle(core.cx.now, Input::Operator(Operator::Hold));
             }),
-            with("ending", |core| core.handle(core.now, Input::Operator(Operator::Stop))),
+            with("ending", |core| {
+                core.handle(core.cx.now, Input::Operator(Operator::Stop))
+            }),
             with("stale navigation", |core| {
-                core.now = core.now + std::time::Duration::from_secs(2)
+                core.cx.now = core.cx.now + std::time::Duration::from_secs(2)
             }),
-            with("link lost", |core| core.handle(core.now, Input::LinkDown)),
+            with("link lost", |core| core.handle(core.cx.now, Input::LinkDown)),
             with("link back, nothing heard", |core| {
-                core.handle(core.now, Input::LinkDown);
-                core.handle(core.now, Input::LinkUp);
+                core.handle(core.cx.now, Input::LinkDown);
+                core.handle(core.cx.now, Input::LinkUp);
             }),
             with("aborted", |core| {
                 let text = String::new();
                 let order = Order::Abort { text, errors: true };
-                core.handle(core.now, Input::Operator(Operator::Order(order)));
+                core.handle(core.cx.now, Input::Operator(Operator::Order(order)));
             }),
         ]
     }
@@ -392,19 +421,19 @@ mod tests {
         let mut left = 0;
         for mut situation in situations() {
             assert_eq!(
-                situation.core.lost_because().is_none() && situation.armed,
+                situation.core.cx.lost_because().is_none() && situation.armed,
                 situation.control,
                 "{}",
                 situation.name
             );
             for own_insert in [false, true] {
                 if own_insert {
-                    situation.core.sent_identifiers.insert(cancel.identifier);
+                    situation.core.cx.sent_identifiers.insert(cancel.identifier);
                 }
                 for message in &messages {
                     for owner in owners {
                         let expected = expected(message.name(), owner, &situation, own_insert);
-                        let sent = situation.core.pass(owner, message, None);
+                        let sent = situation.core.cx.pass(owner, message, None);
                         assert_eq!(
                             sent,
                             expected,
@@ -427,7 +456,7 @@ mod tests {
                 let message = ToVehicle::decode(&Sentence::parse(text).unwrap()).unwrap();
                 let expected = situation.link && (ends || situation.control);
                 assert_eq!(
-                    situation.core.pass(Some(Owner::Plugin(PluginId(0))), &message, None),
+                    situation.core.cx.pass(Some(Owner::Plugin(PluginId(0))), &message, None),
                     expected,
                     "{text} in `{}`",
                     situation.name
@@ -435,7 +464,7 @@ mod tests {
             }
             for text in ["$BPDVR,081025.987,0,1", "$BPDVR,081025.987,1,1"] {
                 let message = ToVehicle::decode(&Sentence::parse(text).unwrap()).unwrap();
-                let sent = situation.core.pass(Some(Owner::Plugin(PluginId(0))), &message, None);
+                let sent = situation.core.cx.pass(Some(Owner::Plugin(PluginId(0))), &message, None);
                 assert!(!sent || situation.control, "{text} in `{}`", situation.name);
             }
         }
@@ -445,10 +474,10 @@ mod tests {
     fn nothing_that_cannot_be_encoded_leaves() {
         let mut core = connected(true, "Running");
         let mut message = ToVehicle::decode(&Sentence::parse("$BPRMB,081025.987,90,3,0,1.5,1,0").unwrap()).unwrap();
-        assert!(core.pass(None, &message, None));
+        assert!(core.cx.pass(None, &message, None));
         if let ToVehicle::ModifyBehavior(modify) = &mut message {
             modify.horizontal = Some(f64::NAN);
         }
-        assert!(!core.pass(None, &message, None));
+        assert!(!core.cx.pass(None, &message, None));
     }
 }

@@ -5,7 +5,9 @@ use std::time::Duration;
 use backseat_spi::{EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode, ToVehicle};
 use backseat_units::{Timestamp, utm_convergence_deg};
 
+use crate::arbiter::LeaseKind;
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
+use crate::context::Context;
 use crate::course::Flown;
 use crate::envelope::{End, Route, Setpoint, Track, Vertical};
 use crate::io::Note;
@@ -75,8 +77,6 @@ pub(crate) struct Lease {
     pub(crate) plugin: PluginId,
     pub(crate) request: u64,
     tag: u64,
-    /// Since when its plugin has steered without a pause.
-    since: Timestamp,
     setpoint: Setpoint,
     /// When the last BPRMB left, of this lease or of the one that it took over.
     sent: Option<Timestamp>,
@@ -86,26 +86,22 @@ pub(crate) struct Lease {
 
 impl Core {
     pub(crate) fn ask_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) {
-        let request = self.ledger.propose(plugin, modify.tag, RequestKind::Modify);
+        let request = self.cx.ledger.propose(plugin, modify.tag, RequestKind::Modify);
         let setpoint = match self.admit_modify(plugin, modify) {
             Ok(admitted) => admitted,
-            Err(refusal) => return self.reject(request, refusal),
+            Err(refusal) => return self.cx.reject(request, refusal),
         };
         let mut sent = None;
         let mut changed = true;
-        let mut since = self.now;
+        self.cx.arbiter.take(self.cx.now, plugin, LeaseKind::Modify);
         if let Some(lease) = self.lease.take() {
-            if lease.plugin == plugin {
-                since = lease.since;
-            } else {
-                self.has_steered(lease.plugin, lease.since);
-            }
             sent = lease.sent;
             changed = lease.setpoint != setpoint;
             if lease.plugin == plugin && lease.tag == modify.tag {
-                self.transition_quietly(lease.request, RequestState::Ended("replaced".to_owned()));
+                self.cx
+                    .transition_quietly(lease.request, RequestState::Ended("replaced".to_owned()));
             } else {
-                self.transition(
+                self.cx.transition(
                     lease.request,
                     RequestState::Ended("another modify took its place".to_owned()),
                 );
@@ -115,71 +111,64 @@ impl Core {
             plugin,
             request,
             tag: modify.tag,
-            since,
             setpoint,
             sent,
-            judged: self.now,
+            judged: self.cx.now,
         });
-        self.timers.set(Timer::Term, self.now + modify.duration);
+        self.cx.timers.set(Timer::Term, self.cx.now + modify.duration);
         // BPRES comes before BPRMB. The lease stands already, for a plugin that fails of the events ends it.
         self.end_hold("a modify took its place");
         match sent {
             // A lease that has just ended counts: ending and asking anew is no way around the rate.
             None => match self
                 .modify_sent
-                .filter(|sent| self.now.since(*sent) < refresh_at_least())
+                .filter(|sent| self.cx.now.since(*sent) < refresh_at_least())
             {
-                Some(sent) => self.timers.set(Timer::Refresh, sent + refresh_at_least()),
+                Some(sent) => self.cx.timers.set(Timer::Refresh, sent + refresh_at_least()),
                 None => self.refresh(),
             },
-            Some(sent) if changed && self.now.since(sent) >= refresh_at_least() => self.refresh(),
-            Some(sent) if changed => self.timers.set(Timer::Refresh, sent + refresh_at_least()),
-            Some(sent) => self.timers.set(Timer::Refresh, sent + refresh_every()),
+            Some(sent) if changed && self.cx.now.since(sent) >= refresh_at_least() => self.refresh(),
+            Some(sent) if changed => self.cx.timers.set(Timer::Refresh, sent + refresh_at_least()),
+            Some(sent) => self.cx.timers.set(Timer::Refresh, sent + refresh_every()),
         }
     }
 
     fn admit_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) -> Result<Setpoint, Refusal> {
-        self.admit(plugin, Grant::Modify)?;
-        if let Some(left) = self.pause.left(self.now).filter(|_| is_on(Check::LeasePause)) {
+        self.cx.admit(plugin, Grant::Modify)?;
+        if let Some(left) = self.pause.left(self.cx.now).filter(|_| is_on(Check::LeasePause)) {
             let text = format!(
                 "the vehicle refused or did not answer the last BPRMB: none leaves for {:.1} s more",
                 left.as_secs_f64()
             );
             return Err(refused("pause", &text));
         }
-        if let Some(lease) = &self.lease
-            && lease.plugin < plugin
-        {
-            return Err(refused("priority", "a plugin of higher priority steers"));
-        }
-        if self.hull.holder().is_some_and(|holder| holder < plugin) {
-            return Err(refused("priority", "a plugin of higher priority holds the vehicle"));
-        }
-        self.admit_beside_gps_hit()?;
+        self.cx.arbiter.arbitrate(plugin, LeaseKind::Modify)?;
+        self.cx.admit_beside_gps_hit()?;
         if is_on(Check::PlanKnown) {
-            self.knows_what_is_flown()?;
+            self.cx.knows_what_is_flown()?;
         }
-        let setpoint = self.envelope.admit_modify(modify)?;
-        self.cap_steering(plugin, modify.duration)?;
+        let setpoint = self.cx.envelope.admit_modify(modify)?;
+        self.cx.cap_steering(plugin, modify.duration)?;
         self.judge(&setpoint)?;
         Ok(setpoint)
     }
 
     /// The whole judgement of a setpoint, with what is known at this moment.
     fn judge(&self, setpoint: &Setpoint) -> Result<(), Refusal> {
-        let Some(navigation) = self.tracker.fresh(self.now) else {
+        let Some(navigation) = self.cx.tracker.fresh(self.cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
-        if self.envelope.limits().modify_needs_plan && !self.plan.is_complete() && is_on(Check::PlanKnown) {
+        if self.cx.envelope.limits().modify_needs_plan && !self.cx.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(refused(
                 "plan",
                 "the vehicle's plan is not known, nor so the way back to it",
             ));
         }
-        let route = self.route_of_modify();
-        let lock = self.tracker.bottom_lock(self.now);
-        self.envelope
-            .judge_modify(setpoint, navigation, lock, &route, (self.now, self.clocks()))
+        let route = self.cx.route_of_modify();
+        let lock = self.cx.tracker.bottom_lock(self.cx.now);
+        self.cx
+            .envelope
+            .judge_modify(setpoint, navigation, lock, &route, (self.cx.now, self.cx.clocks()))
             .map(|_| ())
     }
 
@@ -193,40 +182,34 @@ impl Core {
         match self.judge(&lease.setpoint) {
             Ok(()) => {
                 if let Some(lease) = &mut self.lease {
-                    lease.judged = self.now;
+                    lease.judged = self.cx.now;
                 }
             }
             Err(refusal) => self.end_lease(&told(&refusal)),
         }
     }
 
-    /// Who steers, by a modify or a hold, and since when.
-    pub(crate) fn steering(&self) -> Option<(PluginId, Timestamp)> {
-        let lease = self.lease.map(|lease| (lease.plugin, lease.since));
-        lease.or_else(|| self.hull.held_since())
-    }
-
     /// Sends the lease's BPRMB, checked anew.
     pub(crate) fn refresh(&mut self) {
         let Some(lease) = self.lease else { return };
         if let Some(sent) = lease.sent
-            && self.now.since(sent) > REFRESH_AT_MOST
+            && self.cx.now.since(sent) > REFRESH_AT_MOST
             && is_on(Check::LateWake)
             && is_on(Check::RefreshCadence)
         {
             return self.end_lease("it was not refreshed in time");
         }
-        if lease.judged < self.now && is_on(Check::RefreshJudged) {
+        if lease.judged < self.cx.now && is_on(Check::RefreshJudged) {
             match self.judge(&lease.setpoint) {
                 Ok(()) => {
                     if let Some(lease) = &mut self.lease {
-                        lease.judged = self.now;
+                        lease.judged = self.cx.now;
                     }
                 }
                 Err(refusal) => return self.end_lease(&told(&refusal)),
             }
         }
-        let Some(navigation) = self.tracker.fresh(self.now).copied() else {
+        let Some(navigation) = self.cx.tracker.fresh(self.cx.now).copied() else {
             return self.end_lease("navigation is stale");
         };
         let Setpoint {
@@ -234,7 +217,7 @@ impl Core {
             vertical,
             speed,
         } = lease.setpoint;
-        let heading_deg = match self.settings.heading_frame {
+        let heading_deg = match self.cx.settings.heading_frame {
             HeadingFrame::True => heading.as_deg(),
             HeadingFrame::Grid => heading.to_grid(utm_convergence_deg(navigation.position)).as_deg(),
         };
@@ -242,7 +225,7 @@ impl Core {
             Vertical::Depth(depth) => (depth.as_m(), ModifyVerticalMode::Depth),
             Vertical::Altitude(altitude) => (altitude.as_m(), ModifyVerticalMode::Altitude),
         };
-        let created = self.stamper.stamp(self.now, "RMB");
+        let created = self.cx.stamper.stamp(self.cx.now, "RMB");
         let message = ToVehicle::ModifyBehavior(ModifyBehavior {
             created,
             horizontal: Some(heading_deg),
@@ -257,18 +240,18 @@ impl Core {
             created: Some(created),
             identifier: None,
             purpose: Purpose::Lease(lease.request),
-            deadline: self.now + FIRST_WITHIN,
+            deadline: self.cx.now + FIRST_WITHIN,
             pending: false,
         };
-        if !self.transmit(&message, Some(command)) {
+        if !self.cx.transmit(&message, Some(command)) {
             return self.end_lease("it could not be sent");
         }
         if let Some(lease) = &mut self.lease {
-            lease.sent = Some(self.now);
+            lease.sent = Some(self.cx.now);
         }
-        self.modify_sent = Some(self.now);
-        self.timers.set(Timer::Refresh, self.now + refresh_every());
-        self.transition(lease.request, RequestState::Sent);
+        self.modify_sent = Some(self.cx.now);
+        self.cx.timers.set(Timer::Refresh, self.cx.now + refresh_every());
+        self.cx.transition(lease.request, RequestState::Sent);
     }
 
     /// Ends the lease, if there is one: one BPEMB where the link is up, then silence.
@@ -279,17 +262,18 @@ impl Core {
     /// As [`Core::end_lease`], with the state that the lease's request comes to.
     pub(crate) fn close_lease(&mut self, reason: &str, state: impl FnOnce(&str) -> RequestState) {
         let Some(lease) = self.lease.take() else { return };
-        self.has_steered(lease.plugin, lease.since);
-        self.timers.stop(Timer::Refresh);
-        self.timers.stop(Timer::Term);
-        self.commands.forget_lease();
+        self.cx.arbiter.release(self.cx.now, LeaseKind::Modify);
+        self.cx.timers.stop(Timer::Refresh);
+        self.cx.timers.stop(Timer::Term);
+        self.cx.commands.forget_lease();
         if lease.sent.is_some() && is_on(Check::LeaseEndSaid) {
-            let created = self.stamper.stamp(self.now, "EMB");
-            let command = self.courtesy("EMB", Some(created));
-            self.transmit(&ToVehicle::EndModify(EndModify { created }), Some(command));
+            let created = self.cx.stamper.stamp(self.cx.now, "EMB");
+            let command = self.cx.courtesy("EMB", Some(created));
+            self.cx
+                .transmit(&ToVehicle::EndModify(EndModify { created }), Some(command));
         }
-        self.transition(lease.request, state(reason));
-        self.note(Note::LeaseEnded {
+        self.cx.transition(lease.request, state(reason));
+        self.cx.note(Note::LeaseEnded {
             plugin: lease.plugin,
             reason: reason.to_owned(),
         });
@@ -310,18 +294,18 @@ impl Core {
             Answer::Missing if is_on(Check::LeaseAcknowledged) => self.lease_unanswered(request),
             Answer::Missing => {}
             Answer::Done => {
-                self.pause.answered(self.now);
+                self.pause.answered(self.cx.now);
                 self.transition_once_accepted(request);
             }
             Answer::Refused(text) if live => {
-                self.pause.failed(self.now);
+                self.pause.failed(self.cx.now);
                 let reason = format!("the vehicle refused it: {text}");
                 self.close_lease(&reason, |_| RequestState::Failed(text.to_owned()));
             }
             // The refused one was replaced meanwhile. A plugin that asks anew in every step always has: waiting for the
             // answer to the newest one would wait for ever.
             Answer::Refused(text) => {
-                self.pause.failed(self.now);
+                self.pause.failed(self.cx.now);
                 self.end_lease(&format!("the vehicle refused it: {text}"));
             }
         }
@@ -329,17 +313,18 @@ impl Core {
 
     fn transition_once_accepted(&mut self, request: u64) {
         if self
+            .cx
             .ledger
             .get(request)
             .is_some_and(|entry| entry.state == RequestState::Sent)
         {
-            self.transition(request, RequestState::Accepted);
+            self.cx.transition(request, RequestState::Accepted);
         }
     }
 
     /// A refresh was not acknowledged in time.
     fn lease_unanswered(&mut self, request: u64) {
-        self.pause.failed(self.now);
+        self.pause.failed(self.cx.now);
         if self.lease.is_some_and(|lease| lease.request == request) {
             self.close_lease("the vehicle did not acknowledge it", |_| RequestState::TimedOut);
         } else if self.lease.is_some() {
@@ -351,13 +336,15 @@ impl Core {
     /// The vehicle has refused a BPRMB, or not answered it in time, whose lease was over by then: the next one waits all the
     /// same, or whoever ends each lease at once would never wait. While it waits, all such are of before.
     pub(crate) fn failed_after_its_end(&mut self) {
-        if self.pause.left(self.now).is_none() {
-            self.pause.failed(self.now);
+        if self.pause.left(self.cx.now).is_none() {
+            self.pause.failed(self.cx.now);
         }
     }
+}
 
+impl Context {
     /// Where a lapsed modify leads back to: the leg that is flown, and what comes after it.
-    fn route_of_modify(&self) -> Route {
+    pub(crate) fn route_of_modify(&self) -> Route {
         let mut route = Route {
             to: self.plan.next_points().into_iter().map(End::At).collect(),
             before_s: self.flown_insert_s(),

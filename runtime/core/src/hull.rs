@@ -11,14 +11,16 @@ use backseat_spi::{
 };
 use backseat_units::{EastNorth, Timestamp};
 
+use crate::arbiter::LeaseKind;
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
+use crate::context::Context;
 use crate::envelope::{Aim, Hover, Surroundings, Suspended, Vertical, aim_at_here};
 use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
-use crate::limits::{Grant, Limits};
+use crate::limits::Grant;
 use crate::machine::Core;
-use crate::plugin::{CartesianSample, HoldRequest, HoldTarget, PluginId, Refusal, RelativeSample, RequestState};
+use crate::plugin::{HoldRequest, HoldTarget, PluginId, Refusal, RequestState};
 use crate::session::name;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -27,7 +29,7 @@ mod speed;
 mod track;
 
 use speed::SpeedLimit;
-use track::Track;
+pub(crate) use track::Track;
 
 /// The vehicle takes its mission up again after 2 s (8.1).
 const REFRESH_EVERY: Duration = Duration::from_millis(500);
@@ -42,17 +44,10 @@ const LEFT_MAX: usize = 16;
 /// Where the hold stands, and where the vehicle is relative to its target.
 #[derive(Debug)]
 pub(crate) struct Hull {
-    relative: Track<RelativeSample>,
-    cartesian: Track<CartesianSample>,
     hold: Option<Hold>,
-    /// Where the mission was suspended by holds that are over: it may not have gone on yet, for the vehicle may return there
-    /// first, and one that is suspended meanwhile stands where it stood (8.3).
-    left: Vec<Suspended>,
     limit: SpeedLimit,
     /// When the last BPSUS, or the last BPSPD, BPGHP or BPGBP of a hold left, of any hold.
     steered: Option<Timestamp>,
-    /// The messages that end a hold are on their way through the gate.
-    ending: bool,
 }
 
 /// Who holds the vehicle, and how.
@@ -61,8 +56,6 @@ struct Hold {
     plugin: PluginId,
     request: u64,
     tag: u64,
-    /// Since when its plugin has held the vehicle without a pause.
-    since: Timestamp,
     target: HoldTarget,
     speed_mps: Option<f64>,
     hover: Hover,
@@ -93,27 +86,12 @@ enum Stage {
 }
 
 impl Hull {
-    pub(crate) fn new(limits: &Limits) -> Self {
-        let hull = limits.hull.as_ref();
+    pub(crate) fn new() -> Self {
         Self {
-            relative: Track::new(limits, hull.is_some_and(|hull| hull.hull_box.is_some())),
-            cartesian: Track::new(limits, hull.is_some_and(|hull| hull.bottom_box.is_some())),
             hold: None,
-            left: Vec::new(),
             limit: SpeedLimit::default(),
             steered: None,
-            ending: false,
         }
-    }
-
-    /// The newest relative navigation, while it is fresh.
-    pub(crate) fn relative(&self, now: Timestamp) -> Option<RelativeSample> {
-        self.relative.fresh(now)
-    }
-
-    /// The newest Cartesian navigation, while it is fresh.
-    pub(crate) fn cartesian(&self, now: Timestamp) -> Option<CartesianSample> {
-        self.cartesian.fresh(now)
     }
 
     /// Who holds the vehicle.
@@ -121,15 +99,8 @@ impl Hull {
         self.hold.map(|hold| hold.plugin)
     }
 
-    /// The same, and since when.
-    pub(crate) fn held_since(&self) -> Option<(PluginId, Timestamp)> {
-        self.hold.map(|hold| (hold.plugin, hold.since))
-    }
-
     /// The connection is new or gone: its samples and answers are.
     pub(crate) fn reset(&mut self) {
-        self.relative.reset();
-        self.cartesian.reset();
         self.limit.restoring = None;
         self.limit.known_mps = None;
     }
@@ -143,17 +114,17 @@ impl Hull {
 
 impl Core {
     pub(crate) fn ask_hold(&mut self, plugin: PluginId, asked: &HoldRequest) {
-        let request = self.ledger.propose(plugin, asked.tag, RequestKind::Hold);
+        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::Hold);
         let hover = match self.admit_hold(plugin, asked) {
             Ok(hover) => hover,
-            Err(refusal) => return self.reject(request, refusal),
+            Err(refusal) => return self.cx.reject(request, refusal),
         };
         let before = self.hull.hold;
+        self.cx.arbiter.take(self.cx.now, plugin, LeaseKind::Station);
         let mut hold = Hold {
             plugin,
             request,
             tag: asked.tag,
-            since: self.now,
             target: asked.target,
             speed_mps: asked.speed_mps,
             hover,
@@ -161,14 +132,9 @@ impl Core {
             suspended: None,
             sent_aim: None,
             sent: None,
-            judged: self.now,
+            judged: self.cx.now,
         };
         if let Some(before) = before {
-            if before.plugin == plugin {
-                hold.since = before.since;
-            } else {
-                self.has_steered(before.plugin, before.since);
-            }
             let changed = before.target != asked.target || before.speed_mps != asked.speed_mps;
             hold.stage = match before.stage {
                 // What has changed meanwhile follows the acknowledgement.
@@ -181,15 +147,17 @@ impl Core {
             hold.sent = before.sent;
         }
         self.hull.hold = Some(hold);
-        self.timers.set(Timer::HoldTerm, self.now + asked.duration);
+        self.cx.timers.set(Timer::HoldTerm, self.cx.now + asked.duration);
         // BPEMB comes before BPSUS. The hold stands already, for a plugin that fails of the events ends it.
         self.end_lease("a hold took its place");
         if let Some(before) = before {
             if before.plugin == plugin && before.tag == asked.tag {
-                self.transition_quietly(before.request, RequestState::Ended("replaced".to_owned()));
+                self.cx
+                    .transition_quietly(before.request, RequestState::Ended("replaced".to_owned()));
             } else {
                 let reason = "another hold took its place";
-                self.transition(before.request, RequestState::Ended(reason.to_owned()));
+                self.cx
+                    .transition(before.request, RequestState::Ended(reason.to_owned()));
             }
         }
         self.watch_relative();
@@ -197,20 +165,15 @@ impl Core {
     }
 
     fn admit_hold(&mut self, plugin: PluginId, asked: &HoldRequest) -> Result<Hover, Refusal> {
-        self.admit(plugin, Grant::Hull)?;
-        if self.hull.holder().is_some_and(|holder| holder < plugin) {
-            return Err(refused("priority", "a plugin of higher priority holds the vehicle"));
-        }
-        if self.lease.is_some_and(|lease| lease.plugin < plugin) {
-            return Err(refused("priority", "a plugin of higher priority steers"));
-        }
-        self.admit_beside_gps_hit()?;
-        if self.hull.left.len() >= LEFT_MAX {
+        self.cx.admit(plugin, Grant::Hull)?;
+        self.cx.arbiter.arbitrate(plugin, LeaseKind::Station)?;
+        self.cx.admit_beside_gps_hit()?;
+        if self.cx.suspended.len() >= LEFT_MAX {
             let text = format!("the mission may stand suspended at {LEFT_MAX} places, the most that are kept");
             return Err(refused("cap", &text));
         }
-        let mut hover = self.envelope.admit_hold(asked)?;
-        self.cap_steering(plugin, asked.duration)?;
+        let mut hover = self.cx.envelope.admit_hold(asked)?;
+        self.cx.cap_steering(plugin, asked.duration)?;
         // There is no command to stop: a vehicle that has been sent somewhere is sent to where it is.
         if hover.aim.is_none()
             && let Some(hold) = &self.hull.hold
@@ -228,7 +191,7 @@ impl Core {
 
     /// The whole judgement of a hold, with what is known at this moment.
     fn judge_hover(&self, hover: &Hover) -> Result<f64, Refusal> {
-        self.with_surroundings(|around| self.envelope.judge_hold(hover, around))
+        self.with_surroundings(|around| self.cx.envelope.judge_hold(hover, around))
     }
 
     fn here(&self) -> Result<Suspended, Refusal> {
@@ -236,16 +199,16 @@ impl Core {
     }
 
     fn with_surroundings<T>(&self, ask: impl FnOnce(&Surroundings<'_>) -> Result<T, Refusal>) -> Result<T, Refusal> {
-        let Some(navigation) = self.tracker.fresh(self.now) else {
+        let Some(navigation) = self.cx.tracker.fresh(self.cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
         let (relative, cartesian) = (
-            self.hull.relative.steady(self.now),
-            self.hull.cartesian.steady(self.now),
+            self.cx.relative.steady(self.cx.now),
+            self.cx.cartesian.steady(self.cx.now),
         );
         let suspended: Vec<Suspended> = self
-            .hull
-            .left
+            .cx
+            .suspended
             .iter()
             .copied()
             .chain(self.hull.hold.and_then(|hold| hold.suspended))
@@ -254,16 +217,16 @@ impl Core {
             relative: relative.as_ref(),
             cartesian: cartesian.as_ref(),
             navigation,
-            lock: self.tracker.bottom_lock(self.now),
+            lock: self.cx.tracker.bottom_lock(self.cx.now),
             suspended: &suspended,
-            now: self.now,
+            now: self.cx.now,
         })
     }
 
     /// Sends what is due of the hold, and sets when to come back.
     fn drive_hold(&mut self) {
         let Some(hold) = self.hull.hold else { return };
-        if hold.sent.is_some_and(|sent| self.now.since(sent) > REFRESH_AT_MOST)
+        if hold.sent.is_some_and(|sent| self.cx.now.since(sent) > REFRESH_AT_MOST)
             && is_on(Check::LateWake)
             && is_on(Check::HoldCadence)
         {
@@ -272,26 +235,26 @@ impl Core {
         if !self.hold_is_sound() {
             return;
         }
-        if hold.stage == Stage::Due && self.now >= self.hull.free_at() {
+        if hold.stage == Stage::Due && self.cx.now >= self.hull.free_at() {
             self.advance_hold();
         }
         if let Some(hold) = self.hull.hold
-            && hold.sent.is_some_and(|sent| self.now.since(sent) >= refresh_every())
+            && hold.sent.is_some_and(|sent| self.cx.now.since(sent) >= refresh_every())
         {
-            let created = self.stamper.stamp(self.now, "CON");
+            let created = self.cx.stamper.stamp(self.cx.now, "CON");
             self.send_hold("CON", &ToVehicle::Continue(Continue { created }));
         }
         let Some(hold) = self.hull.hold else { return };
         let refresh = hold.sent.map(|sent| sent + refresh_every());
-        let due = (hold.stage == Stage::Due).then(|| self.hull.free_at().max(self.now));
+        let due = (hold.stage == Stage::Due).then(|| self.hull.free_at().max(self.cx.now));
         let next = refresh.into_iter().chain(due).min();
-        self.timers.set_or_stop(Timer::Hold, next);
+        self.cx.timers.set_or_stop(Timer::Hold, next);
     }
 
     /// Judges the hold anew where that is older than this moment; ends it where it does not hold.
     fn hold_is_sound(&mut self) -> bool {
         let Some(hold) = self.hull.hold else { return false };
-        hold.judged == self.now || self.prevent_hold()
+        hold.judged == self.cx.now || self.prevent_hold()
     }
 
     /// A sample is new, or time has passed: the hold is judged in full, and ends where it does not hold. Its checks are
@@ -305,7 +268,7 @@ impl Core {
             return false;
         }
         if let Some(hold) = &mut self.hull.hold {
-            hold.judged = self.now;
+            hold.judged = self.cx.now;
         }
         true
     }
@@ -315,7 +278,7 @@ impl Core {
         let Some(hold) = self.hull.hold else { return };
         if hold.suspended.is_none() {
             let here = self.here().unwrap_or_default();
-            let created = self.stamper.stamp(self.now, "SUS");
+            let created = self.cx.stamper.stamp(self.cx.now, "SUS");
             if self.send_hold("SUS", &ToVehicle::Suspend(Suspend { created })) {
                 self.set_stage(Stage::Suspending);
                 if let Some(hold) = &mut self.hull.hold {
@@ -328,12 +291,12 @@ impl Core {
             return self.hold_stands(hold.request);
         };
         if self.hull.limit.known_mps != Some(hold.hover.speed_mps) {
-            let created = self.stamper.stamp(self.now, "SPD");
+            let created = self.cx.stamper.stamp(self.cx.now, "SPD");
             let speed_mps = hold.hover.speed_mps;
             // Before it is sent: what is sent may have come through.
             self.hull.limit = SpeedLimit {
                 known_mps: None,
-                changed: self.hull.limit.changed || self.speed_default_mps() != Some(speed_mps),
+                changed: self.hull.limit.changed || self.cx.speed_default_mps() != Some(speed_mps),
                 restoring: None,
             };
             let limit = ToVehicle::HullSpeedLimit(HullSpeedLimit { created, speed_mps });
@@ -358,7 +321,7 @@ impl Core {
                 vertical_m,
                 distance_m,
             } => {
-                let created = self.stamper.stamp(self.now, "GHP");
+                let created = self.cx.stamper.stamp(self.cx.now, "GHP");
                 let message = HullPosition {
                     created,
                     horizontal_m,
@@ -368,7 +331,7 @@ impl Core {
                 ("GHP", ToVehicle::HullPosition(message))
             }
             Aim::Bottom { x_m, y_m, vertical } => {
-                let created = self.stamper.stamp(self.now, "GBP");
+                let created = self.cx.stamper.stamp(self.cx.now, "GBP");
                 let (reference, vertical_m) = match vertical {
                     Vertical::Depth(depth) => (VerticalReference::Depth, depth.as_m()),
                     Vertical::Altitude(altitude) => (VerticalReference::Altitude, altitude.as_m()),
@@ -393,26 +356,26 @@ impl Core {
             created: message.created(),
             identifier: None,
             purpose: Purpose::Hold(hold.request),
-            deadline: self.now + FIRST_WITHIN,
+            deadline: self.cx.now + FIRST_WITHIN,
             pending: false,
         };
-        if !self.transmit_for(hold.plugin.into(), message, Some(command)) {
+        if !self.cx.transmit_for(hold.plugin.into(), message, Some(command)) {
             self.end_hold("it could not be sent");
             return false;
         }
         let refreshes = letters != "SPD";
         let steers = letters != "CON";
         if steers {
-            self.hull.steered = Some(self.now);
+            self.hull.steered = Some(self.cx.now);
         }
         if let Some(hold) = &mut self.hull.hold
             && refreshes
         {
-            hold.sent = Some(self.now);
+            hold.sent = Some(self.cx.now);
         }
         // A request that changes nothing goes out with the next BPCON; one whose own message waits does not.
         if steers || hold.stage == Stage::Standing {
-            self.transition(hold.request, RequestState::Sent);
+            self.cx.transition(hold.request, RequestState::Sent);
         }
         // Its plugin may have failed of the event.
         self.hull.hold.is_some_and(|now| now.request == hold.request)
@@ -428,7 +391,7 @@ impl Core {
     fn hold_stands(&mut self, request: u64) {
         self.set_stage(Stage::Standing);
         if self.hull.hold.is_some_and(|hold| hold.request == request) {
-            self.transition(request, RequestState::Accepted);
+            self.cx.transition(request, RequestState::Accepted);
         }
     }
 
@@ -439,27 +402,19 @@ impl Core {
         }
     }
 
-    /// The mission has gone on, for a behaviour has begun or it is over.
-    pub(crate) fn mission_goes_on(&mut self) {
-        self.hull.left.clear();
-    }
-
-    /// Where the vehicle may return to before its mission goes on.
-    pub(crate) fn returns_to(&self) -> impl Iterator<Item = EastNorth> + '_ {
-        self.hull.left.iter().filter_map(|suspended| suspended.local)
-    }
-
     /// The vehicle is where it may have returned to. One without a hold is.
     fn watch_return(&mut self) {
-        if self.hull.hold.is_some() || self.hull.left.is_empty() {
+        if self.hull.hold.is_some() || self.cx.suspended.is_empty() {
             return;
         }
-        let Some(limits) = &self.envelope.limits().hull else {
+        let Some(limits) = &self.cx.envelope.limits().hull else {
             return;
         };
         let within_m = 2.0 * limits.position_error_m;
         if let Ok(here) = self.here() {
-            self.hull.left.retain(|suspended| !suspended.is_near(&here, within_m));
+            self.cx
+                .suspended
+                .retain(|suspended| !suspended.is_near(&here, within_m));
         }
     }
 
@@ -470,24 +425,25 @@ impl Core {
 
     fn close_hold(&mut self, reason: &str, state: RequestState) {
         let Some(hold) = self.hull.hold.take() else { return };
-        self.hull.left.extend(hold.suspended);
-        self.has_steered(hold.plugin, hold.since);
+        self.cx.suspended.extend(hold.suspended);
+        self.cx.arbiter.release(self.cx.now, LeaseKind::Station);
         for timer in [Timer::Hold, Timer::HoldTerm, Timer::Relative] {
-            self.timers.stop(timer);
+            self.cx.timers.stop(timer);
         }
-        self.commands.forget_hold();
+        self.cx.commands.forget_hold();
         if hold.sent.is_some() {
-            self.hull.ending = true;
+            self.cx.permits.station_ends = true;
             self.restore_speed(hold.request);
             // One that is not answered needs no second: the vehicle takes its mission up by itself after 2 s (8.1).
-            let created = self.stamper.stamp(self.now, "RES");
-            let command = self.courtesy("RES", Some(created));
+            let created = self.cx.stamper.stamp(self.cx.now, "RES");
+            let command = self.cx.courtesy("RES", Some(created));
             if is_on(Check::HoldEndSaid) {
-                self.transmit(&ToVehicle::Resume(Resume { created }), Some(command));
+                self.cx.transmit(&ToVehicle::Resume(Resume { created }), Some(command));
             }
-            self.hull.ending = false;
+            self.cx.permits.station_ends = false;
         }
         let proposed = self
+            .cx
             .ledger
             .get(hold.request)
             .is_some_and(|entry| matches!(entry.state, RequestState::Rejected(_)));
@@ -497,8 +453,8 @@ impl Core {
         } else {
             state
         };
-        self.transition(hold.request, state);
-        self.note(Note::LeaseEnded {
+        self.cx.transition(hold.request, state);
+        self.cx.note(Note::LeaseEnded {
             plugin: hold.plugin,
             reason: reason.to_owned(),
         });
@@ -517,7 +473,7 @@ impl Core {
             }
         };
         match answer {
-            Answer::Pending if newest => self.transition(request, RequestState::Pending),
+            Answer::Pending if newest => self.cx.transition(request, RequestState::Pending),
             Answer::Pending => {}
             Answer::Done => self.hold_acknowledged(request, command.as_str(), hold.stage),
             Answer::Refused(text) => {
@@ -539,7 +495,7 @@ impl Core {
                 let speed_mps = self.hull.hold.map(|hold| hold.hover.speed_mps);
                 self.hull.limit = SpeedLimit {
                     known_mps: speed_mps,
-                    changed: speed_mps != self.speed_default_mps(),
+                    changed: speed_mps != self.cx.speed_default_mps(),
                     restoring: None,
                 };
                 self.hold_goes_on();
@@ -568,6 +524,18 @@ impl Core {
         if self.hull.holder() == Some(plugin) {
             self.end_hold("its plugin failed");
         }
+    }
+}
+
+impl Context {
+    /// The mission has gone on, for a behaviour has begun or it is over.
+    pub(crate) fn mission_goes_on(&mut self) {
+        self.suspended.clear();
+    }
+
+    /// Where the vehicle may return to before its mission goes on.
+    pub(crate) fn returns_to(&self) -> impl Iterator<Item = EastNorth> + '_ {
+        self.suspended.iter().filter_map(|suspended| suspended.local)
     }
 }
 

@@ -14,6 +14,7 @@ use backseat_spi::{
 use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose, SETTLED_WITHIN};
+use crate::context::Context;
 use crate::envelope::{End, Flight, Insert, InsertPath, Route, Vertical};
 use crate::helm::refused;
 use crate::io::{Output, Reservation};
@@ -53,14 +54,14 @@ const fn grant_of(insert: &Insert) -> Grant {
 impl Core {
     pub(crate) fn ask_insert(&mut self, plugin: PluginId, asked: &Request) {
         let (tag, kind, insert) = match asked {
-            Request::Trackline(line) => (line.tag, RequestKind::Trackline, self.envelope.admit_trackline(line)),
+            Request::Trackline(line) => (line.tag, RequestKind::Trackline, self.cx.envelope.admit_trackline(line)),
             Request::Trackcircle(circle) => (
                 circle.tag,
                 RequestKind::Trackcircle,
                 self.admit_layout(circle)
-                    .and_then(|()| self.envelope.admit_trackcircle(circle)),
+                    .and_then(|()| self.cx.envelope.admit_trackcircle(circle)),
             ),
-            Request::GpsHit(hit) => (hit.tag, RequestKind::GpsHit, self.envelope.admit_gps_hit(hit)),
+            Request::GpsHit(hit) => (hit.tag, RequestKind::GpsHit, self.cx.envelope.admit_gps_hit(hit)),
             Request::Modify(_)
             | Request::EndModify
             | Request::Cancel(_)
@@ -78,11 +79,11 @@ impl Core {
             | Request::Light(_)
             | Request::Timer { .. } => return,
         };
-        self.reserve();
-        let request = self.ledger.propose(plugin, tag, kind);
+        self.cx.reserve();
+        let request = self.cx.ledger.propose(plugin, tag, kind);
         let admitted = insert.and_then(|insert| {
-            self.admit(plugin, grant_of(&insert))?;
-            if insert.interrupt && !self.plugins[plugin.0].grants().contains(&Grant::Interrupt) {
+            self.cx.admit(plugin, grant_of(&insert))?;
+            if insert.interrupt && !self.cx.plugins[plugin.0].grants().contains(&Grant::Interrupt) {
                 return Err(refused("grant", "the mission does not grant it Interrupt"));
             }
             Ok((insert, self.admit_now(plugin, tag, &insert)?))
@@ -90,7 +91,7 @@ impl Core {
         match admitted {
             Ok((insert, _)) if self.waits_for_answer(&insert) => self.wait_for_answer(request, plugin, tag, insert),
             Ok((insert, admitted)) => self.send_insert(request, insert, admitted),
-            Err(refusal) => self.reject(request, refusal),
+            Err(refusal) => self.cx.reject(request, refusal),
         }
     }
 
@@ -98,17 +99,17 @@ impl Core {
     pub(crate) fn admit_now(&mut self, plugin: PluginId, tag: u64, insert: &Insert) -> Result<Admitted, Refusal> {
         let route = self.admit_insert(plugin, tag, insert)?;
         self.judge_insert(insert, &route)?;
-        self.admit_delay(insert, &route)?;
+        self.cx.admit_delay(insert, &route)?;
         Ok(Admitted {
             duration_s: self.cap_duration(plugin, insert, &route)?,
-            schedule: self.schedule(insert, &route),
+            schedule: self.cx.schedule(insert, &route),
         })
     }
 
     /// The two layouts of BPRTC in SPI 7.6 differ in what comes before the interrupt code. Where nobody has said which one
     /// the vehicle reads, a circle leaves only if both read it alike: after what is flown, entered anywhere.
     fn admit_layout(&self, circle: &TrackcircleRequest) -> Result<(), Refusal> {
-        let layout = self.settings.trackcircle_entry_angle;
+        let layout = self.cx.settings.trackcircle_entry_angle;
         let text = match layout {
             Some(true) => return Ok(()),
             _ if circle.entry_angle_deg.is_some() => {
@@ -125,40 +126,40 @@ impl Core {
     /// All that does not hang on the geometry: grants, the plan, doubt, caps of number, identifiers. The insert's route.
     fn admit_insert(&mut self, plugin: PluginId, tag: u64, insert: &Insert) -> Result<Route, Refusal> {
         let surfaces = insert.surfaces();
-        self.admit_standing(grant_of(insert))?;
-        if !self.plan.is_complete() && is_on(Check::PlanKnown) {
+        self.cx.admit_standing(grant_of(insert))?;
+        if !self.cx.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(refused(
                 "plan",
                 "the vehicle's plan is not known, nor so where the insert would begin",
             ));
         }
-        if self.ledger.in_doubt() && is_on(Check::InsertInDoubt) {
+        if self.cx.ledger.in_doubt() && is_on(Check::InsertInDoubt) {
             return Err(refused(
                 "doubt",
                 "the vehicle has not answered for an earlier insert since the link was lost",
             ));
         }
-        if self.open_insert(plugin, tag).is_some() || self.is_waiting(plugin, tag) {
+        if self.cx.open_insert(plugin, tag).is_some() || self.is_waiting(plugin, tag) {
             return Err(refused("tag", "an insert with this tag is still open"));
         }
         if insert.interrupt {
-            self.admit_beside_gps_hit()?;
+            self.cx.admit_beside_gps_hit()?;
         }
-        if insert.interrupt && self.ledger.interrupts() && is_on(Check::InterruptOfInterrupt) {
+        if insert.interrupt && self.cx.ledger.interrupts() && is_on(Check::InterruptOfInterrupt) {
             return Err(refused(
                 "interrupt",
                 "an insert that interrupts is open, and none may interrupt it (SPI 7.5)",
             ));
         }
-        if insert.interrupt && self.former_may_fly() && is_on(Check::InterruptOfInterrupt) {
+        if insert.interrupt && self.cx.former_may_fly() && is_on(Check::InterruptOfInterrupt) {
             return Err(refused(
                 "interrupt",
                 "an insert of an earlier process may be flown, and may be one that none may interrupt (SPI 7.5)",
             ));
         }
-        let current = self.orders.current();
+        let current = self.cx.named_insert.current();
         if insert.interrupt
-            && current.is_some_and(|current| !self.sent_identifiers.contains(&current))
+            && current.is_some_and(|current| !self.cx.sent_identifiers.contains(&current))
             && is_on(Check::InterruptOfInterrupt)
         {
             return Err(refused(
@@ -166,14 +167,14 @@ impl Core {
                 "an insert that is not ours is flown, and may be one that none may interrupt (SPI 7.5)",
             ));
         }
-        let limits = self.envelope.limits();
-        if self.ledger.open_inserts() + self.inherited() >= limits.inserts_open_max && is_on(Check::InsertsOpen) {
+        let limits = self.cx.envelope.limits();
+        if self.cx.ledger.open_inserts() + self.cx.inherited() >= limits.inserts_open_max && is_on(Check::InsertsOpen) {
             return Err(refused(
                 "cap",
                 &format!("{} inserts are open, the most there may be", limits.inserts_open_max),
             ));
         }
-        if surfaces && self.gps_hits_sent >= limits.gps_hits_total_max && is_on(Check::GpsHitsTotal) {
+        if surfaces && self.cx.gps_hits_sent >= limits.gps_hits_total_max && is_on(Check::GpsHitsTotal) {
             return Err(refused(
                 "cap",
                 &format!(
@@ -182,7 +183,7 @@ impl Core {
                 ),
             ));
         }
-        if !surfaces && self.inserts_sent >= limits.inserts_total_max && is_on(Check::InsertsTotal) {
+        if !surfaces && self.cx.inserts_sent >= limits.inserts_total_max && is_on(Check::InsertsTotal) {
             return Err(refused(
                 "cap",
                 &format!(
@@ -191,27 +192,27 @@ impl Core {
                 ),
             ));
         }
-        let own = self.plugins[plugin.0].limits();
-        let open = self.ledger.open_inserts_of(plugin);
+        let own = self.cx.plugins[plugin.0].limits();
+        let open = self.cx.ledger.open_inserts_of(plugin);
         if let Some(most) = own.inserts_open_max.filter(|most| open >= *most) {
             let text = format!("{open} inserts of its own are open, and {most} may be");
             return Err(refused("cap", &text));
         }
-        let sent = self.plugins[plugin.0].inserts_sent();
+        let sent = self.cx.plugins[plugin.0].inserts_sent();
         if let Some(most) = own.inserts_total_max.filter(|most| !surfaces && sent >= *most) {
             let text = format!("it has sent {sent} inserts, and may send {most}");
             return Err(refused("cap", &text));
         }
         if is_on(Check::PlanKnown) {
-            self.heard_what_is_flown(insert.interrupt)?;
+            self.cx.heard_what_is_flown(insert.interrupt)?;
         }
-        if let Some(identifiers) = &mut self.start.identifiers {
+        if let Some(identifiers) = &mut self.cx.start.identifiers {
             // The record may be older than the vehicle's mission, and another payload may count like us.
-            while self.plan.has(BehaviorId::new(identifiers.next)) && identifiers.next < u32::MAX {
+            while self.cx.plan.has(BehaviorId::new(identifiers.next)) && identifiers.next < u32::MAX {
                 identifiers.next += 1;
             }
         }
-        match self.start.identifiers {
+        match self.cx.start.identifiers {
             None => Err(refused("identifier", "the identifiers' state on disk is missing")),
             Some(identifiers) if identifiers.next >= identifiers.reserved && is_on(Check::IdentifiersReserved) => {
                 Err(refused("identifier", "no identifier is reserved on disk yet"))
@@ -220,38 +221,22 @@ impl Core {
             Some(identifiers)
                 if is_on(Check::IdentifiersReserved)
                     && (if surfaces {
-                        self.gps_hits_sent >= identifiers.gps_hits
+                        self.cx.gps_hits_sent >= identifiers.gps_hits
                     } else {
-                        self.inserts_sent >= identifiers.inserts
+                        self.cx.inserts_sent >= identifiers.inserts
                     }) =>
             {
                 Err(refused("identifier", "no insert is reserved on disk yet"))
             }
-            Some(_) => Ok(self.route_of_insert(insert.interrupt)),
+            Some(_) => Ok(self.cx.route_of_insert(insert.interrupt)),
         }
-    }
-
-    /// Safety requirement 002: a vehicle that is led away from a GPS hit comes up wherever it is then.
-    pub(crate) fn admit_beside_gps_hit(&self) -> Result<(), Refusal> {
-        let begun = |entry: &Entry| entry.state == RequestState::Started;
-        let flown = self
-            .ledger
-            .iter()
-            .any(|(request, entry)| begun(entry) && self.ledger.is_gps_hit(Some(request)));
-        // Where it was not heard what is flown, one that waited may be.
-        let unheard = self.courses.current().is_none() && self.ledger.surfaces();
-        if (flown || unheard || self.former_may_surface()) && is_on(Check::Surfacing) {
-            let text = "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
-            return Err(refused("surface", text));
-        }
-        Ok(())
     }
 
     /// How long an insert flies at most, where that and what is open stay under the cap.
     fn cap_duration(&self, plugin: PluginId, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
-        let duration_s = self.envelope.duration_s(insert, &route.from);
-        let open_s = self.ledger.open_duration_s();
-        let most_s = self.envelope.limits().inserts_duration_max_s;
+        let duration_s = self.cx.envelope.duration_s(insert, &route.from);
+        let open_s = self.cx.ledger.open_duration_s();
+        let most_s = self.cx.envelope.limits().inserts_duration_max_s;
         if open_s + duration_s > most_s && is_on(Check::InsertsDuration) {
             return Err(refused(
                 "cap",
@@ -260,8 +245,8 @@ impl Core {
                 ),
             ));
         }
-        let own_s = self.ledger.open_duration_of_s(plugin);
-        let own_max_s = self.plugins[plugin.0].limits().inserts_duration_max_s;
+        let own_s = self.cx.ledger.open_duration_of_s(plugin);
+        let own_max_s = self.cx.plugins[plugin.0].limits().inserts_duration_max_s;
         if let Some(most_s) = own_max_s.filter(|most_s| own_s + duration_s > *most_s) {
             let text = format!(
                 "it may fly for {duration_s:.0} s and its plugin's open inserts for {own_s:.0} s, together over {most_s} s"
@@ -272,24 +257,24 @@ impl Core {
     }
 
     fn judge_insert(&self, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
-        let Some(navigation) = self.tracker.fresh(self.now) else {
+        let Some(navigation) = self.cx.tracker.fresh(self.cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
         if !is_on(Check::InsertFence) {
             return Ok(f64::MAX);
         }
-        self.envelope.judge_insert(
+        self.cx.envelope.judge_insert(
             insert,
             navigation.depth,
-            self.tracker.bottom_lock(self.now),
+            self.cx.tracker.bottom_lock(self.cx.now),
             route,
-            self.clocks(),
+            self.cx.clocks(),
         )
     }
 
     pub(crate) fn send_insert(&mut self, request: u64, insert: Insert, admitted: Admitted) {
         let Admitted { duration_s, schedule } = admitted;
-        let Some(identifiers) = &mut self.start.identifiers else {
+        let Some(identifiers) = &mut self.cx.start.identifiers else {
             return;
         };
         let identifier = BehaviorId::new(identifiers.next);
@@ -301,7 +286,7 @@ impl Core {
         };
         let (message, letters, created) = match insert.path {
             InsertPath::Line { start, end, flight } => {
-                let created = self.stamper.stamp(self.now, "RTK");
+                let created = self.cx.stamper.stamp(self.cx.now, "RTK");
                 let (vertical_m, vertical_mode, speed) = figures(flight);
                 let message = ToVehicle::Trackline(Trackline {
                     created,
@@ -323,7 +308,7 @@ impl Core {
                 entry_angle_deg,
                 flight,
             } => {
-                let created = self.stamper.stamp(self.now, "RTC");
+                let created = self.cx.stamper.stamp(self.cx.now, "RTC");
                 let (vertical_m, vertical_mode, speed) = figures(flight);
                 let message = ToVehicle::Trackcircle(Trackcircle {
                     created,
@@ -335,7 +320,7 @@ impl Core {
                     vertical_m,
                     speed,
                     speed_mode: SpeedMode::MetresPerSecond,
-                    entry_angle_deg: match self.settings.trackcircle_entry_angle {
+                    entry_angle_deg: match self.cx.settings.trackcircle_entry_angle {
                         Some(true) => entry_angle_deg.map_or(CircleEntry::Anywhere, CircleEntry::Angle),
                         Some(false) => CircleEntry::Absent,
                         // The interrupt code of who takes it for that is the same as the one that follows.
@@ -346,7 +331,7 @@ impl Core {
                 (message, "RTC", created)
             }
             InsertPath::Surface { at } => {
-                let created = self.stamper.stamp(self.now, "RGP");
+                let created = self.cx.stamper.stamp(self.cx.now, "RGP");
                 let message = ToVehicle::GpsHit(GpsHit {
                     created,
                     identifier,
@@ -365,54 +350,55 @@ impl Core {
             created: Some(created),
             identifier: Some(identifier),
             purpose: Purpose::Insert(request),
-            deadline: self.now + 2 * FIRST_WITHIN,
+            deadline: self.cx.now + 2 * FIRST_WITHIN,
             pending: false,
         };
-        if !self.transmit(&message, Some(command)) {
-            self.reserve();
-            return self.reject(request, refused("control", "it could not be sent"));
+        if !self.cx.transmit(&message, Some(command)) {
+            self.cx.reserve();
+            return self.cx.reject(request, refused("control", "it could not be sent"));
         }
         if insert.surfaces() {
-            self.gps_hits_sent += 1;
+            self.cx.gps_hits_sent += 1;
         } else {
-            self.inserts_sent += 1;
-            if let Some(plugin) = self.ledger.get(request).and_then(|entry| entry.owner.plugin()) {
-                self.plugins[plugin.0].count_insert();
+            self.cx.inserts_sent += 1;
+            if let Some(plugin) = self.cx.ledger.get(request).and_then(|entry| entry.owner.plugin()) {
+                self.cx.plugins[plugin.0].count_insert();
             }
         }
-        self.reserve();
-        self.sent_identifiers.insert(identifier);
-        if let Some(entry) = self.ledger.get_mut(request) {
+        self.cx.reserve();
+        self.cx.sent_identifiers.insert(identifier);
+        if let Some(entry) = self.cx.ledger.get_mut(request) {
             entry.identifier = Some(identifier);
             entry.insert = Some(insert);
             entry.duration_s = duration_s;
             entry.schedule = schedule;
-            entry.sent_at = self.now;
+            entry.sent_at = self.cx.now;
         }
-        self.transition(request, RequestState::Sent);
+        self.cx.transition(request, RequestState::Sent);
     }
 
     pub(crate) fn ask_cancel(&mut self, plugin: PluginId, tag: u64) {
-        let cancel = self.ledger.propose(plugin, tag, RequestKind::Cancel);
+        let cancel = self.cx.ledger.propose(plugin, tag, RequestKind::Cancel);
         match self.admit_cancel(plugin, tag) {
             Ok(insert) => {
-                let identifier = self.ledger.get(insert).and_then(|entry| entry.identifier);
-                if identifier.is_some_and(|identifier| self.send_cancel(Some(cancel), insert, identifier)) {
-                    self.transition(cancel, RequestState::Sent);
+                let identifier = self.cx.ledger.get(insert).and_then(|entry| entry.identifier);
+                if identifier.is_some_and(|identifier| self.cx.send_cancel(Some(cancel), insert, identifier)) {
+                    self.cx.transition(cancel, RequestState::Sent);
                 } else {
-                    self.reject(cancel, refused("control", "it could not be sent"));
+                    self.cx.reject(cancel, refused("control", "it could not be sent"));
                 }
             }
-            Err(refusal) => self.reject(cancel, refusal),
+            Err(refusal) => self.cx.reject(cancel, refusal),
         }
     }
 
     fn admit_cancel(&mut self, plugin: PluginId, tag: u64) -> Result<u64, Refusal> {
-        self.admit(plugin, Grant::Insert)?;
-        let Some(insert) = self.open_insert(plugin, tag) else {
+        self.cx.admit(plugin, Grant::Insert)?;
+        let Some(insert) = self.cx.open_insert(plugin, tag) else {
             return Err(refused("tag", "no insert with this tag is open"));
         };
         if self
+            .cx
             .ledger
             .get(insert)
             .is_some_and(|entry| entry.state == RequestState::Started)
@@ -422,17 +408,112 @@ impl Core {
                 "the insert has begun and can no longer be cancelled (SPI 7.8)",
             ));
         }
-        if self.ledger.is_gps_hit(Some(insert)) {
+        if self.cx.ledger.is_gps_hit(Some(insert)) {
             return Err(refused(
                 "tag",
                 "a GPS hit cannot be cancelled: BPRCN covers tracklines and trackcircles only (SPI 7.8)",
             ));
         }
         // Without it the vehicle goes from what was before it to what comes after it.
-        self.judge_cancel(&self.chain(), insert)?;
+        self.cx.judge_cancel(&self.cx.chain(), insert)?;
         Ok(insert)
     }
 
+    /// The vehicle's answer to an insert.
+    pub(crate) fn insert_answered(&mut self, request: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => self.cx.transition(request, RequestState::Pending),
+            Answer::Done => self.cx.transition(request, RequestState::Accepted),
+            Answer::Refused(text) => self.cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => self.insert_unanswered(request),
+        }
+    }
+
+    /// The vehicle's answer to a cancel.
+    pub(crate) fn cancel_answered(&mut self, cancel: Option<u64>, insert: u64, answer: Answer<'_>) {
+        if cancel.is_none() {
+            self.recall_answered(insert, answer);
+        }
+        match answer {
+            Answer::Pending => {}
+            Answer::Missing => {
+                if let Some(cancel) = cancel {
+                    self.cx.transition(cancel, RequestState::TimedOut);
+                }
+            }
+            Answer::Done => {
+                if let Some(identifier) = self.cx.ledger.get(insert).and_then(|entry| entry.identifier) {
+                    self.cx.plan.ended(identifier);
+                }
+                self.cx.transition(insert, RequestState::Cancelled);
+                self.cx.ledger.settle_doubt(insert);
+                if let Some(cancel) = cancel {
+                    self.cx.transition(cancel, RequestState::Accepted);
+                    self.cx.transition(cancel, RequestState::Ended("done".to_owned()));
+                }
+            }
+            Answer::Refused(text) => {
+                if let Some(cancel) = cancel {
+                    self.cx.transition(cancel, RequestState::Failed(text.to_owned()));
+                }
+            }
+        }
+    }
+
+    /// An insert was not answered: it counts as one that the vehicle may fly, and is called back where that is possible.
+    fn insert_unanswered(&mut self, request: u64) {
+        if !self.cx.ledger.is_gps_hit(Some(request)) {
+            self.recall(request);
+        }
+        self.cx.transition(request, RequestState::TimedOut);
+    }
+
+    /// The plan has come whole: inserts in doubt are in it or are not.
+    pub(crate) fn resolve_by_plan(&mut self) {
+        let open: Vec<(u64, BehaviorId, Timestamp)> = self
+            .cx
+            .ledger
+            .iter()
+            .filter(|(_, entry)| entry.state == RequestState::Unknown)
+            .filter_map(|(request, entry)| Some((request, entry.identifier?, entry.sent_at + SETTLED_WITHIN)))
+            .collect();
+        let asked_at = self.cx.plan.asked_at();
+        for (request, identifier, decided_at) in open {
+            if self.cx.plan.has(identifier) {
+                self.cx.transition(request, RequestState::Accepted);
+            } else if asked_at < decided_at {
+                // The vehicle may not have decided on it yet.
+                self.cx.timers.set(Timer::Plan, decided_at.max(self.cx.now));
+            } else if self.cx.courses.current().is_some() && !self.cx.ledger.is_gps_hit(Some(request)) {
+                let text = "it is not in the vehicle's plan".to_owned();
+                self.cx.transition(request, RequestState::Failed(text));
+            } else {
+                // It may be flown; and BFPLN has no code for a GPS hit (6.20), so that a plan without it proves nothing. It
+                // stays under the caps.
+                self.cx.transition(request, RequestState::TimedOut);
+            }
+        }
+        let plan = &self.cx.plan;
+        self.cx.ledger.told_plan(asked_at, |identifier| plan.has(identifier));
+    }
+
+    /// The mission no longer runs: what it held is over.
+    pub(crate) fn end_inserts(&mut self, reason: &str) {
+        let open: Vec<u64> = self
+            .cx
+            .ledger
+            .iter()
+            .filter(|(_, entry)| entry.is_open_insert())
+            .map(|(request, _)| request)
+            .collect();
+        for request in open {
+            self.cx.transition(request, RequestState::Ended(reason.to_owned()));
+        }
+        self.cx.ledger.settle_all_doubt();
+    }
+}
+
+impl Context {
     /// Sends a cancel: of the request `cancel`, or of the runtime's own. False where it could not be sent.
     pub(crate) fn send_cancel(&mut self, cancel: Option<u64>, insert: u64, identifier: BehaviorId) -> bool {
         let created = self.stamper.stamp(self.now, "RCN");
@@ -450,95 +531,63 @@ impl Core {
         )
     }
 
-    /// The vehicle's answer to an insert.
-    pub(crate) fn insert_answered(&mut self, request: u64, answer: Answer<'_>) {
-        match answer {
-            Answer::Pending => self.transition(request, RequestState::Pending),
-            Answer::Done => self.transition(request, RequestState::Accepted),
-            Answer::Refused(text) => self.transition(request, RequestState::Failed(text.to_owned())),
-            Answer::Missing => self.insert_unanswered(request),
+    /// Asks for more where few identifiers are left, or not as many inserts as may be open at once.
+    pub(crate) fn reserve(&mut self) {
+        let Some(identifiers) = self.start.identifiers else {
+            return;
+        };
+        // A driver that cannot write does not answer: it is asked again, for a disk may have room again.
+        let waits = self
+            .reserve_asked
+            .is_some_and(|asked| self.now.since(asked) < ASK_AGAIN);
+        if waits || !is_on(Check::IdentifiersReserved) {
+            return;
         }
-    }
-
-    /// The vehicle's answer to a cancel.
-    pub(crate) fn cancel_answered(&mut self, cancel: Option<u64>, insert: u64, answer: Answer<'_>) {
-        if cancel.is_none() {
-            self.recall_answered(insert, answer);
-        }
-        match answer {
-            Answer::Pending => {}
-            Answer::Missing => {
-                if let Some(cancel) = cancel {
-                    self.transition(cancel, RequestState::TimedOut);
-                }
-            }
-            Answer::Done => {
-                if let Some(identifier) = self.ledger.get(insert).and_then(|entry| entry.identifier) {
-                    self.plan.ended(identifier);
-                }
-                self.transition(insert, RequestState::Cancelled);
-                self.ledger.settle_doubt(insert);
-                if let Some(cancel) = cancel {
-                    self.transition(cancel, RequestState::Accepted);
-                    self.transition(cancel, RequestState::Ended("done".to_owned()));
-                }
-            }
-            Answer::Refused(text) => {
-                if let Some(cancel) = cancel {
-                    self.transition(cancel, RequestState::Failed(text.to_owned()));
-                }
-            }
-        }
-    }
-
-    /// An insert was not answered: it counts as one that the vehicle may fly, and is called back where that is possible.
-    fn insert_unanswered(&mut self, request: u64) {
-        if !self.ledger.is_gps_hit(Some(request)) {
-            self.recall(request);
-        }
-        self.transition(request, RequestState::TimedOut);
-    }
-
-    /// The plan has come whole: inserts in doubt are in it or are not.
-    pub(crate) fn resolve_by_plan(&mut self) {
-        let open: Vec<(u64, BehaviorId, Timestamp)> = self
-            .ledger
-            .iter()
-            .filter(|(_, entry)| entry.state == RequestState::Unknown)
-            .filter_map(|(request, entry)| Some((request, entry.identifier?, entry.sent_at + SETTLED_WITHIN)))
-            .collect();
-        let asked_at = self.plan.asked_at();
-        for (request, identifier, decided_at) in open {
-            if self.plan.has(identifier) {
-                self.transition(request, RequestState::Accepted);
-            } else if asked_at < decided_at {
-                // The vehicle may not have decided on it yet.
-                self.timers.set(Timer::Plan, decided_at.max(self.now));
-            } else if self.courses.current().is_some() && !self.ledger.is_gps_hit(Some(request)) {
-                let text = "it is not in the vehicle's plan".to_owned();
-                self.transition(request, RequestState::Failed(text));
+        let low = identifiers.reserved.saturating_sub(identifiers.next) < RESERVE_LOW;
+        let ahead = self.envelope.limits().inserts_open_max.max(1);
+        let inserts = self.inserts_sent.saturating_add(ahead);
+        // None where none may be sent: a process that follows would have to reckon with one.
+        let surfaces = self.plugins.iter().any(|slot| slot.grants().contains(&Grant::Surface));
+        let gps_ahead = if surfaces { ahead } else { 0 };
+        let gps_hits = self.gps_hits_sent.saturating_add(gps_ahead);
+        if low || inserts > identifiers.inserts || gps_hits > identifiers.gps_hits {
+            self.reserve_asked = Some(self.now);
+            let below = if low {
+                identifiers.next.saturating_add(RESERVE)
             } else {
-                // It may be flown; and BFPLN has no code for a GPS hit (6.20), so that a plan without it proves nothing. It
-                // stays under the caps.
-                self.transition(request, RequestState::TimedOut);
-            }
+                identifiers.reserved
+            };
+            self.outputs.push_back(Output::Reserve(Reservation {
+                below,
+                inserts,
+                gps_hits,
+            }));
         }
-        let plan = &self.plan;
-        self.ledger.told_plan(asked_at, |identifier| plan.has(identifier));
     }
 
-    /// The mission no longer runs: what it held is over.
-    pub(crate) fn end_inserts(&mut self, reason: &str) {
-        let open: Vec<u64> = self
+    pub(crate) fn reserved(&mut self, reservation: Reservation) {
+        self.reserve_asked = None;
+        if let Some(identifiers) = &mut self.start.identifiers {
+            identifiers.reserved = identifiers.reserved.max(reservation.below);
+            identifiers.inserts = identifiers.inserts.max(reservation.inserts);
+            identifiers.gps_hits = identifiers.gps_hits.max(reservation.gps_hits);
+        }
+    }
+
+    /// Safety requirement 002: a vehicle that is led away from a GPS hit comes up wherever it is then.
+    pub(crate) fn admit_beside_gps_hit(&self) -> Result<(), Refusal> {
+        let begun = |entry: &Entry| entry.state == RequestState::Started;
+        let flown = self
             .ledger
             .iter()
-            .filter(|(_, entry)| entry.is_open_insert())
-            .map(|(request, _)| request)
-            .collect();
-        for request in open {
-            self.transition(request, RequestState::Ended(reason.to_owned()));
+            .any(|(request, entry)| begun(entry) && self.ledger.is_gps_hit(Some(request)));
+        // Where it was not heard what is flown, one that waited may be.
+        let unheard = self.courses.current().is_none() && self.ledger.surfaces();
+        if (flown || unheard || self.former_may_surface()) && is_on(Check::Surfacing) {
+            let text = "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
+            return Err(refused("surface", text));
         }
-        self.ledger.settle_all_doubt();
+        Ok(())
     }
 
     /// Our open inserts in the order that they fly, with their requests and whether they have begun.
@@ -551,7 +600,7 @@ impl Core {
 
     /// How many inserts of the plan an earlier process of ours has left: they count under the cap (safety requirements
     /// 007 and 019).
-    fn inherited(&self) -> u32 {
+    pub(crate) fn inherited(&self) -> u32 {
         if !is_on(Check::InheritedInserts) {
             return 0;
         }
@@ -565,14 +614,14 @@ impl Core {
             .filter(|identifier| identifier.get() < own)
             .collect();
         // One that has begun is flown, though the plan that came did not name it.
-        let current = self.orders.may_be_current();
+        let current = self.named_insert.may_be_current();
         inherited.extend(current.filter(|identifier| self.former.includes(*identifier)));
         u32::try_from(inherited.len())
             .unwrap_or(u32::MAX)
             .saturating_add(u32::from(self.former.has_revenant()))
     }
 
-    fn open_insert(&self, plugin: PluginId, tag: u64) -> Option<u64> {
+    pub(crate) fn open_insert(&self, plugin: PluginId, tag: u64) -> Option<u64> {
         self.ledger
             .iter()
             .find(|(_, entry)| entry.is_open_insert() && entry.owner == plugin && entry.tag == tag)
@@ -580,7 +629,7 @@ impl Core {
     }
 
     /// Where the vehicle will be when an insert begins, and what it may go on to after it.
-    fn route_of_insert(&self, interrupt: bool) -> Route {
+    pub(crate) fn route_of_insert(&self, interrupt: bool) -> Route {
         let chain = self.chain();
         let mut route = Route {
             to: self.plan.next_points().into_iter().map(End::At).collect(),
@@ -639,49 +688,6 @@ impl Core {
         // Where one cannot be known, nothing that depends on it holds.
         open.map(|insert| depth_m(insert).unwrap_or(f64::INFINITY))
             .fold(0.0, f64::max)
-    }
-
-    /// Asks for more where few identifiers are left, or not as many inserts as may be open at once.
-    pub(crate) fn reserve(&mut self) {
-        let Some(identifiers) = self.start.identifiers else {
-            return;
-        };
-        // A driver that cannot write does not answer: it is asked again, for a disk may have room again.
-        let waits = self
-            .reserve_asked
-            .is_some_and(|asked| self.now.since(asked) < ASK_AGAIN);
-        if waits || !is_on(Check::IdentifiersReserved) {
-            return;
-        }
-        let low = identifiers.reserved.saturating_sub(identifiers.next) < RESERVE_LOW;
-        let ahead = self.envelope.limits().inserts_open_max.max(1);
-        let inserts = self.inserts_sent.saturating_add(ahead);
-        // None where none may be sent: a process that follows would have to reckon with one.
-        let surfaces = self.plugins.iter().any(|slot| slot.grants().contains(&Grant::Surface));
-        let gps_ahead = if surfaces { ahead } else { 0 };
-        let gps_hits = self.gps_hits_sent.saturating_add(gps_ahead);
-        if low || inserts > identifiers.inserts || gps_hits > identifiers.gps_hits {
-            self.reserve_asked = Some(self.now);
-            let below = if low {
-                identifiers.next.saturating_add(RESERVE)
-            } else {
-                identifiers.reserved
-            };
-            self.outputs.push_back(Output::Reserve(Reservation {
-                below,
-                inserts,
-                gps_hits,
-            }));
-        }
-    }
-
-    pub(crate) fn reserved(&mut self, reservation: Reservation) {
-        self.reserve_asked = None;
-        if let Some(identifiers) = &mut self.start.identifiers {
-            identifiers.reserved = identifiers.reserved.max(reservation.below);
-            identifiers.inserts = identifiers.inserts.max(reservation.inserts);
-            identifiers.gps_hits = identifiers.gps_hits.max(reservation.gps_hits);
-        }
     }
 }
 

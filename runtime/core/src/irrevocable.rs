@@ -33,7 +33,7 @@ impl Core {
     /// Whether an insert must wait for the vehicle to answer.
     pub(crate) fn waits_for_answer(&self, insert: &Insert) -> bool {
         (insert.interrupt || insert.surfaces())
-            && !self.heartbeat.has_just_answered(self.now)
+            && !self.cx.heartbeat.has_just_answered(self.cx.now)
             && is_on(Check::IrrevocableAnswered)
     }
 
@@ -41,16 +41,16 @@ impl Core {
     pub(crate) fn wait_for_answer(&mut self, request: u64, plugin: PluginId, tag: u64, insert: Insert) {
         if self.waiting.len() >= WAITING_MAX {
             let text = format!("{WAITING_MAX} requests wait for the vehicle to answer");
-            return self.reject(request, refused("heard", &text));
+            return self.cx.reject(request, refused("heard", &text));
         }
         self.waiting.push(Waiting {
             request,
             plugin,
             tag,
             insert,
-            until: self.now + ANSWERED_WITHIN,
+            until: self.cx.now + ANSWERED_WITHIN,
         });
-        if !self.heartbeat.beat_is_under_way(self.now) {
+        if !self.cx.heartbeat.beat_is_under_way(self.cx.now) {
             self.beat();
         }
     }
@@ -68,7 +68,7 @@ impl Core {
         self.waiting = others;
         let failed: Vec<Waiting> = failed;
         for waiting in failed {
-            self.reject(
+            self.cx.reject(
                 waiting.request,
                 refused("plugin", "its plugin failed before it was sent"),
             );
@@ -78,9 +78,9 @@ impl Core {
     /// Sends what has waited, judged anew, where the vehicle has answered; rejects what has waited for too long.
     pub(crate) fn settle_waiting(&mut self) {
         if self.waiting.is_empty() {
-            return self.timers.stop(Timer::Irrevocable);
+            return self.cx.timers.stop(Timer::Irrevocable);
         }
-        while !self.waiting.is_empty() && self.heartbeat.has_just_answered(self.now) {
+        while !self.waiting.is_empty() && self.cx.heartbeat.has_just_answered(self.cx.now) {
             let Waiting {
                 request,
                 plugin,
@@ -90,17 +90,17 @@ impl Core {
             } = self.waiting.remove(0);
             match self.admit_now(plugin, tag, &insert) {
                 Ok(admitted) => self.send_insert(request, insert, admitted),
-                Err(refusal) => self.reject(request, refusal),
+                Err(refusal) => self.cx.reject(request, refusal),
             }
         }
-        let now = self.now;
+        let now = self.cx.now;
         let over = |waiting: &Waiting| waiting.until <= now;
         while let Some(index) = self.waiting.iter().position(over) {
             let waiting = self.waiting.remove(index);
             let text = "the vehicle did not answer within 1 s, and nothing takes this back once it is sent (SPI 7.8)";
-            self.reject(waiting.request, refused("heard", text));
+            self.cx.reject(waiting.request, refused("heard", text));
         }
         let next = self.waiting.iter().map(|waiting| waiting.until).min();
-        self.timers.set_or_stop(Timer::Irrevocable, next);
+        self.cx.timers.set_or_stop(Timer::Irrevocable, next);
     }
 }

@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use backseat_spi::BehaviorId;
 use backseat_units::Timestamp;
@@ -141,6 +141,8 @@ pub(crate) struct Ledger {
     /// Inserts that ended without the vehicle's word: it may fly them yet, so they stay under the caps and the rule
     /// that nothing interrupts what interrupts.
     doubtful: BTreeMap<u64, Entry>,
+    /// Inserts that are being taken back.
+    recalled: BTreeSet<u64>,
 }
 
 impl Ledger {
@@ -298,6 +300,20 @@ impl Ledger {
     /// The mission is over, and all that it held.
     pub(crate) fn settle_all_doubt(&mut self) {
         self.doubtful.clear();
+    }
+
+    /// An insert is being taken back, or no longer.
+    pub(crate) fn set_recalled(&mut self, request: u64, recalled: bool) {
+        if recalled {
+            self.recalled.insert(request);
+        } else {
+            self.recalled.remove(&request);
+        }
+    }
+
+    /// Whether an insert is being taken back.
+    pub(crate) fn is_recalled(&self, request: u64) -> bool {
+        self.recalled.contains(&request)
     }
 
     /// Whether an insert is in doubt: no further one is sent until the vehicle has named it.

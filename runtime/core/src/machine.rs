@@ -1,42 +1,28 @@
-use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
-use backseat_spi::{BehaviorId, Framer, Policy};
 use backseat_units::{Timestamp, Utc};
 
 use crate::acoustic::Acoustic;
 use crate::adjustment::Adjustments;
-use crate::budget::LineBudget;
-use crate::commands::{Answer, Commands};
-use crate::conductor::Slot;
-use crate::course::Courses;
-use crate::dive::Dive;
-use crate::drivers::Drivers;
+use crate::commands::Answer;
+use crate::context::Context;
 use crate::dvl::DvlTrigger;
 use crate::envelope::Envelope;
-use crate::expected::Compared;
-use crate::former::Former;
-use crate::heartbeat::Heartbeat;
 use crate::helm::{Lease, Pause};
 use crate::hull::Hull;
 use crate::io::{Input, Note, Operator, Output, Reservation, Start};
 use crate::irrevocable::Waiting;
-use crate::ledger::{Ledger, RequestCounts, Transition};
-use crate::navigation::Tracker;
+use crate::ledger::{RequestCounts, Transition};
 use crate::orders::Orders;
 use crate::owner::Owner;
-use crate::plan::Plan;
 use crate::plugin::{Event, PluginId, RequestState};
-use crate::quota::LastMinute;
 use crate::recall::Recalls;
 use crate::recovery::Whereabouts;
-use crate::session::Session;
 use crate::settings::{PluginSetup, Settings};
 use crate::silent::Silent;
-use crate::stamp::Stamper;
 use crate::switches::{Check, is_on};
-use crate::timer::{Timer, Timers};
+use crate::timer::Timer;
 use crate::topside::Topside;
 
 /// Called later than this after the promised time, every lease ends before anything else is done: what we know of the
@@ -50,23 +36,7 @@ pub(crate) const CLOSE_AFTER_SHUTDOWN: Duration = Duration::from_secs(8);
 /// Hand it what happens with [`Core::handle`], then drain [`Core::poll_output`] until it is empty, then call again at
 /// [`Core::poll_timeout`] or when something happens, whichever is first.
 pub struct Core {
-    pub(crate) settings: Settings,
-    pub(crate) envelope: Arc<Envelope>,
-    pub(crate) now: Timestamp,
-    pub(crate) outputs: VecDeque<Output>,
-    pub(crate) timers: Timers,
-    pub(crate) framer: Framer,
-    pub(crate) stamper: Stamper,
-    pub(crate) session: Session,
-    pub(crate) commands: Commands,
-    pub(crate) heartbeat: Heartbeat,
-    pub(crate) tracker: Tracker,
-    pub(crate) plan: Plan,
-    pub(crate) dive: Dive,
-    /// When the vehicle's words have had us ask for its plan.
-    pub(crate) plan_asks: LastMinute,
-    pub(crate) compared: Compared,
-    pub(crate) ledger: Ledger,
+    pub(crate) cx: Context,
     pub(crate) lease: Option<Lease>,
     pub(crate) pause: Pause,
     pub(crate) waiting: Vec<Waiting>,
@@ -77,32 +47,11 @@ pub struct Core {
     pub(crate) dvl: DvlTrigger,
     pub(crate) orders: Orders,
     pub(crate) topside: Topside,
-    pub(crate) drivers: Drivers,
-    pub(crate) plugins: Vec<Slot>,
-    pub(crate) start: Start,
-    /// By how much our computer's clock was set since then, nanoseconds.
-    pub(crate) utc_set_nanos: i64,
-    /// Backseat control as the configured hook last said.
-    pub(crate) handed_over: Option<bool>,
-    /// BFMIS begins with `Running`.
-    pub(crate) running: Option<bool>,
-    pub(crate) held: bool,
-    pub(crate) stopping: bool,
-    pub(crate) granted: bool,
     pub(crate) late_count: u64,
     /// The flaw of navigation that was last told, and when.
     pub(crate) flaw_told: Option<(&'static str, Timestamp)>,
-    /// Lines about what the vehicle says.
-    pub(crate) vehicle_lines: LineBudget,
     /// When the last BPRMB left, of any lease.
     pub(crate) modify_sent: Option<Timestamp>,
-    pub(crate) inserts_sent: u32,
-    pub(crate) gps_hits_sent: u32,
-    /// Of this process; the mission caps their number.
-    pub(crate) sent_identifiers: BTreeSet<BehaviorId>,
-    pub(crate) reserve_asked: Option<Timestamp>,
-    pub(crate) former: Former,
-    pub(crate) courses: Courses,
     pub(crate) recalls: Recalls,
     pub(crate) whereabouts: Whereabouts,
     /// Navigation has come that nothing has been held against.
@@ -113,80 +62,45 @@ impl Core {
     /// A core that has not yet heard of anything. Its first output connects.
     #[must_use]
     pub fn new(settings: Settings, envelope: Arc<Envelope>, plugins: Vec<PluginSetup>, start: Start) -> Self {
-        let tracker = Tracker::new(*envelope.fence().frame(), envelope.limits());
-        let hull = Hull::new(envelope.limits());
-        let slots: Vec<Slot> = plugins.into_iter().map(Slot::new).collect();
-        let drivers = Drivers::new(&settings.drivers);
         let mut core = Self {
-            settings,
-            now: Timestamp::ZERO,
-            outputs: VecDeque::new(),
-            timers: Timers::default(),
-            framer: Framer::new(Policy::FromVehicle),
-            stamper: Stamper::new(start.utc),
-            session: Session::new(&slots),
-            commands: Commands::default(),
-            heartbeat: Heartbeat::new(envelope.limits().link_delay_max()),
-            tracker,
-            plan: Plan::default(),
-            dive: Dive::default(),
-            plan_asks: LastMinute::default(),
-            compared: Compared::default(),
-            ledger: Ledger::default(),
+            cx: Context::new(settings, envelope, plugins, start),
             lease: None,
             pause: Pause::default(),
             waiting: Vec::new(),
-            hull,
+            hull: Hull::new(),
             silent: Silent::default(),
             adjustments: Adjustments::default(),
             acoustic: Acoustic::default(),
             dvl: DvlTrigger::default(),
             orders: Orders::default(),
             topside: Topside::default(),
-            drivers,
-            plugins: slots,
-            start,
-            utc_set_nanos: 0,
-            handed_over: None,
-            running: None,
-            held: start.held && is_on(Check::OperatorHold),
-            stopping: false,
-            granted: false,
             late_count: 0,
             flaw_told: None,
-            vehicle_lines: LineBudget::default(),
             modify_sent: None,
-            inserts_sent: start.identifiers.map_or(0, |identifiers| identifiers.inserts),
-            gps_hits_sent: start.identifiers.map_or(0, |identifiers| identifiers.gps_hits),
-            sent_identifiers: BTreeSet::new(),
-            reserve_asked: None,
-            former: Former::new(start.identifiers),
-            courses: Courses::default(),
             recalls: Recalls::default(),
             whereabouts: Whereabouts::default(),
             unjudged: false,
-            envelope,
         };
-        if !core.former.is_none() {
-            core.courses.leave_plan();
+        if !core.cx.former.is_none() {
+            core.cx.courses.leave_plan();
         }
-        core.outputs.push_back(Output::Connect { after: Duration::ZERO });
-        core.reserve();
+        core.cx.outputs.push_back(Output::Connect { after: Duration::ZERO });
+        core.cx.reserve();
         core.settle();
         core
     }
 
     /// Something has happened. `now` never runs backwards; a smaller one is taken for the last.
     pub fn handle(&mut self, now: Timestamp, input: Input<'_>) {
-        let promised = self.timers.next();
-        self.now = self.now.max(now);
+        let promised = self.cx.timers.next();
+        self.cx.now = self.cx.now.max(now);
         if let Some(promised) = promised
-            && self.now.since(promised) > LATE
+            && self.cx.now.since(promised) > LATE
             && is_on(Check::LateWake)
         {
             self.late_count += 1;
-            self.note(Note::Late {
-                seconds: self.now.since(promised).as_secs_f64(),
+            self.cx.note(Note::Late {
+                seconds: self.cx.now.since(promised).as_secs_f64(),
             });
             self.end_lease("the runtime woke late");
             self.end_hold("the runtime woke late");
@@ -199,12 +113,14 @@ impl Core {
             Input::Restarted(plugin, restarted) => self.restarted(plugin, restarted),
             Input::Operator(act) => self.operator(act),
             Input::Driver(driver, bytes) => self.driver_received(driver, bytes),
-            Input::Reserved(reservation) => self.reserved(reservation),
+            Input::Reserved(reservation) => self.cx.reserved(reservation),
             Input::UtcSet(by_nanos) => self.utc_set(by_nanos),
             Input::Timeout => {}
         }
-        while let Some(timer) = self.timers.expired(self.now) {
+        self.fail_overflowed();
+        while let Some(timer) = self.cx.timers.expired(self.cx.now) {
             self.expired(timer);
+            self.fail_overflowed();
         }
         self.settle();
     }
@@ -212,49 +128,50 @@ impl Core {
     /// What is to be done, oldest first; `None` until something happens again.
     #[must_use]
     pub fn poll_output(&mut self) -> Option<Output> {
-        self.outputs.pop_front()
+        self.cx.outputs.pop_front()
     }
 
     /// When to call [`Core::handle`] with [`Input::Timeout`] if nothing happens before.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Timestamp> {
-        self.timers.next()
+        self.cx.timers.next()
     }
 
     /// How many requests have come how far.
     #[must_use]
     pub fn request_counts(&self) -> RequestCounts {
-        self.ledger.counts()
+        self.cx.ledger.counts()
     }
 
     /// Whether requests can be sent now.
     #[must_use]
     pub const fn has_control(&self) -> bool {
-        self.granted
+        self.cx.granted
     }
 
     /// The newest navigation, however old.
     #[must_use]
     pub fn navigation(&self) -> Option<&crate::plugin::NavigationSample> {
-        self.tracker.newest()
+        self.cx.tracker.newest()
     }
 
     /// Whether a lease stands, a modify or a hold.
     #[must_use]
     pub fn is_steering(&self) -> bool {
-        self.lease.is_some() || self.hull.holder().is_some()
+        self.cx.arbiter.is_steering()
     }
 
     /// How many requests are not at their end.
     #[must_use]
     pub fn open_requests(&self) -> usize {
-        self.ledger.iter().count()
+        self.cx.ledger.iter().count()
     }
 
     /// The requests that are not at their end, each in words.
     #[must_use]
     pub fn open_request_states(&self) -> Vec<String> {
-        self.ledger
+        self.cx
+            .ledger
             .iter()
             .map(|(request, entry)| format!("{:?} {request} is {:?}", entry.kind, entry.state))
             .collect()
@@ -263,10 +180,10 @@ impl Core {
     /// What was used of the reservations, for who follows this core in order; `None` where there was none.
     #[must_use]
     pub fn used(&self) -> Option<Reservation> {
-        self.start.identifiers.map(|identifiers| Reservation {
+        self.cx.start.identifiers.map(|identifiers| Reservation {
             below: identifiers.next,
-            inserts: self.inserts_sent,
-            gps_hits: self.gps_hits_sent,
+            inserts: self.cx.inserts_sent,
+            gps_hits: self.cx.gps_hits_sent,
         })
     }
 
@@ -276,91 +193,35 @@ impl Core {
         self.late_count
     }
 
-    /// Our UTC now, by the clock of the start: for stamps, and for what is measured with them.
-    pub(crate) fn utc(&self) -> Utc {
-        self.stamper.utc(self.now)
-    }
-
-    /// Our UTC at a time, as the computer has it now: for zones that are valid for a time.
-    pub(crate) fn zone_utc(&self, at: Timestamp) -> Utc {
-        let nanos = self.stamper.utc(at).as_unix_nanos();
-        Utc::from_unix_nanos(nanos.saturating_add_signed(self.utc_set_nanos))
-    }
-
     /// The computer's clock was set. Stamps stay on the clock of the start, or answers would seem to come from another time;
     /// zones follow.
     fn utc_set(&mut self, by_nanos: i64) {
-        let step_s = by_nanos.saturating_sub(self.utc_set_nanos) as f64 / 1e9;
-        self.utc_set_nanos = by_nanos;
-        self.note(Note::Text {
+        let step_s = by_nanos.saturating_sub(self.cx.utc_set_nanos) as f64 / 1e9;
+        self.cx.utc_set_nanos = by_nanos;
+        self.cx.note(Note::Text {
             text: format!("this computer's clock was set by {step_s:+.3} s: zones with times follow it"),
         });
         self.judge_waiting();
         self.unjudged = true;
     }
 
-    pub(crate) fn note(&mut self, note: Note) {
-        self.outputs.push_back(Output::Note(note));
-    }
-
-    /// As [`Core::note`], of what the vehicle has said: so many a second, the rest is counted.
-    pub(crate) fn note_of_vehicle(&mut self, note: Note) {
-        if self.vehicle_lines.take(self.now) {
-            self.note(note);
-        }
-    }
-
     /// Tells what was counted and not told.
     pub(crate) fn tell_what_was_counted(&mut self) {
-        let untold = self.vehicle_lines.take_untold();
+        let untold = self.cx.vehicle_lines.take_untold();
         if untold > 0 {
             let text = format!("{untold} lines more of what the vehicle said were left out");
-            self.note(Note::Text { text });
+            self.cx.note(Note::Text { text });
         }
-        for index in 0..self.plugins.len() {
-            let untold = self.plugins[index].over_rate.take_untold();
+        for index in 0..self.cx.plugins.len() {
+            let untold = self.cx.plugins[index].over_rate.take_untold();
             if untold > 0 {
                 let text = format!(
                     "{untold} requests more of {} were over its rate and rejected",
-                    self.plugins[index].name()
+                    self.cx.plugins[index].name()
                 );
-                self.note(Note::Text { text });
+                self.cx.note(Note::Text { text });
             }
         }
-    }
-
-    /// Why we have no control; `None` where it is ours.
-    pub(crate) fn lost_because(&self) -> Option<&'static str> {
-        let reason = if !self.session.is_up() {
-            "the link is down"
-        } else if self.stopping {
-            "the run is ending"
-        } else if self.held {
-            "the operator holds"
-        } else if self.orders.has_ended_mission() {
-            "the operator has ended the mission"
-        } else if self.handed_over.is_none() && is_on(Check::ControlKnown) {
-            "the vehicle has not said who has control"
-        } else if self.handed_over == Some(false) && is_on(Check::ControlGiven) {
-            "the vehicle has control"
-        } else if self.running.is_none() && is_on(Check::ControlKnown) {
-            "the vehicle has not said whether its mission runs"
-        } else if self.running == Some(false) && is_on(Check::MissionRuns) {
-            "the mission is not running"
-        } else if let Some(reason) = self.unlike_expected() {
-            reason
-        } else if let Some(reason) = self.unplanned_dive() {
-            reason
-        } else if let Some(reason) = self.unheard() {
-            reason
-        } else if self.tracker.fresh(self.now).is_none() {
-            "navigation is stale"
-        } else if !self.tracker.steady(self.now) {
-            "navigation has not been steady for long enough"
-        } else {
-            return None;
-        };
-        Some(reason)
     }
 
     /// Brings what follows from the state up to date: control, and when to wake.
@@ -369,29 +230,30 @@ impl Core {
         self.follow_navigation();
         self.settle_waiting();
         self.watch_staleness();
-        let navigation = match self.tracker.stale_at().filter(|at| *at > self.now) {
-            Some(stale) if self.tracker.steady(self.now) => Some(stale),
-            Some(stale) => Some(stale.min(self.now + Duration::from_millis(500))),
+        let navigation = match self.cx.tracker.stale_at().filter(|at| *at > self.cx.now) {
+            Some(stale) if self.cx.tracker.steady(self.cx.now) => Some(stale),
+            Some(stale) => Some(stale.min(self.cx.now + Duration::from_millis(500))),
             None => None,
         };
-        self.timers.set_or_stop(Timer::Navigation, navigation);
-        self.timers
-            .set_or_stop(Timer::Acknowledgement, self.commands.next_deadline());
+        self.cx.timers.set_or_stop(Timer::Navigation, navigation);
+        self.cx
+            .timers
+            .set_or_stop(Timer::Acknowledgement, self.cx.commands.next_deadline());
         self.settle_heartbeat();
         // What was due while a plugin was busy or away is due now; nobody has promised to be here earlier.
-        let plugins = self.plugins_due().map(|due| due.max(self.now));
-        self.timers.set_or_stop(Timer::Plugins, plugins);
+        let plugins = self.plugins_due().map(|due| due.max(self.cx.now));
+        self.cx.timers.set_or_stop(Timer::Plugins, plugins);
     }
 
     /// Control is gained and lost by what has become known: tells of it and ends the lease.
     pub(crate) fn settle_control(&mut self) {
-        if self.tracker.fresh(self.now).is_none() {
-            self.tracker.unsettle();
+        if self.cx.tracker.fresh(self.cx.now).is_none() {
+            self.cx.tracker.unsettle();
         }
-        let lost = self.lost_because();
+        let lost = self.cx.lost_because();
         let granted = lost.is_none();
-        if granted != self.granted {
-            self.granted = granted;
+        if granted != self.cx.granted {
+            self.cx.granted = granted;
             if let Some(reason) = lost
                 && is_on(Check::ControlLossEndsLease)
             {
@@ -403,7 +265,8 @@ impl Core {
                 self.hull_control_granted();
             }
             self.tell_of_control(lost.unwrap_or(""));
-            self.tell_all(&Event::Control(granted));
+            self.cx.tell_all(&Event::Control(granted));
+            self.fail_overflowed();
         }
     }
 
@@ -414,7 +277,7 @@ impl Core {
             // What follows from navigation's age is drawn in `settle`.
             Timer::Navigation => {}
             Timer::Acknowledgement => {
-                while let Some(command) = self.commands.late(self.now) {
+                while let Some(command) = self.cx.commands.late(self.cx.now) {
                     self.answered(command, Answer::Missing);
                 }
             }
@@ -438,20 +301,20 @@ impl Core {
             Timer::Recovery => self.climb(),
             Timer::Plugins => self.step_due(false),
             Timer::Shutdown => {
-                self.timers.stop_all();
-                self.outputs.push_back(Output::Finish);
+                self.cx.timers.stop_all();
+                self.cx.outputs.push_back(Output::Finish);
             }
         }
     }
 
     pub(crate) fn operator(&mut self, act: Operator) {
         if act != Operator::Hold {
-            self.note(Note::Operator { act: act.clone() });
+            self.cx.note(Note::Operator { act: act.clone() });
         }
         match act {
             // It beats every plugin (safety requirement 015).
             Operator::Hold => {
-                self.held = is_on(Check::OperatorHold);
+                self.cx.held = is_on(Check::OperatorHold);
                 self.end_lease("the operator holds");
                 self.end_hold("the operator holds");
                 self.end_dvl("the operator holds");
@@ -460,20 +323,44 @@ impl Core {
                     self.cancel_former();
                 }
                 // Last: who keeps it waits for a disk, and what ends by it does not wait for that.
-                self.note(Note::Operator { act: Operator::Hold });
+                self.cx.note(Note::Operator { act: Operator::Hold });
             }
             Operator::Release => {
-                self.held = false;
-                self.orders.release();
+                self.cx.held = false;
+                self.cx.mission_ended = false;
             }
             Operator::Stop => {
                 self.end_lease("the run is ending");
                 self.end_hold("the run is ending");
                 self.end_dvl("the run is ending");
-                self.stopping = true;
-                self.outputs.push_back(Output::Finish);
+                self.cx.stopping = true;
+                self.cx.outputs.push_back(Output::Finish);
             }
             Operator::Order(order) => self.order(&order),
+        }
+    }
+}
+
+impl Context {
+    /// Our UTC now, by the clock of the start: for stamps, and for what is measured with them.
+    pub(crate) fn utc(&self) -> Utc {
+        self.stamper.utc(self.now)
+    }
+
+    /// Our UTC at a time, as the computer has it now: for zones that are valid for a time.
+    pub(crate) fn zone_utc(&self, at: Timestamp) -> Utc {
+        let nanos = self.stamper.utc(at).as_unix_nanos();
+        Utc::from_unix_nanos(nanos.saturating_add_signed(self.utc_set_nanos))
+    }
+
+    pub(crate) fn note(&mut self, note: Note) {
+        self.outputs.push_back(Output::Note(note));
+    }
+
+    /// As [`Context::note`], of what the vehicle has said: so many a second, the rest is counted.
+    pub(crate) fn note_of_vehicle(&mut self, note: Note) {
+        if self.vehicle_lines.take(self.now) {
+            self.note(note);
         }
     }
 
@@ -484,7 +371,7 @@ impl Core {
         }
     }
 
-    /// As [`Core::transition`], for the plugin alone: the log has a count.
+    /// As [`Context::transition`], for the plugin alone: the log has a count.
     pub(crate) fn transition_unnoted(&mut self, request: u64, to: RequestState) -> Option<Transition> {
         let transition = self.ledger.transition(request, to)?;
         match transition.owner {
@@ -498,7 +385,7 @@ impl Core {
         Some(transition)
     }
 
-    /// As [`Core::transition`], for the log alone: the plugin replaced its own request under the same tag.
+    /// As [`Context::transition`], for the log alone: the plugin replaced its own request under the same tag.
     pub(crate) fn transition_quietly(&mut self, request: u64, to: RequestState) {
         if let Some(transition) = self.ledger.transition(request, to) {
             self.note(Note::Request(transition));
@@ -509,5 +396,39 @@ impl Core {
         for index in 0..self.plugins.len() {
             self.tell(PluginId(index), event.clone());
         }
+    }
+
+    /// Why we have no control; `None` where it is ours.
+    pub(crate) fn lost_because(&self) -> Option<&'static str> {
+        let reason = if !self.session.is_up() {
+            "the link is down"
+        } else if self.stopping {
+            "the run is ending"
+        } else if self.held {
+            "the operator holds"
+        } else if self.mission_ended {
+            "the operator has ended the mission"
+        } else if self.handed_over.is_none() && is_on(Check::ControlKnown) {
+            "the vehicle has not said who has control"
+        } else if self.handed_over == Some(false) && is_on(Check::ControlGiven) {
+            "the vehicle has control"
+        } else if self.running.is_none() && is_on(Check::ControlKnown) {
+            "the vehicle has not said whether its mission runs"
+        } else if self.running == Some(false) && is_on(Check::MissionRuns) {
+            "the mission is not running"
+        } else if let Some(reason) = self.unlike_expected() {
+            reason
+        } else if let Some(reason) = self.unplanned_dive() {
+            reason
+        } else if let Some(reason) = self.unheard() {
+            reason
+        } else if self.tracker.fresh(self.now).is_none() {
+            "navigation is stale"
+        } else if !self.tracker.steady(self.now) {
+            "navigation has not been steady for long enough"
+        } else {
+            return None;
+        };
+        Some(reason)
     }
 }

@@ -6,7 +6,6 @@
 
 use std::fmt;
 
-use backseat_spi::BehaviorId;
 use backseat_units::Timestamp;
 use serde::{Deserialize, Serialize};
 
@@ -15,8 +14,8 @@ use crate::io::Operator;
 use crate::ledger::RequestKind;
 use crate::machine::Core;
 use crate::owner::Owner;
+use crate::phase::Phase;
 use crate::plugin::Refusal;
-use crate::receive::is_over;
 use crate::timer::Timer;
 
 mod cancels;
@@ -116,34 +115,6 @@ pub struct Policy {
     pub order: Order,
 }
 
-/// How far the vehicle's mission is, as BFMIS has last said on this connection (SPI 6.11).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Phase {
-    /// Nothing that means anything.
-    #[default]
-    Unknown,
-    /// It runs.
-    Running,
-    /// It wraps up, after its end or an abort: the vehicle moves yet.
-    Ending,
-    /// None runs.
-    Over,
-}
-
-impl Phase {
-    fn of(status: &str) -> Self {
-        if status.starts_with("Running") {
-            Self::Running
-        } else if ["Aborting", "WrappingUp"].iter().any(|word| status.starts_with(word)) {
-            Self::Ending
-        } else if is_over(status) {
-            Self::Over
-        } else {
-            Self::Unknown
-        }
-    }
-}
-
 /// Where the operator's orders stand.
 #[derive(Debug, Default)]
 pub(crate) struct Orders {
@@ -153,80 +124,24 @@ pub(crate) struct Orders {
     endings: Vec<Ending>,
     /// The empty mission that is being started.
     empty: Option<EmptyMission>,
-    /// The operator has ended the mission: whatever comes of the order, plugins steer no more until the mission is over or
-    /// the operator releases them.
-    ended: bool,
-    /// The insert that the newest BFMBS named, until its BFMBE.
-    current: Option<BehaviorId>,
-    /// What was the current one when something was not heard, and may be still.
-    before: Option<BehaviorId>,
-    phase: Phase,
     /// There has been a connection.
     connected: bool,
     /// Since when navigation has been stale, and up to where policies have acted on that.
     stale: Option<Stale>,
 }
 
-impl Orders {
-    /// Whether the operator has ended the mission that runs.
-    pub(crate) const fn has_ended_mission(&self) -> bool {
-        self.ended
-    }
-
-    /// Whether the vehicle has said that no mission runs.
-    pub(crate) fn no_mission(&self) -> bool {
-        self.phase == Phase::Over
-    }
-
-    /// The operator lets plugins ask again.
-    pub(crate) fn release(&mut self) {
-        self.ended = false;
-    }
-
-    /// A behaviour has begun: an insert's, or another.
-    pub(crate) fn began(&mut self, identifier: Option<BehaviorId>) {
-        self.current = identifier;
-        self.before = None;
-    }
-
-    /// The insert that the newest behaviour to begin is.
-    pub(crate) const fn current(&self) -> Option<BehaviorId> {
-        self.current
-    }
-
-    /// The same, or what it was before something was not heard.
-    pub(crate) fn may_be_current(&self) -> Option<BehaviorId> {
-        self.current.or(self.before)
-    }
-
-    /// Something was not heard, which may have been a begin: what is flown may be another's.
-    pub(crate) fn lose(&mut self) {
-        self.before = self.current.take().or(self.before);
-    }
-
-    /// A behaviour has ended.
-    pub(crate) fn finished(&mut self, identifier: Option<BehaviorId>) {
-        if self.before == identifier {
-            self.before = None;
-        }
-        if self.current == identifier {
-            self.current = None;
-        }
-    }
-}
-
 impl Core {
     /// An order that the operator gave in advance: a policy's, or a plugin's fail action. An abort of what ends already
     /// could disturb the vehicle's wrap-up, and nobody is there who wants it all the same.
     pub(crate) fn order_in_advance(&mut self, order: &Order) {
-        let text = match self.orders.phase {
+        let text = match self.cx.phase {
             Phase::Ending => "the mission is ending already",
             Phase::Over => "no mission is running",
             Phase::Unknown | Phase::Running => return self.order(order),
         };
         if let Order::Abort { .. } = order {
             let request = self.propose_order(RequestKind::Abort);
-            self.reject(request, refused("state", text));
+            self.cx.reject(request, refused("state", text));
         } else {
             self.order(order);
         }
@@ -248,15 +163,15 @@ impl Core {
     /// Enters an order into the ledger; its request.
     pub(crate) fn propose_order(&mut self, kind: RequestKind) -> u64 {
         self.orders.count += 1;
-        self.ledger.propose(Owner::Operator, self.orders.count, kind)
+        self.cx.ledger.propose(Owner::Operator, self.orders.count, kind)
     }
 
     /// What an order needs that changes the mission that runs: an armed runtime with control.
     fn admit_order(&self) -> Result<(), Refusal> {
-        if !self.start.armed {
+        if !self.cx.start.armed {
             return Err(refused("control", "the runtime is not armed"));
         }
-        match self.lost_because() {
+        match self.cx.lost_because() {
             Some(reason) => Err(refused("control", reason)),
             None => Ok(()),
         }
@@ -265,8 +180,8 @@ impl Core {
     /// The link is gone. An abort or kill is kept to be sent again, a started mission may yet show itself; the cancels are
     /// not: what they would take back may be another thing by then.
     pub(crate) fn orders_link_lost(&mut self) {
-        self.orders.lose();
-        self.orders.phase = Phase::Unknown;
+        self.cx.named_insert.lose();
+        self.cx.phase = Phase::Unknown;
         self.endings_link_lost();
         self.empty_mission_link_lost();
         self.set_order_timer();
@@ -282,13 +197,12 @@ impl Core {
     /// A mission status (BFMIS).
     pub(crate) fn orders_mission_status(&mut self, status: &str) {
         let phase = Phase::of(status);
-        self.orders.phase = phase;
+        self.cx.phase = phase;
         match phase {
             Phase::Running => self.empty_mission_runs(),
             Phase::Ending | Phase::Over => {
-                self.orders.current = None;
-                self.orders.before = None;
-                self.orders.ended = false;
+                self.cx.named_insert.forget();
+                self.cx.mission_ended = false;
             }
             Phase::Unknown => {}
         }
@@ -304,9 +218,9 @@ impl Core {
     }
 
     fn set_order_timer(&mut self) {
-        let waiting = (!self.session.is_up()).then(|| self.orders.endings.iter().map(Ending::until).min());
+        let waiting = (!self.cx.session.is_up()).then(|| self.orders.endings.iter().map(Ending::until).min());
         let empty = self.orders.empty.and_then(EmptyMission::deadline);
         let first: Option<Timestamp> = waiting.flatten().into_iter().chain(empty).min();
-        self.timers.set_or_stop(Timer::Order, first);
+        self.cx.timers.set_or_stop(Timer::Order, first);
     }
 }

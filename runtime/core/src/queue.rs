@@ -9,6 +9,7 @@
 use backseat_units::Depth;
 
 use crate::commands::Purpose;
+use crate::context::Context;
 use crate::envelope::{End, Insert, Passage};
 use crate::machine::Core;
 use crate::plan::Element;
@@ -16,6 +17,49 @@ use crate::plugin::{Refusal, RequestState};
 use crate::switches::{Check, is_on};
 
 impl Core {
+    /// The plan is flown on, or is known anew: an insert that waits and whose way does not hold from there is called
+    /// back. What comes after it has then another way.
+    pub(crate) fn judge_waiting(&mut self) {
+        if !self.cx.plan.is_complete() || !is_on(Check::InsertWayTo) {
+            return;
+        }
+        let mut before = Vec::new();
+        let chain = self.cx.chain();
+        let waits = |core: &Self, (request, insert, begun): &(u64, Insert, bool)| {
+            !begun && !insert.interrupt && !core.cx.ledger.is_recalled(*request)
+        };
+        for open in &chain {
+            let (request, insert, _) = open;
+            if !waits(self, open) {
+                before.push(*open);
+                continue;
+            }
+            let Err(refusal) = self.cx.judge_way_to(&before, insert) else {
+                // The rest comes after it.
+                break;
+            };
+            self.call_back(*request, &format!("its way no longer holds: {}", refusal.text));
+            if insert.surfaces() {
+                return;
+            }
+        }
+        for open in chain.iter().rev() {
+            if self.cx.ledger.is_recalled(open.0) {
+                continue;
+            }
+            if !waits(self, open) {
+                return;
+            }
+            let Err(refusal) = self.cx.judge_way_on(&open.1) else {
+                return;
+            };
+            let text = format!("its way on no longer holds: {}", refusal.text);
+            self.call_back(open.0, &text);
+        }
+    }
+}
+
+impl Context {
     /// Where the vehicle may be when it goes on to what comes after these inserts, which are in the order that they are
     /// flown: at the end of the last that it surely flies, or of one after that. Where none is sure, anywhere on what it
     /// flies of its plan, or between that and where it comes back from: where it is now, or the end of what interrupts it.
@@ -47,58 +91,17 @@ impl Core {
     }
 
     /// The vehicle has taken it, and it is not being taken back.
-    fn is_surely_flown(&self, request: u64) -> bool {
+    pub(crate) fn is_surely_flown(&self, request: u64) -> bool {
         let accepted = |state: &RequestState| *state == RequestState::Accepted;
         self.ledger.get(request).is_some_and(|entry| accepted(&entry.state))
-            && !self.is_recalled(request)
+            && !self.ledger.is_recalled(request)
             && !self
                 .commands
                 .purposes()
                 .any(|purpose| matches!(purpose, Purpose::Cancel { insert, .. } if insert == request))
     }
 
-    /// The plan is flown on, or is known anew: an insert that waits and whose way does not hold from there is called
-    /// back. What comes after it has then another way.
-    pub(crate) fn judge_waiting(&mut self) {
-        if !self.plan.is_complete() || !is_on(Check::InsertWayTo) {
-            return;
-        }
-        let mut before = Vec::new();
-        let chain = self.chain();
-        let waits = |core: &Self, (request, insert, begun): &(u64, Insert, bool)| {
-            !begun && !insert.interrupt && !core.is_recalled(*request)
-        };
-        for open in &chain {
-            let (request, insert, _) = open;
-            if !waits(self, open) {
-                before.push(*open);
-                continue;
-            }
-            let Err(refusal) = self.judge_way_to(&before, insert) else {
-                // The rest comes after it.
-                break;
-            };
-            self.call_back(*request, &format!("its way no longer holds: {}", refusal.text));
-            if insert.surfaces() {
-                return;
-            }
-        }
-        for open in chain.iter().rev() {
-            if self.is_recalled(open.0) {
-                continue;
-            }
-            if !waits(self, open) {
-                return;
-            }
-            let Err(refusal) = self.judge_way_on(&open.1) else {
-                return;
-            };
-            let text = format!("its way on no longer holds: {}", refusal.text);
-            self.call_back(open.0, &text);
-        }
-    }
-
-    fn judge_way_to(&self, before: &[(u64, Insert, bool)], insert: &Insert) -> Result<(), Refusal> {
+    pub(crate) fn judge_way_to(&self, before: &[(u64, Insert, bool)], insert: &Insert) -> Result<(), Refusal> {
         // Where nothing was ever heard, nothing was ever inserted.
         let Some(navigation) = self.tracker.newest() else {
             return Ok(());
@@ -113,7 +116,7 @@ impl Core {
     }
 
     /// The way on from the last of our inserts: what it goes on to may be another element by now.
-    fn judge_way_on(&self, insert: &Insert) -> Result<(), Refusal> {
+    pub(crate) fn judge_way_on(&self, insert: &Insert) -> Result<(), Refusal> {
         let Some(navigation) = self.tracker.newest() else {
             return Ok(());
         };

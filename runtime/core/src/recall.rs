@@ -12,6 +12,7 @@ use backseat_spi::BehaviorId;
 use backseat_units::Timestamp;
 
 use crate::commands::Answer;
+use crate::context::Context;
 use crate::envelope::{End, Insert, Track};
 use crate::helm::refused;
 use crate::io::Note;
@@ -57,15 +58,15 @@ impl Core {
     /// first, each judged with what is left of the others. False where one had to be left to the vehicle because of its
     /// way.
     pub(crate) fn cancel_judged(&mut self, plugin: Option<PluginId>) -> bool {
-        let mut left = self.chain();
+        let mut left = self.cx.chain();
         let mut all = true;
         for (insert, _, _) in self.waiting_inserts(plugin).into_iter().rev() {
             if self.is_kept_gps_hit(insert) {
                 continue;
             }
-            if let Err(refusal) = self.judge_cancel(&left, insert) {
+            if let Err(refusal) = self.cx.judge_cancel(&left, insert) {
                 all = false;
-                self.note(Note::Text {
+                self.cx.note(Note::Text {
                     text: format!(
                         "insert {insert} is not cancelled, what would remain is worse: {}",
                         refusal.text
@@ -77,7 +78,7 @@ impl Core {
             self.recall(insert);
         }
         // The ways without them are judged whenever one is: the vehicle may not have them. But none may be flown.
-        if self.courses.current().is_some() {
+        if self.cx.courses.current().is_some() {
             self.recall_doubtful(plugin);
         }
         all
@@ -86,6 +87,7 @@ impl Core {
     /// What ended without the vehicle's word may be in its plan all the same.
     fn recall_doubtful(&mut self, plugin: Option<PluginId>) {
         let doubtful: Vec<(u64, BehaviorId)> = self
+            .cx
             .ledger
             .doubtful_requests()
             .filter(|(_, entry)| plugin.is_none_or(|plugin| entry.owner == plugin))
@@ -99,24 +101,167 @@ impl Core {
 
     /// Our open inserts that have not begun.
     fn waiting_inserts(&self, plugin: Option<PluginId>) -> Vec<(u64, Insert, bool)> {
-        let mut waiting = self.chain();
+        let mut waiting = self.cx.chain();
         waiting.retain(|(request, _, begun)| {
-            let of = self.ledger.get(*request).map(|entry| entry.owner);
+            let of = self.cx.ledger.get(*request).map(|entry| entry.owner);
             !begun && plugin.is_none_or(|plugin| of.is_some_and(|owner| owner == plugin))
         });
         waiting
     }
 
     fn is_kept_gps_hit(&mut self, insert: u64) -> bool {
-        let kept = self.ledger.is_gps_hit(Some(insert));
+        let kept = self.cx.ledger.is_gps_hit(Some(insert));
         if kept {
-            self.note(Note::Text {
+            self.cx.note(Note::Text {
                 text: format!("GPS hit {insert} may be flown yet: it cannot be cancelled (SPI 7.8)"),
             });
         }
         kept
     }
 
+    /// Takes an insert back, and sees to it that the vehicle answers.
+    pub(crate) fn recall(&mut self, insert: u64) {
+        if let Some(identifier) = self.cx.ledger.get(insert).and_then(|entry| entry.identifier) {
+            self.recall_as(insert, identifier);
+        }
+    }
+
+    fn recall_as(&mut self, insert: u64, identifier: BehaviorId) {
+        if self.cx.ledger.is_recalled(insert) {
+            return;
+        }
+        let recall = Recall {
+            identifier,
+            sent: 0,
+            due: None,
+        };
+        self.recalls.open.insert(insert, recall);
+        self.cx.ledger.set_recalled(insert, true);
+        self.send_recall(insert);
+    }
+
+    fn send_recall(&mut self, insert: u64) {
+        let Some(recall) = self.recalls.open.get_mut(&insert) else {
+            return;
+        };
+        recall.due = None;
+        let identifier = recall.identifier;
+        if !self.cx.session.is_up() {
+            // It is sent once the link is back.
+            return;
+        }
+        recall.sent += 1;
+        if !self.cx.send_cancel(None, insert, identifier) {
+            self.again_later(insert);
+        }
+        self.set_recall_timer();
+    }
+
+    /// The vehicle's answer to a cancel of the runtime's own, or that there was none.
+    pub(crate) fn recall_answered(&mut self, insert: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => {}
+            Answer::Missing => self.again_later(insert),
+            Answer::Done => {
+                self.forget_recall(insert);
+            }
+            // The vehicle had not decided on the insert, and may yet accept it.
+            Answer::Refused(_) if self.is_undecided(insert) => self.again_later(insert),
+            Answer::Refused(text) => {
+                if self.forget_recall(insert) {
+                    self.cx.note(Note::Text {
+                        text: format!("insert {insert} was not taken back: {text}"),
+                    });
+                }
+            }
+        }
+        self.set_recall_timer();
+    }
+
+    fn is_undecided(&self, insert: u64) -> bool {
+        self.cx.ledger.get(insert).is_some_and(|entry| {
+            matches!(
+                entry.state,
+                RequestState::Sent | RequestState::Pending | RequestState::Unknown
+            )
+        })
+    }
+
+    fn again_later(&mut self, insert: u64) {
+        let Some(recall) = self.recalls.open.get_mut(&insert) else {
+            return;
+        };
+        if recall.sent < SENT_MAX {
+            recall.due = Some(self.cx.now + AGAIN_AFTER * (1 << recall.sent.saturating_sub(1)));
+        } else {
+            self.forget_recall(insert);
+            self.cx.note(Note::Text {
+                text: format!("insert {insert} may be flown yet: its cancel was not answered {SENT_MAX} times"),
+            });
+        }
+    }
+
+    /// Cancels that were not answered are due again.
+    pub(crate) fn recalls_expired(&mut self) {
+        let now = self.cx.now;
+        self.send_recalls(|recall| recall.due.is_some_and(|due| due <= now));
+        self.set_recall_timer();
+    }
+
+    /// The link is gone, and the answers with it.
+    pub(crate) fn recalls_link_lost(&mut self) {
+        for recall in self.recalls.open.values_mut() {
+            recall.due = None;
+        }
+        self.set_recall_timer();
+    }
+
+    /// The link is back: what was to be taken back is.
+    pub(crate) fn recalls_link_up(&mut self) {
+        for recall in self.recalls.open.values_mut() {
+            recall.sent = 0;
+        }
+        self.send_recalls(|_| true);
+    }
+
+    fn send_recalls(&mut self, due: impl Fn(&Recall) -> bool) {
+        let due: Vec<u64> = self
+            .recalls
+            .open
+            .iter()
+            .filter(|(_, recall)| due(recall))
+            .map(|(insert, _)| *insert)
+            .collect();
+        for insert in due {
+            if self.may_be_recalled(insert) {
+                self.send_recall(insert);
+            } else {
+                self.forget_recall(insert);
+            }
+        }
+    }
+
+    /// An insert is not taken back any more; whether it was.
+    fn forget_recall(&mut self, insert: u64) -> bool {
+        self.cx.ledger.set_recalled(insert, false);
+        self.recalls.open.remove(&insert).is_some()
+    }
+
+    /// Whether the vehicle may have an insert yet that it has not begun.
+    fn may_be_recalled(&self, insert: u64) -> bool {
+        match self.cx.ledger.get(insert) {
+            Some(entry) => entry.state != RequestState::Started,
+            None => self.cx.ledger.is_doubtful(insert),
+        }
+    }
+
+    fn set_recall_timer(&mut self) {
+        let first = self.recalls.open.values().filter_map(|recall| recall.due).min();
+        self.cx.timers.set_or_stop(Timer::Recall, first);
+    }
+}
+
+impl Context {
     /// Safety requirements 002 and 020: the way that the vehicle takes without one of the inserts of a chain, from what was
     /// before it to what comes after it.
     pub(crate) fn judge_cancel(&self, chain: &[(u64, Insert, bool)], insert: u64) -> Result<(), Refusal> {
@@ -152,144 +297,5 @@ impl Core {
             }
         }
         Ok(())
-    }
-
-    /// Takes an insert back, and sees to it that the vehicle answers.
-    pub(crate) fn recall(&mut self, insert: u64) {
-        if let Some(identifier) = self.ledger.get(insert).and_then(|entry| entry.identifier) {
-            self.recall_as(insert, identifier);
-        }
-    }
-
-    fn recall_as(&mut self, insert: u64, identifier: BehaviorId) {
-        if self.is_recalled(insert) {
-            return;
-        }
-        let recall = Recall {
-            identifier,
-            sent: 0,
-            due: None,
-        };
-        self.recalls.open.insert(insert, recall);
-        self.send_recall(insert);
-    }
-
-    fn send_recall(&mut self, insert: u64) {
-        let Some(recall) = self.recalls.open.get_mut(&insert) else {
-            return;
-        };
-        recall.due = None;
-        let identifier = recall.identifier;
-        if !self.session.is_up() {
-            // It is sent once the link is back.
-            return;
-        }
-        recall.sent += 1;
-        if !self.send_cancel(None, insert, identifier) {
-            self.again_later(insert);
-        }
-        self.set_recall_timer();
-    }
-
-    /// The vehicle's answer to a cancel of the runtime's own, or that there was none.
-    pub(crate) fn recall_answered(&mut self, insert: u64, answer: Answer<'_>) {
-        match answer {
-            Answer::Pending => {}
-            Answer::Missing => self.again_later(insert),
-            Answer::Done => {
-                self.recalls.open.remove(&insert);
-            }
-            // The vehicle had not decided on the insert, and may yet accept it.
-            Answer::Refused(_) if self.is_undecided(insert) => self.again_later(insert),
-            Answer::Refused(text) => {
-                if self.recalls.open.remove(&insert).is_some() {
-                    self.note(Note::Text {
-                        text: format!("insert {insert} was not taken back: {text}"),
-                    });
-                }
-            }
-        }
-        self.set_recall_timer();
-    }
-
-    fn is_undecided(&self, insert: u64) -> bool {
-        self.ledger.get(insert).is_some_and(|entry| {
-            matches!(
-                entry.state,
-                RequestState::Sent | RequestState::Pending | RequestState::Unknown
-            )
-        })
-    }
-
-    fn again_later(&mut self, insert: u64) {
-        let Some(recall) = self.recalls.open.get_mut(&insert) else {
-            return;
-        };
-        if recall.sent < SENT_MAX {
-            recall.due = Some(self.now + AGAIN_AFTER * (1 << recall.sent.saturating_sub(1)));
-        } else {
-            self.recalls.open.remove(&insert);
-            self.note(Note::Text {
-                text: format!("insert {insert} may be flown yet: its cancel was not answered {SENT_MAX} times"),
-            });
-        }
-    }
-
-    /// Cancels that were not answered are due again.
-    pub(crate) fn recalls_expired(&mut self) {
-        let now = self.now;
-        self.send_recalls(|recall| recall.due.is_some_and(|due| due <= now));
-        self.set_recall_timer();
-    }
-
-    /// The link is gone, and the answers with it.
-    pub(crate) fn recalls_link_lost(&mut self) {
-        for recall in self.recalls.open.values_mut() {
-            recall.due = None;
-        }
-        self.set_recall_timer();
-    }
-
-    /// The link is back: what was to be taken back is.
-    pub(crate) fn recalls_link_up(&mut self) {
-        for recall in self.recalls.open.values_mut() {
-            recall.sent = 0;
-        }
-        self.send_recalls(|_| true);
-    }
-
-    fn send_recalls(&mut self, due: impl Fn(&Recall) -> bool) {
-        let due: Vec<u64> = self
-            .recalls
-            .open
-            .iter()
-            .filter(|(_, recall)| due(recall))
-            .map(|(insert, _)| *insert)
-            .collect();
-        for insert in due {
-            if self.may_be_recalled(insert) {
-                self.send_recall(insert);
-            } else {
-                self.recalls.open.remove(&insert);
-            }
-        }
-    }
-
-    /// Whether an insert is being taken back.
-    pub(crate) fn is_recalled(&self, insert: u64) -> bool {
-        self.recalls.open.contains_key(&insert)
-    }
-
-    /// Whether the vehicle may have an insert yet that it has not begun.
-    fn may_be_recalled(&self, insert: u64) -> bool {
-        match self.ledger.get(insert) {
-            Some(entry) => entry.state != RequestState::Started,
-            None => self.ledger.is_doubtful(insert),
-        }
-    }
-
-    fn set_recall_timer(&mut self) {
-        let first = self.recalls.open.values().filter_map(|recall| recall.due).min();
-        self.timers.set_or_stop(Timer::Recall, first);
     }
 }

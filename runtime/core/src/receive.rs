@@ -8,6 +8,7 @@ use backseat_spi::{
 };
 use backseat_units::TimeOfDay;
 
+use crate::context::Context;
 use crate::dive::NamedBy;
 use crate::expected::Compared;
 use crate::integrity::Flaw;
@@ -26,23 +27,26 @@ const FLAW_TOLD_EVERY: Duration = Duration::from_secs(10);
 
 impl Core {
     pub(crate) fn receive(&mut self, bytes: &[u8]) {
-        if !self.session.is_up() {
+        if !self.cx.session.is_up() {
             return;
         }
-        self.session.reads.read(self.now);
-        let mut lost = self.framer.counts().lost();
-        self.framer.push(bytes);
-        while let Some(sentence) = self.framer.next_sentence() {
+        self.cx.session.reads.read(self.cx.now);
+        let mut lost = self.cx.framer.counts().lost();
+        self.cx.framer.push(bytes);
+        while let Some(sentence) = self.cx.framer.next_sentence() {
             let is_of_plan = sentence.name() == "BFPLN";
             // What cannot be read and has another beginning in it may have swallowed a sentence.
             let swallowed = sentence.raw().rfind('$').is_some_and(|at| at > 0);
             let decoded = FromVehicle::decode(&sentence);
             self.mind_what_is_lost(&mut lost);
             match decoded {
-                Ok(message) => self.message(message),
+                Ok(message) => {
+                    self.message(message);
+                    self.fail_overflowed();
+                }
                 Err(error) => {
                     if is_of_plan {
-                        self.plan.unreadable();
+                        self.cx.plan.unreadable();
                     }
                     if swallowed {
                         self.mind_loss();
@@ -58,8 +62,8 @@ impl Core {
     /// What cannot be read may have taken control (safety requirement 001).
     fn doubt_control(&mut self, message: &str) {
         match message {
-            "BFCTL" if self.settings.control == ControlHook::Bfctl => self.handed_over = None,
-            "BFMIS" => self.running = None,
+            "BFCTL" if self.cx.settings.control == ControlHook::Bfctl => self.cx.handed_over = None,
+            "BFMIS" => self.cx.running = None,
             _ => return,
         }
         self.settle_control();
@@ -67,22 +71,22 @@ impl Core {
 
     /// What was lost on the link may have been a BFMBS or a BFMBE (safety requirement 002).
     fn mind_what_is_lost(&mut self, before: &mut u64) {
-        let lost = self.framer.counts().lost();
+        let lost = self.cx.framer.counts().lost();
         if core::mem::replace(before, lost) != lost {
             self.mind_loss();
         }
     }
 
     fn mind_loss(&mut self) {
-        self.plan.lose();
-        self.courses.lose();
-        self.former.lose();
-        self.orders.lose();
+        self.cx.plan.lose();
+        self.cx.courses.lose();
+        self.cx.former.lose();
+        self.cx.named_insert.lose();
     }
 
     fn malformed(&mut self, error: &DecodeError) {
-        if let Some(count) = self.session.malformed() {
-            self.note(Note::Malformed {
+        if let Some(count) = self.cx.session.malformed() {
+            self.cx.note(Note::Malformed {
                 text: error.to_string(),
                 count,
             });
@@ -90,15 +94,15 @@ impl Core {
     }
 
     fn message(&mut self, message: FromVehicle) {
-        self.session.confirm_by_data(message.name());
+        self.cx.session.confirm_by_data(message.name());
         match message {
             FromVehicle::Navigation(message) => self.navigated(&message),
             FromVehicle::VelocityAndRates(message) => self.velocity(&message),
             FromVehicle::Acknowledgement(message) => self.acknowledged(&message),
             FromVehicle::BackseatControl(message) => {
-                self.heard(message.created);
-                if self.settings.control == ControlHook::Bfctl {
-                    self.handed_over = Some(message.granted);
+                self.cx.heard(message.created);
+                if self.cx.settings.control == ControlHook::Bfctl {
+                    self.cx.handed_over = Some(message.granted);
                     // Control that is taken and given back in one read was lost all the same.
                     self.settle_control();
                 }
@@ -108,41 +112,43 @@ impl Core {
             FromVehicle::BehaviorEnd(message) => self.behavior_ended(message),
             FromVehicle::MissionCommand(message) => self.mission_command(&message),
             FromVehicle::Shutdown(message) => {
-                self.heard(message.created);
-                if self.stopping || !is_on(Check::Shutdown) {
+                self.cx.heard(message.created);
+                if self.cx.stopping || !is_on(Check::Shutdown) {
                     // Said again, it gives us no more time.
                     return;
                 }
-                self.note(Note::Text {
+                self.cx.note(Note::Text {
                     text: "the vehicle shuts our power off in a minute".to_owned(),
                 });
                 self.end_lease("power goes");
                 self.end_hold("power goes");
                 self.end_dvl("power goes");
-                self.stopping = true;
-                self.tell_all(&Event::Shutdown);
-                self.timers.set(Timer::Shutdown, self.now + CLOSE_AFTER_SHUTDOWN);
+                self.cx.stopping = true;
+                self.cx.tell_all(&Event::Shutdown);
+                self.cx.timers.set(Timer::Shutdown, self.cx.now + CLOSE_AFTER_SHUTDOWN);
             }
             FromVehicle::Ctd(message) => self.ctd(&message),
             FromVehicle::PlanElement(message) => {
-                self.heard(message.created);
-                let frame = *self.envelope.fence().frame();
-                self.plan.collect(&frame, &message);
+                self.cx.heard(message.created);
+                let frame = *self.cx.envelope.fence().frame();
+                self.cx.plan.collect(&frame, &message);
                 self.former_named(message.identifier);
             }
             FromVehicle::VehicleVersion(message) => {
-                self.heard(message.created);
-                self.note_of_vehicle(Note::VehicleVersion {
+                self.cx.heard(message.created);
+                self.cx.note_of_vehicle(Note::VehicleVersion {
                     version: message.version.as_str().to_owned(),
                 });
             }
             FromVehicle::LoggingBegin(message) => {
-                self.heard(message.created);
-                self.tell_wanting(Topic::Logging, &Event::LoggingBegan(message.text.as_str().to_owned()));
+                self.cx.heard(message.created);
+                self.cx
+                    .tell_wanting(Topic::Logging, &Event::LoggingBegan(message.text.as_str().to_owned()));
             }
             FromVehicle::LoggingEnd(message) => {
-                self.heard(message.created);
-                self.tell_wanting(Topic::Logging, &Event::LoggingEnded(message.text.as_str().to_owned()));
+                self.cx.heard(message.created);
+                self.cx
+                    .tell_wanting(Topic::Logging, &Event::LoggingEnded(message.text.as_str().to_owned()));
             }
             FromVehicle::TopsideMessage(message) => self.topside_message(&message),
             FromVehicle::DvlTriggering(message) => self.dvl_triggering(&message),
@@ -163,19 +169,14 @@ impl Core {
             | FromVehicle::Dvl(_)
             | FromVehicle::DvlBeams(_)
             | FromVehicle::Imu(_)
-            | FromVehicle::ServoPositions(_) => self.sampled(&message),
+            | FromVehicle::ServoPositions(_) => self.cx.sampled(&message),
             FromVehicle::Unknown(_) => {}
         }
     }
 
-    pub(crate) fn heard(&mut self, created: TimeOfDay) {
-        let utc = self.utc();
-        self.tracker.heard(self.now, utc, created);
-    }
-
     fn navigated(&mut self, message: &Navigation) {
-        let utc = self.utc();
-        let Some(change) = self.tracker.position(self.now, utc, message) else {
+        let utc = self.cx.utc();
+        let Some(change) = self.cx.tracker.position(self.cx.now, utc, message) else {
             return;
         };
         self.navigation_came();
@@ -185,28 +186,28 @@ impl Core {
         };
         if let Some(jump) = jump {
             // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
-            self.note_of_vehicle(Note::Navigation {
+            self.cx.note_of_vehicle(Note::Navigation {
                 text: format!("navigation jumped by {:.1} m", jump.metres),
             });
             self.end_lease("navigation jumped");
         }
         self.heed_flaw();
-        self.course_navigated(jump);
+        self.cx.course_navigated(jump);
         self.unjudged = true;
         self.watch_place();
     }
 
     /// Safety requirement 024: what cannot be true steers nothing.
     fn heed_flaw(&mut self) {
-        let Some(Flaw { what, text }) = self.tracker.take_flaw() else {
+        let Some(Flaw { what, text }) = self.cx.tracker.take_flaw() else {
             return;
         };
         if self
             .flaw_told
-            .is_none_or(|(told, at)| told != what || self.now.since(at) >= FLAW_TOLD_EVERY)
+            .is_none_or(|(told, at)| told != what || self.cx.now.since(at) >= FLAW_TOLD_EVERY)
         {
-            self.flaw_told = Some((what, self.now));
-            self.note_of_vehicle(Note::Navigation {
+            self.flaw_told = Some((what, self.cx.now));
+            self.cx.note_of_vehicle(Note::Navigation {
                 text: format!("{what}: {text}"),
             });
             // They may never have been subscribed: an answer to BPLOG does not say to which it is.
@@ -221,7 +222,7 @@ impl Core {
 
     fn velocity(&mut self, message: &VelocityAndRates) {
         self.unjudged = true;
-        let completes = self.tracker.velocity(self.now, message);
+        let completes = self.cx.tracker.velocity(self.cx.now, message);
         self.heed_flaw();
         if completes {
             self.follow_navigation();
@@ -242,18 +243,18 @@ impl Core {
     }
 
     fn mission_status(&mut self, message: &MissionStatus) {
-        self.heard(message.created);
+        self.cx.heard(message.created);
         self.dive_named(NamedBy::Status, &message.dive_file);
         let running = message.is_running();
-        self.note_of_vehicle(Note::Mission {
+        self.cx.note_of_vehicle(Note::Mission {
             status: message.status.as_str().trim().to_owned(),
         });
-        if self.running != Some(running) {
-            self.running = Some(running);
+        if self.cx.running != Some(running) {
+            self.cx.running = Some(running);
             if running {
-                self.plan.forget();
-                self.compared = Compared::default();
-                self.commands.forget_plan();
+                self.cx.plan.forget();
+                self.cx.compared = Compared::default();
+                self.cx.commands.forget_plan();
                 self.want_plan();
             } else if is_on(Check::MissionRuns) && is_on(Check::ControlLossEndsLease) {
                 self.end_lease("the mission is not running");
@@ -262,13 +263,13 @@ impl Core {
         self.orders_mission_status(message.status.as_str());
         if is_over(message.status.as_str()) {
             self.end_inserts("the mission is over");
-            self.courses.forget();
-            self.former.mission_over();
+            self.cx.courses.forget();
+            self.cx.former.mission_over();
             self.end_adjustments("the mission is over");
-            self.mission_goes_on();
+            self.cx.mission_goes_on();
         }
-        if self.settings.control == ControlHook::Running {
-            self.handed_over = Some(running);
+        if self.cx.settings.control == ControlHook::Running {
+            self.cx.handed_over = Some(running);
         }
         self.settle_control();
     }
@@ -281,14 +282,15 @@ impl Core {
         if is_flown {
             let revenant = message
                 .identifier
-                .filter(|identifier| self.sent_identifiers.contains(identifier))
-                .filter(|identifier| self.ledger.by_identifier(*identifier).is_none());
-            self.former
+                .filter(|identifier| self.cx.sent_identifiers.contains(identifier))
+                .filter(|identifier| self.cx.ledger.by_identifier(*identifier).is_none());
+            self.cx
+                .former
                 .heard_begin(message.identifier, message.kind.as_str(), revenant);
-            self.course_began(message.number, message.identifier);
+            self.cx.course_began(message.number, message.identifier);
         }
-        self.heard(message.created);
-        self.note_of_vehicle(Note::Behavior {
+        self.cx.heard(message.created);
+        self.cx.note_of_vehicle(Note::Behavior {
             began: true,
             number: message.number,
             identifier: message.identifier.map(|identifier| identifier.get()),
@@ -301,35 +303,36 @@ impl Core {
         // A suspended mission begins none: the vehicle has taken it up again. An end says nothing of the kind, for the
         // behaviour that is suspended may be reported so (SPI 8.1 leaves it open), and a hold modifies none.
         self.end_hold("a behaviour began: the mission goes on");
-        self.mission_goes_on();
+        self.cx.mission_goes_on();
         if is_flown {
             self.end_overtaken(message.identifier);
-            self.orders.began(message.identifier);
+            self.cx.named_insert.began(message.identifier);
         }
         let mut own = None;
         match (message.identifier, message.number) {
             (Some(identifier), _) => {
-                self.plan.left_for_insert();
-                if let Some(request) = self.ledger.by_identifier(identifier) {
-                    own = self.ledger.get(request).map(|entry| (entry.owner, entry.tag));
-                    if let Some(entry) = self.ledger.get_mut(request) {
+                self.cx.plan.left_for_insert();
+                if let Some(request) = self.cx.ledger.by_identifier(identifier) {
+                    own = self.cx.ledger.get(request).map(|entry| (entry.owner, entry.tag));
+                    if let Some(entry) = self.cx.ledger.get_mut(request) {
                         entry.interrupted = false;
                     }
-                    self.transition(request, RequestState::Started);
-                } else if !self.plan.has(identifier) {
+                    self.cx.transition(request, RequestState::Started);
+                } else if !self.cx.plan.has(identifier) {
                     // Another payload's that came after the plan was asked for, perhaps.
                     self.want_plan();
                 }
             }
             (None, Some(number)) => {
-                if !self.plan.began(number) {
-                    self.plan.invalidate();
+                if !self.cx.plan.began(number) {
+                    self.cx.plan.invalidate();
                     self.want_plan();
                 }
                 // An insert without the vehicle's word is not flown, and where it does not wait either it is over.
-                self.ledger
+                self.cx
+                    .ledger
                     .settle_doubt_if(|entry| entry.waits_not && entry.insert.is_some_and(|insert| !insert.surfaces()));
-                self.plan_goes_on();
+                self.cx.plan_goes_on();
                 self.judge_waiting();
             }
             (None, None) => self.adjustment_behavior(true, message.kind.as_str()),
@@ -338,8 +341,8 @@ impl Core {
     }
 
     fn behavior_ended(&mut self, message: BehaviorEnd) {
-        self.heard(message.created);
-        self.note_of_vehicle(Note::Behavior {
+        self.cx.heard(message.created);
+        self.cx.note_of_vehicle(Note::Behavior {
             began: false,
             number: message.number,
             identifier: message.identifier.map(|identifier| identifier.get()),
@@ -348,29 +351,29 @@ impl Core {
         if is_on(Check::LeaseEndsWithBehavior) {
             self.end_lease("a behaviour ended under it");
         }
-        self.orders.finished(message.identifier);
-        self.former.heard_end(message.identifier);
+        self.cx.named_insert.finished(message.identifier);
+        self.cx.former.heard_end(message.identifier);
         if let Some(identifier) = message.identifier {
-            self.plan.ended(identifier);
-            self.ledger.settle_doubt_of(identifier);
+            self.cx.plan.ended(identifier);
+            self.cx.ledger.settle_doubt_of(identifier);
         } else if let Some(number) = message.number {
-            self.plan.finished(number);
+            self.cx.plan.finished(number);
         } else {
             self.adjustment_behavior(false, message.kind.as_str());
         }
         let mut own = None;
         if let Some(request) = message
             .identifier
-            .and_then(|identifier| self.ledger.by_identifier(identifier))
+            .and_then(|identifier| self.cx.ledger.by_identifier(identifier))
         {
-            own = self.ledger.get(request).map(|entry| (entry.owner, entry.tag));
-            let interrupted = self.ledger.awaits_interrupter(request);
-            match self.ledger.get_mut(request) {
+            own = self.cx.ledger.get(request).map(|entry| (entry.owner, entry.tag));
+            let interrupted = self.cx.ledger.awaits_interrupter(request);
+            match self.cx.ledger.get_mut(request) {
                 Some(entry) if interrupted && entry.state == RequestState::Started => entry.interrupted = true,
-                _ => self.transition(request, RequestState::Ended("flown".to_owned())),
+                _ => self.cx.transition(request, RequestState::Ended("flown".to_owned())),
             }
         }
-        self.course_ended(message.number, message.identifier);
+        self.cx.course_ended(message.number, message.identifier);
         self.tell_of_behavior(false, own, message.kind.as_str());
     }
 
@@ -378,13 +381,14 @@ impl Core {
     /// BFMBE was lost with a connection; but where what begins interrupts, it may be taken up again.
     fn end_overtaken(&mut self, begun: Option<BehaviorId>) {
         let interrupts = begun
-            .and_then(|begun| self.ledger.get(self.ledger.by_identifier(begun)?)?.insert)
+            .and_then(|begun| self.cx.ledger.get(self.cx.ledger.by_identifier(begun)?)?.insert)
             .is_some_and(|insert| insert.interrupt);
         if interrupts {
-            self.ledger.interrupt_all_but(begun);
+            self.cx.ledger.interrupt_all_but(begun);
             return;
         }
         let overtaken: Vec<(u64, &str)> = self
+            .cx
             .ledger
             .iter()
             .filter(|(_, entry)| entry.is_open_insert() && entry.state == RequestState::Started)
@@ -399,20 +403,20 @@ impl Core {
             })
             .collect();
         for (request, why) in overtaken {
-            self.transition(request, RequestState::Ended(why.to_owned()));
+            self.cx.transition(request, RequestState::Ended(why.to_owned()));
         }
     }
 
     fn tell_of_behavior(&mut self, began: bool, own: Option<(Owner, u64)>, kind: &str) {
-        for index in 0..self.plugins.len() {
+        for index in 0..self.cx.plugins.len() {
             let plugin = PluginId(index);
-            if self.plugins[index].wants(Topic::Behavior) {
+            if self.cx.plugins[index].wants(Topic::Behavior) {
                 let tag = own.filter(|(owner, _)| *owner == plugin).map(|(_, tag)| tag);
                 let behavior = Behavior {
                     kind: kind.to_owned(),
                     tag,
                 };
-                self.tell(
+                self.cx.tell(
                     plugin,
                     if began {
                         Event::BehaviorBegan(behavior)
@@ -425,29 +429,30 @@ impl Core {
     }
 
     fn mission_command(&mut self, message: &MissionCommand) {
-        self.heard(message.created);
+        self.cx.heard(message.created);
         let text = message.text.as_str();
         self.operator_by_text(text);
-        if let ControlHook::MissionCommand { grant, revoke } = &self.settings.control {
+        if let ControlHook::MissionCommand { grant, revoke } = &self.cx.settings.control {
             if text == grant {
-                self.handed_over = Some(true);
+                self.cx.handed_over = Some(true);
             } else if text == revoke {
-                self.handed_over = Some(false);
+                self.cx.handed_over = Some(false);
             }
             self.settle_control();
         }
-        self.note_of_vehicle(Note::Text {
+        self.cx.note_of_vehicle(Note::Text {
             text: format!("mission command: {text}"),
         });
         self.carry_out(|when| matches!(when, Condition::MissionCommand(command) if command.trim() == text.trim()));
-        self.tell_wanting(Topic::MissionCommand, &Event::MissionCommand(text.to_owned()));
+        self.cx
+            .tell_wanting(Topic::MissionCommand, &Event::MissionCommand(text.to_owned()));
     }
 
     /// The operator's hold and release, where the session names their texts: the only way to reach us under water. Before
     /// all else that the text may mean, for it beats all (safety requirement 015).
     fn operator_by_text(&mut self, text: &str) {
         let is = |named: &Option<String>| named.as_deref() == Some(text.trim());
-        let act = match (is(&self.settings.hold_text), is(&self.settings.release_text)) {
+        let act = match (is(&self.cx.settings.hold_text), is(&self.cx.settings.release_text)) {
             (true, _) => Operator::Hold,
             (false, true) => Operator::Release,
             (false, false) => return,
@@ -457,20 +462,28 @@ impl Core {
     }
 
     fn ctd(&mut self, message: &Ctd) {
-        let utc = self.utc();
-        self.tracker.heard(self.now, utc, message.created);
+        let utc = self.cx.utc();
+        self.cx.tracker.heard(self.cx.now, utc, message.created);
         let age = self
+            .cx
             .tracker
             .clock()
-            .age(self.now, utc, message.measured)
+            .age(self.cx.now, utc, message.measured)
             .unwrap_or_default();
         let sample = CtdSample {
-            measured: self.now - age,
+            measured: self.cx.now - age,
             conductivity_us_per_cm: message.conductivity_us_per_cm,
             temperature_c: message.temperature_c,
             pressure_kpa: message.pressure_kpa,
         };
-        self.tell_wanting(Topic::Ctd, &Event::Ctd(sample));
+        self.cx.tell_wanting(Topic::Ctd, &Event::Ctd(sample));
+    }
+}
+
+impl Context {
+    pub(crate) fn heard(&mut self, created: TimeOfDay) {
+        let utc = self.utc();
+        self.tracker.heard(self.now, utc, created);
     }
 
     pub(crate) fn tell_wanting(&mut self, topic: Topic, event: &Event) {

@@ -185,7 +185,7 @@ impl Good {
 
 impl Whereabouts {
     /// Whether the ladder is being climbed: no plugin's request is accepted meanwhile.
-    pub(crate) fn recovers(&self) -> bool {
+    fn recovers(&self) -> bool {
         self.excursion
             .as_ref()
             .is_some_and(|excursion| excursion.confirmed && excursion.ours)
@@ -195,14 +195,14 @@ impl Whereabouts {
 impl Core {
     /// A new position: where the vehicle is, and what follows from it.
     pub(crate) fn watch_place(&mut self) {
-        if self.running == Some(false) {
+        if self.cx.running == Some(false) {
             return self.forget_excursion();
         }
-        let Some(navigation) = self.tracker.newest().copied() else {
+        let Some(navigation) = self.cx.tracker.newest().copied() else {
             return;
         };
         if self.is_active() {
-            self.whereabouts.active = Some(self.now);
+            self.whereabouts.active = Some(self.cx.now);
         }
         match self.judge_place(&navigation) {
             Ok(()) => self.is_inside(&navigation),
@@ -225,9 +225,9 @@ impl Core {
         if self.whereabouts.good.is_some_and(|good| good.covers(navigation)) {
             return Ok(());
         }
-        let utc = self.zone_utc(self.now);
+        let utc = self.cx.zone_utc(self.cx.now);
         self.whereabouts.good = None;
-        self.whereabouts.good = self.envelope.judge_place(navigation, utc)?;
+        self.whereabouts.good = self.cx.envelope.judge_place(navigation, utc)?;
         Ok(())
     }
 
@@ -236,23 +236,23 @@ impl Core {
         let flown = |entry: &crate::ledger::Entry| {
             entry.is_open_insert() && matches!(entry.state, RequestState::Started | RequestState::Unknown)
         };
-        self.is_steering()
-            || self.ledger.iter().any(|(_, entry)| flown(entry))
-            || self.ledger.doubtful().next().is_some()
+        self.cx.arbiter.is_steering()
+            || self.cx.ledger.iter().any(|(_, entry)| flown(entry))
+            || self.cx.ledger.doubtful().next().is_some()
     }
 
     /// Whether the vehicle may be where it is because of us: what it was sent on may carry it on for as long as what it
     /// can reach is counted.
     fn is_ours(&self) -> bool {
-        let limits = self.envelope.limits();
+        let limits = self.cx.envelope.limits();
         let lasts_s = MODIFY_TIMEOUT.as_secs_f64() + limits.link_delay_max_s + 180.0 / limits.turn_rate_dps;
         self.whereabouts
             .active
-            .is_some_and(|active| self.now.since(active) <= seconds(lasts_s))
+            .is_some_and(|active| self.cx.now.since(active) <= seconds(lasts_s))
     }
 
     fn is_outside(&mut self, refusal: Refusal) {
-        let (now, ours) = (self.now, self.is_ours());
+        let (now, ours) = (self.cx.now, self.is_ours());
         let excursion = self.whereabouts.excursion.get_or_insert_with(|| Excursion {
             since: now,
             confirmed: false,
@@ -274,6 +274,7 @@ impl Core {
             excursion.confirmed = false;
             excursion.since = now;
         }
+        self.cx.recovering = self.whereabouts.recovers();
     }
 
     fn is_inside(&mut self, navigation: &NavigationSample) {
@@ -283,10 +284,10 @@ impl Core {
         if !excursion.confirmed {
             return self.forget_excursion();
         }
-        let (utc, room_m) = (self.zone_utc(self.now), self.settings.recovery.back_by_m);
-        let well = self.envelope.is_well_inside(navigation, room_m, utc);
-        let now = self.now;
-        let back_for = seconds(self.settings.recovery.back_for_s);
+        let (utc, room_m) = (self.cx.zone_utc(self.cx.now), self.cx.settings.recovery.back_by_m);
+        let well = self.cx.envelope.is_well_inside(navigation, room_m, utc);
+        let now = self.cx.now;
+        let back_for = seconds(self.cx.settings.recovery.back_for_s);
         let Some(excursion) = &mut self.whereabouts.excursion else {
             return;
         };
@@ -301,7 +302,8 @@ impl Core {
 
     fn forget_excursion(&mut self) {
         self.whereabouts.excursion = None;
-        self.timers.stop(Timer::Recovery);
+        self.cx.recovering = false;
+        self.cx.timers.stop(Timer::Recovery);
     }
 
     /// Takes the steps that are due, and sets when to come back for the next.
@@ -311,18 +313,18 @@ impl Core {
                 return;
             };
             // What cannot be sent is no step taken; and where the vehicle is inside for the moment, none is due.
-            if excursion.inside.is_some() || !self.session.is_up() {
-                return self.timers.stop(Timer::Recovery);
+            if excursion.inside.is_some() || !self.cx.session.is_up() {
+                return self.cx.timers.stop(Timer::Recovery);
             }
             let step = excursion.step;
             let after = match (excursion.confirmed, excursion.ours) {
-                (false, _) => self.settings.recovery.after(Step::Leases),
-                (true, true) => step.and_then(|step| self.settings.recovery.after(step)),
+                (false, _) => self.cx.settings.recovery.after(Step::Leases),
+                (true, true) => step.and_then(|step| self.cx.settings.recovery.after(step)),
                 (true, false) => None,
             };
             let due = after.map(|after| excursion.since + after);
-            if due.is_none_or(|due| due > self.now) {
-                return self.timers.set_or_stop(Timer::Recovery, due);
+            if due.is_none_or(|due| due > self.cx.now) {
+                return self.cx.timers.set_or_stop(Timer::Recovery, due);
             }
             self.take_step();
         }
@@ -335,6 +337,7 @@ impl Core {
         let refusal = excursion.refusal.clone();
         if !excursion.confirmed {
             excursion.confirmed = true;
+            self.cx.recovering = excursion.ours;
             if !excursion.ours {
                 let text = format!(
                     "the vehicle is outside: {}; nothing of ours is active, and nothing is done",
@@ -375,11 +378,11 @@ impl Core {
     /// False where an insert was left to the vehicle because its way is worse.
     fn cancel_for_recovery(&mut self) -> bool {
         let all = self.cancel_judged(None);
-        let begun = self.chain().iter().any(|(_, _, begun)| *begun);
+        let begun = self.cx.chain().iter().any(|(_, _, begun)| *begun);
         if !begun {
             return all;
         }
-        if self.settings.recovery.cancel_current {
+        if self.cx.settings.recovery.cancel_current {
             // Judged there as the operator's own order is.
             self.order_in_advance(&Order::CancelCurrent);
         } else {
@@ -390,17 +393,18 @@ impl Core {
 
     fn tell_of_excursion(&mut self, refusal: &Refusal) {
         let text = self.text_of(refusal);
-        let created = self.stamper.stamp(self.now, "MSG");
-        let command = self.courtesy("MSG", Some(created));
-        self.transmit(&ToVehicle::LogMessage(LogMessage { created, text }), Some(command));
-        if self.settings.recovery.tell_topside {
+        let created = self.cx.stamper.stamp(self.cx.now, "MSG");
+        let command = self.cx.courtesy("MSG", Some(created));
+        self.cx
+            .transmit(&ToVehicle::LogMessage(LogMessage { created, text }), Some(command));
+        if self.cx.settings.recovery.tell_topside {
             self.tell_topside(refusal);
         }
     }
 
     /// Tells the topside, or keeps it for when control is back.
     fn tell_topside(&mut self, refusal: &Refusal) {
-        let control = self.start.armed && self.lost_because().is_none();
+        let control = self.cx.start.armed && self.cx.lost_because().is_none();
         if let Some(excursion) = &mut self.whereabouts.excursion {
             excursion.untold = !control;
         }
@@ -410,20 +414,23 @@ impl Core {
         let text = self.text_of(refusal);
         let request = self.propose_order(RequestKind::Topside);
         let message = ToVehicle::TopsideText(TopsideText {
-            created: self.stamper.stamp(self.now, "TOP"),
+            created: self.cx.stamper.stamp(self.cx.now, "TOP"),
             // From under water nothing faster gets through.
             slowest: Transport::AcousticModem,
             text,
         });
-        if self.send_request(request, "TOP", &message, Purpose::Topside(request)) {
-            self.topside.count(self.now);
+        if self
+            .cx
+            .send_request(request, "TOP", &message, Purpose::Topside(request))
+        {
+            self.topside.count(self.cx.now);
         }
     }
 
     /// By how much it is outside, and where it is. In lower case: there are vehicles that take a sentence for the one whose
     /// name its text contains.
     fn text_of(&self, refusal: &Refusal) -> Text {
-        let place = self.tracker.newest().map_or_else(String::new, |navigation| {
+        let place = self.cx.tracker.newest().map_or_else(String::new, |navigation| {
             format!(
                 " at {:.5} {:.5} depth {:.1} m",
                 navigation.position.latitude.as_deg(),
@@ -435,7 +442,7 @@ impl Core {
     }
 
     fn recovery_note(&mut self, text: String) {
-        self.note(Note::Recovery { text });
+        self.cx.note(Note::Recovery { text });
     }
 }
 

@@ -3,13 +3,19 @@
 use backseat_spi::FromVehicle;
 use backseat_units::{TimeOfDay, Timestamp};
 
-use crate::machine::Core;
+use crate::context::Context;
 use crate::plugin::{
     BatterySample, CompassSample, DvlBeamsSample, DvlSample, Event, ImuSample, PlannedElement, PressureSample, Sample,
     ServoSample, SoundVelocitySample, SurfacesSample, TelemetrySample, Topic, VehicleSpeedSample,
 };
 
-impl Core {
+impl Context {
+    /// When something of the vehicle's time was, on our clock; never later than now.
+    pub(crate) fn when(&self, written: TimeOfDay) -> Timestamp {
+        let age = self.tracker.clock().age(self.now, self.utc(), written);
+        self.now - age.unwrap_or_default()
+    }
+
     /// A sensor's message; anything else is none.
     pub(crate) fn sampled(&mut self, message: &FromVehicle) {
         if let Some(created) = message.created() {
@@ -20,13 +26,7 @@ impl Core {
         }
     }
 
-    /// When something of the vehicle's time was, on our clock; never later than now.
-    pub(crate) fn when(&self, written: TimeOfDay) -> Timestamp {
-        let age = self.tracker.clock().age(self.now, self.utc(), written);
-        self.now - age.unwrap_or_default()
-    }
-
-    fn sample(&self, message: &FromVehicle, created: TimeOfDay) -> Option<(Topic, Sample)> {
+    pub(crate) fn sample(&self, message: &FromVehicle, created: TimeOfDay) -> Option<(Topic, Sample)> {
         use FromVehicle as M;
         #[expect(clippy::wildcard_enum_match_arm, reason = "all other messages are no samples")]
         Some(match message {

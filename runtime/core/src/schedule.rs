@@ -10,6 +10,7 @@ use backseat_fence::Span;
 use backseat_units::Timestamp;
 use backseat_units::math::hypot;
 
+use crate::context::Context;
 use crate::envelope::{APART_MAX, Clocks, Insert, Route};
 use crate::helm::refused;
 use crate::io::Note;
@@ -31,6 +32,52 @@ pub(crate) struct Schedule {
 }
 
 impl Core {
+    /// Calls back what has not begun in time and whose zones change by when it may be flown now.
+    pub(crate) fn watch_schedules(&mut self) {
+        let now = self.cx.now;
+        let waiting = self
+            .cx
+            .ledger
+            .iter()
+            .filter(|(_, entry)| entry.state != RequestState::Started);
+        let late: Vec<(u64, Schedule)> = waiting
+            .filter_map(|(request, entry)| Some((request, entry.schedule?)))
+            .filter(|(_, schedule)| schedule.begins_by < now)
+            .collect();
+        if late.is_empty() {
+            return;
+        }
+        // Its elders alone come before it. All that is open takes no less.
+        let before_s = self.cx.before_insert_s(false);
+        for (request, schedule) in late {
+            let anew = Schedule {
+                begins_by: now + seconds(before_s),
+                ends_by: now + seconds(before_s + schedule.lasts_s),
+                ..schedule
+            };
+            let holds = before_s.is_finite() && !self.cx.changes_between(schedule.ends_by, anew.ends_by);
+            if let Some(entry) = self.cx.ledger.get_mut(request) {
+                entry.schedule = holds.then_some(anew);
+            }
+            if !holds {
+                self.call_back(request, "it has not begun in the time that its zones were judged for");
+            }
+        }
+    }
+
+    /// Takes an insert back, where that can be done, and says why.
+    pub(crate) fn call_back(&mut self, request: u64, why: &str) {
+        if self.cx.ledger.is_gps_hit(Some(request)) {
+            let text = format!("GPS hit {request}: {why}, and it cannot be cancelled (SPI 7.8)");
+            return self.cx.note(Note::Text { text });
+        }
+        let text = format!("insert {request} is called back: {why}");
+        self.cx.note(Note::Text { text });
+        self.recall(request);
+    }
+}
+
+impl Context {
     /// What is known of the time.
     pub(crate) fn clocks(&self) -> Clocks {
         Clocks {
@@ -40,7 +87,7 @@ impl Core {
     }
 
     /// By how much our clock and the vehicle's differ, where that is little enough for both to tell the time.
-    fn clocks_apart(&self) -> Option<Duration> {
+    pub(crate) fn clocks_apart(&self) -> Option<Duration> {
         self.tracker.clocks_apart(self.now, self.utc_set_nanos)
     }
 
@@ -64,7 +111,7 @@ impl Core {
 
     /// How long the planned behaviour that is flown goes on at most, seconds. Only that of a line can be told: what
     /// else the vehicle does at a place, or how often it goes round, no sentence says (SPI 6.20).
-    fn current_s(&self) -> f64 {
+    pub(crate) fn current_s(&self) -> f64 {
         let Some(navigation) = self.tracker.newest() else {
             return f64::INFINITY;
         };
@@ -83,7 +130,7 @@ impl Core {
     }
 
     /// How long the inserts take that are not ours.
-    fn others_s(&self) -> f64 {
+    pub(crate) fn others_s(&self) -> f64 {
         let mut at = self.tracker.newest().map(|navigation| navigation.local);
         let others = self
             .plan
@@ -137,56 +184,13 @@ impl Core {
         Ok(())
     }
 
-    /// Calls back what has not begun in time and whose zones change by when it may be flown now.
-    pub(crate) fn watch_schedules(&mut self) {
-        let now = self.now;
-        let waiting = self
-            .ledger
-            .iter()
-            .filter(|(_, entry)| entry.state != RequestState::Started);
-        let late: Vec<(u64, Schedule)> = waiting
-            .filter_map(|(request, entry)| Some((request, entry.schedule?)))
-            .filter(|(_, schedule)| schedule.begins_by < now)
-            .collect();
-        if late.is_empty() {
-            return;
-        }
-        // Its elders alone come before it. All that is open takes no less.
-        let before_s = self.before_insert_s(false);
-        for (request, schedule) in late {
-            let anew = Schedule {
-                begins_by: now + seconds(before_s),
-                ends_by: now + seconds(before_s + schedule.lasts_s),
-                ..schedule
-            };
-            let holds = before_s.is_finite() && !self.changes_between(schedule.ends_by, anew.ends_by);
-            if let Some(entry) = self.ledger.get_mut(request) {
-                entry.schedule = holds.then_some(anew);
-            }
-            if !holds {
-                self.call_back(request, "it has not begun in the time that its zones were judged for");
-            }
-        }
-    }
-
     /// Whether a zone opens or closes between two times, by our clock or the vehicle's.
-    fn changes_between(&self, from: Timestamp, until: Timestamp) -> bool {
+    pub(crate) fn changes_between(&self, from: Timestamp, until: Timestamp) -> bool {
         let apart = self.clocks_apart().unwrap_or(APART_MAX);
         self.envelope.fence().changes_within(Span {
             from: self.zone_utc(from - apart),
             until: self.zone_utc(until + apart),
         })
-    }
-
-    /// Takes an insert back, where that can be done, and says why.
-    pub(crate) fn call_back(&mut self, request: u64, why: &str) {
-        if self.ledger.is_gps_hit(Some(request)) {
-            let text = format!("GPS hit {request}: {why}, and it cannot be cancelled (SPI 7.8)");
-            return self.note(Note::Text { text });
-        }
-        let text = format!("insert {request} is called back: {why}");
-        self.note(Note::Text { text });
-        self.recall(request);
     }
 }
 

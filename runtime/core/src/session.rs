@@ -9,6 +9,7 @@ use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
 use crate::conductor::Slot;
+use crate::context::Context;
 use crate::expected::Compared;
 use crate::heartbeat::{BEAT_EVERY, Remedy};
 use crate::io::{Note, Output};
@@ -188,55 +189,59 @@ impl Session {
 
 impl Core {
     pub(crate) fn link_up(&mut self) {
-        self.framer.clear();
-        self.tracker.reset();
+        self.cx.framer.clear();
+        self.cx.tracker.reset();
         self.hull.reset();
-        self.commands.clear();
-        self.plan.forget();
-        self.compared = Compared::default();
-        self.handed_over = None;
-        self.running = None;
-        self.session.begin();
-        self.heartbeat.begin(self.now);
-        self.session.reads.begin(self.now);
-        self.note(Note::LinkUp);
-        let created = self.stamper.stamp(self.now, "VER");
+        self.cx.relative.reset();
+        self.cx.cartesian.reset();
+        self.cx.commands.clear();
+        self.cx.plan.forget();
+        self.cx.compared = Compared::default();
+        self.cx.handed_over = None;
+        self.cx.running = None;
+        self.cx.session.begin();
+        self.cx.heartbeat.begin(self.cx.now);
+        self.cx.session.reads.begin(self.cx.now);
+        self.cx.note(Note::LinkUp);
+        let created = self.cx.stamper.stamp(self.cx.now, "VER");
         let version = ToVehicle::PayloadVersion(PayloadVersion {
             created,
             version: Text::cleaned(VERSION),
         });
         let command = self.early("VER", Some(created));
-        self.transmit(&version, Some(command));
+        self.cx.transmit(&version, Some(command));
         self.subscribe_all();
         self.ask_for_plan();
         self.orders_link_up();
         self.recalls_link_up();
-        if self.held && is_on(Check::HoldCancels) {
+        if self.cx.held && is_on(Check::HoldCancels) {
             // The operator may have taken the helm while nothing could be sent.
             self.cancel_all_of(None);
             self.cancel_former();
         }
-        self.timers.set(Timer::Silence, self.now + SILENT);
+        self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
         self.beat();
     }
 
     pub(crate) fn link_down(&mut self) {
         // No BPEMB reaches the vehicle: its own clock ends the modify (safety requirement 007).
-        self.session.up = false;
-        self.former.link_lost();
-        if self.ledger.interrupts() {
-            self.courses.leave_plan();
+        self.cx.session.up = false;
+        self.cx.former.link_lost();
+        if self.cx.ledger.interrupts() {
+            self.cx.courses.leave_plan();
         }
-        self.courses.lose();
+        self.cx.courses.lose();
         self.end_lease("the link is down");
         self.end_hold("the link is down");
-        self.handed_over = None;
-        self.running = None;
-        self.commands.clear();
-        self.plan.forget();
-        self.compared = Compared::default();
-        self.tracker.reset();
+        self.cx.handed_over = None;
+        self.cx.running = None;
+        self.cx.commands.clear();
+        self.cx.plan.forget();
+        self.cx.compared = Compared::default();
+        self.cx.tracker.reset();
         self.hull.reset();
+        self.cx.relative.reset();
+        self.cx.cartesian.reset();
         self.silent_link_lost();
         self.adjustments_link_lost();
         self.acoustic_link_lost();
@@ -244,6 +249,7 @@ impl Core {
         self.orders_link_lost();
         self.recalls_link_lost();
         let undecided: Vec<(u64, bool)> = self
+            .cx
             .ledger
             .iter()
             .filter(|(_, entry)| matches!(entry.state, RequestState::Sent | RequestState::Pending))
@@ -256,30 +262,30 @@ impl Core {
             } else {
                 RequestState::TimedOut
             };
-            self.transition(request, to);
+            self.cx.transition(request, to);
         }
         for timer in [Timer::Silence, Timer::Plan, Timer::Status, Timer::Heartbeat] {
-            self.timers.stop(timer);
+            self.cx.timers.stop(timer);
         }
-        if self.stopping {
+        if self.cx.stopping {
             return;
         }
         let after_s = self.retry_s();
-        self.note(Note::LinkDown {
-            counts: self.framer.counts(),
+        self.cx.note(Note::LinkDown {
+            counts: self.cx.framer.counts(),
             retry_s: after_s,
         });
-        self.outputs.push_back(Output::Connect {
+        self.cx.outputs.push_back(Output::Connect {
             after: Duration::from_secs_f64(after_s),
         });
-        self.session.attempts = self.session.attempts.saturating_add(1);
+        self.cx.session.attempts = self.cx.session.attempts.saturating_add(1);
     }
 
     /// Doubled at each attempt, half of it by chance, so that payloads that lost the vehicle together do not come back
     /// together.
     fn retry_s(&self) -> f64 {
-        let doubled = 2.0 * RETRY_MIN_S * f64::from(1u32 << self.session.attempts.min(5));
-        let mut bits = self.start.jitter ^ u64::from(self.session.attempts) ^ self.now.as_nanos();
+        let doubled = 2.0 * RETRY_MIN_S * f64::from(1u32 << self.cx.session.attempts.min(5));
+        let mut bits = self.cx.start.jitter ^ u64::from(self.cx.session.attempts) ^ self.cx.now.as_nanos();
         // The finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014): every bit of the state counts.
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -288,83 +294,86 @@ impl Core {
     }
 
     fn subscribe_all(&mut self) {
-        for index in 0..self.session.subscriptions.len() {
+        for index in 0..self.cx.session.subscriptions.len() {
             self.subscribe(index);
         }
     }
 
     /// A message stays away that was subscribed.
     pub(crate) fn subscribe_anew(&mut self, message: &str) {
-        let index = self.session.subscriptions.iter().position(|known| *known == message);
+        let index = self.cx.session.subscriptions.iter().position(|known| *known == message);
         if let Some(index) = index {
-            self.session.doubt_subscription(index);
+            self.cx.session.doubt_subscription(index);
             self.subscribe(index);
         }
     }
 
     fn subscribe(&mut self, index: usize) {
-        let subject = self.session.subscriptions[index];
+        let subject = self.cx.session.subscriptions[index];
         let message = ToVehicle::LoggingControl(LoggingControl {
             message: Text::cleaned(subject),
             on: true,
         });
-        self.session.acknowledged |= subject == ACKNOWLEDGEMENTS;
-        let command = if self.session.acknowledged {
-            let doublings = self.session.unanswered[index].min(SUBSCRIPTION_DOUBLINGS);
-            self.session.unanswered[index] += 1;
+        self.cx.session.acknowledged |= subject == ACKNOWLEDGEMENTS;
+        let command = if self.cx.session.acknowledged {
+            let doublings = self.cx.session.unanswered[index].min(SUBSCRIPTION_DOUBLINGS);
+            self.cx.session.unanswered[index] += 1;
             Command {
                 name: name("LOG"),
                 created: None,
                 identifier: None,
                 purpose: Purpose::Subscription(index),
-                deadline: self.now + 2 * FIRST_WITHIN * (1 << doublings),
+                deadline: self.cx.now + 2 * FIRST_WITHIN * (1 << doublings),
                 pending: false,
             }
         } else {
             self.early("LOG", None)
         };
-        self.transmit(&message, Some(command));
+        self.cx.transmit(&message, Some(command));
     }
 
     /// A command that leaves before acknowledgements are asked for.
     fn early(&self, letters: &'static str, created: Option<TimeOfDay>) -> Command {
         Command {
             purpose: Purpose::Early,
-            ..self.courtesy(letters, created)
+            ..self.cx.courtesy(letters, created)
         }
     }
 
     pub(crate) fn subscription_answered(&mut self, index: usize, answer: Answer<'_>) {
         match answer {
             Answer::Pending => {}
-            Answer::Done => self.session.confirm(index),
+            Answer::Done => self.cx.session.confirm(index),
             Answer::Refused(text) => {
-                let message = self.session.subscriptions[index];
-                self.note(Note::Text {
+                let message = self.cx.session.subscriptions[index];
+                self.cx.note(Note::Text {
                     text: format!("the vehicle refused the subscription to BF{message}: {text}"),
                 });
             }
             // What it asked for may come all the same.
-            Answer::Missing if self.session.confirmed[index] => {}
+            Answer::Missing if self.cx.session.confirmed[index] => {}
             Answer::Missing => self.subscribe(index),
         }
     }
 
     pub(crate) fn ask_for_plan(&mut self) {
-        if self.plan.is_collecting() {
+        if self.cx.plan.is_collecting() {
             return;
         }
-        let created = self.stamper.stamp(self.now, "RMP");
+        let created = self.cx.stamper.stamp(self.cx.now, "RMP");
         let command = Command {
             name: name("RMP"),
             created: Some(created),
             identifier: None,
             purpose: Purpose::Plan,
-            deadline: self.now + PLAN_WITHIN,
+            deadline: self.cx.now + PLAN_WITHIN,
             pending: false,
         };
-        if self.transmit(&ToVehicle::RequestPlan(RequestPlan { created }), Some(command)) {
-            self.plan.asked(self.now);
+        if self
+            .cx
+            .transmit(&ToVehicle::RequestPlan(RequestPlan { created }), Some(command))
+        {
+            self.cx.plan.asked(self.cx.now);
             self.begin_plan();
         }
     }
@@ -372,15 +381,17 @@ impl Core {
     /// What the vehicle says makes its plan worth asking for. It may say so a hundred times a second: then it is asked for
     /// now and then.
     pub(crate) fn want_plan(&mut self) {
-        if self.plan_asks.has_room(self.now, PLAN_ASKS_PER_MIN) {
-            self.plan_asks.add(self.now);
+        if self.cx.plan_asks.has_room(self.cx.now, PLAN_ASKS_PER_MIN) {
+            self.cx.plan_asks.add(self.cx.now);
             return self.ask_for_plan();
         }
-        self.timers.set_unless_set(Timer::Plan, self.now + PLAN_ASKED_ANEW);
+        self.cx
+            .timers
+            .set_unless_set(Timer::Plan, self.cx.now + PLAN_ASKED_ANEW);
     }
 
     fn begin_plan(&mut self) {
-        self.plan.begin(self.framer.counts().lost());
+        self.cx.plan.begin(self.cx.framer.counts().lost());
     }
 
     pub(crate) fn plan_answered(&mut self, answer: Answer<'_>) {
@@ -388,20 +399,20 @@ impl Core {
             // The series follows its own pending acknowledgement; what came before is of an earlier asking.
             Answer::Pending => self.begin_plan(),
             Answer::Done => {
-                if self.plan.end(self.framer.counts().lost()) {
-                    self.note(Note::Plan {
-                        elements: self.plan.len(),
+                if self.cx.plan.end(self.cx.framer.counts().lost()) {
+                    self.cx.note(Note::Plan {
+                        elements: self.cx.plan.len(),
                     });
-                    self.dive_planned();
-                    if self.compare_plan() {
+                    self.cx.dive_planned();
+                    if self.cx.compare_plan() {
                         // Once more, for the day when two answers came mixed.
-                        self.timers.set(Timer::Plan, self.now + PLAN_RETRY);
+                        self.cx.timers.set(Timer::Plan, self.cx.now + PLAN_RETRY);
                     }
                     self.resolve_by_plan();
-                    self.former_in_plan();
-                    self.tell_of_plan();
+                    self.cx.former_in_plan();
+                    self.cx.tell_of_plan();
                     self.judge_waiting();
-                    if self.held && is_on(Check::HoldCancels) {
+                    if self.cx.held && is_on(Check::HoldCancels) {
                         self.cancel_former();
                     }
                 } else {
@@ -414,13 +425,13 @@ impl Core {
 
     /// The plan did not come: it is asked for again.
     pub(crate) fn plan_failed(&mut self) {
-        self.plan.fail();
-        self.timers.set(Timer::Plan, self.now + PLAN_RETRY);
+        self.cx.plan.fail();
+        self.cx.timers.set(Timer::Plan, self.cx.now + PLAN_RETRY);
     }
 
     pub(crate) fn navigation_came(&mut self) {
-        self.session.heard_navigation();
-        self.timers.set(Timer::Silence, self.now + SILENT);
+        self.cx.session.heard_navigation();
+        self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
         self.watch_clock();
         self.watch_schedules();
     }
@@ -428,28 +439,28 @@ impl Core {
     /// Tells of the vehicle's clock where it has moved against ours since it was last told on this connection, which the
     /// first round trip does.
     fn watch_clock(&mut self) {
-        let Some(offset) = self.tracker.clock().offset_nanos(self.now) else {
+        let Some(offset) = self.cx.tracker.clock().offset_nanos(self.cx.now) else {
             return;
         };
-        let told = self.session.clock_told;
+        let told = self.cx.session.clock_told;
         let moved = told.is_some_and(|(told, at)| {
-            offset.abs_diff(told) >= CLOCK_STEP_NANOS.unsigned_abs() && self.now.since(at) >= CLOCK_NOTE_EVERY
+            offset.abs_diff(told) >= CLOCK_STEP_NANOS.unsigned_abs() && self.cx.now.since(at) >= CLOCK_NOTE_EVERY
         });
         if !moved {
             return;
         }
-        if let Some(written) = self.tracker.written() {
+        if let Some(written) = self.cx.tracker.written() {
             self.tell_of_clock(written);
         }
     }
 
     /// Tells of the vehicle's clock, which has just said `written`.
     fn tell_of_clock(&mut self, written: TimeOfDay) {
-        let Some(offset) = self.tracker.clock().offset_nanos(self.now) else {
+        let Some(offset) = self.cx.tracker.clock().offset_nanos(self.cx.now) else {
             return;
         };
-        self.session.clock_told = Some((offset, self.now));
-        self.note(Note::Clock {
+        self.cx.session.clock_told = Some((offset, self.cx.now));
+        self.cx.note(Note::Clock {
             offset_s: offset as f64 / 1e9,
             vehicle: written,
         });
@@ -457,13 +468,13 @@ impl Core {
 
     /// Control has changed hands: told at once, unless it does so all the time.
     pub(crate) fn tell_of_control(&mut self, reason: &str) {
-        let granted = self.granted;
-        let notes = &mut self.session.control_notes;
+        let granted = self.cx.granted;
+        let notes = &mut self.cx.session.control_notes;
         let every = CONTROL_NOTE_EVERY.as_nanos();
-        let refill = u32::try_from(self.now.since(notes.refilled).as_nanos() / every).unwrap_or(u32::MAX);
+        let refill = u32::try_from(self.cx.now.since(notes.refilled).as_nanos() / every).unwrap_or(u32::MAX);
         if refill > 0 {
             notes.left = notes.left.saturating_add(refill).min(CONTROL_NOTES);
-            notes.refilled = self.now;
+            notes.refilled = self.cx.now;
         }
         if notes.left == 0 {
             notes.untold += 1;
@@ -471,7 +482,7 @@ impl Core {
         }
         notes.left -= 1;
         notes.told = granted;
-        self.note(Note::Control {
+        self.cx.note(Note::Control {
             granted,
             reason: reason.to_owned(),
         });
@@ -479,79 +490,80 @@ impl Core {
 
     /// What was not told of control when it changed too often.
     fn catch_up_on_control(&mut self) {
-        let granted = self.granted;
-        let notes = &mut self.session.control_notes;
-        if self.now.since(notes.caught_up) < CATCH_UP_EVERY {
+        let granted = self.cx.granted;
+        let notes = &mut self.cx.session.control_notes;
+        if self.cx.now.since(notes.caught_up) < CATCH_UP_EVERY {
             return;
         }
-        notes.caught_up = self.now;
+        notes.caught_up = self.cx.now;
         let untold = std::mem::take(&mut notes.untold);
         if untold == 0 {
             return;
         }
         let changed = std::mem::replace(&mut notes.told, granted) != granted;
-        self.note(Note::Text {
+        self.cx.note(Note::Text {
             text: format!("control has changed hands {untold} times more"),
         });
         if changed {
-            self.note(Note::Control {
+            self.cx.note(Note::Control {
                 granted,
-                reason: self.lost_because().unwrap_or("").to_owned(),
+                reason: self.cx.lost_because().unwrap_or("").to_owned(),
             });
         }
     }
 
     /// Keep-alive is by navigation, never by acknowledgements.
     pub(crate) fn silence(&mut self) {
-        self.session.silences += 1;
-        if self.session.silences >= SILENCES_MAX {
-            self.note(Note::Text {
+        self.cx.session.silences += 1;
+        if self.cx.session.silences >= SILENCES_MAX {
+            self.cx.note(Note::Text {
                 text: "no navigation: the connection is reset".to_owned(),
             });
-            self.outputs.push_back(Output::ResetLink);
+            self.cx.outputs.push_back(Output::ResetLink);
         } else {
-            self.note(Note::Text {
+            self.cx.note(Note::Text {
                 text: "no navigation for 5 s: subscribing anew".to_owned(),
             });
-            self.session.doubt_subscriptions();
+            self.cx.session.doubt_subscriptions();
             self.subscribe_all();
         }
-        self.timers.set(Timer::Silence, self.now + SILENT);
+        self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
     }
 
     /// The second's BPSTS (SPI 7.2), and what carries the beat beside it where the vehicle does not answer that.
     pub(crate) fn beat(&mut self) {
         self.catch_up_on_control();
         self.tell_what_was_counted();
-        if self.heartbeat.needs_log(self.now) {
+        if self.cx.heartbeat.needs_log(self.cx.now) {
             self.subscribe_acknowledgements(Purpose::Beat);
         }
         self.send_status();
-        self.timers.set(Timer::Status, self.now + BEAT_EVERY);
+        self.cx.timers.set(Timer::Status, self.cx.now + BEAT_EVERY);
     }
 
     fn send_status(&mut self) {
         let failed = self
+            .cx
             .settings
             .status_failed_when
             .iter()
             .any(|condition| match condition {
-                StatusCondition::PluginQuarantined => self.plugins.iter().any(Slot::is_quarantined),
-                StatusCondition::NavigationStale => self.tracker.fresh(self.now).is_none(),
+                StatusCondition::PluginQuarantined => self.cx.plugins.iter().any(Slot::is_quarantined),
+                StatusCondition::NavigationStale => self.cx.tracker.fresh(self.cx.now).is_none(),
             });
-        let text = match (self.is_steering(), self.lost_because()) {
+        let text = match (self.cx.arbiter.is_steering(), self.cx.lost_because()) {
             (true, _) => "steering",
             (false, None) => "has control",
             (false, Some(reason)) => reason,
         };
-        let created = self.stamper.stamp(self.now, "STS");
+        let created = self.cx.stamper.stamp(self.cx.now, "STS");
         let status = PayloadStatus {
             created,
             ok: !failed,
             text: Text::cleaned(text),
         };
-        let command = self.courtesy("STS", Some(created));
-        self.transmit(&ToVehicle::PayloadStatus(status), Some(command));
+        let command = self.cx.courtesy("STS", Some(created));
+        self.cx.transmit(&ToVehicle::PayloadStatus(status), Some(command));
     }
 
     fn subscribe_acknowledgements(&mut self, purpose: Purpose) {
@@ -561,28 +573,86 @@ impl Core {
         });
         let command = Command {
             purpose,
-            ..self.courtesy("LOG", None)
+            ..self.cx.courtesy("LOG", None)
         };
-        self.transmit(&message, Some(command));
+        self.cx.transmit(&message, Some(command));
     }
 
     /// An acknowledgement may end a round trip.
     pub(crate) fn round_trip(&mut self, ack: &Acknowledgement) {
-        let Some(heard) = self.heartbeat.acknowledged(self.now, ack) else {
+        let Some(heard) = self.cx.heartbeat.acknowledged(self.cx.now, ack) else {
             return;
         };
-        let utc = self.utc();
-        if let Some(step) = self.tracker.measured(heard.trip, utc, ack.created) {
+        let utc = self.cx.utc();
+        if let Some(step) = self.cx.tracker.measured(heard.trip, utc, ack.created) {
             let text = format!("the vehicle's clock was set by {:+.3} s", -(step as f64) / 1e9);
-            self.note(Note::Navigation { text });
+            self.cx.note(Note::Navigation { text });
             self.end_lease("the vehicle's clock was set");
             self.end_hold("the vehicle's clock was set");
         }
         if heard.good {
-            self.session.unheard_told = false;
-            if self.session.clock_told.is_none() {
+            self.cx.session.unheard_told = false;
+            if self.cx.session.clock_told.is_none() {
                 self.tell_of_clock(ack.created);
             }
+        }
+    }
+
+    /// What is done where the vehicle is not heard to answer. The lease has ended by then, and its BPEMB is on its way.
+    pub(crate) fn remedy(&mut self) {
+        match self.cx.heartbeat.remedy(self.cx.now) {
+            None => {}
+            Some(Remedy::Subscribe) => {
+                self.subscribe_acknowledgements(Purpose::Beat);
+                self.tell_that_unheard();
+            }
+            Some(Remedy::Reset) => {
+                let text = "the vehicle has not answered in time for 30 s: the connection is reset";
+                self.cx.note(Note::Text { text: text.to_owned() });
+                self.cx.outputs.push_back(Output::ResetLink);
+            }
+        }
+    }
+
+    /// Told once for each time that the answers stay away: it may be the vehicle's habit, and then it is never steered.
+    fn tell_that_unheard(&mut self) {
+        if self.cx.heartbeat.remedies() < 3 || core::mem::replace(&mut self.cx.session.unheard_told, true) {
+            return;
+        }
+        let text = match self.cx.heartbeat.newest() {
+            None => "the vehicle acknowledges nothing on this connection: it is not steered".to_owned(),
+            Some(trip) => format!(
+                "the vehicle does not answer within {} s, the last time after {:.1} s: it is not steered",
+                self.cx.envelope.limits().link_delay_max_s,
+                trip.lasted().as_secs_f64()
+            ),
+        };
+        self.cx.note(Note::Text { text });
+    }
+
+    pub(crate) fn settle_heartbeat(&mut self) {
+        if !self.cx.timers.is_set(Timer::Status) {
+            // There is no link, or the logs are closed.
+            return;
+        }
+        let lapses = self.cx.heartbeat.lapses_at().filter(|at| *at > self.cx.now);
+        let remedy = self.cx.heartbeat.remedy_at();
+        self.cx
+            .timers
+            .set(Timer::Heartbeat, lapses.map_or(remedy, |lapses| lapses.min(remedy)));
+    }
+}
+
+impl Context {
+    /// A command whose answer is taken note of and no more.
+    pub(crate) fn courtesy(&self, command: &'static str, created: Option<TimeOfDay>) -> Command {
+        Command {
+            name: name(command),
+            created,
+            identifier: None,
+            purpose: Purpose::Courtesy,
+            deadline: self.now + 2 * FIRST_WITHIN,
+            pending: false,
         }
     }
 
@@ -594,61 +664,6 @@ impl Core {
             Some("the vehicle does not answer in time")
         } else {
             Some("the vehicle has not answered yet")
-        }
-    }
-
-    /// What is done where the vehicle is not heard to answer. The lease has ended by then, and its BPEMB is on its way.
-    pub(crate) fn remedy(&mut self) {
-        match self.heartbeat.remedy(self.now) {
-            None => {}
-            Some(Remedy::Subscribe) => {
-                self.subscribe_acknowledgements(Purpose::Beat);
-                self.tell_that_unheard();
-            }
-            Some(Remedy::Reset) => {
-                let text = "the vehicle has not answered in time for 30 s: the connection is reset";
-                self.note(Note::Text { text: text.to_owned() });
-                self.outputs.push_back(Output::ResetLink);
-            }
-        }
-    }
-
-    /// Told once for each time that the answers stay away: it may be the vehicle's habit, and then it is never steered.
-    fn tell_that_unheard(&mut self) {
-        if self.heartbeat.remedies() < 3 || core::mem::replace(&mut self.session.unheard_told, true) {
-            return;
-        }
-        let text = match self.heartbeat.newest() {
-            None => "the vehicle acknowledges nothing on this connection: it is not steered".to_owned(),
-            Some(trip) => format!(
-                "the vehicle does not answer within {} s, the last time after {:.1} s: it is not steered",
-                self.envelope.limits().link_delay_max_s,
-                trip.lasted().as_secs_f64()
-            ),
-        };
-        self.note(Note::Text { text });
-    }
-
-    pub(crate) fn settle_heartbeat(&mut self) {
-        if !self.timers.is_set(Timer::Status) {
-            // There is no link, or the logs are closed.
-            return;
-        }
-        let lapses = self.heartbeat.lapses_at().filter(|at| *at > self.now);
-        let remedy = self.heartbeat.remedy_at();
-        self.timers
-            .set(Timer::Heartbeat, lapses.map_or(remedy, |lapses| lapses.min(remedy)));
-    }
-
-    /// A command whose answer is taken note of and no more.
-    pub(crate) fn courtesy(&self, command: &'static str, created: Option<TimeOfDay>) -> Command {
-        Command {
-            name: name(command),
-            created,
-            identifier: None,
-            purpose: Purpose::Courtesy,
-            deadline: self.now + 2 * FIRST_WITHIN,
-            pending: false,
         }
     }
 }

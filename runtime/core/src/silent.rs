@@ -74,16 +74,16 @@ impl Silent {
 
 impl Core {
     pub(crate) fn ask_silent(&mut self, plugin: PluginId, asked: &SilentRequest) {
-        let request = self.ledger.propose(plugin, asked.tag, RequestKind::Silent);
+        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::Silent);
         let next = match self.admit_silent(plugin, asked.silent, request) {
             Ok(next) => next,
-            Err(refusal) => return self.reject(request, refusal),
+            Err(refusal) => return self.cx.reject(request, refusal),
         };
         let message = ToVehicle::SilentMode(SilentMode {
-            created: self.stamper.stamp(self.now, "SIL"),
+            created: self.cx.stamper.stamp(self.cx.now, "SIL"),
             silent: asked.silent,
         });
-        if self.send_request(request, "SIL", &message, Purpose::Silent(request)) {
+        if self.cx.send_request(request, "SIL", &message, Purpose::Silent(request)) {
             self.silent.entered += u32::from(asked.silent);
             self.silent.state = next;
         }
@@ -91,8 +91,8 @@ impl Core {
 
     /// The state that a request leads to.
     fn admit_silent(&mut self, plugin: PluginId, silent: bool, request: u64) -> Result<State, Refusal> {
-        self.admit(plugin, Grant::Silent)?;
-        if !self.session.is_subscribed("ACK") {
+        self.cx.admit(plugin, Grant::Silent)?;
+        if !self.cx.session.is_subscribed("ACK") {
             return Err(refused("state", "the vehicle's acknowledgements are not on (SPI 7.22)"));
         }
         match self.silent.state {
@@ -106,7 +106,7 @@ impl Core {
                 "state",
                 &format!(
                     "the vehicle may be silent for another {:.0} s, and entering anew would not extend it (SPI 7.22)",
-                    silence.over.since(self.now).as_secs_f64()
+                    silence.over.since(self.cx.now).as_secs_f64()
                 ),
             )),
             State::Silent(silence) if silence.plugin != plugin => {
@@ -117,7 +117,7 @@ impl Core {
     }
 
     fn admit_entry(&self, plugin: PluginId, request: u64) -> Result<State, Refusal> {
-        let most = self.envelope.limits().silences_total_max;
+        let most = self.cx.envelope.limits().silences_total_max;
         if self.silent.entered >= most && is_on(Check::SilencesTotal) {
             let text = format!("silent mode has been asked for {most} times, the most of a mission");
             return Err(refused("cap", &text));
@@ -125,7 +125,7 @@ impl Core {
         Ok(State::Entering(Entry {
             plugin,
             request,
-            sent: self.now,
+            sent: self.cx.now,
         }))
     }
 
@@ -141,21 +141,21 @@ impl Core {
     fn entry_answered(&mut self, entry: Entry, answer: Answer<'_>) {
         let Entry { plugin, request, sent } = entry;
         match answer {
-            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Pending => self.cx.transition(request, RequestState::Pending),
             Answer::Done => {
-                let term = self.envelope.limits().silent_term();
+                let term = self.cx.envelope.limits().silent_term();
                 self.become_silent(State::Silent(Silence {
                     plugin,
                     entry: Some(request),
                     until: sent + term,
-                    over: self.now + term,
+                    over: self.cx.now + term,
                 }));
-                self.transition(request, RequestState::Accepted);
-                self.transition(request, RequestState::Started);
+                self.cx.transition(request, RequestState::Accepted);
+                self.cx.transition(request, RequestState::Started);
             }
             Answer::Refused(text) => {
                 self.become_silent(State::Normal);
-                self.transition(request, RequestState::Failed(text.to_owned()));
+                self.cx.transition(request, RequestState::Failed(text.to_owned()));
             }
             Answer::Missing => self.entry_unanswered(entry),
         }
@@ -163,29 +163,30 @@ impl Core {
 
     /// The vehicle may fall silent yet, and nothing will say so: it counts as silent for as long as that may last.
     fn entry_unanswered(&mut self, entry: Entry) {
-        let limits = self.envelope.limits();
-        let over = self.now + limits.link_delay_max() + SILENT_WITHIN + limits.silent_term();
+        let limits = self.cx.envelope.limits();
+        let over = self.cx.now + limits.link_delay_max() + SILENT_WITHIN + limits.silent_term();
         self.become_silent(State::Silent(Silence {
             plugin: entry.plugin,
             entry: None,
             until: over,
             over,
         }));
-        self.transition(entry.request, RequestState::TimedOut);
+        self.cx.transition(entry.request, RequestState::TimedOut);
     }
 
     fn leave_answered(&mut self, silence: Silence, leave: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.transition(leave, RequestState::Pending),
+            Answer::Pending => self.cx.transition(leave, RequestState::Pending),
             Answer::Done => {
                 self.become_silent(State::Normal);
                 self.end_entry(silence, "normal again");
-                self.transition(leave, RequestState::Accepted);
-                self.transition(leave, RequestState::Ended("normal again".to_owned()));
+                self.cx.transition(leave, RequestState::Accepted);
+                self.cx
+                    .transition(leave, RequestState::Ended("normal again".to_owned()));
             }
             Answer::Refused(text) => {
                 self.become_silent(State::Silent(silence));
-                self.transition(leave, RequestState::Failed(text.to_owned()));
+                self.cx.transition(leave, RequestState::Failed(text.to_owned()));
             }
             Answer::Missing => self.leave_unanswered(silence, leave),
         }
@@ -195,12 +196,12 @@ impl Core {
     fn leave_unanswered(&mut self, silence: Silence, leave: u64) {
         self.become_silent(State::Silent(Silence { entry: None, ..silence }));
         self.end_entry(silence, "the vehicle has not said whether it is normal again");
-        self.transition(leave, RequestState::TimedOut);
+        self.cx.transition(leave, RequestState::TimedOut);
     }
 
     fn end_entry(&mut self, silence: Silence, reason: &str) {
         if let Some(entry) = silence.entry {
-            self.transition(entry, RequestState::Ended(reason.to_owned()));
+            self.cx.transition(entry, RequestState::Ended(reason.to_owned()));
         }
     }
 
@@ -214,7 +215,7 @@ impl Core {
                 None => Some(silence.over).filter(|_| matches!(state, State::Silent(_))),
             },
         };
-        self.timers.set_or_stop(Timer::Silent, next);
+        self.cx.timers.set_or_stop(Timer::Silent, next);
     }
 
     /// The five minutes are over: for the request first, then for the vehicle too.
@@ -223,14 +224,14 @@ impl Core {
             State::Normal | State::Entering(_) => return,
             State::Silent(silence) => {
                 let lapsed = Silence { entry: None, ..silence };
-                let over = silence.over <= self.now;
+                let over = silence.over <= self.cx.now;
                 (silence, if over { State::Normal } else { State::Silent(lapsed) })
             }
             // Its answer says what the vehicle is now.
             State::Leaving(silence, leave) => (silence, State::Leaving(Silence { entry: None, ..silence }, leave)),
         };
         self.become_silent(next);
-        let term_s = self.envelope.limits().silent_term_s;
+        let term_s = self.cx.envelope.limits().silent_term_s;
         self.end_entry(silence, &format!("lapsed after {term_s} s"));
     }
 

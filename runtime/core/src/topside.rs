@@ -31,26 +31,29 @@ impl Topside {
 
 impl Core {
     pub(crate) fn ask_topside(&mut self, plugin: PluginId, asked: &TopsideRequest) {
-        let request = self.ledger.propose(plugin, asked.tag, RequestKind::Topside);
+        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::Topside);
         let text = match self.admit_topside(plugin, asked) {
             Ok(text) => text,
-            Err(refusal) => return self.reject(request, refusal),
+            Err(refusal) => return self.cx.reject(request, refusal),
         };
         let message = ToVehicle::TopsideText(TopsideText {
-            created: self.stamper.stamp(self.now, "TOP"),
+            created: self.cx.stamper.stamp(self.cx.now, "TOP"),
             slowest: way(asked.slowest),
             text,
         });
-        if self.send_request(request, "TOP", &message, Purpose::Topside(request)) {
-            self.topside.count(self.now);
+        if self
+            .cx
+            .send_request(request, "TOP", &message, Purpose::Topside(request))
+        {
+            self.topside.count(self.cx.now);
         }
     }
 
     fn admit_topside(&mut self, plugin: PluginId, asked: &TopsideRequest) -> Result<Text, Refusal> {
-        self.admit(plugin, Grant::Topside)?;
+        self.cx.admit(plugin, Grant::Topside)?;
         let text = admit_text(&asked.text)?;
-        let most = self.envelope.limits().topside_per_min;
-        if !self.topside.sent.has_room(self.now, most) {
+        let most = self.cx.envelope.limits().topside_per_min;
+        if !self.topside.sent.has_room(self.cx.now, most) {
             return Err(refused(
                 "rate",
                 &format!("{most} messages have been sent to the topside in the last minute, the most there may be"),
@@ -62,21 +65,21 @@ impl Core {
     /// Success means that the message waits for a link, not that anybody has read it (7.3): nothing more is heard of it.
     pub(crate) fn topside_answered(&mut self, request: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Pending => self.cx.transition(request, RequestState::Pending),
             Answer::Done => {
-                self.transition(request, RequestState::Accepted);
-                self.transition(request, RequestState::Ended("queued".to_owned()));
+                self.cx.transition(request, RequestState::Accepted);
+                self.cx.transition(request, RequestState::Ended("queued".to_owned()));
             }
-            Answer::Refused(text) => self.transition(request, RequestState::Failed(text.to_owned())),
-            Answer::Missing => self.transition(request, RequestState::TimedOut),
+            Answer::Refused(text) => self.cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => self.cx.transition(request, RequestState::TimedOut),
         }
     }
 
     /// BFTOP.
     pub(crate) fn topside_message(&mut self, message: &TopsideMessage) {
-        self.heard(message.created);
+        self.cx.heard(message.created);
         let text = message.text.as_str();
-        self.note(Note::Text {
+        self.cx.note(Note::Text {
             text: format!("message from the topside: {text}"),
         });
         self.carry_out(|when| matches!(when, Condition::TopsideMessage(awaited) if awaited == text));
@@ -84,7 +87,7 @@ impl Core {
             transport: transport(message.transport),
             text: text.to_owned(),
         };
-        self.tell_wanting(Topic::Topside, &event);
+        self.cx.tell_wanting(Topic::Topside, &event);
     }
 }
 

@@ -26,7 +26,12 @@ pub struct Digests {
 
 impl Digests {
     fn of(report: &Report, failures: &impl Serialize) -> Result<Self> {
-        let told = serde_json::to_vec(&(report, failures))?;
+        // A drawn mission is called like the folder that it was written to.
+        let nameless = Report {
+            mission: String::new(),
+            ..report.clone()
+        };
+        let told = serde_json::to_vec(&(nameless, failures))?;
         Ok(Self {
             link: report.digest.clone(),
             report: format!("{:x}", Sha256::digest(told)),

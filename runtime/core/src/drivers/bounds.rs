@@ -232,12 +232,12 @@ fn within(what: &str, value: f64, least: f64, most: f64, unit: &str) -> Result<(
 
 /// Whether a message moves the frame that the monitor judges in: the vehicle has to take it.
 pub(super) fn moves_frame(message: &ToVehicle) -> bool {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message does")]
-    match message {
-        ToVehicle::PositionFix(fix) => fix.force,
-        ToVehicle::RelativeReset(_) | ToVehicle::BearingOffset(_) => true,
-        _ => false,
-    }
+    resets_relative(message) || matches!(message, ToVehicle::PositionFix(fix) if fix.force)
+}
+
+/// Whether relative navigation begins anew with a message.
+pub(super) const fn resets_relative(message: &ToVehicle) -> bool {
+    matches!(message, ToVehicle::RelativeReset(_) | ToVehicle::BearingOffset(_))
 }
 
 /// The same message, made at `created`.

@@ -3,6 +3,7 @@
 use backseat_spi::{HullSpeedLimit, ToVehicle};
 
 use crate::commands::{Answer, Command, Purpose};
+use crate::context::Context;
 use crate::io::Note;
 use crate::machine::Core;
 
@@ -18,29 +19,21 @@ pub(super) struct SpeedLimit {
 }
 
 impl Core {
-    /// Whether a message ends the hold that is being ended: that needs no control (safety requirement 014).
-    pub(crate) fn ends_hold(&self, message: &ToVehicle) -> bool {
-        let restores = |limit: &HullSpeedLimit| self.speed_default_mps() == Some(limit.speed_mps);
-        self.hull.ending
-            && (matches!(message, ToVehicle::Resume(_))
-                || matches!(message, ToVehicle::HullSpeedLimit(limit) if restores(limit)))
-    }
-
     /// Gives the vehicle its own speed limit back where a hold has changed it.
     pub(super) fn restore_speed(&mut self, request: u64) {
         if !self.hull.limit.changed {
             return;
         }
-        let Some(speed_mps) = self.speed_default_mps() else {
+        let Some(speed_mps) = self.cx.speed_default_mps() else {
             return;
         };
-        let created = self.stamper.stamp(self.now, "SPD");
+        let created = self.cx.stamper.stamp(self.cx.now, "SPD");
         let command = Command {
             purpose: Purpose::SpeedRestored(request),
-            ..self.courtesy("SPD", Some(created))
+            ..self.cx.courtesy("SPD", Some(created))
         };
         let limit = ToVehicle::HullSpeedLimit(HullSpeedLimit { created, speed_mps });
-        if self.transmit(&limit, Some(command)) {
+        if self.cx.transmit(&limit, Some(command)) {
             self.hull.limit.known_mps = None;
             self.hull.limit.restoring = Some(request);
         }
@@ -62,19 +55,21 @@ impl Core {
             Answer::Pending => return,
             Answer::Done => {
                 self.hull.limit = SpeedLimit {
-                    known_mps: self.speed_default_mps(),
+                    known_mps: self.cx.speed_default_mps(),
                     ..SpeedLimit::default()
                 };
             }
             // It stays changed: the next hold's end and the next control try again.
-            Answer::Refused(_) | Answer::Missing => self.note(Note::Text {
+            Answer::Refused(_) | Answer::Missing => self.cx.note(Note::Text {
                 text: "the vehicle has not taken its own speed limit back (BPSPD)".to_owned(),
             }),
         }
         self.hull.limit.restoring = None;
     }
+}
 
-    pub(super) fn speed_default_mps(&self) -> Option<f64> {
+impl Context {
+    pub(crate) fn speed_default_mps(&self) -> Option<f64> {
         let hull = self.envelope.limits().hull.as_ref();
         hull.map(|hull| hull.speed_default_mps)
     }

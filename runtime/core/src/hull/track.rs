@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use backseat_spi::{CartesianNavigation, RelativeNavigation, ToVehicle};
+use backseat_spi::{CartesianNavigation, RelativeNavigation};
 use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::clock::elapsed_nanos;
@@ -141,12 +141,12 @@ impl<S: Placed> Track<S> {
 impl Core {
     /// BFRNV.
     pub(crate) fn relative_navigated(&mut self, message: &RelativeNavigation) {
-        self.heard(message.created);
-        if !self.hull.relative.advances(message.created, message.solution) {
+        self.cx.heard(message.created);
+        if !self.cx.relative.advances(message.created, message.solution) {
             return;
         }
         let sample = RelativeSample {
-            measured: self.when(message.solution),
+            measured: self.cx.when(message.solution),
             horizontal_m: message.horizontal_m,
             vertical_m: message.vertical_m,
             distance_m: message.distance_m,
@@ -156,24 +156,24 @@ impl Core {
             roll_deg: message.roll_deg,
             pitch_deg: message.pitch_deg,
         };
-        let jumped = self.hull.relative.take(self.now, sample, message.solution);
+        let jumped = self.cx.relative.take(self.cx.now, sample, message.solution);
         self.relative_came("BFRNV", jumped);
     }
 
     /// BFCNV. It bears no time of its solution: one that stands still while the messages go on cannot be told.
     pub(crate) fn cartesian_navigated(&mut self, message: &CartesianNavigation) {
-        self.heard(message.created);
-        if !self.hull.cartesian.advances(message.created, message.created) {
+        self.cx.heard(message.created);
+        if !self.cx.cartesian.advances(message.created, message.created) {
             return;
         }
         let sample = CartesianSample {
-            measured: self.when(message.created),
+            measured: self.cx.when(message.created),
             x_m: message.x_m,
             y_m: message.y_m,
             z_m: message.z_m,
             heading_deg: message.heading_deg,
         };
-        let jumped = self.hull.cartesian.take(self.now, sample, message.created);
+        let jumped = self.cx.cartesian.take(self.cx.now, sample, message.created);
         self.relative_came("BFCNV", jumped);
     }
 
@@ -182,7 +182,7 @@ impl Core {
             // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
             let text = format!("{message} jumped by {metres:.1} m");
             self.end_hold(&text);
-            self.note(Note::Navigation { text });
+            self.cx.note(Note::Navigation { text });
         }
         self.watch_return();
         self.prevent_hold();
@@ -191,27 +191,16 @@ impl Core {
 
     /// Sets when relative navigation will have become stale under the hold.
     pub(super) fn watch_relative(&mut self) {
-        let stale_at = [self.hull.relative.stale_at(), self.hull.cartesian.stale_at()];
-        let next = stale_at.into_iter().flatten().filter(|at| *at > self.now).min();
+        let stale_at = [self.cx.relative.stale_at(), self.cx.cartesian.stale_at()];
+        let next = stale_at.into_iter().flatten().filter(|at| *at > self.cx.now).min();
         let next = next.filter(|_| self.hull.hold.is_some());
-        self.timers.set_or_stop(Timer::Relative, next);
+        self.cx.timers.set_or_stop(Timer::Relative, next);
     }
 
     /// Relative navigation has become stale: the hold stands where it does not need it.
     pub(crate) fn relative_expired(&mut self) {
         if self.hold_is_sound() {
             self.watch_relative();
-        }
-    }
-
-    /// A message is about to leave. One that moves the vehicle's idea of where it is ends the hold first, and relative
-    /// navigation must be steady again before the next (safety requirement 021).
-    pub(crate) fn hull_resets(&mut self, message: &ToVehicle) {
-        let resets = matches!(message, ToVehicle::RelativeReset(_) | ToVehicle::BearingOffset(_));
-        if resets && is_on(Check::FrameReset) {
-            self.end_hold("relative navigation is reset");
-            self.hull.relative.unsettle(self.now);
-            self.hull.cartesian.unsettle(self.now);
         }
     }
 }

@@ -5,11 +5,11 @@ use std::time::Duration;
 use backseat_spi::{DurationUnit, StartEmptyMission, ToVehicle};
 use backseat_units::Timestamp;
 
-use super::Phase;
 use crate::commands::{Answer, Purpose};
 use crate::helm::refused;
 use crate::ledger::RequestKind;
 use crate::machine::Core;
+use crate::phase::Phase;
 use crate::plugin::{Refusal, RequestState};
 
 /// BFMIS says `Running` within this of the acknowledgement, or the mission has not started.
@@ -33,18 +33,21 @@ impl Core {
     pub(super) fn order_empty_mission(&mut self, duration_s: u32) {
         let request = self.propose_order(RequestKind::StartEmptyMission);
         if let Err(refusal) = self.admit_empty_mission(duration_s) {
-            return self.reject(request, refusal);
+            return self.cx.reject(request, refusal);
         }
         self.end_lease("the operator starts an empty mission");
         self.end_hold("the operator starts an empty mission");
         let (duration, unit) = in_units(duration_s);
-        let created = self.stamper.stamp(self.now, "SEM");
+        let created = self.cx.stamper.stamp(self.cx.now, "SEM");
         let message = ToVehicle::StartEmptyMission(StartEmptyMission {
             created,
             duration: f64::from(duration),
             unit,
         });
-        if self.send_request(request, "SEM", &message, Purpose::EmptyMission(request)) {
+        if self
+            .cx
+            .send_request(request, "SEM", &message, Purpose::EmptyMission(request))
+        {
             self.orders.empty = Some(EmptyMission {
                 request,
                 deadline: None,
@@ -53,16 +56,16 @@ impl Core {
     }
 
     fn admit_empty_mission(&self, duration_s: u32) -> Result<(), Refusal> {
-        if !self.start.armed {
+        if !self.cx.start.armed {
             return Err(refused("control", "the runtime is not armed"));
         }
-        if !self.session.is_up() {
+        if !self.cx.session.is_up() {
             return Err(refused("control", "the link is down"));
         }
-        if self.held {
+        if self.cx.held {
             return Err(refused("control", "the operator holds"));
         }
-        if self.stopping {
+        if self.cx.stopping {
             return Err(refused("control", "the run is ending"));
         }
         if duration_s == 0 {
@@ -71,7 +74,7 @@ impl Core {
         if self.orders.empty.is_some() {
             return Err(refused("state", "one is being started already"));
         }
-        match self.orders.phase {
+        match self.cx.phase {
             Phase::Over => Ok(()),
             Phase::Running => Err(refused("state", "a mission is running")),
             Phase::Ending => Err(refused("state", "a mission is ending")),
@@ -82,11 +85,11 @@ impl Core {
     /// The vehicle's answer.
     pub(crate) fn empty_mission_answered(&mut self, request: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Pending => self.cx.transition(request, RequestState::Pending),
             Answer::Done => {
-                self.transition(request, RequestState::Accepted);
+                self.cx.transition(request, RequestState::Accepted);
                 if let Some(empty) = self.orders.empty.as_mut().filter(|empty| empty.request == request) {
-                    empty.deadline = Some(self.now + RUNS_WITHIN);
+                    empty.deadline = Some(self.cx.now + RUNS_WITHIN);
                     self.set_order_timer();
                 }
             }
@@ -99,14 +102,15 @@ impl Core {
         if self.orders.empty.is_some_and(|empty| empty.request == request) {
             self.orders.empty = None;
         }
-        self.transition(request, state);
+        self.cx.transition(request, state);
     }
 
     /// BFMIS says that a mission runs: before the acknowledgement or after it.
     pub(super) fn empty_mission_runs(&mut self) {
         if let Some(empty) = self.orders.empty.take() {
-            self.transition(empty.request, RequestState::Started);
-            self.transition(empty.request, RequestState::Ended("it runs".to_owned()));
+            self.cx.transition(empty.request, RequestState::Started);
+            self.cx
+                .transition(empty.request, RequestState::Ended("it runs".to_owned()));
         }
     }
 
@@ -114,15 +118,15 @@ impl Core {
     pub(super) fn empty_mission_link_lost(&mut self) {
         if let Some(empty) = &mut self.orders.empty {
             let request = empty.request;
-            empty.deadline.get_or_insert(self.now + RUNS_WITHIN);
+            empty.deadline.get_or_insert(self.cx.now + RUNS_WITHIN);
             // An accepted one stays accepted: the ledger refuses this.
-            self.transition(request, RequestState::Unknown);
+            self.cx.transition(request, RequestState::Unknown);
         }
     }
 
     pub(super) fn empty_mission_expired(&mut self) {
         if let Some(empty) = self.orders.empty
-            && empty.deadline.is_some_and(|deadline| deadline <= self.now)
+            && empty.deadline.is_some_and(|deadline| deadline <= self.cx.now)
         {
             self.end_empty_mission(empty.request, RequestState::TimedOut);
         }

@@ -10,13 +10,14 @@ use std::time::Duration;
 use backseat_spi::{Abort, AbortReason, Kill, Text, ToVehicle};
 use backseat_units::Timestamp;
 
-use super::{Order, Phase};
+use super::Order;
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::machine::Core;
 use crate::owner::Owner;
+use crate::phase::Phase;
 use crate::plugin::RequestState;
 use crate::session::name;
 
@@ -66,18 +67,18 @@ impl Core {
             | Order::StartEmptyMission { .. } => return,
         };
         let request = self.propose_order(kind);
-        if !self.start.armed {
-            return self.reject(request, refused("control", "the runtime is not armed"));
+        if !self.cx.start.armed {
+            return self.cx.reject(request, refused("control", "the runtime is not armed"));
         }
         if self.orders.endings.iter().any(|ending| ending.kind == kind) {
-            return self.reject(request, refused("state", "one is under way already"));
+            return self.cx.reject(request, refused("state", "one is under way already"));
         }
         if kind == RequestKind::Kill {
             for ending in &mut self.orders.endings {
                 ending.superseded = true;
             }
         }
-        self.orders.ended = true;
+        self.cx.mission_ended = true;
         // A character that may not be sent must not keep an abort from being sent. In lower case: there are vehicles that
         // take a sentence for the one whose name its text contains.
         let text: String = text.to_lowercase().chars().take(TEXT_MAX).collect();
@@ -88,12 +89,12 @@ impl Core {
             reason,
             sent: 0,
             superseded: false,
-            until: self.now + KEPT_FOR,
+            until: self.cx.now + KEPT_FOR,
         });
-        if self.session.is_up() {
+        if self.cx.session.is_up() {
             self.send_ending(request);
         } else {
-            self.note(Note::Text {
+            self.cx.note(Note::Text {
                 text: format!(
                     "{kind:?} {request} waits for the link, for {} s at most",
                     KEPT_FOR.as_secs()
@@ -112,7 +113,7 @@ impl Core {
         self.end_lease("the operator ends the mission");
         self.end_hold("the operator ends the mission");
         let letters = if kill { "KIL" } else { "ABT" };
-        let created = self.stamper.stamp(self.now, letters);
+        let created = self.cx.stamper.stamp(self.cx.now, letters);
         let message = if kill {
             ToVehicle::Kill(Kill { created, text })
         } else {
@@ -123,27 +124,27 @@ impl Core {
             created: Some(created),
             identifier: None,
             purpose: Purpose::Ending(request),
-            deadline: self.now + FIRST_WITHIN,
+            deadline: self.cx.now + FIRST_WITHIN,
             pending: false,
         };
-        if !self.transmit_for(Owner::Operator, &message, Some(command)) {
+        if !self.cx.transmit_for(Owner::Operator, &message, Some(command)) {
             self.orders.endings.retain(|ending| ending.request != request);
-            return self.reject(request, refused("control", "it could not be sent"));
+            return self.cx.reject(request, refused("control", "it could not be sent"));
         }
         for ending in &mut self.orders.endings {
             if ending.request == request {
                 ending.sent += 1;
             }
         }
-        self.transition(request, RequestState::Sent);
+        self.cx.transition(request, RequestState::Sent);
     }
 
     /// The vehicle's answer to an abort or kill.
     pub(crate) fn ending_answered(&mut self, request: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Pending => self.cx.transition(request, RequestState::Pending),
             Answer::Done => {
-                self.transition(request, RequestState::Accepted);
+                self.cx.transition(request, RequestState::Accepted);
                 self.end_ending(request, RequestState::Ended("done".to_owned()));
             }
             Answer::Refused(text) => self.end_ending(request, RequestState::Failed(text.to_owned())),
@@ -156,7 +157,7 @@ impl Core {
                 if superseded || sent >= SENT_MAX {
                     return self.end_ending(request, RequestState::TimedOut);
                 }
-                self.note(Note::Text {
+                self.cx.note(Note::Text {
                     text: format!(
                         "{kind:?} {request} was not acknowledged: sent again, {} of {SENT_MAX}",
                         sent + 1
@@ -169,7 +170,7 @@ impl Core {
 
     fn end_ending(&mut self, request: u64, state: RequestState) {
         self.orders.endings.retain(|ending| ending.request != request);
-        self.transition(request, state);
+        self.cx.transition(request, state);
     }
 
     pub(super) fn endings_link_lost(&mut self) {
@@ -184,7 +185,7 @@ impl Core {
             if superseded {
                 self.end_ending(request, RequestState::TimedOut);
             } else {
-                self.transition(request, RequestState::Unknown);
+                self.cx.transition(request, RequestState::Unknown);
             }
         }
     }
@@ -217,17 +218,17 @@ impl Core {
             .orders
             .endings
             .iter()
-            .filter(|ending| ending.until <= self.now && (ending.sent == 0 || !self.session.is_up()))
+            .filter(|ending| ending.until <= self.cx.now && (ending.sent == 0 || !self.cx.session.is_up()))
             .map(|ending| ending.request)
             .collect();
         for request in late {
             self.orders.endings.retain(|ending| ending.request != request);
-            let unknown = self.ledger.get(request).map(|entry| entry.state.clone());
+            let unknown = self.cx.ledger.get(request).map(|entry| entry.state.clone());
             if unknown == Some(RequestState::Unknown) {
-                self.transition(request, RequestState::TimedOut);
+                self.cx.transition(request, RequestState::TimedOut);
             } else {
                 let text = format!("the link was down for {} s: order it again", KEPT_FOR.as_secs());
-                self.reject(request, refused("control", &text));
+                self.cx.reject(request, refused("control", &text));
             }
         }
     }

@@ -39,6 +39,7 @@ impl Core {
     /// Carries out the policies whose condition an event fulfils.
     pub(crate) fn carry_out(&mut self, fulfilled: impl Fn(&Condition) -> bool) {
         let due: Vec<Policy> = self
+            .cx
             .settings
             .policies
             .iter()
@@ -46,7 +47,7 @@ impl Core {
             .cloned()
             .collect();
         for Policy { when, order } in due {
-            self.note(Note::Text {
+            self.cx.note(Note::Text {
                 text: format!("policy: {when}: {order}"),
             });
             self.order_in_advance(&order);
@@ -55,25 +56,25 @@ impl Core {
 
     /// Follows navigation's staleness for the policies that hang on it.
     pub(crate) fn watch_staleness(&mut self) {
-        let fresh = self.tracker.fresh(self.now).is_some();
+        let fresh = self.cx.tracker.fresh(self.cx.now).is_some();
         if fresh || !self.orders.connected {
             self.orders.stale = None;
-            return self.timers.stop(Timer::Policy);
+            return self.cx.timers.stop(Timer::Policy);
         }
-        let since = self.now;
+        let since = self.cx.now;
         let stale = *self.orders.stale.get_or_insert(Stale { since, acted: None });
-        let policies = self.settings.policies.iter();
+        let policies = self.cx.settings.policies.iter();
         let first = policies.filter_map(|policy| stale.due(&policy.when)).min();
-        self.timers.set_or_stop(Timer::Policy, first);
+        self.cx.timers.set_or_stop(Timer::Policy, first);
     }
 
     /// A condition that must last may have lasted for long enough.
     pub(crate) fn policies_due(&mut self) {
         let Some(stale) = self.orders.stale else { return };
-        if self.tracker.fresh(self.now).is_some() {
+        if self.cx.tracker.fresh(self.cx.now).is_some() {
             return;
         }
-        let now = self.now;
+        let now = self.cx.now;
         self.orders.stale = Some(Stale {
             acted: Some(now),
             ..stale

@@ -1,0 +1,119 @@
+//! Who steers: one plugin at a time, by a modify or by keeping station, the one of higher priority before the other, and
+//! nobody for longer than the mission lets it (safety requirement 019).
+
+use std::time::Duration;
+
+use backseat_units::Timestamp;
+
+use crate::helm::refused;
+use crate::plugin::{PluginId, Refusal};
+
+/// A way to steer that lasts only while it is refreshed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LeaseKind {
+    /// BPRMB.
+    Modify,
+    /// BPSUS and what follows it.
+    Station,
+}
+
+/// Who has a lease, and since when without a pause.
+#[derive(Clone, Copy, Debug)]
+struct Holder {
+    plugin: PluginId,
+    since: Timestamp,
+}
+
+/// Who steers, and how long each plugin has.
+#[derive(Debug)]
+pub(crate) struct Arbiter {
+    modify: Option<Holder>,
+    station: Option<Holder>,
+    /// How long each plugin has steered, the lease that stands left out.
+    steered: Vec<Duration>,
+}
+
+impl Arbiter {
+    pub(crate) fn new(plugins: usize) -> Self {
+        Self {
+            modify: None,
+            station: None,
+            steered: vec![Duration::ZERO; plugins],
+        }
+    }
+
+    /// Whether anybody steers.
+    pub(crate) const fn is_steering(&self) -> bool {
+        self.modify.is_some() || self.station.is_some()
+    }
+
+    /// Whether a plugin may have a lease beside those that stand: the first of the mission file has the highest priority.
+    pub(crate) fn arbitrate(&self, plugin: PluginId, kind: LeaseKind) -> Result<(), Refusal> {
+        let steers = (self.modify, "a plugin of higher priority steers");
+        let holds = (self.station, "a plugin of higher priority holds the vehicle");
+        let both = match kind {
+            LeaseKind::Modify => [steers, holds],
+            LeaseKind::Station => [holds, steers],
+        };
+        for (holder, text) in both {
+            if holder.is_some_and(|holder| holder.plugin < plugin) {
+                return Err(refused("priority", text));
+            }
+        }
+        Ok(())
+    }
+
+    /// A plugin takes a lease, its own again or another's.
+    pub(crate) fn take(&mut self, now: Timestamp, plugin: PluginId, kind: LeaseKind) {
+        let before = *self.of(kind);
+        let since = match before {
+            Some(holder) if holder.plugin == plugin => holder.since,
+            Some(_) | None => {
+                self.release(now, kind);
+                now
+            }
+        };
+        *self.of(kind) = Some(Holder { plugin, since });
+    }
+
+    /// A lease is over.
+    pub(crate) fn release(&mut self, now: Timestamp, kind: LeaseKind) {
+        if let Some(holder) = self.of(kind).take() {
+            self.steered[holder.plugin.0] += now.since(holder.since);
+        }
+    }
+
+    /// Whether a plugin may steer for so much longer, `most` in all: a lease of its counts until now, and then anew.
+    pub(crate) fn cap(
+        &self,
+        now: Timestamp,
+        plugin: PluginId,
+        duration: Duration,
+        most: Option<Duration>,
+    ) -> Result<(), Refusal> {
+        let Some(most) = most else { return Ok(()) };
+        let standing = self
+            .modify
+            .or(self.station)
+            .filter(|holder| holder.plugin == plugin)
+            .map_or(Duration::ZERO, |holder| now.since(holder.since));
+        let steered = self.steered[plugin.0] + standing;
+        if steered.saturating_add(duration) <= most {
+            return Ok(());
+        }
+        let text = format!(
+            "it has steered for {:.0} s and would for {:.0} s more, together over {} s",
+            steered.as_secs_f64(),
+            duration.as_secs_f64(),
+            most.as_secs_f64()
+        );
+        Err(refused("cap", &text))
+    }
+
+    const fn of(&mut self, kind: LeaseKind) -> &mut Option<Holder> {
+        match kind {
+            LeaseKind::Modify => &mut self.modify,
+            LeaseKind::Station => &mut self.station,
+        }
+    }
+}

@@ -13,12 +13,12 @@ use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::clock::elapsed_nanos;
 use crate::commands::{Answer, Purpose};
+use crate::context::Context;
 use crate::envelope::limit;
 use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
-use crate::machine::Core;
 use crate::plugin::{
     Event, PacketRequest, PluginId, ReceivedFrame, ReceivedPacket, Refusal, RequestState, Topic, Window,
 };
@@ -50,32 +50,32 @@ struct Unreported {
     overdue: Timestamp,
 }
 
-impl Core {
-    pub(crate) fn ask_packet(&mut self, plugin: PluginId, asked: PacketRequest) {
-        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::Packet);
-        match self.admit_packet(plugin, asked) {
-            Ok(packet) => self.send_packet(request, packet),
-            Err(refusal) => self.cx.reject(request, refusal),
+impl Acoustic {
+    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: PacketRequest) {
+        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Packet);
+        match self.admit(cx, plugin, asked) {
+            Ok(packet) => self.send(cx, request, packet),
+            Err(refusal) => cx.reject(request, refusal),
         }
     }
 
-    fn admit_packet(&mut self, plugin: PluginId, asked: PacketRequest) -> Result<Packet, Refusal> {
-        self.cx.admit(plugin, Grant::Acoustic)?;
+    fn admit(&mut self, cx: &mut Context, plugin: PluginId, asked: PacketRequest) -> Result<Packet, Refusal> {
+        cx.admit(plugin, Grant::Acoustic)?;
         for message in ["CMA", "CPS"] {
-            if !self.cx.session.is_subscribed(message) {
+            if !cx.session.is_subscribed(message) {
                 let text = format!("the vehicle has not acknowledged the subscription to BF{message}");
                 return Err(refused("window", &text));
             }
         }
-        self.narrow_window();
-        if !self.cx.permits.window_is_open(self.cx.now) && is_on(Check::ModemWindow) {
+        self.narrow_window(cx);
+        if !cx.permits.window_is_open(cx.now) && is_on(Check::ModemWindow) {
             return Err(refused("window", "no window is open, or it ends too soon (SPI 9.1)"));
         }
-        if self.silent.is_kept() {
+        if cx.silent {
             return Err(refused("state", "the vehicle is in silent mode (SPI 7.22)"));
         }
-        let most = self.cx.envelope.limits().packets_per_min;
-        if !self.acoustic.sent.has_room(self.cx.now, most) {
+        let most = cx.envelope.limits().packets_per_min;
+        if !self.sent.has_room(cx.now, most) {
             let text = format!("{most} packets have been sent in the last minute, the most there may be");
             return Err(refused("rate", &text));
         }
@@ -92,8 +92,8 @@ impl Core {
         }
         let frames = FrameData::new(asked.frames).map_err(|error| limit(error.to_string()))?;
         let packet = Packet {
-            created: self.cx.stamper.stamp(self.cx.now, "CPD"),
-            request: self.packet_identifier()?,
+            created: cx.stamper.stamp(cx.now, "CPD"),
+            request: self.identifier(cx)?,
             destination: asked.destination,
             mode: asked.mode,
             ack: asked.acknowledge,
@@ -107,8 +107,8 @@ impl Core {
     }
 
     /// The next identifier, from the numbers of the inserts: unique for the whole mission, whatever restarts.
-    fn packet_identifier(&self) -> Result<u32, Refusal> {
-        match self.cx.start.identifiers {
+    fn identifier(&self, cx: &Context) -> Result<u32, Refusal> {
+        match cx.start.identifiers {
             None => Err(refused("identifier", "the identifiers' state on disk is missing")),
             Some(identifiers) if identifiers.next >= identifiers.reserved && is_on(Check::IdentifiersReserved) => {
                 Err(refused("identifier", "no identifier is reserved on disk yet"))
@@ -117,35 +117,32 @@ impl Core {
         }
     }
 
-    fn send_packet(&mut self, request: u64, packet: Packet) {
+    fn send(&mut self, cx: &mut Context, request: u64, packet: Packet) {
         let identifier = packet.request;
-        if let Some(identifiers) = &mut self.cx.start.identifiers {
+        if let Some(identifiers) = &mut cx.start.identifiers {
             identifiers.next = identifier + 1;
         }
-        self.cx.reserve();
+        cx.reserve();
         let purpose = Purpose::Packet(request);
-        if self
-            .cx
-            .send_request(request, "CPD", &ToVehicle::Packet(packet), purpose)
-        {
-            self.acoustic.sent.add(self.cx.now);
-            self.acoustic.packets.push(Unreported {
+        if cx.send_request(request, "CPD", &ToVehicle::Packet(packet), purpose) {
+            self.sent.add(cx.now);
+            self.packets.push(Unreported {
                 request,
                 identifier,
-                overdue: self.cx.now + REPORT_WITHIN,
+                overdue: cx.now + REPORT_WITHIN,
             });
-            self.watch_acoustic();
+            self.set_timer(cx);
         }
     }
 
-    pub(crate) fn packet_answered(&mut self, request: u64, answer: Answer<'_>) {
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.cx.transition(request, RequestState::Pending),
-            Answer::Done => self.cx.transition(request, RequestState::Accepted),
+            Answer::Pending => cx.transition(request, RequestState::Pending),
+            Answer::Done => cx.transition(request, RequestState::Accepted),
             Answer::Refused(text) => {
-                self.acoustic.packets.retain(|packet| packet.request != request);
-                self.watch_acoustic();
-                self.cx.transition(request, RequestState::Failed(text.to_owned()));
+                self.packets.retain(|packet| packet.request != request);
+                self.set_timer(cx);
+                cx.transition(request, RequestState::Failed(text.to_owned()));
             }
             // The report says more than the acknowledgement would have, and may come yet.
             Answer::Missing => {}
@@ -153,29 +150,29 @@ impl Core {
     }
 
     /// BFCMA. The newest one holds: it may shorten an earlier one.
-    pub(crate) fn window(&mut self, message: &MediumAccess) {
-        self.cx.heard(message.created);
-        self.cx.permits.window_until = None;
-        match self.ends_of(message) {
+    pub(crate) fn window(&mut self, cx: &mut Context, message: &MediumAccess) {
+        cx.heard(message.created);
+        cx.permits.window_until = None;
+        match self.ends_of(cx, message) {
             Ok((until, open_until)) => {
-                self.cx.permits.window_until = Some(open_until);
-                self.acoustic.said = Some((message.created, length_of(message)));
+                cx.permits.window_until = Some(open_until);
+                self.said = Some((message.created, length_of(message)));
                 let window = Window {
                     until,
                     address: message.address,
                     device: message.device.as_str().to_owned(),
                 };
-                self.cx.tell_wanting(Topic::Acoustic, &Event::Window(window));
+                cx.tell_wanting(Topic::Acoustic, &Event::Window(window));
             }
-            Err(reason) => self.cx.note(Note::Text {
+            Err(reason) => cx.note(Note::Text {
                 text: format!("an acoustic window until {} is none: {reason}", message.until),
             }),
         }
-        self.watch_acoustic();
+        self.set_timer(cx);
     }
 
     /// When a window ends on our clock, and until when a packet may leave.
-    fn ends_of(&self, message: &MediumAccess) -> Result<(Timestamp, Timestamp), &'static str> {
+    fn ends_of(&self, cx: &Context, message: &MediumAccess) -> Result<(Timestamp, Timestamp), &'static str> {
         let length = length_of(message);
         if length.is_zero() {
             return Err("it ends before it begins");
@@ -184,10 +181,10 @@ impl Core {
             return Err("it ends more than an hour after it begins");
         }
         // It may have waited for us, and the vehicle's clock may have been set meanwhile.
-        let age = self.age(message.created).max(self.cx.session.reads.waited());
-        let until = self.cx.now + length - age;
-        let open_until = until - self.before_its_end();
-        if open_until > self.cx.now {
+        let age = self.age(cx, message.created).max(cx.session.reads.waited());
+        let until = cx.now + length - age;
+        let open_until = until - self.before_its_end(cx);
+        if open_until > cx.now {
             Ok((until, open_until))
         } else {
             Err("nothing that leaves now would arrive in it")
@@ -196,86 +193,82 @@ impl Core {
 
     /// How long before a window's end the last packet may leave: once for the delay that the clocks' offset hides, once
     /// for the packet's own way.
-    fn before_its_end(&self) -> Duration {
-        2 * self.cx.envelope.limits().link_delay_max()
+    fn before_its_end(&self, cx: &Context) -> Duration {
+        2 * cx.envelope.limits().link_delay_max()
     }
 
     /// What is known of the vehicle's clock by now may bring the window's end nearer, and never farther.
-    fn narrow_window(&mut self) {
-        let Some((created, length)) = self.acoustic.said else {
+    fn narrow_window(&mut self, cx: &mut Context) {
+        let Some((created, length)) = self.said else {
             return;
         };
-        let until = self.cx.now + length - self.age(created) - self.before_its_end();
-        self.cx.permits.window_until = self.cx.permits.window_until.map(|open_until| open_until.min(until));
+        let until = cx.now + length - self.age(cx, created) - self.before_its_end(cx);
+        cx.permits.window_until = cx.permits.window_until.map(|open_until| open_until.min(until));
     }
 
     /// BFCPS: of our packets and of everybody's else.
-    pub(crate) fn packet_sent(&mut self, message: &PacketSent) {
-        self.cx.heard(message.created);
-        let packets = &mut self.acoustic.packets;
+    pub(crate) fn packet_sent(&mut self, cx: &mut Context, message: &PacketSent) {
+        cx.heard(message.created);
+        let packets = &mut self.packets;
         let own = packets.iter().position(|packet| packet.identifier == message.request);
         let Some(index) = own else { return };
         let request = packets.remove(index).request;
-        self.watch_acoustic();
-        self.cx.transition(request, RequestState::Ended(report(message)));
+        self.set_timer(cx);
+        cx.transition(request, RequestState::Ended(report(message)));
     }
 
     /// BFCPR: as many frames as it says, good or not; places that it left empty count as not good.
-    pub(crate) fn packet_received(&mut self, message: PacketReceived) {
-        self.cx.heard(message.created);
+    pub(crate) fn packet_received(&mut self, cx: &mut Context, message: PacketReceived) {
+        cx.heard(message.created);
         let count = usize::try_from(message.frames).unwrap_or(usize::MAX);
         let frames = message.data.into_iter().take(count).map(|frame| ReceivedFrame {
             good: frame.status == FrameReceivedStatus::Good,
             data: frame.data.into_vec(),
         });
         let packet = ReceivedPacket {
-            arrived: self.cx.now - self.age(message.arrived),
+            arrived: cx.now - self.age(cx, message.arrived),
             source: message.source,
             destination: message.destination,
             mode: (message.mode != -1).then_some(message.mode),
             frames: frames.collect(),
         };
-        self.cx.tell_wanting(Topic::Acoustic, &Event::Packet(packet));
+        cx.tell_wanting(Topic::Acoustic, &Event::Packet(packet));
     }
 
-    pub(crate) fn acoustic_expired(&mut self) {
-        if !self.cx.permits.window_is_open(self.cx.now) {
-            self.cx.permits.window_until = None;
+    pub(crate) fn timed_out(&mut self, cx: &mut Context) {
+        if !cx.permits.window_is_open(cx.now) {
+            cx.permits.window_until = None;
         }
-        let now = self.cx.now;
-        let overdue: Vec<Unreported> = self
-            .acoustic
-            .packets
-            .extract_if(.., |packet| packet.overdue <= now)
-            .collect();
-        self.watch_acoustic();
+        let now = cx.now;
+        let overdue: Vec<Unreported> = self.packets.extract_if(.., |packet| packet.overdue <= now).collect();
+        self.set_timer(cx);
         for packet in overdue {
-            self.cx.transition(packet.request, RequestState::TimedOut);
+            cx.transition(packet.request, RequestState::TimedOut);
         }
     }
 
     /// What is not known to be open is closed. The packets' reports may come on the next connection.
-    pub(crate) fn acoustic_link_lost(&mut self) {
-        self.cx.permits.window_until = None;
-        self.watch_acoustic();
-        let unreported: Vec<u64> = self.acoustic.packets.iter().map(|packet| packet.request).collect();
+    pub(crate) fn link_lost(&mut self, cx: &mut Context) {
+        cx.permits.window_until = None;
+        self.set_timer(cx);
+        let unreported: Vec<u64> = self.packets.iter().map(|packet| packet.request).collect();
         for request in unreported {
-            let state = self.cx.ledger.get(request).map(|entry| &entry.state);
+            let state = cx.ledger.get(request).map(|entry| &entry.state);
             if matches!(state, Some(RequestState::Sent | RequestState::Pending)) {
-                self.cx.transition(request, RequestState::Unknown);
+                cx.transition(request, RequestState::Unknown);
             }
         }
     }
 
-    fn watch_acoustic(&mut self) {
-        let packets = self.acoustic.packets.iter().map(|packet| packet.overdue);
-        let next = packets.chain(self.cx.permits.window_until).min();
-        self.cx.timers.set_or_stop(Timer::Acoustic, next);
+    fn set_timer(&mut self, cx: &mut Context) {
+        let packets = self.packets.iter().map(|packet| packet.overdue);
+        let next = packets.chain(cx.permits.window_until).min();
+        cx.timers.set_or_stop(Timer::Acoustic, next);
     }
 
     /// How old something of the vehicle's time is.
-    fn age(&self, written: TimeOfDay) -> Duration {
-        let age = self.cx.tracker.clock().age(self.cx.now, self.cx.utc(), written);
+    fn age(&self, cx: &Context, written: TimeOfDay) -> Duration {
+        let age = cx.tracker.clock().age(cx.now, cx.utc(), written);
         age.unwrap_or_default()
     }
 }

@@ -16,10 +16,10 @@ use backseat_spi::{
 use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose};
+use crate::context::Context;
 use crate::helm::refused;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
-use crate::machine::Core;
 use crate::plugin::{BuoyancySample, Event, PluginId, Refusal, RequestState, Sample, Topic, TrimSample};
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -108,24 +108,21 @@ impl Adjustments {
     }
 }
 
-impl Core {
-    pub(crate) fn ask_adjustment(&mut self, plugin: PluginId, tag: u64, what: Adjusts) {
-        let request = self.cx.ledger.propose(plugin, tag, what.kind());
-        if let Err(refusal) = self.admit_adjustment(plugin, what) {
-            return self.cx.reject(request, refusal);
+impl Adjustments {
+    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, tag: u64, what: Adjusts) {
+        let request = cx.ledger.propose(plugin, tag, what.kind());
+        if let Err(refusal) = self.admit(cx, plugin, what) {
+            return cx.reject(request, refusal);
         }
         let letters = what.letters();
-        let created = self.cx.stamper.stamp(self.cx.now, letters);
+        let created = cx.stamper.stamp(cx.now, letters);
         let message = match what {
             Adjusts::Trim => ToVehicle::TrimAdjustment(TrimAdjustment { created }),
             Adjusts::Buoyancy => ToVehicle::BuoyancyAdjustment(BuoyancyAdjustment { created }),
         };
-        if self
-            .cx
-            .send_request(request, letters, &message, Purpose::Adjustment(request))
-        {
-            self.adjustments.sent += 1;
-            *self.adjustments.of(what) = Some(Adjustment {
+        if cx.send_request(request, letters, &message, Purpose::Adjustment(request)) {
+            self.sent += 1;
+            *self.of(what) = Some(Adjustment {
                 request,
                 begun: false,
                 acknowledged: None,
@@ -134,17 +131,17 @@ impl Core {
         }
     }
 
-    fn admit_adjustment(&mut self, plugin: PluginId, what: Adjusts) -> Result<(), Refusal> {
-        self.cx.admit(plugin, what.grant())?;
-        if !self.cx.session.is_subscribed(what.letters()) {
+    fn admit(&mut self, cx: &mut Context, plugin: PluginId, what: Adjusts) -> Result<(), Refusal> {
+        cx.admit(plugin, what.grant())?;
+        if !cx.session.is_subscribed(what.letters()) {
             let text = format!("the vehicle has not confirmed the subscription to BF{}", what.letters());
             return Err(refused("state", &text));
         }
-        if self.adjustments.of(what).is_some() {
+        if self.of(what).is_some() {
             return Err(refused("state", "an adjustment of this kind is under way"));
         }
-        let most = self.cx.envelope.limits().adjustments_total_max;
-        if self.adjustments.sent >= most && is_on(Check::AdjustmentsTotal) {
+        let most = cx.envelope.limits().adjustments_total_max;
+        if self.sent >= most && is_on(Check::AdjustmentsTotal) {
             let text = format!("{most} adjustments have been sent, the most of a mission");
             return Err(refused("cap", &text));
         }
@@ -152,17 +149,17 @@ impl Core {
     }
 
     /// The vehicle's answer: done is begun.
-    pub(crate) fn adjustment_answered(&mut self, request: u64, answer: Answer<'_>) {
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.cx.transition(request, RequestState::Pending),
-            Answer::Refused(text) => self.end_adjustment(request, RequestState::Failed(text.to_owned())),
-            Answer::Missing => self.end_adjustment(request, RequestState::TimedOut),
+            Answer::Pending => cx.transition(request, RequestState::Pending),
+            Answer::Refused(text) => self.end(cx, request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => self.end(cx, request, RequestState::TimedOut),
             Answer::Done => {
-                self.cx.transition(request, RequestState::Accepted);
-                let now = self.cx.now;
+                cx.transition(request, RequestState::Accepted);
+                let now = cx.now;
                 let mut begun = false;
                 for what in Adjusts::ALL {
-                    if let Some(adjustment) = self.adjustments.of(what)
+                    if let Some(adjustment) = self.of(what)
                         && adjustment.request == request
                     {
                         adjustment.acknowledged = Some(now);
@@ -171,60 +168,65 @@ impl Core {
                     }
                 }
                 if begun {
-                    self.cx.transition(request, RequestState::Started);
+                    cx.transition(request, RequestState::Started);
                 }
-                self.set_adjustment_timer();
+                self.set_timer(cx);
             }
         }
     }
 
     /// BFTRM.
-    pub(crate) fn trim_status(&mut self, message: &TrimStatus) {
-        self.cx.heard(message.created);
+    pub(crate) fn trim_status(&mut self, cx: &mut Context, message: &TrimStatus) {
+        cx.heard(message.created);
         let (pitch_deg, roll_deg) = (message.pitch_deg, message.roll_deg);
         let sample = Sample::Trim(TrimSample {
-            measured: self.cx.when(message.created),
+            measured: cx.when(message.created),
             adjusting: message.status == AdjustmentStatus::InProgress,
             pitch_deg,
             roll_deg,
         });
-        self.cx.tell_wanting(Topic::Trim, &Event::Sample(sample));
+        cx.tell_wanting(Topic::Trim, &Event::Sample(sample));
         let text = format!("{}, pitch {pitch_deg} deg, roll {roll_deg} deg", message.text.as_str());
-        self.adjustment_status(Adjusts::Trim, message.status, message.error, &text);
+        self.heard_status(cx, Adjusts::Trim, message.status, message.error, &text);
     }
 
     /// BFBOY.
-    pub(crate) fn buoyancy_status(&mut self, message: &BuoyancyStatus) {
-        self.cx.heard(message.created);
+    pub(crate) fn buoyancy_status(&mut self, cx: &mut Context, message: &BuoyancyStatus) {
+        cx.heard(message.created);
         let buoyancy_n = message.buoyancy_n;
         let sample = Sample::Buoyancy(BuoyancySample {
-            measured: self.cx.when(message.created),
+            measured: cx.when(message.created),
             adjusting: message.status == AdjustmentStatus::InProgress,
             buoyancy_n,
         });
-        self.cx.tell_wanting(Topic::Buoyancy, &Event::Sample(sample));
+        cx.tell_wanting(Topic::Buoyancy, &Event::Sample(sample));
         let text = format!("{}, buoyancy {buoyancy_n} N", message.text.as_str());
-        self.adjustment_status(Adjusts::Buoyancy, message.status, message.error, &text);
+        self.heard_status(cx, Adjusts::Buoyancy, message.status, message.error, &text);
     }
 
-    fn adjustment_status(&mut self, what: Adjusts, status: AdjustmentStatus, error: AdjustmentError, text: &str) {
+    fn heard_status(
+        &mut self,
+        cx: &mut Context,
+        what: Adjusts,
+        status: AdjustmentStatus,
+        error: AdjustmentError,
+        text: &str,
+    ) {
         let Some(Adjustment {
             request, acknowledged, ..
-        }) = *self.adjustments.of(what)
+        }) = *self.of(what)
         else {
             return;
         };
         match status {
-            AdjustmentStatus::InProgress => self.adjustment_begun(what),
+            AdjustmentStatus::InProgress => self.begun(cx, what),
             AdjustmentStatus::Idle => {
                 let idle = || RequestState::Ended(format!("the vehicle is idle: {text}"));
-                match self.cx.ledger.get(request).map(|entry| &entry.state) {
-                    Some(RequestState::Started | RequestState::Unknown) => self.end_adjustment(request, idle()),
+                match cx.ledger.get(request).map(|entry| &entry.state) {
+                    Some(RequestState::Started | RequestState::Unknown) => self.end(cx, request, idle()),
                     // Said at once, it may have been on its way when the adjustment began.
-                    Some(RequestState::Accepted)
-                        if acknowledged.is_some_and(|at| self.cx.now.since(at) >= IDLE_AFTER) =>
-                    {
-                        self.end_adjustment(request, idle());
+                    Some(RequestState::Accepted) if acknowledged.is_some_and(|at| cx.now.since(at) >= IDLE_AFTER) => {
+                        self.end(cx, request, idle());
                     }
                     Some(
                         RequestState::Accepted
@@ -240,29 +242,29 @@ impl Core {
                 }
             }
             AdjustmentStatus::Completed => {
-                self.adjustment_over(what, RequestState::Ended(format!("completed: {text}")));
+                self.over(cx, what, RequestState::Ended(format!("completed: {text}")));
             }
             AdjustmentStatus::Failed => {
-                self.adjustment_over(what, RequestState::Failed(format!("{}: {text}", name_of(error))));
+                self.over(cx, what, RequestState::Failed(format!("{}: {text}", name_of(error))));
             }
             AdjustmentStatus::Other(_) => {}
         }
     }
 
     /// The vehicle is at it.
-    fn adjustment_begun(&mut self, what: Adjusts) {
-        let Some(adjustment) = self.adjustments.of(what) else {
+    fn begun(&mut self, cx: &mut Context, what: Adjusts) {
+        let Some(adjustment) = self.of(what) else {
             return;
         };
         let request = adjustment.request;
-        match self.cx.ledger.get(request).map(|entry| &entry.state) {
+        match cx.ledger.get(request).map(|entry| &entry.state) {
             // Ours, or one that the vehicle makes by itself: the acknowledgement tells.
             Some(RequestState::Sent | RequestState::Pending) => adjustment.begun = true,
             Some(RequestState::Unknown) => {
-                self.cx.transition(request, RequestState::Accepted);
-                self.cx.transition(request, RequestState::Started);
+                cx.transition(request, RequestState::Accepted);
+                cx.transition(request, RequestState::Started);
             }
-            Some(RequestState::Accepted) => self.cx.transition(request, RequestState::Started),
+            Some(RequestState::Accepted) => cx.transition(request, RequestState::Started),
             Some(
                 RequestState::Started
                 | RequestState::Rejected(_)
@@ -276,15 +278,15 @@ impl Core {
     }
 
     /// A final status: of the request where that has been acknowledged or may have been, else of another adjustment.
-    fn adjustment_over(&mut self, what: Adjusts, state: RequestState) {
-        let Some(adjustment) = self.adjustments.of(what) else {
+    fn over(&mut self, cx: &mut Context, what: Adjusts, state: RequestState) {
+        let Some(adjustment) = self.of(what) else {
             return;
         };
         let request = adjustment.request;
-        match self.cx.ledger.get(request).map(|entry| &entry.state) {
+        match cx.ledger.get(request).map(|entry| &entry.state) {
             Some(RequestState::Sent | RequestState::Pending) => adjustment.begun = false,
             Some(RequestState::Accepted | RequestState::Started | RequestState::Unknown) => {
-                self.end_adjustment(request, state);
+                self.end(cx, request, state);
             }
             Some(
                 RequestState::Rejected(_)
@@ -298,18 +300,17 @@ impl Core {
     }
 
     /// A behaviour that is neither the plan's nor an identified insert has begun or ended.
-    pub(crate) fn adjustment_behavior(&mut self, began: bool, kind: &str) {
-        let until = self.cx.now + SAID_WITHIN;
+    pub(crate) fn behavior(&mut self, cx: &mut Context, began: bool, kind: &str) {
+        let until = cx.now + SAID_WITHIN;
         for what in Adjusts::ALL {
             if !what.is_type(kind) {
                 continue;
             }
             if began {
-                self.adjustment_begun(what);
-            } else if let Some(adjustment) = self.adjustments.of(what)
+                self.begun(cx, what);
+            } else if let Some(adjustment) = self.of(what)
                 && let Some(deadline) = adjustment.deadline
-                && self
-                    .cx
+                && cx
                     .ledger
                     .get(adjustment.request)
                     .is_some_and(|entry| entry.state == RequestState::Started)
@@ -317,58 +318,58 @@ impl Core {
                 adjustment.deadline = Some(deadline.min(until));
             }
         }
-        self.set_adjustment_timer();
+        self.set_timer(cx);
     }
 
-    fn end_adjustment(&mut self, request: u64, state: RequestState) {
+    fn end(&mut self, cx: &mut Context, request: u64, state: RequestState) {
         for what in Adjusts::ALL {
-            let open = self.adjustments.of(what);
+            let open = self.of(what);
             if open.is_some_and(|adjustment| adjustment.request == request) {
                 *open = None;
             }
         }
-        self.cx.transition(request, state);
-        self.set_adjustment_timer();
+        cx.transition(request, state);
+        self.set_timer(cx);
     }
 
     /// The mission is over, and what it was doing.
-    pub(crate) fn end_adjustments(&mut self, reason: &str) {
-        let open: Vec<Adjustment> = self.adjustments.open().collect();
+    pub(crate) fn mission_over(&mut self, cx: &mut Context, reason: &str) {
+        let open: Vec<Adjustment> = self.open().collect();
         // One that is not acknowledged yet ends by its answer, or by the lack of one.
         for adjustment in open.into_iter().filter(|adjustment| adjustment.deadline.is_some()) {
-            self.end_adjustment(adjustment.request, RequestState::Ended(reason.to_owned()));
+            self.end(cx, adjustment.request, RequestState::Ended(reason.to_owned()));
         }
     }
 
-    pub(crate) fn adjustment_expired(&mut self) {
-        let open: Vec<Adjustment> = self.adjustments.open().collect();
+    pub(crate) fn timed_out(&mut self, cx: &mut Context) {
+        let open: Vec<Adjustment> = self.open().collect();
         for adjustment in open {
-            if adjustment.deadline.is_some_and(|deadline| deadline <= self.cx.now) {
-                self.end_adjustment(adjustment.request, RequestState::TimedOut);
+            if adjustment.deadline.is_some_and(|deadline| deadline <= cx.now) {
+                self.end(cx, adjustment.request, RequestState::TimedOut);
             }
         }
-        self.set_adjustment_timer();
+        self.set_timer(cx);
     }
 
     /// The link is gone: one that was not acknowledged may have begun, which its status tells on the next connection. One
     /// that was goes on.
-    pub(crate) fn adjustments_link_lost(&mut self) {
-        let until = self.cx.now + OVER_WITHIN;
+    pub(crate) fn link_lost(&mut self, cx: &mut Context) {
+        let until = cx.now + OVER_WITHIN;
         for what in Adjusts::ALL {
-            if let Some(adjustment) = self.adjustments.of(what)
+            if let Some(adjustment) = self.of(what)
                 && adjustment.deadline.is_none()
             {
                 adjustment.deadline = Some(until);
                 let request = adjustment.request;
-                self.cx.transition(request, RequestState::Unknown);
+                cx.transition(request, RequestState::Unknown);
             }
         }
-        self.set_adjustment_timer();
+        self.set_timer(cx);
     }
 
-    fn set_adjustment_timer(&mut self) {
-        let first = self.adjustments.open().filter_map(|open| open.deadline).min();
-        self.cx.timers.set_or_stop(Timer::Adjustment, first);
+    fn set_timer(&mut self, cx: &mut Context) {
+        let first = self.open().filter_map(|open| open.deadline).min();
+        cx.timers.set_or_stop(Timer::Adjustment, first);
     }
 }
 

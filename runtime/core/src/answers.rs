@@ -44,23 +44,23 @@ impl Core {
             Purpose::Beat => {}
             Purpose::Subscription(index) => self.subscription_answered(index, answer),
             Purpose::Plan => self.plan_answered(answer),
-            Purpose::Lease(request) => self.lease_answered(request, answer),
-            Purpose::Insert(request) => self.insert_answered(request, answer),
-            Purpose::Cancel { cancel, insert } => self.cancel_answered(cancel, insert, answer),
+            Purpose::Lease(request) => self.modify.answered(&mut self.cx, request, answer),
+            Purpose::Insert(request) => self.inserts.answered(&mut self.cx, request, answer),
+            Purpose::Cancel { cancel, insert } => self.inserts.cancel_answered(&mut self.cx, cancel, insert, answer),
             Purpose::Request(request) => self.request_answered(request, answer),
-            Purpose::Topside(request) => self.topside_answered(request, answer),
-            Purpose::Silent(request) => self.silent_answered(request, answer),
-            Purpose::Adjustment(request) => self.adjustment_answered(request, answer),
-            Purpose::Packet(request) => self.packet_answered(request, answer),
-            Purpose::DvlTrigger(request) => self.dvl_answered(request, answer),
-            Purpose::Hold(request) => self.hold_answered(request, command.name, answer),
+            Purpose::Topside(request) => self.topside.answered(&mut self.cx, request, answer),
+            Purpose::Silent(request) => self.silent.answered(&mut self.cx, request, answer),
+            Purpose::Adjustment(request) => self.adjustments.answered(&mut self.cx, request, answer),
+            Purpose::Packet(request) => self.acoustic.answered(&mut self.cx, request, answer),
+            Purpose::DvlTrigger(request) => self.dvl.answered(&mut self.cx, request, answer),
+            Purpose::Hold(request) => self.station.answered(&mut self.cx, request, command.name, answer),
             Purpose::CancelAll(request) => self.cancel_all_answered(request, answer),
             Purpose::Ending(request) => self.ending_answered(request, answer),
             Purpose::EmptyMission(request) => self.empty_mission_answered(request, answer),
-            Purpose::SpeedRestored(request) => self.speed_restored(request, answer),
+            Purpose::SpeedRestored(request) => self.station.speed_restored(&mut self.cx, request, answer),
             Purpose::Courtesy => {
                 if command.name == name("RMB") && matches!(answer, Answer::Missing | Answer::Refused(_)) {
-                    self.failed_after_its_end();
+                    self.modify.failed_after_its_end(&mut self.cx);
                 }
                 if let Answer::Refused(text) = answer {
                     self.cx.note(Note::Text {

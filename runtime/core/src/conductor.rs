@@ -381,20 +381,18 @@ impl Core {
         let quarantined = self.cx.plugins[plugin.0].is_quarantined();
         self.cx.note(Note::PluginFailed { plugin, fault, then });
         if is_on(Check::PluginFailure) {
-            if self.lease.is_some_and(|lease| lease.plugin == plugin) {
-                self.end_lease("its plugin failed");
-            }
-            self.hold_plugin_failed(plugin);
+            self.modify.plugin_failed(&mut self.cx, plugin);
+            self.station.plugin_failed(&mut self.cx, plugin);
         }
-        self.dvl_plugin_failed(plugin);
-        self.forget_waiting(plugin);
+        self.dvl.plugin_failed(&mut self.cx, plugin);
+        self.inserts.plugin_failed(&mut self.cx, plugin);
         match on_failure {
             FailAction::Yield => {}
             FailAction::Cancel => {
-                self.cancel_judged(Some(plugin));
+                self.inserts.take_back_judged(&mut self.cx, Some(plugin));
             }
             FailAction::Abort => {
-                self.cancel_judged(Some(plugin));
+                self.inserts.take_back_judged(&mut self.cx, Some(plugin));
                 self.order_in_advance(&Order::Abort {
                     text: "a plugin failed".to_owned(),
                     errors: true,
@@ -417,23 +415,35 @@ impl Core {
 
     fn ask(&mut self, plugin: PluginId, request: Request) {
         match request {
-            Request::Modify(modify) => self.ask_modify(plugin, &modify),
-            Request::EndModify => self.ask_end_modify(plugin),
-            Request::Trackline(_) | Request::Trackcircle(_) => self.ask_insert(plugin, &request),
-            Request::Cancel(tag) => self.ask_cancel(plugin, tag),
+            Request::Modify(modify) => {
+                if let Some(changed) = self.modify.asked(&mut self.cx, plugin, &modify) {
+                    // BPRES comes before BPRMB.
+                    self.station.end(&mut self.cx, "a modify took its place");
+                    self.modify.begin(&mut self.cx, changed);
+                }
+            }
+            Request::EndModify => self.modify.asked_end(&mut self.cx, plugin),
+            Request::Trackline(_) | Request::Trackcircle(_) => self.inserts.asked(&mut self.cx, plugin, &request),
+            Request::Cancel(tag) => self.inserts.asked_cancel(&mut self.cx, plugin, tag),
             Request::Message(text) => self.ask_message(plugin, &text),
-            Request::GpsHit(_) => self.ask_insert(plugin, &request),
-            Request::Topside(asked) => self.ask_topside(plugin, &asked),
-            Request::DvlTrigger(asked) => self.ask_dvl(plugin, &asked),
-            Request::Silent(asked) => self.ask_silent(plugin, &asked),
-            Request::Trim(tag) => self.ask_adjustment(plugin, tag, Adjusts::Trim),
-            Request::Buoyancy(tag) => self.ask_adjustment(plugin, tag, Adjusts::Buoyancy),
-            Request::Packet(asked) => self.ask_packet(plugin, asked),
-            Request::Hold(asked) => self.ask_hold(plugin, &asked),
-            Request::EndHold => self.ask_end_hold(plugin),
-            Request::SonarAngle(asked) => self.ask_sonar_angle(plugin, &asked),
-            Request::Camera(asked) => self.ask_camera(plugin, &asked),
-            Request::Light(asked) => self.ask_light(plugin, &asked),
+            Request::GpsHit(_) => self.inserts.asked(&mut self.cx, plugin, &request),
+            Request::Topside(asked) => self.topside.asked(&mut self.cx, plugin, &asked),
+            Request::DvlTrigger(asked) => self.dvl.asked(&mut self.cx, plugin, &asked),
+            Request::Silent(asked) => self.silent.asked(&mut self.cx, plugin, &asked),
+            Request::Trim(tag) => self.adjustments.asked(&mut self.cx, plugin, tag, Adjusts::Trim),
+            Request::Buoyancy(tag) => self.adjustments.asked(&mut self.cx, plugin, tag, Adjusts::Buoyancy),
+            Request::Packet(asked) => self.acoustic.asked(&mut self.cx, plugin, asked),
+            Request::Hold(asked) => {
+                if let Some(before) = self.station.asked(&mut self.cx, plugin, &asked) {
+                    // BPEMB comes before BPSUS.
+                    self.modify.end(&mut self.cx, "a hold took its place");
+                    self.station.begin(&mut self.cx, before);
+                }
+            }
+            Request::EndHold => self.station.asked_end(&mut self.cx, plugin),
+            Request::SonarAngle(asked) => self.devices.asked_sonar_angle(&mut self.cx, plugin, &asked),
+            Request::Camera(asked) => self.devices.asked_camera(&mut self.cx, plugin, &asked),
+            Request::Light(asked) => self.devices.asked_light(&mut self.cx, plugin, &asked),
             Request::Timer { id, after } => {
                 let slot = &mut self.cx.plugins[plugin.0];
                 if slot.timers.len() < TIMERS_MAX {

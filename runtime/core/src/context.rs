@@ -84,6 +84,8 @@ pub(crate) struct Context {
     /// Where the mission was suspended by station keeping that is over: it may not have gone on yet, for the vehicle may
     /// return there first, and one that is suspended meanwhile stands where it stood (8.3).
     pub(crate) suspended: Vec<Suspended>,
+    /// A plugin counts on the vehicle's silence.
+    pub(crate) silent: bool,
     pub(crate) permits: Permits,
     pub(crate) arbiter: Arbiter,
     pub(crate) relative: Track<RelativeSample>,
@@ -132,6 +134,7 @@ impl Context {
             mission_ended: false,
             recovering: false,
             suspended: Vec::new(),
+            silent: false,
             permits: Permits::default(),
             arbiter: Arbiter::new(slots.len()),
             relative: Track::new(envelope.limits(), hull.is_some_and(|hull| hull.hull_box.is_some())),

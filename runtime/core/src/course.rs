@@ -17,7 +17,6 @@ use crate::context::Context;
 use crate::envelope::{Approach, Insert, Track};
 use crate::helm::refused;
 use crate::ledger::Entry;
-use crate::machine::Core;
 use crate::navigation::Jump;
 use crate::plugin::{Refusal, RequestState};
 
@@ -199,58 +198,6 @@ impl Courses {
     /// Where a behaviour may have begun.
     fn of(&self, flown: Flown) -> Vec<Begin> {
         self.begun.get(&flown).cloned().unwrap_or_default()
-    }
-}
-
-impl Core {
-    /// Where the vehicle is while nobody of ours steers: on its line, from where on the way to it is behind it.
-    pub(crate) fn watch_course(&mut self) {
-        if self.lease.is_some() {
-            self.cx.courses.level_since = None;
-            return;
-        }
-        let Some(navigation) = self.cx.tracker.newest() else {
-            return;
-        };
-        let here = navigation.local;
-        if matches!(self.cx.courses.current, Some(Flown::Planned(_))) {
-            let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
-            self.cx.courses.seen_mps = self.cx.courses.seen_mps.max(ground_mps);
-        }
-        let level_for = if self.cx.former.is_none() {
-            LEVEL_FOR
-        } else {
-            LEVEL_AFTER_ANOTHER_FOR
-        };
-        let vertical = [navigation.depth.as_m(), navigation.down_mps];
-        self.cx.courses.levels(self.cx.now, vertical, level_for);
-        let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
-        let within_m = self.cx.envelope.limits().tracking_error_m;
-        let line = match self.cx.courses.current {
-            None => {
-                let mut paths: Vec<Flown> = Vec::new();
-                for (flown, line) in self.cx.lines_that_may_be_flown() {
-                    if is_on(line, here, velocity, within_m) && !paths.contains(&flown) {
-                        paths.push(flown);
-                    }
-                }
-                if self.cx.courses.placed.is_empty() && self.cx.courses.keeps_to(self.cx.now, &paths) {
-                    self.cx.plan.seen_at(self.cx.courses.placed());
-                }
-                return;
-            }
-            Some(current) if self.cx.courses.begun.get(&current).is_none_or(Vec::is_empty) => return,
-            Some(current) => self.cx.first_line_of(current),
-        };
-        let on_line = line.is_some_and(|line| is_on(line, here, velocity, within_m));
-        let since = self.cx.courses.on_line_since.filter(|_| on_line);
-        self.cx.courses.on_line_since = on_line.then(|| since.unwrap_or(self.cx.now));
-        if since.is_none_or(|since| self.cx.now.since(since) < ON_LINE_FOR) {
-            return;
-        }
-        if let Some(current) = self.cx.courses.current {
-            self.cx.courses.begun.insert(current, Vec::new());
-        }
     }
 }
 
@@ -496,6 +443,56 @@ impl Context {
     /// Whether the vehicle may take up its plan again after what it flies, or after an insert that interrupts that.
     pub(crate) fn takes_up_plan(&self, interrupts: bool) -> bool {
         interrupts || self.ledger.interrupts() || self.former_may_fly() || self.courses.left_plan
+    }
+
+    /// Where the vehicle is while nobody of ours steers: on its line, from where on the way to it is behind it.
+    pub(crate) fn watch_course(&mut self) {
+        if self.arbiter.modifies() {
+            self.courses.level_since = None;
+            return;
+        }
+        let Some(navigation) = self.tracker.newest() else {
+            return;
+        };
+        let here = navigation.local;
+        if matches!(self.courses.current, Some(Flown::Planned(_))) {
+            let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
+            self.courses.seen_mps = self.courses.seen_mps.max(ground_mps);
+        }
+        let level_for = if self.former.is_none() {
+            LEVEL_FOR
+        } else {
+            LEVEL_AFTER_ANOTHER_FOR
+        };
+        let vertical = [navigation.depth.as_m(), navigation.down_mps];
+        self.courses.levels(self.now, vertical, level_for);
+        let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
+        let within_m = self.envelope.limits().tracking_error_m;
+        let line = match self.courses.current {
+            None => {
+                let mut paths: Vec<Flown> = Vec::new();
+                for (flown, line) in self.lines_that_may_be_flown() {
+                    if is_on(line, here, velocity, within_m) && !paths.contains(&flown) {
+                        paths.push(flown);
+                    }
+                }
+                if self.courses.placed.is_empty() && self.courses.keeps_to(self.now, &paths) {
+                    self.plan.seen_at(self.courses.placed());
+                }
+                return;
+            }
+            Some(current) if self.courses.begun.get(&current).is_none_or(Vec::is_empty) => return,
+            Some(current) => self.first_line_of(current),
+        };
+        let on_line = line.is_some_and(|line| is_on(line, here, velocity, within_m));
+        let since = self.courses.on_line_since.filter(|_| on_line);
+        self.courses.on_line_since = on_line.then(|| since.unwrap_or(self.now));
+        if since.is_none_or(|since| self.now.since(since) < ON_LINE_FOR) {
+            return;
+        }
+        if let Some(current) = self.courses.current {
+            self.courses.begun.insert(current, Vec::new());
+        }
     }
 }
 

@@ -60,8 +60,8 @@ impl Core {
         self.cx.note_of_vehicle(Note::Text {
             text: format!("another dive: {}", file.as_str().trim()),
         });
-        self.end_lease("the vehicle flies another dive");
-        self.end_hold("the vehicle flies another dive");
+        self.modify.end(&mut self.cx, "the vehicle flies another dive");
+        self.station.end(&mut self.cx, "the vehicle flies another dive");
         self.cx.plan.forget();
         self.cx.compared = Compared::default();
         self.cx.commands.forget_plan();

@@ -264,8 +264,8 @@ impl Core {
                 if moves {
                     // What a lease or a hold stands on is about to be another place (safety requirement 021).
                     let reason = "a driver resets the vehicle's navigation";
-                    self.end_lease(reason);
-                    self.end_hold(reason);
+                    self.modify.end(&mut self.cx, reason);
+                    self.station.end(&mut self.cx, reason);
                 }
                 let sent = self
                     .cx

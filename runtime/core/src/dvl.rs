@@ -21,11 +21,11 @@ use backseat_spi::{DvlTriggerRequest as Said, DvlTriggering, ToVehicle};
 use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose};
+use crate::context::Context;
 use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
-use crate::machine::Core;
 use crate::plugin::{DvlTriggerRequest, Event, PluginId, Refusal, RequestState};
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -81,51 +81,45 @@ impl DvlTrigger {
     }
 }
 
-impl Core {
-    pub(crate) fn ask_dvl(&mut self, plugin: PluginId, asked: &DvlTriggerRequest) {
-        if self.dvl.open.is_some_and(|open| open.until <= self.cx.now) {
+impl DvlTrigger {
+    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: &DvlTriggerRequest) {
+        if self.open.is_some_and(|open| open.until <= cx.now) {
             // Its time was over before this was asked.
-            self.dvl_expired();
+            self.timed_out(cx);
         }
-        let own = self
-            .dvl
-            .open
-            .filter(|open| open.plugin == plugin && open.tag == asked.tag);
+        let own = self.open.filter(|open| open.plugin == plugin && open.tag == asked.tag);
         let refusal = match own {
-            Some(open) => self.step_dvl(open, asked),
-            None => return self.request_dvl(plugin, asked),
+            Some(open) => self.step(cx, open, asked),
+            None => return self.request(cx, plugin, asked),
         };
         if let Err(refusal) = refusal {
             // The open request stands: a refused step has an entry of its own.
-            let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
-            self.cx.reject(request, refusal);
+            let request = cx.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
+            cx.reject(request, refusal);
         }
     }
 
-    fn request_dvl(&mut self, plugin: PluginId, asked: &DvlTriggerRequest) {
-        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
-        if let Err(refusal) = self.admit_dvl(plugin, asked) {
-            return self.cx.reject(request, refusal);
+    fn request(&mut self, cx: &mut Context, plugin: PluginId, asked: &DvlTriggerRequest) {
+        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
+        if let Err(refusal) = self.admit(cx, plugin, asked) {
+            return cx.reject(request, refusal);
         }
-        let message = self.dvl_message(true, false);
-        if self
-            .cx
-            .send_request(request, "DVR", &message, Purpose::DvlTrigger(request))
-        {
-            self.dvl.open = Some(Handshake {
+        let message = self.message(cx, true, false);
+        if cx.send_request(request, "DVR", &message, Purpose::DvlTrigger(request)) {
+            self.open = Some(Handshake {
                 request,
                 plugin,
                 tag: asked.tag,
                 phase: Phase::Requested,
-                until: self.cx.now + ALLOW_WITHIN,
+                until: cx.now + ALLOW_WITHIN,
             });
-            self.watch_dvl();
+            self.set_timer(cx);
         }
     }
 
-    fn admit_dvl(&mut self, plugin: PluginId, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
-        self.cx.admit(plugin, Grant::Dvl)?;
-        match self.dvl.open {
+    fn admit(&mut self, cx: &mut Context, plugin: PluginId, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
+        cx.admit(plugin, Grant::Dvl)?;
+        match self.open {
             Some(open) if open.plugin == plugin => Err(refused(
                 "tag",
                 &format!("this plugin's request with tag {} is still open", open.tag),
@@ -138,37 +132,37 @@ impl Core {
     }
 
     /// What the plugin of the open request asks for next.
-    fn step_dvl(&mut self, open: Handshake, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
+    fn step(&mut self, cx: &mut Context, open: Handshake, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
         if !asked.external && !asked.triggering {
             // Neither rate nor control holds back the end of it: BPDVR 0,0 may always be said.
             let reason = match open.phase {
                 Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending => "its plugin ended it",
                 Phase::Ceasing => "the vehicle stopped it",
             };
-            self.end_dvl(reason);
+            self.end(cx, reason);
             return Ok(());
         }
-        self.cx.admit(open.plugin, Grant::Dvl)?;
+        cx.admit(open.plugin, Grant::Dvl)?;
         match (asked.external, asked.triggering) {
             (true, false) => match open.phase {
                 Phase::Requested | Phase::Allowed => {}
-                Phase::Triggering => self.say_dvl(open, asked, Phase::Allowed, TRIGGER_WITHIN),
-                Phase::Ceasing => self.say_dvl(open, asked, Phase::Requested, ALLOW_WITHIN),
+                Phase::Triggering => self.say(cx, open, asked, Phase::Allowed, TRIGGER_WITHIN),
+                Phase::Ceasing => self.say(cx, open, asked, Phase::Requested, ALLOW_WITHIN),
                 Phase::Ending => return Err(refused("state", "its plugin is ending it")),
             },
             (true, true) => match open.phase {
                 Phase::Allowed => {
-                    self.say_dvl(open, asked, Phase::Triggering, TRIGGER_WITHIN);
-                    self.cx.transition(open.request, RequestState::Started);
+                    self.say(cx, open, asked, Phase::Triggering, TRIGGER_WITHIN);
+                    cx.transition(open.request, RequestState::Started);
                 }
-                Phase::Triggering => self.enter_dvl(open, Phase::Triggering, TRIGGER_WITHIN),
+                Phase::Triggering => self.enter(cx, open, Phase::Triggering, TRIGGER_WITHIN),
                 Phase::Requested | Phase::Ending | Phase::Ceasing if !is_on(Check::DvlLeave) => {
-                    self.say_dvl(open, asked, Phase::Triggering, TRIGGER_WITHIN);
+                    self.say(cx, open, asked, Phase::Triggering, TRIGGER_WITHIN);
                 }
                 Phase::Requested | Phase::Ending | Phase::Ceasing => return Err(not_allowed()),
             },
             (false, _) => match open.phase {
-                Phase::Triggering => self.say_dvl(open, asked, Phase::Ending, TRIGGER_WITHIN),
+                Phase::Triggering => self.say(cx, open, asked, Phase::Ending, TRIGGER_WITHIN),
                 Phase::Ending => {}
                 Phase::Requested | Phase::Allowed | Phase::Ceasing => return Err(not_allowed()),
             },
@@ -177,79 +171,84 @@ impl Core {
     }
 
     /// Sends a step of the open request, which brings it into another phase.
-    fn say_dvl(&mut self, open: Handshake, asked: &DvlTriggerRequest, phase: Phase, within: Duration) {
-        let message = self.dvl_message(asked.external, asked.triggering);
-        let mut command = self.cx.courtesy("DVR", message.created());
+    fn say(&mut self, cx: &mut Context, open: Handshake, asked: &DvlTriggerRequest, phase: Phase, within: Duration) {
+        let message = self.message(cx, asked.external, asked.triggering);
+        let mut command = cx.courtesy("DVR", message.created());
         command.purpose = Purpose::DvlTrigger(open.request);
-        if self.cx.transmit_for(open.plugin.into(), &message, Some(command)) {
-            self.enter_dvl(open, phase, within);
+        if cx.transmit_for(open.plugin.into(), &message, Some(command)) {
+            self.enter(cx, open, phase, within);
         } else {
-            self.end_dvl("it could not be sent");
+            self.end(cx, "it could not be sent");
         }
     }
 
-    fn enter_dvl(&mut self, open: Handshake, phase: Phase, within: Duration) {
-        let until = self.cx.now + within;
-        self.dvl.open = Some(Handshake { phase, until, ..open });
-        self.watch_dvl();
+    fn enter(&mut self, cx: &mut Context, open: Handshake, phase: Phase, within: Duration) {
+        let until = cx.now + within;
+        self.open = Some(Handshake { phase, until, ..open });
+        self.set_timer(cx);
     }
 
-    fn dvl_message(&mut self, external: bool, triggering: bool) -> ToVehicle {
+    fn message(&mut self, cx: &mut Context, external: bool, triggering: bool) -> ToVehicle {
         ToVehicle::DvlTriggerRequest(Said {
-            created: self.cx.stamper.stamp(self.cx.now, "DVR"),
+            created: cx.stamper.stamp(cx.now, "DVR"),
             external,
             triggering,
         })
     }
 
-    pub(crate) fn dvl_answered(&mut self, request: u64, answer: Answer<'_>) {
-        let Some(open) = self.dvl.open.filter(|open| open.request == request) else {
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
+        let Some(open) = self.open.filter(|open| open.request == request) else {
             return;
         };
         match answer {
-            Answer::Pending => self.cx.transition(request, RequestState::Pending),
+            Answer::Pending => cx.transition(request, RequestState::Pending),
             // Of the first step; for the later ones the request has come further.
-            Answer::Done => self.cx.transition(request, RequestState::Accepted),
-            Answer::Refused(text) => self.close_dvl(if self.has_started(request) {
-                RequestState::Ended(format!("the vehicle refused it: {text}"))
-            } else {
-                RequestState::Failed(text.to_owned())
-            }),
-            Answer::Missing => match open.phase {
-                Phase::Requested | Phase::Triggering | Phase::Ending => self.close_dvl(if self.has_started(request) {
-                    RequestState::Ended("the vehicle did not acknowledge it".to_owned())
+            Answer::Done => cx.transition(request, RequestState::Accepted),
+            Answer::Refused(text) => self.close(
+                cx,
+                if self.has_started(cx, request) {
+                    RequestState::Ended(format!("the vehicle refused it: {text}"))
                 } else {
-                    RequestState::TimedOut
-                }),
+                    RequestState::Failed(text.to_owned())
+                },
+            ),
+            Answer::Missing => match open.phase {
+                Phase::Requested | Phase::Triggering | Phase::Ending => self.close(
+                    cx,
+                    if self.has_started(cx, request) {
+                        RequestState::Ended("the vehicle did not acknowledge it".to_owned())
+                    } else {
+                        RequestState::TimedOut
+                    },
+                ),
                 // The vehicle's BFDVT has answered it.
                 Phase::Allowed | Phase::Ceasing => {}
             },
         }
     }
 
-    fn has_started(&self, request: u64) -> bool {
-        self.cx
-            .ledger
+    fn has_started(&self, cx: &Context, request: u64) -> bool {
+        cx.ledger
             .get(request)
             .is_some_and(|entry| entry.state == RequestState::Started)
     }
 
     /// BFDVT.
-    pub(crate) fn dvl_triggering(&mut self, message: &DvlTriggering) {
-        self.cx.heard(message.created);
-        let Some(open) = self.dvl.open else {
-            return self.answer_unasked(message.begin);
+    pub(crate) fn heard(&mut self, cx: &mut Context, message: &DvlTriggering) {
+        cx.heard(message.created);
+        let Some(open) = self.open else {
+            return self.answer_unasked(cx, message.begin);
         };
         let said = match (message.begin, open.phase) {
             (true, Phase::Requested) => {
                 // The vehicle has counted since it said so: what was held up on its way leaves less.
-                let age = self.cx.tracker.clock().age(self.cx.now, self.cx.utc(), message.created);
+                let age = cx.tracker.clock().age(cx.now, cx.utc(), message.created);
                 let within = TRIGGER_WITHIN.saturating_sub(age.unwrap_or_default());
-                self.enter_dvl(open, Phase::Allowed, within);
+                self.enter(cx, open, Phase::Allowed, within);
                 true
             }
             (false, Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending) => {
-                self.enter_dvl(open, Phase::Ceasing, CEASE_WITHIN);
+                self.enter(cx, open, Phase::Ceasing, CEASE_WITHIN);
                 false
             }
             // Said again, it changes nothing; a plugin that is to stop asks anew first.
@@ -257,80 +256,84 @@ impl Core {
                 return;
             }
         };
-        self.cx.tell(open.plugin, Event::DvlTrigger(said));
+        cx.tell(open.plugin, Event::DvlTrigger(said));
     }
 
     /// Nobody has asked, or no longer: we neither trigger nor want to.
-    fn answer_unasked(&mut self, begin: bool) {
-        let recent = |at: Timestamp| self.cx.now.since(at) < ANSWER_EVERY;
-        if self.dvl.answered.is_some_and(recent) {
+    fn answer_unasked(&mut self, cx: &mut Context, begin: bool) {
+        let recent = |at: Timestamp| cx.now.since(at) < ANSWER_EVERY;
+        if self.answered.is_some_and(recent) {
             return;
         }
-        self.dvl.answered = Some(self.cx.now);
+        self.answered = Some(cx.now);
         let what = if begin { "allows" } else { "stops" };
-        self.cx.note(Note::Text {
+        cx.note(Note::Text {
             text: format!("the vehicle {what} DVL triggering that no open request is about"),
         });
-        self.say_not_triggering();
+        self.say_not_triggering(cx);
     }
 
-    fn say_not_triggering(&mut self) {
-        let message = self.dvl_message(false, false);
-        let command = self.cx.courtesy("DVR", message.created());
-        self.cx.transmit(&message, Some(command));
+    fn say_not_triggering(&mut self, cx: &mut Context) {
+        let message = self.message(cx, false, false);
+        let command = cx.courtesy("DVR", message.created());
+        cx.transmit(&message, Some(command));
     }
 
-    pub(crate) fn dvl_expired(&mut self) {
-        let Some(open) = self.dvl.open else { return };
+    pub(crate) fn timed_out(&mut self, cx: &mut Context) {
+        let Some(open) = self.open else { return };
         if !is_on(Check::DvlAnswer) {
             return;
         }
-        self.end_dvl(match open.phase {
-            Phase::Requested => "the vehicle did not allow it within 300 s",
-            Phase::Allowed => "not triggered within 5 s",
-            Phase::Triggering => "its plugin did not say within 5 s that it goes on",
-            Phase::Ending => "the vehicle did not stop it within 5 s",
-            Phase::Ceasing => "the vehicle stopped it, and its plugin did not answer within 1 s",
-        });
+        self.end(
+            cx,
+            match open.phase {
+                Phase::Requested => "the vehicle did not allow it within 300 s",
+                Phase::Allowed => "not triggered within 5 s",
+                Phase::Triggering => "its plugin did not say within 5 s that it goes on",
+                Phase::Ending => "the vehicle did not stop it within 5 s",
+                Phase::Ceasing => "the vehicle stopped it, and its plugin did not answer within 1 s",
+            },
+        );
     }
 
     /// Ends the open request, if there is one: BPDVR 0,0 where the link is up.
-    pub(crate) fn end_dvl(&mut self, reason: &str) {
-        self.close_dvl(RequestState::Ended(reason.to_owned()));
+    pub(crate) fn end(&mut self, cx: &mut Context, reason: &str) {
+        self.close(cx, RequestState::Ended(reason.to_owned()));
     }
 
-    fn close_dvl(&mut self, state: RequestState) {
-        let Some(open) = self.dvl.open.take() else { return };
-        self.watch_dvl();
-        self.say_not_triggering();
-        self.cx.transition(open.request, state);
+    fn close(&mut self, cx: &mut Context, state: RequestState) {
+        let Some(open) = self.open.take() else { return };
+        self.set_timer(cx);
+        self.say_not_triggering(cx);
+        cx.transition(open.request, state);
     }
 
     /// Without us the vehicle takes the DVL back by itself, 5 s after the last trigger.
-    pub(crate) fn dvl_link_lost(&mut self) {
-        self.dvl.answered = None;
+    pub(crate) fn link_lost(&mut self, cx: &mut Context) {
+        self.answered = None;
         let unanswered = |open: Handshake| {
-            let state = self.cx.ledger.get(open.request).map(|entry| &entry.state);
+            let state = cx.ledger.get(open.request).map(|entry| &entry.state);
             matches!(state, Some(RequestState::Sent | RequestState::Pending))
         };
-        self.close_dvl(if self.dvl.open.is_some_and(unanswered) {
-            RequestState::TimedOut
-        } else {
-            RequestState::Ended("the link is down".to_owned())
-        });
+        self.close(
+            cx,
+            if self.open.is_some_and(unanswered) {
+                RequestState::TimedOut
+            } else {
+                RequestState::Ended("the link is down".to_owned())
+            },
+        );
     }
 
-    pub(crate) fn dvl_plugin_failed(&mut self, plugin: PluginId) {
-        if self.dvl.open.is_some_and(|open| open.plugin == plugin) {
-            self.end_dvl("its plugin failed");
+    pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
+        if self.open.is_some_and(|open| open.plugin == plugin) {
+            self.end(cx, "its plugin failed");
         }
     }
 
-    fn watch_dvl(&mut self) {
-        self.cx.permits.may_trigger = self.dvl.may_trigger();
-        self.cx
-            .timers
-            .set_or_stop(Timer::Dvl, self.dvl.open.map(|open| open.until));
+    fn set_timer(&mut self, cx: &mut Context) {
+        cx.permits.may_trigger = self.may_trigger();
+        cx.timers.set_or_stop(Timer::Dvl, self.open.map(|open| open.until));
     }
 }
 

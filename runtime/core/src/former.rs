@@ -12,9 +12,9 @@ use std::time::Duration;
 use backseat_spi::{BehaviorId, CancelBehavior, ToVehicle};
 
 use crate::context::Context;
+use crate::inserts::Inserts;
 use crate::io::{Identifiers, Note};
 use crate::ledger::Entry;
-use crate::machine::Core;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -113,43 +113,43 @@ impl Former {
     }
 }
 
-impl Core {
+impl Inserts {
     /// The operator holds: what an earlier process has left in the plan is taken back too. What cannot be (a GPS hit) the
     /// vehicle refuses.
-    pub(crate) fn cancel_former(&mut self) {
-        let former = &self.cx.former;
+    pub(crate) fn cancel_former(&mut self, cx: &mut Context) {
+        let former = &cx.former;
         let may_be_sent =
             |identifier: &&BehaviorId| former.cancelled.get(identifier).is_none_or(|sent| *sent < SENT_MAX);
         let waiting: Vec<BehaviorId> = former.left.iter().filter(may_be_sent).copied().collect();
         for identifier in &waiting {
-            self.take_back(*identifier);
+            self.take_back(cx, *identifier);
         }
         if !waiting.is_empty() {
-            self.cx.timers.set(Timer::Plan, self.cx.now + AGAIN_AFTER);
+            cx.timers.set(Timer::Plan, cx.now + AGAIN_AFTER);
         }
     }
 
     /// The vehicle's plan names an insert, before the plan has come whole: under the operator's hold it is taken back at
     /// once.
-    pub(crate) fn former_named(&mut self, identifier: Option<BehaviorId>) {
-        let Some(identifier) = identifier.filter(|identifier| self.cx.former.includes(*identifier)) else {
+    pub(crate) fn former_named(&mut self, cx: &mut Context, identifier: Option<BehaviorId>) {
+        let Some(identifier) = identifier.filter(|identifier| cx.former.includes(*identifier)) else {
             return;
         };
-        let is_new = self.cx.former.left.insert(identifier) && !self.cx.former.cancelled.contains_key(&identifier);
-        if is_new && self.cx.held && is_on(Check::HoldCancels) {
-            self.take_back(identifier);
-            self.cx.timers.set(Timer::Plan, self.cx.now + AGAIN_AFTER);
+        let is_new = cx.former.left.insert(identifier) && !cx.former.cancelled.contains_key(&identifier);
+        if is_new && cx.held && is_on(Check::HoldCancels) {
+            self.take_back(cx, identifier);
+            cx.timers.set(Timer::Plan, cx.now + AGAIN_AFTER);
         }
     }
 
-    fn take_back(&mut self, identifier: BehaviorId) {
-        let created = self.cx.stamper.stamp(self.cx.now, "RCN");
-        let command = self.cx.courtesy("RCN", Some(created));
+    fn take_back(&mut self, cx: &mut Context, identifier: BehaviorId) {
+        let created = cx.stamper.stamp(cx.now, "RCN");
+        let command = cx.courtesy("RCN", Some(created));
         let message = ToVehicle::CancelBehavior(CancelBehavior { created, identifier });
-        if self.cx.transmit(&message, Some(command)) {
-            *self.cx.former.cancelled.entry(identifier).or_default() += 1;
+        if cx.transmit(&message, Some(command)) {
+            *cx.former.cancelled.entry(identifier).or_default() += 1;
             let text = format!("insert {identifier} of an earlier process is taken back");
-            self.cx.note(Note::Text { text });
+            cx.note(Note::Text { text });
         }
     }
 }

@@ -13,7 +13,6 @@ use crate::envelope::{End, Route, Setpoint, Track, Vertical};
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::{Grant, HeadingFrame};
-use crate::machine::Core;
 use crate::plugin::{ModifyRequest, PluginId, Refusal, RequestState};
 use crate::session::name;
 use crate::switches::{Check, is_on};
@@ -73,9 +72,9 @@ impl Pause {
 
 /// Who steers, and where to.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lease {
-    pub(crate) plugin: PluginId,
-    pub(crate) request: u64,
+struct Lease {
+    plugin: PluginId,
+    request: u64,
     tag: u64,
     setpoint: Setpoint,
     /// When the last BPRMB left, of this lease or of the one that it took over.
@@ -84,24 +83,35 @@ pub(crate) struct Lease {
     judged: Timestamp,
 }
 
-impl Core {
-    pub(crate) fn ask_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) {
-        let request = self.cx.ledger.propose(plugin, modify.tag, RequestKind::Modify);
-        let setpoint = match self.admit_modify(plugin, modify) {
+/// The modify that stands, and when the next may.
+#[derive(Debug, Default)]
+pub(crate) struct Modify {
+    lease: Option<Lease>,
+    pause: Pause,
+    /// When the last BPRMB left, of any lease.
+    sent: Option<Timestamp>,
+}
+
+impl Modify {
+    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, modify: &ModifyRequest) -> Option<bool> {
+        let request = cx.ledger.propose(plugin, modify.tag, RequestKind::Modify);
+        let setpoint = match self.admit(cx, plugin, modify) {
             Ok(admitted) => admitted,
-            Err(refusal) => return self.cx.reject(request, refusal),
+            Err(refusal) => {
+                cx.reject(request, refusal);
+                return None;
+            }
         };
         let mut sent = None;
         let mut changed = true;
-        self.cx.arbiter.take(self.cx.now, plugin, LeaseKind::Modify);
+        cx.arbiter.take(cx.now, plugin, LeaseKind::Modify);
         if let Some(lease) = self.lease.take() {
             sent = lease.sent;
             changed = lease.setpoint != setpoint;
             if lease.plugin == plugin && lease.tag == modify.tag {
-                self.cx
-                    .transition_quietly(lease.request, RequestState::Ended("replaced".to_owned()));
+                cx.transition_quietly(lease.request, RequestState::Ended("replaced".to_owned()));
             } else {
-                self.cx.transition(
+                cx.transition(
                     lease.request,
                     RequestState::Ended("another modify took its place".to_owned()),
                 );
@@ -113,111 +123,110 @@ impl Core {
             tag: modify.tag,
             setpoint,
             sent,
-            judged: self.cx.now,
+            judged: cx.now,
         });
-        self.cx.timers.set(Timer::Term, self.cx.now + modify.duration);
-        // BPRES comes before BPRMB. The lease stands already, for a plugin that fails of the events ends it.
-        self.end_hold("a modify took its place");
-        match sent {
+        cx.timers.set(Timer::Term, cx.now + modify.duration);
+        Some(changed)
+    }
+
+    /// Sends the first BPRMB of a modify that has been adopted, or the next, no sooner than the rate allows.
+    pub(crate) fn begin(&mut self, cx: &mut Context, changed: bool) {
+        match self.lease.and_then(|lease| lease.sent) {
             // A lease that has just ended counts: ending and asking anew is no way around the rate.
-            None => match self
-                .modify_sent
-                .filter(|sent| self.cx.now.since(*sent) < refresh_at_least())
-            {
-                Some(sent) => self.cx.timers.set(Timer::Refresh, sent + refresh_at_least()),
-                None => self.refresh(),
+            None => match self.sent.filter(|sent| cx.now.since(*sent) < refresh_at_least()) {
+                Some(sent) => cx.timers.set(Timer::Refresh, sent + refresh_at_least()),
+                None => self.refresh(cx),
             },
-            Some(sent) if changed && self.cx.now.since(sent) >= refresh_at_least() => self.refresh(),
-            Some(sent) if changed => self.cx.timers.set(Timer::Refresh, sent + refresh_at_least()),
-            Some(sent) => self.cx.timers.set(Timer::Refresh, sent + refresh_every()),
+            Some(sent) if changed && cx.now.since(sent) >= refresh_at_least() => self.refresh(cx),
+            Some(sent) if changed => cx.timers.set(Timer::Refresh, sent + refresh_at_least()),
+            Some(sent) => cx.timers.set(Timer::Refresh, sent + refresh_every()),
         }
     }
 
-    fn admit_modify(&mut self, plugin: PluginId, modify: &ModifyRequest) -> Result<Setpoint, Refusal> {
-        self.cx.admit(plugin, Grant::Modify)?;
-        if let Some(left) = self.pause.left(self.cx.now).filter(|_| is_on(Check::LeasePause)) {
+    fn admit(&mut self, cx: &mut Context, plugin: PluginId, modify: &ModifyRequest) -> Result<Setpoint, Refusal> {
+        cx.admit(plugin, Grant::Modify)?;
+        if let Some(left) = self.pause.left(cx.now).filter(|_| is_on(Check::LeasePause)) {
             let text = format!(
                 "the vehicle refused or did not answer the last BPRMB: none leaves for {:.1} s more",
                 left.as_secs_f64()
             );
             return Err(refused("pause", &text));
         }
-        self.cx.arbiter.arbitrate(plugin, LeaseKind::Modify)?;
-        self.cx.admit_beside_gps_hit()?;
+        cx.arbiter.arbitrate(plugin, LeaseKind::Modify)?;
+        cx.admit_beside_gps_hit()?;
         if is_on(Check::PlanKnown) {
-            self.cx.knows_what_is_flown()?;
+            cx.knows_what_is_flown()?;
         }
-        let setpoint = self.cx.envelope.admit_modify(modify)?;
-        self.cx.cap_steering(plugin, modify.duration)?;
-        self.judge(&setpoint)?;
+        let setpoint = cx.envelope.admit_modify(modify)?;
+        cx.cap_steering(plugin, modify.duration)?;
+        self.judge(cx, &setpoint)?;
         Ok(setpoint)
     }
 
     /// The whole judgement of a setpoint, with what is known at this moment.
-    fn judge(&self, setpoint: &Setpoint) -> Result<(), Refusal> {
-        let Some(navigation) = self.cx.tracker.fresh(self.cx.now) else {
+    fn judge(&self, cx: &Context, setpoint: &Setpoint) -> Result<(), Refusal> {
+        let Some(navigation) = cx.tracker.fresh(cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
-        if self.cx.envelope.limits().modify_needs_plan && !self.cx.plan.is_complete() && is_on(Check::PlanKnown) {
+        if cx.envelope.limits().modify_needs_plan && !cx.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(refused(
                 "plan",
                 "the vehicle's plan is not known, nor so the way back to it",
             ));
         }
-        let route = self.cx.route_of_modify();
-        let lock = self.cx.tracker.bottom_lock(self.cx.now);
-        self.cx
-            .envelope
-            .judge_modify(setpoint, navigation, lock, &route, (self.cx.now, self.cx.clocks()))
+        let route = cx.route_of_modify();
+        let lock = cx.tracker.bottom_lock(cx.now);
+        cx.envelope
+            .judge_modify(setpoint, navigation, lock, &route, (cx.now, cx.clocks()))
             .map(|_| ())
     }
 
     /// Navigation is new: prevention before reaction. The lease ends now, not at its next refresh, where what it could
     /// reach from here would touch the fence's margin.
-    pub(crate) fn prevent(&mut self) {
+    pub(crate) fn prevent(&mut self, cx: &mut Context) {
         let Some(lease) = self.lease else { return };
         if !is_on(Check::RefreshJudged) {
             return;
         }
-        match self.judge(&lease.setpoint) {
+        match self.judge(cx, &lease.setpoint) {
             Ok(()) => {
                 if let Some(lease) = &mut self.lease {
-                    lease.judged = self.cx.now;
+                    lease.judged = cx.now;
                 }
             }
-            Err(refusal) => self.end_lease(&told(&refusal)),
+            Err(refusal) => self.end(cx, &told(&refusal)),
         }
     }
 
     /// Sends the lease's BPRMB, checked anew.
-    pub(crate) fn refresh(&mut self) {
+    pub(crate) fn refresh(&mut self, cx: &mut Context) {
         let Some(lease) = self.lease else { return };
         if let Some(sent) = lease.sent
-            && self.cx.now.since(sent) > REFRESH_AT_MOST
+            && cx.now.since(sent) > REFRESH_AT_MOST
             && is_on(Check::LateWake)
             && is_on(Check::RefreshCadence)
         {
-            return self.end_lease("it was not refreshed in time");
+            return self.end(cx, "it was not refreshed in time");
         }
-        if lease.judged < self.cx.now && is_on(Check::RefreshJudged) {
-            match self.judge(&lease.setpoint) {
+        if lease.judged < cx.now && is_on(Check::RefreshJudged) {
+            match self.judge(cx, &lease.setpoint) {
                 Ok(()) => {
                     if let Some(lease) = &mut self.lease {
-                        lease.judged = self.cx.now;
+                        lease.judged = cx.now;
                     }
                 }
-                Err(refusal) => return self.end_lease(&told(&refusal)),
+                Err(refusal) => return self.end(cx, &told(&refusal)),
             }
         }
-        let Some(navigation) = self.cx.tracker.fresh(self.cx.now).copied() else {
-            return self.end_lease("navigation is stale");
+        let Some(navigation) = cx.tracker.fresh(cx.now).copied() else {
+            return self.end(cx, "navigation is stale");
         };
         let Setpoint {
             heading,
             vertical,
             speed,
         } = lease.setpoint;
-        let heading_deg = match self.cx.settings.heading_frame {
+        let heading_deg = match cx.settings.heading_frame {
             HeadingFrame::True => heading.as_deg(),
             HeadingFrame::Grid => heading.to_grid(utm_convergence_deg(navigation.position)).as_deg(),
         };
@@ -225,7 +234,7 @@ impl Core {
             Vertical::Depth(depth) => (depth.as_m(), ModifyVerticalMode::Depth),
             Vertical::Altitude(altitude) => (altitude.as_m(), ModifyVerticalMode::Altitude),
         };
-        let created = self.cx.stamper.stamp(self.cx.now, "RMB");
+        let created = cx.stamper.stamp(cx.now, "RMB");
         let message = ToVehicle::ModifyBehavior(ModifyBehavior {
             created,
             horizontal: Some(heading_deg),
@@ -240,104 +249,108 @@ impl Core {
             created: Some(created),
             identifier: None,
             purpose: Purpose::Lease(lease.request),
-            deadline: self.cx.now + FIRST_WITHIN,
+            deadline: cx.now + FIRST_WITHIN,
             pending: false,
         };
-        if !self.cx.transmit(&message, Some(command)) {
-            return self.end_lease("it could not be sent");
+        if !cx.transmit(&message, Some(command)) {
+            return self.end(cx, "it could not be sent");
         }
         if let Some(lease) = &mut self.lease {
-            lease.sent = Some(self.cx.now);
+            lease.sent = Some(cx.now);
         }
-        self.modify_sent = Some(self.cx.now);
-        self.cx.timers.set(Timer::Refresh, self.cx.now + refresh_every());
-        self.cx.transition(lease.request, RequestState::Sent);
+        self.sent = Some(cx.now);
+        cx.timers.set(Timer::Refresh, cx.now + refresh_every());
+        cx.transition(lease.request, RequestState::Sent);
     }
 
     /// Ends the lease, if there is one: one BPEMB where the link is up, then silence.
-    pub(crate) fn end_lease(&mut self, reason: &str) {
-        self.close_lease(reason, |reason| RequestState::Ended(reason.to_owned()));
+    pub(crate) fn end(&mut self, cx: &mut Context, reason: &str) {
+        self.close(cx, reason, |reason| RequestState::Ended(reason.to_owned()));
     }
 
-    /// As [`Core::end_lease`], with the state that the lease's request comes to.
-    pub(crate) fn close_lease(&mut self, reason: &str, state: impl FnOnce(&str) -> RequestState) {
+    /// As [`Self::end`], with the state that the lease's request comes to.
+    pub(crate) fn close(&mut self, cx: &mut Context, reason: &str, state: impl FnOnce(&str) -> RequestState) {
         let Some(lease) = self.lease.take() else { return };
-        self.cx.arbiter.release(self.cx.now, LeaseKind::Modify);
-        self.cx.timers.stop(Timer::Refresh);
-        self.cx.timers.stop(Timer::Term);
-        self.cx.commands.forget_lease();
+        cx.arbiter.release(cx.now, LeaseKind::Modify);
+        cx.timers.stop(Timer::Refresh);
+        cx.timers.stop(Timer::Term);
+        cx.commands.forget_lease();
         if lease.sent.is_some() && is_on(Check::LeaseEndSaid) {
-            let created = self.cx.stamper.stamp(self.cx.now, "EMB");
-            let command = self.cx.courtesy("EMB", Some(created));
-            self.cx
-                .transmit(&ToVehicle::EndModify(EndModify { created }), Some(command));
+            let created = cx.stamper.stamp(cx.now, "EMB");
+            let command = cx.courtesy("EMB", Some(created));
+            cx.transmit(&ToVehicle::EndModify(EndModify { created }), Some(command));
         }
-        self.cx.transition(lease.request, state(reason));
-        self.cx.note(Note::LeaseEnded {
+        cx.transition(lease.request, state(reason));
+        cx.note(Note::LeaseEnded {
             plugin: lease.plugin,
             reason: reason.to_owned(),
         });
     }
 
     /// The plugin ends its own lease.
-    pub(crate) fn ask_end_modify(&mut self, plugin: PluginId) {
+    pub(crate) fn asked_end(&mut self, cx: &mut Context, plugin: PluginId) {
         if self.lease.is_some_and(|lease| lease.plugin == plugin) {
-            self.end_lease("its plugin ended it");
+            self.end(cx, "its plugin ended it");
+        }
+    }
+
+    pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
+        if self.lease.is_some_and(|lease| lease.plugin == plugin) {
+            self.end(cx, "its plugin failed");
         }
     }
 
     /// An answer to a refresh.
-    pub(crate) fn lease_answered(&mut self, request: u64, answer: Answer<'_>) {
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         let live = self.lease.is_some_and(|lease| lease.request == request);
         match answer {
             Answer::Pending => {}
-            Answer::Missing if is_on(Check::LeaseAcknowledged) => self.lease_unanswered(request),
+            Answer::Missing if is_on(Check::LeaseAcknowledged) => self.unanswered(cx, request),
             Answer::Missing => {}
             Answer::Done => {
-                self.pause.answered(self.cx.now);
-                self.transition_once_accepted(request);
+                self.pause.answered(cx.now);
+                self.transition_once_accepted(cx, request);
             }
             Answer::Refused(text) if live => {
-                self.pause.failed(self.cx.now);
+                self.pause.failed(cx.now);
                 let reason = format!("the vehicle refused it: {text}");
-                self.close_lease(&reason, |_| RequestState::Failed(text.to_owned()));
+                self.close(cx, &reason, |_| RequestState::Failed(text.to_owned()));
             }
             // The refused one was replaced meanwhile. A plugin that asks anew in every step always has: waiting for the
             // answer to the newest one would wait for ever.
             Answer::Refused(text) => {
-                self.pause.failed(self.cx.now);
-                self.end_lease(&format!("the vehicle refused it: {text}"));
+                self.pause.failed(cx.now);
+                self.end(cx, &format!("the vehicle refused it: {text}"));
             }
         }
     }
 
-    fn transition_once_accepted(&mut self, request: u64) {
-        if self
-            .cx
+    fn transition_once_accepted(&mut self, cx: &mut Context, request: u64) {
+        if cx
             .ledger
             .get(request)
             .is_some_and(|entry| entry.state == RequestState::Sent)
         {
-            self.cx.transition(request, RequestState::Accepted);
+            cx.transition(request, RequestState::Accepted);
         }
     }
 
     /// A refresh was not acknowledged in time.
-    fn lease_unanswered(&mut self, request: u64) {
-        self.pause.failed(self.cx.now);
+    fn unanswered(&mut self, cx: &mut Context, request: u64) {
+        self.pause.failed(cx.now);
         if self.lease.is_some_and(|lease| lease.request == request) {
-            self.close_lease("the vehicle did not acknowledge it", |_| RequestState::TimedOut);
+            self.close(cx, "the vehicle did not acknowledge it", |_| RequestState::TimedOut);
         } else if self.lease.is_some() {
             // An older request of a lease that goes on: the vehicle has been silent for as long.
-            self.end_lease("the vehicle did not acknowledge it");
+            self.end(cx, "the vehicle did not acknowledge it");
         }
     }
 
     /// The vehicle has refused a BPRMB, or not answered it in time, whose lease was over by then: the next one waits all the
     /// same, or whoever ends each lease at once would never wait. While it waits, all such are of before.
-    pub(crate) fn failed_after_its_end(&mut self) {
-        if self.pause.left(self.cx.now).is_none() {
-            self.pause.failed(self.cx.now);
+    pub(crate) fn failed_after_its_end(&mut self, cx: &mut Context) {
+        if self.pause.left(cx.now).is_none() {
+            self.pause.failed(cx.now);
         }
     }
 }

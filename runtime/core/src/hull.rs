@@ -19,7 +19,6 @@ use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
-use crate::machine::Core;
 use crate::plugin::{HoldRequest, HoldTarget, PluginId, Refusal, RequestState};
 use crate::session::name;
 use crate::switches::{Check, is_on};
@@ -43,7 +42,7 @@ const LEFT_MAX: usize = 16;
 
 /// Where the hold stands, and where the vehicle is relative to its target.
 #[derive(Debug)]
-pub(crate) struct Hull {
+pub(crate) struct Station {
     hold: Option<Hold>,
     limit: SpeedLimit,
     /// When the last BPSUS, or the last BPSPD, BPGHP or BPGBP of a hold left, of any hold.
@@ -52,7 +51,7 @@ pub(crate) struct Hull {
 
 /// Who holds the vehicle, and how.
 #[derive(Clone, Copy, Debug)]
-struct Hold {
+pub(crate) struct Hold {
     plugin: PluginId,
     request: u64,
     tag: u64,
@@ -85,7 +84,7 @@ enum Stage {
     Standing,
 }
 
-impl Hull {
+impl Station {
     pub(crate) fn new() -> Self {
         Self {
             hold: None,
@@ -112,15 +111,18 @@ impl Hull {
     }
 }
 
-impl Core {
-    pub(crate) fn ask_hold(&mut self, plugin: PluginId, asked: &HoldRequest) {
-        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::Hold);
-        let hover = match self.admit_hold(plugin, asked) {
+impl Station {
+    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: &HoldRequest) -> Option<Option<Hold>> {
+        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Hold);
+        let hover = match self.admit(cx, plugin, asked) {
             Ok(hover) => hover,
-            Err(refusal) => return self.cx.reject(request, refusal),
+            Err(refusal) => {
+                cx.reject(request, refusal);
+                return None;
+            }
         };
-        let before = self.hull.hold;
-        self.cx.arbiter.take(self.cx.now, plugin, LeaseKind::Station);
+        let before = self.hold;
+        cx.arbiter.take(cx.now, plugin, LeaseKind::Station);
         let mut hold = Hold {
             plugin,
             request,
@@ -132,7 +134,7 @@ impl Core {
             suspended: None,
             sent_aim: None,
             sent: None,
-            judged: self.cx.now,
+            judged: cx.now,
         };
         if let Some(before) = before {
             let changed = before.target != asked.target || before.speed_mps != asked.speed_mps;
@@ -146,182 +148,184 @@ impl Core {
             hold.sent_aim = before.sent_aim;
             hold.sent = before.sent;
         }
-        self.hull.hold = Some(hold);
-        self.cx.timers.set(Timer::HoldTerm, self.cx.now + asked.duration);
-        // BPEMB comes before BPSUS. The hold stands already, for a plugin that fails of the events ends it.
-        self.end_lease("a hold took its place");
-        if let Some(before) = before {
-            if before.plugin == plugin && before.tag == asked.tag {
-                self.cx
-                    .transition_quietly(before.request, RequestState::Ended("replaced".to_owned()));
-            } else {
-                let reason = "another hold took its place";
-                self.cx
-                    .transition(before.request, RequestState::Ended(reason.to_owned()));
-            }
-        }
-        self.watch_relative();
-        self.drive_hold();
+        self.hold = Some(hold);
+        cx.timers.set(Timer::HoldTerm, cx.now + asked.duration);
+        Some(before)
     }
 
-    fn admit_hold(&mut self, plugin: PluginId, asked: &HoldRequest) -> Result<Hover, Refusal> {
-        self.cx.admit(plugin, Grant::Hull)?;
-        self.cx.arbiter.arbitrate(plugin, LeaseKind::Station)?;
-        self.cx.admit_beside_gps_hit()?;
-        if self.cx.suspended.len() >= LEFT_MAX {
+    /// Sends the first message of station keeping that has been adopted, or what has changed.
+    pub(crate) fn begin(&mut self, cx: &mut Context, before: Option<Hold>) {
+        if let Some(before) = before {
+            let same = |hold: Hold| before.plugin == hold.plugin && before.tag == hold.tag;
+            if self.hold.is_some_and(same) {
+                cx.transition_quietly(before.request, RequestState::Ended("replaced".to_owned()));
+            } else {
+                let reason = "another hold took its place";
+                cx.transition(before.request, RequestState::Ended(reason.to_owned()));
+            }
+        }
+        self.watch_relative(cx);
+        self.drive(cx);
+    }
+
+    fn admit(&mut self, cx: &mut Context, plugin: PluginId, asked: &HoldRequest) -> Result<Hover, Refusal> {
+        cx.admit(plugin, Grant::Hull)?;
+        cx.arbiter.arbitrate(plugin, LeaseKind::Station)?;
+        cx.admit_beside_gps_hit()?;
+        if cx.suspended.len() >= LEFT_MAX {
             let text = format!("the mission may stand suspended at {LEFT_MAX} places, the most that are kept");
             return Err(refused("cap", &text));
         }
-        let mut hover = self.cx.envelope.admit_hold(asked)?;
-        self.cx.cap_steering(plugin, asked.duration)?;
+        let mut hover = cx.envelope.admit_hold(asked)?;
+        cx.cap_steering(plugin, asked.duration)?;
         // There is no command to stop: a vehicle that has been sent somewhere is sent to where it is.
         if hover.aim.is_none()
-            && let Some(hold) = &self.hull.hold
+            && let Some(hold) = &self.hold
             && let Some(last) = &hold.sent_aim
         {
             hover.aim = match hold.target {
                 HoldTarget::Here => hold.hover.aim,
-                HoldTarget::Hull { .. } | HoldTarget::Bottom { .. } => Some(aim_at_here(last, self.here()?)?),
+                HoldTarget::Hull { .. } | HoldTarget::Bottom { .. } => Some(aim_at_here(last, self.here(cx)?)?),
             };
             hover.speed_mps = asked.speed_mps.unwrap_or(hold.hover.speed_mps);
         }
-        self.judge_hover(&hover)?;
+        self.judge_hover(cx, &hover)?;
         Ok(hover)
     }
 
     /// The whole judgement of a hold, with what is known at this moment.
-    fn judge_hover(&self, hover: &Hover) -> Result<f64, Refusal> {
-        self.with_surroundings(|around| self.cx.envelope.judge_hold(hover, around))
+    fn judge_hover(&self, cx: &Context, hover: &Hover) -> Result<f64, Refusal> {
+        self.with_surroundings(cx, |around| cx.envelope.judge_hold(hover, around))
     }
 
-    fn here(&self) -> Result<Suspended, Refusal> {
-        self.with_surroundings(|around| Ok(around.here()))
+    fn here(&self, cx: &Context) -> Result<Suspended, Refusal> {
+        self.with_surroundings(cx, |around| Ok(around.here()))
     }
 
-    fn with_surroundings<T>(&self, ask: impl FnOnce(&Surroundings<'_>) -> Result<T, Refusal>) -> Result<T, Refusal> {
-        let Some(navigation) = self.cx.tracker.fresh(self.cx.now) else {
+    fn with_surroundings<T>(
+        &self,
+        cx: &Context,
+        ask: impl FnOnce(&Surroundings<'_>) -> Result<T, Refusal>,
+    ) -> Result<T, Refusal> {
+        let Some(navigation) = cx.tracker.fresh(cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
-        let (relative, cartesian) = (
-            self.cx.relative.steady(self.cx.now),
-            self.cx.cartesian.steady(self.cx.now),
-        );
-        let suspended: Vec<Suspended> = self
-            .cx
+        let (relative, cartesian) = (cx.relative.steady(cx.now), cx.cartesian.steady(cx.now));
+        let suspended: Vec<Suspended> = cx
             .suspended
             .iter()
             .copied()
-            .chain(self.hull.hold.and_then(|hold| hold.suspended))
+            .chain(self.hold.and_then(|hold| hold.suspended))
             .collect();
         ask(&Surroundings {
             relative: relative.as_ref(),
             cartesian: cartesian.as_ref(),
             navigation,
-            lock: self.cx.tracker.bottom_lock(self.cx.now),
+            lock: cx.tracker.bottom_lock(cx.now),
             suspended: &suspended,
-            now: self.cx.now,
+            now: cx.now,
         })
     }
 
     /// Sends what is due of the hold, and sets when to come back.
-    fn drive_hold(&mut self) {
-        let Some(hold) = self.hull.hold else { return };
-        if hold.sent.is_some_and(|sent| self.cx.now.since(sent) > REFRESH_AT_MOST)
+    fn drive(&mut self, cx: &mut Context) {
+        let Some(hold) = self.hold else { return };
+        if hold.sent.is_some_and(|sent| cx.now.since(sent) > REFRESH_AT_MOST)
             && is_on(Check::LateWake)
             && is_on(Check::HoldCadence)
         {
-            return self.end_hold("it was not refreshed in time");
+            return self.end(cx, "it was not refreshed in time");
         }
-        if !self.hold_is_sound() {
+        if !self.is_sound(cx) {
             return;
         }
-        if hold.stage == Stage::Due && self.cx.now >= self.hull.free_at() {
-            self.advance_hold();
+        if hold.stage == Stage::Due && cx.now >= self.free_at() {
+            self.advance(cx);
         }
-        if let Some(hold) = self.hull.hold
-            && hold.sent.is_some_and(|sent| self.cx.now.since(sent) >= refresh_every())
+        if let Some(hold) = self.hold
+            && hold.sent.is_some_and(|sent| cx.now.since(sent) >= refresh_every())
         {
-            let created = self.cx.stamper.stamp(self.cx.now, "CON");
-            self.send_hold("CON", &ToVehicle::Continue(Continue { created }));
+            let created = cx.stamper.stamp(cx.now, "CON");
+            self.send(cx, "CON", &ToVehicle::Continue(Continue { created }));
         }
-        let Some(hold) = self.hull.hold else { return };
+        let Some(hold) = self.hold else { return };
         let refresh = hold.sent.map(|sent| sent + refresh_every());
-        let due = (hold.stage == Stage::Due).then(|| self.hull.free_at().max(self.cx.now));
+        let due = (hold.stage == Stage::Due).then(|| self.free_at().max(cx.now));
         let next = refresh.into_iter().chain(due).min();
-        self.cx.timers.set_or_stop(Timer::Hold, next);
+        cx.timers.set_or_stop(Timer::Hold, next);
     }
 
     /// Judges the hold anew where that is older than this moment; ends it where it does not hold.
-    fn hold_is_sound(&mut self) -> bool {
-        let Some(hold) = self.hull.hold else { return false };
-        hold.judged == self.cx.now || self.prevent_hold()
+    fn is_sound(&mut self, cx: &mut Context) -> bool {
+        let Some(hold) = self.hold else { return false };
+        hold.judged == cx.now || self.prevent(cx)
     }
 
     /// A sample is new, or time has passed: the hold is judged in full, and ends where it does not hold. Its checks are
     /// a few comparisons, so that each sample is worth one. False where no hold stands after it.
-    pub(crate) fn prevent_hold(&mut self) -> bool {
-        let Some(hold) = self.hull.hold else { return false };
+    pub(crate) fn prevent(&mut self, cx: &mut Context) -> bool {
+        let Some(hold) = self.hold else { return false };
         if is_on(Check::HoldJudged)
-            && let Err(refusal) = self.judge_hover(&hold.hover)
+            && let Err(refusal) = self.judge_hover(cx, &hold.hover)
         {
-            self.end_hold(&refusal.text);
+            self.end(cx, &refusal.text);
             return false;
         }
-        if let Some(hold) = &mut self.hull.hold {
-            hold.judged = self.cx.now;
+        if let Some(hold) = &mut self.hold {
+            hold.judged = cx.now;
         }
         true
     }
 
     /// Sends the next message on the way to what is asked; the hold has been judged at this moment.
-    fn advance_hold(&mut self) {
-        let Some(hold) = self.hull.hold else { return };
+    fn advance(&mut self, cx: &mut Context) {
+        let Some(hold) = self.hold else { return };
         if hold.suspended.is_none() {
-            let here = self.here().unwrap_or_default();
-            let created = self.cx.stamper.stamp(self.cx.now, "SUS");
-            if self.send_hold("SUS", &ToVehicle::Suspend(Suspend { created })) {
+            let here = self.here(cx).unwrap_or_default();
+            let created = cx.stamper.stamp(cx.now, "SUS");
+            if self.send(cx, "SUS", &ToVehicle::Suspend(Suspend { created })) {
                 self.set_stage(Stage::Suspending);
-                if let Some(hold) = &mut self.hull.hold {
+                if let Some(hold) = &mut self.hold {
                     hold.suspended = Some(here);
                 }
             }
             return;
         }
         let Some(aim) = hold.hover.aim else {
-            return self.hold_stands(hold.request);
+            return self.stands(cx, hold.request);
         };
-        if self.hull.limit.known_mps != Some(hold.hover.speed_mps) {
-            let created = self.cx.stamper.stamp(self.cx.now, "SPD");
+        if self.limit.known_mps != Some(hold.hover.speed_mps) {
+            let created = cx.stamper.stamp(cx.now, "SPD");
             let speed_mps = hold.hover.speed_mps;
             // Before it is sent: what is sent may have come through.
-            self.hull.limit = SpeedLimit {
+            self.limit = SpeedLimit {
                 known_mps: None,
-                changed: self.hull.limit.changed || self.cx.speed_default_mps() != Some(speed_mps),
+                changed: self.limit.changed || cx.speed_default_mps() != Some(speed_mps),
                 restoring: None,
             };
             let limit = ToVehicle::HullSpeedLimit(HullSpeedLimit { created, speed_mps });
-            if self.send_hold("SPD", &limit) {
+            if self.send(cx, "SPD", &limit) {
                 self.set_stage(Stage::Limiting(hold.request));
             }
             return;
         }
-        let (letters, message) = self.move_to(aim);
-        if self.send_hold(letters, &message) {
+        let (letters, message) = self.move_to(cx, aim);
+        if self.send(cx, letters, &message) {
             self.set_stage(Stage::Moving(hold.request));
-            if let Some(hold) = &mut self.hull.hold {
+            if let Some(hold) = &mut self.hold {
                 hold.sent_aim = Some(aim);
             }
         }
     }
 
-    fn move_to(&mut self, aim: Aim) -> (&'static str, ToVehicle) {
+    fn move_to(&mut self, cx: &mut Context, aim: Aim) -> (&'static str, ToVehicle) {
         match aim {
             Aim::Hull {
                 horizontal_m,
                 vertical_m,
                 distance_m,
             } => {
-                let created = self.cx.stamper.stamp(self.cx.now, "GHP");
+                let created = cx.stamper.stamp(cx.now, "GHP");
                 let message = HullPosition {
                     created,
                     horizontal_m,
@@ -331,7 +335,7 @@ impl Core {
                 ("GHP", ToVehicle::HullPosition(message))
             }
             Aim::Bottom { x_m, y_m, vertical } => {
-                let created = self.cx.stamper.stamp(self.cx.now, "GBP");
+                let created = cx.stamper.stamp(cx.now, "GBP");
                 let (reference, vertical_m) = match vertical {
                     Vertical::Depth(depth) => (VerticalReference::Depth, depth.as_m()),
                     Vertical::Altitude(altitude) => (VerticalReference::Altitude, altitude.as_m()),
@@ -349,101 +353,98 @@ impl Core {
     }
 
     /// Sends a message of the hold. False where the hold is over for it.
-    fn send_hold(&mut self, letters: &'static str, message: &ToVehicle) -> bool {
-        let Some(hold) = self.hull.hold else { return false };
+    fn send(&mut self, cx: &mut Context, letters: &'static str, message: &ToVehicle) -> bool {
+        let Some(hold) = self.hold else { return false };
         let command = Command {
             name: name(letters),
             created: message.created(),
             identifier: None,
             purpose: Purpose::Hold(hold.request),
-            deadline: self.cx.now + FIRST_WITHIN,
+            deadline: cx.now + FIRST_WITHIN,
             pending: false,
         };
-        if !self.cx.transmit_for(hold.plugin.into(), message, Some(command)) {
-            self.end_hold("it could not be sent");
+        if !cx.transmit_for(hold.plugin.into(), message, Some(command)) {
+            self.end(cx, "it could not be sent");
             return false;
         }
         let refreshes = letters != "SPD";
         let steers = letters != "CON";
         if steers {
-            self.hull.steered = Some(self.cx.now);
+            self.steered = Some(cx.now);
         }
-        if let Some(hold) = &mut self.hull.hold
+        if let Some(hold) = &mut self.hold
             && refreshes
         {
-            hold.sent = Some(self.cx.now);
+            hold.sent = Some(cx.now);
         }
         // A request that changes nothing goes out with the next BPCON; one whose own message waits does not.
         if steers || hold.stage == Stage::Standing {
-            self.cx.transition(hold.request, RequestState::Sent);
+            cx.transition(hold.request, RequestState::Sent);
         }
         // Its plugin may have failed of the event.
-        self.hull.hold.is_some_and(|now| now.request == hold.request)
+        self.hold.is_some_and(|now| now.request == hold.request)
     }
 
     fn set_stage(&mut self, stage: Stage) {
-        if let Some(hold) = &mut self.hull.hold {
+        if let Some(hold) = &mut self.hold {
             hold.stage = stage;
         }
     }
 
     /// All that a request of the hold needs is acknowledged.
-    fn hold_stands(&mut self, request: u64) {
+    fn stands(&mut self, cx: &mut Context, request: u64) {
         self.set_stage(Stage::Standing);
-        if self.hull.hold.is_some_and(|hold| hold.request == request) {
-            self.cx.transition(request, RequestState::Accepted);
+        if self.hold.is_some_and(|hold| hold.request == request) {
+            cx.transition(request, RequestState::Accepted);
         }
     }
 
     /// The plugin ends its own hold.
-    pub(crate) fn ask_end_hold(&mut self, plugin: PluginId) {
-        if self.hull.holder() == Some(plugin) {
-            self.end_hold("its plugin ended it");
+    pub(crate) fn asked_end(&mut self, cx: &mut Context, plugin: PluginId) {
+        if self.holder() == Some(plugin) {
+            self.end(cx, "its plugin ended it");
         }
     }
 
     /// The vehicle is where it may have returned to. One without a hold is.
-    fn watch_return(&mut self) {
-        if self.hull.hold.is_some() || self.cx.suspended.is_empty() {
+    fn watch_return(&mut self, cx: &mut Context) {
+        if self.hold.is_some() || cx.suspended.is_empty() {
             return;
         }
-        let Some(limits) = &self.cx.envelope.limits().hull else {
+        let Some(limits) = &cx.envelope.limits().hull else {
             return;
         };
         let within_m = 2.0 * limits.position_error_m;
-        if let Ok(here) = self.here() {
-            self.cx
-                .suspended
-                .retain(|suspended| !suspended.is_near(&here, within_m));
+        if let Ok(here) = self.here(cx) {
+            cx.suspended.retain(|suspended| !suspended.is_near(&here, within_m));
         }
     }
 
     /// Ends the hold, if there is one: the vehicle's own speed limit and BPRES where the link is up, then silence.
-    pub(crate) fn end_hold(&mut self, reason: &str) {
-        self.close_hold(reason, RequestState::Ended(reason.to_owned()));
+    pub(crate) fn end(&mut self, cx: &mut Context, reason: &str) {
+        self.close(cx, reason, RequestState::Ended(reason.to_owned()));
     }
 
-    fn close_hold(&mut self, reason: &str, state: RequestState) {
-        let Some(hold) = self.hull.hold.take() else { return };
-        self.cx.suspended.extend(hold.suspended);
-        self.cx.arbiter.release(self.cx.now, LeaseKind::Station);
+    fn close(&mut self, cx: &mut Context, reason: &str, state: RequestState) {
+        let Some(hold) = self.hold.take() else { return };
+        cx.suspended.extend(hold.suspended);
+        cx.arbiter.release(cx.now, LeaseKind::Station);
         for timer in [Timer::Hold, Timer::HoldTerm, Timer::Relative] {
-            self.cx.timers.stop(timer);
+            cx.timers.stop(timer);
         }
-        self.cx.commands.forget_hold();
+        cx.commands.forget_hold();
         if hold.sent.is_some() {
-            self.cx.permits.station_ends = true;
-            self.restore_speed(hold.request);
+            cx.permits.station_ends = true;
+            self.restore_speed(cx, hold.request);
             // One that is not answered needs no second: the vehicle takes its mission up by itself after 2 s (8.1).
-            let created = self.cx.stamper.stamp(self.cx.now, "RES");
-            let command = self.cx.courtesy("RES", Some(created));
+            let created = cx.stamper.stamp(cx.now, "RES");
+            let command = cx.courtesy("RES", Some(created));
             if is_on(Check::HoldEndSaid) {
-                self.cx.transmit(&ToVehicle::Resume(Resume { created }), Some(command));
+                cx.transmit(&ToVehicle::Resume(Resume { created }), Some(command));
             }
-            self.cx.permits.station_ends = false;
+            cx.permits.station_ends = false;
         }
-        let proposed = self
-            .cx
+        let proposed = cx
             .ledger
             .get(hold.request)
             .is_some_and(|entry| matches!(entry.state, RequestState::Rejected(_)));
@@ -453,16 +454,16 @@ impl Core {
         } else {
             state
         };
-        self.cx.transition(hold.request, state);
-        self.cx.note(Note::LeaseEnded {
+        cx.transition(hold.request, state);
+        cx.note(Note::LeaseEnded {
             plugin: hold.plugin,
             reason: reason.to_owned(),
         });
     }
 
     /// An answer to a message of the hold that stands.
-    pub(crate) fn hold_answered(&mut self, request: u64, command: CommandName, answer: Answer<'_>) {
-        let Some(hold) = self.hull.hold else { return };
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, command: CommandName, answer: Answer<'_>) {
+        let Some(hold) = self.hold else { return };
         let newest = hold.request == request;
         let end = |reason: &str, state: RequestState| {
             if newest {
@@ -473,56 +474,56 @@ impl Core {
             }
         };
         match answer {
-            Answer::Pending if newest => self.cx.transition(request, RequestState::Pending),
+            Answer::Pending if newest => cx.transition(request, RequestState::Pending),
             Answer::Pending => {}
-            Answer::Done => self.hold_acknowledged(request, command.as_str(), hold.stage),
+            Answer::Done => self.acknowledged(cx, request, command.as_str(), hold.stage),
             Answer::Refused(text) => {
                 let reason = format!("the vehicle refused it: {text}");
                 let state = end(&reason, RequestState::Failed(text.to_owned()));
-                self.close_hold(&reason, state);
+                self.close(cx, &reason, state);
             }
             Answer::Missing => {
                 let reason = "the vehicle did not acknowledge it";
-                self.close_hold(reason, end(reason, RequestState::TimedOut));
+                self.close(cx, reason, end(reason, RequestState::TimedOut));
             }
         }
     }
 
-    fn hold_acknowledged(&mut self, request: u64, command: &str, stage: Stage) {
+    fn acknowledged(&mut self, cx: &mut Context, request: u64, command: &str, stage: Stage) {
         match (command, stage) {
-            ("SUS", Stage::Suspending) => self.hold_goes_on(),
+            ("SUS", Stage::Suspending) => self.goes_on(cx),
             ("SPD", Stage::Limiting(of)) if of == request => {
-                let speed_mps = self.hull.hold.map(|hold| hold.hover.speed_mps);
-                self.hull.limit = SpeedLimit {
+                let speed_mps = self.hold.map(|hold| hold.hover.speed_mps);
+                self.limit = SpeedLimit {
                     known_mps: speed_mps,
-                    changed: speed_mps != self.cx.speed_default_mps(),
+                    changed: speed_mps != cx.speed_default_mps(),
                     restoring: None,
                 };
-                self.hold_goes_on();
+                self.goes_on(cx);
             }
-            ("GHP" | "GBP", Stage::Moving(of)) if of == request => self.hold_stands(request),
-            ("CON", Stage::Standing) => self.hold_stands(request),
+            ("GHP" | "GBP", Stage::Moving(of)) if of == request => self.stands(cx, request),
+            ("CON", Stage::Standing) => self.stands(cx, request),
             // Of a message that another has overtaken.
             (_, Stage::Due | Stage::Suspending | Stage::Limiting(_) | Stage::Moving(_) | Stage::Standing) => {}
         }
     }
 
     /// The next message of the hold may leave; the vehicle has moved on meanwhile.
-    fn hold_goes_on(&mut self) {
-        if self.hold_is_sound() {
-            self.advance_hold();
-            self.drive_hold();
+    fn goes_on(&mut self, cx: &mut Context) {
+        if self.is_sound(cx) {
+            self.advance(cx);
+            self.drive(cx);
         }
     }
 
     /// The next BPCON is due, or what has changed.
-    pub(crate) fn refresh_hold(&mut self) {
-        self.drive_hold();
+    pub(crate) fn refresh(&mut self, cx: &mut Context) {
+        self.drive(cx);
     }
 
-    pub(crate) fn hold_plugin_failed(&mut self, plugin: PluginId) {
-        if self.hull.holder() == Some(plugin) {
-            self.end_hold("its plugin failed");
+    pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
+        if self.holder() == Some(plugin) {
+            self.end(cx, "its plugin failed");
         }
     }
 }

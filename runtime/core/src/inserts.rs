@@ -18,10 +18,11 @@ use crate::context::Context;
 use crate::envelope::{End, Flight, Insert, InsertPath, Route, Vertical};
 use crate::helm::refused;
 use crate::io::{Output, Reservation};
+use crate::irrevocable::Waiting;
 use crate::ledger::{Entry, RequestKind};
 use crate::limits::Grant;
-use crate::machine::Core;
 use crate::plugin::{PluginId, Refusal, Request, RequestState, TrackcircleRequest};
+use crate::recall::Recalls;
 use crate::schedule::Schedule;
 use crate::session::name;
 use crate::switches::{Check, is_on};
@@ -42,6 +43,13 @@ pub(crate) struct Admitted {
     schedule: Option<Schedule>,
 }
 
+/// The inserts that wait for an answer of the vehicle before they leave, and those that are being taken back.
+#[derive(Debug, Default)]
+pub(crate) struct Inserts {
+    pub(crate) waiting: Vec<Waiting>,
+    pub(crate) recalls: Recalls,
+}
+
 /// The grant that an insert needs; one that interrupts needs that of its own beside it.
 const fn grant_of(insert: &Insert) -> Grant {
     if insert.surfaces() {
@@ -51,17 +59,17 @@ const fn grant_of(insert: &Insert) -> Grant {
     }
 }
 
-impl Core {
-    pub(crate) fn ask_insert(&mut self, plugin: PluginId, asked: &Request) {
+impl Inserts {
+    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: &Request) {
         let (tag, kind, insert) = match asked {
-            Request::Trackline(line) => (line.tag, RequestKind::Trackline, self.cx.envelope.admit_trackline(line)),
+            Request::Trackline(line) => (line.tag, RequestKind::Trackline, cx.envelope.admit_trackline(line)),
             Request::Trackcircle(circle) => (
                 circle.tag,
                 RequestKind::Trackcircle,
-                self.admit_layout(circle)
-                    .and_then(|()| self.cx.envelope.admit_trackcircle(circle)),
+                self.admit_layout(cx, circle)
+                    .and_then(|()| cx.envelope.admit_trackcircle(circle)),
             ),
-            Request::GpsHit(hit) => (hit.tag, RequestKind::GpsHit, self.cx.envelope.admit_gps_hit(hit)),
+            Request::GpsHit(hit) => (hit.tag, RequestKind::GpsHit, cx.envelope.admit_gps_hit(hit)),
             Request::Modify(_)
             | Request::EndModify
             | Request::Cancel(_)
@@ -79,37 +87,45 @@ impl Core {
             | Request::Light(_)
             | Request::Timer { .. } => return,
         };
-        self.cx.reserve();
-        let request = self.cx.ledger.propose(plugin, tag, kind);
+        cx.reserve();
+        let request = cx.ledger.propose(plugin, tag, kind);
         let admitted = insert.and_then(|insert| {
-            self.cx.admit(plugin, grant_of(&insert))?;
-            if insert.interrupt && !self.cx.plugins[plugin.0].grants().contains(&Grant::Interrupt) {
+            cx.admit(plugin, grant_of(&insert))?;
+            if insert.interrupt && !cx.plugins[plugin.0].grants().contains(&Grant::Interrupt) {
                 return Err(refused("grant", "the mission does not grant it Interrupt"));
             }
-            Ok((insert, self.admit_now(plugin, tag, &insert)?))
+            Ok((insert, self.admit(cx, plugin, tag, &insert)?))
         });
         match admitted {
-            Ok((insert, _)) if self.waits_for_answer(&insert) => self.wait_for_answer(request, plugin, tag, insert),
-            Ok((insert, admitted)) => self.send_insert(request, insert, admitted),
-            Err(refusal) => self.cx.reject(request, refusal),
+            Ok((insert, _)) if self.waits_for_answer(cx, &insert) => {
+                self.wait_for_answer(cx, request, plugin, tag, insert)
+            }
+            Ok((insert, admitted)) => self.send_insert(cx, request, insert, admitted),
+            Err(refusal) => cx.reject(request, refusal),
         }
     }
 
     /// All that an insert needs at the moment that it leaves.
-    pub(crate) fn admit_now(&mut self, plugin: PluginId, tag: u64, insert: &Insert) -> Result<Admitted, Refusal> {
-        let route = self.admit_insert(plugin, tag, insert)?;
-        self.judge_insert(insert, &route)?;
-        self.cx.admit_delay(insert, &route)?;
+    pub(crate) fn admit(
+        &mut self,
+        cx: &mut Context,
+        plugin: PluginId,
+        tag: u64,
+        insert: &Insert,
+    ) -> Result<Admitted, Refusal> {
+        let route = self.admit_insert(cx, plugin, tag, insert)?;
+        self.judge_insert(cx, insert, &route)?;
+        cx.admit_delay(insert, &route)?;
         Ok(Admitted {
-            duration_s: self.cap_duration(plugin, insert, &route)?,
-            schedule: self.cx.schedule(insert, &route),
+            duration_s: self.cap_duration(cx, plugin, insert, &route)?,
+            schedule: cx.schedule(insert, &route),
         })
     }
 
     /// The two layouts of BPRTC in SPI 7.6 differ in what comes before the interrupt code. Where nobody has said which one
     /// the vehicle reads, a circle leaves only if both read it alike: after what is flown, entered anywhere.
-    fn admit_layout(&self, circle: &TrackcircleRequest) -> Result<(), Refusal> {
-        let layout = self.cx.settings.trackcircle_entry_angle;
+    fn admit_layout(&self, cx: &Context, circle: &TrackcircleRequest) -> Result<(), Refusal> {
+        let layout = cx.settings.trackcircle_entry_angle;
         let text = match layout {
             Some(true) => return Ok(()),
             _ if circle.entry_angle_deg.is_some() => {
@@ -124,42 +140,48 @@ impl Core {
     }
 
     /// All that does not hang on the geometry: grants, the plan, doubt, caps of number, identifiers. The insert's route.
-    fn admit_insert(&mut self, plugin: PluginId, tag: u64, insert: &Insert) -> Result<Route, Refusal> {
+    fn admit_insert(
+        &mut self,
+        cx: &mut Context,
+        plugin: PluginId,
+        tag: u64,
+        insert: &Insert,
+    ) -> Result<Route, Refusal> {
         let surfaces = insert.surfaces();
-        self.cx.admit_standing(grant_of(insert))?;
-        if !self.cx.plan.is_complete() && is_on(Check::PlanKnown) {
+        cx.admit_standing(grant_of(insert))?;
+        if !cx.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(refused(
                 "plan",
                 "the vehicle's plan is not known, nor so where the insert would begin",
             ));
         }
-        if self.cx.ledger.in_doubt() && is_on(Check::InsertInDoubt) {
+        if cx.ledger.in_doubt() && is_on(Check::InsertInDoubt) {
             return Err(refused(
                 "doubt",
                 "the vehicle has not answered for an earlier insert since the link was lost",
             ));
         }
-        if self.cx.open_insert(plugin, tag).is_some() || self.is_waiting(plugin, tag) {
+        if cx.open_insert(plugin, tag).is_some() || self.is_waiting(plugin, tag) {
             return Err(refused("tag", "an insert with this tag is still open"));
         }
         if insert.interrupt {
-            self.cx.admit_beside_gps_hit()?;
+            cx.admit_beside_gps_hit()?;
         }
-        if insert.interrupt && self.cx.ledger.interrupts() && is_on(Check::InterruptOfInterrupt) {
+        if insert.interrupt && cx.ledger.interrupts() && is_on(Check::InterruptOfInterrupt) {
             return Err(refused(
                 "interrupt",
                 "an insert that interrupts is open, and none may interrupt it (SPI 7.5)",
             ));
         }
-        if insert.interrupt && self.cx.former_may_fly() && is_on(Check::InterruptOfInterrupt) {
+        if insert.interrupt && cx.former_may_fly() && is_on(Check::InterruptOfInterrupt) {
             return Err(refused(
                 "interrupt",
                 "an insert of an earlier process may be flown, and may be one that none may interrupt (SPI 7.5)",
             ));
         }
-        let current = self.cx.named_insert.current();
+        let current = cx.named_insert.current();
         if insert.interrupt
-            && current.is_some_and(|current| !self.cx.sent_identifiers.contains(&current))
+            && current.is_some_and(|current| !cx.sent_identifiers.contains(&current))
             && is_on(Check::InterruptOfInterrupt)
         {
             return Err(refused(
@@ -167,14 +189,14 @@ impl Core {
                 "an insert that is not ours is flown, and may be one that none may interrupt (SPI 7.5)",
             ));
         }
-        let limits = self.cx.envelope.limits();
-        if self.cx.ledger.open_inserts() + self.cx.inherited() >= limits.inserts_open_max && is_on(Check::InsertsOpen) {
+        let limits = cx.envelope.limits();
+        if cx.ledger.open_inserts() + cx.inherited() >= limits.inserts_open_max && is_on(Check::InsertsOpen) {
             return Err(refused(
                 "cap",
                 &format!("{} inserts are open, the most there may be", limits.inserts_open_max),
             ));
         }
-        if surfaces && self.cx.gps_hits_sent >= limits.gps_hits_total_max && is_on(Check::GpsHitsTotal) {
+        if surfaces && cx.gps_hits_sent >= limits.gps_hits_total_max && is_on(Check::GpsHitsTotal) {
             return Err(refused(
                 "cap",
                 &format!(
@@ -183,7 +205,7 @@ impl Core {
                 ),
             ));
         }
-        if !surfaces && self.cx.inserts_sent >= limits.inserts_total_max && is_on(Check::InsertsTotal) {
+        if !surfaces && cx.inserts_sent >= limits.inserts_total_max && is_on(Check::InsertsTotal) {
             return Err(refused(
                 "cap",
                 &format!(
@@ -192,27 +214,27 @@ impl Core {
                 ),
             ));
         }
-        let own = self.cx.plugins[plugin.0].limits();
-        let open = self.cx.ledger.open_inserts_of(plugin);
+        let own = cx.plugins[plugin.0].limits();
+        let open = cx.ledger.open_inserts_of(plugin);
         if let Some(most) = own.inserts_open_max.filter(|most| open >= *most) {
             let text = format!("{open} inserts of its own are open, and {most} may be");
             return Err(refused("cap", &text));
         }
-        let sent = self.cx.plugins[plugin.0].inserts_sent();
+        let sent = cx.plugins[plugin.0].inserts_sent();
         if let Some(most) = own.inserts_total_max.filter(|most| !surfaces && sent >= *most) {
             let text = format!("it has sent {sent} inserts, and may send {most}");
             return Err(refused("cap", &text));
         }
         if is_on(Check::PlanKnown) {
-            self.cx.heard_what_is_flown(insert.interrupt)?;
+            cx.heard_what_is_flown(insert.interrupt)?;
         }
-        if let Some(identifiers) = &mut self.cx.start.identifiers {
+        if let Some(identifiers) = &mut cx.start.identifiers {
             // The record may be older than the vehicle's mission, and another payload may count like us.
-            while self.cx.plan.has(BehaviorId::new(identifiers.next)) && identifiers.next < u32::MAX {
+            while cx.plan.has(BehaviorId::new(identifiers.next)) && identifiers.next < u32::MAX {
                 identifiers.next += 1;
             }
         }
-        match self.cx.start.identifiers {
+        match cx.start.identifiers {
             None => Err(refused("identifier", "the identifiers' state on disk is missing")),
             Some(identifiers) if identifiers.next >= identifiers.reserved && is_on(Check::IdentifiersReserved) => {
                 Err(refused("identifier", "no identifier is reserved on disk yet"))
@@ -221,22 +243,22 @@ impl Core {
             Some(identifiers)
                 if is_on(Check::IdentifiersReserved)
                     && (if surfaces {
-                        self.cx.gps_hits_sent >= identifiers.gps_hits
+                        cx.gps_hits_sent >= identifiers.gps_hits
                     } else {
-                        self.cx.inserts_sent >= identifiers.inserts
+                        cx.inserts_sent >= identifiers.inserts
                     }) =>
             {
                 Err(refused("identifier", "no insert is reserved on disk yet"))
             }
-            Some(_) => Ok(self.cx.route_of_insert(insert.interrupt)),
+            Some(_) => Ok(cx.route_of_insert(insert.interrupt)),
         }
     }
 
     /// How long an insert flies at most, where that and what is open stay under the cap.
-    fn cap_duration(&self, plugin: PluginId, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
-        let duration_s = self.cx.envelope.duration_s(insert, &route.from);
-        let open_s = self.cx.ledger.open_duration_s();
-        let most_s = self.cx.envelope.limits().inserts_duration_max_s;
+    fn cap_duration(&self, cx: &Context, plugin: PluginId, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
+        let duration_s = cx.envelope.duration_s(insert, &route.from);
+        let open_s = cx.ledger.open_duration_s();
+        let most_s = cx.envelope.limits().inserts_duration_max_s;
         if open_s + duration_s > most_s && is_on(Check::InsertsDuration) {
             return Err(refused(
                 "cap",
@@ -245,8 +267,8 @@ impl Core {
                 ),
             ));
         }
-        let own_s = self.cx.ledger.open_duration_of_s(plugin);
-        let own_max_s = self.cx.plugins[plugin.0].limits().inserts_duration_max_s;
+        let own_s = cx.ledger.open_duration_of_s(plugin);
+        let own_max_s = cx.plugins[plugin.0].limits().inserts_duration_max_s;
         if let Some(most_s) = own_max_s.filter(|most_s| own_s + duration_s > *most_s) {
             let text = format!(
                 "it may fly for {duration_s:.0} s and its plugin's open inserts for {own_s:.0} s, together over {most_s} s"
@@ -256,25 +278,25 @@ impl Core {
         Ok(duration_s)
     }
 
-    fn judge_insert(&self, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
-        let Some(navigation) = self.cx.tracker.fresh(self.cx.now) else {
+    fn judge_insert(&self, cx: &Context, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
+        let Some(navigation) = cx.tracker.fresh(cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
         if !is_on(Check::InsertFence) {
             return Ok(f64::MAX);
         }
-        self.cx.envelope.judge_insert(
+        cx.envelope.judge_insert(
             insert,
             navigation.depth,
-            self.cx.tracker.bottom_lock(self.cx.now),
+            cx.tracker.bottom_lock(cx.now),
             route,
-            self.cx.clocks(),
+            cx.clocks(),
         )
     }
 
-    pub(crate) fn send_insert(&mut self, request: u64, insert: Insert, admitted: Admitted) {
+    pub(crate) fn send_insert(&mut self, cx: &mut Context, request: u64, insert: Insert, admitted: Admitted) {
         let Admitted { duration_s, schedule } = admitted;
-        let Some(identifiers) = &mut self.cx.start.identifiers else {
+        let Some(identifiers) = &mut cx.start.identifiers else {
             return;
         };
         let identifier = BehaviorId::new(identifiers.next);
@@ -286,7 +308,7 @@ impl Core {
         };
         let (message, letters, created) = match insert.path {
             InsertPath::Line { start, end, flight } => {
-                let created = self.cx.stamper.stamp(self.cx.now, "RTK");
+                let created = cx.stamper.stamp(cx.now, "RTK");
                 let (vertical_m, vertical_mode, speed) = figures(flight);
                 let message = ToVehicle::Trackline(Trackline {
                     created,
@@ -308,7 +330,7 @@ impl Core {
                 entry_angle_deg,
                 flight,
             } => {
-                let created = self.cx.stamper.stamp(self.cx.now, "RTC");
+                let created = cx.stamper.stamp(cx.now, "RTC");
                 let (vertical_m, vertical_mode, speed) = figures(flight);
                 let message = ToVehicle::Trackcircle(Trackcircle {
                     created,
@@ -320,7 +342,7 @@ impl Core {
                     vertical_m,
                     speed,
                     speed_mode: SpeedMode::MetresPerSecond,
-                    entry_angle_deg: match self.cx.settings.trackcircle_entry_angle {
+                    entry_angle_deg: match cx.settings.trackcircle_entry_angle {
                         Some(true) => entry_angle_deg.map_or(CircleEntry::Anywhere, CircleEntry::Angle),
                         Some(false) => CircleEntry::Absent,
                         // The interrupt code of who takes it for that is the same as the one that follows.
@@ -331,7 +353,7 @@ impl Core {
                 (message, "RTC", created)
             }
             InsertPath::Surface { at } => {
-                let created = self.cx.stamper.stamp(self.cx.now, "RGP");
+                let created = cx.stamper.stamp(cx.now, "RGP");
                 let message = ToVehicle::GpsHit(GpsHit {
                     created,
                     identifier,
@@ -350,55 +372,54 @@ impl Core {
             created: Some(created),
             identifier: Some(identifier),
             purpose: Purpose::Insert(request),
-            deadline: self.cx.now + 2 * FIRST_WITHIN,
+            deadline: cx.now + 2 * FIRST_WITHIN,
             pending: false,
         };
-        if !self.cx.transmit(&message, Some(command)) {
-            self.cx.reserve();
-            return self.cx.reject(request, refused("control", "it could not be sent"));
+        if !cx.transmit(&message, Some(command)) {
+            cx.reserve();
+            return cx.reject(request, refused("control", "it could not be sent"));
         }
         if insert.surfaces() {
-            self.cx.gps_hits_sent += 1;
+            cx.gps_hits_sent += 1;
         } else {
-            self.cx.inserts_sent += 1;
-            if let Some(plugin) = self.cx.ledger.get(request).and_then(|entry| entry.owner.plugin()) {
-                self.cx.plugins[plugin.0].count_insert();
+            cx.inserts_sent += 1;
+            if let Some(plugin) = cx.ledger.get(request).and_then(|entry| entry.owner.plugin()) {
+                cx.plugins[plugin.0].count_insert();
             }
         }
-        self.cx.reserve();
-        self.cx.sent_identifiers.insert(identifier);
-        if let Some(entry) = self.cx.ledger.get_mut(request) {
+        cx.reserve();
+        cx.sent_identifiers.insert(identifier);
+        if let Some(entry) = cx.ledger.get_mut(request) {
             entry.identifier = Some(identifier);
             entry.insert = Some(insert);
             entry.duration_s = duration_s;
             entry.schedule = schedule;
-            entry.sent_at = self.cx.now;
+            entry.sent_at = cx.now;
         }
-        self.cx.transition(request, RequestState::Sent);
+        cx.transition(request, RequestState::Sent);
     }
 
-    pub(crate) fn ask_cancel(&mut self, plugin: PluginId, tag: u64) {
-        let cancel = self.cx.ledger.propose(plugin, tag, RequestKind::Cancel);
-        match self.admit_cancel(plugin, tag) {
+    pub(crate) fn asked_cancel(&mut self, cx: &mut Context, plugin: PluginId, tag: u64) {
+        let cancel = cx.ledger.propose(plugin, tag, RequestKind::Cancel);
+        match self.admit_cancel(cx, plugin, tag) {
             Ok(insert) => {
-                let identifier = self.cx.ledger.get(insert).and_then(|entry| entry.identifier);
-                if identifier.is_some_and(|identifier| self.cx.send_cancel(Some(cancel), insert, identifier)) {
-                    self.cx.transition(cancel, RequestState::Sent);
+                let identifier = cx.ledger.get(insert).and_then(|entry| entry.identifier);
+                if identifier.is_some_and(|identifier| cx.send_cancel(Some(cancel), insert, identifier)) {
+                    cx.transition(cancel, RequestState::Sent);
                 } else {
-                    self.cx.reject(cancel, refused("control", "it could not be sent"));
+                    cx.reject(cancel, refused("control", "it could not be sent"));
                 }
             }
-            Err(refusal) => self.cx.reject(cancel, refusal),
+            Err(refusal) => cx.reject(cancel, refusal),
         }
     }
 
-    fn admit_cancel(&mut self, plugin: PluginId, tag: u64) -> Result<u64, Refusal> {
-        self.cx.admit(plugin, Grant::Insert)?;
-        let Some(insert) = self.cx.open_insert(plugin, tag) else {
+    fn admit_cancel(&mut self, cx: &mut Context, plugin: PluginId, tag: u64) -> Result<u64, Refusal> {
+        cx.admit(plugin, Grant::Insert)?;
+        let Some(insert) = cx.open_insert(plugin, tag) else {
             return Err(refused("tag", "no insert with this tag is open"));
         };
-        if self
-            .cx
+        if cx
             .ledger
             .get(insert)
             .is_some_and(|entry| entry.state == RequestState::Started)
@@ -408,108 +429,106 @@ impl Core {
                 "the insert has begun and can no longer be cancelled (SPI 7.8)",
             ));
         }
-        if self.cx.ledger.is_gps_hit(Some(insert)) {
+        if cx.ledger.is_gps_hit(Some(insert)) {
             return Err(refused(
                 "tag",
                 "a GPS hit cannot be cancelled: BPRCN covers tracklines and trackcircles only (SPI 7.8)",
             ));
         }
         // Without it the vehicle goes from what was before it to what comes after it.
-        self.cx.judge_cancel(&self.cx.chain(), insert)?;
+        cx.judge_cancel(&cx.chain(), insert)?;
         Ok(insert)
     }
 
     /// The vehicle's answer to an insert.
-    pub(crate) fn insert_answered(&mut self, request: u64, answer: Answer<'_>) {
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.cx.transition(request, RequestState::Pending),
-            Answer::Done => self.cx.transition(request, RequestState::Accepted),
-            Answer::Refused(text) => self.cx.transition(request, RequestState::Failed(text.to_owned())),
-            Answer::Missing => self.insert_unanswered(request),
+            Answer::Pending => cx.transition(request, RequestState::Pending),
+            Answer::Done => cx.transition(request, RequestState::Accepted),
+            Answer::Refused(text) => cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => self.unanswered(cx, request),
         }
     }
 
     /// The vehicle's answer to a cancel.
-    pub(crate) fn cancel_answered(&mut self, cancel: Option<u64>, insert: u64, answer: Answer<'_>) {
+    pub(crate) fn cancel_answered(&mut self, cx: &mut Context, cancel: Option<u64>, insert: u64, answer: Answer<'_>) {
         if cancel.is_none() {
-            self.recall_answered(insert, answer);
+            self.recall_answered(cx, insert, answer);
         }
         match answer {
             Answer::Pending => {}
             Answer::Missing => {
                 if let Some(cancel) = cancel {
-                    self.cx.transition(cancel, RequestState::TimedOut);
+                    cx.transition(cancel, RequestState::TimedOut);
                 }
             }
             Answer::Done => {
-                if let Some(identifier) = self.cx.ledger.get(insert).and_then(|entry| entry.identifier) {
-                    self.cx.plan.ended(identifier);
+                if let Some(identifier) = cx.ledger.get(insert).and_then(|entry| entry.identifier) {
+                    cx.plan.ended(identifier);
                 }
-                self.cx.transition(insert, RequestState::Cancelled);
-                self.cx.ledger.settle_doubt(insert);
+                cx.transition(insert, RequestState::Cancelled);
+                cx.ledger.settle_doubt(insert);
                 if let Some(cancel) = cancel {
-                    self.cx.transition(cancel, RequestState::Accepted);
-                    self.cx.transition(cancel, RequestState::Ended("done".to_owned()));
+                    cx.transition(cancel, RequestState::Accepted);
+                    cx.transition(cancel, RequestState::Ended("done".to_owned()));
                 }
             }
             Answer::Refused(text) => {
                 if let Some(cancel) = cancel {
-                    self.cx.transition(cancel, RequestState::Failed(text.to_owned()));
+                    cx.transition(cancel, RequestState::Failed(text.to_owned()));
                 }
             }
         }
     }
 
     /// An insert was not answered: it counts as one that the vehicle may fly, and is called back where that is possible.
-    fn insert_unanswered(&mut self, request: u64) {
-        if !self.cx.ledger.is_gps_hit(Some(request)) {
-            self.recall(request);
+    fn unanswered(&mut self, cx: &mut Context, request: u64) {
+        if !cx.ledger.is_gps_hit(Some(request)) {
+            self.recall(cx, request);
         }
-        self.cx.transition(request, RequestState::TimedOut);
+        cx.transition(request, RequestState::TimedOut);
     }
 
     /// The plan has come whole: inserts in doubt are in it or are not.
-    pub(crate) fn resolve_by_plan(&mut self) {
-        let open: Vec<(u64, BehaviorId, Timestamp)> = self
-            .cx
+    pub(crate) fn resolve_by_plan(&mut self, cx: &mut Context) {
+        let open: Vec<(u64, BehaviorId, Timestamp)> = cx
             .ledger
             .iter()
             .filter(|(_, entry)| entry.state == RequestState::Unknown)
             .filter_map(|(request, entry)| Some((request, entry.identifier?, entry.sent_at + SETTLED_WITHIN)))
             .collect();
-        let asked_at = self.cx.plan.asked_at();
+        let asked_at = cx.plan.asked_at();
         for (request, identifier, decided_at) in open {
-            if self.cx.plan.has(identifier) {
-                self.cx.transition(request, RequestState::Accepted);
+            if cx.plan.has(identifier) {
+                cx.transition(request, RequestState::Accepted);
             } else if asked_at < decided_at {
                 // The vehicle may not have decided on it yet.
-                self.cx.timers.set(Timer::Plan, decided_at.max(self.cx.now));
-            } else if self.cx.courses.current().is_some() && !self.cx.ledger.is_gps_hit(Some(request)) {
+                cx.timers.set(Timer::Plan, decided_at.max(cx.now));
+            } else if cx.courses.current().is_some() && !cx.ledger.is_gps_hit(Some(request)) {
                 let text = "it is not in the vehicle's plan".to_owned();
-                self.cx.transition(request, RequestState::Failed(text));
+                cx.transition(request, RequestState::Failed(text));
             } else {
                 // It may be flown; and BFPLN has no code for a GPS hit (6.20), so that a plan without it proves nothing. It
                 // stays under the caps.
-                self.cx.transition(request, RequestState::TimedOut);
+                cx.transition(request, RequestState::TimedOut);
             }
         }
-        let plan = &self.cx.plan;
-        self.cx.ledger.told_plan(asked_at, |identifier| plan.has(identifier));
+        let plan = &cx.plan;
+        cx.ledger.told_plan(asked_at, |identifier| plan.has(identifier));
     }
 
     /// The mission no longer runs: what it held is over.
-    pub(crate) fn end_inserts(&mut self, reason: &str) {
-        let open: Vec<u64> = self
-            .cx
+    pub(crate) fn mission_over(&mut self, cx: &mut Context, reason: &str) {
+        let open: Vec<u64> = cx
             .ledger
             .iter()
             .filter(|(_, entry)| entry.is_open_insert())
             .map(|(request, _)| request)
             .collect();
         for request in open {
-            self.cx.transition(request, RequestState::Ended(reason.to_owned()));
+            cx.transition(request, RequestState::Ended(reason.to_owned()));
         }
-        self.cx.ledger.settle_all_doubt();
+        cx.ledger.settle_all_doubt();
     }
 }
 

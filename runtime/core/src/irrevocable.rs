@@ -7,9 +7,10 @@ use std::time::Duration;
 
 use backseat_units::Timestamp;
 
+use crate::context::Context;
 use crate::envelope::Insert;
 use crate::helm::refused;
-use crate::machine::Core;
+use crate::inserts::Inserts;
 use crate::plugin::PluginId;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -29,29 +30,36 @@ pub(crate) struct Waiting {
     until: Timestamp,
 }
 
-impl Core {
+impl Inserts {
     /// Whether an insert must wait for the vehicle to answer.
-    pub(crate) fn waits_for_answer(&self, insert: &Insert) -> bool {
+    pub(crate) fn waits_for_answer(&self, cx: &Context, insert: &Insert) -> bool {
         (insert.interrupt || insert.surfaces())
-            && !self.cx.heartbeat.has_just_answered(self.cx.now)
+            && !cx.heartbeat.has_just_answered(cx.now)
             && is_on(Check::IrrevocableAnswered)
     }
 
     /// Sends a beat, and keeps the insert until that is answered.
-    pub(crate) fn wait_for_answer(&mut self, request: u64, plugin: PluginId, tag: u64, insert: Insert) {
+    pub(crate) fn wait_for_answer(
+        &mut self,
+        cx: &mut Context,
+        request: u64,
+        plugin: PluginId,
+        tag: u64,
+        insert: Insert,
+    ) {
         if self.waiting.len() >= WAITING_MAX {
             let text = format!("{WAITING_MAX} requests wait for the vehicle to answer");
-            return self.cx.reject(request, refused("heard", &text));
+            return cx.reject(request, refused("heard", &text));
         }
         self.waiting.push(Waiting {
             request,
             plugin,
             tag,
             insert,
-            until: self.cx.now + ANSWERED_WITHIN,
+            until: cx.now + ANSWERED_WITHIN,
         });
-        if !self.cx.heartbeat.beat_is_under_way(self.cx.now) {
-            self.beat();
+        if !cx.heartbeat.beat_is_under_way(cx.now) {
+            cx.beat();
         }
     }
 
@@ -63,12 +71,12 @@ impl Core {
     }
 
     /// A plugin has failed: what it asked for does not leave any more.
-    pub(crate) fn forget_waiting(&mut self, plugin: PluginId) {
+    pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
         let (failed, others) = self.waiting.drain(..).partition(|waiting| waiting.plugin == plugin);
         self.waiting = others;
         let failed: Vec<Waiting> = failed;
         for waiting in failed {
-            self.cx.reject(
+            cx.reject(
                 waiting.request,
                 refused("plugin", "its plugin failed before it was sent"),
             );
@@ -76,11 +84,11 @@ impl Core {
     }
 
     /// Sends what has waited, judged anew, where the vehicle has answered; rejects what has waited for too long.
-    pub(crate) fn settle_waiting(&mut self) {
+    pub(crate) fn settle(&mut self, cx: &mut Context) {
         if self.waiting.is_empty() {
-            return self.cx.timers.stop(Timer::Irrevocable);
+            return cx.timers.stop(Timer::Irrevocable);
         }
-        while !self.waiting.is_empty() && self.cx.heartbeat.has_just_answered(self.cx.now) {
+        while !self.waiting.is_empty() && cx.heartbeat.has_just_answered(cx.now) {
             let Waiting {
                 request,
                 plugin,
@@ -88,19 +96,19 @@ impl Core {
                 insert,
                 ..
             } = self.waiting.remove(0);
-            match self.admit_now(plugin, tag, &insert) {
-                Ok(admitted) => self.send_insert(request, insert, admitted),
-                Err(refusal) => self.cx.reject(request, refusal),
+            match self.admit(cx, plugin, tag, &insert) {
+                Ok(admitted) => self.send_insert(cx, request, insert, admitted),
+                Err(refusal) => cx.reject(request, refusal),
             }
         }
-        let now = self.cx.now;
+        let now = cx.now;
         let over = |waiting: &Waiting| waiting.until <= now;
         while let Some(index) = self.waiting.iter().position(over) {
             let waiting = self.waiting.remove(index);
             let text = "the vehicle did not answer within 1 s, and nothing takes this back once it is sent (SPI 7.8)";
-            self.cx.reject(waiting.request, refused("heard", text));
+            cx.reject(waiting.request, refused("heard", text));
         }
         let next = self.waiting.iter().map(|waiting| waiting.until).min();
-        self.cx.timers.set_or_stop(Timer::Irrevocable, next);
+        cx.timers.set_or_stop(Timer::Irrevocable, next);
     }
 }

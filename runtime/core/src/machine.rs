@@ -7,17 +7,17 @@ use crate::acoustic::Acoustic;
 use crate::adjustment::Adjustments;
 use crate::commands::Answer;
 use crate::context::Context;
+use crate::devices::Devices;
 use crate::dvl::DvlTrigger;
 use crate::envelope::Envelope;
-use crate::helm::{Lease, Pause};
-use crate::hull::Hull;
+use crate::helm::Modify;
+use crate::hull::Station;
+use crate::inserts::Inserts;
 use crate::io::{Input, Note, Operator, Output, Reservation, Start};
-use crate::irrevocable::Waiting;
 use crate::ledger::{RequestCounts, Transition};
 use crate::orders::Orders;
 use crate::owner::Owner;
 use crate::plugin::{Event, PluginId, RequestState};
-use crate::recall::Recalls;
 use crate::recovery::Whereabouts;
 use crate::settings::{PluginSetup, Settings};
 use crate::silent::Silent;
@@ -37,22 +37,19 @@ pub(crate) const CLOSE_AFTER_SHUTDOWN: Duration = Duration::from_secs(8);
 /// [`Core::poll_timeout`] or when something happens, whichever is first.
 pub struct Core {
     pub(crate) cx: Context,
-    pub(crate) lease: Option<Lease>,
-    pub(crate) pause: Pause,
-    pub(crate) waiting: Vec<Waiting>,
-    pub(crate) hull: Hull,
+    pub(crate) modify: Modify,
+    pub(crate) inserts: Inserts,
+    pub(crate) station: Station,
     pub(crate) silent: Silent,
     pub(crate) adjustments: Adjustments,
     pub(crate) acoustic: Acoustic,
     pub(crate) dvl: DvlTrigger,
     pub(crate) orders: Orders,
     pub(crate) topside: Topside,
+    pub(crate) devices: Devices,
     pub(crate) late_count: u64,
     /// The flaw of navigation that was last told, and when.
     pub(crate) flaw_told: Option<(&'static str, Timestamp)>,
-    /// When the last BPRMB left, of any lease.
-    pub(crate) modify_sent: Option<Timestamp>,
-    pub(crate) recalls: Recalls,
     pub(crate) whereabouts: Whereabouts,
     /// Navigation has come that nothing has been held against.
     pub(crate) unjudged: bool,
@@ -64,20 +61,18 @@ impl Core {
     pub fn new(settings: Settings, envelope: Arc<Envelope>, plugins: Vec<PluginSetup>, start: Start) -> Self {
         let mut core = Self {
             cx: Context::new(settings, envelope, plugins, start),
-            lease: None,
-            pause: Pause::default(),
-            waiting: Vec::new(),
-            hull: Hull::new(),
+            modify: Modify::default(),
+            inserts: Inserts::default(),
+            station: Station::new(),
             silent: Silent::default(),
             adjustments: Adjustments::default(),
             acoustic: Acoustic::default(),
             dvl: DvlTrigger::default(),
             orders: Orders::default(),
             topside: Topside::default(),
+            devices: Devices,
             late_count: 0,
             flaw_told: None,
-            modify_sent: None,
-            recalls: Recalls::default(),
             whereabouts: Whereabouts::default(),
             unjudged: false,
         };
@@ -102,8 +97,8 @@ impl Core {
             self.cx.note(Note::Late {
                 seconds: self.cx.now.since(promised).as_secs_f64(),
             });
-            self.end_lease("the runtime woke late");
-            self.end_hold("the runtime woke late");
+            self.modify.end(&mut self.cx, "the runtime woke late");
+            self.station.end(&mut self.cx, "the runtime woke late");
         }
         match input {
             Input::LinkUp => self.link_up(),
@@ -201,34 +196,15 @@ impl Core {
         self.cx.note(Note::Text {
             text: format!("this computer's clock was set by {step_s:+.3} s: zones with times follow it"),
         });
-        self.judge_waiting();
+        self.inserts.judge_waiting(&mut self.cx);
         self.unjudged = true;
-    }
-
-    /// Tells what was counted and not told.
-    pub(crate) fn tell_what_was_counted(&mut self) {
-        let untold = self.cx.vehicle_lines.take_untold();
-        if untold > 0 {
-            let text = format!("{untold} lines more of what the vehicle said were left out");
-            self.cx.note(Note::Text { text });
-        }
-        for index in 0..self.cx.plugins.len() {
-            let untold = self.cx.plugins[index].over_rate.take_untold();
-            if untold > 0 {
-                let text = format!(
-                    "{untold} requests more of {} were over its rate and rejected",
-                    self.cx.plugins[index].name()
-                );
-                self.cx.note(Note::Text { text });
-            }
-        }
     }
 
     /// Brings what follows from the state up to date: control, and when to wake.
     fn settle(&mut self) {
         self.settle_control();
         self.follow_navigation();
-        self.settle_waiting();
+        self.inserts.settle(&mut self.cx);
         self.watch_staleness();
         let navigation = match self.cx.tracker.stale_at().filter(|at| *at > self.cx.now) {
             Some(stale) if self.cx.tracker.steady(self.cx.now) => Some(stale),
@@ -257,14 +233,14 @@ impl Core {
             if let Some(reason) = lost
                 && is_on(Check::ControlLossEndsLease)
             {
-                self.end_lease(reason);
-                self.end_hold(reason);
-                self.end_dvl(reason);
+                self.modify.end(&mut self.cx, reason);
+                self.station.end(&mut self.cx, reason);
+                self.dvl.end(&mut self.cx, reason);
             }
             if granted {
-                self.hull_control_granted();
+                self.station.control_granted(&mut self.cx);
             }
-            self.tell_of_control(lost.unwrap_or(""));
+            self.cx.tell_of_control(lost.unwrap_or(""));
             self.cx.tell_all(&Event::Control(granted));
             self.fail_overflowed();
         }
@@ -272,8 +248,8 @@ impl Core {
 
     fn expired(&mut self, timer: Timer) {
         match timer {
-            Timer::Refresh => self.refresh(),
-            Timer::Term => self.end_lease("its term is over"),
+            Timer::Refresh => self.modify.refresh(&mut self.cx),
+            Timer::Term => self.modify.end(&mut self.cx, "its term is over"),
             // What follows from navigation's age is drawn in `settle`.
             Timer::Navigation => {}
             Timer::Acknowledgement => {
@@ -283,21 +259,21 @@ impl Core {
             }
             Timer::Silence => self.silence(),
             Timer::Plan => self.ask_for_plan(),
-            Timer::Status => self.beat(),
+            Timer::Status => self.cx.beat(),
             // What waits is looked at in `settle`.
             Timer::Irrevocable => {}
             // That no round trip speaks for the link any more is drawn in `settle`.
             Timer::Heartbeat => self.remedy(),
-            Timer::HoldTerm => self.end_hold("its term is over"),
-            Timer::Hold => self.refresh_hold(),
-            Timer::Relative => self.relative_expired(),
-            Timer::Silent => self.silent_expired(),
-            Timer::Adjustment => self.adjustment_expired(),
-            Timer::Acoustic => self.acoustic_expired(),
-            Timer::Dvl => self.dvl_expired(),
+            Timer::HoldTerm => self.station.end(&mut self.cx, "its term is over"),
+            Timer::Hold => self.station.refresh(&mut self.cx),
+            Timer::Relative => self.station.timed_out(&mut self.cx),
+            Timer::Silent => self.silent.timed_out(&mut self.cx),
+            Timer::Adjustment => self.adjustments.timed_out(&mut self.cx),
+            Timer::Acoustic => self.acoustic.timed_out(&mut self.cx),
+            Timer::Dvl => self.dvl.timed_out(&mut self.cx),
             Timer::Order => self.orders_expired(),
             Timer::Policy => self.policies_due(),
-            Timer::Recall => self.recalls_expired(),
+            Timer::Recall => self.inserts.recalls_timed_out(&mut self.cx),
             Timer::Recovery => self.climb(),
             Timer::Plugins => self.step_due(false),
             Timer::Shutdown => {
@@ -315,12 +291,12 @@ impl Core {
             // It beats every plugin (safety requirement 015).
             Operator::Hold => {
                 self.cx.held = is_on(Check::OperatorHold);
-                self.end_lease("the operator holds");
-                self.end_hold("the operator holds");
-                self.end_dvl("the operator holds");
+                self.modify.end(&mut self.cx, "the operator holds");
+                self.station.end(&mut self.cx, "the operator holds");
+                self.dvl.end(&mut self.cx, "the operator holds");
                 if is_on(Check::HoldCancels) {
-                    self.cancel_all_of(None);
-                    self.cancel_former();
+                    self.inserts.take_back_all(&mut self.cx, None);
+                    self.inserts.cancel_former(&mut self.cx);
                 }
                 // Last: who keeps it waits for a disk, and what ends by it does not wait for that.
                 self.cx.note(Note::Operator { act: Operator::Hold });
@@ -330,9 +306,9 @@ impl Core {
                 self.cx.mission_ended = false;
             }
             Operator::Stop => {
-                self.end_lease("the run is ending");
-                self.end_hold("the run is ending");
-                self.end_dvl("the run is ending");
+                self.modify.end(&mut self.cx, "the run is ending");
+                self.station.end(&mut self.cx, "the run is ending");
+                self.dvl.end(&mut self.cx, "the run is ending");
                 self.cx.stopping = true;
                 self.cx.outputs.push_back(Output::Finish);
             }
@@ -430,5 +406,24 @@ impl Context {
             return None;
         };
         Some(reason)
+    }
+
+    /// Tells what was counted and not told.
+    pub(crate) fn tell_what_was_counted(&mut self) {
+        let untold = self.vehicle_lines.take_untold();
+        if untold > 0 {
+            let text = format!("{untold} lines more of what the vehicle said were left out");
+            self.note(Note::Text { text });
+        }
+        for index in 0..self.plugins.len() {
+            let untold = self.plugins[index].over_rate.take_untold();
+            if untold > 0 {
+                let text = format!(
+                    "{untold} requests more of {} were over its rate and rejected",
+                    self.plugins[index].name()
+                );
+                self.note(Note::Text { text });
+            }
+        }
     }
 }

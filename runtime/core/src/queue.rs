@@ -11,50 +11,50 @@ use backseat_units::Depth;
 use crate::commands::Purpose;
 use crate::context::Context;
 use crate::envelope::{End, Insert, Passage};
-use crate::machine::Core;
+use crate::inserts::Inserts;
 use crate::plan::Element;
 use crate::plugin::{Refusal, RequestState};
 use crate::switches::{Check, is_on};
 
-impl Core {
+impl Inserts {
     /// The plan is flown on, or is known anew: an insert that waits and whose way does not hold from there is called
     /// back. What comes after it has then another way.
-    pub(crate) fn judge_waiting(&mut self) {
-        if !self.cx.plan.is_complete() || !is_on(Check::InsertWayTo) {
+    pub(crate) fn judge_waiting(&mut self, cx: &mut Context) {
+        if !cx.plan.is_complete() || !is_on(Check::InsertWayTo) {
             return;
         }
         let mut before = Vec::new();
-        let chain = self.cx.chain();
-        let waits = |core: &Self, (request, insert, begun): &(u64, Insert, bool)| {
-            !begun && !insert.interrupt && !core.cx.ledger.is_recalled(*request)
+        let chain = cx.chain();
+        let waits = |cx: &Context, (request, insert, begun): &(u64, Insert, bool)| {
+            !begun && !insert.interrupt && !cx.ledger.is_recalled(*request)
         };
         for open in &chain {
             let (request, insert, _) = open;
-            if !waits(self, open) {
+            if !waits(cx, open) {
                 before.push(*open);
                 continue;
             }
-            let Err(refusal) = self.cx.judge_way_to(&before, insert) else {
+            let Err(refusal) = cx.judge_way_to(&before, insert) else {
                 // The rest comes after it.
                 break;
             };
-            self.call_back(*request, &format!("its way no longer holds: {}", refusal.text));
+            self.call_back(cx, *request, &format!("its way no longer holds: {}", refusal.text));
             if insert.surfaces() {
                 return;
             }
         }
         for open in chain.iter().rev() {
-            if self.cx.ledger.is_recalled(open.0) {
+            if cx.ledger.is_recalled(open.0) {
                 continue;
             }
-            if !waits(self, open) {
+            if !waits(cx, open) {
                 return;
             }
-            let Err(refusal) = self.cx.judge_way_on(&open.1) else {
+            let Err(refusal) = cx.judge_way_on(&open.1) else {
                 return;
             };
             let text = format!("its way on no longer holds: {}", refusal.text);
-            self.call_back(open.0, &text);
+            self.call_back(cx, open.0, &text);
         }
     }
 }

@@ -15,8 +15,8 @@ use crate::commands::Answer;
 use crate::context::Context;
 use crate::envelope::{End, Insert, Track};
 use crate::helm::refused;
+use crate::inserts::Inserts;
 use crate::io::Note;
-use crate::machine::Core;
 use crate::plugin::{PluginId, Refusal, RequestState};
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -39,34 +39,34 @@ struct Recall {
 /// The inserts that are being taken back, by their requests.
 #[derive(Debug, Default)]
 pub(crate) struct Recalls {
-    open: BTreeMap<u64, Recall>,
+    pub(crate) open: BTreeMap<u64, Recall>,
 }
 
-impl Core {
+impl Inserts {
     /// Cancels every insert that has not begun, of one plugin or of all: one by one by identifier, never BPRCA, which may
     /// take another payload's too. The operator's word: no way is judged.
-    pub(crate) fn cancel_all_of(&mut self, plugin: Option<PluginId>) {
-        for (insert, _, _) in self.waiting_inserts(plugin) {
-            if !self.is_kept_gps_hit(insert) {
-                self.recall(insert);
+    pub(crate) fn take_back_all(&mut self, cx: &mut Context, plugin: Option<PluginId>) {
+        for (insert, _, _) in self.waiting_inserts(cx, plugin) {
+            if !self.is_kept_gps_hit(cx, insert) {
+                self.recall(cx, insert);
             }
         }
-        self.recall_doubtful(plugin);
+        self.recall_doubtful(cx, plugin);
     }
 
-    /// As [`Core::cancel_all_of`], where the way that remains holds (safety requirement 020): from the last insert to the
+    /// As [`Self::take_back_all`], where the way that remains holds (safety requirement 020): from the last insert to the
     /// first, each judged with what is left of the others. False where one had to be left to the vehicle because of its
     /// way.
-    pub(crate) fn cancel_judged(&mut self, plugin: Option<PluginId>) -> bool {
-        let mut left = self.cx.chain();
+    pub(crate) fn take_back_judged(&mut self, cx: &mut Context, plugin: Option<PluginId>) -> bool {
+        let mut left = cx.chain();
         let mut all = true;
-        for (insert, _, _) in self.waiting_inserts(plugin).into_iter().rev() {
-            if self.is_kept_gps_hit(insert) {
+        for (insert, _, _) in self.waiting_inserts(cx, plugin).into_iter().rev() {
+            if self.is_kept_gps_hit(cx, insert) {
                 continue;
             }
-            if let Err(refusal) = self.cx.judge_cancel(&left, insert) {
+            if let Err(refusal) = cx.judge_cancel(&left, insert) {
                 all = false;
-                self.cx.note(Note::Text {
+                cx.note(Note::Text {
                     text: format!(
                         "insert {insert} is not cancelled, what would remain is worse: {}",
                         refusal.text
@@ -75,19 +75,18 @@ impl Core {
                 continue;
             }
             left.retain(|(request, _, _)| *request != insert);
-            self.recall(insert);
+            self.recall(cx, insert);
         }
         // The ways without them are judged whenever one is: the vehicle may not have them. But none may be flown.
-        if self.cx.courses.current().is_some() {
-            self.recall_doubtful(plugin);
+        if cx.courses.current().is_some() {
+            self.recall_doubtful(cx, plugin);
         }
         all
     }
 
     /// What ended without the vehicle's word may be in its plan all the same.
-    fn recall_doubtful(&mut self, plugin: Option<PluginId>) {
-        let doubtful: Vec<(u64, BehaviorId)> = self
-            .cx
+    fn recall_doubtful(&mut self, cx: &mut Context, plugin: Option<PluginId>) {
+        let doubtful: Vec<(u64, BehaviorId)> = cx
             .ledger
             .doubtful_requests()
             .filter(|(_, entry)| plugin.is_none_or(|plugin| entry.owner == plugin))
@@ -95,24 +94,24 @@ impl Core {
             .filter_map(|(request, entry)| Some((request, entry.identifier?)))
             .collect();
         for (insert, identifier) in doubtful {
-            self.recall_as(insert, identifier);
+            self.recall_as(cx, insert, identifier);
         }
     }
 
     /// Our open inserts that have not begun.
-    fn waiting_inserts(&self, plugin: Option<PluginId>) -> Vec<(u64, Insert, bool)> {
-        let mut waiting = self.cx.chain();
+    fn waiting_inserts(&self, cx: &Context, plugin: Option<PluginId>) -> Vec<(u64, Insert, bool)> {
+        let mut waiting = cx.chain();
         waiting.retain(|(request, _, begun)| {
-            let of = self.cx.ledger.get(*request).map(|entry| entry.owner);
+            let of = cx.ledger.get(*request).map(|entry| entry.owner);
             !begun && plugin.is_none_or(|plugin| of.is_some_and(|owner| owner == plugin))
         });
         waiting
     }
 
-    fn is_kept_gps_hit(&mut self, insert: u64) -> bool {
-        let kept = self.cx.ledger.is_gps_hit(Some(insert));
+    fn is_kept_gps_hit(&mut self, cx: &mut Context, insert: u64) -> bool {
+        let kept = cx.ledger.is_gps_hit(Some(insert));
         if kept {
-            self.cx.note(Note::Text {
+            cx.note(Note::Text {
                 text: format!("GPS hit {insert} may be flown yet: it cannot be cancelled (SPI 7.8)"),
             });
         }
@@ -120,14 +119,14 @@ impl Core {
     }
 
     /// Takes an insert back, and sees to it that the vehicle answers.
-    pub(crate) fn recall(&mut self, insert: u64) {
-        if let Some(identifier) = self.cx.ledger.get(insert).and_then(|entry| entry.identifier) {
-            self.recall_as(insert, identifier);
+    pub(crate) fn recall(&mut self, cx: &mut Context, insert: u64) {
+        if let Some(identifier) = cx.ledger.get(insert).and_then(|entry| entry.identifier) {
+            self.recall_as(cx, insert, identifier);
         }
     }
 
-    fn recall_as(&mut self, insert: u64, identifier: BehaviorId) {
-        if self.cx.ledger.is_recalled(insert) {
+    fn recall_as(&mut self, cx: &mut Context, insert: u64, identifier: BehaviorId) {
+        if cx.ledger.is_recalled(insert) {
             return;
         }
         let recall = Recall {
@@ -136,50 +135,50 @@ impl Core {
             due: None,
         };
         self.recalls.open.insert(insert, recall);
-        self.cx.ledger.set_recalled(insert, true);
-        self.send_recall(insert);
+        cx.ledger.set_recalled(insert, true);
+        self.send_recall(cx, insert);
     }
 
-    fn send_recall(&mut self, insert: u64) {
+    fn send_recall(&mut self, cx: &mut Context, insert: u64) {
         let Some(recall) = self.recalls.open.get_mut(&insert) else {
             return;
         };
         recall.due = None;
         let identifier = recall.identifier;
-        if !self.cx.session.is_up() {
+        if !cx.session.is_up() {
             // It is sent once the link is back.
             return;
         }
         recall.sent += 1;
-        if !self.cx.send_cancel(None, insert, identifier) {
-            self.again_later(insert);
+        if !cx.send_cancel(None, insert, identifier) {
+            self.again_later(cx, insert);
         }
-        self.set_recall_timer();
+        self.set_recall_timer(cx);
     }
 
     /// The vehicle's answer to a cancel of the runtime's own, or that there was none.
-    pub(crate) fn recall_answered(&mut self, insert: u64, answer: Answer<'_>) {
+    pub(crate) fn recall_answered(&mut self, cx: &mut Context, insert: u64, answer: Answer<'_>) {
         match answer {
             Answer::Pending => {}
-            Answer::Missing => self.again_later(insert),
+            Answer::Missing => self.again_later(cx, insert),
             Answer::Done => {
-                self.forget_recall(insert);
+                self.forget_recall(cx, insert);
             }
             // The vehicle had not decided on the insert, and may yet accept it.
-            Answer::Refused(_) if self.is_undecided(insert) => self.again_later(insert),
+            Answer::Refused(_) if self.is_undecided(cx, insert) => self.again_later(cx, insert),
             Answer::Refused(text) => {
-                if self.forget_recall(insert) {
-                    self.cx.note(Note::Text {
+                if self.forget_recall(cx, insert) {
+                    cx.note(Note::Text {
                         text: format!("insert {insert} was not taken back: {text}"),
                     });
                 }
             }
         }
-        self.set_recall_timer();
+        self.set_recall_timer(cx);
     }
 
-    fn is_undecided(&self, insert: u64) -> bool {
-        self.cx.ledger.get(insert).is_some_and(|entry| {
+    fn is_undecided(&self, cx: &Context, insert: u64) -> bool {
+        cx.ledger.get(insert).is_some_and(|entry| {
             matches!(
                 entry.state,
                 RequestState::Sent | RequestState::Pending | RequestState::Unknown
@@ -187,44 +186,44 @@ impl Core {
         })
     }
 
-    fn again_later(&mut self, insert: u64) {
+    fn again_later(&mut self, cx: &mut Context, insert: u64) {
         let Some(recall) = self.recalls.open.get_mut(&insert) else {
             return;
         };
         if recall.sent < SENT_MAX {
-            recall.due = Some(self.cx.now + AGAIN_AFTER * (1 << recall.sent.saturating_sub(1)));
+            recall.due = Some(cx.now + AGAIN_AFTER * (1 << recall.sent.saturating_sub(1)));
         } else {
-            self.forget_recall(insert);
-            self.cx.note(Note::Text {
+            self.forget_recall(cx, insert);
+            cx.note(Note::Text {
                 text: format!("insert {insert} may be flown yet: its cancel was not answered {SENT_MAX} times"),
             });
         }
     }
 
     /// Cancels that were not answered are due again.
-    pub(crate) fn recalls_expired(&mut self) {
-        let now = self.cx.now;
-        self.send_recalls(|recall| recall.due.is_some_and(|due| due <= now));
-        self.set_recall_timer();
+    pub(crate) fn recalls_timed_out(&mut self, cx: &mut Context) {
+        let now = cx.now;
+        self.send_recalls(cx, |recall| recall.due.is_some_and(|due| due <= now));
+        self.set_recall_timer(cx);
     }
 
     /// The link is gone, and the answers with it.
-    pub(crate) fn recalls_link_lost(&mut self) {
+    pub(crate) fn link_lost(&mut self, cx: &mut Context) {
         for recall in self.recalls.open.values_mut() {
             recall.due = None;
         }
-        self.set_recall_timer();
+        self.set_recall_timer(cx);
     }
 
     /// The link is back: what was to be taken back is.
-    pub(crate) fn recalls_link_up(&mut self) {
+    pub(crate) fn link_up(&mut self, cx: &mut Context) {
         for recall in self.recalls.open.values_mut() {
             recall.sent = 0;
         }
-        self.send_recalls(|_| true);
+        self.send_recalls(cx, |_| true);
     }
 
-    fn send_recalls(&mut self, due: impl Fn(&Recall) -> bool) {
+    fn send_recalls(&mut self, cx: &mut Context, due: impl Fn(&Recall) -> bool) {
         let due: Vec<u64> = self
             .recalls
             .open
@@ -233,31 +232,31 @@ impl Core {
             .map(|(insert, _)| *insert)
             .collect();
         for insert in due {
-            if self.may_be_recalled(insert) {
-                self.send_recall(insert);
+            if self.may_be_recalled(cx, insert) {
+                self.send_recall(cx, insert);
             } else {
-                self.forget_recall(insert);
+                self.forget_recall(cx, insert);
             }
         }
     }
 
     /// An insert is not taken back any more; whether it was.
-    fn forget_recall(&mut self, insert: u64) -> bool {
-        self.cx.ledger.set_recalled(insert, false);
+    fn forget_recall(&mut self, cx: &mut Context, insert: u64) -> bool {
+        cx.ledger.set_recalled(insert, false);
         self.recalls.open.remove(&insert).is_some()
     }
 
     /// Whether the vehicle may have an insert yet that it has not begun.
-    fn may_be_recalled(&self, insert: u64) -> bool {
-        match self.cx.ledger.get(insert) {
+    fn may_be_recalled(&self, cx: &Context, insert: u64) -> bool {
+        match cx.ledger.get(insert) {
             Some(entry) => entry.state != RequestState::Started,
-            None => self.cx.ledger.is_doubtful(insert),
+            None => cx.ledger.is_doubtful(insert),
         }
     }
 
-    fn set_recall_timer(&mut self) {
+    fn set_recall_timer(&mut self, cx: &mut Context) {
         let first = self.recalls.open.values().filter_map(|recall| recall.due).min();
-        self.cx.timers.set_or_stop(Timer::Recall, first);
+        cx.timers.set_or_stop(Timer::Recall, first);
     }
 }
 

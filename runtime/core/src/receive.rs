@@ -120,9 +120,9 @@ impl Core {
                 self.cx.note(Note::Text {
                     text: "the vehicle shuts our power off in a minute".to_owned(),
                 });
-                self.end_lease("power goes");
-                self.end_hold("power goes");
-                self.end_dvl("power goes");
+                self.modify.end(&mut self.cx, "power goes");
+                self.station.end(&mut self.cx, "power goes");
+                self.dvl.end(&mut self.cx, "power goes");
                 self.cx.stopping = true;
                 self.cx.tell_all(&Event::Shutdown);
                 self.cx.timers.set(Timer::Shutdown, self.cx.now + CLOSE_AFTER_SHUTDOWN);
@@ -132,7 +132,7 @@ impl Core {
                 self.cx.heard(message.created);
                 let frame = *self.cx.envelope.fence().frame();
                 self.cx.plan.collect(&frame, &message);
-                self.former_named(message.identifier);
+                self.inserts.former_named(&mut self.cx, message.identifier);
             }
             FromVehicle::VehicleVersion(message) => {
                 self.cx.heard(message.created);
@@ -150,15 +150,20 @@ impl Core {
                 self.cx
                     .tell_wanting(Topic::Logging, &Event::LoggingEnded(message.text.as_str().to_owned()));
             }
-            FromVehicle::TopsideMessage(message) => self.topside_message(&message),
-            FromVehicle::DvlTriggering(message) => self.dvl_triggering(&message),
-            FromVehicle::TrimStatus(message) => self.trim_status(&message),
-            FromVehicle::BuoyancyStatus(message) => self.buoyancy_status(&message),
-            FromVehicle::MediumAccess(message) => self.window(&message),
-            FromVehicle::PacketSent(message) => self.packet_sent(&message),
-            FromVehicle::PacketReceived(message) => self.packet_received(message),
-            FromVehicle::RelativeNavigation(message) => self.relative_navigated(&message),
-            FromVehicle::CartesianNavigation(message) => self.cartesian_navigated(&message),
+            FromVehicle::TopsideMessage(message) => {
+                self.topside.heard(&mut self.cx, &message);
+                let text = message.text.as_str();
+                self.carry_out(|when| matches!(when, Condition::TopsideMessage(awaited) if awaited == text));
+                self.topside.tell(&mut self.cx, &message);
+            }
+            FromVehicle::DvlTriggering(message) => self.dvl.heard(&mut self.cx, &message),
+            FromVehicle::TrimStatus(message) => self.adjustments.trim_status(&mut self.cx, &message),
+            FromVehicle::BuoyancyStatus(message) => self.adjustments.buoyancy_status(&mut self.cx, &message),
+            FromVehicle::MediumAccess(message) => self.acoustic.window(&mut self.cx, &message),
+            FromVehicle::PacketSent(message) => self.acoustic.packet_sent(&mut self.cx, &message),
+            FromVehicle::PacketReceived(message) => self.acoustic.packet_received(&mut self.cx, message),
+            FromVehicle::RelativeNavigation(message) => self.station.heard_relative(&mut self.cx, &message),
+            FromVehicle::CartesianNavigation(message) => self.station.heard_cartesian(&mut self.cx, &message),
             FromVehicle::Telemetry(_)
             | FromVehicle::SoundVelocity(_)
             | FromVehicle::Compass(_)
@@ -189,7 +194,7 @@ impl Core {
             self.cx.note_of_vehicle(Note::Navigation {
                 text: format!("navigation jumped by {:.1} m", jump.metres),
             });
-            self.end_lease("navigation jumped");
+            self.modify.end(&mut self.cx, "navigation jumped");
         }
         self.heed_flaw();
         self.cx.course_navigated(jump);
@@ -215,9 +220,9 @@ impl Core {
                 self.subscribe_anew("NVR");
             }
         }
-        self.end_lease(what);
-        self.end_hold(what);
-        self.judge_waiting();
+        self.modify.end(&mut self.cx, what);
+        self.station.end(&mut self.cx, what);
+        self.inserts.judge_waiting(&mut self.cx);
     }
 
     fn velocity(&mut self, message: &VelocityAndRates) {
@@ -236,9 +241,9 @@ impl Core {
     /// them by the end of an input.
     pub(crate) fn follow_navigation(&mut self) {
         if core::mem::take(&mut self.unjudged) {
-            self.watch_course();
-            self.prevent();
-            self.prevent_hold();
+            self.cx.watch_course();
+            self.modify.prevent(&mut self.cx);
+            self.station.prevent(&mut self.cx);
         }
     }
 
@@ -257,15 +262,15 @@ impl Core {
                 self.cx.commands.forget_plan();
                 self.want_plan();
             } else if is_on(Check::MissionRuns) && is_on(Check::ControlLossEndsLease) {
-                self.end_lease("the mission is not running");
+                self.modify.end(&mut self.cx, "the mission is not running");
             }
         }
         self.orders_mission_status(message.status.as_str());
         if is_over(message.status.as_str()) {
-            self.end_inserts("the mission is over");
+            self.inserts.mission_over(&mut self.cx, "the mission is over");
             self.cx.courses.forget();
             self.cx.former.mission_over();
-            self.end_adjustments("the mission is over");
+            self.adjustments.mission_over(&mut self.cx, "the mission is over");
             self.cx.mission_goes_on();
         }
         if self.cx.settings.control == ControlHook::Running {
@@ -298,11 +303,11 @@ impl Core {
         });
         if is_on(Check::LeaseEndsWithBehavior) {
             // It modified another one (SPI 7.12).
-            self.end_lease("a behaviour began under it");
+            self.modify.end(&mut self.cx, "a behaviour began under it");
         }
         // A suspended mission begins none: the vehicle has taken it up again. An end says nothing of the kind, for the
         // behaviour that is suspended may be reported so (SPI 8.1 leaves it open), and a hold modifies none.
-        self.end_hold("a behaviour began: the mission goes on");
+        self.station.end(&mut self.cx, "a behaviour began: the mission goes on");
         self.cx.mission_goes_on();
         if is_flown {
             self.end_overtaken(message.identifier);
@@ -333,9 +338,9 @@ impl Core {
                     .ledger
                     .settle_doubt_if(|entry| entry.waits_not && entry.insert.is_some_and(|insert| !insert.surfaces()));
                 self.cx.plan_goes_on();
-                self.judge_waiting();
+                self.inserts.judge_waiting(&mut self.cx);
             }
-            (None, None) => self.adjustment_behavior(true, message.kind.as_str()),
+            (None, None) => self.adjustments.behavior(&mut self.cx, true, message.kind.as_str()),
         }
         self.tell_of_behavior(true, own, message.kind.as_str());
     }
@@ -349,7 +354,7 @@ impl Core {
             kind: message.kind.as_str().to_owned(),
         });
         if is_on(Check::LeaseEndsWithBehavior) {
-            self.end_lease("a behaviour ended under it");
+            self.modify.end(&mut self.cx, "a behaviour ended under it");
         }
         self.cx.named_insert.finished(message.identifier);
         self.cx.former.heard_end(message.identifier);
@@ -359,7 +364,7 @@ impl Core {
         } else if let Some(number) = message.number {
             self.cx.plan.finished(number);
         } else {
-            self.adjustment_behavior(false, message.kind.as_str());
+            self.adjustments.behavior(&mut self.cx, false, message.kind.as_str());
         }
         let mut own = None;
         if let Some(request) = message

@@ -351,8 +351,10 @@ impl Core {
         match step {
             Step::Leases => {
                 self.recovery_note(format!("the vehicle is outside: {}; leases end", refusal.text));
-                self.end_lease("recovery: the vehicle is outside the fence");
-                self.end_hold("recovery: the vehicle is outside the fence");
+                self.modify
+                    .end(&mut self.cx, "recovery: the vehicle is outside the fence");
+                self.station
+                    .end(&mut self.cx, "recovery: the vehicle is outside the fence");
             }
             Step::Inserts => {
                 self.recovery_note("still outside: inserts are cancelled".to_owned());
@@ -377,7 +379,7 @@ impl Core {
 
     /// False where an insert was left to the vehicle because its way is worse.
     fn cancel_for_recovery(&mut self) -> bool {
-        let all = self.cancel_judged(None);
+        let all = self.inserts.take_back_judged(&mut self.cx, None);
         let begun = self.cx.chain().iter().any(|(_, _, begun)| *begun);
         if !begun {
             return all;

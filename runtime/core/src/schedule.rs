@@ -13,9 +13,9 @@ use backseat_units::math::hypot;
 use crate::context::Context;
 use crate::envelope::{APART_MAX, Clocks, Insert, Route};
 use crate::helm::refused;
+use crate::inserts::Inserts;
 use crate::io::Note;
 use crate::limits::seconds;
-use crate::machine::Core;
 use crate::plan::Element;
 use crate::plugin::{Refusal, RequestState};
 
@@ -31,12 +31,11 @@ pub(crate) struct Schedule {
     lasts_s: f64,
 }
 
-impl Core {
+impl Inserts {
     /// Calls back what has not begun in time and whose zones change by when it may be flown now.
-    pub(crate) fn watch_schedules(&mut self) {
-        let now = self.cx.now;
-        let waiting = self
-            .cx
+    pub(crate) fn watch_schedules(&mut self, cx: &mut Context) {
+        let now = cx.now;
+        let waiting = cx
             .ledger
             .iter()
             .filter(|(_, entry)| entry.state != RequestState::Started);
@@ -48,32 +47,36 @@ impl Core {
             return;
         }
         // Its elders alone come before it. All that is open takes no less.
-        let before_s = self.cx.before_insert_s(false);
+        let before_s = cx.before_insert_s(false);
         for (request, schedule) in late {
             let anew = Schedule {
                 begins_by: now + seconds(before_s),
                 ends_by: now + seconds(before_s + schedule.lasts_s),
                 ..schedule
             };
-            let holds = before_s.is_finite() && !self.cx.changes_between(schedule.ends_by, anew.ends_by);
-            if let Some(entry) = self.cx.ledger.get_mut(request) {
+            let holds = before_s.is_finite() && !cx.changes_between(schedule.ends_by, anew.ends_by);
+            if let Some(entry) = cx.ledger.get_mut(request) {
                 entry.schedule = holds.then_some(anew);
             }
             if !holds {
-                self.call_back(request, "it has not begun in the time that its zones were judged for");
+                self.call_back(
+                    cx,
+                    request,
+                    "it has not begun in the time that its zones were judged for",
+                );
             }
         }
     }
 
     /// Takes an insert back, where that can be done, and says why.
-    pub(crate) fn call_back(&mut self, request: u64, why: &str) {
-        if self.cx.ledger.is_gps_hit(Some(request)) {
+    pub(crate) fn call_back(&mut self, cx: &mut Context, request: u64, why: &str) {
+        if cx.ledger.is_gps_hit(Some(request)) {
             let text = format!("GPS hit {request}: {why}, and it cannot be cancelled (SPI 7.8)");
-            return self.cx.note(Note::Text { text });
+            return cx.note(Note::Text { text });
         }
         let text = format!("insert {request} is called back: {why}");
-        self.cx.note(Note::Text { text });
-        self.recall(request);
+        cx.note(Note::Text { text });
+        self.recall(cx, request);
     }
 }
 

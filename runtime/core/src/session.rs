@@ -191,7 +191,7 @@ impl Core {
     pub(crate) fn link_up(&mut self) {
         self.cx.framer.clear();
         self.cx.tracker.reset();
-        self.hull.reset();
+        self.station.reset();
         self.cx.relative.reset();
         self.cx.cartesian.reset();
         self.cx.commands.clear();
@@ -213,14 +213,14 @@ impl Core {
         self.subscribe_all();
         self.ask_for_plan();
         self.orders_link_up();
-        self.recalls_link_up();
+        self.inserts.link_up(&mut self.cx);
         if self.cx.held && is_on(Check::HoldCancels) {
             // The operator may have taken the helm while nothing could be sent.
-            self.cancel_all_of(None);
-            self.cancel_former();
+            self.inserts.take_back_all(&mut self.cx, None);
+            self.inserts.cancel_former(&mut self.cx);
         }
         self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
-        self.beat();
+        self.cx.beat();
     }
 
     pub(crate) fn link_down(&mut self) {
@@ -231,23 +231,23 @@ impl Core {
             self.cx.courses.leave_plan();
         }
         self.cx.courses.lose();
-        self.end_lease("the link is down");
-        self.end_hold("the link is down");
+        self.modify.end(&mut self.cx, "the link is down");
+        self.station.end(&mut self.cx, "the link is down");
         self.cx.handed_over = None;
         self.cx.running = None;
         self.cx.commands.clear();
         self.cx.plan.forget();
         self.cx.compared = Compared::default();
         self.cx.tracker.reset();
-        self.hull.reset();
+        self.station.reset();
         self.cx.relative.reset();
         self.cx.cartesian.reset();
-        self.silent_link_lost();
-        self.adjustments_link_lost();
-        self.acoustic_link_lost();
-        self.dvl_link_lost();
+        self.silent.link_lost(&mut self.cx);
+        self.adjustments.link_lost(&mut self.cx);
+        self.acoustic.link_lost(&mut self.cx);
+        self.dvl.link_lost(&mut self.cx);
         self.orders_link_lost();
-        self.recalls_link_lost();
+        self.inserts.link_lost(&mut self.cx);
         let undecided: Vec<(u64, bool)> = self
             .cx
             .ledger
@@ -408,12 +408,12 @@ impl Core {
                         // Once more, for the day when two answers came mixed.
                         self.cx.timers.set(Timer::Plan, self.cx.now + PLAN_RETRY);
                     }
-                    self.resolve_by_plan();
+                    self.inserts.resolve_by_plan(&mut self.cx);
                     self.cx.former_in_plan();
                     self.cx.tell_of_plan();
-                    self.judge_waiting();
+                    self.inserts.judge_waiting(&mut self.cx);
                     if self.cx.held && is_on(Check::HoldCancels) {
-                        self.cancel_former();
+                        self.inserts.cancel_former(&mut self.cx);
                     }
                 } else {
                     self.plan_failed();
@@ -433,7 +433,7 @@ impl Core {
         self.cx.session.heard_navigation();
         self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
         self.watch_clock();
-        self.watch_schedules();
+        self.inserts.watch_schedules(&mut self.cx);
     }
 
     /// Tells of the vehicle's clock where it has moved against ours since it was last told on this connection, which the
@@ -466,52 +466,6 @@ impl Core {
         });
     }
 
-    /// Control has changed hands: told at once, unless it does so all the time.
-    pub(crate) fn tell_of_control(&mut self, reason: &str) {
-        let granted = self.cx.granted;
-        let notes = &mut self.cx.session.control_notes;
-        let every = CONTROL_NOTE_EVERY.as_nanos();
-        let refill = u32::try_from(self.cx.now.since(notes.refilled).as_nanos() / every).unwrap_or(u32::MAX);
-        if refill > 0 {
-            notes.left = notes.left.saturating_add(refill).min(CONTROL_NOTES);
-            notes.refilled = self.cx.now;
-        }
-        if notes.left == 0 {
-            notes.untold += 1;
-            return;
-        }
-        notes.left -= 1;
-        notes.told = granted;
-        self.cx.note(Note::Control {
-            granted,
-            reason: reason.to_owned(),
-        });
-    }
-
-    /// What was not told of control when it changed too often.
-    fn catch_up_on_control(&mut self) {
-        let granted = self.cx.granted;
-        let notes = &mut self.cx.session.control_notes;
-        if self.cx.now.since(notes.caught_up) < CATCH_UP_EVERY {
-            return;
-        }
-        notes.caught_up = self.cx.now;
-        let untold = std::mem::take(&mut notes.untold);
-        if untold == 0 {
-            return;
-        }
-        let changed = std::mem::replace(&mut notes.told, granted) != granted;
-        self.cx.note(Note::Text {
-            text: format!("control has changed hands {untold} times more"),
-        });
-        if changed {
-            self.cx.note(Note::Control {
-                granted,
-                reason: self.cx.lost_because().unwrap_or("").to_owned(),
-            });
-        }
-    }
-
     /// Keep-alive is by navigation, never by acknowledgements.
     pub(crate) fn silence(&mut self) {
         self.cx.session.silences += 1;
@@ -530,54 +484,6 @@ impl Core {
         self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
     }
 
-    /// The second's BPSTS (SPI 7.2), and what carries the beat beside it where the vehicle does not answer that.
-    pub(crate) fn beat(&mut self) {
-        self.catch_up_on_control();
-        self.tell_what_was_counted();
-        if self.cx.heartbeat.needs_log(self.cx.now) {
-            self.subscribe_acknowledgements(Purpose::Beat);
-        }
-        self.send_status();
-        self.cx.timers.set(Timer::Status, self.cx.now + BEAT_EVERY);
-    }
-
-    fn send_status(&mut self) {
-        let failed = self
-            .cx
-            .settings
-            .status_failed_when
-            .iter()
-            .any(|condition| match condition {
-                StatusCondition::PluginQuarantined => self.cx.plugins.iter().any(Slot::is_quarantined),
-                StatusCondition::NavigationStale => self.cx.tracker.fresh(self.cx.now).is_none(),
-            });
-        let text = match (self.cx.arbiter.is_steering(), self.cx.lost_because()) {
-            (true, _) => "steering",
-            (false, None) => "has control",
-            (false, Some(reason)) => reason,
-        };
-        let created = self.cx.stamper.stamp(self.cx.now, "STS");
-        let status = PayloadStatus {
-            created,
-            ok: !failed,
-            text: Text::cleaned(text),
-        };
-        let command = self.cx.courtesy("STS", Some(created));
-        self.cx.transmit(&ToVehicle::PayloadStatus(status), Some(command));
-    }
-
-    fn subscribe_acknowledgements(&mut self, purpose: Purpose) {
-        let message = ToVehicle::LoggingControl(LoggingControl {
-            message: Text::cleaned(ACKNOWLEDGEMENTS),
-            on: true,
-        });
-        let command = Command {
-            purpose,
-            ..self.cx.courtesy("LOG", None)
-        };
-        self.cx.transmit(&message, Some(command));
-    }
-
     /// An acknowledgement may end a round trip.
     pub(crate) fn round_trip(&mut self, ack: &Acknowledgement) {
         let Some(heard) = self.cx.heartbeat.acknowledged(self.cx.now, ack) else {
@@ -587,8 +493,8 @@ impl Core {
         if let Some(step) = self.cx.tracker.measured(heard.trip, utc, ack.created) {
             let text = format!("the vehicle's clock was set by {:+.3} s", -(step as f64) / 1e9);
             self.cx.note(Note::Navigation { text });
-            self.end_lease("the vehicle's clock was set");
-            self.end_hold("the vehicle's clock was set");
+            self.modify.end(&mut self.cx, "the vehicle's clock was set");
+            self.station.end(&mut self.cx, "the vehicle's clock was set");
         }
         if heard.good {
             self.cx.session.unheard_told = false;
@@ -603,7 +509,7 @@ impl Core {
         match self.cx.heartbeat.remedy(self.cx.now) {
             None => {}
             Some(Remedy::Subscribe) => {
-                self.subscribe_acknowledgements(Purpose::Beat);
+                self.cx.subscribe_acknowledgements(Purpose::Beat);
                 self.tell_that_unheard();
             }
             Some(Remedy::Reset) => {
@@ -665,6 +571,99 @@ impl Context {
         } else {
             Some("the vehicle has not answered yet")
         }
+    }
+
+    /// Control has changed hands: told at once, unless it does so all the time.
+    pub(crate) fn tell_of_control(&mut self, reason: &str) {
+        let granted = self.granted;
+        let notes = &mut self.session.control_notes;
+        let every = CONTROL_NOTE_EVERY.as_nanos();
+        let refill = u32::try_from(self.now.since(notes.refilled).as_nanos() / every).unwrap_or(u32::MAX);
+        if refill > 0 {
+            notes.left = notes.left.saturating_add(refill).min(CONTROL_NOTES);
+            notes.refilled = self.now;
+        }
+        if notes.left == 0 {
+            notes.untold += 1;
+            return;
+        }
+        notes.left -= 1;
+        notes.told = granted;
+        self.note(Note::Control {
+            granted,
+            reason: reason.to_owned(),
+        });
+    }
+
+    /// What was not told of control when it changed too often.
+    pub(crate) fn catch_up_on_control(&mut self) {
+        let granted = self.granted;
+        let notes = &mut self.session.control_notes;
+        if self.now.since(notes.caught_up) < CATCH_UP_EVERY {
+            return;
+        }
+        notes.caught_up = self.now;
+        let untold = std::mem::take(&mut notes.untold);
+        if untold == 0 {
+            return;
+        }
+        let changed = std::mem::replace(&mut notes.told, granted) != granted;
+        self.note(Note::Text {
+            text: format!("control has changed hands {untold} times more"),
+        });
+        if changed {
+            self.note(Note::Control {
+                granted,
+                reason: self.lost_because().unwrap_or("").to_owned(),
+            });
+        }
+    }
+
+    /// The second's BPSTS (SPI 7.2), and what carries the beat beside it where the vehicle does not answer that.
+    pub(crate) fn beat(&mut self) {
+        self.catch_up_on_control();
+        self.tell_what_was_counted();
+        if self.heartbeat.needs_log(self.now) {
+            self.subscribe_acknowledgements(Purpose::Beat);
+        }
+        self.send_status();
+        self.timers.set(Timer::Status, self.now + BEAT_EVERY);
+    }
+
+    pub(crate) fn send_status(&mut self) {
+        let failed = self
+            .settings
+            .status_failed_when
+            .iter()
+            .any(|condition| match condition {
+                StatusCondition::PluginQuarantined => self.plugins.iter().any(Slot::is_quarantined),
+                StatusCondition::NavigationStale => self.tracker.fresh(self.now).is_none(),
+            });
+        let text = match (self.arbiter.is_steering(), self.lost_because()) {
+            (true, _) => "steering",
+            (false, None) => "has control",
+            (false, Some(reason)) => reason,
+        };
+        let created = self.stamper.stamp(self.now, "STS");
+        let status = PayloadStatus {
+            created,
+            ok: !failed,
+            text: Text::cleaned(text),
+        };
+        let command = self.courtesy("STS", Some(created));
+        self.transmit(&ToVehicle::PayloadStatus(status), Some(command));
+    }
+
+    pub(crate) fn subscribe_acknowledgements(&mut self, purpose: Purpose) {
+        let message = ToVehicle::LoggingControl(LoggingControl {
+            message: Text::cleaned(ACKNOWLEDGEMENTS),
+            on: true,
+        });
+        let command = Command {
+            purpose,
+            ..self.courtesy("LOG", None)
+        };
+        self.transmit(&message, Some(command));
     }
 }
 

@@ -13,10 +13,10 @@ use backseat_spi::{SilentMode, ToVehicle};
 use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose, SILENT_WITHIN};
+use crate::context::Context;
 use crate::helm::refused;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
-use crate::machine::Core;
 use crate::plugin::{PluginId, Refusal, RequestState, SilentRequest};
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -63,7 +63,7 @@ struct Silence {
 
 impl Silent {
     /// Whether a plugin counts on the vehicle's silence.
-    pub(crate) fn is_kept(&self) -> bool {
+    fn is_kept(&self) -> bool {
         match self.state {
             State::Normal => false,
             State::Entering(_) => true,
@@ -72,41 +72,42 @@ impl Silent {
     }
 }
 
-impl Core {
-    pub(crate) fn ask_silent(&mut self, plugin: PluginId, asked: &SilentRequest) {
-        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::Silent);
-        let next = match self.admit_silent(plugin, asked.silent, request) {
+impl Silent {
+    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: &SilentRequest) {
+        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Silent);
+        let next = match self.admit(cx, plugin, asked.silent, request) {
             Ok(next) => next,
-            Err(refusal) => return self.cx.reject(request, refusal),
+            Err(refusal) => return cx.reject(request, refusal),
         };
         let message = ToVehicle::SilentMode(SilentMode {
-            created: self.cx.stamper.stamp(self.cx.now, "SIL"),
+            created: cx.stamper.stamp(cx.now, "SIL"),
             silent: asked.silent,
         });
-        if self.cx.send_request(request, "SIL", &message, Purpose::Silent(request)) {
-            self.silent.entered += u32::from(asked.silent);
-            self.silent.state = next;
+        if cx.send_request(request, "SIL", &message, Purpose::Silent(request)) {
+            self.entered += u32::from(asked.silent);
+            self.state = next;
+            cx.silent = self.is_kept();
         }
     }
 
     /// The state that a request leads to.
-    fn admit_silent(&mut self, plugin: PluginId, silent: bool, request: u64) -> Result<State, Refusal> {
-        self.cx.admit(plugin, Grant::Silent)?;
-        if !self.cx.session.is_subscribed("ACK") {
+    fn admit(&mut self, cx: &mut Context, plugin: PluginId, silent: bool, request: u64) -> Result<State, Refusal> {
+        cx.admit(plugin, Grant::Silent)?;
+        if !cx.session.is_subscribed("ACK") {
             return Err(refused("state", "the vehicle's acknowledgements are not on (SPI 7.22)"));
         }
-        match self.silent.state {
+        match self.state {
             State::Entering(_) | State::Leaving(..) => {
                 Err(refused("state", "the vehicle has not answered for the last one"))
             }
-            State::Normal if silent => self.admit_entry(plugin, request),
+            State::Normal if silent => self.admit_entry(cx, plugin, request),
             State::Normal => Err(refused("state", "the vehicle is not silent")),
-            State::Silent(_) if silent && !is_on(Check::SilentTerm) => self.admit_entry(plugin, request),
+            State::Silent(_) if silent && !is_on(Check::SilentTerm) => self.admit_entry(cx, plugin, request),
             State::Silent(silence) if silent => Err(refused(
                 "state",
                 &format!(
                     "the vehicle may be silent for another {:.0} s, and entering anew would not extend it (SPI 7.22)",
-                    silence.over.since(self.cx.now).as_secs_f64()
+                    silence.over.since(cx.now).as_secs_f64()
                 ),
             )),
             State::Silent(silence) if silence.plugin != plugin => {
@@ -116,98 +117,104 @@ impl Core {
         }
     }
 
-    fn admit_entry(&self, plugin: PluginId, request: u64) -> Result<State, Refusal> {
-        let most = self.cx.envelope.limits().silences_total_max;
-        if self.silent.entered >= most && is_on(Check::SilencesTotal) {
+    fn admit_entry(&self, cx: &Context, plugin: PluginId, request: u64) -> Result<State, Refusal> {
+        let most = cx.envelope.limits().silences_total_max;
+        if self.entered >= most && is_on(Check::SilencesTotal) {
             let text = format!("silent mode has been asked for {most} times, the most of a mission");
             return Err(refused("cap", &text));
         }
         Ok(State::Entering(Entry {
             plugin,
             request,
-            sent: self.cx.now,
+            sent: cx.now,
         }))
     }
 
     /// The vehicle's answers to a BPSIL: the first, on its receipt, comes as pending whatever it says.
-    pub(crate) fn silent_answered(&mut self, request: u64, answer: Answer<'_>) {
-        match self.silent.state {
-            State::Entering(entry) if entry.request == request => self.entry_answered(entry, answer),
-            State::Leaving(silence, leave) if leave == request => self.leave_answered(silence, leave, answer),
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
+        match self.state {
+            State::Entering(entry) if entry.request == request => self.entry_answered(cx, entry, answer),
+            State::Leaving(silence, leave) if leave == request => self.leave_answered(cx, silence, leave, answer),
             State::Normal | State::Entering(_) | State::Silent(_) | State::Leaving(..) => {}
         }
     }
 
-    fn entry_answered(&mut self, entry: Entry, answer: Answer<'_>) {
+    fn entry_answered(&mut self, cx: &mut Context, entry: Entry, answer: Answer<'_>) {
         let Entry { plugin, request, sent } = entry;
         match answer {
-            Answer::Pending => self.cx.transition(request, RequestState::Pending),
+            Answer::Pending => cx.transition(request, RequestState::Pending),
             Answer::Done => {
-                let term = self.cx.envelope.limits().silent_term();
-                self.become_silent(State::Silent(Silence {
-                    plugin,
-                    entry: Some(request),
-                    until: sent + term,
-                    over: self.cx.now + term,
-                }));
-                self.cx.transition(request, RequestState::Accepted);
-                self.cx.transition(request, RequestState::Started);
+                let term = cx.envelope.limits().silent_term();
+                self.become_silent(
+                    cx,
+                    State::Silent(Silence {
+                        plugin,
+                        entry: Some(request),
+                        until: sent + term,
+                        over: cx.now + term,
+                    }),
+                );
+                cx.transition(request, RequestState::Accepted);
+                cx.transition(request, RequestState::Started);
             }
             Answer::Refused(text) => {
-                self.become_silent(State::Normal);
-                self.cx.transition(request, RequestState::Failed(text.to_owned()));
+                self.become_silent(cx, State::Normal);
+                cx.transition(request, RequestState::Failed(text.to_owned()));
             }
-            Answer::Missing => self.entry_unanswered(entry),
+            Answer::Missing => self.entry_unanswered(cx, entry),
         }
     }
 
     /// The vehicle may fall silent yet, and nothing will say so: it counts as silent for as long as that may last.
-    fn entry_unanswered(&mut self, entry: Entry) {
-        let limits = self.cx.envelope.limits();
-        let over = self.cx.now + limits.link_delay_max() + SILENT_WITHIN + limits.silent_term();
-        self.become_silent(State::Silent(Silence {
-            plugin: entry.plugin,
-            entry: None,
-            until: over,
-            over,
-        }));
-        self.cx.transition(entry.request, RequestState::TimedOut);
+    fn entry_unanswered(&mut self, cx: &mut Context, entry: Entry) {
+        let limits = cx.envelope.limits();
+        let over = cx.now + limits.link_delay_max() + SILENT_WITHIN + limits.silent_term();
+        self.become_silent(
+            cx,
+            State::Silent(Silence {
+                plugin: entry.plugin,
+                entry: None,
+                until: over,
+                over,
+            }),
+        );
+        cx.transition(entry.request, RequestState::TimedOut);
     }
 
-    fn leave_answered(&mut self, silence: Silence, leave: u64, answer: Answer<'_>) {
+    fn leave_answered(&mut self, cx: &mut Context, silence: Silence, leave: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.cx.transition(leave, RequestState::Pending),
+            Answer::Pending => cx.transition(leave, RequestState::Pending),
             Answer::Done => {
-                self.become_silent(State::Normal);
-                self.end_entry(silence, "normal again");
-                self.cx.transition(leave, RequestState::Accepted);
-                self.cx
-                    .transition(leave, RequestState::Ended("normal again".to_owned()));
+                self.become_silent(cx, State::Normal);
+                self.end_entry(cx, silence, "normal again");
+                cx.transition(leave, RequestState::Accepted);
+                cx.transition(leave, RequestState::Ended("normal again".to_owned()));
             }
             Answer::Refused(text) => {
-                self.become_silent(State::Silent(silence));
-                self.cx.transition(leave, RequestState::Failed(text.to_owned()));
+                self.become_silent(cx, State::Silent(silence));
+                cx.transition(leave, RequestState::Failed(text.to_owned()));
             }
-            Answer::Missing => self.leave_unanswered(silence, leave),
+            Answer::Missing => self.leave_unanswered(cx, silence, leave),
         }
     }
 
     /// The vehicle may be silent or not: nobody can count on it any more.
-    fn leave_unanswered(&mut self, silence: Silence, leave: u64) {
-        self.become_silent(State::Silent(Silence { entry: None, ..silence }));
-        self.end_entry(silence, "the vehicle has not said whether it is normal again");
-        self.cx.transition(leave, RequestState::TimedOut);
+    fn leave_unanswered(&mut self, cx: &mut Context, silence: Silence, leave: u64) {
+        self.become_silent(cx, State::Silent(Silence { entry: None, ..silence }));
+        self.end_entry(cx, silence, "the vehicle has not said whether it is normal again");
+        cx.transition(leave, RequestState::TimedOut);
     }
 
-    fn end_entry(&mut self, silence: Silence, reason: &str) {
+    fn end_entry(&mut self, cx: &mut Context, silence: Silence, reason: &str) {
         if let Some(entry) = silence.entry {
-            self.cx.transition(entry, RequestState::Ended(reason.to_owned()));
+            cx.transition(entry, RequestState::Ended(reason.to_owned()));
         }
     }
 
     /// Takes the state on, with its timer.
-    fn become_silent(&mut self, state: State) {
-        self.silent.state = state;
+    fn become_silent(&mut self, cx: &mut Context, state: State) {
+        self.state = state;
+        cx.silent = self.is_kept();
         let next = match state {
             State::Normal | State::Entering(_) => None,
             State::Silent(silence) | State::Leaving(silence, _) => match silence.entry {
@@ -215,32 +222,32 @@ impl Core {
                 None => Some(silence.over).filter(|_| matches!(state, State::Silent(_))),
             },
         };
-        self.cx.timers.set_or_stop(Timer::Silent, next);
+        cx.timers.set_or_stop(Timer::Silent, next);
     }
 
     /// The five minutes are over: for the request first, then for the vehicle too.
-    pub(crate) fn silent_expired(&mut self) {
-        let (silence, next) = match self.silent.state {
+    pub(crate) fn timed_out(&mut self, cx: &mut Context) {
+        let (silence, next) = match self.state {
             State::Normal | State::Entering(_) => return,
             State::Silent(silence) => {
                 let lapsed = Silence { entry: None, ..silence };
-                let over = silence.over <= self.cx.now;
+                let over = silence.over <= cx.now;
                 (silence, if over { State::Normal } else { State::Silent(lapsed) })
             }
             // Its answer says what the vehicle is now.
             State::Leaving(silence, leave) => (silence, State::Leaving(Silence { entry: None, ..silence }, leave)),
         };
-        self.become_silent(next);
-        let term_s = self.cx.envelope.limits().silent_term_s;
-        self.end_entry(silence, &format!("lapsed after {term_s} s"));
+        self.become_silent(cx, next);
+        let term_s = cx.envelope.limits().silent_term_s;
+        self.end_entry(cx, silence, &format!("lapsed after {term_s} s"));
     }
 
     /// Silence outlives the link; what was not answered never will be.
-    pub(crate) fn silent_link_lost(&mut self) {
-        match self.silent.state {
+    pub(crate) fn link_lost(&mut self, cx: &mut Context) {
+        match self.state {
             State::Normal | State::Silent(_) => {}
-            State::Entering(entry) => self.entry_unanswered(entry),
-            State::Leaving(silence, leave) => self.leave_unanswered(silence, leave),
+            State::Entering(entry) => self.entry_unanswered(cx, entry),
+            State::Leaving(silence, leave) => self.leave_unanswered(cx, silence, leave),
         }
     }
 }

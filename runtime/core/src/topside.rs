@@ -4,12 +4,11 @@ use backseat_spi::{Direction, Text, ToVehicle, TopsideMessage, TopsideText, Tran
 use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose};
+use crate::context::Context;
 use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
-use crate::machine::Core;
-use crate::orders::Condition;
 use crate::plugin::{Event, PluginId, Refusal, RequestState, Topic, TopsideRequest, Transport};
 use crate::quota::LastMinute;
 
@@ -29,31 +28,28 @@ impl Topside {
     }
 }
 
-impl Core {
-    pub(crate) fn ask_topside(&mut self, plugin: PluginId, asked: &TopsideRequest) {
-        let request = self.cx.ledger.propose(plugin, asked.tag, RequestKind::Topside);
-        let text = match self.admit_topside(plugin, asked) {
+impl Topside {
+    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: &TopsideRequest) {
+        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Topside);
+        let text = match self.admit(cx, plugin, asked) {
             Ok(text) => text,
-            Err(refusal) => return self.cx.reject(request, refusal),
+            Err(refusal) => return cx.reject(request, refusal),
         };
         let message = ToVehicle::TopsideText(TopsideText {
-            created: self.cx.stamper.stamp(self.cx.now, "TOP"),
+            created: cx.stamper.stamp(cx.now, "TOP"),
             slowest: way(asked.slowest),
             text,
         });
-        if self
-            .cx
-            .send_request(request, "TOP", &message, Purpose::Topside(request))
-        {
-            self.topside.count(self.cx.now);
+        if cx.send_request(request, "TOP", &message, Purpose::Topside(request)) {
+            self.count(cx.now);
         }
     }
 
-    fn admit_topside(&mut self, plugin: PluginId, asked: &TopsideRequest) -> Result<Text, Refusal> {
-        self.cx.admit(plugin, Grant::Topside)?;
+    fn admit(&mut self, cx: &mut Context, plugin: PluginId, asked: &TopsideRequest) -> Result<Text, Refusal> {
+        cx.admit(plugin, Grant::Topside)?;
         let text = admit_text(&asked.text)?;
-        let most = self.cx.envelope.limits().topside_per_min;
-        if !self.topside.sent.has_room(self.cx.now, most) {
+        let most = cx.envelope.limits().topside_per_min;
+        if !self.sent.has_room(cx.now, most) {
             return Err(refused(
                 "rate",
                 &format!("{most} messages have been sent to the topside in the last minute, the most there may be"),
@@ -63,31 +59,35 @@ impl Core {
     }
 
     /// Success means that the message waits for a link, not that anybody has read it (7.3): nothing more is heard of it.
-    pub(crate) fn topside_answered(&mut self, request: u64, answer: Answer<'_>) {
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.cx.transition(request, RequestState::Pending),
+            Answer::Pending => cx.transition(request, RequestState::Pending),
             Answer::Done => {
-                self.cx.transition(request, RequestState::Accepted);
-                self.cx.transition(request, RequestState::Ended("queued".to_owned()));
+                cx.transition(request, RequestState::Accepted);
+                cx.transition(request, RequestState::Ended("queued".to_owned()));
             }
-            Answer::Refused(text) => self.cx.transition(request, RequestState::Failed(text.to_owned())),
-            Answer::Missing => self.cx.transition(request, RequestState::TimedOut),
+            Answer::Refused(text) => cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => cx.transition(request, RequestState::TimedOut),
         }
     }
 
     /// BFTOP.
-    pub(crate) fn topside_message(&mut self, message: &TopsideMessage) {
-        self.cx.heard(message.created);
+    pub(crate) fn heard(&self, cx: &mut Context, message: &TopsideMessage) {
+        cx.heard(message.created);
         let text = message.text.as_str();
-        self.cx.note(Note::Text {
+        cx.note(Note::Text {
             text: format!("message from the topside: {text}"),
         });
-        self.carry_out(|when| matches!(when, Condition::TopsideMessage(awaited) if awaited == text));
+    }
+
+    /// Plugins are told what the topside has said.
+    pub(crate) fn tell(&self, cx: &mut Context, message: &TopsideMessage) {
+        let text = message.text.as_str();
         let event = Event::TopsideMessage {
             transport: transport(message.transport),
             text: text.to_owned(),
         };
-        self.cx.tell_wanting(Topic::Topside, &event);
+        cx.tell_wanting(Topic::Topside, &event);
     }
 }
 

@@ -2,10 +2,10 @@
 
 use backseat_spi::{HullSpeedLimit, ToVehicle};
 
+use super::Station;
 use crate::commands::{Answer, Command, Purpose};
 use crate::context::Context;
 use crate::io::Note;
-use crate::machine::Core;
 
 /// What is known of the vehicle's speed limit (BPSPD), which outlives holds and connections.
 #[derive(Debug, Default)]
@@ -18,53 +18,53 @@ pub(super) struct SpeedLimit {
     pub(super) restoring: Option<u64>,
 }
 
-impl Core {
+impl Station {
     /// Gives the vehicle its own speed limit back where a hold has changed it.
-    pub(super) fn restore_speed(&mut self, request: u64) {
-        if !self.hull.limit.changed {
+    pub(super) fn restore_speed(&mut self, cx: &mut Context, request: u64) {
+        if !self.limit.changed {
             return;
         }
-        let Some(speed_mps) = self.cx.speed_default_mps() else {
+        let Some(speed_mps) = cx.speed_default_mps() else {
             return;
         };
-        let created = self.cx.stamper.stamp(self.cx.now, "SPD");
+        let created = cx.stamper.stamp(cx.now, "SPD");
         let command = Command {
             purpose: Purpose::SpeedRestored(request),
-            ..self.cx.courtesy("SPD", Some(created))
+            ..cx.courtesy("SPD", Some(created))
         };
         let limit = ToVehicle::HullSpeedLimit(HullSpeedLimit { created, speed_mps });
-        if self.cx.transmit(&limit, Some(command)) {
-            self.hull.limit.known_mps = None;
-            self.hull.limit.restoring = Some(request);
+        if cx.transmit(&limit, Some(command)) {
+            self.limit.known_mps = None;
+            self.limit.restoring = Some(request);
         }
     }
 
     /// Control has come. A limit that a hold left changed, for its link was lost, is restored now: not before, for
     /// without control nothing moves by it, and little may be sent (safety requirement 014).
-    pub(crate) fn hull_control_granted(&mut self) {
-        if self.hull.hold.is_none() && self.hull.limit.restoring.is_none() {
-            self.restore_speed(0);
+    pub(crate) fn control_granted(&mut self, cx: &mut Context) {
+        if self.hold.is_none() && self.limit.restoring.is_none() {
+            self.restore_speed(cx, 0);
         }
     }
 
-    pub(crate) fn speed_restored(&mut self, request: u64, answer: Answer<'_>) {
-        if self.hull.limit.restoring != Some(request) {
+    pub(crate) fn speed_restored(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
+        if self.limit.restoring != Some(request) {
             return;
         }
         match answer {
             Answer::Pending => return,
             Answer::Done => {
-                self.hull.limit = SpeedLimit {
-                    known_mps: self.cx.speed_default_mps(),
+                self.limit = SpeedLimit {
+                    known_mps: cx.speed_default_mps(),
                     ..SpeedLimit::default()
                 };
             }
             // It stays changed: the next hold's end and the next control try again.
-            Answer::Refused(_) | Answer::Missing => self.cx.note(Note::Text {
+            Answer::Refused(_) | Answer::Missing => cx.note(Note::Text {
                 text: "the vehicle has not taken its own speed limit back (BPSPD)".to_owned(),
             }),
         }
-        self.hull.limit.restoring = None;
+        self.limit.restoring = None;
     }
 }
 

@@ -6,10 +6,11 @@ use std::time::Duration;
 use backseat_spi::{CartesianNavigation, RelativeNavigation};
 use backseat_units::{TimeOfDay, Timestamp};
 
+use super::Station;
 use crate::clock::elapsed_nanos;
+use crate::context::Context;
 use crate::io::Note;
 use crate::limits::Limits;
-use crate::machine::Core;
 use crate::plugin::{CartesianSample, RelativeSample};
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -138,15 +139,15 @@ impl<S: Placed> Track<S> {
     }
 }
 
-impl Core {
+impl Station {
     /// BFRNV.
-    pub(crate) fn relative_navigated(&mut self, message: &RelativeNavigation) {
-        self.cx.heard(message.created);
-        if !self.cx.relative.advances(message.created, message.solution) {
+    pub(crate) fn heard_relative(&mut self, cx: &mut Context, message: &RelativeNavigation) {
+        cx.heard(message.created);
+        if !cx.relative.advances(message.created, message.solution) {
             return;
         }
         let sample = RelativeSample {
-            measured: self.cx.when(message.solution),
+            measured: cx.when(message.solution),
             horizontal_m: message.horizontal_m,
             vertical_m: message.vertical_m,
             distance_m: message.distance_m,
@@ -156,51 +157,51 @@ impl Core {
             roll_deg: message.roll_deg,
             pitch_deg: message.pitch_deg,
         };
-        let jumped = self.cx.relative.take(self.cx.now, sample, message.solution);
-        self.relative_came("BFRNV", jumped);
+        let jumped = cx.relative.take(cx.now, sample, message.solution);
+        self.relative_came(cx, "BFRNV", jumped);
     }
 
     /// BFCNV. It bears no time of its solution: one that stands still while the messages go on cannot be told.
-    pub(crate) fn cartesian_navigated(&mut self, message: &CartesianNavigation) {
-        self.cx.heard(message.created);
-        if !self.cx.cartesian.advances(message.created, message.created) {
+    pub(crate) fn heard_cartesian(&mut self, cx: &mut Context, message: &CartesianNavigation) {
+        cx.heard(message.created);
+        if !cx.cartesian.advances(message.created, message.created) {
             return;
         }
         let sample = CartesianSample {
-            measured: self.cx.when(message.created),
+            measured: cx.when(message.created),
             x_m: message.x_m,
             y_m: message.y_m,
             z_m: message.z_m,
             heading_deg: message.heading_deg,
         };
-        let jumped = self.cx.cartesian.take(self.cx.now, sample, message.created);
-        self.relative_came("BFCNV", jumped);
+        let jumped = cx.cartesian.take(cx.now, sample, message.created);
+        self.relative_came(cx, "BFCNV", jumped);
     }
 
-    fn relative_came(&mut self, message: &str, jumped_m: Option<f64>) {
+    fn relative_came(&mut self, cx: &mut Context, message: &str, jumped_m: Option<f64>) {
         if let Some(metres) = jumped_m {
             // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
             let text = format!("{message} jumped by {metres:.1} m");
-            self.end_hold(&text);
-            self.cx.note(Note::Navigation { text });
+            self.end(cx, &text);
+            cx.note(Note::Navigation { text });
         }
-        self.watch_return();
-        self.prevent_hold();
-        self.watch_relative();
+        self.watch_return(cx);
+        self.prevent(cx);
+        self.watch_relative(cx);
     }
 
     /// Sets when relative navigation will have become stale under the hold.
-    pub(super) fn watch_relative(&mut self) {
-        let stale_at = [self.cx.relative.stale_at(), self.cx.cartesian.stale_at()];
-        let next = stale_at.into_iter().flatten().filter(|at| *at > self.cx.now).min();
-        let next = next.filter(|_| self.hull.hold.is_some());
-        self.cx.timers.set_or_stop(Timer::Relative, next);
+    pub(super) fn watch_relative(&mut self, cx: &mut Context) {
+        let stale_at = [cx.relative.stale_at(), cx.cartesian.stale_at()];
+        let next = stale_at.into_iter().flatten().filter(|at| *at > cx.now).min();
+        let next = next.filter(|_| self.hold.is_some());
+        cx.timers.set_or_stop(Timer::Relative, next);
     }
 
     /// Relative navigation has become stale: the hold stands where it does not need it.
-    pub(crate) fn relative_expired(&mut self) {
-        if self.hold_is_sound() {
-            self.watch_relative();
+    pub(crate) fn timed_out(&mut self, cx: &mut Context) {
+        if self.is_sound(cx) {
+            self.watch_relative(cx);
         }
     }
 }

@@ -35,8 +35,8 @@ impl Core {
         if let Err(refusal) = self.admit_empty_mission(duration_s) {
             return self.cx.reject(request, refusal);
         }
-        self.end_lease("the operator starts an empty mission");
-        self.end_hold("the operator starts an empty mission");
+        self.modify.end(&mut self.cx, "the operator starts an empty mission");
+        self.station.end(&mut self.cx, "the operator starts an empty mission");
         let (duration, unit) = in_units(duration_s);
         let created = self.cx.stamper.stamp(self.cx.now, "SEM");
         let message = ToVehicle::StartEmptyMission(StartEmptyMission {

@@ -110,8 +110,8 @@ impl Core {
         };
         let (text, reason, kill) = (ending.text.clone(), ending.reason, ending.is_kill());
         // Nothing that steers stands when it leaves.
-        self.end_lease("the operator ends the mission");
-        self.end_hold("the operator ends the mission");
+        self.modify.end(&mut self.cx, "the operator ends the mission");
+        self.station.end(&mut self.cx, "the operator ends the mission");
         let letters = if kill { "KIL" } else { "ABT" };
         let created = self.cx.stamper.stamp(self.cx.now, letters);
         let message = if kill {

@@ -42,25 +42,35 @@ impl Core {
             Purpose::Early => {}
             // Nothing but its round trip counts.
             Purpose::Beat => {}
-            Purpose::Subscription(index) => self.subscription_answered(index, answer),
+            Purpose::Subscription(index) => self.cx.subscription_answered(index, answer),
             Purpose::Plan => self.plan_answered(answer),
-            Purpose::Lease(request) => self.modify.answered(&mut self.cx, request, answer),
-            Purpose::Insert(request) => self.inserts.answered(&mut self.cx, request, answer),
-            Purpose::Cancel { cancel, insert } => self.inserts.cancel_answered(&mut self.cx, cancel, insert, answer),
-            Purpose::Request(request) => self.request_answered(request, answer),
-            Purpose::Topside(request) => self.topside.answered(&mut self.cx, request, answer),
-            Purpose::Silent(request) => self.silent.answered(&mut self.cx, request, answer),
-            Purpose::Adjustment(request) => self.adjustments.answered(&mut self.cx, request, answer),
-            Purpose::Packet(request) => self.acoustic.answered(&mut self.cx, request, answer),
-            Purpose::DvlTrigger(request) => self.dvl.answered(&mut self.cx, request, answer),
-            Purpose::Hold(request) => self.station.answered(&mut self.cx, request, command.name, answer),
-            Purpose::CancelAll(request) => self.cancel_all_answered(request, answer),
-            Purpose::Ending(request) => self.ending_answered(request, answer),
-            Purpose::EmptyMission(request) => self.empty_mission_answered(request, answer),
-            Purpose::SpeedRestored(request) => self.station.speed_restored(&mut self.cx, request, answer),
+            Purpose::Lease(request) => self.capabilities.modify.answered(&mut self.cx, request, answer),
+            Purpose::Insert(request) => self.capabilities.inserts.answered(&mut self.cx, request, answer),
+            Purpose::Cancel { cancel, insert } => {
+                self.capabilities
+                    .inserts
+                    .cancel_answered(&mut self.cx, cancel, insert, answer)
+            }
+            Purpose::Request(request) => self.cx.request_answered(request, answer),
+            Purpose::Topside(request) => self.capabilities.topside.answered(&mut self.cx, request, answer),
+            Purpose::Silent(request) => self.capabilities.silent.answered(&mut self.cx, request, answer),
+            Purpose::Adjustment(request) => self.capabilities.adjustments.answered(&mut self.cx, request, answer),
+            Purpose::Packet(request) => self.capabilities.acoustic.answered(&mut self.cx, request, answer),
+            Purpose::DvlTrigger(request) => self.capabilities.dvl.answered(&mut self.cx, request, answer),
+            Purpose::Hold(request) => self
+                .capabilities
+                .station
+                .answered(&mut self.cx, request, command.name, answer),
+            Purpose::CancelAll(request) => self.orders.cancel_all_answered(&mut self.cx, request, answer),
+            Purpose::Ending(request) => {
+                self.orders
+                    .ending_answered(&mut self.cx, &mut self.capabilities, request, answer)
+            }
+            Purpose::EmptyMission(request) => self.orders.empty_answered(&mut self.cx, request, answer),
+            Purpose::SpeedRestored(request) => self.capabilities.station.speed_restored(&mut self.cx, request, answer),
             Purpose::Courtesy => {
                 if command.name == name("RMB") && matches!(answer, Answer::Missing | Answer::Refused(_)) {
-                    self.modify.failed_after_its_end(&mut self.cx);
+                    self.capabilities.modify.failed_after_its_end(&mut self.cx);
                 }
                 if let Answer::Refused(text) = answer {
                     self.cx.note(Note::Text {
@@ -68,19 +78,6 @@ impl Core {
                     });
                 }
             }
-        }
-    }
-
-    /// The answer to a request that ends with it.
-    fn request_answered(&mut self, request: u64, answer: Answer<'_>) {
-        match answer {
-            Answer::Pending => self.cx.transition(request, RequestState::Pending),
-            Answer::Done => {
-                self.cx.transition(request, RequestState::Accepted);
-                self.cx.transition(request, RequestState::Ended("done".to_owned()));
-            }
-            Answer::Refused(text) => self.cx.transition(request, RequestState::Failed(text.to_owned())),
-            Answer::Missing => self.cx.transition(request, RequestState::TimedOut),
         }
     }
 }
@@ -110,5 +107,18 @@ impl Context {
             self.reject(request, refused("control", "it could not be sent"));
         }
         sent
+    }
+
+    /// The answer to a request that ends with it.
+    pub(crate) fn request_answered(&mut self, request: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Done => {
+                self.transition(request, RequestState::Accepted);
+                self.transition(request, RequestState::Ended("done".to_owned()));
+            }
+            Answer::Refused(text) => self.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => self.transition(request, RequestState::TimedOut),
+        }
     }
 }

@@ -183,11 +183,6 @@ impl Allowance {
 }
 
 impl Core {
-    /// When the next plugin is due for something.
-    pub(crate) fn plugins_due(&self) -> Option<Timestamp> {
-        self.cx.plugins.iter().filter_map(Slot::wakes_at).min()
-    }
-
     /// Steps every plugin that is due: with navigation, at its period; without, when that is overdue.
     pub(crate) fn step_due(&mut self, with_navigation: bool) {
         let now = self.cx.now;
@@ -217,7 +212,7 @@ impl Core {
                     });
                     let filling = slot.is_filling() && now >= slot.invoked + PERIOD_MIN;
                     if timed || filling || now + early >= due {
-                        self.invoke(index);
+                        self.cx.invoke(index);
                     }
                 }
                 State::Running if with_navigation && now + early >= due => slot.overdue = true,
@@ -234,40 +229,6 @@ impl Core {
         }
     }
 
-    fn invoke(&mut self, index: usize) {
-        let navigation = self.cx.tracker.fresh(self.cx.now).copied();
-        let (relative, cartesian) = (
-            self.cx.relative.fresh(self.cx.now),
-            self.cx.cartesian.fresh(self.cx.now),
-        );
-        let clocks = self.cx.clocks();
-        let (now, control) = (self.cx.now, self.cx.granted);
-        let slot = &mut self.cx.plugins[index];
-        slot.state = State::Running;
-        slot.overdue = false;
-        slot.invoked = now;
-        // A little jitter does not move the cadence; more than that is another phase, navigation's own.
-        slot.due = if now.since(slot.due) <= slot.period() / 4 {
-            slot.due + slot.period()
-        } else {
-            now + slot.period()
-        };
-        let events = std::mem::take(&mut slot.events);
-        self.cx.outputs.push_back(Output::Invoke(
-            PluginId(index),
-            StepInput {
-                now,
-                utc: clocks.utc,
-                clocks_apart: clocks.apart,
-                navigation,
-                relative,
-                cartesian,
-                control,
-                events,
-            },
-        ));
-    }
-
     pub(crate) fn returned(&mut self, plugin: PluginId, returned: Returned) {
         for line in returned.log {
             self.cx.note(Note::PluginLog { plugin, line });
@@ -277,7 +238,7 @@ impl Core {
         };
         match slot.state {
             State::Running => slot.state = State::Idle,
-            State::Condemned => return self.back_off(plugin),
+            State::Condemned => return self.cx.back_off(plugin),
             State::Idle | State::BackingOff { .. } | State::Restarting | State::Quarantined => return,
         }
         match returned.result {
@@ -288,61 +249,20 @@ impl Core {
                         break;
                     }
                     self.ask(plugin, request);
-                    self.fail_overflowed();
+                    self.fail_plugins();
                 }
             }
             Err(fault) => self.failed(plugin, fault),
         }
         let slot = &self.cx.plugins[plugin.0];
         if slot.overdue && slot.state == State::Idle {
-            self.invoke(plugin.0);
+            self.cx.invoke(plugin.0);
         }
     }
 
-    pub(crate) fn restarted(&mut self, plugin: PluginId, restarted: Restarted) {
-        let Some(slot) = self.cx.plugins.get_mut(plugin.0) else {
-            return;
-        };
-        if slot.state != State::Restarting {
-            return;
-        }
-        match restarted.result {
-            Ok(()) => {
-                slot.state = State::Idle;
-                slot.events.clear();
-                slot.timers.clear();
-                self.cx.note(Note::PluginRestarted { plugin });
-                let open = self
-                    .cx
-                    .ledger
-                    .iter()
-                    .filter(|(_, entry)| entry.owner == plugin)
-                    .map(|(_, entry)| entry.tag)
-                    .collect();
-                self.cx.tell(
-                    plugin,
-                    Event::Restored {
-                        lost_steps: restarted.lost_steps,
-                        open,
-                    },
-                );
-                self.cx.tell(plugin, Event::Control(self.cx.granted));
-            }
-            Err(fault) => {
-                // Whatever it says of itself, there is no instance.
-                let kind = FaultKind::Start;
-                self.failed(plugin, PluginFault { kind, ..fault });
-            }
-        }
-    }
-
-    /// Plugins whose events were more than they may be have failed.
-    pub(crate) fn fail_overflowed(&mut self) {
-        while let Some(plugin) = self.cx.overflowed.pop() {
-            let fault = PluginFault {
-                kind: FaultKind::Overflow,
-                text: format!("more than {EVENTS_MAX} events came before it returned"),
-            };
+    /// Plugins that have failed meanwhile.
+    pub(crate) fn fail_plugins(&mut self) {
+        while let Some((plugin, fault)) = self.cx.failures.pop_front() {
             self.failed(plugin, fault);
         }
     }
@@ -373,7 +293,7 @@ impl Core {
             "it will be restarted"
         } else if lost {
             // Before the lease ends, whose outcome a full queue would take for another failure.
-            self.back_off(plugin);
+            self.cx.back_off(plugin);
             "it will be restarted"
         } else {
             "it goes on"
@@ -381,69 +301,77 @@ impl Core {
         let quarantined = self.cx.plugins[plugin.0].is_quarantined();
         self.cx.note(Note::PluginFailed { plugin, fault, then });
         if is_on(Check::PluginFailure) {
-            self.modify.plugin_failed(&mut self.cx, plugin);
-            self.station.plugin_failed(&mut self.cx, plugin);
+            self.capabilities.modify.plugin_failed(&mut self.cx, plugin);
+            self.capabilities.station.plugin_failed(&mut self.cx, plugin);
         }
-        self.dvl.plugin_failed(&mut self.cx, plugin);
-        self.inserts.plugin_failed(&mut self.cx, plugin);
+        self.capabilities.dvl.plugin_failed(&mut self.cx, plugin);
+        self.capabilities.inserts.plugin_failed(&mut self.cx, plugin);
         match on_failure {
             FailAction::Yield => {}
             FailAction::Cancel => {
-                self.inserts.take_back_judged(&mut self.cx, Some(plugin));
+                self.capabilities.inserts.take_back_judged(&mut self.cx, Some(plugin));
             }
             FailAction::Abort => {
-                self.inserts.take_back_judged(&mut self.cx, Some(plugin));
-                self.order_in_advance(&Order::Abort {
-                    text: "a plugin failed".to_owned(),
-                    errors: true,
-                });
+                self.capabilities.inserts.take_back_judged(&mut self.cx, Some(plugin));
+                self.orders.order_in_advance(
+                    &mut self.cx,
+                    &mut self.capabilities,
+                    &Order::Abort {
+                        text: "a plugin failed".to_owned(),
+                        errors: true,
+                    },
+                );
             }
         }
         if quarantined {
-            self.carry_out(|when| matches!(when, Condition::PluginQuarantined));
+            self.orders.carry_out(&mut self.cx, &mut self.capabilities, |when| {
+                matches!(when, Condition::PluginQuarantined)
+            });
         }
-    }
-
-    fn back_off(&mut self, plugin: PluginId) {
-        let now = self.cx.now;
-        let slot = &mut self.cx.plugins[plugin.0];
-        let doublings = slot.failures.saturating_sub(1).min(8);
-        slot.state = State::BackingOff {
-            until: now + BACK_OFF * (1 << doublings),
-        };
     }
 
     fn ask(&mut self, plugin: PluginId, request: Request) {
         match request {
             Request::Modify(modify) => {
-                if let Some(changed) = self.modify.asked(&mut self.cx, plugin, &modify) {
+                if let Some(changed) = self.capabilities.modify.asked(&mut self.cx, plugin, &modify) {
                     // BPRES comes before BPRMB.
-                    self.station.end(&mut self.cx, "a modify took its place");
-                    self.modify.begin(&mut self.cx, changed);
+                    self.capabilities.station.end(&mut self.cx, "a modify took its place");
+                    self.capabilities.modify.begin(&mut self.cx, changed);
                 }
             }
-            Request::EndModify => self.modify.asked_end(&mut self.cx, plugin),
-            Request::Trackline(_) | Request::Trackcircle(_) => self.inserts.asked(&mut self.cx, plugin, &request),
-            Request::Cancel(tag) => self.inserts.asked_cancel(&mut self.cx, plugin, tag),
-            Request::Message(text) => self.ask_message(plugin, &text),
-            Request::GpsHit(_) => self.inserts.asked(&mut self.cx, plugin, &request),
-            Request::Topside(asked) => self.topside.asked(&mut self.cx, plugin, &asked),
-            Request::DvlTrigger(asked) => self.dvl.asked(&mut self.cx, plugin, &asked),
-            Request::Silent(asked) => self.silent.asked(&mut self.cx, plugin, &asked),
-            Request::Trim(tag) => self.adjustments.asked(&mut self.cx, plugin, tag, Adjusts::Trim),
-            Request::Buoyancy(tag) => self.adjustments.asked(&mut self.cx, plugin, tag, Adjusts::Buoyancy),
-            Request::Packet(asked) => self.acoustic.asked(&mut self.cx, plugin, asked),
+            Request::EndModify => self.capabilities.modify.asked_end(&mut self.cx, plugin),
+            Request::Trackline(_) | Request::Trackcircle(_) => {
+                self.capabilities.inserts.asked(&mut self.cx, plugin, &request)
+            }
+            Request::Cancel(tag) => self.capabilities.inserts.asked_cancel(&mut self.cx, plugin, tag),
+            Request::Message(text) => self.cx.ask_message(plugin, &text),
+            Request::GpsHit(_) => self.capabilities.inserts.asked(&mut self.cx, plugin, &request),
+            Request::Topside(asked) => self.capabilities.topside.asked(&mut self.cx, plugin, &asked),
+            Request::DvlTrigger(asked) => self.capabilities.dvl.asked(&mut self.cx, plugin, &asked),
+            Request::Silent(asked) => self.capabilities.silent.asked(&mut self.cx, plugin, &asked),
+            Request::Trim(tag) => self
+                .capabilities
+                .adjustments
+                .asked(&mut self.cx, plugin, tag, Adjusts::Trim),
+            Request::Buoyancy(tag) => self
+                .capabilities
+                .adjustments
+                .asked(&mut self.cx, plugin, tag, Adjusts::Buoyancy),
+            Request::Packet(asked) => self.capabilities.acoustic.asked(&mut self.cx, plugin, asked),
             Request::Hold(asked) => {
-                if let Some(before) = self.station.asked(&mut self.cx, plugin, &asked) {
+                if let Some(before) = self.capabilities.station.asked(&mut self.cx, plugin, &asked) {
                     // BPEMB comes before BPSUS.
-                    self.modify.end(&mut self.cx, "a hold took its place");
-                    self.station.begin(&mut self.cx, before);
+                    self.capabilities.modify.end(&mut self.cx, "a hold took its place");
+                    self.capabilities.station.begin(&mut self.cx, before);
                 }
             }
-            Request::EndHold => self.station.asked_end(&mut self.cx, plugin),
-            Request::SonarAngle(asked) => self.devices.asked_sonar_angle(&mut self.cx, plugin, &asked),
-            Request::Camera(asked) => self.devices.asked_camera(&mut self.cx, plugin, &asked),
-            Request::Light(asked) => self.devices.asked_light(&mut self.cx, plugin, &asked),
+            Request::EndHold => self.capabilities.station.asked_end(&mut self.cx, plugin),
+            Request::SonarAngle(asked) => self
+                .capabilities
+                .devices
+                .asked_sonar_angle(&mut self.cx, plugin, &asked),
+            Request::Camera(asked) => self.capabilities.devices.asked_camera(&mut self.cx, plugin, &asked),
+            Request::Light(asked) => self.capabilities.devices.asked_light(&mut self.cx, plugin, &asked),
             Request::Timer { id, after } => {
                 let slot = &mut self.cx.plugins[plugin.0];
                 if slot.timers.len() < TIMERS_MAX {
@@ -459,22 +387,6 @@ impl Core {
             }
         }
     }
-
-    fn ask_message(&mut self, plugin: PluginId, text: &str) {
-        let now = self.cx.now;
-        let slot = &mut self.cx.plugins[plugin.0];
-        let in_time = slot.messages.take(now, 1.0) || !is_on(Check::MessageRate);
-        if !slot.setup.grants.contains(&Grant::Message) || !in_time {
-            return;
-        }
-        let created = self.cx.stamper.stamp(now, "MSG");
-        let cut: String = text.chars().take(MESSAGE_BYTES_MAX).collect();
-        // In lower case: there are vehicles that take a sentence for the one whose name its text contains.
-        let text = Text::cleaned(&cut.to_lowercase());
-        let command = self.cx.courtesy("MSG", Some(created));
-        self.cx
-            .transmit(&ToVehicle::LogMessage(LogMessage { created, text }), Some(command));
-    }
 }
 
 impl Context {
@@ -483,8 +395,12 @@ impl Context {
         match slot.state {
             State::Quarantined => {}
             State::Idle | State::Running if slot.events.len() >= EVENTS_MAX => {
-                if !self.overflowed.contains(&plugin) {
-                    self.overflowed.push(plugin);
+                if self.failures.iter().all(|(failed, _)| *failed != plugin) {
+                    let fault = PluginFault {
+                        kind: FaultKind::Overflow,
+                        text: format!("more than {EVENTS_MAX} events came before it returned"),
+                    };
+                    self.failures.push_back((plugin, fault));
                 }
             }
             State::Condemned | State::BackingOff { .. } | State::Restarting if slot.events.len() >= EVENTS_MAX => {}
@@ -545,5 +461,101 @@ impl Context {
     pub(crate) fn cap_steering(&self, plugin: PluginId, duration: Duration) -> Result<(), Refusal> {
         let most = self.plugins[plugin.0].limits().steering_max();
         self.arbiter.cap(self.now, plugin, duration, most)
+    }
+
+    /// When the next plugin is due for something.
+    pub(crate) fn plugins_due(&self) -> Option<Timestamp> {
+        self.plugins.iter().filter_map(Slot::wakes_at).min()
+    }
+
+    pub(crate) fn invoke(&mut self, index: usize) {
+        let navigation = self.tracker.fresh(self.now).copied();
+        let (relative, cartesian) = (self.relative.fresh(self.now), self.cartesian.fresh(self.now));
+        let clocks = self.clocks();
+        let (now, control) = (self.now, self.granted);
+        let slot = &mut self.plugins[index];
+        slot.state = State::Running;
+        slot.overdue = false;
+        slot.invoked = now;
+        // A little jitter does not move the cadence; more than that is another phase, navigation's own.
+        slot.due = if now.since(slot.due) <= slot.period() / 4 {
+            slot.due + slot.period()
+        } else {
+            now + slot.period()
+        };
+        let events = std::mem::take(&mut slot.events);
+        self.outputs.push_back(Output::Invoke(
+            PluginId(index),
+            StepInput {
+                now,
+                utc: clocks.utc,
+                clocks_apart: clocks.apart,
+                navigation,
+                relative,
+                cartesian,
+                control,
+                events,
+            },
+        ));
+    }
+
+    pub(crate) fn restarted(&mut self, plugin: PluginId, restarted: Restarted) {
+        let Some(slot) = self.plugins.get_mut(plugin.0) else {
+            return;
+        };
+        if slot.state != State::Restarting {
+            return;
+        }
+        match restarted.result {
+            Ok(()) => {
+                slot.state = State::Idle;
+                slot.events.clear();
+                slot.timers.clear();
+                self.note(Note::PluginRestarted { plugin });
+                let open = self
+                    .ledger
+                    .iter()
+                    .filter(|(_, entry)| entry.owner == plugin)
+                    .map(|(_, entry)| entry.tag)
+                    .collect();
+                self.tell(
+                    plugin,
+                    Event::Restored {
+                        lost_steps: restarted.lost_steps,
+                        open,
+                    },
+                );
+                self.tell(plugin, Event::Control(self.granted));
+            }
+            Err(fault) => {
+                // Whatever it says of itself, there is no instance.
+                let kind = FaultKind::Start;
+                self.failures.push_back((plugin, PluginFault { kind, ..fault }));
+            }
+        }
+    }
+
+    pub(crate) fn back_off(&mut self, plugin: PluginId) {
+        let now = self.now;
+        let slot = &mut self.plugins[plugin.0];
+        let doublings = slot.failures.saturating_sub(1).min(8);
+        slot.state = State::BackingOff {
+            until: now + BACK_OFF * (1 << doublings),
+        };
+    }
+
+    pub(crate) fn ask_message(&mut self, plugin: PluginId, text: &str) {
+        let now = self.now;
+        let slot = &mut self.plugins[plugin.0];
+        let in_time = slot.messages.take(now, 1.0) || !is_on(Check::MessageRate);
+        if !slot.setup.grants.contains(&Grant::Message) || !in_time {
+            return;
+        }
+        let created = self.stamper.stamp(now, "MSG");
+        let cut: String = text.chars().take(MESSAGE_BYTES_MAX).collect();
+        // In lower case: there are vehicles that take a sentence for the one whose name its text contains.
+        let text = Text::cleaned(&cut.to_lowercase());
+        let command = self.courtesy("MSG", Some(created));
+        self.transmit(&ToVehicle::LogMessage(LogMessage { created, text }), Some(command));
     }
 }

@@ -23,7 +23,7 @@ use crate::named_insert::NamedInsert;
 use crate::navigation::Tracker;
 use crate::phase::Phase;
 use crate::plan::Plan;
-use crate::plugin::{CartesianSample, PluginId, RelativeSample};
+use crate::plugin::{CartesianSample, PluginFault, PluginId, RelativeSample};
 use crate::quota::LastMinute;
 use crate::session::Session;
 use crate::settings::{PluginSetup, Settings};
@@ -90,8 +90,8 @@ pub(crate) struct Context {
     pub(crate) arbiter: Arbiter,
     pub(crate) relative: Track<RelativeSample>,
     pub(crate) cartesian: Track<CartesianSample>,
-    /// Plugins that were told more than they may be while a step was under way.
-    pub(crate) overflowed: Vec<PluginId>,
+    /// Plugins that have failed while something else was being done, which is finished first.
+    pub(crate) failures: VecDeque<(PluginId, PluginFault)>,
 }
 
 impl Context {
@@ -128,7 +128,7 @@ impl Context {
             former: Former::new(start.identifiers),
             courses: Courses::default(),
             drivers: Drivers::new(&settings.drivers),
-            overflowed: Vec::new(),
+            failures: VecDeque::new(),
             named_insert: NamedInsert::default(),
             phase: Phase::default(),
             mission_ended: false,

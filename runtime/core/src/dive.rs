@@ -60,14 +60,14 @@ impl Core {
         self.cx.note_of_vehicle(Note::Text {
             text: format!("another dive: {}", file.as_str().trim()),
         });
-        self.modify.end(&mut self.cx, "the vehicle flies another dive");
-        self.station.end(&mut self.cx, "the vehicle flies another dive");
+        self.capabilities
+            .end_leases(&mut self.cx, "the vehicle flies another dive");
         self.cx.plan.forget();
         self.cx.compared = Compared::default();
         self.cx.commands.forget_plan();
         self.cx.courses.lose();
         self.cx.dive.plan_due = true;
-        self.want_plan();
+        self.cx.want_plan();
         self.settle_control();
     }
 }

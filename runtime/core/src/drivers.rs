@@ -264,8 +264,7 @@ impl Core {
                 if moves {
                     // What a lease or a hold stands on is about to be another place (safety requirement 021).
                     let reason = "a driver resets the vehicle's navigation";
-                    self.modify.end(&mut self.cx, reason);
-                    self.station.end(&mut self.cx, reason);
+                    self.capabilities.end_leases(&mut self.cx, reason);
                 }
                 let sent = self
                     .cx

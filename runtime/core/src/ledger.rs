@@ -137,6 +137,8 @@ pub struct Transition {
 pub(crate) struct Ledger {
     open: BTreeMap<u64, Entry>,
     last: u64,
+    /// How many orders there have been.
+    orders: u64,
     counts: RequestCounts,
     /// Inserts that ended without the vehicle's word: it may fly them yet, so they stay under the caps and the rule
     /// that nothing interrupts what interrupts.
@@ -165,6 +167,12 @@ impl Ledger {
         };
         self.open.insert(self.last, entry);
         self.last
+    }
+
+    /// Enters an order of the operator's, which has no tag but its number.
+    pub(crate) fn propose_order(&mut self, kind: RequestKind) -> u64 {
+        self.orders += 1;
+        self.propose(Owner::Operator, self.orders, kind)
     }
 
     pub(crate) fn get_mut(&mut self, request: u64) -> Option<&mut Entry> {

@@ -22,6 +22,7 @@ mod adjustment;
 mod answers;
 mod arbiter;
 mod budget;
+mod capability;
 mod clock;
 mod commands;
 mod conductor;

@@ -3,27 +3,19 @@ use std::time::Duration;
 
 use backseat_units::{Timestamp, Utc};
 
-use crate::acoustic::Acoustic;
-use crate::adjustment::Adjustments;
+use crate::capability::Capabilities;
 use crate::commands::Answer;
 use crate::context::Context;
-use crate::devices::Devices;
-use crate::dvl::DvlTrigger;
 use crate::envelope::Envelope;
-use crate::helm::Modify;
-use crate::hull::Station;
-use crate::inserts::Inserts;
-use crate::io::{Input, Note, Operator, Output, Reservation, Start};
+use crate::io::{Input, Note, Output, Reservation, Start};
 use crate::ledger::{RequestCounts, Transition};
 use crate::orders::Orders;
 use crate::owner::Owner;
 use crate::plugin::{Event, PluginId, RequestState};
 use crate::recovery::Whereabouts;
 use crate::settings::{PluginSetup, Settings};
-use crate::silent::Silent;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
-use crate::topside::Topside;
 
 /// Called later than this after the promised time, every lease ends before anything else is done: what we know of the
 /// vehicle is old, and so is what it knows of us.
@@ -37,16 +29,8 @@ pub(crate) const CLOSE_AFTER_SHUTDOWN: Duration = Duration::from_secs(8);
 /// [`Core::poll_timeout`] or when something happens, whichever is first.
 pub struct Core {
     pub(crate) cx: Context,
-    pub(crate) modify: Modify,
-    pub(crate) inserts: Inserts,
-    pub(crate) station: Station,
-    pub(crate) silent: Silent,
-    pub(crate) adjustments: Adjustments,
-    pub(crate) acoustic: Acoustic,
-    pub(crate) dvl: DvlTrigger,
+    pub(crate) capabilities: Capabilities,
     pub(crate) orders: Orders,
-    pub(crate) topside: Topside,
-    pub(crate) devices: Devices,
     pub(crate) late_count: u64,
     /// The flaw of navigation that was last told, and when.
     pub(crate) flaw_told: Option<(&'static str, Timestamp)>,
@@ -61,16 +45,8 @@ impl Core {
     pub fn new(settings: Settings, envelope: Arc<Envelope>, plugins: Vec<PluginSetup>, start: Start) -> Self {
         let mut core = Self {
             cx: Context::new(settings, envelope, plugins, start),
-            modify: Modify::default(),
-            inserts: Inserts::default(),
-            station: Station::new(),
-            silent: Silent::default(),
-            adjustments: Adjustments::default(),
-            acoustic: Acoustic::default(),
-            dvl: DvlTrigger::default(),
+            capabilities: Capabilities::new(),
             orders: Orders::default(),
-            topside: Topside::default(),
-            devices: Devices,
             late_count: 0,
             flaw_told: None,
             whereabouts: Whereabouts::default(),
@@ -97,25 +73,24 @@ impl Core {
             self.cx.note(Note::Late {
                 seconds: self.cx.now.since(promised).as_secs_f64(),
             });
-            self.modify.end(&mut self.cx, "the runtime woke late");
-            self.station.end(&mut self.cx, "the runtime woke late");
+            self.capabilities.end_leases(&mut self.cx, "the runtime woke late");
         }
         match input {
             Input::LinkUp => self.link_up(),
             Input::LinkDown => self.link_down(),
             Input::Received(bytes) => self.receive(bytes),
             Input::Returned(plugin, returned) => self.returned(plugin, returned),
-            Input::Restarted(plugin, restarted) => self.restarted(plugin, restarted),
-            Input::Operator(act) => self.operator(act),
+            Input::Restarted(plugin, restarted) => self.cx.restarted(plugin, restarted),
+            Input::Operator(act) => self.orders.act(&mut self.cx, &mut self.capabilities, act),
             Input::Driver(driver, bytes) => self.driver_received(driver, bytes),
             Input::Reserved(reservation) => self.cx.reserved(reservation),
             Input::UtcSet(by_nanos) => self.utc_set(by_nanos),
             Input::Timeout => {}
         }
-        self.fail_overflowed();
+        self.fail_plugins();
         while let Some(timer) = self.cx.timers.expired(self.cx.now) {
             self.expired(timer);
-            self.fail_overflowed();
+            self.fail_plugins();
         }
         self.settle();
     }
@@ -196,7 +171,7 @@ impl Core {
         self.cx.note(Note::Text {
             text: format!("this computer's clock was set by {step_s:+.3} s: zones with times follow it"),
         });
-        self.inserts.judge_waiting(&mut self.cx);
+        self.capabilities.inserts.judge_waiting(&mut self.cx);
         self.unjudged = true;
     }
 
@@ -204,8 +179,8 @@ impl Core {
     fn settle(&mut self) {
         self.settle_control();
         self.follow_navigation();
-        self.inserts.settle(&mut self.cx);
-        self.watch_staleness();
+        self.capabilities.inserts.settle(&mut self.cx);
+        self.orders.watch_staleness(&mut self.cx);
         let navigation = match self.cx.tracker.stale_at().filter(|at| *at > self.cx.now) {
             Some(stale) if self.cx.tracker.steady(self.cx.now) => Some(stale),
             Some(stale) => Some(stale.min(self.cx.now + Duration::from_millis(500))),
@@ -215,9 +190,9 @@ impl Core {
         self.cx
             .timers
             .set_or_stop(Timer::Acknowledgement, self.cx.commands.next_deadline());
-        self.settle_heartbeat();
+        self.cx.settle_heartbeat();
         // What was due while a plugin was busy or away is due now; nobody has promised to be here earlier.
-        let plugins = self.plugins_due().map(|due| due.max(self.cx.now));
+        let plugins = self.cx.plugins_due().map(|due| due.max(self.cx.now));
         self.cx.timers.set_or_stop(Timer::Plugins, plugins);
     }
 
@@ -233,23 +208,21 @@ impl Core {
             if let Some(reason) = lost
                 && is_on(Check::ControlLossEndsLease)
             {
-                self.modify.end(&mut self.cx, reason);
-                self.station.end(&mut self.cx, reason);
-                self.dvl.end(&mut self.cx, reason);
+                self.capabilities.end_controlled(&mut self.cx, reason);
             }
             if granted {
-                self.station.control_granted(&mut self.cx);
+                self.capabilities.station.control_granted(&mut self.cx);
             }
             self.cx.tell_of_control(lost.unwrap_or(""));
             self.cx.tell_all(&Event::Control(granted));
-            self.fail_overflowed();
+            self.fail_plugins();
         }
     }
 
     fn expired(&mut self, timer: Timer) {
         match timer {
-            Timer::Refresh => self.modify.refresh(&mut self.cx),
-            Timer::Term => self.modify.end(&mut self.cx, "its term is over"),
+            Timer::Refresh => self.capabilities.modify.refresh(&mut self.cx),
+            Timer::Term => self.capabilities.modify.end(&mut self.cx, "its term is over"),
             // What follows from navigation's age is drawn in `settle`.
             Timer::Navigation => {}
             Timer::Acknowledgement => {
@@ -257,62 +230,31 @@ impl Core {
                     self.answered(command, Answer::Missing);
                 }
             }
-            Timer::Silence => self.silence(),
-            Timer::Plan => self.ask_for_plan(),
+            Timer::Silence => self.cx.silence(),
+            Timer::Plan => self.cx.ask_for_plan(),
             Timer::Status => self.cx.beat(),
             // What waits is looked at in `settle`.
             Timer::Irrevocable => {}
             // That no round trip speaks for the link any more is drawn in `settle`.
-            Timer::Heartbeat => self.remedy(),
-            Timer::HoldTerm => self.station.end(&mut self.cx, "its term is over"),
-            Timer::Hold => self.station.refresh(&mut self.cx),
-            Timer::Relative => self.station.timed_out(&mut self.cx),
-            Timer::Silent => self.silent.timed_out(&mut self.cx),
-            Timer::Adjustment => self.adjustments.timed_out(&mut self.cx),
-            Timer::Acoustic => self.acoustic.timed_out(&mut self.cx),
-            Timer::Dvl => self.dvl.timed_out(&mut self.cx),
-            Timer::Order => self.orders_expired(),
-            Timer::Policy => self.policies_due(),
-            Timer::Recall => self.inserts.recalls_timed_out(&mut self.cx),
-            Timer::Recovery => self.climb(),
+            Timer::Heartbeat => self.cx.remedy(),
+            Timer::HoldTerm => self.capabilities.station.end(&mut self.cx, "its term is over"),
+            Timer::Hold => self.capabilities.station.refresh(&mut self.cx),
+            Timer::Relative => self.capabilities.station.timed_out(&mut self.cx),
+            Timer::Silent => self.capabilities.silent.timed_out(&mut self.cx),
+            Timer::Adjustment => self.capabilities.adjustments.timed_out(&mut self.cx),
+            Timer::Acoustic => self.capabilities.acoustic.timed_out(&mut self.cx),
+            Timer::Dvl => self.capabilities.dvl.timed_out(&mut self.cx),
+            Timer::Order => self.orders.timed_out(&mut self.cx),
+            Timer::Policy => self.orders.policies_due(&mut self.cx, &mut self.capabilities),
+            Timer::Recall => self.capabilities.inserts.recalls_timed_out(&mut self.cx),
+            Timer::Recovery => self
+                .whereabouts
+                .climb(&mut self.cx, &mut self.capabilities, &mut self.orders),
             Timer::Plugins => self.step_due(false),
             Timer::Shutdown => {
                 self.cx.timers.stop_all();
                 self.cx.outputs.push_back(Output::Finish);
             }
-        }
-    }
-
-    pub(crate) fn operator(&mut self, act: Operator) {
-        if act != Operator::Hold {
-            self.cx.note(Note::Operator { act: act.clone() });
-        }
-        match act {
-            // It beats every plugin (safety requirement 015).
-            Operator::Hold => {
-                self.cx.held = is_on(Check::OperatorHold);
-                self.modify.end(&mut self.cx, "the operator holds");
-                self.station.end(&mut self.cx, "the operator holds");
-                self.dvl.end(&mut self.cx, "the operator holds");
-                if is_on(Check::HoldCancels) {
-                    self.inserts.take_back_all(&mut self.cx, None);
-                    self.inserts.cancel_former(&mut self.cx);
-                }
-                // Last: who keeps it waits for a disk, and what ends by it does not wait for that.
-                self.cx.note(Note::Operator { act: Operator::Hold });
-            }
-            Operator::Release => {
-                self.cx.held = false;
-                self.cx.mission_ended = false;
-            }
-            Operator::Stop => {
-                self.modify.end(&mut self.cx, "the run is ending");
-                self.station.end(&mut self.cx, "the run is ending");
-                self.dvl.end(&mut self.cx, "the run is ending");
-                self.cx.stopping = true;
-                self.cx.outputs.push_back(Output::Finish);
-            }
-            Operator::Order(order) => self.order(&order),
         }
     }
 }

@@ -9,13 +9,14 @@ use std::fmt;
 use backseat_units::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use crate::capability::Capabilities;
+use crate::context::Context;
 use crate::helm::refused;
-use crate::io::Operator;
+use crate::io::{Note, Operator, Output};
 use crate::ledger::RequestKind;
-use crate::machine::Core;
-use crate::owner::Owner;
 use crate::phase::Phase;
 use crate::plugin::Refusal;
+use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 mod cancels;
@@ -118,8 +119,6 @@ pub struct Policy {
 /// Where the operator's orders stand.
 #[derive(Debug, Default)]
 pub(crate) struct Orders {
-    /// How many there have been; the tag of the last one.
-    count: u64,
     /// Aborts and kills that are not at their end; at most one of each.
     endings: Vec<Ending>,
     /// The empty mission that is being started.
@@ -130,97 +129,123 @@ pub(crate) struct Orders {
     stale: Option<Stale>,
 }
 
-impl Core {
+impl Orders {
+    /// The operator's act.
+    pub(crate) fn act(&mut self, cx: &mut Context, capabilities: &mut Capabilities, act: Operator) {
+        if act != Operator::Hold {
+            cx.note(Note::Operator { act: act.clone() });
+        }
+        match act {
+            // It beats every plugin (safety requirement 015).
+            Operator::Hold => {
+                cx.held = is_on(Check::OperatorHold);
+                capabilities.end_controlled(cx, "the operator holds");
+                if is_on(Check::HoldCancels) {
+                    capabilities.inserts.take_back_all(cx, None);
+                    capabilities.inserts.cancel_former(cx);
+                }
+                // Last: who keeps it waits for a disk, and what ends by it does not wait for that.
+                cx.note(Note::Operator { act: Operator::Hold });
+            }
+            Operator::Release => {
+                cx.held = false;
+                cx.mission_ended = false;
+            }
+            Operator::Stop => {
+                capabilities.end_controlled(cx, "the run is ending");
+                cx.stopping = true;
+                cx.outputs.push_back(Output::Finish);
+            }
+            Operator::Order(order) => self.order(cx, capabilities, &order),
+        }
+    }
+
     /// An order that the operator gave in advance: a policy's, or a plugin's fail action. An abort of what ends already
     /// could disturb the vehicle's wrap-up, and nobody is there who wants it all the same.
-    pub(crate) fn order_in_advance(&mut self, order: &Order) {
-        let text = match self.cx.phase {
+    pub(crate) fn order_in_advance(&mut self, cx: &mut Context, capabilities: &mut Capabilities, order: &Order) {
+        let text = match cx.phase {
             Phase::Ending => "the mission is ending already",
             Phase::Over => "no mission is running",
-            Phase::Unknown | Phase::Running => return self.order(order),
+            Phase::Unknown | Phase::Running => return self.order(cx, capabilities, order),
         };
         if let Order::Abort { .. } = order {
-            let request = self.propose_order(RequestKind::Abort);
-            self.cx.reject(request, refused("state", text));
+            let request = cx.ledger.propose_order(RequestKind::Abort);
+            cx.reject(request, refused("state", text));
         } else {
-            self.order(order);
+            self.order(cx, capabilities, order);
         }
     }
 
     /// The operator's order.
-    pub(crate) fn order(&mut self, order: &Order) {
+    pub(crate) fn order(&mut self, cx: &mut Context, capabilities: &mut Capabilities, order: &Order) {
         match order {
-            Order::Hold => self.operator(Operator::Hold),
-            Order::Release => self.operator(Operator::Release),
-            Order::CancelAll => self.order_cancel_all(),
-            Order::CancelCurrent => self.order_cancel_current(),
-            Order::CancelElement => self.order_cancel_element(),
-            Order::Abort { .. } | Order::Kill { .. } => self.order_end(order),
-            Order::StartEmptyMission { duration_s } => self.order_empty_mission(*duration_s),
-        }
-    }
-
-    /// Enters an order into the ledger; its request.
-    pub(crate) fn propose_order(&mut self, kind: RequestKind) -> u64 {
-        self.orders.count += 1;
-        self.cx.ledger.propose(Owner::Operator, self.orders.count, kind)
-    }
-
-    /// What an order needs that changes the mission that runs: an armed runtime with control.
-    fn admit_order(&self) -> Result<(), Refusal> {
-        if !self.cx.start.armed {
-            return Err(refused("control", "the runtime is not armed"));
-        }
-        match self.cx.lost_because() {
-            Some(reason) => Err(refused("control", reason)),
-            None => Ok(()),
+            Order::Hold => self.act(cx, capabilities, Operator::Hold),
+            Order::Release => self.act(cx, capabilities, Operator::Release),
+            Order::CancelAll => self.order_cancel_all(cx),
+            Order::CancelCurrent => self.order_cancel_current(cx),
+            Order::CancelElement => self.order_cancel_element(cx),
+            Order::Abort { .. } | Order::Kill { .. } => self.order_end(cx, capabilities, order),
+            Order::StartEmptyMission { duration_s } => self.order_empty_mission(cx, capabilities, *duration_s),
         }
     }
 
     /// The link is gone. An abort or kill is kept to be sent again, a started mission may yet show itself; the cancels are
     /// not: what they would take back may be another thing by then.
-    pub(crate) fn orders_link_lost(&mut self) {
-        self.cx.named_insert.lose();
-        self.cx.phase = Phase::Unknown;
-        self.endings_link_lost();
-        self.empty_mission_link_lost();
-        self.set_order_timer();
+    pub(crate) fn link_lost(&mut self, cx: &mut Context) {
+        cx.named_insert.lose();
+        cx.phase = Phase::Unknown;
+        self.endings_link_lost(cx);
+        self.empty_mission_link_lost(cx);
+        self.set_timer(cx);
     }
 
     /// The link is up, and what was kept is sent.
-    pub(crate) fn orders_link_up(&mut self) {
-        self.orders.connected = true;
-        self.endings_link_up();
-        self.set_order_timer();
+    pub(crate) fn link_up(&mut self, cx: &mut Context, capabilities: &mut Capabilities) {
+        self.connected = true;
+        self.endings_link_up(cx, capabilities);
+        self.set_timer(cx);
     }
 
     /// A mission status (BFMIS).
-    pub(crate) fn orders_mission_status(&mut self, status: &str) {
+    pub(crate) fn heard_mission_status(&mut self, cx: &mut Context, status: &str) {
         let phase = Phase::of(status);
-        self.cx.phase = phase;
+        cx.phase = phase;
         match phase {
-            Phase::Running => self.empty_mission_runs(),
+            Phase::Running => self.empty_mission_runs(cx),
             Phase::Ending | Phase::Over => {
-                self.cx.named_insert.forget();
-                self.cx.mission_ended = false;
+                cx.named_insert.forget();
+                cx.mission_ended = false;
             }
             Phase::Unknown => {}
         }
-        self.endings_mission_status(status, phase);
-        self.set_order_timer();
+        self.endings_mission_status(cx, status, phase);
+        self.set_timer(cx);
     }
 
     /// An order has waited for long enough.
-    pub(crate) fn orders_expired(&mut self) {
-        self.endings_expired();
-        self.empty_mission_expired();
-        self.set_order_timer();
+    pub(crate) fn timed_out(&mut self, cx: &mut Context) {
+        self.endings_expired(cx);
+        self.empty_mission_expired(cx);
+        self.set_timer(cx);
     }
 
-    fn set_order_timer(&mut self) {
-        let waiting = (!self.cx.session.is_up()).then(|| self.orders.endings.iter().map(Ending::until).min());
-        let empty = self.orders.empty.and_then(EmptyMission::deadline);
+    fn set_timer(&mut self, cx: &mut Context) {
+        let waiting = (!cx.session.is_up()).then(|| self.endings.iter().map(Ending::until).min());
+        let empty = self.empty.and_then(EmptyMission::deadline);
         let first: Option<Timestamp> = waiting.flatten().into_iter().chain(empty).min();
-        self.cx.timers.set_or_stop(Timer::Order, first);
+        cx.timers.set_or_stop(Timer::Order, first);
+    }
+}
+
+impl Context {
+    /// What an order needs that changes the mission that runs: an armed runtime with control.
+    pub(crate) fn admit_order(&self) -> Result<(), Refusal> {
+        if !self.start.armed {
+            return Err(refused("control", "the runtime is not armed"));
+        }
+        match self.lost_because() {
+            Some(reason) => Err(refused("control", reason)),
+            None => Ok(()),
+        }
     }
 }

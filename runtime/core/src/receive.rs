@@ -42,54 +42,30 @@ impl Core {
             match decoded {
                 Ok(message) => {
                     self.message(message);
-                    self.fail_overflowed();
+                    self.fail_plugins();
                 }
                 Err(error) => {
                     if is_of_plan {
                         self.cx.plan.unreadable();
                     }
                     if swallowed {
-                        self.mind_loss();
+                        self.cx.mind_loss();
                     }
-                    self.doubt_control(error.message);
-                    self.malformed(&error);
+                    if self.cx.doubt_control(error.message) {
+                        self.settle_control();
+                    }
+                    self.cx.malformed(&error);
                 }
             }
         }
         self.mind_what_is_lost(&mut lost);
     }
 
-    /// What cannot be read may have taken control (safety requirement 001).
-    fn doubt_control(&mut self, message: &str) {
-        match message {
-            "BFCTL" if self.cx.settings.control == ControlHook::Bfctl => self.cx.handed_over = None,
-            "BFMIS" => self.cx.running = None,
-            _ => return,
-        }
-        self.settle_control();
-    }
-
     /// What was lost on the link may have been a BFMBS or a BFMBE (safety requirement 002).
     fn mind_what_is_lost(&mut self, before: &mut u64) {
         let lost = self.cx.framer.counts().lost();
         if core::mem::replace(before, lost) != lost {
-            self.mind_loss();
-        }
-    }
-
-    fn mind_loss(&mut self) {
-        self.cx.plan.lose();
-        self.cx.courses.lose();
-        self.cx.former.lose();
-        self.cx.named_insert.lose();
-    }
-
-    fn malformed(&mut self, error: &DecodeError) {
-        if let Some(count) = self.cx.session.malformed() {
-            self.cx.note(Note::Malformed {
-                text: error.to_string(),
-                count,
-            });
+            self.cx.mind_loss();
         }
     }
 
@@ -120,9 +96,7 @@ impl Core {
                 self.cx.note(Note::Text {
                     text: "the vehicle shuts our power off in a minute".to_owned(),
                 });
-                self.modify.end(&mut self.cx, "power goes");
-                self.station.end(&mut self.cx, "power goes");
-                self.dvl.end(&mut self.cx, "power goes");
+                self.capabilities.end_controlled(&mut self.cx, "power goes");
                 self.cx.stopping = true;
                 self.cx.tell_all(&Event::Shutdown);
                 self.cx.timers.set(Timer::Shutdown, self.cx.now + CLOSE_AFTER_SHUTDOWN);
@@ -132,7 +106,7 @@ impl Core {
                 self.cx.heard(message.created);
                 let frame = *self.cx.envelope.fence().frame();
                 self.cx.plan.collect(&frame, &message);
-                self.inserts.former_named(&mut self.cx, message.identifier);
+                self.capabilities.inserts.former_named(&mut self.cx, message.identifier);
             }
             FromVehicle::VehicleVersion(message) => {
                 self.cx.heard(message.created);
@@ -151,19 +125,29 @@ impl Core {
                     .tell_wanting(Topic::Logging, &Event::LoggingEnded(message.text.as_str().to_owned()));
             }
             FromVehicle::TopsideMessage(message) => {
-                self.topside.heard(&mut self.cx, &message);
+                self.capabilities.topside.heard(&mut self.cx, &message);
                 let text = message.text.as_str();
-                self.carry_out(|when| matches!(when, Condition::TopsideMessage(awaited) if awaited == text));
-                self.topside.tell(&mut self.cx, &message);
+                self.orders.carry_out(
+                    &mut self.cx,
+                    &mut self.capabilities,
+                    |when| matches!(when, Condition::TopsideMessage(awaited) if awaited == text),
+                );
+                self.capabilities.topside.tell(&mut self.cx, &message);
             }
-            FromVehicle::DvlTriggering(message) => self.dvl.heard(&mut self.cx, &message),
-            FromVehicle::TrimStatus(message) => self.adjustments.trim_status(&mut self.cx, &message),
-            FromVehicle::BuoyancyStatus(message) => self.adjustments.buoyancy_status(&mut self.cx, &message),
-            FromVehicle::MediumAccess(message) => self.acoustic.window(&mut self.cx, &message),
-            FromVehicle::PacketSent(message) => self.acoustic.packet_sent(&mut self.cx, &message),
-            FromVehicle::PacketReceived(message) => self.acoustic.packet_received(&mut self.cx, message),
-            FromVehicle::RelativeNavigation(message) => self.station.heard_relative(&mut self.cx, &message),
-            FromVehicle::CartesianNavigation(message) => self.station.heard_cartesian(&mut self.cx, &message),
+            FromVehicle::DvlTriggering(message) => self.capabilities.dvl.heard(&mut self.cx, &message),
+            FromVehicle::TrimStatus(message) => self.capabilities.adjustments.trim_status(&mut self.cx, &message),
+            FromVehicle::BuoyancyStatus(message) => {
+                self.capabilities.adjustments.buoyancy_status(&mut self.cx, &message)
+            }
+            FromVehicle::MediumAccess(message) => self.capabilities.acoustic.window(&mut self.cx, &message),
+            FromVehicle::PacketSent(message) => self.capabilities.acoustic.packet_sent(&mut self.cx, &message),
+            FromVehicle::PacketReceived(message) => self.capabilities.acoustic.packet_received(&mut self.cx, message),
+            FromVehicle::RelativeNavigation(message) => {
+                self.capabilities.station.heard_relative(&mut self.cx, &message)
+            }
+            FromVehicle::CartesianNavigation(message) => {
+                self.capabilities.station.heard_cartesian(&mut self.cx, &message)
+            }
             FromVehicle::Telemetry(_)
             | FromVehicle::SoundVelocity(_)
             | FromVehicle::Compass(_)
@@ -194,12 +178,13 @@ impl Core {
             self.cx.note_of_vehicle(Note::Navigation {
                 text: format!("navigation jumped by {:.1} m", jump.metres),
             });
-            self.modify.end(&mut self.cx, "navigation jumped");
+            self.capabilities.modify.end(&mut self.cx, "navigation jumped");
         }
         self.heed_flaw();
         self.cx.course_navigated(jump);
         self.unjudged = true;
-        self.watch_place();
+        self.whereabouts
+            .watch_place(&mut self.cx, &mut self.capabilities, &mut self.orders);
     }
 
     /// Safety requirement 024: what cannot be true steers nothing.
@@ -217,12 +202,11 @@ impl Core {
             });
             // They may never have been subscribed: an answer to BPLOG does not say to which it is.
             if what == WITHOUT_VELOCITIES {
-                self.subscribe_anew("NVR");
+                self.cx.subscribe_anew("NVR");
             }
         }
-        self.modify.end(&mut self.cx, what);
-        self.station.end(&mut self.cx, what);
-        self.inserts.judge_waiting(&mut self.cx);
+        self.capabilities.end_leases(&mut self.cx, what);
+        self.capabilities.inserts.judge_waiting(&mut self.cx);
     }
 
     fn velocity(&mut self, message: &VelocityAndRates) {
@@ -242,8 +226,8 @@ impl Core {
     pub(crate) fn follow_navigation(&mut self) {
         if core::mem::take(&mut self.unjudged) {
             self.cx.watch_course();
-            self.modify.prevent(&mut self.cx);
-            self.station.prevent(&mut self.cx);
+            self.capabilities.modify.prevent(&mut self.cx);
+            self.capabilities.station.prevent(&mut self.cx);
         }
     }
 
@@ -260,17 +244,21 @@ impl Core {
                 self.cx.plan.forget();
                 self.cx.compared = Compared::default();
                 self.cx.commands.forget_plan();
-                self.want_plan();
+                self.cx.want_plan();
             } else if is_on(Check::MissionRuns) && is_on(Check::ControlLossEndsLease) {
-                self.modify.end(&mut self.cx, "the mission is not running");
+                self.capabilities.modify.end(&mut self.cx, "the mission is not running");
             }
         }
-        self.orders_mission_status(message.status.as_str());
+        self.orders.heard_mission_status(&mut self.cx, message.status.as_str());
         if is_over(message.status.as_str()) {
-            self.inserts.mission_over(&mut self.cx, "the mission is over");
+            self.capabilities
+                .inserts
+                .mission_over(&mut self.cx, "the mission is over");
             self.cx.courses.forget();
             self.cx.former.mission_over();
-            self.adjustments.mission_over(&mut self.cx, "the mission is over");
+            self.capabilities
+                .adjustments
+                .mission_over(&mut self.cx, "the mission is over");
             self.cx.mission_goes_on();
         }
         if self.cx.settings.control == ControlHook::Running {
@@ -303,11 +291,13 @@ impl Core {
         });
         if is_on(Check::LeaseEndsWithBehavior) {
             // It modified another one (SPI 7.12).
-            self.modify.end(&mut self.cx, "a behaviour began under it");
+            self.capabilities.modify.end(&mut self.cx, "a behaviour began under it");
         }
         // A suspended mission begins none: the vehicle has taken it up again. An end says nothing of the kind, for the
         // behaviour that is suspended may be reported so (SPI 8.1 leaves it open), and a hold modifies none.
-        self.station.end(&mut self.cx, "a behaviour began: the mission goes on");
+        self.capabilities
+            .station
+            .end(&mut self.cx, "a behaviour began: the mission goes on");
         self.cx.mission_goes_on();
         if is_flown {
             self.end_overtaken(message.identifier);
@@ -325,24 +315,27 @@ impl Core {
                     self.cx.transition(request, RequestState::Started);
                 } else if !self.cx.plan.has(identifier) {
                     // Another payload's that came after the plan was asked for, perhaps.
-                    self.want_plan();
+                    self.cx.want_plan();
                 }
             }
             (None, Some(number)) => {
                 if !self.cx.plan.began(number) {
                     self.cx.plan.invalidate();
-                    self.want_plan();
+                    self.cx.want_plan();
                 }
                 // An insert without the vehicle's word is not flown, and where it does not wait either it is over.
                 self.cx
                     .ledger
                     .settle_doubt_if(|entry| entry.waits_not && entry.insert.is_some_and(|insert| !insert.surfaces()));
                 self.cx.plan_goes_on();
-                self.inserts.judge_waiting(&mut self.cx);
+                self.capabilities.inserts.judge_waiting(&mut self.cx);
             }
-            (None, None) => self.adjustments.behavior(&mut self.cx, true, message.kind.as_str()),
+            (None, None) => self
+                .capabilities
+                .adjustments
+                .behavior(&mut self.cx, true, message.kind.as_str()),
         }
-        self.tell_of_behavior(true, own, message.kind.as_str());
+        self.cx.tell_of_behavior(true, own, message.kind.as_str());
     }
 
     fn behavior_ended(&mut self, message: BehaviorEnd) {
@@ -354,7 +347,7 @@ impl Core {
             kind: message.kind.as_str().to_owned(),
         });
         if is_on(Check::LeaseEndsWithBehavior) {
-            self.modify.end(&mut self.cx, "a behaviour ended under it");
+            self.capabilities.modify.end(&mut self.cx, "a behaviour ended under it");
         }
         self.cx.named_insert.finished(message.identifier);
         self.cx.former.heard_end(message.identifier);
@@ -364,7 +357,9 @@ impl Core {
         } else if let Some(number) = message.number {
             self.cx.plan.finished(number);
         } else {
-            self.adjustments.behavior(&mut self.cx, false, message.kind.as_str());
+            self.capabilities
+                .adjustments
+                .behavior(&mut self.cx, false, message.kind.as_str());
         }
         let mut own = None;
         if let Some(request) = message
@@ -379,7 +374,7 @@ impl Core {
             }
         }
         self.cx.course_ended(message.number, message.identifier);
-        self.tell_of_behavior(false, own, message.kind.as_str());
+        self.cx.tell_of_behavior(false, own, message.kind.as_str());
     }
 
     /// The vehicle flies one behaviour at a time: an insert that had begun is over where another one begins, though its
@@ -412,27 +407,6 @@ impl Core {
         }
     }
 
-    fn tell_of_behavior(&mut self, began: bool, own: Option<(Owner, u64)>, kind: &str) {
-        for index in 0..self.cx.plugins.len() {
-            let plugin = PluginId(index);
-            if self.cx.plugins[index].wants(Topic::Behavior) {
-                let tag = own.filter(|(owner, _)| *owner == plugin).map(|(_, tag)| tag);
-                let behavior = Behavior {
-                    kind: kind.to_owned(),
-                    tag,
-                };
-                self.cx.tell(
-                    plugin,
-                    if began {
-                        Event::BehaviorBegan(behavior)
-                    } else {
-                        Event::BehaviorEnded(behavior)
-                    },
-                );
-            }
-        }
-    }
-
     fn mission_command(&mut self, message: &MissionCommand) {
         self.cx.heard(message.created);
         let text = message.text.as_str();
@@ -448,7 +422,11 @@ impl Core {
         self.cx.note_of_vehicle(Note::Text {
             text: format!("mission command: {text}"),
         });
-        self.carry_out(|when| matches!(when, Condition::MissionCommand(command) if command.trim() == text.trim()));
+        self.orders.carry_out(
+            &mut self.cx,
+            &mut self.capabilities,
+            |when| matches!(when, Condition::MissionCommand(command) if command.trim() == text.trim()),
+        );
         self.cx
             .tell_wanting(Topic::MissionCommand, &Event::MissionCommand(text.to_owned()));
     }
@@ -462,7 +440,7 @@ impl Core {
             (false, true) => Operator::Release,
             (false, false) => return,
         };
-        self.operator(act);
+        self.orders.act(&mut self.cx, &mut self.capabilities, act);
         self.settle_control();
     }
 
@@ -495,6 +473,53 @@ impl Context {
         for index in 0..self.plugins.len() {
             if self.plugins[index].wants(topic) {
                 self.tell(PluginId(index), event.clone());
+            }
+        }
+    }
+
+    /// What cannot be read may have taken control (safety requirement 001).
+    pub(crate) fn doubt_control(&mut self, message: &str) -> bool {
+        match message {
+            "BFCTL" if self.settings.control == ControlHook::Bfctl => self.handed_over = None,
+            "BFMIS" => self.running = None,
+            _ => return false,
+        }
+        true
+    }
+
+    pub(crate) fn mind_loss(&mut self) {
+        self.plan.lose();
+        self.courses.lose();
+        self.former.lose();
+        self.named_insert.lose();
+    }
+
+    pub(crate) fn malformed(&mut self, error: &DecodeError) {
+        if let Some(count) = self.session.malformed() {
+            self.note(Note::Malformed {
+                text: error.to_string(),
+                count,
+            });
+        }
+    }
+
+    pub(crate) fn tell_of_behavior(&mut self, began: bool, own: Option<(Owner, u64)>, kind: &str) {
+        for index in 0..self.plugins.len() {
+            let plugin = PluginId(index);
+            if self.plugins[index].wants(Topic::Behavior) {
+                let tag = own.filter(|(owner, _)| *owner == plugin).map(|(_, tag)| tag);
+                let behavior = Behavior {
+                    kind: kind.to_owned(),
+                    tag,
+                };
+                self.tell(
+                    plugin,
+                    if began {
+                        Event::BehaviorBegan(behavior)
+                    } else {
+                        Event::BehaviorEnded(behavior)
+                    },
+                );
             }
         }
     }

@@ -17,13 +17,14 @@ use backseat_spi::{LogMessage, Text, ToVehicle, TopsideText, Transport};
 use backseat_units::{EastNorth, Timestamp};
 use serde::{Deserialize, Serialize};
 
+use crate::capability::Capabilities;
 use crate::commands::Purpose;
+use crate::context::Context;
 use crate::envelope::MODIFY_TIMEOUT;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::{LimitError, seconds};
-use crate::machine::Core;
-use crate::orders::Order;
+use crate::orders::{Order, Orders};
 use crate::plugin::{NavigationSample, Refusal, RequestState};
 use crate::timer::Timer;
 
@@ -192,68 +193,56 @@ impl Whereabouts {
     }
 }
 
-impl Core {
+impl Whereabouts {
     /// A new position: where the vehicle is, and what follows from it.
-    pub(crate) fn watch_place(&mut self) {
-        if self.cx.running == Some(false) {
-            return self.forget_excursion();
+    pub(crate) fn watch_place(&mut self, cx: &mut Context, capabilities: &mut Capabilities, orders: &mut Orders) {
+        if cx.running == Some(false) {
+            return self.forget_excursion(cx);
         }
-        let Some(navigation) = self.cx.tracker.newest().copied() else {
+        let Some(navigation) = cx.tracker.newest().copied() else {
             return;
         };
-        if self.is_active() {
-            self.whereabouts.active = Some(self.cx.now);
+        if cx.is_active() {
+            self.active = Some(cx.now);
         }
-        match self.judge_place(&navigation) {
-            Ok(()) => self.is_inside(&navigation),
-            Err(refusal) => self.is_outside(refusal),
+        match self.judge_place(cx, &navigation) {
+            Ok(()) => self.is_inside(cx, &navigation),
+            Err(refusal) => self.is_outside(cx, refusal),
         }
-        self.climb();
+        self.climb(cx, capabilities, orders);
         let untold = |excursion: &&Excursion| excursion.untold && excursion.inside.is_none();
         if let Some(refusal) = self
-            .whereabouts
             .excursion
             .as_ref()
             .filter(untold)
             .map(|excursion| excursion.refusal.clone())
         {
-            self.tell_topside(&refusal);
+            self.tell_topside(cx, capabilities, &refusal);
         }
     }
 
-    fn judge_place(&mut self, navigation: &NavigationSample) -> Result<(), Refusal> {
-        if self.whereabouts.good.is_some_and(|good| good.covers(navigation)) {
+    fn judge_place(&mut self, cx: &mut Context, navigation: &NavigationSample) -> Result<(), Refusal> {
+        if self.good.is_some_and(|good| good.covers(navigation)) {
             return Ok(());
         }
-        let utc = self.cx.zone_utc(self.cx.now);
-        self.whereabouts.good = None;
-        self.whereabouts.good = self.cx.envelope.judge_place(navigation, utc)?;
+        let utc = cx.zone_utc(cx.now);
+        self.good = None;
+        self.good = cx.envelope.judge_place(navigation, utc)?;
         Ok(())
-    }
-
-    /// A lease stands, or an insert of ours is flown or may be.
-    fn is_active(&self) -> bool {
-        let flown = |entry: &crate::ledger::Entry| {
-            entry.is_open_insert() && matches!(entry.state, RequestState::Started | RequestState::Unknown)
-        };
-        self.cx.arbiter.is_steering()
-            || self.cx.ledger.iter().any(|(_, entry)| flown(entry))
-            || self.cx.ledger.doubtful().next().is_some()
     }
 
     /// Whether the vehicle may be where it is because of us: what it was sent on may carry it on for as long as what it
     /// can reach is counted.
-    fn is_ours(&self) -> bool {
-        let limits = self.cx.envelope.limits();
+    fn is_ours(&self, cx: &mut Context) -> bool {
+        let limits = cx.envelope.limits();
         let lasts_s = MODIFY_TIMEOUT.as_secs_f64() + limits.link_delay_max_s + 180.0 / limits.turn_rate_dps;
-        self.whereabouts
-            .active
-            .is_some_and(|active| self.cx.now.since(active) <= seconds(lasts_s))
+        self.active
+            .is_some_and(|active| cx.now.since(active) <= seconds(lasts_s))
     }
 
-    fn is_outside(&mut self, refusal: Refusal) {
-        let (now, ours) = (self.cx.now, self.is_ours());
-        let excursion = self.whereabouts.excursion.get_or_insert_with(|| Excursion {
+    fn is_outside(&mut self, cx: &mut Context, refusal: Refusal) {
+        let (now, ours) = (cx.now, self.is_ours(cx));
+        let excursion = self.excursion.get_or_insert_with(|| Excursion {
             since: now,
             confirmed: false,
             ours,
@@ -274,165 +263,167 @@ impl Core {
             excursion.confirmed = false;
             excursion.since = now;
         }
-        self.cx.recovering = self.whereabouts.recovers();
+        cx.recovering = self.recovers();
     }
 
-    fn is_inside(&mut self, navigation: &NavigationSample) {
-        let Some(excursion) = &self.whereabouts.excursion else {
+    fn is_inside(&mut self, cx: &mut Context, navigation: &NavigationSample) {
+        let Some(excursion) = &self.excursion else {
             return;
         };
         if !excursion.confirmed {
-            return self.forget_excursion();
+            return self.forget_excursion(cx);
         }
-        let (utc, room_m) = (self.cx.zone_utc(self.cx.now), self.cx.settings.recovery.back_by_m);
-        let well = self.cx.envelope.is_well_inside(navigation, room_m, utc);
-        let now = self.cx.now;
-        let back_for = seconds(self.cx.settings.recovery.back_for_s);
-        let Some(excursion) = &mut self.whereabouts.excursion else {
+        let (utc, room_m) = (cx.zone_utc(cx.now), cx.settings.recovery.back_by_m);
+        let well = cx.envelope.is_well_inside(navigation, room_m, utc);
+        let now = cx.now;
+        let back_for = seconds(cx.settings.recovery.back_for_s);
+        let Some(excursion) = &mut self.excursion else {
             return;
         };
         excursion.inside.get_or_insert(now);
         if !well {
             excursion.back = None;
         } else if now.since(*excursion.back.get_or_insert(now)) >= back_for {
-            self.forget_excursion();
-            self.recovery_note("the vehicle is inside the fence again".to_owned());
+            self.forget_excursion(cx);
+            cx.recovery_note("the vehicle is inside the fence again".to_owned());
         }
     }
 
-    fn forget_excursion(&mut self) {
-        self.whereabouts.excursion = None;
-        self.cx.recovering = false;
-        self.cx.timers.stop(Timer::Recovery);
+    fn forget_excursion(&mut self, cx: &mut Context) {
+        self.excursion = None;
+        cx.recovering = false;
+        cx.timers.stop(Timer::Recovery);
     }
 
     /// Takes the steps that are due, and sets when to come back for the next.
-    pub(crate) fn climb(&mut self) {
+    pub(crate) fn climb(&mut self, cx: &mut Context, capabilities: &mut Capabilities, orders: &mut Orders) {
         loop {
-            let Some(excursion) = &self.whereabouts.excursion else {
+            let Some(excursion) = &self.excursion else {
                 return;
             };
             // What cannot be sent is no step taken; and where the vehicle is inside for the moment, none is due.
-            if excursion.inside.is_some() || !self.cx.session.is_up() {
-                return self.cx.timers.stop(Timer::Recovery);
+            if excursion.inside.is_some() || !cx.session.is_up() {
+                return cx.timers.stop(Timer::Recovery);
             }
             let step = excursion.step;
             let after = match (excursion.confirmed, excursion.ours) {
-                (false, _) => self.cx.settings.recovery.after(Step::Leases),
-                (true, true) => step.and_then(|step| self.cx.settings.recovery.after(step)),
+                (false, _) => cx.settings.recovery.after(Step::Leases),
+                (true, true) => step.and_then(|step| cx.settings.recovery.after(step)),
                 (true, false) => None,
             };
             let due = after.map(|after| excursion.since + after);
-            if due.is_none_or(|due| due > self.cx.now) {
-                return self.cx.timers.set_or_stop(Timer::Recovery, due);
+            if due.is_none_or(|due| due > cx.now) {
+                return cx.timers.set_or_stop(Timer::Recovery, due);
             }
-            self.take_step();
+            self.take_step(cx, capabilities, orders);
         }
     }
 
-    fn take_step(&mut self) {
-        let Some(excursion) = &mut self.whereabouts.excursion else {
+    fn take_step(&mut self, cx: &mut Context, capabilities: &mut Capabilities, orders: &mut Orders) {
+        let Some(excursion) = &mut self.excursion else {
             return;
         };
         let refusal = excursion.refusal.clone();
         if !excursion.confirmed {
             excursion.confirmed = true;
-            self.cx.recovering = excursion.ours;
+            cx.recovering = excursion.ours;
             if !excursion.ours {
                 let text = format!(
                     "the vehicle is outside: {}; nothing of ours is active, and nothing is done",
                     refusal.text
                 );
-                return self.recovery_note(text);
+                return cx.recovery_note(text);
             }
         }
         let Some(step) = excursion.step else { return };
         excursion.step = step.next();
         match step {
             Step::Leases => {
-                self.recovery_note(format!("the vehicle is outside: {}; leases end", refusal.text));
-                self.modify
-                    .end(&mut self.cx, "recovery: the vehicle is outside the fence");
-                self.station
-                    .end(&mut self.cx, "recovery: the vehicle is outside the fence");
+                cx.recovery_note(format!("the vehicle is outside: {}; leases end", refusal.text));
+                capabilities
+                    .modify
+                    .end(cx, "recovery: the vehicle is outside the fence");
+                capabilities
+                    .station
+                    .end(cx, "recovery: the vehicle is outside the fence");
             }
             Step::Inserts => {
-                self.recovery_note("still outside: inserts are cancelled".to_owned());
-                if !self.cancel_for_recovery() {
-                    self.recovery_note("a way that would remain is worse: on to the next step".to_owned());
-                    self.take_step();
+                cx.recovery_note("still outside: inserts are cancelled".to_owned());
+                if !self.cancel_for_recovery(cx, capabilities, orders) {
+                    cx.recovery_note("a way that would remain is worse: on to the next step".to_owned());
+                    self.take_step(cx, capabilities, orders);
                 }
             }
             Step::Tell => {
-                self.recovery_note("still outside: the topside is told".to_owned());
-                self.tell_of_excursion(&refusal);
+                cx.recovery_note("still outside: the topside is told".to_owned());
+                self.tell_of_excursion(cx, capabilities, &refusal);
             }
             Step::Abort => {
-                self.recovery_note("still outside: the mission is aborted".to_owned());
-                self.order_in_advance(&Order::Abort {
-                    text: "outside the fence".to_owned(),
-                    errors: true,
-                });
+                cx.recovery_note("still outside: the mission is aborted".to_owned());
+                orders.order_in_advance(
+                    cx,
+                    capabilities,
+                    &Order::Abort {
+                        text: "outside the fence".to_owned(),
+                        errors: true,
+                    },
+                );
             }
         }
     }
 
     /// False where an insert was left to the vehicle because its way is worse.
-    fn cancel_for_recovery(&mut self) -> bool {
-        let all = self.inserts.take_back_judged(&mut self.cx, None);
-        let begun = self.cx.chain().iter().any(|(_, _, begun)| *begun);
+    fn cancel_for_recovery(&mut self, cx: &mut Context, capabilities: &mut Capabilities, orders: &mut Orders) -> bool {
+        let all = capabilities.inserts.take_back_judged(cx, None);
+        let begun = cx.chain().iter().any(|(_, _, begun)| *begun);
         if !begun {
             return all;
         }
-        if self.cx.settings.recovery.cancel_current {
+        if cx.settings.recovery.cancel_current {
             // Judged there as the operator's own order is.
-            self.order_in_advance(&Order::CancelCurrent);
+            orders.order_in_advance(cx, capabilities, &Order::CancelCurrent);
         } else {
-            self.recovery_note("the insert that is flown goes on: `cancel_current` is not set".to_owned());
+            cx.recovery_note("the insert that is flown goes on: `cancel_current` is not set".to_owned());
         }
         all
     }
 
-    fn tell_of_excursion(&mut self, refusal: &Refusal) {
-        let text = self.text_of(refusal);
-        let created = self.cx.stamper.stamp(self.cx.now, "MSG");
-        let command = self.cx.courtesy("MSG", Some(created));
-        self.cx
-            .transmit(&ToVehicle::LogMessage(LogMessage { created, text }), Some(command));
-        if self.cx.settings.recovery.tell_topside {
-            self.tell_topside(refusal);
+    fn tell_of_excursion(&mut self, cx: &mut Context, capabilities: &mut Capabilities, refusal: &Refusal) {
+        let text = self.text_of(cx, refusal);
+        let created = cx.stamper.stamp(cx.now, "MSG");
+        let command = cx.courtesy("MSG", Some(created));
+        cx.transmit(&ToVehicle::LogMessage(LogMessage { created, text }), Some(command));
+        if cx.settings.recovery.tell_topside {
+            self.tell_topside(cx, capabilities, refusal);
         }
     }
 
     /// Tells the topside, or keeps it for when control is back.
-    fn tell_topside(&mut self, refusal: &Refusal) {
-        let control = self.cx.start.armed && self.cx.lost_because().is_none();
-        if let Some(excursion) = &mut self.whereabouts.excursion {
+    fn tell_topside(&mut self, cx: &mut Context, capabilities: &mut Capabilities, refusal: &Refusal) {
+        let control = cx.start.armed && cx.lost_because().is_none();
+        if let Some(excursion) = &mut self.excursion {
             excursion.untold = !control;
         }
         if !control {
             return;
         }
-        let text = self.text_of(refusal);
-        let request = self.propose_order(RequestKind::Topside);
+        let text = self.text_of(cx, refusal);
+        let request = cx.ledger.propose_order(RequestKind::Topside);
         let message = ToVehicle::TopsideText(TopsideText {
-            created: self.cx.stamper.stamp(self.cx.now, "TOP"),
+            created: cx.stamper.stamp(cx.now, "TOP"),
             // From under water nothing faster gets through.
             slowest: Transport::AcousticModem,
             text,
         });
-        if self
-            .cx
-            .send_request(request, "TOP", &message, Purpose::Topside(request))
-        {
-            self.topside.count(self.cx.now);
+        if cx.send_request(request, "TOP", &message, Purpose::Topside(request)) {
+            capabilities.topside.count(cx.now);
         }
     }
 
     /// By how much it is outside, and where it is. In lower case: there are vehicles that take a sentence for the one whose
     /// name its text contains.
-    fn text_of(&self, refusal: &Refusal) -> Text {
-        let place = self.cx.tracker.newest().map_or_else(String::new, |navigation| {
+    fn text_of(&self, cx: &mut Context, refusal: &Refusal) -> Text {
+        let place = cx.tracker.newest().map_or_else(String::new, |navigation| {
             format!(
                 " at {:.5} {:.5} depth {:.1} m",
                 navigation.position.latitude.as_deg(),
@@ -442,9 +433,21 @@ impl Core {
         });
         Text::cleaned(&format!("outside the fence by {:.1} m ({}){place}", refusal.metres, refusal.rule).to_lowercase())
     }
+}
 
-    fn recovery_note(&mut self, text: String) {
-        self.cx.note(Note::Recovery { text });
+impl Context {
+    /// A lease stands, or an insert of ours is flown or may be.
+    pub(crate) fn is_active(&self) -> bool {
+        let flown = |entry: &crate::ledger::Entry| {
+            entry.is_open_insert() && matches!(entry.state, RequestState::Started | RequestState::Unknown)
+        };
+        self.arbiter.is_steering()
+            || self.ledger.iter().any(|(_, entry)| flown(entry))
+            || self.ledger.doubtful().next().is_some()
+    }
+
+    pub(crate) fn recovery_note(&mut self, text: String) {
+        self.note(Note::Recovery { text });
     }
 }
 

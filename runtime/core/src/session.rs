@@ -191,7 +191,7 @@ impl Core {
     pub(crate) fn link_up(&mut self) {
         self.cx.framer.clear();
         self.cx.tracker.reset();
-        self.station.reset();
+        self.capabilities.station.reset();
         self.cx.relative.reset();
         self.cx.cartesian.reset();
         self.cx.commands.clear();
@@ -208,16 +208,16 @@ impl Core {
             created,
             version: Text::cleaned(VERSION),
         });
-        let command = self.early("VER", Some(created));
+        let command = self.cx.early("VER", Some(created));
         self.cx.transmit(&version, Some(command));
-        self.subscribe_all();
-        self.ask_for_plan();
-        self.orders_link_up();
-        self.inserts.link_up(&mut self.cx);
+        self.cx.subscribe_all();
+        self.cx.ask_for_plan();
+        self.orders.link_up(&mut self.cx, &mut self.capabilities);
+        self.capabilities.inserts.link_up(&mut self.cx);
         if self.cx.held && is_on(Check::HoldCancels) {
             // The operator may have taken the helm while nothing could be sent.
-            self.inserts.take_back_all(&mut self.cx, None);
-            self.inserts.cancel_former(&mut self.cx);
+            self.capabilities.inserts.take_back_all(&mut self.cx, None);
+            self.capabilities.inserts.cancel_former(&mut self.cx);
         }
         self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
         self.cx.beat();
@@ -231,23 +231,22 @@ impl Core {
             self.cx.courses.leave_plan();
         }
         self.cx.courses.lose();
-        self.modify.end(&mut self.cx, "the link is down");
-        self.station.end(&mut self.cx, "the link is down");
+        self.capabilities.end_leases(&mut self.cx, "the link is down");
         self.cx.handed_over = None;
         self.cx.running = None;
         self.cx.commands.clear();
         self.cx.plan.forget();
         self.cx.compared = Compared::default();
         self.cx.tracker.reset();
-        self.station.reset();
+        self.capabilities.station.reset();
         self.cx.relative.reset();
         self.cx.cartesian.reset();
-        self.silent.link_lost(&mut self.cx);
-        self.adjustments.link_lost(&mut self.cx);
-        self.acoustic.link_lost(&mut self.cx);
-        self.dvl.link_lost(&mut self.cx);
-        self.orders_link_lost();
-        self.inserts.link_lost(&mut self.cx);
+        self.capabilities.silent.link_lost(&mut self.cx);
+        self.capabilities.adjustments.link_lost(&mut self.cx);
+        self.capabilities.acoustic.link_lost(&mut self.cx);
+        self.capabilities.dvl.link_lost(&mut self.cx);
+        self.orders.link_lost(&mut self.cx);
+        self.capabilities.inserts.link_lost(&mut self.cx);
         let undecided: Vec<(u64, bool)> = self
             .cx
             .ledger
@@ -270,7 +269,7 @@ impl Core {
         if self.cx.stopping {
             return;
         }
-        let after_s = self.retry_s();
+        let after_s = self.cx.retry_s();
         self.cx.note(Note::LinkDown {
             counts: self.cx.framer.counts(),
             retry_s: after_s,
@@ -281,123 +280,10 @@ impl Core {
         self.cx.session.attempts = self.cx.session.attempts.saturating_add(1);
     }
 
-    /// Doubled at each attempt, half of it by chance, so that payloads that lost the vehicle together do not come back
-    /// together.
-    fn retry_s(&self) -> f64 {
-        let doubled = 2.0 * RETRY_MIN_S * f64::from(1u32 << self.cx.session.attempts.min(5));
-        let mut bits = self.cx.start.jitter ^ u64::from(self.cx.session.attempts) ^ self.cx.now.as_nanos();
-        // The finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014): every bit of the state counts.
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let chance = ((bits ^ (bits >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
-        doubled.min(RETRY_MAX_S) * (0.5 + 0.5 * chance)
-    }
-
-    fn subscribe_all(&mut self) {
-        for index in 0..self.cx.session.subscriptions.len() {
-            self.subscribe(index);
-        }
-    }
-
-    /// A message stays away that was subscribed.
-    pub(crate) fn subscribe_anew(&mut self, message: &str) {
-        let index = self.cx.session.subscriptions.iter().position(|known| *known == message);
-        if let Some(index) = index {
-            self.cx.session.doubt_subscription(index);
-            self.subscribe(index);
-        }
-    }
-
-    fn subscribe(&mut self, index: usize) {
-        let subject = self.cx.session.subscriptions[index];
-        let message = ToVehicle::LoggingControl(LoggingControl {
-            message: Text::cleaned(subject),
-            on: true,
-        });
-        self.cx.session.acknowledged |= subject == ACKNOWLEDGEMENTS;
-        let command = if self.cx.session.acknowledged {
-            let doublings = self.cx.session.unanswered[index].min(SUBSCRIPTION_DOUBLINGS);
-            self.cx.session.unanswered[index] += 1;
-            Command {
-                name: name("LOG"),
-                created: None,
-                identifier: None,
-                purpose: Purpose::Subscription(index),
-                deadline: self.cx.now + 2 * FIRST_WITHIN * (1 << doublings),
-                pending: false,
-            }
-        } else {
-            self.early("LOG", None)
-        };
-        self.cx.transmit(&message, Some(command));
-    }
-
-    /// A command that leaves before acknowledgements are asked for.
-    fn early(&self, letters: &'static str, created: Option<TimeOfDay>) -> Command {
-        Command {
-            purpose: Purpose::Early,
-            ..self.cx.courtesy(letters, created)
-        }
-    }
-
-    pub(crate) fn subscription_answered(&mut self, index: usize, answer: Answer<'_>) {
-        match answer {
-            Answer::Pending => {}
-            Answer::Done => self.cx.session.confirm(index),
-            Answer::Refused(text) => {
-                let message = self.cx.session.subscriptions[index];
-                self.cx.note(Note::Text {
-                    text: format!("the vehicle refused the subscription to BF{message}: {text}"),
-                });
-            }
-            // What it asked for may come all the same.
-            Answer::Missing if self.cx.session.confirmed[index] => {}
-            Answer::Missing => self.subscribe(index),
-        }
-    }
-
-    pub(crate) fn ask_for_plan(&mut self) {
-        if self.cx.plan.is_collecting() {
-            return;
-        }
-        let created = self.cx.stamper.stamp(self.cx.now, "RMP");
-        let command = Command {
-            name: name("RMP"),
-            created: Some(created),
-            identifier: None,
-            purpose: Purpose::Plan,
-            deadline: self.cx.now + PLAN_WITHIN,
-            pending: false,
-        };
-        if self
-            .cx
-            .transmit(&ToVehicle::RequestPlan(RequestPlan { created }), Some(command))
-        {
-            self.cx.plan.asked(self.cx.now);
-            self.begin_plan();
-        }
-    }
-
-    /// What the vehicle says makes its plan worth asking for. It may say so a hundred times a second: then it is asked for
-    /// now and then.
-    pub(crate) fn want_plan(&mut self) {
-        if self.cx.plan_asks.has_room(self.cx.now, PLAN_ASKS_PER_MIN) {
-            self.cx.plan_asks.add(self.cx.now);
-            return self.ask_for_plan();
-        }
-        self.cx
-            .timers
-            .set_unless_set(Timer::Plan, self.cx.now + PLAN_ASKED_ANEW);
-    }
-
-    fn begin_plan(&mut self) {
-        self.cx.plan.begin(self.cx.framer.counts().lost());
-    }
-
     pub(crate) fn plan_answered(&mut self, answer: Answer<'_>) {
         match answer {
             // The series follows its own pending acknowledgement; what came before is of an earlier asking.
-            Answer::Pending => self.begin_plan(),
+            Answer::Pending => self.cx.begin_plan(),
             Answer::Done => {
                 if self.cx.plan.end(self.cx.framer.counts().lost()) {
                     self.cx.note(Note::Plan {
@@ -408,80 +294,26 @@ impl Core {
                         // Once more, for the day when two answers came mixed.
                         self.cx.timers.set(Timer::Plan, self.cx.now + PLAN_RETRY);
                     }
-                    self.inserts.resolve_by_plan(&mut self.cx);
+                    self.capabilities.inserts.resolve_by_plan(&mut self.cx);
                     self.cx.former_in_plan();
                     self.cx.tell_of_plan();
-                    self.inserts.judge_waiting(&mut self.cx);
+                    self.capabilities.inserts.judge_waiting(&mut self.cx);
                     if self.cx.held && is_on(Check::HoldCancels) {
-                        self.inserts.cancel_former(&mut self.cx);
+                        self.capabilities.inserts.cancel_former(&mut self.cx);
                     }
                 } else {
-                    self.plan_failed();
+                    self.cx.plan_failed();
                 }
             }
-            Answer::Refused(_) | Answer::Missing => self.plan_failed(),
+            Answer::Refused(_) | Answer::Missing => self.cx.plan_failed(),
         }
-    }
-
-    /// The plan did not come: it is asked for again.
-    pub(crate) fn plan_failed(&mut self) {
-        self.cx.plan.fail();
-        self.cx.timers.set(Timer::Plan, self.cx.now + PLAN_RETRY);
     }
 
     pub(crate) fn navigation_came(&mut self) {
         self.cx.session.heard_navigation();
         self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
-        self.watch_clock();
-        self.inserts.watch_schedules(&mut self.cx);
-    }
-
-    /// Tells of the vehicle's clock where it has moved against ours since it was last told on this connection, which the
-    /// first round trip does.
-    fn watch_clock(&mut self) {
-        let Some(offset) = self.cx.tracker.clock().offset_nanos(self.cx.now) else {
-            return;
-        };
-        let told = self.cx.session.clock_told;
-        let moved = told.is_some_and(|(told, at)| {
-            offset.abs_diff(told) >= CLOCK_STEP_NANOS.unsigned_abs() && self.cx.now.since(at) >= CLOCK_NOTE_EVERY
-        });
-        if !moved {
-            return;
-        }
-        if let Some(written) = self.cx.tracker.written() {
-            self.tell_of_clock(written);
-        }
-    }
-
-    /// Tells of the vehicle's clock, which has just said `written`.
-    fn tell_of_clock(&mut self, written: TimeOfDay) {
-        let Some(offset) = self.cx.tracker.clock().offset_nanos(self.cx.now) else {
-            return;
-        };
-        self.cx.session.clock_told = Some((offset, self.cx.now));
-        self.cx.note(Note::Clock {
-            offset_s: offset as f64 / 1e9,
-            vehicle: written,
-        });
-    }
-
-    /// Keep-alive is by navigation, never by acknowledgements.
-    pub(crate) fn silence(&mut self) {
-        self.cx.session.silences += 1;
-        if self.cx.session.silences >= SILENCES_MAX {
-            self.cx.note(Note::Text {
-                text: "no navigation: the connection is reset".to_owned(),
-            });
-            self.cx.outputs.push_back(Output::ResetLink);
-        } else {
-            self.cx.note(Note::Text {
-                text: "no navigation for 5 s: subscribing anew".to_owned(),
-            });
-            self.cx.session.doubt_subscriptions();
-            self.subscribe_all();
-        }
-        self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
+        self.cx.watch_clock();
+        self.capabilities.inserts.watch_schedules(&mut self.cx);
     }
 
     /// An acknowledgement may end a round trip.
@@ -493,59 +325,15 @@ impl Core {
         if let Some(step) = self.cx.tracker.measured(heard.trip, utc, ack.created) {
             let text = format!("the vehicle's clock was set by {:+.3} s", -(step as f64) / 1e9);
             self.cx.note(Note::Navigation { text });
-            self.modify.end(&mut self.cx, "the vehicle's clock was set");
-            self.station.end(&mut self.cx, "the vehicle's clock was set");
+            self.capabilities
+                .end_leases(&mut self.cx, "the vehicle's clock was set");
         }
         if heard.good {
             self.cx.session.unheard_told = false;
             if self.cx.session.clock_told.is_none() {
-                self.tell_of_clock(ack.created);
+                self.cx.tell_of_clock(ack.created);
             }
         }
-    }
-
-    /// What is done where the vehicle is not heard to answer. The lease has ended by then, and its BPEMB is on its way.
-    pub(crate) fn remedy(&mut self) {
-        match self.cx.heartbeat.remedy(self.cx.now) {
-            None => {}
-            Some(Remedy::Subscribe) => {
-                self.cx.subscribe_acknowledgements(Purpose::Beat);
-                self.tell_that_unheard();
-            }
-            Some(Remedy::Reset) => {
-                let text = "the vehicle has not answered in time for 30 s: the connection is reset";
-                self.cx.note(Note::Text { text: text.to_owned() });
-                self.cx.outputs.push_back(Output::ResetLink);
-            }
-        }
-    }
-
-    /// Told once for each time that the answers stay away: it may be the vehicle's habit, and then it is never steered.
-    fn tell_that_unheard(&mut self) {
-        if self.cx.heartbeat.remedies() < 3 || core::mem::replace(&mut self.cx.session.unheard_told, true) {
-            return;
-        }
-        let text = match self.cx.heartbeat.newest() {
-            None => "the vehicle acknowledges nothing on this connection: it is not steered".to_owned(),
-            Some(trip) => format!(
-                "the vehicle does not answer within {} s, the last time after {:.1} s: it is not steered",
-                self.cx.envelope.limits().link_delay_max_s,
-                trip.lasted().as_secs_f64()
-            ),
-        };
-        self.cx.note(Note::Text { text });
-    }
-
-    pub(crate) fn settle_heartbeat(&mut self) {
-        if !self.cx.timers.is_set(Timer::Status) {
-            // There is no link, or the logs are closed.
-            return;
-        }
-        let lapses = self.cx.heartbeat.lapses_at().filter(|at| *at > self.cx.now);
-        let remedy = self.cx.heartbeat.remedy_at();
-        self.cx
-            .timers
-            .set(Timer::Heartbeat, lapses.map_or(remedy, |lapses| lapses.min(remedy)));
     }
 }
 
@@ -664,6 +452,211 @@ impl Context {
             ..self.courtesy("LOG", None)
         };
         self.transmit(&message, Some(command));
+    }
+
+    /// Doubled at each attempt, half of it by chance, so that payloads that lost the vehicle together do not come back
+    /// together.
+    pub(crate) fn retry_s(&self) -> f64 {
+        let doubled = 2.0 * RETRY_MIN_S * f64::from(1u32 << self.session.attempts.min(5));
+        let mut bits = self.start.jitter ^ u64::from(self.session.attempts) ^ self.now.as_nanos();
+        // The finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014): every bit of the state counts.
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let chance = ((bits ^ (bits >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+        doubled.min(RETRY_MAX_S) * (0.5 + 0.5 * chance)
+    }
+
+    pub(crate) fn subscribe_all(&mut self) {
+        for index in 0..self.session.subscriptions.len() {
+            self.subscribe(index);
+        }
+    }
+
+    /// A message stays away that was subscribed.
+    pub(crate) fn subscribe_anew(&mut self, message: &str) {
+        let index = self.session.subscriptions.iter().position(|known| *known == message);
+        if let Some(index) = index {
+            self.session.doubt_subscription(index);
+            self.subscribe(index);
+        }
+    }
+
+    pub(crate) fn subscribe(&mut self, index: usize) {
+        let subject = self.session.subscriptions[index];
+        let message = ToVehicle::LoggingControl(LoggingControl {
+            message: Text::cleaned(subject),
+            on: true,
+        });
+        self.session.acknowledged |= subject == ACKNOWLEDGEMENTS;
+        let command = if self.session.acknowledged {
+            let doublings = self.session.unanswered[index].min(SUBSCRIPTION_DOUBLINGS);
+            self.session.unanswered[index] += 1;
+            Command {
+                name: name("LOG"),
+                created: None,
+                identifier: None,
+                purpose: Purpose::Subscription(index),
+                deadline: self.now + 2 * FIRST_WITHIN * (1 << doublings),
+                pending: false,
+            }
+        } else {
+            self.early("LOG", None)
+        };
+        self.transmit(&message, Some(command));
+    }
+
+    /// A command that leaves before acknowledgements are asked for.
+    pub(crate) fn early(&self, letters: &'static str, created: Option<TimeOfDay>) -> Command {
+        Command {
+            purpose: Purpose::Early,
+            ..self.courtesy(letters, created)
+        }
+    }
+
+    pub(crate) fn subscription_answered(&mut self, index: usize, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => {}
+            Answer::Done => self.session.confirm(index),
+            Answer::Refused(text) => {
+                let message = self.session.subscriptions[index];
+                self.note(Note::Text {
+                    text: format!("the vehicle refused the subscription to BF{message}: {text}"),
+                });
+            }
+            // What it asked for may come all the same.
+            Answer::Missing if self.session.confirmed[index] => {}
+            Answer::Missing => self.subscribe(index),
+        }
+    }
+
+    pub(crate) fn ask_for_plan(&mut self) {
+        if self.plan.is_collecting() {
+            return;
+        }
+        let created = self.stamper.stamp(self.now, "RMP");
+        let command = Command {
+            name: name("RMP"),
+            created: Some(created),
+            identifier: None,
+            purpose: Purpose::Plan,
+            deadline: self.now + PLAN_WITHIN,
+            pending: false,
+        };
+        if self.transmit(&ToVehicle::RequestPlan(RequestPlan { created }), Some(command)) {
+            self.plan.asked(self.now);
+            self.begin_plan();
+        }
+    }
+
+    /// What the vehicle says makes its plan worth asking for. It may say so a hundred times a second: then it is asked for
+    /// now and then.
+    pub(crate) fn want_plan(&mut self) {
+        if self.plan_asks.has_room(self.now, PLAN_ASKS_PER_MIN) {
+            self.plan_asks.add(self.now);
+            return self.ask_for_plan();
+        }
+        self.timers.set_unless_set(Timer::Plan, self.now + PLAN_ASKED_ANEW);
+    }
+
+    pub(crate) fn begin_plan(&mut self) {
+        self.plan.begin(self.framer.counts().lost());
+    }
+
+    /// The plan did not come: it is asked for again.
+    pub(crate) fn plan_failed(&mut self) {
+        self.plan.fail();
+        self.timers.set(Timer::Plan, self.now + PLAN_RETRY);
+    }
+
+    /// Tells of the vehicle's clock where it has moved against ours since it was last told on this connection, which the
+    /// first round trip does.
+    pub(crate) fn watch_clock(&mut self) {
+        let Some(offset) = self.tracker.clock().offset_nanos(self.now) else {
+            return;
+        };
+        let told = self.session.clock_told;
+        let moved = told.is_some_and(|(told, at)| {
+            offset.abs_diff(told) >= CLOCK_STEP_NANOS.unsigned_abs() && self.now.since(at) >= CLOCK_NOTE_EVERY
+        });
+        if !moved {
+            return;
+        }
+        if let Some(written) = self.tracker.written() {
+            self.tell_of_clock(written);
+        }
+    }
+
+    /// Tells of the vehicle's clock, which has just said `written`.
+    pub(crate) fn tell_of_clock(&mut self, written: TimeOfDay) {
+        let Some(offset) = self.tracker.clock().offset_nanos(self.now) else {
+            return;
+        };
+        self.session.clock_told = Some((offset, self.now));
+        self.note(Note::Clock {
+            offset_s: offset as f64 / 1e9,
+            vehicle: written,
+        });
+    }
+
+    /// Keep-alive is by navigation, never by acknowledgements.
+    pub(crate) fn silence(&mut self) {
+        self.session.silences += 1;
+        if self.session.silences >= SILENCES_MAX {
+            self.note(Note::Text {
+                text: "no navigation: the connection is reset".to_owned(),
+            });
+            self.outputs.push_back(Output::ResetLink);
+        } else {
+            self.note(Note::Text {
+                text: "no navigation for 5 s: subscribing anew".to_owned(),
+            });
+            self.session.doubt_subscriptions();
+            self.subscribe_all();
+        }
+        self.timers.set(Timer::Silence, self.now + SILENT);
+    }
+
+    /// What is done where the vehicle is not heard to answer. The lease has ended by then, and its BPEMB is on its way.
+    pub(crate) fn remedy(&mut self) {
+        match self.heartbeat.remedy(self.now) {
+            None => {}
+            Some(Remedy::Subscribe) => {
+                self.subscribe_acknowledgements(Purpose::Beat);
+                self.tell_that_unheard();
+            }
+            Some(Remedy::Reset) => {
+                let text = "the vehicle has not answered in time for 30 s: the connection is reset";
+                self.note(Note::Text { text: text.to_owned() });
+                self.outputs.push_back(Output::ResetLink);
+            }
+        }
+    }
+
+    /// Told once for each time that the answers stay away: it may be the vehicle's habit, and then it is never steered.
+    pub(crate) fn tell_that_unheard(&mut self) {
+        if self.heartbeat.remedies() < 3 || core::mem::replace(&mut self.session.unheard_told, true) {
+            return;
+        }
+        let text = match self.heartbeat.newest() {
+            None => "the vehicle acknowledges nothing on this connection: it is not steered".to_owned(),
+            Some(trip) => format!(
+                "the vehicle does not answer within {} s, the last time after {:.1} s: it is not steered",
+                self.envelope.limits().link_delay_max_s,
+                trip.lasted().as_secs_f64()
+            ),
+        };
+        self.note(Note::Text { text });
+    }
+
+    pub(crate) fn settle_heartbeat(&mut self) {
+        if !self.timers.is_set(Timer::Status) {
+            // There is no link, or the logs are closed.
+            return;
+        }
+        let lapses = self.heartbeat.lapses_at().filter(|at| *at > self.now);
+        let remedy = self.heartbeat.remedy_at();
+        self.timers
+            .set(Timer::Heartbeat, lapses.map_or(remedy, |lapses| lapses.min(remedy)));
     }
 }
 

@@ -2,41 +2,40 @@
 
 use backseat_spi::{CancelAll, CancelCurrent, CancelElement, ToVehicle};
 
+use super::Orders;
 use crate::commands::{Answer, Purpose};
+use crate::context::Context;
 use crate::envelope::{End, Track};
 use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
-use crate::machine::Core;
 use crate::plan::Element;
 use crate::plugin::{Refusal, RequestState};
 use crate::switches::{Check, is_on};
 
-impl Core {
+impl Orders {
     /// BPRCA: it may take another payload's inserts too, which is why nobody but the operator orders it.
-    pub(super) fn order_cancel_all(&mut self) {
-        let request = self.propose_order(RequestKind::CancelAll);
-        if let Err(refusal) = self.admit_order() {
-            return self.cx.reject(request, refusal);
+    pub(super) fn order_cancel_all(&mut self, cx: &mut Context) {
+        let request = cx.ledger.propose_order(RequestKind::CancelAll);
+        if let Err(refusal) = cx.admit_order() {
+            return cx.reject(request, refusal);
         }
-        let created = self.cx.stamper.stamp(self.cx.now, "RCA");
+        let created = cx.stamper.stamp(cx.now, "RCA");
         let message = ToVehicle::CancelAll(CancelAll { created });
-        self.cx
-            .send_request(request, "RCA", &message, Purpose::CancelAll(request));
+        cx.send_request(request, "RCA", &message, Purpose::CancelAll(request));
     }
 
     /// The vehicle's answer to BPRCA. Inserts of ours that it had accepted are cancelled, those that have begun are not. A
     /// GPS hit stays open: BPRCN does not cover it (7.8), and 7.9 does not say whether BPRCA does.
-    pub(crate) fn cancel_all_answered(&mut self, request: u64, answer: Answer<'_>) {
+    pub(crate) fn cancel_all_answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.cx.transition(request, RequestState::Pending),
-            Answer::Missing => self.cx.transition(request, RequestState::TimedOut),
-            Answer::Refused(text) => self.cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Pending => cx.transition(request, RequestState::Pending),
+            Answer::Missing => cx.transition(request, RequestState::TimedOut),
+            Answer::Refused(text) => cx.transition(request, RequestState::Failed(text.to_owned())),
             Answer::Done => {
-                self.cx.transition(request, RequestState::Accepted);
-                self.cx.transition(request, RequestState::Ended("done".to_owned()));
-                let accepted: Vec<(u64, bool)> = self
-                    .cx
+                cx.transition(request, RequestState::Accepted);
+                cx.transition(request, RequestState::Ended("done".to_owned()));
+                let accepted: Vec<(u64, bool)> = cx
                     .ledger
                     .iter()
                     .filter(|(_, entry)| entry.state == RequestState::Accepted)
@@ -44,93 +43,87 @@ impl Core {
                     .collect();
                 for (insert, surfaces) in accepted {
                     if surfaces {
-                        self.cx.note(Note::Text {
+                        cx.note(Note::Text {
                             text: format!("GPS hit {insert} may be flown yet: it is not certain that BPRCA covers it"),
                         });
                     } else {
-                        self.cx.transition(insert, RequestState::Cancelled);
+                        cx.transition(insert, RequestState::Cancelled);
                     }
                 }
-                self.cx
-                    .ledger
+                cx.ledger
                     .settle_doubt_if(|entry| entry.insert.is_some_and(|insert| !insert.surfaces()));
                 // What is left of the plan is for the vehicle to say.
-                self.ask_for_plan();
+                cx.ask_for_plan();
             }
         }
     }
 
     /// BPRCB, which carries no identifier and ends whatever is current: only where that is an insert of ours.
-    pub(super) fn order_cancel_current(&mut self) {
-        let request = self.propose_order(RequestKind::CancelCurrent);
-        if let Err(refusal) = self.admit_order().and_then(|()| self.judge_cancel_current()) {
-            return self.cx.reject(request, refusal);
+    pub(super) fn order_cancel_current(&mut self, cx: &mut Context) {
+        let request = cx.ledger.propose_order(RequestKind::CancelCurrent);
+        if let Err(refusal) = cx.admit_order().and_then(|()| self.judge_cancel_current(cx)) {
+            return cx.reject(request, refusal);
         }
-        let created = self.cx.stamper.stamp(self.cx.now, "RCB");
+        let created = cx.stamper.stamp(cx.now, "RCB");
         let message = ToVehicle::CancelCurrent(CancelCurrent { created });
-        self.cx
-            .send_request(request, "RCB", &message, Purpose::Request(request));
+        cx.send_request(request, "RCB", &message, Purpose::Request(request));
     }
 
     /// Safety requirements 002 and 020: the way from here to what comes next is the order's consequence.
-    fn judge_cancel_current(&self) -> Result<(), Refusal> {
-        let Some(current) = self.cx.named_insert.current() else {
+    fn judge_cancel_current(&self, cx: &mut Context) -> Result<(), Refusal> {
+        let Some(current) = cx.named_insert.current() else {
             return Err(refused(
                 "state",
                 "the current behaviour is not known to be an insert of ours",
             ));
         };
-        if !self.cx.sent_identifiers.contains(&current) {
+        if !cx.sent_identifiers.contains(&current) {
             return Err(refused("state", "the current behaviour is an insert that is not ours"));
         }
-        if !self.cx.plan.is_complete() {
+        if !cx.plan.is_complete() {
             return Err(refused(
                 "plan",
                 "the vehicle's plan is not known, nor so what comes next",
             ));
         }
-        let Some(navigation) = self.cx.tracker.fresh(self.cx.now) else {
+        let Some(navigation) = cx.tracker.fresh(cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
-        let chain = self.cx.chain();
-        let own = self.cx.ledger.by_identifier(current);
+        let chain = cx.chain();
+        let own = cx.ledger.by_identifier(current);
         let mut to: Vec<End> = Vec::new();
         // A GPS hit has the vehicle on its way up, or down again.
-        let mut surfacing = self.cx.ledger.is_gps_hit(own);
+        let mut surfacing = cx.ledger.is_gps_hit(own);
         if let Some((_, next, _)) = chain.iter().find(|(_, _, begun)| !begun) {
-            to.push(self.cx.envelope.ends(next).0);
+            to.push(cx.envelope.ends(next).0);
             surfacing |= next.surfaces();
         } else {
-            to.extend(self.cx.plan.next_points().into_iter().map(End::At));
+            to.extend(cx.plan.next_points().into_iter().map(End::At));
             let interrupts = chain.iter().any(|(_, insert, begun)| *begun && insert.interrupt);
             if interrupts || own.is_none() {
                 // After an interruption it may go back to what it left: readings differ (SPI 7.5).
-                let left = self.cx.plan.current();
+                let left = cx.plan.current();
                 to.extend(left.flat_map(|element: &Element| [End::At(element.first()), End::At(element.last())]));
             }
         }
-        let (here, passage) = (
-            End::At(navigation.local),
-            self.cx.passage(navigation.depth, surfacing, 0.0),
-        );
+        let (here, passage) = (End::At(navigation.local), cx.passage(navigation.depth, surfacing, 0.0));
         // Or it takes up an insert that this one has interrupted.
-        let onto = self.cx.taken_up_after(false);
+        let onto = cx.taken_up_after(false);
         to.extend(onto.iter().flat_map(Track::points).map(End::At));
         for to in to.into_iter().filter(|_| is_on(Check::CancelWay)) {
-            self.cx.envelope.judge_way((here, to), &passage)?;
+            cx.envelope.judge_way((here, to), &passage)?;
         }
         Ok(())
     }
 
     /// BPRCE: what comes next is the front seat's, and what it is the operator knows.
-    pub(super) fn order_cancel_element(&mut self) {
-        let request = self.propose_order(RequestKind::CancelElement);
-        if let Err(refusal) = self.admit_order() {
-            return self.cx.reject(request, refusal);
+    pub(super) fn order_cancel_element(&mut self, cx: &mut Context) {
+        let request = cx.ledger.propose_order(RequestKind::CancelElement);
+        if let Err(refusal) = cx.admit_order() {
+            return cx.reject(request, refusal);
         }
-        let created = self.cx.stamper.stamp(self.cx.now, "RCE");
+        let created = cx.stamper.stamp(cx.now, "RCE");
         let message = ToVehicle::CancelElement(CancelElement { created });
-        self.cx
-            .send_request(request, "RCE", &message, Purpose::Request(request));
+        cx.send_request(request, "RCE", &message, Purpose::Request(request));
     }
 }

@@ -5,10 +5,12 @@ use std::time::Duration;
 use backseat_spi::{DurationUnit, StartEmptyMission, ToVehicle};
 use backseat_units::Timestamp;
 
+use super::Orders;
+use crate::capability::Capabilities;
 use crate::commands::{Answer, Purpose};
+use crate::context::Context;
 use crate::helm::refused;
 use crate::ledger::RequestKind;
-use crate::machine::Core;
 use crate::phase::Phase;
 use crate::plugin::{Refusal, RequestState};
 
@@ -29,52 +31,48 @@ impl EmptyMission {
     }
 }
 
-impl Core {
-    pub(super) fn order_empty_mission(&mut self, duration_s: u32) {
-        let request = self.propose_order(RequestKind::StartEmptyMission);
-        if let Err(refusal) = self.admit_empty_mission(duration_s) {
-            return self.cx.reject(request, refusal);
+impl Orders {
+    pub(super) fn order_empty_mission(&mut self, cx: &mut Context, capabilities: &mut Capabilities, duration_s: u32) {
+        let request = cx.ledger.propose_order(RequestKind::StartEmptyMission);
+        if let Err(refusal) = self.admit_empty_mission(cx, duration_s) {
+            return cx.reject(request, refusal);
         }
-        self.modify.end(&mut self.cx, "the operator starts an empty mission");
-        self.station.end(&mut self.cx, "the operator starts an empty mission");
+        capabilities.end_leases(cx, "the operator starts an empty mission");
         let (duration, unit) = in_units(duration_s);
-        let created = self.cx.stamper.stamp(self.cx.now, "SEM");
+        let created = cx.stamper.stamp(cx.now, "SEM");
         let message = ToVehicle::StartEmptyMission(StartEmptyMission {
             created,
             duration: f64::from(duration),
             unit,
         });
-        if self
-            .cx
-            .send_request(request, "SEM", &message, Purpose::EmptyMission(request))
-        {
-            self.orders.empty = Some(EmptyMission {
+        if cx.send_request(request, "SEM", &message, Purpose::EmptyMission(request)) {
+            self.empty = Some(EmptyMission {
                 request,
                 deadline: None,
             });
         }
     }
 
-    fn admit_empty_mission(&self, duration_s: u32) -> Result<(), Refusal> {
-        if !self.cx.start.armed {
+    fn admit_empty_mission(&self, cx: &mut Context, duration_s: u32) -> Result<(), Refusal> {
+        if !cx.start.armed {
             return Err(refused("control", "the runtime is not armed"));
         }
-        if !self.cx.session.is_up() {
+        if !cx.session.is_up() {
             return Err(refused("control", "the link is down"));
         }
-        if self.cx.held {
+        if cx.held {
             return Err(refused("control", "the operator holds"));
         }
-        if self.cx.stopping {
+        if cx.stopping {
             return Err(refused("control", "the run is ending"));
         }
         if duration_s == 0 {
             return Err(refused("limit", "an empty mission lasts for more than 0 s"));
         }
-        if self.orders.empty.is_some() {
+        if self.empty.is_some() {
             return Err(refused("state", "one is being started already"));
         }
-        match self.cx.phase {
+        match cx.phase {
             Phase::Over => Ok(()),
             Phase::Running => Err(refused("state", "a mission is running")),
             Phase::Ending => Err(refused("state", "a mission is ending")),
@@ -83,52 +81,51 @@ impl Core {
     }
 
     /// The vehicle's answer.
-    pub(crate) fn empty_mission_answered(&mut self, request: u64, answer: Answer<'_>) {
+    pub(crate) fn empty_answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match answer {
-            Answer::Pending => self.cx.transition(request, RequestState::Pending),
+            Answer::Pending => cx.transition(request, RequestState::Pending),
             Answer::Done => {
-                self.cx.transition(request, RequestState::Accepted);
-                if let Some(empty) = self.orders.empty.as_mut().filter(|empty| empty.request == request) {
-                    empty.deadline = Some(self.cx.now + RUNS_WITHIN);
-                    self.set_order_timer();
+                cx.transition(request, RequestState::Accepted);
+                if let Some(empty) = self.empty.as_mut().filter(|empty| empty.request == request) {
+                    empty.deadline = Some(cx.now + RUNS_WITHIN);
+                    self.set_timer(cx);
                 }
             }
-            Answer::Refused(text) => self.end_empty_mission(request, RequestState::Failed(text.to_owned())),
-            Answer::Missing => self.end_empty_mission(request, RequestState::TimedOut),
+            Answer::Refused(text) => self.end_empty_mission(cx, request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => self.end_empty_mission(cx, request, RequestState::TimedOut),
         }
     }
 
-    fn end_empty_mission(&mut self, request: u64, state: RequestState) {
-        if self.orders.empty.is_some_and(|empty| empty.request == request) {
-            self.orders.empty = None;
+    fn end_empty_mission(&mut self, cx: &mut Context, request: u64, state: RequestState) {
+        if self.empty.is_some_and(|empty| empty.request == request) {
+            self.empty = None;
         }
-        self.cx.transition(request, state);
+        cx.transition(request, state);
     }
 
     /// BFMIS says that a mission runs: before the acknowledgement or after it.
-    pub(super) fn empty_mission_runs(&mut self) {
-        if let Some(empty) = self.orders.empty.take() {
-            self.cx.transition(empty.request, RequestState::Started);
-            self.cx
-                .transition(empty.request, RequestState::Ended("it runs".to_owned()));
+    pub(super) fn empty_mission_runs(&mut self, cx: &mut Context) {
+        if let Some(empty) = self.empty.take() {
+            cx.transition(empty.request, RequestState::Started);
+            cx.transition(empty.request, RequestState::Ended("it runs".to_owned()));
         }
     }
 
     /// The answer is lost, but the mission shows itself on the next connection, if it does.
-    pub(super) fn empty_mission_link_lost(&mut self) {
-        if let Some(empty) = &mut self.orders.empty {
+    pub(super) fn empty_mission_link_lost(&mut self, cx: &mut Context) {
+        if let Some(empty) = &mut self.empty {
             let request = empty.request;
-            empty.deadline.get_or_insert(self.cx.now + RUNS_WITHIN);
+            empty.deadline.get_or_insert(cx.now + RUNS_WITHIN);
             // An accepted one stays accepted: the ledger refuses this.
-            self.cx.transition(request, RequestState::Unknown);
+            cx.transition(request, RequestState::Unknown);
         }
     }
 
-    pub(super) fn empty_mission_expired(&mut self) {
-        if let Some(empty) = self.orders.empty
-            && empty.deadline.is_some_and(|deadline| deadline <= self.cx.now)
+    pub(super) fn empty_mission_expired(&mut self, cx: &mut Context) {
+        if let Some(empty) = self.empty
+            && empty.deadline.is_some_and(|deadline| deadline <= cx.now)
         {
-            self.end_empty_mission(empty.request, RequestState::TimedOut);
+            self.end_empty_mission(cx, empty.request, RequestState::TimedOut);
         }
     }
 }

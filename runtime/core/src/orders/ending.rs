@@ -11,11 +11,13 @@ use backseat_spi::{Abort, AbortReason, Kill, Text, ToVehicle};
 use backseat_units::Timestamp;
 
 use super::Order;
+use super::Orders;
+use crate::capability::Capabilities;
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
+use crate::context::Context;
 use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
-use crate::machine::Core;
 use crate::owner::Owner;
 use crate::phase::Phase;
 use crate::plugin::RequestState;
@@ -52,9 +54,9 @@ impl Ending {
     }
 }
 
-impl Core {
+impl Orders {
     /// [`Order::Abort`] or [`Order::Kill`].
-    pub(super) fn order_end(&mut self, order: &Order) {
+    pub(super) fn order_end(&mut self, cx: &mut Context, capabilities: &mut Capabilities, order: &Order) {
         let (kind, text, reason) = match order {
             Order::Abort { text, errors: true } => (RequestKind::Abort, text, AbortReason::Errors),
             Order::Abort { text, errors: false } => (RequestKind::Abort, text, AbortReason::Successful),
@@ -66,54 +68,53 @@ impl Core {
             | Order::CancelElement
             | Order::StartEmptyMission { .. } => return,
         };
-        let request = self.propose_order(kind);
-        if !self.cx.start.armed {
-            return self.cx.reject(request, refused("control", "the runtime is not armed"));
+        let request = cx.ledger.propose_order(kind);
+        if !cx.start.armed {
+            return cx.reject(request, refused("control", "the runtime is not armed"));
         }
-        if self.orders.endings.iter().any(|ending| ending.kind == kind) {
-            return self.cx.reject(request, refused("state", "one is under way already"));
+        if self.endings.iter().any(|ending| ending.kind == kind) {
+            return cx.reject(request, refused("state", "one is under way already"));
         }
         if kind == RequestKind::Kill {
-            for ending in &mut self.orders.endings {
+            for ending in &mut self.endings {
                 ending.superseded = true;
             }
         }
-        self.cx.mission_ended = true;
+        cx.mission_ended = true;
         // A character that may not be sent must not keep an abort from being sent. In lower case: there are vehicles that
         // take a sentence for the one whose name its text contains.
         let text: String = text.to_lowercase().chars().take(TEXT_MAX).collect();
-        self.orders.endings.push(Ending {
+        self.endings.push(Ending {
             request,
             kind,
             text: Text::cleaned(&text),
             reason,
             sent: 0,
             superseded: false,
-            until: self.cx.now + KEPT_FOR,
+            until: cx.now + KEPT_FOR,
         });
-        if self.cx.session.is_up() {
-            self.send_ending(request);
+        if cx.session.is_up() {
+            self.send_ending(cx, capabilities, request);
         } else {
-            self.cx.note(Note::Text {
+            cx.note(Note::Text {
                 text: format!(
                     "{kind:?} {request} waits for the link, for {} s at most",
                     KEPT_FOR.as_secs()
                 ),
             });
         }
-        self.set_order_timer();
+        self.set_timer(cx);
     }
 
-    fn send_ending(&mut self, request: u64) {
-        let Some(ending) = self.orders.endings.iter().find(|ending| ending.request == request) else {
+    fn send_ending(&mut self, cx: &mut Context, capabilities: &mut Capabilities, request: u64) {
+        let Some(ending) = self.endings.iter().find(|ending| ending.request == request) else {
             return;
         };
         let (text, reason, kill) = (ending.text.clone(), ending.reason, ending.is_kill());
         // Nothing that steers stands when it leaves.
-        self.modify.end(&mut self.cx, "the operator ends the mission");
-        self.station.end(&mut self.cx, "the operator ends the mission");
+        capabilities.end_leases(cx, "the operator ends the mission");
         let letters = if kill { "KIL" } else { "ABT" };
-        let created = self.cx.stamper.stamp(self.cx.now, letters);
+        let created = cx.stamper.stamp(cx.now, letters);
         let message = if kill {
             ToVehicle::Kill(Kill { created, text })
         } else {
@@ -124,58 +125,63 @@ impl Core {
             created: Some(created),
             identifier: None,
             purpose: Purpose::Ending(request),
-            deadline: self.cx.now + FIRST_WITHIN,
+            deadline: cx.now + FIRST_WITHIN,
             pending: false,
         };
-        if !self.cx.transmit_for(Owner::Operator, &message, Some(command)) {
-            self.orders.endings.retain(|ending| ending.request != request);
-            return self.cx.reject(request, refused("control", "it could not be sent"));
+        if !cx.transmit_for(Owner::Operator, &message, Some(command)) {
+            self.endings.retain(|ending| ending.request != request);
+            return cx.reject(request, refused("control", "it could not be sent"));
         }
-        for ending in &mut self.orders.endings {
+        for ending in &mut self.endings {
             if ending.request == request {
                 ending.sent += 1;
             }
         }
-        self.cx.transition(request, RequestState::Sent);
+        cx.transition(request, RequestState::Sent);
     }
 
     /// The vehicle's answer to an abort or kill.
-    pub(crate) fn ending_answered(&mut self, request: u64, answer: Answer<'_>) {
+    pub(crate) fn ending_answered(
+        &mut self,
+        cx: &mut Context,
+        capabilities: &mut Capabilities,
+        request: u64,
+        answer: Answer<'_>,
+    ) {
         match answer {
-            Answer::Pending => self.cx.transition(request, RequestState::Pending),
+            Answer::Pending => cx.transition(request, RequestState::Pending),
             Answer::Done => {
-                self.cx.transition(request, RequestState::Accepted);
-                self.end_ending(request, RequestState::Ended("done".to_owned()));
+                cx.transition(request, RequestState::Accepted);
+                self.end_ending(cx, request, RequestState::Ended("done".to_owned()));
             }
-            Answer::Refused(text) => self.end_ending(request, RequestState::Failed(text.to_owned())),
+            Answer::Refused(text) => self.end_ending(cx, request, RequestState::Failed(text.to_owned())),
             Answer::Missing => {
-                let ending = self.orders.endings.iter().find(|ending| ending.request == request);
+                let ending = self.endings.iter().find(|ending| ending.request == request);
                 let Some((kind, sent, superseded)) = ending.map(|ending| (ending.kind, ending.sent, ending.superseded))
                 else {
                     return;
                 };
                 if superseded || sent >= SENT_MAX {
-                    return self.end_ending(request, RequestState::TimedOut);
+                    return self.end_ending(cx, request, RequestState::TimedOut);
                 }
-                self.cx.note(Note::Text {
+                cx.note(Note::Text {
                     text: format!(
                         "{kind:?} {request} was not acknowledged: sent again, {} of {SENT_MAX}",
                         sent + 1
                     ),
                 });
-                self.send_ending(request);
+                self.send_ending(cx, capabilities, request);
             }
         }
     }
 
-    fn end_ending(&mut self, request: u64, state: RequestState) {
-        self.orders.endings.retain(|ending| ending.request != request);
-        self.cx.transition(request, state);
+    fn end_ending(&mut self, cx: &mut Context, request: u64, state: RequestState) {
+        self.endings.retain(|ending| ending.request != request);
+        cx.transition(request, state);
     }
 
-    pub(super) fn endings_link_lost(&mut self) {
+    pub(super) fn endings_link_lost(&mut self, cx: &mut Context) {
         let sent: Vec<(u64, bool)> = self
-            .orders
             .endings
             .iter()
             .filter(|ending| ending.sent > 0)
@@ -183,21 +189,20 @@ impl Core {
             .collect();
         for (request, superseded) in sent {
             if superseded {
-                self.end_ending(request, RequestState::TimedOut);
+                self.end_ending(cx, request, RequestState::TimedOut);
             } else {
-                self.cx.transition(request, RequestState::Unknown);
+                cx.transition(request, RequestState::Unknown);
             }
         }
     }
 
-    pub(super) fn endings_link_up(&mut self) {
-        for ending in &mut self.orders.endings {
+    pub(super) fn endings_link_up(&mut self, cx: &mut Context, capabilities: &mut Capabilities) {
+        for ending in &mut self.endings {
             ending.sent = 0;
         }
         // The wake-up that would have given them up may be late.
-        self.endings_expired();
+        self.endings_expired(cx);
         let kept: Vec<(u64, bool)> = self
-            .orders
             .endings
             .iter()
             .map(|ending| (ending.request, ending.superseded))
@@ -205,38 +210,36 @@ impl Core {
         for (request, superseded) in kept {
             if superseded {
                 let text = "a kill took its place before it could be sent".to_owned();
-                self.end_ending(request, RequestState::Ended(text));
+                self.end_ending(cx, request, RequestState::Ended(text));
             } else {
-                self.send_ending(request);
+                self.send_ending(cx, capabilities, request);
             }
         }
     }
 
     /// Those that have waited for the link for too long.
-    pub(super) fn endings_expired(&mut self) {
+    pub(super) fn endings_expired(&mut self, cx: &mut Context) {
         let late: Vec<u64> = self
-            .orders
             .endings
             .iter()
-            .filter(|ending| ending.until <= self.cx.now && (ending.sent == 0 || !self.cx.session.is_up()))
+            .filter(|ending| ending.until <= cx.now && (ending.sent == 0 || !cx.session.is_up()))
             .map(|ending| ending.request)
             .collect();
         for request in late {
-            self.orders.endings.retain(|ending| ending.request != request);
-            let unknown = self.cx.ledger.get(request).map(|entry| entry.state.clone());
+            self.endings.retain(|ending| ending.request != request);
+            let unknown = cx.ledger.get(request).map(|entry| entry.state.clone());
             if unknown == Some(RequestState::Unknown) {
-                self.cx.transition(request, RequestState::TimedOut);
+                cx.transition(request, RequestState::TimedOut);
             } else {
                 let text = format!("the link was down for {} s: order it again", KEPT_FOR.as_secs());
-                self.cx.reject(request, refused("control", &text));
+                cx.reject(request, refused("control", &text));
             }
         }
     }
 
     /// A mission that ends has been ended; one that wraps up moves yet, and a kill is not done with.
-    pub(super) fn endings_mission_status(&mut self, status: &str, phase: Phase) {
+    pub(super) fn endings_mission_status(&mut self, cx: &mut Context, status: &str, phase: Phase) {
         let done: Vec<u64> = self
-            .orders
             .endings
             .iter()
             .filter(|ending| match phase {
@@ -248,6 +251,7 @@ impl Core {
             .collect();
         for request in done {
             self.end_ending(
+                cx,
                 request,
                 RequestState::Ended(format!("the mission is {}", status.trim())),
             );

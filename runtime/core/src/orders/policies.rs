@@ -7,9 +7,11 @@ use std::time::Duration;
 
 use backseat_units::Timestamp;
 
+use super::Orders;
 use super::{Condition, Policy};
+use crate::capability::Capabilities;
+use crate::context::Context;
 use crate::io::Note;
-use crate::machine::Core;
 use crate::timer::Timer;
 
 /// A time in which navigation is stale.
@@ -35,11 +37,15 @@ impl Stale {
     }
 }
 
-impl Core {
+impl Orders {
     /// Carries out the policies whose condition an event fulfils.
-    pub(crate) fn carry_out(&mut self, fulfilled: impl Fn(&Condition) -> bool) {
-        let due: Vec<Policy> = self
-            .cx
+    pub(crate) fn carry_out(
+        &mut self,
+        cx: &mut Context,
+        capabilities: &mut Capabilities,
+        fulfilled: impl Fn(&Condition) -> bool,
+    ) {
+        let due: Vec<Policy> = cx
             .settings
             .policies
             .iter()
@@ -47,38 +53,38 @@ impl Core {
             .cloned()
             .collect();
         for Policy { when, order } in due {
-            self.cx.note(Note::Text {
+            cx.note(Note::Text {
                 text: format!("policy: {when}: {order}"),
             });
-            self.order_in_advance(&order);
+            self.order_in_advance(cx, capabilities, &order);
         }
     }
 
     /// Follows navigation's staleness for the policies that hang on it.
-    pub(crate) fn watch_staleness(&mut self) {
-        let fresh = self.cx.tracker.fresh(self.cx.now).is_some();
-        if fresh || !self.orders.connected {
-            self.orders.stale = None;
-            return self.cx.timers.stop(Timer::Policy);
+    pub(crate) fn watch_staleness(&mut self, cx: &mut Context) {
+        let fresh = cx.tracker.fresh(cx.now).is_some();
+        if fresh || !self.connected {
+            self.stale = None;
+            return cx.timers.stop(Timer::Policy);
         }
-        let since = self.cx.now;
-        let stale = *self.orders.stale.get_or_insert(Stale { since, acted: None });
-        let policies = self.cx.settings.policies.iter();
+        let since = cx.now;
+        let stale = *self.stale.get_or_insert(Stale { since, acted: None });
+        let policies = cx.settings.policies.iter();
         let first = policies.filter_map(|policy| stale.due(&policy.when)).min();
-        self.cx.timers.set_or_stop(Timer::Policy, first);
+        cx.timers.set_or_stop(Timer::Policy, first);
     }
 
     /// A condition that must last may have lasted for long enough.
-    pub(crate) fn policies_due(&mut self) {
-        let Some(stale) = self.orders.stale else { return };
-        if self.cx.tracker.fresh(self.cx.now).is_some() {
+    pub(crate) fn policies_due(&mut self, cx: &mut Context, capabilities: &mut Capabilities) {
+        let Some(stale) = self.stale else { return };
+        if cx.tracker.fresh(cx.now).is_some() {
             return;
         }
-        let now = self.cx.now;
-        self.orders.stale = Some(Stale {
+        let now = cx.now;
+        self.stale = Some(Stale {
             acted: Some(now),
             ..stale
         });
-        self.carry_out(|when| stale.due(when).is_some_and(|at| at <= now));
+        self.carry_out(cx, capabilities, |when| stale.due(when).is_some_and(|at| at <= now));
     }
 }

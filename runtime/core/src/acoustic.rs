@@ -15,7 +15,6 @@ use crate::clock::elapsed_nanos;
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
 use crate::envelope::limit;
-use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
@@ -23,6 +22,7 @@ use crate::plugin::{
     Event, PacketRequest, PluginId, ReceivedFrame, ReceivedPacket, Refusal, RequestState, Topic, Window,
 };
 use crate::quota::LastMinute;
+use crate::refusal::refused;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -62,19 +62,19 @@ impl Acoustic {
     fn admit(&mut self, cx: &mut Context, plugin: PluginId, asked: PacketRequest) -> Result<Packet, Refusal> {
         cx.admit(plugin, Grant::Acoustic)?;
         for message in ["CMA", "CPS"] {
-            if !cx.session.is_subscribed(message) {
+            if !cx.link.subscriptions.has(message) {
                 let text = format!("the vehicle has not acknowledged the subscription to BF{message}");
                 return Err(refused("window", &text));
             }
         }
         self.narrow_window(cx);
-        if !cx.permits.window_is_open(cx.now) && is_on(Check::ModemWindow) {
+        if !cx.monitor.permits.window_is_open(cx.now) && is_on(Check::ModemWindow) {
             return Err(refused("window", "no window is open, or it ends too soon (SPI 9.1)"));
         }
-        if cx.silent {
+        if cx.vehicle.silent {
             return Err(refused("state", "the vehicle is in silent mode (SPI 7.22)"));
         }
-        let most = cx.envelope.limits().packets_per_min;
+        let most = cx.monitor.limits().packets_per_min;
         if !self.sent.has_room(cx.now, most) {
             let text = format!("{most} packets have been sent in the last minute, the most there may be");
             return Err(refused("rate", &text));
@@ -93,7 +93,8 @@ impl Acoustic {
         let frames = FrameData::new(asked.frames).map_err(|error| limit(error.to_string()))?;
         let packet = Packet {
             created: cx.stamper.stamp(cx.now, "CPD"),
-            request: self.identifier(cx)?,
+            // From the numbers of the inserts: unique for the whole mission, whatever restarts.
+            request: cx.identifiers.next()?,
             destination: asked.destination,
             mode: asked.mode,
             ack: asked.acknowledge,
@@ -106,22 +107,9 @@ impl Acoustic {
         }
     }
 
-    /// The next identifier, from the numbers of the inserts: unique for the whole mission, whatever restarts.
-    fn identifier(&self, cx: &Context) -> Result<u32, Refusal> {
-        match cx.start.identifiers {
-            None => Err(refused("identifier", "the identifiers' state on disk is missing")),
-            Some(identifiers) if identifiers.next >= identifiers.reserved && is_on(Check::IdentifiersReserved) => {
-                Err(refused("identifier", "no identifier is reserved on disk yet"))
-            }
-            Some(identifiers) => Ok(identifiers.next),
-        }
-    }
-
     fn send(&mut self, cx: &mut Context, request: u64, packet: Packet) {
         let identifier = packet.request;
-        if let Some(identifiers) = &mut cx.start.identifiers {
-            identifiers.next = identifier + 1;
-        }
+        cx.identifiers.take();
         cx.reserve();
         let purpose = Purpose::Packet(request);
         if cx.send_request(request, "CPD", &ToVehicle::Packet(packet), purpose) {
@@ -152,10 +140,10 @@ impl Acoustic {
     /// BFCMA. The newest one holds: it may shorten an earlier one.
     pub(crate) fn window(&mut self, cx: &mut Context, message: &MediumAccess) {
         cx.heard(message.created);
-        cx.permits.window_until = None;
+        cx.monitor.permits.window_until = None;
         match self.ends_of(cx, message) {
             Ok((until, open_until)) => {
-                cx.permits.window_until = Some(open_until);
+                cx.monitor.permits.window_until = Some(open_until);
                 self.said = Some((message.created, length_of(message)));
                 let window = Window {
                     until,
@@ -181,7 +169,7 @@ impl Acoustic {
             return Err("it ends more than an hour after it begins");
         }
         // It may have waited for us, and the vehicle's clock may have been set meanwhile.
-        let age = self.age(cx, message.created).max(cx.session.reads.waited());
+        let age = self.age(cx, message.created).max(cx.link.waited());
         let until = cx.now + length - age;
         let open_until = until - self.before_its_end(cx);
         if open_until > cx.now {
@@ -194,7 +182,7 @@ impl Acoustic {
     /// How long before a window's end the last packet may leave: once for the delay that the clocks' offset hides, once
     /// for the packet's own way.
     fn before_its_end(&self, cx: &Context) -> Duration {
-        2 * cx.envelope.limits().link_delay_max()
+        2 * cx.monitor.limits().link_delay_max()
     }
 
     /// What is known of the vehicle's clock by now may bring the window's end nearer, and never farther.
@@ -203,7 +191,7 @@ impl Acoustic {
             return;
         };
         let until = cx.now + length - self.age(cx, created) - self.before_its_end(cx);
-        cx.permits.window_until = cx.permits.window_until.map(|open_until| open_until.min(until));
+        cx.monitor.permits.window_until = cx.monitor.permits.window_until.map(|open_until| open_until.min(until));
     }
 
     /// BFCPS: of our packets and of everybody's else.
@@ -236,8 +224,8 @@ impl Acoustic {
     }
 
     pub(crate) fn timed_out(&mut self, cx: &mut Context) {
-        if !cx.permits.window_is_open(cx.now) {
-            cx.permits.window_until = None;
+        if !cx.monitor.permits.window_is_open(cx.now) {
+            cx.monitor.permits.window_until = None;
         }
         let now = cx.now;
         let overdue: Vec<Unreported> = self.packets.extract_if(.., |packet| packet.overdue <= now).collect();
@@ -249,7 +237,7 @@ impl Acoustic {
 
     /// What is not known to be open is closed. The packets' reports may come on the next connection.
     pub(crate) fn link_lost(&mut self, cx: &mut Context) {
-        cx.permits.window_until = None;
+        cx.monitor.permits.window_until = None;
         self.set_timer(cx);
         let unreported: Vec<u64> = self.packets.iter().map(|packet| packet.request).collect();
         for request in unreported {
@@ -262,13 +250,13 @@ impl Acoustic {
 
     fn set_timer(&mut self, cx: &mut Context) {
         let packets = self.packets.iter().map(|packet| packet.overdue);
-        let next = packets.chain(cx.permits.window_until).min();
+        let next = packets.chain(cx.monitor.permits.window_until).min();
         cx.timers.set_or_stop(Timer::Acoustic, next);
     }
 
     /// How old something of the vehicle's time is.
     fn age(&self, cx: &Context, written: TimeOfDay) -> Duration {
-        let age = cx.tracker.clock().age(cx.now, cx.utc(), written);
+        let age = cx.vehicle.navigation.clock().age(cx.now, cx.utc(), written);
         age.unwrap_or_default()
     }
 }

@@ -17,10 +17,10 @@ use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
-use crate::helm::refused;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::plugin::{BuoyancySample, Event, PluginId, Refusal, RequestState, Sample, Topic, TrimSample};
+use crate::refusal::refused;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -133,14 +133,14 @@ impl Adjustments {
 
     fn admit(&mut self, cx: &mut Context, plugin: PluginId, what: Adjusts) -> Result<(), Refusal> {
         cx.admit(plugin, what.grant())?;
-        if !cx.session.is_subscribed(what.letters()) {
+        if !cx.link.subscriptions.has(what.letters()) {
             let text = format!("the vehicle has not confirmed the subscription to BF{}", what.letters());
             return Err(refused("state", &text));
         }
         if self.of(what).is_some() {
             return Err(refused("state", "an adjustment of this kind is under way"));
         }
-        let most = cx.envelope.limits().adjustments_total_max;
+        let most = cx.monitor.limits().adjustments_total_max;
         if self.sent >= most && is_on(Check::AdjustmentsTotal) {
             let text = format!("{most} adjustments have been sent, the most of a mission");
             return Err(refused("cap", &text));

@@ -4,10 +4,10 @@ use backseat_spi::{AckStatus, Acknowledgement, ToVehicle};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::context::Context;
-use crate::helm::refused;
 use crate::io::Note;
 use crate::machine::Core;
 use crate::plugin::RequestState;
+use crate::refusal::refused;
 use crate::session::name;
 
 impl Core {
@@ -16,14 +16,14 @@ impl Core {
         self.round_trip(ack);
         if let AckStatus::Other(code) = ack.status {
             // It neither accepts nor refuses: the command stays unanswered, or what the vehicle flies would count as over.
-            if let Some(count) = self.cx.session.malformed() {
+            if let Some(count) = self.session.malformed() {
                 let text = format!("BFACK of {}: status {code} is not defined", ack.command.as_str());
                 self.cx.note(Note::Malformed { text, count });
             }
             return;
         }
-        let subscriptions = self.cx.session.subscriptions();
-        let Some((command, settled)) = self.cx.commands.answer(ack, self.cx.now, subscriptions) else {
+        let subscriptions = self.cx.link.subscriptions.subjects();
+        let Some((command, settled)) = self.cx.link.commands.answer(ack, self.cx.now, subscriptions) else {
             return;
         };
         let answer = match ack.status {
@@ -42,7 +42,7 @@ impl Core {
             Purpose::Early => {}
             // Nothing but its round trip counts.
             Purpose::Beat => {}
-            Purpose::Subscription(index) => self.cx.subscription_answered(index, answer),
+            Purpose::Subscription(index) => self.session.subscription_answered(&mut self.cx, index, answer),
             Purpose::Plan => self.plan_answered(answer),
             Purpose::Lease(request) => self.capabilities.modify.answered(&mut self.cx, request, answer),
             Purpose::Insert(request) => self.capabilities.inserts.answered(&mut self.cx, request, answer),
@@ -61,7 +61,11 @@ impl Core {
                 .capabilities
                 .station
                 .answered(&mut self.cx, request, command.name, answer),
-            Purpose::CancelAll(request) => self.orders.cancel_all_answered(&mut self.cx, request, answer),
+            Purpose::CancelAll(request) => {
+                if self.orders.cancel_all_answered(&mut self.cx, request, answer) {
+                    self.session.ask_for_plan(&mut self.cx);
+                }
+            }
             Purpose::Ending(request) => {
                 self.orders
                     .ending_answered(&mut self.cx, &mut self.capabilities, request, answer)

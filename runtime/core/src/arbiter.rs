@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use backseat_units::Timestamp;
 
-use crate::helm::refused;
 use crate::plugin::{PluginId, Refusal};
+use crate::refusal::refused;
 
 /// A way to steer that lasts only while it is refreshed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,7 +10,6 @@ use crate::adjustment::Adjusts;
 use crate::budget::LineBudget;
 use crate::context::Context;
 use crate::envelope::limit;
-use crate::helm::refused;
 use crate::io::{Note, Output, Restarted};
 use crate::limits::{FailAction, Grant};
 use crate::machine::Core;
@@ -19,6 +18,7 @@ use crate::plugin::{
     Event, FaultKind, LogLevel, PluginFault, PluginId, Refusal, Request, RequestState, Returned, StepInput, Topic,
 };
 use crate::plugin_limits::PluginLimits;
+use crate::refusal::refused;
 use crate::settings::PluginSetup;
 use crate::switches::{Check, is_on};
 
@@ -109,10 +109,6 @@ impl Slot {
 
     pub(crate) fn wants(&self, topic: Topic) -> bool {
         self.setup.description.topics.contains(&topic)
-    }
-
-    pub(crate) fn topics(&self) -> &[Topic] {
-        &self.setup.description.topics
     }
 
     pub(crate) fn grants(&self) -> &[Grant] {
@@ -218,7 +214,7 @@ impl Core {
                 State::Running if with_navigation && now + early >= due => slot.overdue = true,
                 State::BackingOff { until } if until <= now => {
                     slot.state = State::Restarting;
-                    self.cx.outputs.push_back(Output::Restart(PluginId(index)));
+                    self.cx.outbox.push(Output::Restart(PluginId(index)));
                 }
                 State::Running
                 | State::Condemned
@@ -249,6 +245,9 @@ impl Core {
                         break;
                     }
                     self.ask(plugin, request);
+                    if core::mem::take(&mut self.cx.link.wants_beat) {
+                        self.session.beat(&mut self.cx);
+                    }
                     self.fail_plugins();
                 }
             }
@@ -426,7 +425,7 @@ impl Context {
     pub(crate) fn admit(&mut self, plugin: PluginId, grant: Grant) -> Result<(), Refusal> {
         let now = self.now;
         let slot = &mut self.plugins[plugin.0];
-        let most = self.envelope.limits().requests_per_s;
+        let most = self.monitor.limits().requests_per_s;
         let per_second = f64::from(slot.limits().requests_per_s.map_or(most, |own| own.min(most)));
         if !slot.setup.grants.contains(&grant) {
             return Err(limit(format!("the mission does not grant it {grant:?}")));
@@ -448,10 +447,10 @@ impl Context {
         {
             return Err(refused("control", reason));
         }
-        if !self.start.armed {
+        if !self.control.armed {
             return Err(refused("control", "the runtime is not armed"));
         }
-        if self.recovering {
+        if self.control.recovering {
             return Err(refused("recovery", "the vehicle is outside the fence"));
         }
         Ok(())
@@ -469,10 +468,13 @@ impl Context {
     }
 
     pub(crate) fn invoke(&mut self, index: usize) {
-        let navigation = self.tracker.fresh(self.now).copied();
-        let (relative, cartesian) = (self.relative.fresh(self.now), self.cartesian.fresh(self.now));
+        let navigation = self.vehicle.navigation.fresh(self.now).copied();
+        let (relative, cartesian) = (
+            self.vehicle.relative.fresh(self.now),
+            self.vehicle.cartesian.fresh(self.now),
+        );
         let clocks = self.clocks();
-        let (now, control) = (self.now, self.granted);
+        let (now, control) = (self.now, self.control.granted);
         let slot = &mut self.plugins[index];
         slot.state = State::Running;
         slot.overdue = false;
@@ -484,7 +486,7 @@ impl Context {
             now + slot.period()
         };
         let events = std::mem::take(&mut slot.events);
-        self.outputs.push_back(Output::Invoke(
+        self.outbox.push(Output::Invoke(
             PluginId(index),
             StepInput {
                 now,
@@ -525,7 +527,7 @@ impl Context {
                         open,
                     },
                 );
-                self.tell(plugin, Event::Control(self.granted));
+                self.tell(plugin, Event::Control(self.control.granted));
             }
             Err(fault) => {
                 // Whatever it says of itself, there is no instance.

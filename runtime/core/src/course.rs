@@ -15,10 +15,10 @@ use backseat_units::{EastNorth, Timestamp};
 
 use crate::context::Context;
 use crate::envelope::{Approach, Insert, Track};
-use crate::helm::refused;
 use crate::ledger::Entry;
 use crate::navigation::Jump;
 use crate::plugin::{Refusal, RequestState};
+use crate::refusal::refused;
 
 /// How often one behaviour can begin until a later begin takes the place of the last.
 const BEGINS_MAX: usize = 4;
@@ -208,18 +208,18 @@ impl Context {
         let Some(flown) = identifier.map(Flown::Inserted).or(planned) else {
             return;
         };
-        self.courses.began(self.now, flown, self.begins_here());
+        self.vehicle.courses.began(self.now, flown, self.begins_here());
         let insert = |identifier| self.ledger.get(self.ledger.by_identifier(identifier)?)?.insert;
         // One that is not known here may have interrupted too.
         if identifier.is_some_and(|identifier| insert(identifier).is_none_or(|insert| insert.interrupt)) {
-            self.courses.leave_plan();
+            self.vehicle.courses.leave_plan();
         }
     }
 
     /// Where the vehicle is, and how far it may have gone since it was there.
     pub(crate) fn begins_here(&self) -> Option<Begin> {
-        let navigation = self.tracker.newest()?;
-        let limits = self.envelope.limits();
+        let navigation = self.vehicle.navigation.newest()?;
+        let limits = self.monitor.limits();
         let age_s = self.now.since(navigation.solution).as_secs_f64() + limits.link_delay_max_s;
         Some(Begin {
             at: navigation.local,
@@ -231,13 +231,13 @@ impl Context {
     /// or at the other.
     pub(crate) fn course_navigated(&mut self, jump: Option<Jump>) {
         let Some(mut here) = self.begins_here() else { return };
-        let solution = self.tracker.newest().map(|newest| newest.solution);
+        let solution = self.vehicle.navigation.newest().map(|newest| newest.solution);
         let before = jump.map(|jump| Begin {
             at: jump.from,
-            within_m: self.envelope.limits().speed_max_mps * jump.elapsed_s,
+            within_m: self.monitor.limits().speed_max_mps * jump.elapsed_s,
         });
         here.within_m += before.map_or(0.0, |before| before.within_m);
-        let courses = &mut self.courses;
+        let courses = &mut self.vehicle.courses;
         let places = match courses.current {
             Some(current) if courses.begun_at.is_some() => courses.begun.entry(current).or_default(),
             _ => return,
@@ -255,14 +255,16 @@ impl Context {
     /// Whether it is known what the vehicle flies and goes on to, so that a modify's ways back can be judged: a behaviour of
     /// its plan or an insert of this process, which was heard to begin or was seen by its lines.
     pub(crate) fn knows_what_is_flown(&self) -> Result<(), Refusal> {
-        let known = match self.courses.current {
+        let known = match self.vehicle.courses.current {
             // Who needs no plan is judged without it, but for what a process before this one has led the vehicle away from.
-            None => self.is_placed() || (!self.envelope.limits().modify_needs_plan && self.former.is_none()),
-            Some(Flown::Planned(number)) => self.plan.names(number) || !self.plan.is_complete(),
+            None => {
+                self.is_placed() || (!self.monitor.limits().modify_needs_plan && self.vehicle.former.is_none())
+            }
+            Some(Flown::Planned(number)) => self.vehicle.plan.names(number) || !self.vehicle.plan.is_complete(),
             Some(Flown::Inserted(identifier)) => self.ledger.by_identifier(identifier).is_some(),
         };
         if !known {
-            let text = if self.courses.current.is_none() {
+            let text = if self.vehicle.courses.current.is_none() {
                 "it was not heard what the vehicle flies, nor has it kept to a line of its plan for 10 s"
             } else {
                 "what the vehicle flies is not in its plan, nor so the way back to it"
@@ -274,9 +276,9 @@ impl Context {
 
     /// Whether it was seen what the vehicle flies, where nobody heard it.
     pub(crate) fn is_placed(&self) -> bool {
-        let placed = self.courses.placed();
+        let placed = self.vehicle.courses.placed();
         let known = |flown: &Flown| match flown {
-            Flown::Planned(number) => self.plan.names(*number),
+            Flown::Planned(number) => self.vehicle.plan.names(*number),
             Flown::Inserted(identifier) => self.ledger.by_identifier(*identifier).is_some(),
         };
         !placed.is_empty() && placed.iter().all(known)
@@ -284,7 +286,7 @@ impl Context {
 
     /// Whether it was heard what the vehicle flies, so that an insert's way to it can be judged.
     pub(crate) fn heard_what_is_flown(&self, interrupts: bool) -> Result<(), Refusal> {
-        if self.courses.current.is_none() {
+        if self.vehicle.courses.current.is_none() {
             let text = "it was not heard what the vehicle flies, nor so where the insert would begin";
             return Err(refused("plan", text));
         }
@@ -293,7 +295,7 @@ impl Context {
 
     /// Whether it is known where the planned behaviour began that the vehicle may take up again.
     pub(crate) fn knows_what_is_taken_up(&self, interrupts: bool) -> Result<(), Refusal> {
-        if self.takes_up_plan(interrupts) && self.courses.lacks_plan() {
+        if self.takes_up_plan(interrupts) && self.vehicle.courses.lacks_plan() {
             let text =
                 "it was not heard what the vehicle takes up again after what it flies, nor so the way back to it";
             return Err(refused("plan", text));
@@ -305,28 +307,33 @@ impl Context {
     pub(crate) fn course_ended(&mut self, number: Option<u32>, identifier: Option<BehaviorId>) {
         let ended = identifier.map(Flown::Inserted).or(number.map(Flown::Planned));
         // Where it was seen what is flown, whatever ends makes that another.
-        if ended.is_some() && (self.courses.current.is_none() || ended == self.courses.current) {
-            self.courses.lose();
+        if ended.is_some() && (self.vehicle.courses.current.is_none() || ended == self.vehicle.courses.current) {
+            self.vehicle.courses.lose();
         }
         let Some(identifier) = identifier else { return };
         let entry = self.ledger.by_identifier(identifier);
         if !entry.is_some_and(|request| self.ledger.get(request).is_some_and(|entry| entry.interrupted)) {
-            self.courses.ended(identifier);
+            self.vehicle.courses.ended(identifier);
         }
     }
 
     /// The lines of the plan and of our open tracklines, and whose they are; none where the vehicle may fly anything else.
     pub(crate) fn lines_that_may_be_flown(&self) -> Vec<(Flown, (EastNorth, EastNorth))> {
         let mut others = self
+            .vehicle
             .plan
-            .others(|identifier| self.sent_identifiers.contains(&identifier));
-        if !self.plan.is_complete() || others.next().is_some() {
+            .others(|identifier| self.identifiers.is_ours(identifier));
+        if !self.vehicle.plan.is_complete() || others.next().is_some() {
             return Vec::new();
         }
-        let planned = self.plan.lines().map(|(number, line)| (Flown::Planned(number), line));
+        let planned = self
+            .vehicle
+            .plan
+            .lines()
+            .map(|(number, line)| (Flown::Planned(number), line));
         let ours = self.ledger.iter().filter_map(|(_, entry)| {
             let (identifier, insert) = (entry.identifier?, entry.insert?);
-            Some((Flown::Inserted(identifier), self.envelope.line_led(&insert)?))
+            Some((Flown::Inserted(identifier), self.monitor.envelope.line_led(&insert)?))
         });
         planned.chain(ours).collect()
     }
@@ -335,26 +342,27 @@ impl Context {
     /// inserts are known. What the front seat flies at no sentence says: it is taken for what the vehicle has settled at in
     /// this mission, once it has settled on what is flown now, and for all depths before.
     pub(crate) fn depths_of_ways(&self) -> Option<[f64; 2]> {
-        let Some([from_m, to_m]) = self.courses.depths_m.filter(|_| self.courses.settled) else {
+        let Some([from_m, to_m]) = self.vehicle.courses.depths_m.filter(|_| self.vehicle.courses.settled) else {
             return Some(ALL_DEPTHS_M);
         };
         // At what an insert is flown that is not ours no sentence says (6.20).
         let mut others = self
+            .vehicle
             .plan
-            .others(|identifier| self.sent_identifiers.contains(&identifier));
+            .others(|identifier| self.identifiers.is_ours(identifier));
         if others.next().is_some() {
             return Some(ALL_DEPTHS_M);
         }
-        let navigation = self.tracker.newest()?;
-        let lock = self.tracker.bottom_lock(self.now);
+        let navigation = self.vehicle.navigation.newest()?;
+        let lock = self.vehicle.navigation.bottom_lock(self.now);
         let (mut from_m, mut to_m) = (from_m.min(navigation.depth.as_m()), to_m.max(navigation.depth.as_m()));
         for (_, insert, _) in self.chain() {
-            let Some([least_m, most_m]) = self.envelope.depths_m(&insert, navigation.depth, lock) else {
+            let Some([least_m, most_m]) = self.monitor.envelope.depths_m(&insert, navigation.depth, lock) else {
                 return Some(ALL_DEPTHS_M);
             };
             (from_m, to_m) = (from_m.min(least_m), to_m.max(most_m));
         }
-        let error_m = self.envelope.limits().vertical_error_m;
+        let error_m = self.monitor.limits().vertical_error_m;
         Some([from_m - error_m, to_m + error_m])
     }
 
@@ -362,18 +370,18 @@ impl Context {
     /// other.
     pub(crate) fn first_line_of(&self, flown: Flown) -> Option<(EastNorth, EastNorth)> {
         match flown {
-            Flown::Planned(_) => self.plan.flown().flat_map(crate::plan::Element::legs).next(),
+            Flown::Planned(_) => self.vehicle.plan.flown().flat_map(crate::plan::Element::legs).next(),
             Flown::Inserted(identifier) => {
                 let insert = self.ledger.get(self.ledger.by_identifier(identifier)?)?.insert?;
-                self.envelope.line_given(&insert)
+                self.monitor.envelope.line_given(&insert)
             }
         }
     }
 
     /// What the vehicle may be on where it flies an insert, from where that may have begun on.
     pub(crate) fn tracks_of_insert(&self, insert: &Insert, begun: &[Begin]) -> Vec<Track> {
-        let approach = |begin: &Begin| self.approach(begin, self.envelope.path_begins(insert, begin.at));
-        let lines = self.envelope.legs(insert).into_iter();
+        let approach = |begin: &Begin| self.approach(begin, self.monitor.envelope.path_begins(insert, begin.at));
+        let lines = self.monitor.envelope.legs(insert).into_iter();
         let lines = lines.map(|(start, end)| Track::Line(start, end));
         begun.iter().filter_map(approach).chain(lines).collect()
     }
@@ -404,7 +412,7 @@ impl Context {
 
     /// The way from a begin to where the path begins; none from as near as the vehicle tracks, which is there.
     pub(crate) fn approach(&self, begin: &Begin, to: [EastNorth; 2]) -> Option<Track> {
-        let there_m = self.envelope.limits().tracking_error_m;
+        let there_m = self.monitor.limits().tracking_error_m;
         let there = to.iter().all(|to| begin.at.distance_m(*to) <= there_m);
         let approach = Approach {
             begun: begin.at,
@@ -419,8 +427,14 @@ impl Context {
     pub(crate) fn taken_up_after(&self, interrupts: bool) -> Vec<Track> {
         let mut tracks = Vec::new();
         if self.takes_up_plan(interrupts) {
-            let planned: Vec<_> = self.plan.current().flat_map(crate::plan::Element::legs).collect();
+            let planned: Vec<_> = self
+                .vehicle
+                .plan
+                .current()
+                .flat_map(crate::plan::Element::legs)
+                .collect();
             let begun: Vec<Begin> = self
+                .vehicle
                 .courses
                 .begun
                 .iter()
@@ -434,7 +448,7 @@ impl Context {
             let Some(insert) = entry.insert else { continue };
             let begun = entry
                 .identifier
-                .map(|identifier| self.courses.of(Flown::Inserted(identifier)));
+                .map(|identifier| self.vehicle.courses.of(Flown::Inserted(identifier)));
             tracks.extend(self.tracks_of_insert(&insert, &begun.unwrap_or_default()));
         }
         tracks
@@ -442,33 +456,33 @@ impl Context {
 
     /// Whether the vehicle may take up its plan again after what it flies, or after an insert that interrupts that.
     pub(crate) fn takes_up_plan(&self, interrupts: bool) -> bool {
-        interrupts || self.ledger.interrupts() || self.former_may_fly() || self.courses.left_plan
+        interrupts || self.ledger.interrupts() || self.former_may_fly() || self.vehicle.courses.left_plan
     }
 
     /// Where the vehicle is while nobody of ours steers: on its line, from where on the way to it is behind it.
     pub(crate) fn watch_course(&mut self) {
         if self.arbiter.modifies() {
-            self.courses.level_since = None;
+            self.vehicle.courses.level_since = None;
             return;
         }
-        let Some(navigation) = self.tracker.newest() else {
+        let Some(navigation) = self.vehicle.navigation.newest() else {
             return;
         };
         let here = navigation.local;
-        if matches!(self.courses.current, Some(Flown::Planned(_))) {
+        if matches!(self.vehicle.courses.current, Some(Flown::Planned(_))) {
             let ground_mps = hypot(navigation.east_mps, navigation.north_mps);
-            self.courses.seen_mps = self.courses.seen_mps.max(ground_mps);
+            self.vehicle.courses.seen_mps = self.vehicle.courses.seen_mps.max(ground_mps);
         }
-        let level_for = if self.former.is_none() {
+        let level_for = if self.vehicle.former.is_none() {
             LEVEL_FOR
         } else {
             LEVEL_AFTER_ANOTHER_FOR
         };
         let vertical = [navigation.depth.as_m(), navigation.down_mps];
-        self.courses.levels(self.now, vertical, level_for);
+        self.vehicle.courses.levels(self.now, vertical, level_for);
         let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
-        let within_m = self.envelope.limits().tracking_error_m;
-        let line = match self.courses.current {
+        let within_m = self.monitor.limits().tracking_error_m;
+        let line = match self.vehicle.courses.current {
             None => {
                 let mut paths: Vec<Flown> = Vec::new();
                 for (flown, line) in self.lines_that_may_be_flown() {
@@ -476,22 +490,22 @@ impl Context {
                         paths.push(flown);
                     }
                 }
-                if self.courses.placed.is_empty() && self.courses.keeps_to(self.now, &paths) {
-                    self.plan.seen_at(self.courses.placed());
+                if self.vehicle.courses.placed.is_empty() && self.vehicle.courses.keeps_to(self.now, &paths) {
+                    self.vehicle.plan.seen_at(self.vehicle.courses.placed());
                 }
                 return;
             }
-            Some(current) if self.courses.begun.get(&current).is_none_or(Vec::is_empty) => return,
+            Some(current) if self.vehicle.courses.begun.get(&current).is_none_or(Vec::is_empty) => return,
             Some(current) => self.first_line_of(current),
         };
         let on_line = line.is_some_and(|line| is_on(line, here, velocity, within_m));
-        let since = self.courses.on_line_since.filter(|_| on_line);
-        self.courses.on_line_since = on_line.then(|| since.unwrap_or(self.now));
+        let since = self.vehicle.courses.on_line_since.filter(|_| on_line);
+        self.vehicle.courses.on_line_since = on_line.then(|| since.unwrap_or(self.now));
         if since.is_none_or(|since| self.now.since(since) < ON_LINE_FOR) {
             return;
         }
-        if let Some(current) = self.courses.current {
-            self.courses.begun.insert(current, Vec::new());
+        if let Some(current) = self.vehicle.courses.current {
+            self.vehicle.courses.begun.insert(current, Vec::new());
         }
     }
 }

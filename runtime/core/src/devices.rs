@@ -16,7 +16,7 @@ impl Devices {
     pub(crate) fn asked_sonar_angle(&mut self, cx: &mut Context, plugin: PluginId, asked: &SonarAngleRequest) {
         let request = cx.ledger.propose(plugin, asked.tag, RequestKind::SonarAngle);
         let admitted = self.admit(cx, plugin);
-        if let Err(refusal) = admitted.and_then(|()| cx.envelope.admit_sonar_angle(asked)) {
+        if let Err(refusal) = admitted.and_then(|()| cx.monitor.envelope.admit_sonar_angle(asked)) {
             return cx.reject(request, refusal);
         }
         let message = SonarAngle {
@@ -29,7 +29,7 @@ impl Devices {
     pub(crate) fn asked_camera(&mut self, cx: &mut Context, plugin: PluginId, asked: &CameraRequest) {
         let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Camera);
         let admitted = self.admit(cx, plugin);
-        if let Err(refusal) = admitted.and_then(|()| cx.envelope.admit_camera(asked)) {
+        if let Err(refusal) = admitted.and_then(|()| cx.monitor.envelope.admit_camera(asked)) {
             return cx.reject(request, refusal);
         }
         let message = Camera {
@@ -44,7 +44,7 @@ impl Devices {
     pub(crate) fn asked_light(&mut self, cx: &mut Context, plugin: PluginId, asked: &LightRequest) {
         let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Light);
         let admitted = self.admit(cx, plugin);
-        if let Err(refusal) = admitted.and_then(|()| cx.envelope.admit_light(asked)) {
+        if let Err(refusal) = admitted.and_then(|()| cx.monitor.envelope.admit_light(asked)) {
             return cx.reject(request, refusal);
         }
         let message = Light {

@@ -54,7 +54,7 @@ impl Core {
     /// Where the vehicle names another dive file, the plan is forgotten and asked for, and nothing steers until it is
     /// whole.
     pub(crate) fn dive_named(&mut self, by: NamedBy, file: &Text) {
-        if !self.cx.dive.named(by, file) || !is_on(Check::DiveIdentity) {
+        if !self.cx.vehicle.dive.named(by, file) || !is_on(Check::DiveIdentity) {
             return;
         }
         self.cx.note_of_vehicle(Note::Text {
@@ -62,12 +62,12 @@ impl Core {
         });
         self.capabilities
             .end_leases(&mut self.cx, "the vehicle flies another dive");
-        self.cx.plan.forget();
-        self.cx.compared = Compared::default();
-        self.cx.commands.forget_plan();
-        self.cx.courses.lose();
-        self.cx.dive.plan_due = true;
-        self.cx.want_plan();
+        self.cx.vehicle.plan.forget();
+        self.cx.vehicle.compared = Compared::default();
+        self.cx.link.commands.forget_plan();
+        self.cx.vehicle.courses.lose();
+        self.cx.vehicle.dive.plan_due = true;
+        self.session.want_plan(&mut self.cx);
         self.settle_control();
     }
 }
@@ -75,12 +75,15 @@ impl Core {
 impl Context {
     /// Why another dive leaves us without control.
     pub(crate) fn unplanned_dive(&self) -> Option<&'static str> {
-        self.dive.plan_due.then_some("the plan of this dive is not known yet")
+        self.vehicle
+            .dive
+            .plan_due
+            .then_some("the plan of this dive is not known yet")
     }
 
     /// The vehicle's plan has come whole.
     pub(crate) fn dive_planned(&mut self) {
-        self.dive.plan_due = false;
+        self.vehicle.dive.plan_due = false;
     }
 }
 

@@ -14,12 +14,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::commands::Purpose;
 use crate::context::Context;
-use crate::helm::refused;
 use crate::io::{Note, Output};
 use crate::ledger::{RequestKind, Transition, is_end};
 use crate::machine::Core;
 use crate::owner::DriverId;
 use crate::plugin::{Refusal, RequestState};
+use crate::refusal::refused;
 use crate::session::is_told;
 use crate::subscriptions::ACKNOWLEDGEMENTS;
 use crate::switches::{Check, is_on};
@@ -270,11 +270,11 @@ impl Core {
                     .cx
                     .send_request(request, sentence.letters(), &message, Purpose::Request(request));
                 if sent && bounds::resets_relative(&message) && is_on(Check::FrameReset) {
-                    self.cx.relative.unsettle(self.cx.now);
-                    self.cx.cartesian.unsettle(self.cx.now);
+                    self.cx.vehicle.relative.unsettle(self.cx.now);
+                    self.cx.vehicle.cartesian.unsettle(self.cx.now);
                 }
                 if moves {
-                    self.cx.tracker.frame_reset(self.cx.now);
+                    self.cx.vehicle.navigation.frame_reset(self.cx.now);
                 }
             }
             Err(refusal) => self.cx.reject(request, refusal),
@@ -299,10 +299,10 @@ impl Core {
         {
             return Err(refused("control", reason));
         }
-        if !self.cx.session.is_up() {
+        if !self.cx.link.is_up() {
             return Err(refused("control", "the link is down"));
         }
-        if !self.cx.start.armed {
+        if !self.cx.control.armed {
             return Err(refused("control", "the runtime is not armed"));
         }
         let message = self.bounded(driver, message)?;
@@ -323,10 +323,10 @@ impl Core {
             ToVehicle::TopsideRelay(relay) => Ok(relay.into()),
             ToVehicle::PayloadCtd(ctd) => bounds.ctd(ctd, utc).map(ToVehicle::from),
             ToVehicle::PositionFix(fix) => {
-                let Some(navigation) = self.cx.tracker.fresh(self.cx.now) else {
+                let Some(navigation) = self.cx.vehicle.navigation.fresh(self.cx.now) else {
                     return Err(refused("navigation", "navigation is stale"));
                 };
-                let frame = self.cx.envelope.fence().frame();
+                let frame = self.cx.monitor.envelope.fence().frame();
                 bounds.fix(&fix, utc, frame, navigation)?;
                 Ok(fix.into())
             }
@@ -404,7 +404,7 @@ impl Context {
         });
         let mut bytes = Vec::with_capacity(96);
         if ack.encode(&mut bytes).is_ok() {
-            self.outputs.push_back(Output::Driver(driver, bytes));
+            self.outbox.push(Output::Driver(driver, bytes));
         }
     }
 }

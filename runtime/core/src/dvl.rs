@@ -22,11 +22,11 @@ use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
-use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::plugin::{DvlTriggerRequest, Event, PluginId, Refusal, RequestState};
+use crate::refusal::refused;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -242,7 +242,7 @@ impl DvlTrigger {
         let said = match (message.begin, open.phase) {
             (true, Phase::Requested) => {
                 // The vehicle has counted since it said so: what was held up on its way leaves less.
-                let age = cx.tracker.clock().age(cx.now, cx.utc(), message.created);
+                let age = cx.vehicle.navigation.clock().age(cx.now, cx.utc(), message.created);
                 let within = TRIGGER_WITHIN.saturating_sub(age.unwrap_or_default());
                 self.enter(cx, open, Phase::Allowed, within);
                 true
@@ -332,7 +332,7 @@ impl DvlTrigger {
     }
 
     fn set_timer(&mut self, cx: &mut Context) {
-        cx.permits.may_trigger = self.may_trigger();
+        cx.monitor.permits.may_trigger = self.may_trigger();
         cx.timers.set_or_stop(Timer::Dvl, self.open.map(|open| open.until));
     }
 }

@@ -59,7 +59,7 @@ impl Context {
     /// Why the vehicle's plan leaves us without control; `None` where it is the expected one, or none is expected.
     pub(crate) fn unlike_expected(&self) -> Option<&'static str> {
         self.settings.expected_plan.as_ref()?;
-        match self.compared {
+        match self.vehicle.compared {
             Compared::Same => None,
             Compared::NotYet => Some("the vehicle's plan has not been compared with the one that was checked"),
             Compared::Differs => Some("the vehicle's plan is not the one that was checked"),
@@ -71,14 +71,14 @@ impl Context {
         let Some(expected) = &self.settings.expected_plan else {
             return false;
         };
-        let difference = expected.difference(&self.plan, self.envelope.fence().frame());
+        let difference = expected.difference(&self.vehicle.plan, self.monitor.envelope.fence().frame());
         let compared = if difference.is_some() {
             Compared::Differs
         } else {
             Compared::Same
         };
-        let news = self.compared != compared;
-        self.compared = compared;
+        let news = self.vehicle.compared != compared;
+        self.vehicle.compared = compared;
         if let Some(difference) = difference.filter(|_| news) {
             let text = format!("the vehicle's plan is not the one that was checked: {difference}");
             self.note(Note::Text { text });

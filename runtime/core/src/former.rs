@@ -117,7 +117,7 @@ impl Inserts {
     /// The operator holds: what an earlier process has left in the plan is taken back too. What cannot be (a GPS hit) the
     /// vehicle refuses.
     pub(crate) fn cancel_former(&mut self, cx: &mut Context) {
-        let former = &cx.former;
+        let former = &cx.vehicle.former;
         let may_be_sent =
             |identifier: &&BehaviorId| former.cancelled.get(identifier).is_none_or(|sent| *sent < SENT_MAX);
         let waiting: Vec<BehaviorId> = former.left.iter().filter(may_be_sent).copied().collect();
@@ -132,11 +132,12 @@ impl Inserts {
     /// The vehicle's plan names an insert, before the plan has come whole: under the operator's hold it is taken back at
     /// once.
     pub(crate) fn former_named(&mut self, cx: &mut Context, identifier: Option<BehaviorId>) {
-        let Some(identifier) = identifier.filter(|identifier| cx.former.includes(*identifier)) else {
+        let Some(identifier) = identifier.filter(|identifier| cx.vehicle.former.includes(*identifier)) else {
             return;
         };
-        let is_new = cx.former.left.insert(identifier) && !cx.former.cancelled.contains_key(&identifier);
-        if is_new && cx.held && is_on(Check::HoldCancels) {
+        let is_new =
+            cx.vehicle.former.left.insert(identifier) && !cx.vehicle.former.cancelled.contains_key(&identifier);
+        if is_new && cx.control.held && is_on(Check::HoldCancels) {
             self.take_back(cx, identifier);
             cx.timers.set(Timer::Plan, cx.now + AGAIN_AFTER);
         }
@@ -147,7 +148,7 @@ impl Inserts {
         let command = cx.courtesy("RCN", Some(created));
         let message = ToVehicle::CancelBehavior(CancelBehavior { created, identifier });
         if cx.transmit(&message, Some(command)) {
-            *cx.former.cancelled.entry(identifier).or_default() += 1;
+            *cx.vehicle.former.cancelled.entry(identifier).or_default() += 1;
             let text = format!("insert {identifier} of an earlier process is taken back");
             cx.note(Note::Text { text });
         }
@@ -157,17 +158,19 @@ impl Inserts {
 impl Context {
     /// Whether the vehicle may yet fly an insert of an earlier process, or flies one that was held to be over.
     pub(crate) fn former_may_fly(&self) -> bool {
-        let former = &self.former;
+        let former = &self.vehicle.former;
         if former.has_revenant() {
             return true;
         }
         !former.is_none()
             && (!former.heard
                 || self
+                    .vehicle
                     .named_insert
                     .current()
                     .is_some_and(|current| former.includes(current))
                 || self
+                    .vehicle
                     .plan
                     .others(|identifier| !former.includes(identifier))
                     .next()
@@ -178,7 +181,7 @@ impl Context {
     /// has sent: BFPLN does not tell one from a waypoint (SPI 6.20), BFMBS gives it a name that the specification does not
     /// say (6.9), and what had begun before nobody says.
     pub(crate) fn former_may_surface(&self) -> bool {
-        let former = &self.former;
+        let former = &self.vehicle.former;
         let doubtful = |entry: &Entry| entry.insert.is_some_and(|insert| insert.surfaces());
         if former.has_revenant() && self.ledger.doubtful().any(doubtful) {
             return true;
@@ -189,22 +192,23 @@ impl Context {
 
     /// The plan goes on: where it is known and has nothing of an earlier process, all that was is over.
     pub(crate) fn plan_goes_on(&mut self) {
-        let former = &self.former;
+        let former = &self.vehicle.former;
         let waits = !former.left.is_empty()
             || self
+                .vehicle
                 .plan
                 .others(|identifier| !former.includes(identifier))
                 .next()
                 .is_some();
-        if self.plan.is_complete() && !waits {
-            self.former.over = true;
+        if self.vehicle.plan.is_complete() && !waits {
+            self.vehicle.former.over = true;
         }
     }
 
     /// The vehicle's plan has come whole: it says what is left.
     pub(crate) fn former_in_plan(&mut self) {
-        let former = &self.former;
-        let left = self.plan.others(|identifier| !former.includes(identifier));
-        self.former.left = left.map(|(identifier, _)| identifier).collect();
+        let former = &self.vehicle.former;
+        let left = self.vehicle.plan.others(|identifier| !former.includes(identifier));
+        self.vehicle.former.left = left.map(|(identifier, _)| identifier).collect();
     }
 }

@@ -135,7 +135,7 @@ impl Context {
     }
 
     pub(crate) fn pass(&mut self, owner: Option<Owner>, message: &ToVehicle, command: Option<Command>) -> bool {
-        if !self.session.is_up() || !(self.ends_station(message) || self.may_leave(owner, message)) {
+        if !self.link.is_up() || !(self.ends_station(message) || self.may_leave(owner, message)) {
             return false;
         }
         let mut bytes = Vec::with_capacity(96);
@@ -146,23 +146,23 @@ impl Context {
             return false;
         }
         if let Some(command) = command {
-            if !self.commands.push(command) {
+            if !self.link.commands.push(command) {
                 self.note(Note::Text {
                     text: format!("{} was not sent: too many commands are not answered", message.name()),
                 });
                 return false;
             }
             let early = command.purpose == Purpose::Early;
-            self.heartbeat.left(self.now, command.name, command.created, early);
+            self.link.heartbeat.left(self.now, command.name, command.created, early);
         }
-        self.outputs.push_back(Output::Send(bytes));
+        self.outbox.push(Output::Send(bytes));
         true
     }
 
     pub(crate) fn may_leave(&self, owner: Option<Owner>, message: &ToVehicle) -> bool {
         let operator = owner == Some(Owner::Operator);
         let driver = matches!(owner, Some(Owner::Driver(_)));
-        let armed = self.start.armed;
+        let armed = self.control.armed;
         let control = || armed && self.lost_because().is_none();
         match needs(message) {
             Needs::Link => true,
@@ -171,10 +171,12 @@ impl Context {
             Needs::OperatorWithControl => operator && control(),
             Needs::DriverWithControl => (operator || driver) && control(),
             Needs::OperatorArmed => operator && armed,
-            Needs::NoMission => operator && armed && !self.held && !self.stopping && self.phase == Phase::Over,
+            Needs::NoMission => {
+                operator && armed && !self.control.held && !self.control.stopping && self.vehicle.phase == Phase::Over
+            }
             Needs::Driver => driver && armed,
-            Needs::Window => control() && (self.permits.window_is_open(self.now) || !is_on(Check::ModemWindow)),
-            Needs::Handshake => control() && (self.permits.may_trigger || !is_on(Check::DvlLeave)),
+            Needs::Window => control() && (self.monitor.permits.window_is_open(self.now) || !is_on(Check::ModemWindow)),
+            Needs::Handshake => control() && (self.monitor.permits.may_trigger || !is_on(Check::DvlLeave)),
             Needs::Never => false,
         }
     }
@@ -182,14 +184,14 @@ impl Context {
     /// Whether a message ends the station keeping that is being ended: that needs no control (safety requirement 014).
     pub(crate) fn ends_station(&self, message: &ToVehicle) -> bool {
         let restores = |limit: &HullSpeedLimit| self.speed_default_mps() == Some(limit.speed_mps);
-        self.permits.station_ends
+        self.monitor.permits.station_ends
             && (matches!(message, ToVehicle::Resume(_))
                 || matches!(message, ToVehicle::HullSpeedLimit(limit) if restores(limit)))
     }
 
     pub(crate) fn is_own_insert(&self, message: &ToVehicle) -> bool {
         if let ToVehicle::CancelBehavior(cancel) = message {
-            self.sent_identifiers.contains(&cancel.identifier) || self.former.includes(cancel.identifier)
+            self.identifiers.is_ours(cancel.identifier) || self.vehicle.former.includes(cancel.identifier)
         } else {
             false
         }
@@ -316,8 +318,8 @@ mod tests {
 
     fn situations() -> Vec<Situation> {
         let situation = |name, core: Core, control, idle| {
-            let armed = core.cx.start.armed;
-            let link = core.cx.session.is_up();
+            let armed = core.cx.control.armed;
+            let link = core.cx.link.is_up();
             Situation {
                 name,
                 core,
@@ -428,7 +430,7 @@ mod tests {
             );
             for own_insert in [false, true] {
                 if own_insert {
-                    situation.core.cx.sent_identifiers.insert(cancel.identifier);
+                    situation.core.cx.identifiers.sent(cancel.identifier, false);
                 }
                 for message in &messages {
                     for owner in owners {

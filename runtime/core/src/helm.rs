@@ -14,6 +14,7 @@ use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::{Grant, HeadingFrame};
 use crate::plugin::{ModifyRequest, PluginId, Refusal, RequestState};
+use crate::refusal::refused;
 use crate::session::name;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -157,7 +158,7 @@ impl Modify {
         if is_on(Check::PlanKnown) {
             cx.knows_what_is_flown()?;
         }
-        let setpoint = cx.envelope.admit_modify(modify)?;
+        let setpoint = cx.monitor.envelope.admit_modify(modify)?;
         cx.cap_steering(plugin, modify.duration)?;
         self.judge(cx, &setpoint)?;
         Ok(setpoint)
@@ -165,18 +166,19 @@ impl Modify {
 
     /// The whole judgement of a setpoint, with what is known at this moment.
     fn judge(&self, cx: &Context, setpoint: &Setpoint) -> Result<(), Refusal> {
-        let Some(navigation) = cx.tracker.fresh(cx.now) else {
+        let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
-        if cx.envelope.limits().modify_needs_plan && !cx.plan.is_complete() && is_on(Check::PlanKnown) {
+        if cx.monitor.limits().modify_needs_plan && !cx.vehicle.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(refused(
                 "plan",
                 "the vehicle's plan is not known, nor so the way back to it",
             ));
         }
         let route = cx.route_of_modify();
-        let lock = cx.tracker.bottom_lock(cx.now);
-        cx.envelope
+        let lock = cx.vehicle.navigation.bottom_lock(cx.now);
+        cx.monitor
+            .envelope
             .judge_modify(setpoint, navigation, lock, &route, (cx.now, cx.clocks()))
             .map(|_| ())
     }
@@ -218,7 +220,7 @@ impl Modify {
                 Err(refusal) => return self.end(cx, &told(&refusal)),
             }
         }
-        let Some(navigation) = cx.tracker.fresh(cx.now).copied() else {
+        let Some(navigation) = cx.vehicle.navigation.fresh(cx.now).copied() else {
             return self.end(cx, "navigation is stale");
         };
         let Setpoint {
@@ -274,7 +276,7 @@ impl Modify {
         cx.arbiter.release(cx.now, LeaseKind::Modify);
         cx.timers.stop(Timer::Refresh);
         cx.timers.stop(Timer::Term);
-        cx.commands.forget_lease();
+        cx.link.commands.forget_lease();
         if lease.sent.is_some() && is_on(Check::LeaseEndSaid) {
             let created = cx.stamper.stamp(cx.now, "EMB");
             let command = cx.courtesy("EMB", Some(created));
@@ -359,50 +361,61 @@ impl Context {
     /// Where a lapsed modify leads back to: the leg that is flown, and what comes after it.
     pub(crate) fn route_of_modify(&self) -> Route {
         let mut route = Route {
-            to: self.plan.next_points().into_iter().map(End::At).collect(),
+            to: self.vehicle.plan.next_points().into_iter().map(End::At).collect(),
             before_s: self.flown_insert_s(),
             depths_m: self.depths_of_ways(),
-            seen_mps: self.courses.seen_mps(),
+            seen_mps: self.vehicle.courses.seen_mps(),
             ..Route::default()
         };
         // On the way to where its path begins it comes back to that way. What was seen by its lines is on them.
-        let begun = match self.courses.current() {
-            Some(_) => self.courses.of_current(),
+        let begun = match self.vehicle.courses.current() {
+            Some(_) => self.vehicle.courses.of_current(),
             None => Vec::new(),
         };
-        let placed = self.courses.placed();
+        let placed = self.vehicle.courses.placed();
         let mut flying = false;
         for (_, entry) in self.ledger.iter() {
             let Some(insert) = entry.insert else { continue };
             let seen = entry
                 .identifier
                 .is_some_and(|own| placed.contains(&Flown::Inserted(own)));
-            let heard = self.courses.current().is_some() && entry.state == RequestState::Started;
+            let heard = self.vehicle.courses.current().is_some() && entry.state == RequestState::Started;
             if seen || heard {
                 route.legs.extend(self.tracks_of_insert(&insert, &begun));
             }
             flying |= heard;
             if !heard {
-                route.to.push(self.envelope.ends(&insert).0);
+                route.to.push(self.monitor.envelope.ends(&insert).0);
             }
         }
         // What the vehicle has not answered for, and what is not ours, may come next.
         let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
-        route.to.extend(doubtful.map(|insert| self.envelope.ends(&insert).0));
+        route
+            .to
+            .extend(doubtful.map(|insert| self.monitor.envelope.ends(&insert).0));
         let others = self
+            .vehicle
             .plan
-            .others(|identifier| self.sent_identifiers.contains(&identifier));
+            .others(|identifier| self.identifiers.is_ours(identifier));
         route.to.extend(others.map(|(_, element)| End::At(element.first())));
         route.to.extend(self.returns_to().map(End::At));
         // The vehicle may end an insert that it is led away from (SPI 7.12), and take up what that has interrupted.
         route.legs.extend(self.taken_up_after(false));
         if !flying {
-            let lines: Vec<_> = self.plan.current().flat_map(crate::plan::Element::legs).collect();
+            let lines: Vec<_> = self
+                .vehicle
+                .plan
+                .current()
+                .flat_map(crate::plan::Element::legs)
+                .collect();
             route.legs.extend(self.tracks_of_lines(&begun, &lines));
         }
-        route
-            .legs
-            .extend(self.plan.seen_before().map(|(start, end)| Track::Line(start, end)));
+        route.legs.extend(
+            self.vehicle
+                .plan
+                .seen_before()
+                .map(|(start, end)| Track::Line(start, end)),
+        );
         route
     }
 }
@@ -427,14 +440,5 @@ fn refresh_at_least() -> Duration {
         REFRESH_AT_LEAST
     } else {
         Duration::ZERO
-    }
-}
-
-/// A rejection that is not the fence's.
-pub(crate) fn refused(rule: &'static str, text: &str) -> Refusal {
-    Refusal {
-        rule,
-        metres: 0.0,
-        text: text.to_owned(),
     }
 }

@@ -15,11 +15,11 @@ use crate::arbiter::LeaseKind;
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::context::Context;
 use crate::envelope::{Aim, Hover, Surroundings, Suspended, Vertical, aim_at_here};
-use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::plugin::{HoldRequest, HoldTarget, PluginId, Refusal, RequestState};
+use crate::refusal::refused;
 use crate::session::name;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -172,11 +172,11 @@ impl Station {
         cx.admit(plugin, Grant::Hull)?;
         cx.arbiter.arbitrate(plugin, LeaseKind::Station)?;
         cx.admit_beside_gps_hit()?;
-        if cx.suspended.len() >= LEFT_MAX {
+        if cx.vehicle.suspended.len() >= LEFT_MAX {
             let text = format!("the mission may stand suspended at {LEFT_MAX} places, the most that are kept");
             return Err(refused("cap", &text));
         }
-        let mut hover = cx.envelope.admit_hold(asked)?;
+        let mut hover = cx.monitor.envelope.admit_hold(asked)?;
         cx.cap_steering(plugin, asked.duration)?;
         // There is no command to stop: a vehicle that has been sent somewhere is sent to where it is.
         if hover.aim.is_none()
@@ -195,7 +195,7 @@ impl Station {
 
     /// The whole judgement of a hold, with what is known at this moment.
     fn judge_hover(&self, cx: &Context, hover: &Hover) -> Result<f64, Refusal> {
-        self.with_surroundings(cx, |around| cx.envelope.judge_hold(hover, around))
+        self.with_surroundings(cx, |around| cx.monitor.envelope.judge_hold(hover, around))
     }
 
     fn here(&self, cx: &Context) -> Result<Suspended, Refusal> {
@@ -207,11 +207,12 @@ impl Station {
         cx: &Context,
         ask: impl FnOnce(&Surroundings<'_>) -> Result<T, Refusal>,
     ) -> Result<T, Refusal> {
-        let Some(navigation) = cx.tracker.fresh(cx.now) else {
+        let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
-        let (relative, cartesian) = (cx.relative.steady(cx.now), cx.cartesian.steady(cx.now));
+        let (relative, cartesian) = (cx.vehicle.relative.steady(cx.now), cx.vehicle.cartesian.steady(cx.now));
         let suspended: Vec<Suspended> = cx
+            .vehicle
             .suspended
             .iter()
             .copied()
@@ -221,7 +222,7 @@ impl Station {
             relative: relative.as_ref(),
             cartesian: cartesian.as_ref(),
             navigation,
-            lock: cx.tracker.bottom_lock(cx.now),
+            lock: cx.vehicle.navigation.bottom_lock(cx.now),
             suspended: &suspended,
             now: cx.now,
         })
@@ -408,15 +409,17 @@ impl Station {
 
     /// The vehicle is where it may have returned to. One without a hold is.
     fn watch_return(&mut self, cx: &mut Context) {
-        if self.hold.is_some() || cx.suspended.is_empty() {
+        if self.hold.is_some() || cx.vehicle.suspended.is_empty() {
             return;
         }
-        let Some(limits) = &cx.envelope.limits().hull else {
+        let Some(limits) = &cx.monitor.limits().hull else {
             return;
         };
         let within_m = 2.0 * limits.position_error_m;
         if let Ok(here) = self.here(cx) {
-            cx.suspended.retain(|suspended| !suspended.is_near(&here, within_m));
+            cx.vehicle
+                .suspended
+                .retain(|suspended| !suspended.is_near(&here, within_m));
         }
     }
 
@@ -427,14 +430,14 @@ impl Station {
 
     fn close(&mut self, cx: &mut Context, reason: &str, state: RequestState) {
         let Some(hold) = self.hold.take() else { return };
-        cx.suspended.extend(hold.suspended);
+        cx.vehicle.suspended.extend(hold.suspended);
         cx.arbiter.release(cx.now, LeaseKind::Station);
         for timer in [Timer::Hold, Timer::HoldTerm, Timer::Relative] {
             cx.timers.stop(timer);
         }
-        cx.commands.forget_hold();
+        cx.link.commands.forget_hold();
         if hold.sent.is_some() {
-            cx.permits.station_ends = true;
+            cx.monitor.permits.station_ends = true;
             self.restore_speed(cx, hold.request);
             // One that is not answered needs no second: the vehicle takes its mission up by itself after 2 s (8.1).
             let created = cx.stamper.stamp(cx.now, "RES");
@@ -442,7 +445,7 @@ impl Station {
             if is_on(Check::HoldEndSaid) {
                 cx.transmit(&ToVehicle::Resume(Resume { created }), Some(command));
             }
-            cx.permits.station_ends = false;
+            cx.monitor.permits.station_ends = false;
         }
         let proposed = cx
             .ledger
@@ -531,12 +534,12 @@ impl Station {
 impl Context {
     /// The mission has gone on, for a behaviour has begun or it is over.
     pub(crate) fn mission_goes_on(&mut self) {
-        self.suspended.clear();
+        self.vehicle.suspended.clear();
     }
 
     /// Where the vehicle may return to before its mission goes on.
     pub(crate) fn returns_to(&self) -> impl Iterator<Item = EastNorth> + '_ {
-        self.suspended.iter().filter_map(|suspended| suspended.local)
+        self.vehicle.suspended.iter().filter_map(|suspended| suspended.local)
     }
 }
 

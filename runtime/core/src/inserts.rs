@@ -5,7 +5,6 @@
 //! trackcircles alone.
 
 use std::collections::BTreeSet;
-use std::time::Duration;
 
 use backseat_spi::{
     BehaviorId, CancelBehavior, CircleEntry, GpsHit, Interrupt, SpeedMode, SurfaceMode, ToVehicle, Trackcircle,
@@ -16,24 +15,17 @@ use backseat_units::Timestamp;
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose, SETTLED_WITHIN};
 use crate::context::Context;
 use crate::envelope::{End, Flight, Insert, InsertPath, Route, Vertical};
-use crate::helm::refused;
-use crate::io::{Output, Reservation};
+use crate::io::Output;
 use crate::irrevocable::Waiting;
 use crate::ledger::{Entry, RequestKind};
 use crate::limits::Grant;
 use crate::plugin::{PluginId, Refusal, Request, RequestState, TrackcircleRequest};
 use crate::recall::Recalls;
+use crate::refusal::refused;
 use crate::schedule::Schedule;
 use crate::session::name;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
-
-/// How many identifiers are reserved on disk at a time.
-const RESERVE: u32 = 32;
-/// What was not answered is asked for again after this.
-const ASK_AGAIN: Duration = Duration::from_secs(5);
-/// When so few are left, more are reserved.
-const RESERVE_LOW: u32 = 8;
 
 /// What the judgement of an insert found that is kept with it.
 #[derive(Clone, Copy, Debug)]
@@ -62,14 +54,18 @@ const fn grant_of(insert: &Insert) -> Grant {
 impl Inserts {
     pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: &Request) {
         let (tag, kind, insert) = match asked {
-            Request::Trackline(line) => (line.tag, RequestKind::Trackline, cx.envelope.admit_trackline(line)),
+            Request::Trackline(line) => (
+                line.tag,
+                RequestKind::Trackline,
+                cx.monitor.envelope.admit_trackline(line),
+            ),
             Request::Trackcircle(circle) => (
                 circle.tag,
                 RequestKind::Trackcircle,
                 self.admit_layout(cx, circle)
-                    .and_then(|()| cx.envelope.admit_trackcircle(circle)),
+                    .and_then(|()| cx.monitor.envelope.admit_trackcircle(circle)),
             ),
-            Request::GpsHit(hit) => (hit.tag, RequestKind::GpsHit, cx.envelope.admit_gps_hit(hit)),
+            Request::GpsHit(hit) => (hit.tag, RequestKind::GpsHit, cx.monitor.envelope.admit_gps_hit(hit)),
             Request::Modify(_)
             | Request::EndModify
             | Request::Cancel(_)
@@ -149,7 +145,7 @@ impl Inserts {
     ) -> Result<Route, Refusal> {
         let surfaces = insert.surfaces();
         cx.admit_standing(grant_of(insert))?;
-        if !cx.plan.is_complete() && is_on(Check::PlanKnown) {
+        if !cx.vehicle.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(refused(
                 "plan",
                 "the vehicle's plan is not known, nor so where the insert would begin",
@@ -179,9 +175,9 @@ impl Inserts {
                 "an insert of an earlier process may be flown, and may be one that none may interrupt (SPI 7.5)",
             ));
         }
-        let current = cx.named_insert.current();
+        let current = cx.vehicle.named_insert.current();
         if insert.interrupt
-            && current.is_some_and(|current| !cx.sent_identifiers.contains(&current))
+            && current.is_some_and(|current| !cx.identifiers.is_ours(current))
             && is_on(Check::InterruptOfInterrupt)
         {
             return Err(refused(
@@ -189,14 +185,14 @@ impl Inserts {
                 "an insert that is not ours is flown, and may be one that none may interrupt (SPI 7.5)",
             ));
         }
-        let limits = cx.envelope.limits();
+        let limits = cx.monitor.limits();
         if cx.ledger.open_inserts() + cx.inherited() >= limits.inserts_open_max && is_on(Check::InsertsOpen) {
             return Err(refused(
                 "cap",
                 &format!("{} inserts are open, the most there may be", limits.inserts_open_max),
             ));
         }
-        if surfaces && cx.gps_hits_sent >= limits.gps_hits_total_max && is_on(Check::GpsHitsTotal) {
+        if surfaces && cx.identifiers.gps_hits_sent() >= limits.gps_hits_total_max && is_on(Check::GpsHitsTotal) {
             return Err(refused(
                 "cap",
                 &format!(
@@ -205,7 +201,7 @@ impl Inserts {
                 ),
             ));
         }
-        if !surfaces && cx.inserts_sent >= limits.inserts_total_max && is_on(Check::InsertsTotal) {
+        if !surfaces && cx.identifiers.inserts_sent() >= limits.inserts_total_max && is_on(Check::InsertsTotal) {
             return Err(refused(
                 "cap",
                 &format!(
@@ -228,37 +224,17 @@ impl Inserts {
         if is_on(Check::PlanKnown) {
             cx.heard_what_is_flown(insert.interrupt)?;
         }
-        if let Some(identifiers) = &mut cx.start.identifiers {
-            // The record may be older than the vehicle's mission, and another payload may count like us.
-            while cx.plan.has(BehaviorId::new(identifiers.next)) && identifiers.next < u32::MAX {
-                identifiers.next += 1;
-            }
-        }
-        match cx.start.identifiers {
-            None => Err(refused("identifier", "the identifiers' state on disk is missing")),
-            Some(identifiers) if identifiers.next >= identifiers.reserved && is_on(Check::IdentifiersReserved) => {
-                Err(refused("identifier", "no identifier is reserved on disk yet"))
-            }
-            // A process that follows this one must know how many were sent.
-            Some(identifiers)
-                if is_on(Check::IdentifiersReserved)
-                    && (if surfaces {
-                        cx.gps_hits_sent >= identifiers.gps_hits
-                    } else {
-                        cx.inserts_sent >= identifiers.inserts
-                    }) =>
-            {
-                Err(refused("identifier", "no insert is reserved on disk yet"))
-            }
-            Some(_) => Ok(cx.route_of_insert(insert.interrupt)),
-        }
+        let plan = &cx.vehicle.plan;
+        cx.identifiers
+            .next_insert(surfaces, |identifier| plan.has(identifier))?;
+        Ok(cx.route_of_insert(insert.interrupt))
     }
 
     /// How long an insert flies at most, where that and what is open stay under the cap.
     fn cap_duration(&self, cx: &Context, plugin: PluginId, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
-        let duration_s = cx.envelope.duration_s(insert, &route.from);
+        let duration_s = cx.monitor.envelope.duration_s(insert, &route.from);
         let open_s = cx.ledger.open_duration_s();
-        let most_s = cx.envelope.limits().inserts_duration_max_s;
+        let most_s = cx.monitor.limits().inserts_duration_max_s;
         if open_s + duration_s > most_s && is_on(Check::InsertsDuration) {
             return Err(refused(
                 "cap",
@@ -279,16 +255,16 @@ impl Inserts {
     }
 
     fn judge_insert(&self, cx: &Context, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
-        let Some(navigation) = cx.tracker.fresh(cx.now) else {
+        let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
         if !is_on(Check::InsertFence) {
             return Ok(f64::MAX);
         }
-        cx.envelope.judge_insert(
+        cx.monitor.envelope.judge_insert(
             insert,
             navigation.depth,
-            cx.tracker.bottom_lock(cx.now),
+            cx.vehicle.navigation.bottom_lock(cx.now),
             route,
             cx.clocks(),
         )
@@ -296,11 +272,10 @@ impl Inserts {
 
     pub(crate) fn send_insert(&mut self, cx: &mut Context, request: u64, insert: Insert, admitted: Admitted) {
         let Admitted { duration_s, schedule } = admitted;
-        let Some(identifiers) = &mut cx.start.identifiers else {
+        let Some(identifier) = cx.identifiers.take() else {
             return;
         };
-        let identifier = BehaviorId::new(identifiers.next);
-        identifiers.next += 1;
+        let identifier = BehaviorId::new(identifier);
         let interrupt = if insert.interrupt {
             Interrupt::InterruptCurrent
         } else {
@@ -379,16 +354,13 @@ impl Inserts {
             cx.reserve();
             return cx.reject(request, refused("control", "it could not be sent"));
         }
-        if insert.surfaces() {
-            cx.gps_hits_sent += 1;
-        } else {
-            cx.inserts_sent += 1;
-            if let Some(plugin) = cx.ledger.get(request).and_then(|entry| entry.owner.plugin()) {
-                cx.plugins[plugin.0].count_insert();
-            }
+        cx.identifiers.sent(identifier, insert.surfaces());
+        if !insert.surfaces()
+            && let Some(plugin) = cx.ledger.get(request).and_then(|entry| entry.owner.plugin())
+        {
+            cx.plugins[plugin.0].count_insert();
         }
         cx.reserve();
-        cx.sent_identifiers.insert(identifier);
         if let Some(entry) = cx.ledger.get_mut(request) {
             entry.identifier = Some(identifier);
             entry.insert = Some(insert);
@@ -464,7 +436,7 @@ impl Inserts {
             }
             Answer::Done => {
                 if let Some(identifier) = cx.ledger.get(insert).and_then(|entry| entry.identifier) {
-                    cx.plan.ended(identifier);
+                    cx.vehicle.plan.ended(identifier);
                 }
                 cx.transition(insert, RequestState::Cancelled);
                 cx.ledger.settle_doubt(insert);
@@ -497,14 +469,14 @@ impl Inserts {
             .filter(|(_, entry)| entry.state == RequestState::Unknown)
             .filter_map(|(request, entry)| Some((request, entry.identifier?, entry.sent_at + SETTLED_WITHIN)))
             .collect();
-        let asked_at = cx.plan.asked_at();
+        let asked_at = cx.vehicle.plan.asked_at();
         for (request, identifier, decided_at) in open {
-            if cx.plan.has(identifier) {
+            if cx.vehicle.plan.has(identifier) {
                 cx.transition(request, RequestState::Accepted);
             } else if asked_at < decided_at {
                 // The vehicle may not have decided on it yet.
                 cx.timers.set(Timer::Plan, decided_at.max(cx.now));
-            } else if cx.courses.current().is_some() && !cx.ledger.is_gps_hit(Some(request)) {
+            } else if cx.vehicle.courses.current().is_some() && !cx.ledger.is_gps_hit(Some(request)) {
                 let text = "it is not in the vehicle's plan".to_owned();
                 cx.transition(request, RequestState::Failed(text));
             } else {
@@ -513,7 +485,7 @@ impl Inserts {
                 cx.transition(request, RequestState::TimedOut);
             }
         }
-        let plan = &cx.plan;
+        let plan = &cx.vehicle.plan;
         cx.ledger.told_plan(asked_at, |identifier| plan.has(identifier));
     }
 
@@ -552,44 +524,10 @@ impl Context {
 
     /// Asks for more where few identifiers are left, or not as many inserts as may be open at once.
     pub(crate) fn reserve(&mut self) {
-        let Some(identifiers) = self.start.identifiers else {
-            return;
-        };
-        // A driver that cannot write does not answer: it is asked again, for a disk may have room again.
-        let waits = self
-            .reserve_asked
-            .is_some_and(|asked| self.now.since(asked) < ASK_AGAIN);
-        if waits || !is_on(Check::IdentifiersReserved) {
-            return;
-        }
-        let low = identifiers.reserved.saturating_sub(identifiers.next) < RESERVE_LOW;
-        let ahead = self.envelope.limits().inserts_open_max.max(1);
-        let inserts = self.inserts_sent.saturating_add(ahead);
-        // None where none may be sent: a process that follows would have to reckon with one.
+        let ahead = self.monitor.limits().inserts_open_max.max(1);
         let surfaces = self.plugins.iter().any(|slot| slot.grants().contains(&Grant::Surface));
-        let gps_ahead = if surfaces { ahead } else { 0 };
-        let gps_hits = self.gps_hits_sent.saturating_add(gps_ahead);
-        if low || inserts > identifiers.inserts || gps_hits > identifiers.gps_hits {
-            self.reserve_asked = Some(self.now);
-            let below = if low {
-                identifiers.next.saturating_add(RESERVE)
-            } else {
-                identifiers.reserved
-            };
-            self.outputs.push_back(Output::Reserve(Reservation {
-                below,
-                inserts,
-                gps_hits,
-            }));
-        }
-    }
-
-    pub(crate) fn reserved(&mut self, reservation: Reservation) {
-        self.reserve_asked = None;
-        if let Some(identifiers) = &mut self.start.identifiers {
-            identifiers.reserved = identifiers.reserved.max(reservation.below);
-            identifiers.inserts = identifiers.inserts.max(reservation.inserts);
-            identifiers.gps_hits = identifiers.gps_hits.max(reservation.gps_hits);
+        if let Some(reservation) = self.identifiers.reserve(self.now, ahead, surfaces) {
+            self.outbox.push(Output::Reserve(reservation));
         }
     }
 
@@ -601,7 +539,7 @@ impl Context {
             .iter()
             .any(|(request, entry)| begun(entry) && self.ledger.is_gps_hit(Some(request)));
         // Where it was not heard what is flown, one that waited may be.
-        let unheard = self.courses.current().is_none() && self.ledger.surfaces();
+        let unheard = self.vehicle.courses.current().is_none() && self.ledger.surfaces();
         if (flown || unheard || self.former_may_surface()) && is_on(Check::Surfacing) {
             let text = "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
             return Err(refused("surface", text));
@@ -623,21 +561,21 @@ impl Context {
         if !is_on(Check::InheritedInserts) {
             return 0;
         }
-        let own = self.start.identifiers.map_or(0, |identifiers| identifiers.next);
         // One of this process that was held to be over counts where the plan names it all the same.
         let others = self
+            .vehicle
             .plan
             .others(|identifier| self.ledger.by_identifier(identifier).is_some());
         let mut inherited: BTreeSet<BehaviorId> = others
             .map(|(identifier, _)| identifier)
-            .filter(|identifier| identifier.get() < own)
+            .filter(|identifier| self.identifiers.is_used(*identifier))
             .collect();
         // One that has begun is flown, though the plan that came did not name it.
-        let current = self.named_insert.may_be_current();
-        inherited.extend(current.filter(|identifier| self.former.includes(*identifier)));
+        let current = self.vehicle.named_insert.may_be_current();
+        inherited.extend(current.filter(|identifier| self.vehicle.former.includes(*identifier)));
         u32::try_from(inherited.len())
             .unwrap_or(u32::MAX)
-            .saturating_add(u32::from(self.former.has_revenant()))
+            .saturating_add(u32::from(self.vehicle.former.has_revenant()))
     }
 
     pub(crate) fn open_insert(&self, plugin: PluginId, tag: u64) -> Option<u64> {
@@ -651,34 +589,40 @@ impl Context {
     pub(crate) fn route_of_insert(&self, interrupt: bool) -> Route {
         let chain = self.chain();
         let mut route = Route {
-            to: self.plan.next_points().into_iter().map(End::At).collect(),
+            to: self.vehicle.plan.next_points().into_iter().map(End::At).collect(),
             before_s: self.before_insert_s(interrupt),
             onto: self.taken_up_after(interrupt),
             depths_m: self.depths_of_ways(),
-            seen_mps: self.courses.seen_mps(),
+            seen_mps: self.vehicle.courses.seen_mps(),
             ..Route::default()
         };
-        let here = self.tracker.newest().map(|navigation| End::At(navigation.local));
+        let here = self
+            .vehicle
+            .navigation
+            .newest()
+            .map(|navigation| End::At(navigation.local));
         if interrupt {
             route.from.extend(here);
             // After an interruption the vehicle goes on to the next behaviour, or back: readings differ (SPI 7.5).
             route.to.extend(
-                self.plan
+                self.vehicle
+                    .plan
                     .current()
                     .flat_map(|element| [element.first(), element.last()].map(End::At)),
             );
             route
                 .to
-                .extend(chain.iter().map(|(_, insert, _)| self.envelope.ends(insert).0));
+                .extend(chain.iter().map(|(_, insert, _)| self.monitor.envelope.ends(insert).0));
             route.to_surface = chain.iter().any(|(_, insert, _)| insert.surfaces());
             // The rest of the set is flown before the plan goes on (7.5), whoever has asked for it.
             for doubtful in self.ledger.doubtful().filter_map(|entry| entry.insert) {
-                route.to.push(self.envelope.ends(&doubtful).0);
+                route.to.push(self.monitor.envelope.ends(&doubtful).0);
                 route.to_surface |= doubtful.surfaces();
             }
             let others = self
+                .vehicle
                 .plan
-                .others(|identifier| self.sent_identifiers.contains(&identifier));
+                .others(|identifier| self.identifiers.is_ours(identifier));
             route.to.extend(others.map(|(_, element)| End::At(element.first())));
             return route;
         }
@@ -689,7 +633,7 @@ impl Context {
         route.deepest_m = self.deepest_open_m();
         route
             .from
-            .extend(doubtful.iter().map(|insert| self.envelope.ends(insert).1));
+            .extend(doubtful.iter().map(|insert| self.monitor.envelope.ends(insert).1));
         route.from.extend(self.comes_from(&chain));
         route
     }
@@ -700,9 +644,9 @@ impl Context {
         let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
         let open = doubtful.chain(chain.into_iter().map(|(_, insert, _)| insert));
         let depth_m = |insert: Insert| {
-            let navigation = self.tracker.newest()?;
-            let lock = self.tracker.bottom_lock(self.now);
-            self.envelope.deepest_m(&insert, navigation.depth, lock)
+            let navigation = self.vehicle.navigation.newest()?;
+            let lock = self.vehicle.navigation.bottom_lock(self.now);
+            self.monitor.envelope.deepest_m(&insert, navigation.depth, lock)
         };
         // Where one cannot be known, nothing that depends on it holds.
         open.map(|insert| depth_m(insert).unwrap_or(f64::INFINITY))

@@ -9,9 +9,9 @@ use backseat_units::Timestamp;
 
 use crate::context::Context;
 use crate::envelope::Insert;
-use crate::helm::refused;
 use crate::inserts::Inserts;
 use crate::plugin::PluginId;
+use crate::refusal::refused;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -34,7 +34,7 @@ impl Inserts {
     /// Whether an insert must wait for the vehicle to answer.
     pub(crate) fn waits_for_answer(&self, cx: &Context, insert: &Insert) -> bool {
         (insert.interrupt || insert.surfaces())
-            && !cx.heartbeat.has_just_answered(cx.now)
+            && !cx.link.heartbeat.has_just_answered(cx.now)
             && is_on(Check::IrrevocableAnswered)
     }
 
@@ -58,8 +58,8 @@ impl Inserts {
             insert,
             until: cx.now + ANSWERED_WITHIN,
         });
-        if !cx.heartbeat.beat_is_under_way(cx.now) {
-            cx.beat();
+        if !cx.link.heartbeat.beat_is_under_way(cx.now) {
+            cx.link.wants_beat = true;
         }
     }
 
@@ -88,7 +88,7 @@ impl Inserts {
         if self.waiting.is_empty() {
             return cx.timers.stop(Timer::Irrevocable);
         }
-        while !self.waiting.is_empty() && cx.heartbeat.has_just_answered(cx.now) {
+        while !self.waiting.is_empty() && cx.link.heartbeat.has_just_answered(cx.now) {
             let Waiting {
                 request,
                 plugin,

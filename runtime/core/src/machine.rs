@@ -13,6 +13,7 @@ use crate::orders::Orders;
 use crate::owner::Owner;
 use crate::plugin::{Event, PluginId, RequestState};
 use crate::recovery::Whereabouts;
+use crate::session::Session;
 use crate::settings::{PluginSetup, Settings};
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -31,6 +32,7 @@ pub struct Core {
     pub(crate) cx: Context,
     pub(crate) capabilities: Capabilities,
     pub(crate) orders: Orders,
+    pub(crate) session: Session,
     pub(crate) late_count: u64,
     /// The flaw of navigation that was last told, and when.
     pub(crate) flaw_told: Option<(&'static str, Timestamp)>,
@@ -44,6 +46,7 @@ impl Core {
     #[must_use]
     pub fn new(settings: Settings, envelope: Arc<Envelope>, plugins: Vec<PluginSetup>, start: Start) -> Self {
         let mut core = Self {
+            session: Session::new(start.jitter),
             cx: Context::new(settings, envelope, plugins, start),
             capabilities: Capabilities::new(),
             orders: Orders::default(),
@@ -52,10 +55,10 @@ impl Core {
             whereabouts: Whereabouts::default(),
             unjudged: false,
         };
-        if !core.cx.former.is_none() {
-            core.cx.courses.leave_plan();
+        if !core.cx.vehicle.former.is_none() {
+            core.cx.vehicle.courses.leave_plan();
         }
-        core.cx.outputs.push_back(Output::Connect { after: Duration::ZERO });
+        core.cx.outbox.push(Output::Connect { after: Duration::ZERO });
         core.cx.reserve();
         core.settle();
         core
@@ -83,7 +86,7 @@ impl Core {
             Input::Restarted(plugin, restarted) => self.cx.restarted(plugin, restarted),
             Input::Operator(act) => self.orders.act(&mut self.cx, &mut self.capabilities, act),
             Input::Driver(driver, bytes) => self.driver_received(driver, bytes),
-            Input::Reserved(reservation) => self.cx.reserved(reservation),
+            Input::Reserved(reservation) => self.cx.identifiers.reserved(reservation),
             Input::UtcSet(by_nanos) => self.utc_set(by_nanos),
             Input::Timeout => {}
         }
@@ -98,7 +101,7 @@ impl Core {
     /// What is to be done, oldest first; `None` until something happens again.
     #[must_use]
     pub fn poll_output(&mut self) -> Option<Output> {
-        self.cx.outputs.pop_front()
+        self.cx.outbox.pop()
     }
 
     /// When to call [`Core::handle`] with [`Input::Timeout`] if nothing happens before.
@@ -116,13 +119,13 @@ impl Core {
     /// Whether requests can be sent now.
     #[must_use]
     pub const fn has_control(&self) -> bool {
-        self.cx.granted
+        self.cx.control.granted
     }
 
     /// The newest navigation, however old.
     #[must_use]
     pub fn navigation(&self) -> Option<&crate::plugin::NavigationSample> {
-        self.cx.tracker.newest()
+        self.cx.vehicle.navigation.newest()
     }
 
     /// Whether a lease stands, a modify or a hold.
@@ -150,11 +153,7 @@ impl Core {
     /// What was used of the reservations, for who follows this core in order; `None` where there was none.
     #[must_use]
     pub fn used(&self) -> Option<Reservation> {
-        self.cx.start.identifiers.map(|identifiers| Reservation {
-            below: identifiers.next,
-            inserts: self.cx.inserts_sent,
-            gps_hits: self.cx.gps_hits_sent,
-        })
+        self.cx.identifiers.used()
     }
 
     /// How often core was called more than half a second late.
@@ -166,8 +165,7 @@ impl Core {
     /// The computer's clock was set. Stamps stay on the clock of the start, or answers would seem to come from another time;
     /// zones follow.
     fn utc_set(&mut self, by_nanos: i64) {
-        let step_s = by_nanos.saturating_sub(self.cx.utc_set_nanos) as f64 / 1e9;
-        self.cx.utc_set_nanos = by_nanos;
+        let step_s = self.cx.stamper.set(by_nanos);
         self.cx.note(Note::Text {
             text: format!("this computer's clock was set by {step_s:+.3} s: zones with times follow it"),
         });
@@ -181,16 +179,16 @@ impl Core {
         self.follow_navigation();
         self.capabilities.inserts.settle(&mut self.cx);
         self.orders.watch_staleness(&mut self.cx);
-        let navigation = match self.cx.tracker.stale_at().filter(|at| *at > self.cx.now) {
-            Some(stale) if self.cx.tracker.steady(self.cx.now) => Some(stale),
+        let navigation = match self.cx.vehicle.navigation.stale_at().filter(|at| *at > self.cx.now) {
+            Some(stale) if self.cx.vehicle.navigation.steady(self.cx.now) => Some(stale),
             Some(stale) => Some(stale.min(self.cx.now + Duration::from_millis(500))),
             None => None,
         };
         self.cx.timers.set_or_stop(Timer::Navigation, navigation);
         self.cx
             .timers
-            .set_or_stop(Timer::Acknowledgement, self.cx.commands.next_deadline());
-        self.cx.settle_heartbeat();
+            .set_or_stop(Timer::Acknowledgement, self.cx.link.commands.next_deadline());
+        self.session.settle_heartbeat(&mut self.cx);
         // What was due while a plugin was busy or away is due now; nobody has promised to be here earlier.
         let plugins = self.cx.plugins_due().map(|due| due.max(self.cx.now));
         self.cx.timers.set_or_stop(Timer::Plugins, plugins);
@@ -198,13 +196,13 @@ impl Core {
 
     /// Control is gained and lost by what has become known: tells of it and ends the lease.
     pub(crate) fn settle_control(&mut self) {
-        if self.cx.tracker.fresh(self.cx.now).is_none() {
-            self.cx.tracker.unsettle();
+        if self.cx.vehicle.navigation.fresh(self.cx.now).is_none() {
+            self.cx.vehicle.navigation.unsettle();
         }
         let lost = self.cx.lost_because();
         let granted = lost.is_none();
-        if granted != self.cx.granted {
-            self.cx.granted = granted;
+        if granted != self.cx.control.granted {
+            self.cx.control.granted = granted;
             if let Some(reason) = lost
                 && is_on(Check::ControlLossEndsLease)
             {
@@ -213,7 +211,7 @@ impl Core {
             if granted {
                 self.capabilities.station.control_granted(&mut self.cx);
             }
-            self.cx.tell_of_control(lost.unwrap_or(""));
+            self.session.tell_of_control(&mut self.cx, lost.unwrap_or(""));
             self.cx.tell_all(&Event::Control(granted));
             self.fail_plugins();
         }
@@ -226,17 +224,17 @@ impl Core {
             // What follows from navigation's age is drawn in `settle`.
             Timer::Navigation => {}
             Timer::Acknowledgement => {
-                while let Some(command) = self.cx.commands.late(self.cx.now) {
+                while let Some(command) = self.cx.link.commands.late(self.cx.now) {
                     self.answered(command, Answer::Missing);
                 }
             }
-            Timer::Silence => self.cx.silence(),
-            Timer::Plan => self.cx.ask_for_plan(),
-            Timer::Status => self.cx.beat(),
+            Timer::Silence => self.session.silence(&mut self.cx),
+            Timer::Plan => self.session.ask_for_plan(&mut self.cx),
+            Timer::Status => self.session.beat(&mut self.cx),
             // What waits is looked at in `settle`.
             Timer::Irrevocable => {}
             // That no round trip speaks for the link any more is drawn in `settle`.
-            Timer::Heartbeat => self.cx.remedy(),
+            Timer::Heartbeat => self.session.remedy(&mut self.cx),
             Timer::HoldTerm => self.capabilities.station.end(&mut self.cx, "its term is over"),
             Timer::Hold => self.capabilities.station.refresh(&mut self.cx),
             Timer::Relative => self.capabilities.station.timed_out(&mut self.cx),
@@ -253,7 +251,7 @@ impl Core {
             Timer::Plugins => self.step_due(false),
             Timer::Shutdown => {
                 self.cx.timers.stop_all();
-                self.cx.outputs.push_back(Output::Finish);
+                self.cx.outbox.push(Output::Finish);
             }
         }
     }
@@ -267,19 +265,16 @@ impl Context {
 
     /// Our UTC at a time, as the computer has it now: for zones that are valid for a time.
     pub(crate) fn zone_utc(&self, at: Timestamp) -> Utc {
-        let nanos = self.stamper.utc(at).as_unix_nanos();
-        Utc::from_unix_nanos(nanos.saturating_add_signed(self.utc_set_nanos))
+        self.stamper.zone_utc(at)
     }
 
     pub(crate) fn note(&mut self, note: Note) {
-        self.outputs.push_back(Output::Note(note));
+        self.outbox.note(note);
     }
 
     /// As [`Context::note`], of what the vehicle has said: so many a second, the rest is counted.
     pub(crate) fn note_of_vehicle(&mut self, note: Note) {
-        if self.vehicle_lines.take(self.now) {
-            self.note(note);
-        }
+        self.outbox.note_of_vehicle(self.now, note);
     }
 
     /// Takes a request on, tells its plugin and the log.
@@ -318,21 +313,21 @@ impl Context {
 
     /// Why we have no control; `None` where it is ours.
     pub(crate) fn lost_because(&self) -> Option<&'static str> {
-        let reason = if !self.session.is_up() {
+        let reason = if !self.link.is_up() {
             "the link is down"
-        } else if self.stopping {
+        } else if self.control.stopping {
             "the run is ending"
-        } else if self.held {
+        } else if self.control.held {
             "the operator holds"
-        } else if self.mission_ended {
+        } else if self.control.mission_ended {
             "the operator has ended the mission"
-        } else if self.handed_over.is_none() && is_on(Check::ControlKnown) {
+        } else if self.control.handed_over.is_none() && is_on(Check::ControlKnown) {
             "the vehicle has not said who has control"
-        } else if self.handed_over == Some(false) && is_on(Check::ControlGiven) {
+        } else if self.control.handed_over == Some(false) && is_on(Check::ControlGiven) {
             "the vehicle has control"
-        } else if self.running.is_none() && is_on(Check::ControlKnown) {
+        } else if self.control.running.is_none() && is_on(Check::ControlKnown) {
             "the vehicle has not said whether its mission runs"
-        } else if self.running == Some(false) && is_on(Check::MissionRuns) {
+        } else if self.control.running == Some(false) && is_on(Check::MissionRuns) {
             "the mission is not running"
         } else if let Some(reason) = self.unlike_expected() {
             reason
@@ -340,9 +335,9 @@ impl Context {
             reason
         } else if let Some(reason) = self.unheard() {
             reason
-        } else if self.tracker.fresh(self.now).is_none() {
+        } else if self.vehicle.navigation.fresh(self.now).is_none() {
             "navigation is stale"
-        } else if !self.tracker.steady(self.now) {
+        } else if !self.vehicle.navigation.steady(self.now) {
             "navigation has not been steady for long enough"
         } else {
             return None;
@@ -352,7 +347,7 @@ impl Context {
 
     /// Tells what was counted and not told.
     pub(crate) fn tell_what_was_counted(&mut self) {
-        let untold = self.vehicle_lines.take_untold();
+        let untold = self.outbox.take_untold();
         if untold > 0 {
             let text = format!("{untold} lines more of what the vehicle said were left out");
             self.note(Note::Text { text });

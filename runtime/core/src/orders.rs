@@ -11,11 +11,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::capability::Capabilities;
 use crate::context::Context;
-use crate::helm::refused;
 use crate::io::{Note, Operator, Output};
 use crate::ledger::RequestKind;
 use crate::phase::Phase;
 use crate::plugin::Refusal;
+use crate::refusal::refused;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -138,7 +138,7 @@ impl Orders {
         match act {
             // It beats every plugin (safety requirement 015).
             Operator::Hold => {
-                cx.held = is_on(Check::OperatorHold);
+                cx.control.held = is_on(Check::OperatorHold);
                 capabilities.end_controlled(cx, "the operator holds");
                 if is_on(Check::HoldCancels) {
                     capabilities.inserts.take_back_all(cx, None);
@@ -148,13 +148,13 @@ impl Orders {
                 cx.note(Note::Operator { act: Operator::Hold });
             }
             Operator::Release => {
-                cx.held = false;
-                cx.mission_ended = false;
+                cx.control.held = false;
+                cx.control.mission_ended = false;
             }
             Operator::Stop => {
                 capabilities.end_controlled(cx, "the run is ending");
-                cx.stopping = true;
-                cx.outputs.push_back(Output::Finish);
+                cx.control.stopping = true;
+                cx.outbox.push(Output::Finish);
             }
             Operator::Order(order) => self.order(cx, capabilities, &order),
         }
@@ -163,7 +163,7 @@ impl Orders {
     /// An order that the operator gave in advance: a policy's, or a plugin's fail action. An abort of what ends already
     /// could disturb the vehicle's wrap-up, and nobody is there who wants it all the same.
     pub(crate) fn order_in_advance(&mut self, cx: &mut Context, capabilities: &mut Capabilities, order: &Order) {
-        let text = match cx.phase {
+        let text = match cx.vehicle.phase {
             Phase::Ending => "the mission is ending already",
             Phase::Over => "no mission is running",
             Phase::Unknown | Phase::Running => return self.order(cx, capabilities, order),
@@ -192,8 +192,8 @@ impl Orders {
     /// The link is gone. An abort or kill is kept to be sent again, a started mission may yet show itself; the cancels are
     /// not: what they would take back may be another thing by then.
     pub(crate) fn link_lost(&mut self, cx: &mut Context) {
-        cx.named_insert.lose();
-        cx.phase = Phase::Unknown;
+        cx.vehicle.named_insert.lose();
+        cx.vehicle.phase = Phase::Unknown;
         self.endings_link_lost(cx);
         self.empty_mission_link_lost(cx);
         self.set_timer(cx);
@@ -209,12 +209,12 @@ impl Orders {
     /// A mission status (BFMIS).
     pub(crate) fn heard_mission_status(&mut self, cx: &mut Context, status: &str) {
         let phase = Phase::of(status);
-        cx.phase = phase;
+        cx.vehicle.phase = phase;
         match phase {
             Phase::Running => self.empty_mission_runs(cx),
             Phase::Ending | Phase::Over => {
-                cx.named_insert.forget();
-                cx.mission_ended = false;
+                cx.vehicle.named_insert.forget();
+                cx.control.mission_ended = false;
             }
             Phase::Unknown => {}
         }
@@ -230,7 +230,7 @@ impl Orders {
     }
 
     fn set_timer(&mut self, cx: &mut Context) {
-        let waiting = (!cx.session.is_up()).then(|| self.endings.iter().map(Ending::until).min());
+        let waiting = (!cx.link.is_up()).then(|| self.endings.iter().map(Ending::until).min());
         let empty = self.empty.and_then(EmptyMission::deadline);
         let first: Option<Timestamp> = waiting.flatten().into_iter().chain(empty).min();
         cx.timers.set_or_stop(Timer::Order, first);
@@ -240,7 +240,7 @@ impl Orders {
 impl Context {
     /// What an order needs that changes the mission that runs: an armed runtime with control.
     pub(crate) fn admit_order(&self) -> Result<(), Refusal> {
-        if !self.start.armed {
+        if !self.control.armed {
             return Err(refused("control", "the runtime is not armed"));
         }
         match self.lost_because() {

@@ -20,7 +20,7 @@ impl Inserts {
     /// The plan is flown on, or is known anew: an insert that waits and whose way does not hold from there is called
     /// back. What comes after it has then another way.
     pub(crate) fn judge_waiting(&mut self, cx: &mut Context) {
-        if !cx.plan.is_complete() || !is_on(Check::InsertWayTo) {
+        if !cx.vehicle.plan.is_complete() || !is_on(Check::InsertWayTo) {
             return;
         }
         let mut before = Vec::new();
@@ -66,23 +66,33 @@ impl Context {
     pub(crate) fn comes_from(&self, before: &[(u64, Insert, bool)]) -> Vec<End> {
         let mut from = Vec::new();
         for (request, insert, begun) in before.iter().rev() {
-            from.push(self.envelope.ends(insert).1);
+            from.push(self.monitor.envelope.ends(insert).1);
             // After one that interrupts it may take up again what it left.
-            if !insert.interrupt && self.courses.current().is_some() && (*begun || self.is_surely_flown(*request)) {
+            if !insert.interrupt
+                && self.vehicle.courses.current().is_some()
+                && (*begun || self.is_surely_flown(*request))
+            {
                 return from;
             }
         }
-        let here = self.tracker.newest().map(|navigation| End::At(navigation.local));
+        let here = self
+            .vehicle
+            .navigation
+            .newest()
+            .map(|navigation| End::At(navigation.local));
         let flown = before.iter().find(|(_, _, begun)| *begun);
-        let aside = flown.map(|(_, insert, _)| self.envelope.ends(insert).1).or(here);
-        let lines: Vec<_> = self.plan.current().flat_map(Element::legs).collect();
-        let begun = self.courses.of_current();
+        let aside = flown
+            .map(|(_, insert, _)| self.monitor.envelope.ends(insert).1)
+            .or(here);
+        let lines: Vec<_> = self.vehicle.plan.current().flat_map(Element::legs).collect();
+        let begun = self.vehicle.courses.of_current();
         let tracks = self.tracks_of_lines(&begun, &lines);
         from.extend(tracks.iter().map(|track| End::on_or_beside(track, aside)));
         // Inserts that are not ours come before it too (SPI 7.5: appended at the end of the set).
         let others = self
+            .vehicle
             .plan
-            .others(|identifier| self.sent_identifiers.contains(&identifier));
+            .others(|identifier| self.identifiers.is_ours(identifier));
         from.extend(others.map(|(_, element)| End::At(element.last())));
         if from.is_empty() {
             from.extend(here);
@@ -96,6 +106,7 @@ impl Context {
         self.ledger.get(request).is_some_and(|entry| accepted(&entry.state))
             && !self.ledger.is_recalled(request)
             && !self
+                .link
                 .commands
                 .purposes()
                 .any(|purpose| matches!(purpose, Purpose::Cancel { insert, .. } if insert == request))
@@ -103,27 +114,28 @@ impl Context {
 
     pub(crate) fn judge_way_to(&self, before: &[(u64, Insert, bool)], insert: &Insert) -> Result<(), Refusal> {
         // Where nothing was ever heard, nothing was ever inserted.
-        let Some(navigation) = self.tracker.newest() else {
+        let Some(navigation) = self.vehicle.navigation.newest() else {
             return Ok(());
         };
         let surfacing = insert.surfaces() || before.iter().any(|(_, before, _)| before.surfaces());
         let passage = self.passage(navigation.depth, surfacing, self.before_insert_s(false));
         for from in self.comes_from(before) {
-            self.envelope
-                .judge_way((from, self.envelope.ends(insert).0), &passage)?;
+            self.monitor
+                .envelope
+                .judge_way((from, self.monitor.envelope.ends(insert).0), &passage)?;
         }
         Ok(())
     }
 
     /// The way on from the last of our inserts: what it goes on to may be another element by now.
     pub(crate) fn judge_way_on(&self, insert: &Insert) -> Result<(), Refusal> {
-        let Some(navigation) = self.tracker.newest() else {
+        let Some(navigation) = self.vehicle.navigation.newest() else {
             return Ok(());
         };
-        let from = self.envelope.ends(insert).1;
+        let from = self.monitor.envelope.ends(insert).1;
         let passage = self.passage(navigation.depth, insert.surfaces(), self.before_insert_s(false));
-        for to in self.plan.next_points() {
-            self.envelope.judge_way((from, End::At(to)), &passage)?;
+        for to in self.vehicle.plan.next_points() {
+            self.monitor.envelope.judge_way((from, End::At(to)), &passage)?;
         }
         Ok(())
     }
@@ -132,10 +144,10 @@ impl Context {
     pub(crate) fn passage(&self, depth: Depth, surfacing: bool, before_s: f64) -> Passage {
         Passage {
             depth,
-            lock: self.tracker.bottom_lock(self.now),
+            lock: self.vehicle.navigation.bottom_lock(self.now),
             surfacing,
             deepest_m: self.deepest_open_m(),
-            seen_mps: self.courses.seen_mps(),
+            seen_mps: self.vehicle.courses.seen_mps(),
             depths_m: self.depths_of_ways(),
             clocks: self.clocks(),
             before_s,

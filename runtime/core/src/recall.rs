@@ -14,10 +14,10 @@ use backseat_units::Timestamp;
 use crate::commands::Answer;
 use crate::context::Context;
 use crate::envelope::{End, Insert, Track};
-use crate::helm::refused;
 use crate::inserts::Inserts;
 use crate::io::Note;
 use crate::plugin::{PluginId, Refusal, RequestState};
+use crate::refusal::refused;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -78,7 +78,7 @@ impl Inserts {
             self.recall(cx, insert);
         }
         // The ways without them are judged whenever one is: the vehicle may not have them. But none may be flown.
-        if cx.courses.current().is_some() {
+        if cx.vehicle.courses.current().is_some() {
             self.recall_doubtful(cx, plugin);
         }
         all
@@ -145,7 +145,7 @@ impl Inserts {
         };
         recall.due = None;
         let identifier = recall.identifier;
-        if !cx.session.is_up() {
+        if !cx.link.is_up() {
             // It is sent once the link is back.
             return;
         }
@@ -271,7 +271,7 @@ impl Context {
             // What remains is the plan's own.
             return Ok(());
         }
-        let Some(navigation) = self.tracker.fresh(self.now) else {
+        let Some(navigation) = self.vehicle.navigation.fresh(self.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
         let before = at.checked_sub(1).and_then(|before| chain.get(before));
@@ -282,17 +282,23 @@ impl Context {
             .any(|(_, next, _)| next.surfaces());
         let from = self.comes_from(chain.get(..at).unwrap_or_default());
         let to: Vec<End> = match after {
-            Some(after) => vec![self.envelope.ends(&after.1).0],
+            Some(after) => vec![self.monitor.envelope.ends(&after.1).0],
             None => {
                 let tracks = self.taken_up_after(false);
                 let onto = tracks.iter().flat_map(Track::points);
-                self.plan.next_points().into_iter().chain(onto).map(End::At).collect()
+                self.vehicle
+                    .plan
+                    .next_points()
+                    .into_iter()
+                    .chain(onto)
+                    .map(End::At)
+                    .collect()
             }
         };
         let passage = self.passage(navigation.depth, surfacing, self.before_insert_s(false));
         for from in &from {
             for to in &to {
-                self.envelope.judge_way((*from, *to), &passage)?;
+                self.monitor.envelope.judge_way((*from, *to), &passage)?;
             }
         }
         Ok(())

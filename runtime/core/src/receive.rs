@@ -27,50 +27,51 @@ const FLAW_TOLD_EVERY: Duration = Duration::from_secs(10);
 
 impl Core {
     pub(crate) fn receive(&mut self, bytes: &[u8]) {
-        if !self.cx.session.is_up() {
+        if !self.cx.link.is_up() {
             return;
         }
-        self.cx.session.reads.read(self.cx.now);
-        let mut lost = self.cx.framer.counts().lost();
-        self.cx.framer.push(bytes);
-        while let Some(sentence) = self.cx.framer.next_sentence() {
-            let is_of_plan = sentence.name() == "BFPLN";
-            // What cannot be read and has another beginning in it may have swallowed a sentence.
-            let swallowed = sentence.raw().rfind('$').is_some_and(|at| at > 0);
-            let decoded = FromVehicle::decode(&sentence);
-            self.mind_what_is_lost(&mut lost);
-            match decoded {
+        self.cx.link.read(self.cx.now);
+        self.session.push(bytes);
+        while let Some(line) = self.session.next_line() {
+            self.lose_unheard();
+            match line.message {
                 Ok(message) => {
                     self.message(message);
                     self.fail_plugins();
                 }
                 Err(error) => {
-                    if is_of_plan {
-                        self.cx.plan.unreadable();
+                    if line.is_of_plan {
+                        self.cx.vehicle.plan.unreadable();
                     }
-                    if swallowed {
-                        self.cx.mind_loss();
+                    if line.swallows {
+                        self.cx.vehicle.lose();
                     }
                     if self.cx.doubt_control(error.message) {
                         self.settle_control();
                     }
-                    self.cx.malformed(&error);
+                    self.malformed(&error);
                 }
             }
         }
-        self.mind_what_is_lost(&mut lost);
+        self.lose_unheard();
     }
 
     /// What was lost on the link may have been a BFMBS or a BFMBE (safety requirement 002).
-    fn mind_what_is_lost(&mut self, before: &mut u64) {
-        let lost = self.cx.framer.counts().lost();
-        if core::mem::replace(before, lost) != lost {
-            self.cx.mind_loss();
+    fn lose_unheard(&mut self) {
+        if self.session.take_lost() {
+            self.cx.vehicle.lose();
+        }
+    }
+
+    fn malformed(&mut self, error: &DecodeError) {
+        if let Some(count) = self.session.malformed() {
+            let text = error.to_string();
+            self.cx.note(Note::Malformed { text, count });
         }
     }
 
     fn message(&mut self, message: FromVehicle) {
-        self.cx.session.confirm_by_data(message.name());
+        self.cx.link.subscriptions.confirm_by_data(message.name());
         match message {
             FromVehicle::Navigation(message) => self.navigated(&message),
             FromVehicle::VelocityAndRates(message) => self.velocity(&message),
@@ -78,7 +79,7 @@ impl Core {
             FromVehicle::BackseatControl(message) => {
                 self.cx.heard(message.created);
                 if self.cx.settings.control == ControlHook::Bfctl {
-                    self.cx.handed_over = Some(message.granted);
+                    self.cx.control.handed_over = Some(message.granted);
                     // Control that is taken and given back in one read was lost all the same.
                     self.settle_control();
                 }
@@ -89,7 +90,7 @@ impl Core {
             FromVehicle::MissionCommand(message) => self.mission_command(&message),
             FromVehicle::Shutdown(message) => {
                 self.cx.heard(message.created);
-                if self.cx.stopping || !is_on(Check::Shutdown) {
+                if self.cx.control.stopping || !is_on(Check::Shutdown) {
                     // Said again, it gives us no more time.
                     return;
                 }
@@ -97,15 +98,15 @@ impl Core {
                     text: "the vehicle shuts our power off in a minute".to_owned(),
                 });
                 self.capabilities.end_controlled(&mut self.cx, "power goes");
-                self.cx.stopping = true;
+                self.cx.control.stopping = true;
                 self.cx.tell_all(&Event::Shutdown);
                 self.cx.timers.set(Timer::Shutdown, self.cx.now + CLOSE_AFTER_SHUTDOWN);
             }
             FromVehicle::Ctd(message) => self.ctd(&message),
             FromVehicle::PlanElement(message) => {
                 self.cx.heard(message.created);
-                let frame = *self.cx.envelope.fence().frame();
-                self.cx.plan.collect(&frame, &message);
+                let frame = *self.cx.monitor.envelope.fence().frame();
+                self.cx.vehicle.plan.collect(&frame, &message);
                 self.capabilities.inserts.former_named(&mut self.cx, message.identifier);
             }
             FromVehicle::VehicleVersion(message) => {
@@ -165,7 +166,7 @@ impl Core {
 
     fn navigated(&mut self, message: &Navigation) {
         let utc = self.cx.utc();
-        let Some(change) = self.cx.tracker.position(self.cx.now, utc, message) else {
+        let Some(change) = self.cx.vehicle.navigation.position(self.cx.now, utc, message) else {
             return;
         };
         self.navigation_came();
@@ -189,7 +190,7 @@ impl Core {
 
     /// Safety requirement 024: what cannot be true steers nothing.
     fn heed_flaw(&mut self) {
-        let Some(Flaw { what, text }) = self.cx.tracker.take_flaw() else {
+        let Some(Flaw { what, text }) = self.cx.vehicle.navigation.take_flaw() else {
             return;
         };
         if self
@@ -202,7 +203,7 @@ impl Core {
             });
             // They may never have been subscribed: an answer to BPLOG does not say to which it is.
             if what == WITHOUT_VELOCITIES {
-                self.cx.subscribe_anew("NVR");
+                self.session.subscribe_anew(&mut self.cx, "NVR");
             }
         }
         self.capabilities.end_leases(&mut self.cx, what);
@@ -211,7 +212,7 @@ impl Core {
 
     fn velocity(&mut self, message: &VelocityAndRates) {
         self.unjudged = true;
-        let completes = self.cx.tracker.velocity(self.cx.now, message);
+        let completes = self.cx.vehicle.navigation.velocity(self.cx.now, message);
         self.heed_flaw();
         if completes {
             self.follow_navigation();
@@ -238,13 +239,13 @@ impl Core {
         self.cx.note_of_vehicle(Note::Mission {
             status: message.status.as_str().trim().to_owned(),
         });
-        if self.cx.running != Some(running) {
-            self.cx.running = Some(running);
+        if self.cx.control.running != Some(running) {
+            self.cx.control.running = Some(running);
             if running {
-                self.cx.plan.forget();
-                self.cx.compared = Compared::default();
-                self.cx.commands.forget_plan();
-                self.cx.want_plan();
+                self.cx.vehicle.plan.forget();
+                self.cx.vehicle.compared = Compared::default();
+                self.cx.link.commands.forget_plan();
+                self.session.want_plan(&mut self.cx);
             } else if is_on(Check::MissionRuns) && is_on(Check::ControlLossEndsLease) {
                 self.capabilities.modify.end(&mut self.cx, "the mission is not running");
             }
@@ -254,15 +255,15 @@ impl Core {
             self.capabilities
                 .inserts
                 .mission_over(&mut self.cx, "the mission is over");
-            self.cx.courses.forget();
-            self.cx.former.mission_over();
+            self.cx.vehicle.courses.forget();
+            self.cx.vehicle.former.mission_over();
             self.capabilities
                 .adjustments
                 .mission_over(&mut self.cx, "the mission is over");
             self.cx.mission_goes_on();
         }
         if self.cx.settings.control == ControlHook::Running {
-            self.cx.handed_over = Some(running);
+            self.cx.control.handed_over = Some(running);
         }
         self.settle_control();
     }
@@ -275,9 +276,10 @@ impl Core {
         if is_flown {
             let revenant = message
                 .identifier
-                .filter(|identifier| self.cx.sent_identifiers.contains(identifier))
+                .filter(|identifier| self.cx.identifiers.is_ours(*identifier))
                 .filter(|identifier| self.cx.ledger.by_identifier(*identifier).is_none());
             self.cx
+                .vehicle
                 .former
                 .heard_begin(message.identifier, message.kind.as_str(), revenant);
             self.cx.course_began(message.number, message.identifier);
@@ -301,27 +303,27 @@ impl Core {
         self.cx.mission_goes_on();
         if is_flown {
             self.end_overtaken(message.identifier);
-            self.cx.named_insert.began(message.identifier);
+            self.cx.vehicle.named_insert.began(message.identifier);
         }
         let mut own = None;
         match (message.identifier, message.number) {
             (Some(identifier), _) => {
-                self.cx.plan.left_for_insert();
+                self.cx.vehicle.plan.left_for_insert();
                 if let Some(request) = self.cx.ledger.by_identifier(identifier) {
                     own = self.cx.ledger.get(request).map(|entry| (entry.owner, entry.tag));
                     if let Some(entry) = self.cx.ledger.get_mut(request) {
                         entry.interrupted = false;
                     }
                     self.cx.transition(request, RequestState::Started);
-                } else if !self.cx.plan.has(identifier) {
+                } else if !self.cx.vehicle.plan.has(identifier) {
                     // Another payload's that came after the plan was asked for, perhaps.
-                    self.cx.want_plan();
+                    self.session.want_plan(&mut self.cx);
                 }
             }
             (None, Some(number)) => {
-                if !self.cx.plan.began(number) {
-                    self.cx.plan.invalidate();
-                    self.cx.want_plan();
+                if !self.cx.vehicle.plan.began(number) {
+                    self.cx.vehicle.plan.invalidate();
+                    self.session.want_plan(&mut self.cx);
                 }
                 // An insert without the vehicle's word is not flown, and where it does not wait either it is over.
                 self.cx
@@ -349,13 +351,13 @@ impl Core {
         if is_on(Check::LeaseEndsWithBehavior) {
             self.capabilities.modify.end(&mut self.cx, "a behaviour ended under it");
         }
-        self.cx.named_insert.finished(message.identifier);
-        self.cx.former.heard_end(message.identifier);
+        self.cx.vehicle.named_insert.finished(message.identifier);
+        self.cx.vehicle.former.heard_end(message.identifier);
         if let Some(identifier) = message.identifier {
-            self.cx.plan.ended(identifier);
+            self.cx.vehicle.plan.ended(identifier);
             self.cx.ledger.settle_doubt_of(identifier);
         } else if let Some(number) = message.number {
-            self.cx.plan.finished(number);
+            self.cx.vehicle.plan.finished(number);
         } else {
             self.capabilities
                 .adjustments
@@ -413,9 +415,9 @@ impl Core {
         self.operator_by_text(text);
         if let ControlHook::MissionCommand { grant, revoke } = &self.cx.settings.control {
             if text == grant {
-                self.cx.handed_over = Some(true);
+                self.cx.control.handed_over = Some(true);
             } else if text == revoke {
-                self.cx.handed_over = Some(false);
+                self.cx.control.handed_over = Some(false);
             }
             self.settle_control();
         }
@@ -446,10 +448,11 @@ impl Core {
 
     fn ctd(&mut self, message: &Ctd) {
         let utc = self.cx.utc();
-        self.cx.tracker.heard(self.cx.now, utc, message.created);
+        self.cx.vehicle.navigation.heard(self.cx.now, utc, message.created);
         let age = self
             .cx
-            .tracker
+            .vehicle
+            .navigation
             .clock()
             .age(self.cx.now, utc, message.measured)
             .unwrap_or_default();
@@ -466,7 +469,7 @@ impl Core {
 impl Context {
     pub(crate) fn heard(&mut self, created: TimeOfDay) {
         let utc = self.utc();
-        self.tracker.heard(self.now, utc, created);
+        self.vehicle.navigation.heard(self.now, utc, created);
     }
 
     pub(crate) fn tell_wanting(&mut self, topic: Topic, event: &Event) {
@@ -480,27 +483,11 @@ impl Context {
     /// What cannot be read may have taken control (safety requirement 001).
     pub(crate) fn doubt_control(&mut self, message: &str) -> bool {
         match message {
-            "BFCTL" if self.settings.control == ControlHook::Bfctl => self.handed_over = None,
-            "BFMIS" => self.running = None,
+            "BFCTL" if self.settings.control == ControlHook::Bfctl => self.control.handed_over = None,
+            "BFMIS" => self.control.running = None,
             _ => return false,
         }
         true
-    }
-
-    pub(crate) fn mind_loss(&mut self) {
-        self.plan.lose();
-        self.courses.lose();
-        self.former.lose();
-        self.named_insert.lose();
-    }
-
-    pub(crate) fn malformed(&mut self, error: &DecodeError) {
-        if let Some(count) = self.session.malformed() {
-            self.note(Note::Malformed {
-                text: error.to_string(),
-                count,
-            });
-        }
     }
 
     pub(crate) fn tell_of_behavior(&mut self, began: bool, own: Option<(Owner, u64)>, kind: &str) {

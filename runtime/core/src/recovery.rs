@@ -196,10 +196,10 @@ impl Whereabouts {
 impl Whereabouts {
     /// A new position: where the vehicle is, and what follows from it.
     pub(crate) fn watch_place(&mut self, cx: &mut Context, capabilities: &mut Capabilities, orders: &mut Orders) {
-        if cx.running == Some(false) {
+        if cx.control.running == Some(false) {
             return self.forget_excursion(cx);
         }
-        let Some(navigation) = cx.tracker.newest().copied() else {
+        let Some(navigation) = cx.vehicle.navigation.newest().copied() else {
             return;
         };
         if cx.is_active() {
@@ -227,14 +227,14 @@ impl Whereabouts {
         }
         let utc = cx.zone_utc(cx.now);
         self.good = None;
-        self.good = cx.envelope.judge_place(navigation, utc)?;
+        self.good = cx.monitor.envelope.judge_place(navigation, utc)?;
         Ok(())
     }
 
     /// Whether the vehicle may be where it is because of us: what it was sent on may carry it on for as long as what it
     /// can reach is counted.
     fn is_ours(&self, cx: &mut Context) -> bool {
-        let limits = cx.envelope.limits();
+        let limits = cx.monitor.limits();
         let lasts_s = MODIFY_TIMEOUT.as_secs_f64() + limits.link_delay_max_s + 180.0 / limits.turn_rate_dps;
         self.active
             .is_some_and(|active| cx.now.since(active) <= seconds(lasts_s))
@@ -263,7 +263,7 @@ impl Whereabouts {
             excursion.confirmed = false;
             excursion.since = now;
         }
-        cx.recovering = self.recovers();
+        cx.control.recovering = self.recovers();
     }
 
     fn is_inside(&mut self, cx: &mut Context, navigation: &NavigationSample) {
@@ -274,7 +274,7 @@ impl Whereabouts {
             return self.forget_excursion(cx);
         }
         let (utc, room_m) = (cx.zone_utc(cx.now), cx.settings.recovery.back_by_m);
-        let well = cx.envelope.is_well_inside(navigation, room_m, utc);
+        let well = cx.monitor.envelope.is_well_inside(navigation, room_m, utc);
         let now = cx.now;
         let back_for = seconds(cx.settings.recovery.back_for_s);
         let Some(excursion) = &mut self.excursion else {
@@ -291,7 +291,7 @@ impl Whereabouts {
 
     fn forget_excursion(&mut self, cx: &mut Context) {
         self.excursion = None;
-        cx.recovering = false;
+        cx.control.recovering = false;
         cx.timers.stop(Timer::Recovery);
     }
 
@@ -302,7 +302,7 @@ impl Whereabouts {
                 return;
             };
             // What cannot be sent is no step taken; and where the vehicle is inside for the moment, none is due.
-            if excursion.inside.is_some() || !cx.session.is_up() {
+            if excursion.inside.is_some() || !cx.link.is_up() {
                 return cx.timers.stop(Timer::Recovery);
             }
             let step = excursion.step;
@@ -326,7 +326,7 @@ impl Whereabouts {
         let refusal = excursion.refusal.clone();
         if !excursion.confirmed {
             excursion.confirmed = true;
-            cx.recovering = excursion.ours;
+            cx.control.recovering = excursion.ours;
             if !excursion.ours {
                 let text = format!(
                     "the vehicle is outside: {}; nothing of ours is active, and nothing is done",
@@ -400,7 +400,7 @@ impl Whereabouts {
 
     /// Tells the topside, or keeps it for when control is back.
     fn tell_topside(&mut self, cx: &mut Context, capabilities: &mut Capabilities, refusal: &Refusal) {
-        let control = cx.start.armed && cx.lost_because().is_none();
+        let control = cx.control.armed && cx.lost_because().is_none();
         if let Some(excursion) = &mut self.excursion {
             excursion.untold = !control;
         }
@@ -423,7 +423,7 @@ impl Whereabouts {
     /// By how much it is outside, and where it is. In lower case: there are vehicles that take a sentence for the one whose
     /// name its text contains.
     fn text_of(&self, cx: &mut Context, refusal: &Refusal) -> Text {
-        let place = cx.tracker.newest().map_or_else(String::new, |navigation| {
+        let place = cx.vehicle.navigation.newest().map_or_else(String::new, |navigation| {
             format!(
                 " at {:.5} {:.5} depth {:.1} m",
                 navigation.position.latitude.as_deg(),

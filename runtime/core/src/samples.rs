@@ -12,7 +12,7 @@ use crate::plugin::{
 impl Context {
     /// When something of the vehicle's time was, on our clock; never later than now.
     pub(crate) fn when(&self, written: TimeOfDay) -> Timestamp {
-        let age = self.tracker.clock().age(self.now, self.utc(), written);
+        let age = self.vehicle.navigation.clock().age(self.now, self.utc(), written);
         self.now - age.unwrap_or_default()
     }
 
@@ -140,8 +140,9 @@ impl Context {
         if !self.plugins.iter().any(|slot| slot.wants(Topic::Plan)) {
             return;
         }
-        let frame = self.envelope.fence().frame();
+        let frame = self.monitor.envelope.fence().frame();
         let elements: Vec<PlannedElement> = self
+            .vehicle
             .plan
             .elements()
             .map(|element| PlannedElement {

@@ -12,12 +12,12 @@ use backseat_units::math::hypot;
 
 use crate::context::Context;
 use crate::envelope::{APART_MAX, Clocks, Insert, Route};
-use crate::helm::refused;
 use crate::inserts::Inserts;
 use crate::io::Note;
 use crate::limits::seconds;
 use crate::plan::Element;
 use crate::plugin::{Refusal, RequestState};
+use crate::refusal::refused;
 
 /// An insert is taken up so long after it was asked for at the latest, where nothing is flown before it: its way there,
 /// the vehicle's pending answer (SPI 7.5), and the change of the behaviour.
@@ -91,7 +91,7 @@ impl Context {
 
     /// By how much our clock and the vehicle's differ, where that is little enough for both to tell the time.
     pub(crate) fn clocks_apart(&self) -> Option<Duration> {
-        self.tracker.clocks_apart(self.now, self.utc_set_nanos)
+        self.vehicle.navigation.clocks_apart(self.now, self.stamper.set_nanos())
     }
 
     /// How long what may be flown before a new insert takes at most, seconds; infinite where nobody can say.
@@ -115,17 +115,17 @@ impl Context {
     /// How long the planned behaviour that is flown goes on at most, seconds. Only that of a line can be told: what
     /// else the vehicle does at a place, or how often it goes round, no sentence says (SPI 6.20).
     pub(crate) fn current_s(&self) -> f64 {
-        let Some(navigation) = self.tracker.newest() else {
+        let Some(navigation) = self.vehicle.navigation.newest() else {
             return f64::INFINITY;
         };
-        let slowest_mps = self.envelope.slowest_mps();
+        let slowest_mps = self.monitor.envelope.slowest_mps();
         // One that makes less way than it must waits for something.
         let over_ground_mps = hypot(navigation.east_mps, navigation.north_mps);
         if over_ground_mps.is_nan() || over_ground_mps < slowest_mps {
             return f64::INFINITY;
         }
         let mut longest_m: Option<f64> = None;
-        for element in self.plan.flown() {
+        for element in self.vehicle.plan.flown() {
             let length_m = line_m(element).map(|length_m| length_m + navigation.local.distance_m(element.first()));
             longest_m = Some(longest_m.unwrap_or(0.0).max(length_m.unwrap_or(f64::INFINITY)));
         }
@@ -134,25 +134,26 @@ impl Context {
 
     /// How long the inserts take that are not ours.
     pub(crate) fn others_s(&self) -> f64 {
-        let mut at = self.tracker.newest().map(|navigation| navigation.local);
+        let mut at = self.vehicle.navigation.newest().map(|navigation| navigation.local);
         let others = self
+            .vehicle
             .plan
-            .others(|identifier| self.sent_identifiers.contains(&identifier));
+            .others(|identifier| self.identifiers.is_ours(identifier));
         let mut all_m = 0.0;
         for (_, element) in others {
             let transit_m = at.map_or(f64::INFINITY, |at| at.distance_m(element.first()));
             all_m += transit_m + line_m(element).unwrap_or(f64::INFINITY);
             at = Some(element.last());
         }
-        all_m / self.envelope.slowest_mps()
+        all_m / self.monitor.envelope.slowest_mps()
     }
 
     /// The time that an insert about to be sent was judged by; `None` where it was judged at the worst, or no zone ever
     /// changes.
     pub(crate) fn schedule(&self, insert: &Insert, route: &Route) -> Option<Schedule> {
-        let lasts_s = self.envelope.lasts_s(insert, route);
+        let lasts_s = self.monitor.envelope.lasts_s(insert, route);
         let known = self.clocks().next(route.before_s + lasts_s).is_some();
-        if !known || !self.envelope.fence().changes() {
+        if !known || !self.monitor.envelope.fence().changes() {
             return None;
         }
         let begins_by = self.now + seconds(route.before_s);
@@ -168,7 +169,7 @@ impl Context {
         if !insert.interrupt {
             return Ok(());
         }
-        let delay_s = route.before_s + self.envelope.lasts_s(insert, route);
+        let delay_s = route.before_s + self.monitor.envelope.lasts_s(insert, route);
         let begun = self
             .ledger
             .iter()
@@ -190,7 +191,7 @@ impl Context {
     /// Whether a zone opens or closes between two times, by our clock or the vehicle's.
     pub(crate) fn changes_between(&self, from: Timestamp, until: Timestamp) -> bool {
         let apart = self.clocks_apart().unwrap_or(APART_MAX);
-        self.envelope.fence().changes_within(Span {
+        self.monitor.envelope.fence().changes_within(Span {
             from: self.zone_utc(from - apart),
             until: self.zone_utc(until + apart),
         })

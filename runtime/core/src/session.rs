@@ -3,21 +3,21 @@
 use std::time::Duration;
 
 use backseat_spi::{
-    Acknowledgement, CommandName, LoggingControl, PayloadStatus, PayloadVersion, RequestPlan, Text, ToVehicle,
+    Acknowledgement, CommandName, DecodeError, Framer, FromVehicle, LoggingControl, PayloadStatus, PayloadVersion,
+    Policy, RequestPlan, Text, ToVehicle,
 };
 use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
 use crate::conductor::Slot;
 use crate::context::Context;
-use crate::expected::Compared;
 use crate::heartbeat::{BEAT_EVERY, Remedy};
 use crate::io::{Note, Output};
 use crate::machine::Core;
 use crate::plugin::RequestState;
-use crate::reads::Reads;
+use crate::quota::LastMinute;
 use crate::settings::StatusCondition;
-use crate::subscriptions::{self, ACKNOWLEDGEMENTS};
+use crate::subscriptions::ACKNOWLEDGEMENTS;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -47,30 +47,35 @@ const CONTROL_NOTE_EVERY: Duration = Duration::from_secs(5);
 const CLOCK_STEP_NANOS: i64 = 500_000_000;
 const CLOCK_NOTE_EVERY: Duration = Duration::from_secs(10);
 
-/// Where the connection stands.
+/// Speaks with the vehicle: connects, subscribes, asks for the plan, tells our status, and sees to it that both are heard.
 #[derive(Debug)]
 pub(crate) struct Session {
-    up: bool,
-    pub(crate) reads: Reads,
+    framer: Framer,
+    /// How many lines the framer had lost when it was last asked.
+    lost: u64,
+    /// For the pauses between two attempts to connect.
+    jitter: u64,
     /// Connections tried since navigation last came.
     attempts: u32,
     /// How often in a row navigation has not come.
     silences: u32,
-    subscriptions: Vec<&'static str>,
-    /// Which of them the vehicle has acknowledged, or has sent the data of, on this connection.
-    confirmed: Vec<bool>,
-    /// How often each has been sent on this connection without an answer.
-    unanswered: Vec<u32>,
-    /// How many are not confirmed.
-    unconfirmed: usize,
-    /// Acknowledgements have been subscribed on this connection.
-    acknowledged: bool,
     malformed: u64,
+    /// When the vehicle's words have had us ask for its plan.
+    plan_asks: LastMinute,
     /// That nothing is acknowledged has been told on this connection.
     unheard_told: bool,
     /// The vehicle's clock as it was last told of on this connection, and when.
     clock_told: Option<(i64, Timestamp)>,
     control_notes: ControlNotes,
+}
+
+/// A line of the vehicle's.
+pub(crate) struct Line {
+    pub(crate) message: Result<FromVehicle, DecodeError>,
+    /// It calls itself a BFPLN, readable or not.
+    pub(crate) is_of_plan: bool,
+    /// It has another beginning in it. Where it cannot be read it may have swallowed a sentence.
+    pub(crate) swallows: bool,
 }
 
 /// How many changes of control are still told of, and what has not been.
@@ -87,19 +92,15 @@ struct ControlNotes {
 }
 
 impl Session {
-    pub(crate) fn new(plugins: &[Slot]) -> Self {
-        let subscriptions = subscriptions::of(plugins);
+    pub(crate) fn new(jitter: u64) -> Self {
         Self {
-            up: false,
-            reads: Reads::default(),
+            framer: Framer::new(Policy::FromVehicle),
+            lost: 0,
+            jitter,
             attempts: 0,
             silences: 0,
-            confirmed: vec![false; subscriptions.len()],
-            unanswered: vec![0; subscriptions.len()],
-            unconfirmed: subscriptions.len(),
-            acknowledged: false,
-            subscriptions,
             malformed: 0,
+            plan_asks: LastMinute::default(),
             unheard_told: false,
             clock_told: None,
             control_notes: ControlNotes {
@@ -112,66 +113,35 @@ impl Session {
         }
     }
 
-    /// A new connection: nothing is subscribed on it.
+    /// A new connection.
     fn begin(&mut self) {
-        self.up = true;
+        self.framer.clear();
+        self.lost = self.framer.counts().lost();
         self.silences = 0;
         self.malformed = 0;
         self.unheard_told = false;
         self.clock_told = None;
-        self.acknowledged = false;
-        self.doubt_subscriptions();
     }
 
-    /// The vehicle may have none of the subscriptions.
-    fn doubt_subscriptions(&mut self) {
-        self.confirmed.fill(false);
-        self.unanswered.fill(0);
-        self.unconfirmed = self.subscriptions.len();
+    /// Bytes from the vehicle, in any split.
+    pub(crate) fn push(&mut self, bytes: &[u8]) {
+        self.framer.push(bytes);
     }
 
-    /// The vehicle may not have the subscription at this place of the list, though it seemed to be answered: the answers to
-    /// BPLOG do not say to which (SPI 7.1).
-    fn doubt_subscription(&mut self, index: usize) {
-        self.unanswered[index] = 0;
-        if core::mem::take(&mut self.confirmed[index]) {
-            self.unconfirmed += 1;
-        }
+    /// The next line that is whole.
+    pub(crate) fn next_line(&mut self) -> Option<Line> {
+        let sentence = self.framer.next_sentence()?;
+        Some(Line {
+            is_of_plan: sentence.name() == "BFPLN",
+            swallows: sentence.raw().rfind('$').is_some_and(|at| at > 0),
+            message: FromVehicle::decode(&sentence),
+        })
     }
 
-    /// The messages that are subscribed, in order.
-    pub(crate) fn subscriptions(&self) -> &[&'static str] {
-        &self.subscriptions
-    }
-
-    /// A message has come, `BFNVG`: its subscription stands, whatever became of the acknowledgement.
-    pub(crate) fn confirm_by_data(&mut self, message: &str) {
-        if self.unconfirmed == 0 {
-            return;
-        }
-        for index in 0..self.subscriptions.len() {
-            if message.strip_prefix("BF") == Some(self.subscriptions[index]) {
-                self.confirm(index);
-            }
-        }
-    }
-
-    fn confirm(&mut self, index: usize) {
-        self.unanswered[index] = 0;
-        if !self.confirmed[index] {
-            self.confirmed[index] = true;
-            self.unconfirmed -= 1;
-        }
-    }
-
-    pub(crate) const fn is_up(&self) -> bool {
-        self.up
-    }
-
-    /// Whether the vehicle has acknowledged the subscription to a message on this connection, or sent the message.
-    pub(crate) fn is_subscribed(&self, message: &str) -> bool {
-        let mut both = self.subscriptions.iter().zip(&self.confirmed);
-        both.any(|(subscription, confirmed)| *subscription == message && *confirmed)
+    /// Whether anything was lost on the link since this was last asked.
+    pub(crate) fn take_lost(&mut self) -> bool {
+        let lost = self.framer.counts().lost();
+        core::mem::replace(&mut self.lost, lost) != lost
     }
 
     /// Counts a sentence that cannot be read; how many there were. Told at 1, 10, 100, ...
@@ -189,58 +159,45 @@ impl Session {
 
 impl Core {
     pub(crate) fn link_up(&mut self) {
-        self.cx.framer.clear();
-        self.cx.tracker.reset();
+        self.session.begin();
+        self.cx.link.begin(self.cx.now);
+        self.cx.vehicle.reset();
+        self.cx.control.forget();
         self.capabilities.station.reset();
-        self.cx.relative.reset();
-        self.cx.cartesian.reset();
-        self.cx.commands.clear();
-        self.cx.plan.forget();
-        self.cx.compared = Compared::default();
-        self.cx.handed_over = None;
-        self.cx.running = None;
-        self.cx.session.begin();
-        self.cx.heartbeat.begin(self.cx.now);
-        self.cx.session.reads.begin(self.cx.now);
         self.cx.note(Note::LinkUp);
         let created = self.cx.stamper.stamp(self.cx.now, "VER");
         let version = ToVehicle::PayloadVersion(PayloadVersion {
             created,
             version: Text::cleaned(VERSION),
         });
-        let command = self.cx.early("VER", Some(created));
+        let command = self.session.early(&self.cx, "VER", Some(created));
         self.cx.transmit(&version, Some(command));
-        self.cx.subscribe_all();
-        self.cx.ask_for_plan();
+        self.session.subscribe_all(&mut self.cx);
+        self.session.ask_for_plan(&mut self.cx);
         self.orders.link_up(&mut self.cx, &mut self.capabilities);
         self.capabilities.inserts.link_up(&mut self.cx);
-        if self.cx.held && is_on(Check::HoldCancels) {
+        if self.cx.control.held && is_on(Check::HoldCancels) {
             // The operator may have taken the helm while nothing could be sent.
             self.capabilities.inserts.take_back_all(&mut self.cx, None);
             self.capabilities.inserts.cancel_former(&mut self.cx);
         }
         self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
-        self.cx.beat();
+        self.session.beat(&mut self.cx);
     }
 
     pub(crate) fn link_down(&mut self) {
         // No BPEMB reaches the vehicle: its own clock ends the modify (safety requirement 007).
-        self.cx.session.up = false;
-        self.cx.former.link_lost();
+        self.cx.link.end();
+        self.cx.vehicle.former.link_lost();
         if self.cx.ledger.interrupts() {
-            self.cx.courses.leave_plan();
+            self.cx.vehicle.courses.leave_plan();
         }
-        self.cx.courses.lose();
+        self.cx.vehicle.courses.lose();
         self.capabilities.end_leases(&mut self.cx, "the link is down");
-        self.cx.handed_over = None;
-        self.cx.running = None;
-        self.cx.commands.clear();
-        self.cx.plan.forget();
-        self.cx.compared = Compared::default();
-        self.cx.tracker.reset();
+        self.cx.control.forget();
+        self.cx.link.commands.clear();
+        self.cx.vehicle.reset();
         self.capabilities.station.reset();
-        self.cx.relative.reset();
-        self.cx.cartesian.reset();
         self.capabilities.silent.link_lost(&mut self.cx);
         self.capabilities.adjustments.link_lost(&mut self.cx);
         self.capabilities.acoustic.link_lost(&mut self.cx);
@@ -266,28 +223,28 @@ impl Core {
         for timer in [Timer::Silence, Timer::Plan, Timer::Status, Timer::Heartbeat] {
             self.cx.timers.stop(timer);
         }
-        if self.cx.stopping {
+        if self.cx.control.stopping {
             return;
         }
-        let after_s = self.cx.retry_s();
+        let after_s = self.session.retry_s(&self.cx);
         self.cx.note(Note::LinkDown {
-            counts: self.cx.framer.counts(),
+            counts: self.session.framer.counts(),
             retry_s: after_s,
         });
-        self.cx.outputs.push_back(Output::Connect {
+        self.cx.outbox.push(Output::Connect {
             after: Duration::from_secs_f64(after_s),
         });
-        self.cx.session.attempts = self.cx.session.attempts.saturating_add(1);
+        self.session.attempts = self.session.attempts.saturating_add(1);
     }
 
     pub(crate) fn plan_answered(&mut self, answer: Answer<'_>) {
         match answer {
             // The series follows its own pending acknowledgement; what came before is of an earlier asking.
-            Answer::Pending => self.cx.begin_plan(),
+            Answer::Pending => self.session.begin_plan(&mut self.cx),
             Answer::Done => {
-                if self.cx.plan.end(self.cx.framer.counts().lost()) {
+                if self.cx.vehicle.plan.end(self.session.framer.counts().lost()) {
                     self.cx.note(Note::Plan {
-                        elements: self.cx.plan.len(),
+                        elements: self.cx.vehicle.plan.len(),
                     });
                     self.cx.dive_planned();
                     if self.cx.compare_plan() {
@@ -298,42 +255,332 @@ impl Core {
                     self.cx.former_in_plan();
                     self.cx.tell_of_plan();
                     self.capabilities.inserts.judge_waiting(&mut self.cx);
-                    if self.cx.held && is_on(Check::HoldCancels) {
+                    if self.cx.control.held && is_on(Check::HoldCancels) {
                         self.capabilities.inserts.cancel_former(&mut self.cx);
                     }
                 } else {
-                    self.cx.plan_failed();
+                    self.session.plan_failed(&mut self.cx);
                 }
             }
-            Answer::Refused(_) | Answer::Missing => self.cx.plan_failed(),
+            Answer::Refused(_) | Answer::Missing => self.session.plan_failed(&mut self.cx),
         }
     }
 
     pub(crate) fn navigation_came(&mut self) {
-        self.cx.session.heard_navigation();
+        self.session.heard_navigation();
         self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
-        self.cx.watch_clock();
+        self.session.watch_clock(&mut self.cx);
         self.capabilities.inserts.watch_schedules(&mut self.cx);
     }
 
     /// An acknowledgement may end a round trip.
     pub(crate) fn round_trip(&mut self, ack: &Acknowledgement) {
-        let Some(heard) = self.cx.heartbeat.acknowledged(self.cx.now, ack) else {
+        let Some(heard) = self.cx.link.heartbeat.acknowledged(self.cx.now, ack) else {
             return;
         };
         let utc = self.cx.utc();
-        if let Some(step) = self.cx.tracker.measured(heard.trip, utc, ack.created) {
+        if let Some(step) = self.cx.vehicle.navigation.measured(heard.trip, utc, ack.created) {
             let text = format!("the vehicle's clock was set by {:+.3} s", -(step as f64) / 1e9);
             self.cx.note(Note::Navigation { text });
             self.capabilities
                 .end_leases(&mut self.cx, "the vehicle's clock was set");
         }
         if heard.good {
-            self.cx.session.unheard_told = false;
-            if self.cx.session.clock_told.is_none() {
-                self.cx.tell_of_clock(ack.created);
+            self.session.unheard_told = false;
+            if self.session.clock_told.is_none() {
+                self.session.tell_of_clock(&mut self.cx, ack.created);
             }
         }
+    }
+}
+
+impl Session {
+    /// Control has changed hands: told at once, unless it does so all the time.
+    pub(crate) fn tell_of_control(&mut self, cx: &mut Context, reason: &str) {
+        let granted = cx.control.granted;
+        let notes = &mut self.control_notes;
+        let every = CONTROL_NOTE_EVERY.as_nanos();
+        let refill = u32::try_from(cx.now.since(notes.refilled).as_nanos() / every).unwrap_or(u32::MAX);
+        if refill > 0 {
+            notes.left = notes.left.saturating_add(refill).min(CONTROL_NOTES);
+            notes.refilled = cx.now;
+        }
+        if notes.left == 0 {
+            notes.untold += 1;
+            return;
+        }
+        notes.left -= 1;
+        notes.told = granted;
+        cx.note(Note::Control {
+            granted,
+            reason: reason.to_owned(),
+        });
+    }
+
+    /// What was not told of control when it changed too often.
+    pub(crate) fn catch_up_on_control(&mut self, cx: &mut Context) {
+        let granted = cx.control.granted;
+        let notes = &mut self.control_notes;
+        if cx.now.since(notes.caught_up) < CATCH_UP_EVERY {
+            return;
+        }
+        notes.caught_up = cx.now;
+        let untold = std::mem::take(&mut notes.untold);
+        if untold == 0 {
+            return;
+        }
+        let changed = std::mem::replace(&mut notes.told, granted) != granted;
+        cx.note(Note::Text {
+            text: format!("control has changed hands {untold} times more"),
+        });
+        if changed {
+            cx.note(Note::Control {
+                granted,
+                reason: cx.lost_because().unwrap_or("").to_owned(),
+            });
+        }
+    }
+
+    /// The second's BPSTS (SPI 7.2), and what carries the beat beside it where the vehicle does not answer that.
+    pub(crate) fn beat(&mut self, cx: &mut Context) {
+        self.catch_up_on_control(cx);
+        cx.tell_what_was_counted();
+        if cx.link.heartbeat.needs_log(cx.now) {
+            self.subscribe_acknowledgements(cx, Purpose::Beat);
+        }
+        self.send_status(cx);
+        cx.timers.set(Timer::Status, cx.now + BEAT_EVERY);
+    }
+
+    pub(crate) fn send_status(&mut self, cx: &mut Context) {
+        let failed = cx.settings.status_failed_when.iter().any(|condition| match condition {
+            StatusCondition::PluginQuarantined => cx.plugins.iter().any(Slot::is_quarantined),
+            StatusCondition::NavigationStale => cx.vehicle.navigation.fresh(cx.now).is_none(),
+        });
+        let text = match (cx.arbiter.is_steering(), cx.lost_because()) {
+            (true, _) => "steering",
+            (false, None) => "has control",
+            (false, Some(reason)) => reason,
+        };
+        let created = cx.stamper.stamp(cx.now, "STS");
+        let status = PayloadStatus {
+            created,
+            ok: !failed,
+            text: Text::cleaned(text),
+        };
+        let command = cx.courtesy("STS", Some(created));
+        cx.transmit(&ToVehicle::PayloadStatus(status), Some(command));
+    }
+
+    pub(crate) fn subscribe_acknowledgements(&mut self, cx: &mut Context, purpose: Purpose) {
+        let message = ToVehicle::LoggingControl(LoggingControl {
+            message: Text::cleaned(ACKNOWLEDGEMENTS),
+            on: true,
+        });
+        let command = Command {
+            purpose,
+            ..cx.courtesy("LOG", None)
+        };
+        cx.transmit(&message, Some(command));
+    }
+
+    /// Doubled at each attempt, half of it by chance, so that payloads that lost the vehicle together do not come back
+    /// together.
+    pub(crate) fn retry_s(&self, cx: &Context) -> f64 {
+        let doubled = 2.0 * RETRY_MIN_S * f64::from(1u32 << self.attempts.min(5));
+        let mut bits = self.jitter ^ u64::from(self.attempts) ^ cx.now.as_nanos();
+        // The finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014): every bit of the state counts.
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let chance = ((bits ^ (bits >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+        doubled.min(RETRY_MAX_S) * (0.5 + 0.5 * chance)
+    }
+
+    pub(crate) fn subscribe_all(&mut self, cx: &mut Context) {
+        for index in 0..cx.link.subscriptions.len() {
+            self.subscribe(cx, index);
+        }
+    }
+
+    /// A message stays away that was subscribed.
+    pub(crate) fn subscribe_anew(&mut self, cx: &mut Context, message: &str) {
+        if let Some(index) = cx.link.subscriptions.doubt(message) {
+            self.subscribe(cx, index);
+        }
+    }
+
+    fn subscribe(&mut self, cx: &mut Context, index: usize) {
+        let (subject, unanswered) = cx.link.subscriptions.asked(index);
+        let message = ToVehicle::LoggingControl(LoggingControl {
+            message: Text::cleaned(subject),
+            on: true,
+        });
+        let command = match unanswered {
+            Some(unanswered) => Command {
+                name: name("LOG"),
+                created: None,
+                identifier: None,
+                purpose: Purpose::Subscription(index),
+                deadline: cx.now + 2 * FIRST_WITHIN * (1 << unanswered.min(SUBSCRIPTION_DOUBLINGS)),
+                pending: false,
+            },
+            None => self.early(cx, "LOG", None),
+        };
+        cx.transmit(&message, Some(command));
+    }
+
+    /// A command that leaves before acknowledgements are asked for.
+    pub(crate) fn early(&self, cx: &Context, letters: &'static str, created: Option<TimeOfDay>) -> Command {
+        Command {
+            purpose: Purpose::Early,
+            ..cx.courtesy(letters, created)
+        }
+    }
+
+    pub(crate) fn subscription_answered(&mut self, cx: &mut Context, index: usize, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => {}
+            Answer::Done => cx.link.subscriptions.confirm(index),
+            Answer::Refused(text) => {
+                let message = cx.link.subscriptions.subject(index);
+                cx.note(Note::Text {
+                    text: format!("the vehicle refused the subscription to BF{message}: {text}"),
+                });
+            }
+            // What it asked for may come all the same.
+            Answer::Missing if cx.link.subscriptions.is_confirmed(index) => {}
+            Answer::Missing => self.subscribe(cx, index),
+        }
+    }
+
+    pub(crate) fn ask_for_plan(&mut self, cx: &mut Context) {
+        if cx.vehicle.plan.is_collecting() {
+            return;
+        }
+        let created = cx.stamper.stamp(cx.now, "RMP");
+        let command = Command {
+            name: name("RMP"),
+            created: Some(created),
+            identifier: None,
+            purpose: Purpose::Plan,
+            deadline: cx.now + PLAN_WITHIN,
+            pending: false,
+        };
+        if cx.transmit(&ToVehicle::RequestPlan(RequestPlan { created }), Some(command)) {
+            cx.vehicle.plan.asked(cx.now);
+            self.begin_plan(cx);
+        }
+    }
+
+    /// What the vehicle says makes its plan worth asking for. It may say so a hundred times a second: then it is asked for
+    /// now and then.
+    pub(crate) fn want_plan(&mut self, cx: &mut Context) {
+        if self.plan_asks.has_room(cx.now, PLAN_ASKS_PER_MIN) {
+            self.plan_asks.add(cx.now);
+            return self.ask_for_plan(cx);
+        }
+        cx.timers.set_unless_set(Timer::Plan, cx.now + PLAN_ASKED_ANEW);
+    }
+
+    pub(crate) fn begin_plan(&mut self, cx: &mut Context) {
+        cx.vehicle.plan.begin(self.framer.counts().lost());
+    }
+
+    /// The plan did not come: it is asked for again.
+    pub(crate) fn plan_failed(&mut self, cx: &mut Context) {
+        cx.vehicle.plan.fail();
+        cx.timers.set(Timer::Plan, cx.now + PLAN_RETRY);
+    }
+
+    /// Tells of the vehicle's clock where it has moved against ours since it was last told on this connection, which the
+    /// first round trip does.
+    pub(crate) fn watch_clock(&mut self, cx: &mut Context) {
+        let Some(offset) = cx.vehicle.navigation.clock().offset_nanos(cx.now) else {
+            return;
+        };
+        let told = self.clock_told;
+        let moved = told.is_some_and(|(told, at)| {
+            offset.abs_diff(told) >= CLOCK_STEP_NANOS.unsigned_abs() && cx.now.since(at) >= CLOCK_NOTE_EVERY
+        });
+        if !moved {
+            return;
+        }
+        if let Some(written) = cx.vehicle.navigation.written() {
+            self.tell_of_clock(cx, written);
+        }
+    }
+
+    /// Tells of the vehicle's clock, which has just said `written`.
+    pub(crate) fn tell_of_clock(&mut self, cx: &mut Context, written: TimeOfDay) {
+        let Some(offset) = cx.vehicle.navigation.clock().offset_nanos(cx.now) else {
+            return;
+        };
+        self.clock_told = Some((offset, cx.now));
+        cx.note(Note::Clock {
+            offset_s: offset as f64 / 1e9,
+            vehicle: written,
+        });
+    }
+
+    /// Keep-alive is by navigation, never by acknowledgements.
+    pub(crate) fn silence(&mut self, cx: &mut Context) {
+        self.silences += 1;
+        if self.silences >= SILENCES_MAX {
+            cx.note(Note::Text {
+                text: "no navigation: the connection is reset".to_owned(),
+            });
+            cx.outbox.push(Output::ResetLink);
+        } else {
+            cx.note(Note::Text {
+                text: "no navigation for 5 s: subscribing anew".to_owned(),
+            });
+            cx.link.subscriptions.doubt_all();
+            self.subscribe_all(cx);
+        }
+        cx.timers.set(Timer::Silence, cx.now + SILENT);
+    }
+
+    /// What is done where the vehicle is not heard to answer. The lease has ended by then, and its BPEMB is on its way.
+    pub(crate) fn remedy(&mut self, cx: &mut Context) {
+        match cx.link.heartbeat.remedy(cx.now) {
+            None => {}
+            Some(Remedy::Subscribe) => {
+                self.subscribe_acknowledgements(cx, Purpose::Beat);
+                self.tell_that_unheard(cx);
+            }
+            Some(Remedy::Reset) => {
+                let text = "the vehicle has not answered in time for 30 s: the connection is reset";
+                cx.note(Note::Text { text: text.to_owned() });
+                cx.outbox.push(Output::ResetLink);
+            }
+        }
+    }
+
+    /// Told once for each time that the answers stay away: it may be the vehicle's habit, and then it is never steered.
+    pub(crate) fn tell_that_unheard(&mut self, cx: &mut Context) {
+        if cx.link.heartbeat.remedies() < 3 || core::mem::replace(&mut self.unheard_told, true) {
+            return;
+        }
+        let text = match cx.link.heartbeat.newest() {
+            None => "the vehicle acknowledges nothing on this connection: it is not steered".to_owned(),
+            Some(trip) => format!(
+                "the vehicle does not answer within {} s, the last time after {:.1} s: it is not steered",
+                cx.monitor.limits().link_delay_max_s,
+                trip.lasted().as_secs_f64()
+            ),
+        };
+        cx.note(Note::Text { text });
+    }
+
+    pub(crate) fn settle_heartbeat(&mut self, cx: &mut Context) {
+        if !cx.timers.is_set(Timer::Status) {
+            // There is no link, or the logs are closed.
+            return;
+        }
+        let lapses = cx.link.heartbeat.lapses_at().filter(|at| *at > cx.now);
+        let remedy = cx.link.heartbeat.remedy_at();
+        cx.timers
+            .set(Timer::Heartbeat, lapses.map_or(remedy, |lapses| lapses.min(remedy)));
     }
 }
 
@@ -352,311 +599,13 @@ impl Context {
 
     /// Why the vehicle does not hear us; `None` where it does (safety requirement 023).
     pub(crate) fn unheard(&self) -> Option<&'static str> {
-        if self.heartbeat.is_heard(self.now) || !is_on(Check::Heard) {
+        if self.link.heartbeat.is_heard(self.now) || !is_on(Check::Heard) {
             None
-        } else if self.heartbeat.has_answered() {
+        } else if self.link.heartbeat.has_answered() {
             Some("the vehicle does not answer in time")
         } else {
             Some("the vehicle has not answered yet")
         }
-    }
-
-    /// Control has changed hands: told at once, unless it does so all the time.
-    pub(crate) fn tell_of_control(&mut self, reason: &str) {
-        let granted = self.granted;
-        let notes = &mut self.session.control_notes;
-        let every = CONTROL_NOTE_EVERY.as_nanos();
-        let refill = u32::try_from(self.now.since(notes.refilled).as_nanos() / every).unwrap_or(u32::MAX);
-        if refill > 0 {
-            notes.left = notes.left.saturating_add(refill).min(CONTROL_NOTES);
-            notes.refilled = self.now;
-        }
-        if notes.left == 0 {
-            notes.untold += 1;
-            return;
-        }
-        notes.left -= 1;
-        notes.told = granted;
-        self.note(Note::Control {
-            granted,
-            reason: reason.to_owned(),
-        });
-    }
-
-    /// What was not told of control when it changed too often.
-    pub(crate) fn catch_up_on_control(&mut self) {
-        let granted = self.granted;
-        let notes = &mut self.session.control_notes;
-        if self.now.since(notes.caught_up) < CATCH_UP_EVERY {
-            return;
-        }
-        notes.caught_up = self.now;
-        let untold = std::mem::take(&mut notes.untold);
-        if untold == 0 {
-            return;
-        }
-        let changed = std::mem::replace(&mut notes.told, granted) != granted;
-        self.note(Note::Text {
-            text: format!("control has changed hands {untold} times more"),
-        });
-        if changed {
-            self.note(Note::Control {
-                granted,
-                reason: self.lost_because().unwrap_or("").to_owned(),
-            });
-        }
-    }
-
-    /// The second's BPSTS (SPI 7.2), and what carries the beat beside it where the vehicle does not answer that.
-    pub(crate) fn beat(&mut self) {
-        self.catch_up_on_control();
-        self.tell_what_was_counted();
-        if self.heartbeat.needs_log(self.now) {
-            self.subscribe_acknowledgements(Purpose::Beat);
-        }
-        self.send_status();
-        self.timers.set(Timer::Status, self.now + BEAT_EVERY);
-    }
-
-    pub(crate) fn send_status(&mut self) {
-        let failed = self
-            .settings
-            .status_failed_when
-            .iter()
-            .any(|condition| match condition {
-                StatusCondition::PluginQuarantined => self.plugins.iter().any(Slot::is_quarantined),
-                StatusCondition::NavigationStale => self.tracker.fresh(self.now).is_none(),
-            });
-        let text = match (self.arbiter.is_steering(), self.lost_because()) {
-            (true, _) => "steering",
-            (false, None) => "has control",
-            (false, Some(reason)) => reason,
-        };
-        let created = self.stamper.stamp(self.now, "STS");
-        let status = PayloadStatus {
-            created,
-            ok: !failed,
-            text: Text::cleaned(text),
-        };
-        let command = self.courtesy("STS", Some(created));
-        self.transmit(&ToVehicle::PayloadStatus(status), Some(command));
-    }
-
-    pub(crate) fn subscribe_acknowledgements(&mut self, purpose: Purpose) {
-        let message = ToVehicle::LoggingControl(LoggingControl {
-            message: Text::cleaned(ACKNOWLEDGEMENTS),
-            on: true,
-        });
-        let command = Command {
-            purpose,
-            ..self.courtesy("LOG", None)
-        };
-        self.transmit(&message, Some(command));
-    }
-
-    /// Doubled at each attempt, half of it by chance, so that payloads that lost the vehicle together do not come back
-    /// together.
-    pub(crate) fn retry_s(&self) -> f64 {
-        let doubled = 2.0 * RETRY_MIN_S * f64::from(1u32 << self.session.attempts.min(5));
-        let mut bits = self.start.jitter ^ u64::from(self.session.attempts) ^ self.now.as_nanos();
-        // The finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014): every bit of the state counts.
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let chance = ((bits ^ (bits >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
-        doubled.min(RETRY_MAX_S) * (0.5 + 0.5 * chance)
-    }
-
-    pub(crate) fn subscribe_all(&mut self) {
-        for index in 0..self.session.subscriptions.len() {
-            self.subscribe(index);
-        }
-    }
-
-    /// A message stays away that was subscribed.
-    pub(crate) fn subscribe_anew(&mut self, message: &str) {
-        let index = self.session.subscriptions.iter().position(|known| *known == message);
-        if let Some(index) = index {
-            self.session.doubt_subscription(index);
-            self.subscribe(index);
-        }
-    }
-
-    pub(crate) fn subscribe(&mut self, index: usize) {
-        let subject = self.session.subscriptions[index];
-        let message = ToVehicle::LoggingControl(LoggingControl {
-            message: Text::cleaned(subject),
-            on: true,
-        });
-        self.session.acknowledged |= subject == ACKNOWLEDGEMENTS;
-        let command = if self.session.acknowledged {
-            let doublings = self.session.unanswered[index].min(SUBSCRIPTION_DOUBLINGS);
-            self.session.unanswered[index] += 1;
-            Command {
-                name: name("LOG"),
-                created: None,
-                identifier: None,
-                purpose: Purpose::Subscription(index),
-                deadline: self.now + 2 * FIRST_WITHIN * (1 << doublings),
-                pending: false,
-            }
-        } else {
-            self.early("LOG", None)
-        };
-        self.transmit(&message, Some(command));
-    }
-
-    /// A command that leaves before acknowledgements are asked for.
-    pub(crate) fn early(&self, letters: &'static str, created: Option<TimeOfDay>) -> Command {
-        Command {
-            purpose: Purpose::Early,
-            ..self.courtesy(letters, created)
-        }
-    }
-
-    pub(crate) fn subscription_answered(&mut self, index: usize, answer: Answer<'_>) {
-        match answer {
-            Answer::Pending => {}
-            Answer::Done => self.session.confirm(index),
-            Answer::Refused(text) => {
-                let message = self.session.subscriptions[index];
-                self.note(Note::Text {
-                    text: format!("the vehicle refused the subscription to BF{message}: {text}"),
-                });
-            }
-            // What it asked for may come all the same.
-            Answer::Missing if self.session.confirmed[index] => {}
-            Answer::Missing => self.subscribe(index),
-        }
-    }
-
-    pub(crate) fn ask_for_plan(&mut self) {
-        if self.plan.is_collecting() {
-            return;
-        }
-        let created = self.stamper.stamp(self.now, "RMP");
-        let command = Command {
-            name: name("RMP"),
-            created: Some(created),
-            identifier: None,
-            purpose: Purpose::Plan,
-            deadline: self.now + PLAN_WITHIN,
-            pending: false,
-        };
-        if self.transmit(&ToVehicle::RequestPlan(RequestPlan { created }), Some(command)) {
-            self.plan.asked(self.now);
-            self.begin_plan();
-        }
-    }
-
-    /// What the vehicle says makes its plan worth asking for. It may say so a hundred times a second: then it is asked for
-    /// now and then.
-    pub(crate) fn want_plan(&mut self) {
-        if self.plan_asks.has_room(self.now, PLAN_ASKS_PER_MIN) {
-            self.plan_asks.add(self.now);
-            return self.ask_for_plan();
-        }
-        self.timers.set_unless_set(Timer::Plan, self.now + PLAN_ASKED_ANEW);
-    }
-
-    pub(crate) fn begin_plan(&mut self) {
-        self.plan.begin(self.framer.counts().lost());
-    }
-
-    /// The plan did not come: it is asked for again.
-    pub(crate) fn plan_failed(&mut self) {
-        self.plan.fail();
-        self.timers.set(Timer::Plan, self.now + PLAN_RETRY);
-    }
-
-    /// Tells of the vehicle's clock where it has moved against ours since it was last told on this connection, which the
-    /// first round trip does.
-    pub(crate) fn watch_clock(&mut self) {
-        let Some(offset) = self.tracker.clock().offset_nanos(self.now) else {
-            return;
-        };
-        let told = self.session.clock_told;
-        let moved = told.is_some_and(|(told, at)| {
-            offset.abs_diff(told) >= CLOCK_STEP_NANOS.unsigned_abs() && self.now.since(at) >= CLOCK_NOTE_EVERY
-        });
-        if !moved {
-            return;
-        }
-        if let Some(written) = self.tracker.written() {
-            self.tell_of_clock(written);
-        }
-    }
-
-    /// Tells of the vehicle's clock, which has just said `written`.
-    pub(crate) fn tell_of_clock(&mut self, written: TimeOfDay) {
-        let Some(offset) = self.tracker.clock().offset_nanos(self.now) else {
-            return;
-        };
-        self.session.clock_told = Some((offset, self.now));
-        self.note(Note::Clock {
-            offset_s: offset as f64 / 1e9,
-            vehicle: written,
-        });
-    }
-
-    /// Keep-alive is by navigation, never by acknowledgements.
-    pub(crate) fn silence(&mut self) {
-        self.session.silences += 1;
-        if self.session.silences >= SILENCES_MAX {
-            self.note(Note::Text {
-                text: "no navigation: the connection is reset".to_owned(),
-            });
-            self.outputs.push_back(Output::ResetLink);
-        } else {
-            self.note(Note::Text {
-                text: "no navigation for 5 s: subscribing anew".to_owned(),
-            });
-            self.session.doubt_subscriptions();
-            self.subscribe_all();
-        }
-        self.timers.set(Timer::Silence, self.now + SILENT);
-    }
-
-    /// What is done where the vehicle is not heard to answer. The lease has ended by then, and its BPEMB is on its way.
-    pub(crate) fn remedy(&mut self) {
-        match self.heartbeat.remedy(self.now) {
-            None => {}
-            Some(Remedy::Subscribe) => {
-                self.subscribe_acknowledgements(Purpose::Beat);
-                self.tell_that_unheard();
-            }
-            Some(Remedy::Reset) => {
-                let text = "the vehicle has not answered in time for 30 s: the connection is reset";
-                self.note(Note::Text { text: text.to_owned() });
-                self.outputs.push_back(Output::ResetLink);
-            }
-        }
-    }
-
-    /// Told once for each time that the answers stay away: it may be the vehicle's habit, and then it is never steered.
-    pub(crate) fn tell_that_unheard(&mut self) {
-        if self.heartbeat.remedies() < 3 || core::mem::replace(&mut self.session.unheard_told, true) {
-            return;
-        }
-        let text = match self.heartbeat.newest() {
-            None => "the vehicle acknowledges nothing on this connection: it is not steered".to_owned(),
-            Some(trip) => format!(
-                "the vehicle does not answer within {} s, the last time after {:.1} s: it is not steered",
-                self.envelope.limits().link_delay_max_s,
-                trip.lasted().as_secs_f64()
-            ),
-        };
-        self.note(Note::Text { text });
-    }
-
-    pub(crate) fn settle_heartbeat(&mut self) {
-        if !self.timers.is_set(Timer::Status) {
-            // There is no link, or the logs are closed.
-            return;
-        }
-        let lapses = self.heartbeat.lapses_at().filter(|at| *at > self.now);
-        let remedy = self.heartbeat.remedy_at();
-        self.timers
-            .set(Timer::Heartbeat, lapses.map_or(remedy, |lapses| lapses.min(remedy)));
     }
 }
 

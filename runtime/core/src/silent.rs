@@ -14,10 +14,10 @@ use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose, SILENT_WITHIN};
 use crate::context::Context;
-use crate::helm::refused;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::plugin::{PluginId, Refusal, RequestState, SilentRequest};
+use crate::refusal::refused;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -86,14 +86,14 @@ impl Silent {
         if cx.send_request(request, "SIL", &message, Purpose::Silent(request)) {
             self.entered += u32::from(asked.silent);
             self.state = next;
-            cx.silent = self.is_kept();
+            cx.vehicle.silent = self.is_kept();
         }
     }
 
     /// The state that a request leads to.
     fn admit(&mut self, cx: &mut Context, plugin: PluginId, silent: bool, request: u64) -> Result<State, Refusal> {
         cx.admit(plugin, Grant::Silent)?;
-        if !cx.session.is_subscribed("ACK") {
+        if !cx.link.subscriptions.has("ACK") {
             return Err(refused("state", "the vehicle's acknowledgements are not on (SPI 7.22)"));
         }
         match self.state {
@@ -118,7 +118,7 @@ impl Silent {
     }
 
     fn admit_entry(&self, cx: &Context, plugin: PluginId, request: u64) -> Result<State, Refusal> {
-        let most = cx.envelope.limits().silences_total_max;
+        let most = cx.monitor.limits().silences_total_max;
         if self.entered >= most && is_on(Check::SilencesTotal) {
             let text = format!("silent mode has been asked for {most} times, the most of a mission");
             return Err(refused("cap", &text));
@@ -144,7 +144,7 @@ impl Silent {
         match answer {
             Answer::Pending => cx.transition(request, RequestState::Pending),
             Answer::Done => {
-                let term = cx.envelope.limits().silent_term();
+                let term = cx.monitor.limits().silent_term();
                 self.become_silent(
                     cx,
                     State::Silent(Silence {
@@ -167,7 +167,7 @@ impl Silent {
 
     /// The vehicle may fall silent yet, and nothing will say so: it counts as silent for as long as that may last.
     fn entry_unanswered(&mut self, cx: &mut Context, entry: Entry) {
-        let limits = cx.envelope.limits();
+        let limits = cx.monitor.limits();
         let over = cx.now + limits.link_delay_max() + SILENT_WITHIN + limits.silent_term();
         self.become_silent(
             cx,
@@ -214,7 +214,7 @@ impl Silent {
     /// Takes the state on, with its timer.
     fn become_silent(&mut self, cx: &mut Context, state: State) {
         self.state = state;
-        cx.silent = self.is_kept();
+        cx.vehicle.silent = self.is_kept();
         let next = match state {
             State::Normal | State::Entering(_) => None,
             State::Silent(silence) | State::Leaving(silence, _) => match silence.entry {
@@ -238,7 +238,7 @@ impl Silent {
             State::Leaving(silence, leave) => (silence, State::Leaving(Silence { entry: None, ..silence }, leave)),
         };
         self.become_silent(cx, next);
-        let term_s = cx.envelope.limits().silent_term_s;
+        let term_s = cx.monitor.limits().silent_term_s;
         self.end_entry(cx, silence, &format!("lapsed after {term_s} s"));
     }
 

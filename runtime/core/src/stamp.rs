@@ -12,6 +12,8 @@ const BURST: Duration = Duration::from_secs(60);
 #[derive(Debug)]
 pub(crate) struct Stamper {
     utc_at_start: Utc,
+    /// By how much our computer's clock was set since then, nanoseconds.
+    set_nanos: i64,
     /// By name, with the time at which it was given.
     last: BTreeMap<&'static str, (TimeOfDay, Timestamp)>,
 }
@@ -20,12 +22,32 @@ impl Stamper {
     pub(crate) fn new(utc_at_start: Utc) -> Self {
         Self {
             utc_at_start,
+            set_nanos: 0,
             last: BTreeMap::new(),
         }
     }
 
+    /// Our UTC, by the clock of the start: for stamps, and for what is measured with them.
     pub(crate) fn utc(&self, now: Timestamp) -> Utc {
         self.utc_at_start + Duration::from_nanos(now.as_nanos())
+    }
+
+    /// Our UTC at a time, as the computer has it now: for zones that are valid for a time.
+    pub(crate) fn zone_utc(&self, at: Timestamp) -> Utc {
+        let nanos = self.utc(at).as_unix_nanos();
+        Utc::from_unix_nanos(nanos.saturating_add_signed(self.set_nanos))
+    }
+
+    /// By how much our computer's clock was set since the start, nanoseconds.
+    pub(crate) const fn set_nanos(&self) -> i64 {
+        self.set_nanos
+    }
+
+    /// The computer's clock was set, by so much since the start; the seconds since it was last. Stamps stay on the clock of
+    /// the start, or answers would seem to come from another time; zones follow.
+    pub(crate) fn set(&mut self, by_nanos: i64) -> f64 {
+        let before = core::mem::replace(&mut self.set_nanos, by_nanos);
+        by_nanos.saturating_sub(before) as f64 / 1e9
     }
 
     pub(crate) fn stamp(&mut self, now: Timestamp, name: &'static str) -> TimeOfDay {

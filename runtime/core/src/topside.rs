@@ -5,12 +5,12 @@ use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
-use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::Grant;
 use crate::plugin::{Event, PluginId, Refusal, RequestState, Topic, TopsideRequest, Transport};
 use crate::quota::LastMinute;
+use crate::refusal::refused;
 
 /// The longest text, bytes. The specification names no bound; an acoustic modem takes minutes for as much.
 const TEXT_BYTES_MAX: usize = 200;
@@ -48,7 +48,7 @@ impl Topside {
     fn admit(&mut self, cx: &mut Context, plugin: PluginId, asked: &TopsideRequest) -> Result<Text, Refusal> {
         cx.admit(plugin, Grant::Topside)?;
         let text = admit_text(&asked.text)?;
-        let most = cx.envelope.limits().topside_per_min;
+        let most = cx.monitor.limits().topside_per_min;
         if !self.sent.has_room(cx.now, most) {
             return Err(refused(
                 "rate",

@@ -70,7 +70,7 @@ impl Station {
 
 impl Context {
     pub(crate) fn speed_default_mps(&self) -> Option<f64> {
-        let hull = self.envelope.limits().hull.as_ref();
+        let hull = self.monitor.limits().hull.as_ref();
         hull.map(|hull| hull.speed_default_mps)
     }
 }

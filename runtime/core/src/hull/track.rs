@@ -143,7 +143,7 @@ impl Station {
     /// BFRNV.
     pub(crate) fn heard_relative(&mut self, cx: &mut Context, message: &RelativeNavigation) {
         cx.heard(message.created);
-        if !cx.relative.advances(message.created, message.solution) {
+        if !cx.vehicle.relative.advances(message.created, message.solution) {
             return;
         }
         let sample = RelativeSample {
@@ -157,14 +157,14 @@ impl Station {
             roll_deg: message.roll_deg,
             pitch_deg: message.pitch_deg,
         };
-        let jumped = cx.relative.take(cx.now, sample, message.solution);
+        let jumped = cx.vehicle.relative.take(cx.now, sample, message.solution);
         self.relative_came(cx, "BFRNV", jumped);
     }
 
     /// BFCNV. It bears no time of its solution: one that stands still while the messages go on cannot be told.
     pub(crate) fn heard_cartesian(&mut self, cx: &mut Context, message: &CartesianNavigation) {
         cx.heard(message.created);
-        if !cx.cartesian.advances(message.created, message.created) {
+        if !cx.vehicle.cartesian.advances(message.created, message.created) {
             return;
         }
         let sample = CartesianSample {
@@ -174,7 +174,7 @@ impl Station {
             z_m: message.z_m,
             heading_deg: message.heading_deg,
         };
-        let jumped = cx.cartesian.take(cx.now, sample, message.created);
+        let jumped = cx.vehicle.cartesian.take(cx.now, sample, message.created);
         self.relative_came(cx, "BFCNV", jumped);
     }
 
@@ -192,7 +192,7 @@ impl Station {
 
     /// Sets when relative navigation will have become stale under the hold.
     pub(super) fn watch_relative(&mut self, cx: &mut Context) {
-        let stale_at = [cx.relative.stale_at(), cx.cartesian.stale_at()];
+        let stale_at = [cx.vehicle.relative.stale_at(), cx.vehicle.cartesian.stale_at()];
         let next = stale_at.into_iter().flatten().filter(|at| *at > cx.now).min();
         let next = next.filter(|_| self.hold.is_some());
         cx.timers.set_or_stop(Timer::Relative, next);

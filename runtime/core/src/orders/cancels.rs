@@ -6,11 +6,11 @@ use super::Orders;
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
 use crate::envelope::{End, Track};
-use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::plan::Element;
 use crate::plugin::{Refusal, RequestState};
+use crate::refusal::refused;
 use crate::switches::{Check, is_on};
 
 impl Orders {
@@ -27,7 +27,9 @@ impl Orders {
 
     /// The vehicle's answer to BPRCA. Inserts of ours that it had accepted are cancelled, those that have begun are not. A
     /// GPS hit stays open: BPRCN does not cover it (7.8), and 7.9 does not say whether BPRCA does.
-    pub(crate) fn cancel_all_answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
+    ///
+    /// True where it has cancelled them: what is left of the plan is then for the vehicle to say.
+    pub(crate) fn cancel_all_answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) -> bool {
         match answer {
             Answer::Pending => cx.transition(request, RequestState::Pending),
             Answer::Missing => cx.transition(request, RequestState::TimedOut),
@@ -52,10 +54,10 @@ impl Orders {
                 }
                 cx.ledger
                     .settle_doubt_if(|entry| entry.insert.is_some_and(|insert| !insert.surfaces()));
-                // What is left of the plan is for the vehicle to say.
-                cx.ask_for_plan();
+                return true;
             }
         }
+        false
     }
 
     /// BPRCB, which carries no identifier and ends whatever is current: only where that is an insert of ours.
@@ -71,22 +73,22 @@ impl Orders {
 
     /// Safety requirements 002 and 020: the way from here to what comes next is the order's consequence.
     fn judge_cancel_current(&self, cx: &mut Context) -> Result<(), Refusal> {
-        let Some(current) = cx.named_insert.current() else {
+        let Some(current) = cx.vehicle.named_insert.current() else {
             return Err(refused(
                 "state",
                 "the current behaviour is not known to be an insert of ours",
             ));
         };
-        if !cx.sent_identifiers.contains(&current) {
+        if !cx.identifiers.is_ours(current) {
             return Err(refused("state", "the current behaviour is an insert that is not ours"));
         }
-        if !cx.plan.is_complete() {
+        if !cx.vehicle.plan.is_complete() {
             return Err(refused(
                 "plan",
                 "the vehicle's plan is not known, nor so what comes next",
             ));
         }
-        let Some(navigation) = cx.tracker.fresh(cx.now) else {
+        let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
         let chain = cx.chain();
@@ -95,14 +97,14 @@ impl Orders {
         // A GPS hit has the vehicle on its way up, or down again.
         let mut surfacing = cx.ledger.is_gps_hit(own);
         if let Some((_, next, _)) = chain.iter().find(|(_, _, begun)| !begun) {
-            to.push(cx.envelope.ends(next).0);
+            to.push(cx.monitor.envelope.ends(next).0);
             surfacing |= next.surfaces();
         } else {
-            to.extend(cx.plan.next_points().into_iter().map(End::At));
+            to.extend(cx.vehicle.plan.next_points().into_iter().map(End::At));
             let interrupts = chain.iter().any(|(_, insert, begun)| *begun && insert.interrupt);
             if interrupts || own.is_none() {
                 // After an interruption it may go back to what it left: readings differ (SPI 7.5).
-                let left = cx.plan.current();
+                let left = cx.vehicle.plan.current();
                 to.extend(left.flat_map(|element: &Element| [End::At(element.first()), End::At(element.last())]));
             }
         }
@@ -111,7 +113,7 @@ impl Orders {
         let onto = cx.taken_up_after(false);
         to.extend(onto.iter().flat_map(Track::points).map(End::At));
         for to in to.into_iter().filter(|_| is_on(Check::CancelWay)) {
-            cx.envelope.judge_way((here, to), &passage)?;
+            cx.monitor.envelope.judge_way((here, to), &passage)?;
         }
         Ok(())
     }

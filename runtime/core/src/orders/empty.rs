@@ -9,10 +9,10 @@ use super::Orders;
 use crate::capability::Capabilities;
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
-use crate::helm::refused;
 use crate::ledger::RequestKind;
 use crate::phase::Phase;
 use crate::plugin::{Refusal, RequestState};
+use crate::refusal::refused;
 
 /// BFMIS says `Running` within this of the acknowledgement, or the mission has not started.
 const RUNS_WITHIN: Duration = Duration::from_secs(30);
@@ -54,16 +54,16 @@ impl Orders {
     }
 
     fn admit_empty_mission(&self, cx: &mut Context, duration_s: u32) -> Result<(), Refusal> {
-        if !cx.start.armed {
+        if !cx.control.armed {
             return Err(refused("control", "the runtime is not armed"));
         }
-        if !cx.session.is_up() {
+        if !cx.link.is_up() {
             return Err(refused("control", "the link is down"));
         }
-        if cx.held {
+        if cx.control.held {
             return Err(refused("control", "the operator holds"));
         }
-        if cx.stopping {
+        if cx.control.stopping {
             return Err(refused("control", "the run is ending"));
         }
         if duration_s == 0 {
@@ -72,7 +72,7 @@ impl Orders {
         if self.empty.is_some() {
             return Err(refused("state", "one is being started already"));
         }
-        match cx.phase {
+        match cx.vehicle.phase {
             Phase::Over => Ok(()),
             Phase::Running => Err(refused("state", "a mission is running")),
             Phase::Ending => Err(refused("state", "a mission is ending")),

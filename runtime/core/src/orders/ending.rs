@@ -15,12 +15,12 @@ use super::Orders;
 use crate::capability::Capabilities;
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::context::Context;
-use crate::helm::refused;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::owner::Owner;
 use crate::phase::Phase;
 use crate::plugin::RequestState;
+use crate::refusal::refused;
 use crate::session::name;
 
 /// How often one is sent on a connection while it is not acknowledged.
@@ -69,7 +69,7 @@ impl Orders {
             | Order::StartEmptyMission { .. } => return,
         };
         let request = cx.ledger.propose_order(kind);
-        if !cx.start.armed {
+        if !cx.control.armed {
             return cx.reject(request, refused("control", "the runtime is not armed"));
         }
         if self.endings.iter().any(|ending| ending.kind == kind) {
@@ -80,7 +80,7 @@ impl Orders {
                 ending.superseded = true;
             }
         }
-        cx.mission_ended = true;
+        cx.control.mission_ended = true;
         // A character that may not be sent must not keep an abort from being sent. In lower case: there are vehicles that
         // take a sentence for the one whose name its text contains.
         let text: String = text.to_lowercase().chars().take(TEXT_MAX).collect();
@@ -93,7 +93,7 @@ impl Orders {
             superseded: false,
             until: cx.now + KEPT_FOR,
         });
-        if cx.session.is_up() {
+        if cx.link.is_up() {
             self.send_ending(cx, capabilities, request);
         } else {
             cx.note(Note::Text {
@@ -222,7 +222,7 @@ impl Orders {
         let late: Vec<u64> = self
             .endings
             .iter()
-            .filter(|ending| ending.until <= cx.now && (ending.sent == 0 || !cx.session.is_up()))
+            .filter(|ending| ending.until <= cx.now && (ending.sent == 0 || !cx.link.is_up()))
             .map(|ending| ending.request)
             .collect();
         for request in late {

@@ -62,7 +62,7 @@ impl Orders {
 
     /// Follows navigation's staleness for the policies that hang on it.
     pub(crate) fn watch_staleness(&mut self, cx: &mut Context) {
-        let fresh = cx.tracker.fresh(cx.now).is_some();
+        let fresh = cx.vehicle.navigation.fresh(cx.now).is_some();
         if fresh || !self.connected {
             self.stale = None;
             return cx.timers.stop(Timer::Policy);
@@ -77,7 +77,7 @@ impl Orders {
     /// A condition that must last may have lasted for long enough.
     pub(crate) fn policies_due(&mut self, cx: &mut Context, capabilities: &mut Capabilities) {
         let Some(stale) = self.stale else { return };
-        if cx.tracker.fresh(cx.now).is_some() {
+        if cx.vehicle.navigation.fresh(cx.now).is_some() {
             return;
         }
         let now = cx.now;

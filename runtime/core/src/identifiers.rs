@@ -1,0 +1,170 @@
+//! The numbers of inserts and packets: each is on disk as reserved before it leaves, so that a process that follows this
+//! one uses none of them twice and knows how many inserts were sent (safety requirements 009 and 019).
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use backseat_spi::BehaviorId;
+use backseat_units::Timestamp;
+
+use crate::io::{Identifiers as Reserved, Reservation};
+use crate::plugin::Refusal;
+use crate::refusal::refused;
+use crate::switches::{Check, is_on};
+
+/// How many identifiers are reserved on disk at a time.
+const RESERVE: u32 = 32;
+/// When so few are left, more are reserved.
+const RESERVE_LOW: u32 = 8;
+/// What was not answered is asked for again after this.
+const ASK_AGAIN: Duration = Duration::from_secs(5);
+
+/// What has been used of the reservations, and what is left.
+#[derive(Debug)]
+pub(crate) struct Identifiers {
+    /// `None` where the state on disk is missing.
+    reserved: Option<Reserved>,
+    inserts_sent: u32,
+    gps_hits_sent: u32,
+    /// Of this process; the mission caps their number.
+    sent: BTreeSet<BehaviorId>,
+    /// When the last reservation was asked for that has not been answered.
+    asked: Option<Timestamp>,
+}
+
+impl Identifiers {
+    pub(crate) fn new(reserved: Option<Reserved>) -> Self {
+        Self {
+            reserved,
+            inserts_sent: reserved.map_or(0, |reserved| reserved.inserts),
+            gps_hits_sent: reserved.map_or(0, |reserved| reserved.gps_hits),
+            sent: BTreeSet::new(),
+            asked: None,
+        }
+    }
+
+    /// Whether this process has sent an insert under an identifier.
+    pub(crate) fn is_ours(&self, identifier: BehaviorId) -> bool {
+        self.sent.contains(&identifier)
+    }
+
+    /// Whether an identifier is below the next: of this process, or of one before it.
+    pub(crate) fn is_used(&self, identifier: BehaviorId) -> bool {
+        self.reserved.is_some_and(|reserved| identifier.get() < reserved.next)
+    }
+
+    /// How many tracklines and trackcircles the vehicle's mission has been sent.
+    pub(crate) const fn inserts_sent(&self) -> u32 {
+        self.inserts_sent
+    }
+
+    /// How many GPS hits.
+    pub(crate) const fn gps_hits_sent(&self) -> u32 {
+        self.gps_hits_sent
+    }
+
+    /// What was used of the reservations; `None` where there was none.
+    pub(crate) fn used(&self) -> Option<Reservation> {
+        self.reserved.map(|reserved| Reservation {
+            below: reserved.next,
+            inserts: self.inserts_sent,
+            gps_hits: self.gps_hits_sent,
+        })
+    }
+
+    /// The next identifier, where it is reserved on disk.
+    ///
+    /// # Errors
+    /// Where it is not.
+    pub(crate) fn next(&self) -> Result<u32, Refusal> {
+        match self.reserved {
+            None => Err(refused("identifier", "the identifiers' state on disk is missing")),
+            Some(reserved) if reserved.next >= reserved.reserved && is_on(Check::IdentifiersReserved) => {
+                Err(refused("identifier", "no identifier is reserved on disk yet"))
+            }
+            Some(reserved) => Ok(reserved.next),
+        }
+    }
+
+    /// The same for an insert, of which a process that follows this one must also know how many were sent. Numbers that are
+    /// in the vehicle's plan are left out: the record may be older than the vehicle's mission, and another payload may
+    /// count like us.
+    ///
+    /// # Errors
+    /// Where identifier or insert is not reserved on disk.
+    pub(crate) fn next_insert(&mut self, surfaces: bool, in_plan: impl Fn(BehaviorId) -> bool) -> Result<u32, Refusal> {
+        if let Some(reserved) = &mut self.reserved {
+            while in_plan(BehaviorId::new(reserved.next)) && reserved.next < u32::MAX {
+                reserved.next += 1;
+            }
+        }
+        let next = self.next()?;
+        let (sent, reserved) = if surfaces {
+            (
+                self.gps_hits_sent,
+                self.reserved.map_or(0, |reserved| reserved.gps_hits),
+            )
+        } else {
+            (self.inserts_sent, self.reserved.map_or(0, |reserved| reserved.inserts))
+        };
+        if sent >= reserved && is_on(Check::IdentifiersReserved) {
+            return Err(refused("identifier", "no insert is reserved on disk yet"));
+        }
+        Ok(next)
+    }
+
+    /// Takes the next identifier; `None` where the state on disk is missing.
+    pub(crate) fn take(&mut self) -> Option<u32> {
+        let reserved = self.reserved.as_mut()?;
+        let next = reserved.next;
+        reserved.next += 1;
+        Some(next)
+    }
+
+    /// An insert has left.
+    pub(crate) fn sent(&mut self, identifier: BehaviorId, surfaces: bool) {
+        if surfaces {
+            self.gps_hits_sent += 1;
+        } else {
+            self.inserts_sent += 1;
+        }
+        self.sent.insert(identifier);
+    }
+
+    /// What is to be reserved, where few identifiers are left, or not as many inserts as may be open at once. GPS hits
+    /// only where a plugin may ask for them: a process that follows would have to reckon with one.
+    pub(crate) fn reserve(&mut self, now: Timestamp, ahead: u32, surfaces: bool) -> Option<Reservation> {
+        let reserved = self.reserved?;
+        // A driver that cannot write does not answer: it is asked again, for a disk may have room again.
+        let waits = self.asked.is_some_and(|asked| now.since(asked) < ASK_AGAIN);
+        if waits || !is_on(Check::IdentifiersReserved) {
+            return None;
+        }
+        let low = reserved.reserved.saturating_sub(reserved.next) < RESERVE_LOW;
+        let inserts = self.inserts_sent.saturating_add(ahead);
+        let gps_hits = self.gps_hits_sent.saturating_add(if surfaces { ahead } else { 0 });
+        if !low && inserts <= reserved.inserts && gps_hits <= reserved.gps_hits {
+            return None;
+        }
+        self.asked = Some(now);
+        Some(Reservation {
+            below: if low {
+                reserved.next.saturating_add(RESERVE)
+            } else {
+                reserved.reserved
+            },
+            inserts,
+            gps_hits,
+        })
+    }
+
+    /// A reservation is on disk.
+    pub(crate) fn reserved(&mut self, reservation: Reservation) {
+        self.asked = None;
+        if let Some(reserved) = &mut self.reserved {
+            reserved.reserved = reserved.reserved.max(reservation.below);
+            reserved.inserts = reserved.inserts.max(reservation.inserts);
+            reserved.gps_hits = reserved.gps_hits.max(reservation.gps_hits);
+        }
+    }
+}

@@ -1,0 +1,24 @@
+use std::sync::Arc;
+
+use crate::envelope::Envelope;
+use crate::gate::Permits;
+use crate::limits::Limits;
+
+/// The safety monitor: what may be asked of the vehicle, and what may leave.
+pub(crate) struct Monitor {
+    pub(crate) envelope: Arc<Envelope>,
+    pub(crate) permits: Permits,
+}
+
+impl Monitor {
+    pub(crate) fn new(envelope: Arc<Envelope>) -> Self {
+        Self {
+            envelope,
+            permits: Permits::default(),
+        }
+    }
+
+    pub(crate) fn limits(&self) -> &Limits {
+        self.envelope.limits()
+    }
+}

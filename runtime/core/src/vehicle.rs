@@ -1,0 +1,78 @@
+use backseat_units::LocalFrame;
+
+use crate::course::Courses;
+use crate::dive::Dive;
+use crate::envelope::Suspended;
+use crate::expected::Compared;
+use crate::former::Former;
+use crate::hull::Track;
+use crate::io::Identifiers;
+use crate::limits::Limits;
+use crate::named_insert::NamedInsert;
+use crate::navigation::Tracker;
+use crate::phase::Phase;
+use crate::plan::Plan;
+use crate::plugin::{CartesianSample, RelativeSample};
+
+/// What is believed of the vehicle. Each part follows what the vehicle says of one thing.
+#[derive(Debug)]
+pub(crate) struct Vehicle {
+    pub(crate) navigation: Tracker,
+    pub(crate) relative: Track<RelativeSample>,
+    pub(crate) cartesian: Track<CartesianSample>,
+    pub(crate) dive: Dive,
+    pub(crate) plan: Plan,
+    pub(crate) compared: Compared,
+    /// How far its mission is.
+    pub(crate) phase: Phase,
+    pub(crate) courses: Courses,
+    pub(crate) named_insert: NamedInsert,
+    pub(crate) former: Former,
+    /// Where its mission was suspended by station keeping that is over: it may not have gone on yet, for the vehicle may
+    /// return there first, and one that is suspended meanwhile stands where it stood (8.3).
+    pub(crate) suspended: Vec<Suspended>,
+    /// A plugin counts on its silence.
+    pub(crate) silent: bool,
+}
+
+impl Vehicle {
+    pub(crate) fn new(frame: LocalFrame, limits: &Limits, identifiers: Option<Identifiers>) -> Self {
+        let hull = limits.hull.as_ref();
+        Self {
+            navigation: Tracker::new(frame, limits),
+            relative: Track::new(limits, hull.is_some_and(|hull| hull.hull_box.is_some())),
+            cartesian: Track::new(limits, hull.is_some_and(|hull| hull.bottom_box.is_some())),
+            dive: Dive::default(),
+            plan: Plan::default(),
+            compared: Compared::default(),
+            phase: Phase::default(),
+            courses: Courses::default(),
+            named_insert: NamedInsert::default(),
+            former: Former::new(identifiers),
+            suspended: Vec::new(),
+            silent: false,
+        }
+    }
+
+    /// The connection is new or gone: its samples and its plan are.
+    pub(crate) fn reset(&mut self) {
+        self.navigation.reset();
+        self.relative.reset();
+        self.cartesian.reset();
+        self.forget_plan();
+    }
+
+    /// The plan is not known, nor whether it is the expected one.
+    pub(crate) fn forget_plan(&mut self) {
+        self.plan.forget();
+        self.compared = Compared::default();
+    }
+
+    /// Something was not heard, which may have been a begin or an end of what is flown.
+    pub(crate) fn lose(&mut self) {
+        self.plan.lose();
+        self.courses.lose();
+        self.former.lose();
+        self.named_insert.lose();
+    }
+}

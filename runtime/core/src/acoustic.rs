@@ -14,13 +14,10 @@ use backseat_units::{TimeOfDay, Timestamp};
 use crate::clock::elapsed_nanos;
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
+use crate::dispatch::Dispatch;
 use crate::envelope::limit;
 use crate::io::Note;
-use crate::ledger::RequestKind;
-use crate::limits::Grant;
-use crate::plugin::{
-    Event, PacketRequest, PluginId, ReceivedFrame, ReceivedPacket, Refusal, RequestState, Topic, Window,
-};
+use crate::plugin::{Event, PacketRequest, ReceivedFrame, ReceivedPacket, Refusal, RequestState, Topic, Window};
 use crate::quota::LastMinute;
 use crate::refusal::refused;
 use crate::switches::{Check, is_on};
@@ -51,16 +48,31 @@ struct Unreported {
 }
 
 impl Acoustic {
-    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: PacketRequest) {
-        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Packet);
-        match self.admit(cx, plugin, asked) {
-            Ok(packet) => self.send(cx, request, packet),
-            Err(refusal) => cx.reject(request, refusal),
-        }
+    /// What a request sends, where it can be sent.
+    pub(crate) fn check(&mut self, cx: &mut Context, request: u64, asked: &PacketRequest) -> Result<Dispatch, Refusal> {
+        let packet = self.packet(cx, asked)?;
+        // It is used up, whatever comes of the packet.
+        cx.identifiers.take();
+        cx.reserve();
+        Ok(Dispatch::new(
+            "CPD",
+            ToVehicle::Packet(packet),
+            Purpose::Packet(request),
+        ))
     }
 
-    fn admit(&mut self, cx: &mut Context, plugin: PluginId, asked: PacketRequest) -> Result<Packet, Refusal> {
-        cx.admit(plugin, Grant::Acoustic)?;
+    /// The request's packet has left, under this name.
+    pub(crate) fn sent(&mut self, cx: &mut Context, request: u64, identifier: u32) {
+        self.sent.add(cx.now);
+        self.packets.push(Unreported {
+            request,
+            identifier,
+            overdue: cx.now + REPORT_WITHIN,
+        });
+        self.set_timer(cx);
+    }
+
+    fn packet(&mut self, cx: &mut Context, asked: &PacketRequest) -> Result<Packet, Refusal> {
         for message in ["CMA", "CPS"] {
             if !cx.link.subscriptions.has(message) {
                 let text = format!("the vehicle has not acknowledged the subscription to BF{message}");
@@ -90,7 +102,7 @@ impl Acoustic {
         if bytes > MAX_LINE / 2 {
             return Err(limit(format!("frames of {bytes} bytes do not fit into a line")));
         }
-        let frames = FrameData::new(asked.frames).map_err(|error| limit(error.to_string()))?;
+        let frames = FrameData::new(asked.frames.clone()).map_err(|error| limit(error.to_string()))?;
         let packet = Packet {
             created: cx.stamper.stamp(cx.now, "CPD"),
             // From the numbers of the inserts: unique for the whole mission, whatever restarts.
@@ -104,22 +116,6 @@ impl Acoustic {
         match ToVehicle::Packet(packet.clone()).encode(&mut Vec::new()) {
             Ok(()) => Ok(packet),
             Err(error) => Err(limit(error.to_string())),
-        }
-    }
-
-    fn send(&mut self, cx: &mut Context, request: u64, packet: Packet) {
-        let identifier = packet.request;
-        cx.identifiers.take();
-        cx.reserve();
-        let purpose = Purpose::Packet(request);
-        if cx.send_request(request, "CPD", &ToVehicle::Packet(packet), purpose) {
-            self.sent.add(cx.now);
-            self.packets.push(Unreported {
-                request,
-                identifier,
-                overdue: cx.now + REPORT_WITHIN,
-            });
-            self.set_timer(cx);
         }
     }
 
@@ -150,7 +146,7 @@ impl Acoustic {
                     address: message.address,
                     device: message.device.as_str().to_owned(),
                 };
-                cx.tell_wanting(Topic::Acoustic, &Event::Window(window));
+                cx.plugins.tell_wanting(Topic::Acoustic, &Event::Window(window));
             }
             Err(reason) => cx.note(Note::Text {
                 text: format!("an acoustic window until {} is none: {reason}", message.until),
@@ -220,7 +216,7 @@ impl Acoustic {
             mode: (message.mode != -1).then_some(message.mode),
             frames: frames.collect(),
         };
-        cx.tell_wanting(Topic::Acoustic, &Event::Packet(packet));
+        cx.plugins.tell_wanting(Topic::Acoustic, &Event::Packet(packet));
     }
 
     pub(crate) fn timed_out(&mut self, cx: &mut Context) {

@@ -17,9 +17,8 @@ use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
-use crate::ledger::RequestKind;
-use crate::limits::Grant;
-use crate::plugin::{BuoyancySample, Event, PluginId, Refusal, RequestState, Sample, Topic, TrimSample};
+use crate::dispatch::Dispatch;
+use crate::plugin::{BuoyancySample, Event, Refusal, RequestState, Sample, Topic, TrimSample};
 use crate::refusal::refused;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -41,20 +40,6 @@ pub(crate) enum Adjusts {
 
 impl Adjusts {
     const ALL: [Self; 2] = [Self::Trim, Self::Buoyancy];
-
-    const fn kind(self) -> RequestKind {
-        match self {
-            Self::Trim => RequestKind::Trim,
-            Self::Buoyancy => RequestKind::Buoyancy,
-        }
-    }
-
-    const fn grant(self) -> Grant {
-        match self {
-            Self::Trim => Grant::Trim,
-            Self::Buoyancy => Grant::Buoyancy,
-        }
-    }
 
     /// The letters of the command and of the status message.
     const fn letters(self) -> &'static str {
@@ -109,30 +94,30 @@ impl Adjustments {
 }
 
 impl Adjustments {
-    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, tag: u64, what: Adjusts) {
-        let request = cx.ledger.propose(plugin, tag, what.kind());
-        if let Err(refusal) = self.admit(cx, plugin, what) {
-            return cx.reject(request, refusal);
-        }
+    /// What a request sends, where it can be sent.
+    pub(crate) fn check(&mut self, cx: &mut Context, request: u64, what: Adjusts) -> Result<Dispatch, Refusal> {
+        self.may_ask(cx, what)?;
         let letters = what.letters();
         let created = cx.stamper.stamp(cx.now, letters);
         let message = match what {
             Adjusts::Trim => ToVehicle::TrimAdjustment(TrimAdjustment { created }),
             Adjusts::Buoyancy => ToVehicle::BuoyancyAdjustment(BuoyancyAdjustment { created }),
         };
-        if cx.send_request(request, letters, &message, Purpose::Adjustment(request)) {
-            self.sent += 1;
-            *self.of(what) = Some(Adjustment {
-                request,
-                begun: false,
-                acknowledged: None,
-                deadline: None,
-            });
-        }
+        Ok(Dispatch::new(letters, message, Purpose::Adjustment(request)))
     }
 
-    fn admit(&mut self, cx: &mut Context, plugin: PluginId, what: Adjusts) -> Result<(), Refusal> {
-        cx.admit(plugin, what.grant())?;
+    /// The request's command has left.
+    pub(crate) const fn sent(&mut self, request: u64, what: Adjusts) {
+        self.sent += 1;
+        *self.of(what) = Some(Adjustment {
+            request,
+            begun: false,
+            acknowledged: None,
+            deadline: None,
+        });
+    }
+
+    fn may_ask(&mut self, cx: &Context, what: Adjusts) -> Result<(), Refusal> {
         if !cx.link.subscriptions.has(what.letters()) {
             let text = format!("the vehicle has not confirmed the subscription to BF{}", what.letters());
             return Err(refused("state", &text));
@@ -185,7 +170,7 @@ impl Adjustments {
             pitch_deg,
             roll_deg,
         });
-        cx.tell_wanting(Topic::Trim, &Event::Sample(sample));
+        cx.plugins.tell_wanting(Topic::Trim, &Event::Sample(sample));
         let text = format!("{}, pitch {pitch_deg} deg, roll {roll_deg} deg", message.text.as_str());
         self.heard_status(cx, Adjusts::Trim, message.status, message.error, &text);
     }
@@ -199,7 +184,7 @@ impl Adjustments {
             adjusting: message.status == AdjustmentStatus::InProgress,
             buoyancy_n,
         });
-        cx.tell_wanting(Topic::Buoyancy, &Event::Sample(sample));
+        cx.plugins.tell_wanting(Topic::Buoyancy, &Event::Sample(sample));
         let text = format!("{}, buoyancy {buoyancy_n} N", message.text.as_str());
         self.heard_status(cx, Adjusts::Buoyancy, message.status, message.error, &text);
     }

@@ -14,11 +14,7 @@ use backseat_units::math::hypot;
 use backseat_units::{EastNorth, Timestamp};
 
 use crate::context::Context;
-use crate::envelope::{Approach, Insert, Track};
-use crate::ledger::Entry;
 use crate::navigation::Jump;
-use crate::plugin::{Refusal, RequestState};
-use crate::refusal::refused;
 
 /// How often one behaviour can begin until a later begin takes the place of the last.
 const BEGINS_MAX: usize = 4;
@@ -28,12 +24,8 @@ const LEVEL_FOR: Duration = Duration::from_secs(5);
 /// The same where a process before this one may have left a modify, that this is over and the way back from its depth
 /// has begun.
 const LEVEL_AFTER_ANOTHER_FOR: Duration = Duration::from_secs(15);
-/// From above the surface to the deepest sea.
-const ALL_DEPTHS_M: [f64; 2] = [-100.0, 12_000.0];
 /// So long on its line it is not merely passing where the line is.
 const ON_LINE_FOR: Duration = Duration::from_secs(10);
-/// Places that are nearer to each other count as one, metres.
-const SAME_M: f64 = 1.0;
 /// On its line a vehicle goes along it to less than this: the cosine of 30 degrees.
 const ALONG: f64 = 0.866;
 
@@ -48,7 +40,7 @@ pub(crate) enum Flown {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Begin {
     pub(crate) at: EastNorth,
-    within_m: f64,
+    pub(crate) within_m: f64,
 }
 
 /// Where the behaviours began that the vehicle may fly on.
@@ -190,13 +182,32 @@ impl Courses {
         &self.placed
     }
 
+    /// Whether it may have left a behaviour of its plan that is not done.
+    pub(crate) const fn has_left_plan(&self) -> bool {
+        self.left_plan
+    }
+
+    /// The depths that it has settled at in this mission, from and to, metres, once it has come to that of what it flies.
+    pub(crate) fn settled_depths_m(&self) -> Option<[f64; 2]> {
+        self.depths_m.filter(|_| self.settled)
+    }
+
+    /// Where the planned behaviours may have begun.
+    pub(crate) fn of_plan(&self) -> Vec<Begin> {
+        let planned = self
+            .begun
+            .iter()
+            .filter(|(flown, _)| matches!(flown, Flown::Planned(_)));
+        planned.flat_map(|(_, begun)| begun.iter().copied()).collect()
+    }
+
     /// Where the plan is taken up again it is not known where its behaviour began.
-    fn lacks_plan(&self) -> bool {
+    pub(crate) fn lacks_plan(&self) -> bool {
         !self.begun.keys().any(|flown| matches!(flown, Flown::Planned(_)))
     }
 
     /// Where a behaviour may have begun.
-    fn of(&self, flown: Flown) -> Vec<Begin> {
+    pub(crate) fn of(&self, flown: Flown) -> Vec<Begin> {
         self.begun.get(&flown).cloned().unwrap_or_default()
     }
 }
@@ -208,7 +219,9 @@ impl Context {
         let Some(flown) = identifier.map(Flown::Inserted).or(planned) else {
             return;
         };
-        self.vehicle.courses.began(self.now, flown, self.begins_here());
+        self.vehicle
+            .courses
+            .began(self.now, flown, self.outlook().begins_here());
         let insert = |identifier| self.ledger.get(self.ledger.by_identifier(identifier)?)?.insert;
         // One that is not known here may have interrupted too.
         if identifier.is_some_and(|identifier| insert(identifier).is_none_or(|insert| insert.interrupt)) {
@@ -216,21 +229,12 @@ impl Context {
         }
     }
 
-    /// Where the vehicle is, and how far it may have gone since it was there.
-    pub(crate) fn begins_here(&self) -> Option<Begin> {
-        let navigation = self.vehicle.navigation.newest()?;
-        let limits = self.monitor.limits();
-        let age_s = self.now.since(navigation.solution).as_secs_f64() + limits.link_delay_max_s;
-        Some(Begin {
-            at: navigation.local,
-            within_m: limits.speed_max_mps * age_s,
-        })
-    }
-
     /// Navigation has come, and has jumped perhaps. Where it did so around a begin, the vehicle knew itself at the one place
     /// or at the other.
     pub(crate) fn course_navigated(&mut self, jump: Option<Jump>) {
-        let Some(mut here) = self.begins_here() else { return };
+        let Some(mut here) = self.outlook().begins_here() else {
+            return;
+        };
         let solution = self.vehicle.navigation.newest().map(|newest| newest.solution);
         let before = jump.map(|jump| Begin {
             at: jump.from,
@@ -252,57 +256,6 @@ impl Context {
             .filter(|begun| solution.is_none_or(|solution| solution <= *begun));
     }
 
-    /// Whether it is known what the vehicle flies and goes on to, so that a modify's ways back can be judged: a behaviour of
-    /// its plan or an insert of this process, which was heard to begin or was seen by its lines.
-    pub(crate) fn knows_what_is_flown(&self) -> Result<(), Refusal> {
-        let known = match self.vehicle.courses.current {
-            // Who needs no plan is judged without it, but for what a process before this one has led the vehicle away from.
-            None => {
-                self.is_placed() || (!self.monitor.limits().modify_needs_plan && self.vehicle.former.is_none())
-            }
-            Some(Flown::Planned(number)) => self.vehicle.plan.names(number) || !self.vehicle.plan.is_complete(),
-            Some(Flown::Inserted(identifier)) => self.ledger.by_identifier(identifier).is_some(),
-        };
-        if !known {
-            let text = if self.vehicle.courses.current.is_none() {
-                "it was not heard what the vehicle flies, nor has it kept to a line of its plan for 10 s"
-            } else {
-                "what the vehicle flies is not in its plan, nor so the way back to it"
-            };
-            return Err(refused("plan", text));
-        }
-        self.knows_what_is_taken_up(false)
-    }
-
-    /// Whether it was seen what the vehicle flies, where nobody heard it.
-    pub(crate) fn is_placed(&self) -> bool {
-        let placed = self.vehicle.courses.placed();
-        let known = |flown: &Flown| match flown {
-            Flown::Planned(number) => self.vehicle.plan.names(*number),
-            Flown::Inserted(identifier) => self.ledger.by_identifier(*identifier).is_some(),
-        };
-        !placed.is_empty() && placed.iter().all(known)
-    }
-
-    /// Whether it was heard what the vehicle flies, so that an insert's way to it can be judged.
-    pub(crate) fn heard_what_is_flown(&self, interrupts: bool) -> Result<(), Refusal> {
-        if self.vehicle.courses.current.is_none() {
-            let text = "it was not heard what the vehicle flies, nor so where the insert would begin";
-            return Err(refused("plan", text));
-        }
-        self.knows_what_is_taken_up(interrupts)
-    }
-
-    /// Whether it is known where the planned behaviour began that the vehicle may take up again.
-    pub(crate) fn knows_what_is_taken_up(&self, interrupts: bool) -> Result<(), Refusal> {
-        if self.takes_up_plan(interrupts) && self.vehicle.courses.lacks_plan() {
-            let text =
-                "it was not heard what the vehicle takes up again after what it flies, nor so the way back to it";
-            return Err(refused("plan", text));
-        }
-        Ok(())
-    }
-
     /// A behaviour has ended, for good or for one that interrupts it. Until another begins what is flown is not known.
     pub(crate) fn course_ended(&mut self, number: Option<u32>, identifier: Option<BehaviorId>) {
         let ended = identifier.map(Flown::Inserted).or(number.map(Flown::Planned));
@@ -315,148 +268,6 @@ impl Context {
         if !entry.is_some_and(|request| self.ledger.get(request).is_some_and(|entry| entry.interrupted)) {
             self.vehicle.courses.ended(identifier);
         }
-    }
-
-    /// The lines of the plan and of our open tracklines, and whose they are; none where the vehicle may fly anything else.
-    pub(crate) fn lines_that_may_be_flown(&self) -> Vec<(Flown, (EastNorth, EastNorth))> {
-        let mut others = self
-            .vehicle
-            .plan
-            .others(|identifier| self.identifiers.is_ours(identifier));
-        if !self.vehicle.plan.is_complete() || others.next().is_some() {
-            return Vec::new();
-        }
-        let planned = self
-            .vehicle
-            .plan
-            .lines()
-            .map(|(number, line)| (Flown::Planned(number), line));
-        let ours = self.ledger.iter().filter_map(|(_, entry)| {
-            let (identifier, insert) = (entry.identifier?, entry.insert?);
-            Some((Flown::Inserted(identifier), self.monitor.envelope.line_led(&insert)?))
-        });
-        planned.chain(ours).collect()
-    }
-
-    /// The depths on the ways to what the vehicle flies before or after a request, from and to, metres. Those of our own
-    /// inserts are known. What the front seat flies at no sentence says: it is taken for what the vehicle has settled at in
-    /// this mission, once it has settled on what is flown now, and for all depths before.
-    pub(crate) fn depths_of_ways(&self) -> Option<[f64; 2]> {
-        let Some([from_m, to_m]) = self.vehicle.courses.depths_m.filter(|_| self.vehicle.courses.settled) else {
-            return Some(ALL_DEPTHS_M);
-        };
-        // At what an insert is flown that is not ours no sentence says (6.20).
-        let mut others = self
-            .vehicle
-            .plan
-            .others(|identifier| self.identifiers.is_ours(identifier));
-        if others.next().is_some() {
-            return Some(ALL_DEPTHS_M);
-        }
-        let navigation = self.vehicle.navigation.newest()?;
-        let lock = self.vehicle.navigation.bottom_lock(self.now);
-        let (mut from_m, mut to_m) = (from_m.min(navigation.depth.as_m()), to_m.max(navigation.depth.as_m()));
-        for (_, insert, _) in self.chain() {
-            let Some([least_m, most_m]) = self.monitor.envelope.depths_m(&insert, navigation.depth, lock) else {
-                return Some(ALL_DEPTHS_M);
-            };
-            (from_m, to_m) = (from_m.min(least_m), to_m.max(most_m));
-        }
-        let error_m = self.monitor.limits().vertical_error_m;
-        Some([from_m - error_m, to_m + error_m])
-    }
-
-    /// The line of a behaviour that is one line, or the first of several, as it was given: the way to it may lead along any
-    /// other.
-    pub(crate) fn first_line_of(&self, flown: Flown) -> Option<(EastNorth, EastNorth)> {
-        match flown {
-            Flown::Planned(_) => self.vehicle.plan.flown().flat_map(crate::plan::Element::legs).next(),
-            Flown::Inserted(identifier) => {
-                let insert = self.ledger.get(self.ledger.by_identifier(identifier)?)?.insert?;
-                self.monitor.envelope.line_given(&insert)
-            }
-        }
-    }
-
-    /// What the vehicle may be on where it flies an insert, from where that may have begun on.
-    pub(crate) fn tracks_of_insert(&self, insert: &Insert, begun: &[Begin]) -> Vec<Track> {
-        let approach = |begin: &Begin| self.approach(begin, self.monitor.envelope.path_begins(insert, begin.at));
-        let lines = self.monitor.envelope.legs(insert).into_iter();
-        let lines = lines.map(|(start, end)| Track::Line(start, end));
-        begun.iter().filter_map(approach).chain(lines).collect()
-    }
-
-    /// Lines, and the ways to where each begins.
-    pub(crate) fn tracks_of_lines(&self, begun: &[Begin], lines: &[(EastNorth, EastNorth)]) -> Vec<Track> {
-        let mut starts: Vec<EastNorth> = Vec::new();
-        for (start, _) in lines {
-            if !starts.contains(start) {
-                starts.push(*start);
-            }
-        }
-        // Places that are one for every purpose: what is judged is far wider.
-        let mut places: Vec<Begin> = Vec::new();
-        for begin in begun {
-            match places.iter_mut().find(|known| known.at.distance_m(begin.at) < SAME_M) {
-                Some(known) => known.within_m = known.within_m.max(begin.within_m),
-                None => places.push(*begin),
-            }
-        }
-        let mut tracks = Vec::new();
-        for start in &starts {
-            tracks.extend(places.iter().filter_map(|begin| self.approach(begin, [*start; 2])));
-        }
-        tracks.extend(lines.iter().map(|(start, end)| Track::Line(*start, *end)));
-        tracks
-    }
-
-    /// The way from a begin to where the path begins; none from as near as the vehicle tracks, which is there.
-    pub(crate) fn approach(&self, begin: &Begin, to: [EastNorth; 2]) -> Option<Track> {
-        let there_m = self.monitor.limits().tracking_error_m;
-        let there = to.iter().all(|to| begin.at.distance_m(*to) <= there_m);
-        let approach = Approach {
-            begun: begin.at,
-            within_m: begin.within_m,
-            to,
-        };
-        (!there).then_some(Track::Approach(approach))
-    }
-
-    /// What the vehicle may take up again after an insert, lines and the ways to them: what is interrupted already,
-    /// and where the insert interrupts, what is flown now (SPI 7.5; vehicles differ).
-    pub(crate) fn taken_up_after(&self, interrupts: bool) -> Vec<Track> {
-        let mut tracks = Vec::new();
-        if self.takes_up_plan(interrupts) {
-            let planned: Vec<_> = self
-                .vehicle
-                .plan
-                .current()
-                .flat_map(crate::plan::Element::legs)
-                .collect();
-            let begun: Vec<Begin> = self
-                .vehicle
-                .courses
-                .begun
-                .iter()
-                .filter(|(flown, _)| matches!(flown, Flown::Planned(_)))
-                .flat_map(|(_, begun)| begun.iter().copied())
-                .collect();
-            tracks.extend(self.tracks_of_lines(&begun, &planned));
-        }
-        let may_resume = |entry: &Entry| entry.interrupted || (interrupts && entry.state == RequestState::Started);
-        for (_, entry) in self.ledger.iter().filter(|(_, entry)| may_resume(entry)) {
-            let Some(insert) = entry.insert else { continue };
-            let begun = entry
-                .identifier
-                .map(|identifier| self.vehicle.courses.of(Flown::Inserted(identifier)));
-            tracks.extend(self.tracks_of_insert(&insert, &begun.unwrap_or_default()));
-        }
-        tracks
-    }
-
-    /// Whether the vehicle may take up its plan again after what it flies, or after an insert that interrupts that.
-    pub(crate) fn takes_up_plan(&self, interrupts: bool) -> bool {
-        interrupts || self.ledger.interrupts() || self.former_may_fly() || self.vehicle.courses.left_plan
     }
 
     /// Where the vehicle is while nobody of ours steers: on its line, from where on the way to it is behind it.
@@ -485,7 +296,7 @@ impl Context {
         let line = match self.vehicle.courses.current {
             None => {
                 let mut paths: Vec<Flown> = Vec::new();
-                for (flown, line) in self.lines_that_may_be_flown() {
+                for (flown, line) in self.outlook().lines_that_may_be_flown() {
                     if is_on(line, here, velocity, within_m) && !paths.contains(&flown) {
                         paths.push(flown);
                     }
@@ -496,7 +307,7 @@ impl Context {
                 return;
             }
             Some(current) if self.vehicle.courses.begun.get(&current).is_none_or(Vec::is_empty) => return,
-            Some(current) => self.first_line_of(current),
+            Some(current) => self.outlook().first_line_of(current),
         };
         let on_line = line.is_some_and(|line| is_on(line, here, velocity, within_m));
         let since = self.vehicle.courses.on_line_since.filter(|_| on_line);

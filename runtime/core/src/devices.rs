@@ -4,63 +4,38 @@ use backseat_spi::{Camera, Light, SonarAngle, ToVehicle};
 
 use crate::commands::Purpose;
 use crate::context::Context;
-use crate::ledger::RequestKind;
-use crate::limits::Grant;
-use crate::plugin::{CameraRequest, LightRequest, PluginId, Refusal, SonarAngleRequest};
+use crate::dispatch::Dispatch;
+use crate::plugin::{CameraRequest, LightRequest, Refusal, SonarAngleRequest};
 
-/// Sonar, camera and light: nothing is kept of them.
-#[derive(Debug, Default)]
-pub(crate) struct Devices;
+/// What a request for the sonar's angle sends.
+pub(crate) fn sonar_angle(cx: &mut Context, request: u64, asked: &SonarAngleRequest) -> Result<Dispatch, Refusal> {
+    cx.monitor.envelope.admit_sonar_angle(asked)?;
+    let message = ToVehicle::SonarAngle(SonarAngle {
+        created: cx.stamper.stamp(cx.now, "SAN"),
+        angle_deg: asked.angle_deg,
+    });
+    Ok(Dispatch::new("SAN", message, Purpose::Request(request)))
+}
 
-impl Devices {
-    pub(crate) fn asked_sonar_angle(&mut self, cx: &mut Context, plugin: PluginId, asked: &SonarAngleRequest) {
-        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::SonarAngle);
-        let admitted = self.admit(cx, plugin);
-        if let Err(refusal) = admitted.and_then(|()| cx.monitor.envelope.admit_sonar_angle(asked)) {
-            return cx.reject(request, refusal);
-        }
-        let message = SonarAngle {
-            created: cx.stamper.stamp(cx.now, "SAN"),
-            angle_deg: asked.angle_deg,
-        };
-        self.send(cx, request, "SAN", &ToVehicle::SonarAngle(message));
-    }
+/// What a request for the camera sends.
+pub(crate) fn camera(cx: &mut Context, request: u64, asked: &CameraRequest) -> Result<Dispatch, Refusal> {
+    cx.monitor.envelope.admit_camera(asked)?;
+    let message = ToVehicle::Camera(Camera {
+        created: cx.stamper.stamp(cx.now, "PTZ"),
+        pan: asked.pan,
+        tilt: asked.tilt,
+        zoom: asked.zoom,
+    });
+    Ok(Dispatch::new("PTZ", message, Purpose::Request(request)))
+}
 
-    pub(crate) fn asked_camera(&mut self, cx: &mut Context, plugin: PluginId, asked: &CameraRequest) {
-        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Camera);
-        let admitted = self.admit(cx, plugin);
-        if let Err(refusal) = admitted.and_then(|()| cx.monitor.envelope.admit_camera(asked)) {
-            return cx.reject(request, refusal);
-        }
-        let message = Camera {
-            created: cx.stamper.stamp(cx.now, "PTZ"),
-            pan: asked.pan,
-            tilt: asked.tilt,
-            zoom: asked.zoom,
-        };
-        self.send(cx, request, "PTZ", &ToVehicle::Camera(message));
-    }
-
-    pub(crate) fn asked_light(&mut self, cx: &mut Context, plugin: PluginId, asked: &LightRequest) {
-        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Light);
-        let admitted = self.admit(cx, plugin);
-        if let Err(refusal) = admitted.and_then(|()| cx.monitor.envelope.admit_light(asked)) {
-            return cx.reject(request, refusal);
-        }
-        let message = Light {
-            created: cx.stamper.stamp(cx.now, "LIT"),
-            light: asked.light,
-            on: asked.on,
-        };
-        self.send(cx, request, "LIT", &ToVehicle::Light(message));
-    }
-
-    fn admit(&mut self, cx: &mut Context, plugin: PluginId) -> Result<(), Refusal> {
-        cx.admit(plugin, Grant::Devices)
-    }
-
-    fn send(&mut self, cx: &mut Context, request: u64, letters: &'static str, message: &ToVehicle) {
-        // Where it is held back the request has been rejected.
-        let _sent = cx.send_request(request, letters, message, Purpose::Request(request));
-    }
+/// What a request for a light sends.
+pub(crate) fn light(cx: &mut Context, request: u64, asked: &LightRequest) -> Result<Dispatch, Refusal> {
+    cx.monitor.envelope.admit_light(asked)?;
+    let message = ToVehicle::Light(Light {
+        created: cx.stamper.stamp(cx.now, "LIT"),
+        light: asked.light,
+        on: asked.on,
+    });
+    Ok(Dispatch::new("LIT", message, Purpose::Request(request)))
 }

@@ -2,12 +2,6 @@
 
 use backseat_spi::Text;
 
-use crate::context::Context;
-use crate::expected::Compared;
-use crate::io::Note;
-use crate::machine::Core;
-use crate::switches::{Check, is_on};
-
 /// The dive file as the vehicle last named it.
 ///
 /// BFMIS and BFMBS may write one file in two ways (with its folder, without its ending), so that each is held against its
@@ -31,8 +25,23 @@ pub(crate) enum NamedBy {
 }
 
 impl Dive {
+    /// It is another one: nothing steers until its plan is whole.
+    pub(crate) const fn is_another(&mut self) {
+        self.plan_due = true;
+    }
+
+    /// The vehicle's plan has come whole.
+    pub(crate) const fn planned(&mut self) {
+        self.plan_due = false;
+    }
+
+    /// Why another dive leaves us without control.
+    pub(crate) fn reason(&self) -> Option<&'static str> {
+        self.plan_due.then_some("the plan of this dive is not known yet")
+    }
+
     /// The vehicle has named its dive file. True where it is another one than the last that this kind of message named.
-    fn named(&mut self, by: NamedBy, file: &Text) -> bool {
+    pub(crate) fn named(&mut self, by: NamedBy, file: &Text) -> bool {
         if file.as_str().trim().is_empty() {
             return false;
         }
@@ -47,43 +56,6 @@ impl Dive {
             *other = None;
         }
         another
-    }
-}
-
-impl Core {
-    /// Where the vehicle names another dive file, the plan is forgotten and asked for, and nothing steers until it is
-    /// whole.
-    pub(crate) fn dive_named(&mut self, by: NamedBy, file: &Text) {
-        if !self.cx.vehicle.dive.named(by, file) || !is_on(Check::DiveIdentity) {
-            return;
-        }
-        self.cx.note_of_vehicle(Note::Text {
-            text: format!("another dive: {}", file.as_str().trim()),
-        });
-        self.capabilities
-            .end_leases(&mut self.cx, "the vehicle flies another dive");
-        self.cx.vehicle.plan.forget();
-        self.cx.vehicle.compared = Compared::default();
-        self.cx.link.commands.forget_plan();
-        self.cx.vehicle.courses.lose();
-        self.cx.vehicle.dive.plan_due = true;
-        self.session.want_plan(&mut self.cx);
-        self.settle_control();
-    }
-}
-
-impl Context {
-    /// Why another dive leaves us without control.
-    pub(crate) fn unplanned_dive(&self) -> Option<&'static str> {
-        self.vehicle
-            .dive
-            .plan_due
-            .then_some("the plan of this dive is not known yet")
-    }
-
-    /// The vehicle's plan has come whole.
-    pub(crate) fn dive_planned(&mut self) {
-        self.vehicle.dive.plan_due = false;
     }
 }
 

@@ -22,9 +22,8 @@ use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
+use crate::dispatch::Dispatch;
 use crate::io::Note;
-use crate::ledger::RequestKind;
-use crate::limits::Grant;
 use crate::plugin::{DvlTriggerRequest, Event, PluginId, Refusal, RequestState};
 use crate::refusal::refused;
 use crate::switches::{Check, is_on};
@@ -82,43 +81,41 @@ impl DvlTrigger {
 }
 
 impl DvlTrigger {
-    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: &DvlTriggerRequest) {
+    /// Whether a plugin's request with this tag is open: what it asks for is a step of it.
+    pub(crate) fn continues(&mut self, cx: &mut Context, plugin: PluginId, tag: u64) -> bool {
         if self.open.is_some_and(|open| open.until <= cx.now) {
             // Its time was over before this was asked.
             self.timed_out(cx);
         }
-        let own = self.open.filter(|open| open.plugin == plugin && open.tag == asked.tag);
-        let refusal = match own {
-            Some(open) => self.step(cx, open, asked),
-            None => return self.request(cx, plugin, asked),
-        };
-        if let Err(refusal) = refusal {
-            // The open request stands: a refused step has an entry of its own.
-            let request = cx.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
-            cx.reject(request, refusal);
-        }
+        self.open.is_some_and(|open| open.plugin == plugin && open.tag == tag)
     }
 
-    fn request(&mut self, cx: &mut Context, plugin: PluginId, asked: &DvlTriggerRequest) {
-        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::DvlTrigger);
-        if let Err(refusal) = self.admit(cx, plugin, asked) {
-            return cx.reject(request, refusal);
-        }
+    /// What a request sends that begins a handshake, where it can be sent.
+    pub(crate) fn check(
+        &self,
+        cx: &mut Context,
+        plugin: PluginId,
+        request: u64,
+        asked: &DvlTriggerRequest,
+    ) -> Result<Dispatch, Refusal> {
+        self.may_begin(plugin, asked)?;
         let message = self.message(cx, true, false);
-        if cx.send_request(request, "DVR", &message, Purpose::DvlTrigger(request)) {
-            self.open = Some(Handshake {
-                request,
-                plugin,
-                tag: asked.tag,
-                phase: Phase::Requested,
-                until: cx.now + ALLOW_WITHIN,
-            });
-            self.set_timer(cx);
-        }
+        Ok(Dispatch::new("DVR", message, Purpose::DvlTrigger(request)))
     }
 
-    fn admit(&mut self, cx: &mut Context, plugin: PluginId, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
-        cx.admit(plugin, Grant::Dvl)?;
+    /// The request's BPDVR has left.
+    pub(crate) fn sent(&mut self, cx: &mut Context, plugin: PluginId, request: u64, asked: &DvlTriggerRequest) {
+        self.open = Some(Handshake {
+            request,
+            plugin,
+            tag: asked.tag,
+            phase: Phase::Requested,
+            until: cx.now + ALLOW_WITHIN,
+        });
+        self.set_timer(cx);
+    }
+
+    fn may_begin(&self, plugin: PluginId, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
         match self.open {
             Some(open) if open.plugin == plugin => Err(refused(
                 "tag",
@@ -131,18 +128,18 @@ impl DvlTrigger {
         }
     }
 
+    /// The plugin of the open request ends it. Neither rate nor control holds that back: BPDVR 0,0 may always be said.
+    pub(crate) fn asked_end(&mut self, cx: &mut Context) {
+        let reason = match self.open.map(|open| open.phase) {
+            Some(Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending) | None => "its plugin ended it",
+            Some(Phase::Ceasing) => "the vehicle stopped it",
+        };
+        self.end(cx, reason);
+    }
+
     /// What the plugin of the open request asks for next.
-    fn step(&mut self, cx: &mut Context, open: Handshake, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
-        if !asked.external && !asked.triggering {
-            // Neither rate nor control holds back the end of it: BPDVR 0,0 may always be said.
-            let reason = match open.phase {
-                Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending => "its plugin ended it",
-                Phase::Ceasing => "the vehicle stopped it",
-            };
-            self.end(cx, reason);
-            return Ok(());
-        }
-        cx.admit(open.plugin, Grant::Dvl)?;
+    pub(crate) fn step(&mut self, cx: &mut Context, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
+        let Some(open) = self.open else { return Ok(()) };
         match (asked.external, asked.triggering) {
             (true, false) => match open.phase {
                 Phase::Requested | Phase::Allowed => {}
@@ -188,7 +185,7 @@ impl DvlTrigger {
         self.set_timer(cx);
     }
 
-    fn message(&mut self, cx: &mut Context, external: bool, triggering: bool) -> ToVehicle {
+    fn message(&self, cx: &mut Context, external: bool, triggering: bool) -> ToVehicle {
         ToVehicle::DvlTriggerRequest(Said {
             created: cx.stamper.stamp(cx.now, "DVR"),
             external,
@@ -256,7 +253,7 @@ impl DvlTrigger {
                 return;
             }
         };
-        cx.tell(open.plugin, Event::DvlTrigger(said));
+        cx.plugins.tell(open.plugin, Event::DvlTrigger(said));
     }
 
     /// Nobody has asked, or no longer: we neither trigger nor want to.

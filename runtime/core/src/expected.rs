@@ -55,36 +55,35 @@ pub(crate) enum Compared {
     Differs,
 }
 
-impl Context {
-    /// Why the vehicle's plan leaves us without control; `None` where it is the expected one, or none is expected.
-    pub(crate) fn unlike_expected(&self) -> Option<&'static str> {
-        self.settings.expected_plan.as_ref()?;
-        match self.vehicle.compared {
-            Compared::Same => None,
-            Compared::NotYet => Some("the vehicle's plan has not been compared with the one that was checked"),
-            Compared::Differs => Some("the vehicle's plan is not the one that was checked"),
+impl Compared {
+    /// Why this leaves us without control, where a plan is expected.
+    pub(crate) const fn reason(self) -> Option<&'static str> {
+        match self {
+            Self::Same => None,
+            Self::NotYet => Some("the vehicle's plan has not been compared with the one that was checked"),
+            Self::Differs => Some("the vehicle's plan is not the one that was checked"),
         }
     }
+}
 
-    /// The vehicle's plan has come whole. True where it is found to be another for the first time.
-    pub(crate) fn compare_plan(&mut self) -> bool {
-        let Some(expected) = &self.settings.expected_plan else {
-            return false;
-        };
-        let difference = expected.difference(&self.vehicle.plan, self.monitor.envelope.fence().frame());
-        let compared = if difference.is_some() {
-            Compared::Differs
-        } else {
-            Compared::Same
-        };
-        let news = self.vehicle.compared != compared;
-        self.vehicle.compared = compared;
-        if let Some(difference) = difference.filter(|_| news) {
-            let text = format!("the vehicle's plan is not the one that was checked: {difference}");
-            self.note(Note::Text { text });
-        }
-        news && compared == Compared::Differs
+/// The vehicle's plan has come whole. True where it is found to be another than the expected one for the first time.
+pub(crate) fn compare_plan(cx: &mut Context) -> bool {
+    let Some(expected) = &cx.settings.expected_plan else {
+        return false;
+    };
+    let difference = expected.difference(&cx.vehicle.plan, cx.monitor.envelope.fence().frame());
+    let compared = if difference.is_some() {
+        Compared::Differs
+    } else {
+        Compared::Same
+    };
+    let news = cx.vehicle.compared != compared;
+    cx.vehicle.compared = compared;
+    if let Some(difference) = difference.filter(|_| news) {
+        let text = format!("the vehicle's plan is not the one that was checked: {difference}");
+        cx.note(Note::Text { text });
     }
+    news && compared == Compared::Differs
 }
 
 impl ExpectedPlan {

@@ -14,7 +14,7 @@ use backseat_spi::{BehaviorId, CancelBehavior, ToVehicle};
 use crate::context::Context;
 use crate::inserts::Inserts;
 use crate::io::{Identifiers, Note};
-use crate::ledger::Entry;
+use crate::plan::Plan;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -107,6 +107,40 @@ impl Former {
         self.cancelled.clear();
     }
 
+    /// Whether the vehicle may yet fly an insert of theirs, where it is `current` that the newest BFMBS named, or flies one
+    /// that was held to be over.
+    pub(crate) fn may_fly(&self, current: Option<BehaviorId>, plan: &Plan) -> bool {
+        self.has_revenant()
+            || !self.is_none()
+                && (!self.heard
+                    || current.is_some_and(|current| self.includes(current))
+                    || plan.others(|identifier| !self.includes(identifier)).next().is_some())
+    }
+
+    /// Whether the vehicle may be on its way to the surface by one of theirs, or by a GPS hit of this process that was held
+    /// to be over, where one is `doubtful`.
+    pub(crate) fn may_surface(&self, doubtful: bool) -> bool {
+        if self.has_revenant() && doubtful {
+            return true;
+        }
+        let any = !self.is_none() && self.gps_hits;
+        any && (self.surfacing.is_some() || (!self.over && !self.heard))
+    }
+
+    /// The plan goes on: where it is known and has nothing of an earlier process, all that was is over.
+    pub(crate) fn plan_goes_on(&mut self, plan: &Plan) {
+        let waits = !self.left.is_empty() || plan.others(|identifier| !self.includes(identifier)).next().is_some();
+        if plan.is_complete() && !waits {
+            self.over = true;
+        }
+    }
+
+    /// The vehicle's plan has come whole: it says what is left.
+    pub(crate) fn told_plan(&mut self, plan: &Plan) {
+        let left = plan.others(|identifier| !self.includes(identifier));
+        self.left = left.map(|(identifier, _)| identifier).collect();
+    }
+
     /// Whether an identifier is an earlier process's.
     pub(crate) fn includes(&self, identifier: BehaviorId) -> bool {
         self.identifiers.contains(&identifier.get())
@@ -152,63 +186,5 @@ impl Inserts {
             let text = format!("insert {identifier} of an earlier process is taken back");
             cx.note(Note::Text { text });
         }
-    }
-}
-
-impl Context {
-    /// Whether the vehicle may yet fly an insert of an earlier process, or flies one that was held to be over.
-    pub(crate) fn former_may_fly(&self) -> bool {
-        let former = &self.vehicle.former;
-        if former.has_revenant() {
-            return true;
-        }
-        !former.is_none()
-            && (!former.heard
-                || self
-                    .vehicle
-                    .named_insert
-                    .current()
-                    .is_some_and(|current| former.includes(current))
-                || self
-                    .vehicle
-                    .plan
-                    .others(|identifier| !former.includes(identifier))
-                    .next()
-                    .is_some())
-    }
-
-    /// Whether the vehicle may be on its way to the surface by a GPS hit that was held to be over, or that an earlier process
-    /// has sent: BFPLN does not tell one from a waypoint (SPI 6.20), BFMBS gives it a name that the specification does not
-    /// say (6.9), and what had begun before nobody says.
-    pub(crate) fn former_may_surface(&self) -> bool {
-        let former = &self.vehicle.former;
-        let doubtful = |entry: &Entry| entry.insert.is_some_and(|insert| insert.surfaces());
-        if former.has_revenant() && self.ledger.doubtful().any(doubtful) {
-            return true;
-        }
-        let any = !former.is_none() && former.gps_hits;
-        any && (former.surfacing.is_some() || (!former.over && !former.heard))
-    }
-
-    /// The plan goes on: where it is known and has nothing of an earlier process, all that was is over.
-    pub(crate) fn plan_goes_on(&mut self) {
-        let former = &self.vehicle.former;
-        let waits = !former.left.is_empty()
-            || self
-                .vehicle
-                .plan
-                .others(|identifier| !former.includes(identifier))
-                .next()
-                .is_some();
-        if self.vehicle.plan.is_complete() && !waits {
-            self.vehicle.former.over = true;
-        }
-    }
-
-    /// The vehicle's plan has come whole: it says what is left.
-    pub(crate) fn former_in_plan(&mut self) {
-        let former = &self.vehicle.former;
-        let left = self.vehicle.plan.others(|identifier| !former.includes(identifier));
-        self.vehicle.former.left = left.map(|(identifier, _)| identifier).collect();
     }
 }

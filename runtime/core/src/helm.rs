@@ -8,11 +8,9 @@ use backseat_units::{Timestamp, utm_convergence_deg};
 use crate::arbiter::LeaseKind;
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::context::Context;
-use crate::course::Flown;
-use crate::envelope::{End, Route, Setpoint, Track, Vertical};
+use crate::envelope::{Setpoint, Vertical};
 use crate::io::Note;
-use crate::ledger::RequestKind;
-use crate::limits::{Grant, HeadingFrame};
+use crate::limits::HeadingFrame;
 use crate::plugin::{ModifyRequest, PluginId, Refusal, RequestState};
 use crate::refusal::refused;
 use crate::session::name;
@@ -94,40 +92,61 @@ pub(crate) struct Modify {
 }
 
 impl Modify {
-    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, modify: &ModifyRequest) -> Option<bool> {
-        let request = cx.ledger.propose(plugin, modify.tag, RequestKind::Modify);
-        let setpoint = match self.admit(cx, plugin, modify) {
-            Ok(admitted) => admitted,
-            Err(refusal) => {
-                cx.reject(request, refusal);
-                return None;
-            }
+    /// Whether a modify may begin: the vehicle has not just refused one, or not answered it.
+    pub(crate) fn may_begin(&self, cx: &Context) -> Result<(), Refusal> {
+        let Some(left) = self.pause.left(cx.now).filter(|_| is_on(Check::LeasePause)) else {
+            return Ok(());
         };
-        let mut sent = None;
-        let mut changed = true;
+        let text = format!(
+            "the vehicle refused or did not answer the last BPRMB: none leaves for {:.1} s more",
+            left.as_secs_f64()
+        );
+        Err(refused("pause", &text))
+    }
+
+    /// What a request sends with each refresh, where that may stand.
+    pub(crate) fn check(&self, cx: &Context, plugin: PluginId, asked: &ModifyRequest) -> Result<Setpoint, Refusal> {
+        cx.outlook().admit_beside_gps_hit()?;
+        if is_on(Check::PlanKnown) {
+            cx.outlook().knows_what_is_flown()?;
+        }
+        let setpoint = cx.monitor.envelope.admit_modify(asked)?;
+        cx.cap_steering(plugin, asked.duration)?;
+        self.judge(cx, &setpoint)?;
+        Ok(setpoint)
+    }
+
+    /// A request takes the place of the lease that stands, if there is one. Whether what it asks for is another.
+    pub(crate) fn adopt(
+        &mut self,
+        cx: &mut Context,
+        plugin: PluginId,
+        request: u64,
+        asked: &ModifyRequest,
+        setpoint: Setpoint,
+    ) -> bool {
+        let (mut sent, mut changed) = (None, true);
         cx.arbiter.take(cx.now, plugin, LeaseKind::Modify);
         if let Some(lease) = self.lease.take() {
             sent = lease.sent;
             changed = lease.setpoint != setpoint;
-            if lease.plugin == plugin && lease.tag == modify.tag {
+            if lease.plugin == plugin && lease.tag == asked.tag {
                 cx.transition_quietly(lease.request, RequestState::Ended("replaced".to_owned()));
             } else {
-                cx.transition(
-                    lease.request,
-                    RequestState::Ended("another modify took its place".to_owned()),
-                );
+                let reason = "another modify took its place";
+                cx.transition(lease.request, RequestState::Ended(reason.to_owned()));
             }
         }
         self.lease = Some(Lease {
             plugin,
             request,
-            tag: modify.tag,
+            tag: asked.tag,
             setpoint,
             sent,
             judged: cx.now,
         });
-        cx.timers.set(Timer::Term, cx.now + modify.duration);
-        Some(changed)
+        cx.timers.set(Timer::Term, cx.now + asked.duration);
+        changed
     }
 
     /// Sends the first BPRMB of a modify that has been adopted, or the next, no sooner than the rate allows.
@@ -144,26 +163,6 @@ impl Modify {
         }
     }
 
-    fn admit(&mut self, cx: &mut Context, plugin: PluginId, modify: &ModifyRequest) -> Result<Setpoint, Refusal> {
-        cx.admit(plugin, Grant::Modify)?;
-        if let Some(left) = self.pause.left(cx.now).filter(|_| is_on(Check::LeasePause)) {
-            let text = format!(
-                "the vehicle refused or did not answer the last BPRMB: none leaves for {:.1} s more",
-                left.as_secs_f64()
-            );
-            return Err(refused("pause", &text));
-        }
-        cx.arbiter.arbitrate(plugin, LeaseKind::Modify)?;
-        cx.admit_beside_gps_hit()?;
-        if is_on(Check::PlanKnown) {
-            cx.knows_what_is_flown()?;
-        }
-        let setpoint = cx.monitor.envelope.admit_modify(modify)?;
-        cx.cap_steering(plugin, modify.duration)?;
-        self.judge(cx, &setpoint)?;
-        Ok(setpoint)
-    }
-
     /// The whole judgement of a setpoint, with what is known at this moment.
     fn judge(&self, cx: &Context, setpoint: &Setpoint) -> Result<(), Refusal> {
         let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
@@ -175,11 +174,11 @@ impl Modify {
                 "the vehicle's plan is not known, nor so the way back to it",
             ));
         }
-        let route = cx.route_of_modify();
+        let route = cx.outlook().route_of_modify();
         let lock = cx.vehicle.navigation.bottom_lock(cx.now);
         cx.monitor
             .envelope
-            .judge_modify(setpoint, navigation, lock, &route, (cx.now, cx.clocks()))
+            .judge_modify(setpoint, navigation, lock, &route, (cx.now, cx.outlook().clocks()))
             .map(|_| ())
     }
 
@@ -354,69 +353,6 @@ impl Modify {
         if self.pause.left(cx.now).is_none() {
             self.pause.failed(cx.now);
         }
-    }
-}
-
-impl Context {
-    /// Where a lapsed modify leads back to: the leg that is flown, and what comes after it.
-    pub(crate) fn route_of_modify(&self) -> Route {
-        let mut route = Route {
-            to: self.vehicle.plan.next_points().into_iter().map(End::At).collect(),
-            before_s: self.flown_insert_s(),
-            depths_m: self.depths_of_ways(),
-            seen_mps: self.vehicle.courses.seen_mps(),
-            ..Route::default()
-        };
-        // On the way to where its path begins it comes back to that way. What was seen by its lines is on them.
-        let begun = match self.vehicle.courses.current() {
-            Some(_) => self.vehicle.courses.of_current(),
-            None => Vec::new(),
-        };
-        let placed = self.vehicle.courses.placed();
-        let mut flying = false;
-        for (_, entry) in self.ledger.iter() {
-            let Some(insert) = entry.insert else { continue };
-            let seen = entry
-                .identifier
-                .is_some_and(|own| placed.contains(&Flown::Inserted(own)));
-            let heard = self.vehicle.courses.current().is_some() && entry.state == RequestState::Started;
-            if seen || heard {
-                route.legs.extend(self.tracks_of_insert(&insert, &begun));
-            }
-            flying |= heard;
-            if !heard {
-                route.to.push(self.monitor.envelope.ends(&insert).0);
-            }
-        }
-        // What the vehicle has not answered for, and what is not ours, may come next.
-        let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
-        route
-            .to
-            .extend(doubtful.map(|insert| self.monitor.envelope.ends(&insert).0));
-        let others = self
-            .vehicle
-            .plan
-            .others(|identifier| self.identifiers.is_ours(identifier));
-        route.to.extend(others.map(|(_, element)| End::At(element.first())));
-        route.to.extend(self.returns_to().map(End::At));
-        // The vehicle may end an insert that it is led away from (SPI 7.12), and take up what that has interrupted.
-        route.legs.extend(self.taken_up_after(false));
-        if !flying {
-            let lines: Vec<_> = self
-                .vehicle
-                .plan
-                .current()
-                .flat_map(crate::plan::Element::legs)
-                .collect();
-            route.legs.extend(self.tracks_of_lines(&begun, &lines));
-        }
-        route.legs.extend(
-            self.vehicle
-                .plan
-                .seen_before()
-                .map(|(start, end)| Track::Line(start, end)),
-        );
-        route
     }
 }
 

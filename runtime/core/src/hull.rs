@@ -9,15 +9,13 @@ use std::time::Duration;
 use backseat_spi::{
     BottomPosition, CommandName, Continue, HullPosition, HullSpeedLimit, Resume, Suspend, ToVehicle, VerticalReference,
 };
-use backseat_units::{EastNorth, Timestamp};
+use backseat_units::Timestamp;
 
 use crate::arbiter::LeaseKind;
 use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::context::Context;
 use crate::envelope::{Aim, Hover, Surroundings, Suspended, Vertical, aim_at_here};
 use crate::io::Note;
-use crate::ledger::RequestKind;
-use crate::limits::Grant;
 use crate::plugin::{HoldRequest, HoldTarget, PluginId, Refusal, RequestState};
 use crate::refusal::refused;
 use crate::session::name;
@@ -112,15 +110,15 @@ impl Station {
 }
 
 impl Station {
-    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: &HoldRequest) -> Option<Option<Hold>> {
-        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Hold);
-        let hover = match self.admit(cx, plugin, asked) {
-            Ok(hover) => hover,
-            Err(refusal) => {
-                cx.reject(request, refusal);
-                return None;
-            }
-        };
+    /// A request takes the place of the hold that stands, if there is one, which is returned.
+    pub(crate) fn adopt(
+        &mut self,
+        cx: &mut Context,
+        plugin: PluginId,
+        request: u64,
+        asked: &HoldRequest,
+        hover: Hover,
+    ) -> Option<Hold> {
         let before = self.hold;
         cx.arbiter.take(cx.now, plugin, LeaseKind::Station);
         let mut hold = Hold {
@@ -150,7 +148,7 @@ impl Station {
         }
         self.hold = Some(hold);
         cx.timers.set(Timer::HoldTerm, cx.now + asked.duration);
-        Some(before)
+        before
     }
 
     /// Sends the first message of station keeping that has been adopted, or what has changed.
@@ -168,10 +166,9 @@ impl Station {
         self.drive(cx);
     }
 
-    fn admit(&mut self, cx: &mut Context, plugin: PluginId, asked: &HoldRequest) -> Result<Hover, Refusal> {
-        cx.admit(plugin, Grant::Hull)?;
-        cx.arbiter.arbitrate(plugin, LeaseKind::Station)?;
-        cx.admit_beside_gps_hit()?;
+    /// What a request sends, where that may stand.
+    pub(crate) fn check(&self, cx: &Context, plugin: PluginId, asked: &HoldRequest) -> Result<Hover, Refusal> {
+        cx.outlook().admit_beside_gps_hit()?;
         if cx.vehicle.suspended.len() >= LEFT_MAX {
             let text = format!("the mission may stand suspended at {LEFT_MAX} places, the most that are kept");
             return Err(refused("cap", &text));
@@ -301,7 +298,7 @@ impl Station {
             // Before it is sent: what is sent may have come through.
             self.limit = SpeedLimit {
                 known_mps: None,
-                changed: self.limit.changed || cx.speed_default_mps() != Some(speed_mps),
+                changed: self.limit.changed || cx.monitor.limits().speed_default_mps() != Some(speed_mps),
                 restoring: None,
             };
             let limit = ToVehicle::HullSpeedLimit(HullSpeedLimit { created, speed_mps });
@@ -499,7 +496,7 @@ impl Station {
                 let speed_mps = self.hold.map(|hold| hold.hover.speed_mps);
                 self.limit = SpeedLimit {
                     known_mps: speed_mps,
-                    changed: speed_mps != cx.speed_default_mps(),
+                    changed: speed_mps != cx.monitor.limits().speed_default_mps(),
                     restoring: None,
                 };
                 self.goes_on(cx);
@@ -535,11 +532,6 @@ impl Context {
     /// The mission has gone on, for a behaviour has begun or it is over.
     pub(crate) fn mission_goes_on(&mut self) {
         self.vehicle.suspended.clear();
-    }
-
-    /// Where the vehicle may return to before its mission goes on.
-    pub(crate) fn returns_to(&self) -> impl Iterator<Item = EastNorth> + '_ {
-        self.vehicle.suspended.iter().filter_map(|suspended| suspended.local)
     }
 }
 

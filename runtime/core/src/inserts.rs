@@ -4,26 +4,22 @@
 //! A GPS hit is an insert that runs after the current behaviour and that nothing takes back: BPRCN covers tracklines and
 //! trackcircles alone.
 
-use std::collections::BTreeSet;
-
 use backseat_spi::{
     BehaviorId, CancelBehavior, CircleEntry, GpsHit, Interrupt, SpeedMode, SurfaceMode, ToVehicle, Trackcircle,
     Trackline, VerticalMode,
 };
 use backseat_units::Timestamp;
 
-use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose, SETTLED_WITHIN};
+use crate::commands::{Answer, Purpose, SETTLED_WITHIN};
 use crate::context::Context;
-use crate::envelope::{End, Flight, Insert, InsertPath, Route, Vertical};
-use crate::io::Output;
+use crate::dispatch::Dispatch;
+use crate::envelope::{Flight, Insert, InsertPath, Route, Vertical};
 use crate::irrevocable::Waiting;
-use crate::ledger::{Entry, RequestKind};
 use crate::limits::Grant;
 use crate::plugin::{PluginId, Refusal, Request, RequestState, TrackcircleRequest};
 use crate::recall::Recalls;
 use crate::refusal::refused;
 use crate::schedule::Schedule;
-use crate::session::name;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -43,7 +39,7 @@ pub(crate) struct Inserts {
 }
 
 /// The grant that an insert needs; one that interrupts needs that of its own beside it.
-const fn grant_of(insert: &Insert) -> Grant {
+pub(crate) const fn grant_of(insert: &Insert) -> Grant {
     if insert.surfaces() {
         Grant::Surface
     } else {
@@ -52,20 +48,14 @@ const fn grant_of(insert: &Insert) -> Grant {
 }
 
 impl Inserts {
-    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: &Request) {
-        let (tag, kind, insert) = match asked {
-            Request::Trackline(line) => (
-                line.tag,
-                RequestKind::Trackline,
-                cx.monitor.envelope.admit_trackline(line),
-            ),
-            Request::Trackcircle(circle) => (
-                circle.tag,
-                RequestKind::Trackcircle,
-                self.admit_layout(cx, circle)
-                    .and_then(|()| cx.monitor.envelope.admit_trackcircle(circle)),
-            ),
-            Request::GpsHit(hit) => (hit.tag, RequestKind::GpsHit, cx.monitor.envelope.admit_gps_hit(hit)),
+    /// The path that a request means, where its figures are in range.
+    pub(crate) fn shape(&self, cx: &mut Context, asked: &Request) -> Option<Result<Insert, Refusal>> {
+        let insert = match asked {
+            Request::Trackline(line) => cx.monitor.envelope.admit_trackline(line),
+            Request::Trackcircle(circle) => self
+                .admit_layout(cx, circle)
+                .and_then(|()| cx.monitor.envelope.admit_trackcircle(circle)),
+            Request::GpsHit(hit) => cx.monitor.envelope.admit_gps_hit(hit),
             Request::Modify(_)
             | Request::EndModify
             | Request::Cancel(_)
@@ -81,28 +71,14 @@ impl Inserts {
             | Request::SonarAngle(_)
             | Request::Camera(_)
             | Request::Light(_)
-            | Request::Timer { .. } => return,
+            | Request::Timer { .. } => return None,
         };
         cx.reserve();
-        let request = cx.ledger.propose(plugin, tag, kind);
-        let admitted = insert.and_then(|insert| {
-            cx.admit(plugin, grant_of(&insert))?;
-            if insert.interrupt && !cx.plugins[plugin.0].grants().contains(&Grant::Interrupt) {
-                return Err(refused("grant", "the mission does not grant it Interrupt"));
-            }
-            Ok((insert, self.admit(cx, plugin, tag, &insert)?))
-        });
-        match admitted {
-            Ok((insert, _)) if self.waits_for_answer(cx, &insert) => {
-                self.wait_for_answer(cx, request, plugin, tag, insert)
-            }
-            Ok((insert, admitted)) => self.send_insert(cx, request, insert, admitted),
-            Err(refusal) => cx.reject(request, refusal),
-        }
+        Some(insert)
     }
 
     /// All that an insert needs at the moment that it leaves.
-    pub(crate) fn admit(
+    pub(crate) fn check(
         &mut self,
         cx: &mut Context,
         plugin: PluginId,
@@ -111,11 +87,18 @@ impl Inserts {
     ) -> Result<Admitted, Refusal> {
         let route = self.admit_insert(cx, plugin, tag, insert)?;
         self.judge_insert(cx, insert, &route)?;
-        cx.admit_delay(insert, &route)?;
+        cx.outlook().admit_delay(insert, &route)?;
         Ok(Admitted {
             duration_s: self.cap_duration(cx, plugin, insert, &route)?,
-            schedule: cx.schedule(insert, &route),
+            schedule: cx.outlook().schedule(insert, &route),
         })
+    }
+
+    /// What an insert sends, under the next identifier; `None` where the identifiers' state on disk is missing.
+    pub(crate) fn dispatch(&self, cx: &mut Context, request: u64, insert: &Insert) -> Option<Dispatch> {
+        let identifier = BehaviorId::new(cx.identifiers.take()?);
+        let (letters, message) = message_of(cx, identifier, insert);
+        Some(Dispatch::new(letters, message, Purpose::Insert(request)).naming(identifier))
     }
 
     /// The two layouts of BPRTC in SPI 7.6 differ in what comes before the interrupt code. Where nobody has said which one
@@ -144,7 +127,6 @@ impl Inserts {
         insert: &Insert,
     ) -> Result<Route, Refusal> {
         let surfaces = insert.surfaces();
-        cx.admit_standing(grant_of(insert))?;
         if !cx.vehicle.plan.is_complete() && is_on(Check::PlanKnown) {
             return Err(refused(
                 "plan",
@@ -157,11 +139,11 @@ impl Inserts {
                 "the vehicle has not answered for an earlier insert since the link was lost",
             ));
         }
-        if cx.open_insert(plugin, tag).is_some() || self.is_waiting(plugin, tag) {
+        if cx.outlook().open_insert(plugin, tag).is_some() || self.is_waiting(plugin, tag) {
             return Err(refused("tag", "an insert with this tag is still open"));
         }
         if insert.interrupt {
-            cx.admit_beside_gps_hit()?;
+            cx.outlook().admit_beside_gps_hit()?;
         }
         if insert.interrupt && cx.ledger.interrupts() && is_on(Check::InterruptOfInterrupt) {
             return Err(refused(
@@ -169,7 +151,7 @@ impl Inserts {
                 "an insert that interrupts is open, and none may interrupt it (SPI 7.5)",
             ));
         }
-        if insert.interrupt && cx.former_may_fly() && is_on(Check::InterruptOfInterrupt) {
+        if insert.interrupt && cx.outlook().former_may_fly() && is_on(Check::InterruptOfInterrupt) {
             return Err(refused(
                 "interrupt",
                 "an insert of an earlier process may be flown, and may be one that none may interrupt (SPI 7.5)",
@@ -186,7 +168,7 @@ impl Inserts {
             ));
         }
         let limits = cx.monitor.limits();
-        if cx.ledger.open_inserts() + cx.inherited() >= limits.inserts_open_max && is_on(Check::InsertsOpen) {
+        if cx.ledger.open_inserts() + cx.outlook().inherited() >= limits.inserts_open_max && is_on(Check::InsertsOpen) {
             return Err(refused(
                 "cap",
                 &format!("{} inserts are open, the most there may be", limits.inserts_open_max),
@@ -210,24 +192,24 @@ impl Inserts {
                 ),
             ));
         }
-        let own = cx.plugins[plugin.0].limits();
+        let own = cx.plugins.limits(plugin);
         let open = cx.ledger.open_inserts_of(plugin);
         if let Some(most) = own.inserts_open_max.filter(|most| open >= *most) {
             let text = format!("{open} inserts of its own are open, and {most} may be");
             return Err(refused("cap", &text));
         }
-        let sent = cx.plugins[plugin.0].inserts_sent();
+        let sent = cx.plugins.inserts_sent(plugin);
         if let Some(most) = own.inserts_total_max.filter(|most| !surfaces && sent >= *most) {
             let text = format!("it has sent {sent} inserts, and may send {most}");
             return Err(refused("cap", &text));
         }
         if is_on(Check::PlanKnown) {
-            cx.heard_what_is_flown(insert.interrupt)?;
+            cx.outlook().heard_what_is_flown(insert.interrupt)?;
         }
         let plan = &cx.vehicle.plan;
         cx.identifiers
             .next_insert(surfaces, |identifier| plan.has(identifier))?;
-        Ok(cx.route_of_insert(insert.interrupt))
+        Ok(cx.outlook().route_of_insert(insert.interrupt))
     }
 
     /// How long an insert flies at most, where that and what is open stay under the cap.
@@ -244,7 +226,7 @@ impl Inserts {
             ));
         }
         let own_s = cx.ledger.open_duration_of_s(plugin);
-        let own_max_s = cx.plugins[plugin.0].limits().inserts_duration_max_s;
+        let own_max_s = cx.plugins.limits(plugin).inserts_duration_max_s;
         if let Some(most_s) = own_max_s.filter(|most_s| own_s + duration_s > *most_s) {
             let text = format!(
                 "it may fly for {duration_s:.0} s and its plugin's open inserts for {own_s:.0} s, together over {most_s} s"
@@ -266,129 +248,54 @@ impl Inserts {
             navigation.depth,
             cx.vehicle.navigation.bottom_lock(cx.now),
             route,
-            cx.clocks(),
+            cx.outlook().clocks(),
         )
     }
 
-    pub(crate) fn send_insert(&mut self, cx: &mut Context, request: u64, insert: Insert, admitted: Admitted) {
-        let Admitted { duration_s, schedule } = admitted;
-        let Some(identifier) = cx.identifiers.take() else {
+    /// The request's command has left.
+    pub(crate) fn sent(&self, cx: &mut Context, request: u64, dispatch: &Dispatch, insert: Insert, admitted: Admitted) {
+        let Some(identifier) = dispatch.identifier() else {
             return;
         };
-        let identifier = BehaviorId::new(identifier);
-        let interrupt = if insert.interrupt {
-            Interrupt::InterruptCurrent
-        } else {
-            Interrupt::AfterCurrent
-        };
-        let (message, letters, created) = match insert.path {
-            InsertPath::Line { start, end, flight } => {
-                let created = cx.stamper.stamp(cx.now, "RTK");
-                let (vertical_m, vertical_mode, speed) = figures(flight);
-                let message = ToVehicle::Trackline(Trackline {
-                    created,
-                    identifier,
-                    start,
-                    end,
-                    vertical_mode,
-                    vertical_m,
-                    speed,
-                    speed_mode: SpeedMode::MetresPerSecond,
-                    interrupt,
-                });
-                (message, "RTK", created)
-            }
-            InsertPath::Circle {
-                centre,
-                radius_m,
-                orbits,
-                entry_angle_deg,
-                flight,
-            } => {
-                let created = cx.stamper.stamp(cx.now, "RTC");
-                let (vertical_m, vertical_mode, speed) = figures(flight);
-                let message = ToVehicle::Trackcircle(Trackcircle {
-                    created,
-                    identifier,
-                    centre,
-                    radius_m,
-                    orbits,
-                    vertical_mode,
-                    vertical_m,
-                    speed,
-                    speed_mode: SpeedMode::MetresPerSecond,
-                    entry_angle_deg: match cx.settings.trackcircle_entry_angle {
-                        Some(true) => entry_angle_deg.map_or(CircleEntry::Anywhere, CircleEntry::Angle),
-                        Some(false) => CircleEntry::Absent,
-                        // The interrupt code of who takes it for that is the same as the one that follows.
-                        None => CircleEntry::Angle(0.0),
-                    },
-                    interrupt,
-                });
-                (message, "RTC", created)
-            }
-            InsertPath::Surface { at } => {
-                let created = cx.stamper.stamp(cx.now, "RGP");
-                let message = ToVehicle::GpsHit(GpsHit {
-                    created,
-                    identifier,
-                    position: at,
-                    // Vehicles ignore both today and use their default (7.7). Empty means the default in every reading;
-                    // a zero would be no time and no fix to a vehicle that heeds them one day.
-                    surface_within_s: None,
-                    hits: None,
-                    mode: SurfaceMode::StraightLine,
-                });
-                (message, "RGP", created)
-            }
-        };
-        let command = Command {
-            name: name(letters),
-            created: Some(created),
-            identifier: Some(identifier),
-            purpose: Purpose::Insert(request),
-            deadline: cx.now + 2 * FIRST_WITHIN,
-            pending: false,
-        };
-        if !cx.transmit(&message, Some(command)) {
-            cx.reserve();
-            return cx.reject(request, refused("control", "it could not be sent"));
-        }
         cx.identifiers.sent(identifier, insert.surfaces());
         if !insert.surfaces()
             && let Some(plugin) = cx.ledger.get(request).and_then(|entry| entry.owner.plugin())
         {
-            cx.plugins[plugin.0].count_insert();
+            cx.plugins.count_insert(plugin);
         }
         cx.reserve();
         if let Some(entry) = cx.ledger.get_mut(request) {
             entry.identifier = Some(identifier);
             entry.insert = Some(insert);
-            entry.duration_s = duration_s;
-            entry.schedule = schedule;
+            entry.duration_s = admitted.duration_s;
+            entry.schedule = admitted.schedule;
             entry.sent_at = cx.now;
         }
-        cx.transition(request, RequestState::Sent);
     }
 
-    pub(crate) fn asked_cancel(&mut self, cx: &mut Context, plugin: PluginId, tag: u64) {
-        let cancel = cx.ledger.propose(plugin, tag, RequestKind::Cancel);
-        match self.admit_cancel(cx, plugin, tag) {
-            Ok(insert) => {
-                let identifier = cx.ledger.get(insert).and_then(|entry| entry.identifier);
-                if identifier.is_some_and(|identifier| cx.send_cancel(Some(cancel), insert, identifier)) {
-                    cx.transition(cancel, RequestState::Sent);
-                } else {
-                    cx.reject(cancel, refused("control", "it could not be sent"));
-                }
-            }
-            Err(refusal) => cx.reject(cancel, refusal),
-        }
+    /// What the cancel of a plugin's insert sends, where that may be taken back.
+    pub(crate) fn check_cancel(
+        &self,
+        cx: &mut Context,
+        plugin: PluginId,
+        request: u64,
+        tag: u64,
+    ) -> Result<Dispatch, Refusal> {
+        let insert = self.may_cancel(cx, plugin, tag)?;
+        let Some(identifier) = cx.ledger.get(insert).and_then(|entry| entry.identifier) else {
+            return Err(refused("control", "it could not be sent"));
+        };
+        let purpose = Purpose::Cancel {
+            cancel: Some(request),
+            insert,
+        };
+        let created = cx.stamper.stamp(cx.now, "RCN");
+        let message = ToVehicle::CancelBehavior(CancelBehavior { created, identifier });
+        Ok(Dispatch::new("RCN", message, purpose).naming(identifier))
     }
 
-    fn admit_cancel(&mut self, cx: &mut Context, plugin: PluginId, tag: u64) -> Result<u64, Refusal> {
-        cx.admit(plugin, Grant::Insert)?;
-        let Some(insert) = cx.open_insert(plugin, tag) else {
+    fn may_cancel(&self, cx: &Context, plugin: PluginId, tag: u64) -> Result<u64, Refusal> {
+        let Some(insert) = cx.outlook().open_insert(plugin, tag) else {
             return Err(refused("tag", "no insert with this tag is open"));
         };
         if cx
@@ -408,7 +315,7 @@ impl Inserts {
             ));
         }
         // Without it the vehicle goes from what was before it to what comes after it.
-        cx.judge_cancel(&cx.chain(), insert)?;
+        cx.outlook().judge_cancel(&cx.outlook().chain(), insert)?;
         Ok(insert)
     }
 
@@ -504,154 +411,75 @@ impl Inserts {
     }
 }
 
-impl Context {
-    /// Sends a cancel: of the request `cancel`, or of the runtime's own. False where it could not be sent.
-    pub(crate) fn send_cancel(&mut self, cancel: Option<u64>, insert: u64, identifier: BehaviorId) -> bool {
-        let created = self.stamper.stamp(self.now, "RCN");
-        let command = Command {
-            name: name("RCN"),
-            created: Some(created),
-            identifier: Some(identifier),
-            purpose: Purpose::Cancel { cancel, insert },
-            deadline: self.now + 2 * FIRST_WITHIN,
-            pending: false,
-        };
-        self.transmit(
-            &ToVehicle::CancelBehavior(CancelBehavior { created, identifier }),
-            Some(command),
-        )
-    }
-
-    /// Asks for more where few identifiers are left, or not as many inserts as may be open at once.
-    pub(crate) fn reserve(&mut self) {
-        let ahead = self.monitor.limits().inserts_open_max.max(1);
-        let surfaces = self.plugins.iter().any(|slot| slot.grants().contains(&Grant::Surface));
-        if let Some(reservation) = self.identifiers.reserve(self.now, ahead, surfaces) {
-            self.outbox.push(Output::Reserve(reservation));
+/// What an insert sends, under the next identifier.
+fn message_of(cx: &mut Context, identifier: BehaviorId, insert: &Insert) -> (&'static str, ToVehicle) {
+    let interrupt = if insert.interrupt {
+        Interrupt::InterruptCurrent
+    } else {
+        Interrupt::AfterCurrent
+    };
+    let (message, letters) = match insert.path {
+        InsertPath::Line { start, end, flight } => {
+            let created = cx.stamper.stamp(cx.now, "RTK");
+            let (vertical_m, vertical_mode, speed) = figures(flight);
+            let message = ToVehicle::Trackline(Trackline {
+                created,
+                identifier,
+                start,
+                end,
+                vertical_mode,
+                vertical_m,
+                speed,
+                speed_mode: SpeedMode::MetresPerSecond,
+                interrupt,
+            });
+            (message, "RTK")
         }
-    }
-
-    /// Safety requirement 002: a vehicle that is led away from a GPS hit comes up wherever it is then.
-    pub(crate) fn admit_beside_gps_hit(&self) -> Result<(), Refusal> {
-        let begun = |entry: &Entry| entry.state == RequestState::Started;
-        let flown = self
-            .ledger
-            .iter()
-            .any(|(request, entry)| begun(entry) && self.ledger.is_gps_hit(Some(request)));
-        // Where it was not heard what is flown, one that waited may be.
-        let unheard = self.vehicle.courses.current().is_none() && self.ledger.surfaces();
-        if (flown || unheard || self.former_may_surface()) && is_on(Check::Surfacing) {
-            let text = "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
-            return Err(refused("surface", text));
+        InsertPath::Circle {
+            centre,
+            radius_m,
+            orbits,
+            entry_angle_deg,
+            flight,
+        } => {
+            let created = cx.stamper.stamp(cx.now, "RTC");
+            let (vertical_m, vertical_mode, speed) = figures(flight);
+            let message = ToVehicle::Trackcircle(Trackcircle {
+                created,
+                identifier,
+                centre,
+                radius_m,
+                orbits,
+                vertical_mode,
+                vertical_m,
+                speed,
+                speed_mode: SpeedMode::MetresPerSecond,
+                entry_angle_deg: match cx.settings.trackcircle_entry_angle {
+                    Some(true) => entry_angle_deg.map_or(CircleEntry::Anywhere, CircleEntry::Angle),
+                    Some(false) => CircleEntry::Absent,
+                    // The interrupt code of who takes it for that is the same as the one that follows.
+                    None => CircleEntry::Angle(0.0),
+                },
+                interrupt,
+            });
+            (message, "RTC")
         }
-        Ok(())
-    }
-
-    /// Our open inserts in the order that they fly, with their requests and whether they have begun.
-    pub(crate) fn chain(&self) -> Vec<(u64, Insert, bool)> {
-        self.ledger
-            .iter()
-            .filter_map(|(request, entry)| Some((request, entry.insert?, entry.state == RequestState::Started)))
-            .collect()
-    }
-
-    /// How many inserts of the plan an earlier process of ours has left: they count under the cap (safety requirements
-    /// 007 and 019).
-    pub(crate) fn inherited(&self) -> u32 {
-        if !is_on(Check::InheritedInserts) {
-            return 0;
+        InsertPath::Surface { at } => {
+            let created = cx.stamper.stamp(cx.now, "RGP");
+            let message = ToVehicle::GpsHit(GpsHit {
+                created,
+                identifier,
+                position: at,
+                // Vehicles ignore both today and use their default (7.7). Empty means the default in every reading;
+                // a zero would be no time and no fix to a vehicle that heeds them one day.
+                surface_within_s: None,
+                hits: None,
+                mode: SurfaceMode::StraightLine,
+            });
+            (message, "RGP")
         }
-        // One of this process that was held to be over counts where the plan names it all the same.
-        let others = self
-            .vehicle
-            .plan
-            .others(|identifier| self.ledger.by_identifier(identifier).is_some());
-        let mut inherited: BTreeSet<BehaviorId> = others
-            .map(|(identifier, _)| identifier)
-            .filter(|identifier| self.identifiers.is_used(*identifier))
-            .collect();
-        // One that has begun is flown, though the plan that came did not name it.
-        let current = self.vehicle.named_insert.may_be_current();
-        inherited.extend(current.filter(|identifier| self.vehicle.former.includes(*identifier)));
-        u32::try_from(inherited.len())
-            .unwrap_or(u32::MAX)
-            .saturating_add(u32::from(self.vehicle.former.has_revenant()))
-    }
-
-    pub(crate) fn open_insert(&self, plugin: PluginId, tag: u64) -> Option<u64> {
-        self.ledger
-            .iter()
-            .find(|(_, entry)| entry.is_open_insert() && entry.owner == plugin && entry.tag == tag)
-            .map(|(request, _)| request)
-    }
-
-    /// Where the vehicle will be when an insert begins, and what it may go on to after it.
-    pub(crate) fn route_of_insert(&self, interrupt: bool) -> Route {
-        let chain = self.chain();
-        let mut route = Route {
-            to: self.vehicle.plan.next_points().into_iter().map(End::At).collect(),
-            before_s: self.before_insert_s(interrupt),
-            onto: self.taken_up_after(interrupt),
-            depths_m: self.depths_of_ways(),
-            seen_mps: self.vehicle.courses.seen_mps(),
-            ..Route::default()
-        };
-        let here = self
-            .vehicle
-            .navigation
-            .newest()
-            .map(|navigation| End::At(navigation.local));
-        if interrupt {
-            route.from.extend(here);
-            // After an interruption the vehicle goes on to the next behaviour, or back: readings differ (SPI 7.5).
-            route.to.extend(
-                self.vehicle
-                    .plan
-                    .current()
-                    .flat_map(|element| [element.first(), element.last()].map(End::At)),
-            );
-            route
-                .to
-                .extend(chain.iter().map(|(_, insert, _)| self.monitor.envelope.ends(insert).0));
-            route.to_surface = chain.iter().any(|(_, insert, _)| insert.surfaces());
-            // The rest of the set is flown before the plan goes on (7.5), whoever has asked for it.
-            for doubtful in self.ledger.doubtful().filter_map(|entry| entry.insert) {
-                route.to.push(self.monitor.envelope.ends(&doubtful).0);
-                route.to_surface |= doubtful.surfaces();
-            }
-            let others = self
-                .vehicle
-                .plan
-                .others(|identifier| self.identifiers.is_ours(identifier));
-            route.to.extend(others.map(|(_, element)| End::At(element.first())));
-            return route;
-        }
-        // One that was not answered may be flown before this one all the same.
-        let doubtful: Vec<Insert> = self.ledger.doubtful().filter_map(|entry| entry.insert).collect();
-        let mut before = doubtful.iter().chain(chain.iter().map(|(_, insert, _)| insert));
-        route.from_surface = before.any(Insert::surfaces);
-        route.deepest_m = self.deepest_open_m();
-        route
-            .from
-            .extend(doubtful.iter().map(|insert| self.monitor.envelope.ends(insert).1));
-        route.from.extend(self.comes_from(&chain));
-        route
-    }
-
-    /// The greatest depth that an open insert leads to, metres, or one that was not answered.
-    pub(crate) fn deepest_open_m(&self) -> f64 {
-        let chain = self.chain();
-        let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
-        let open = doubtful.chain(chain.into_iter().map(|(_, insert, _)| insert));
-        let depth_m = |insert: Insert| {
-            let navigation = self.vehicle.navigation.newest()?;
-            let lock = self.vehicle.navigation.bottom_lock(self.now);
-            self.monitor.envelope.deepest_m(&insert, navigation.depth, lock)
-        };
-        // Where one cannot be known, nothing that depends on it holds.
-        open.map(|insert| depth_m(insert).unwrap_or(f64::INFINITY))
-            .fold(0.0, f64::max)
-    }
+    };
+    (letters, message)
 }
 
 fn figures(flight: Flight) -> (f64, VerticalMode, f64) {

@@ -23,10 +23,10 @@ const WAITING_MAX: usize = 8;
 /// An insert that waits for an answer of the vehicle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Waiting {
-    request: u64,
-    plugin: PluginId,
-    tag: u64,
-    insert: Insert,
+    pub(crate) request: u64,
+    pub(crate) plugin: PluginId,
+    pub(crate) tag: u64,
+    pub(crate) insert: Insert,
     until: Timestamp,
 }
 
@@ -83,24 +83,14 @@ impl Inserts {
         }
     }
 
-    /// Sends what has waited, judged anew, where the vehicle has answered; rejects what has waited for too long.
-    pub(crate) fn settle(&mut self, cx: &mut Context) {
-        if self.waiting.is_empty() {
-            return cx.timers.stop(Timer::Irrevocable);
-        }
-        while !self.waiting.is_empty() && cx.link.heartbeat.has_just_answered(cx.now) {
-            let Waiting {
-                request,
-                plugin,
-                tag,
-                insert,
-                ..
-            } = self.waiting.remove(0);
-            match self.admit(cx, plugin, tag, &insert) {
-                Ok(admitted) => self.send_insert(cx, request, insert, admitted),
-                Err(refusal) => cx.reject(request, refusal),
-            }
-        }
+    /// What has waited, where the vehicle has answered by now.
+    pub(crate) fn take_answered(&mut self, cx: &Context) -> Option<Waiting> {
+        let answered = !self.waiting.is_empty() && cx.link.heartbeat.has_just_answered(cx.now);
+        answered.then(|| self.waiting.remove(0))
+    }
+
+    /// Rejects what has waited for too long.
+    pub(crate) fn reject_unanswered(&mut self, cx: &mut Context) {
         let now = cx.now;
         let over = |waiting: &Waiting| waiting.until <= now;
         while let Some(index) = self.waiting.iter().position(over) {

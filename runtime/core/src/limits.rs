@@ -295,6 +295,11 @@ impl Limits {
         seconds(self.navigation_age_max_s)
     }
 
+    /// The speed limit that a hovering vehicle has by itself, m/s.
+    pub(crate) fn speed_default_mps(&self) -> Option<f64> {
+        self.hull.as_ref().map(|hull| hull.speed_default_mps)
+    }
+
     pub(crate) fn link_delay_max(&self) -> Duration {
         seconds(self.link_delay_max_s)
     }

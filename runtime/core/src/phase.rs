@@ -1,5 +1,3 @@
-use crate::receive::is_over;
-
 /// How far the vehicle's mission is, as BFMIS has last said on this connection (SPI 6.11).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Phase {
@@ -26,4 +24,19 @@ impl Phase {
             Self::Unknown
         }
     }
+}
+
+/// Whether a mission status says that nothing of the mission is flown any more. Others, junk among them, take control
+/// but leave the inserts open: the vehicle may fly them yet. The words are those of SPI 6.11.
+pub(crate) fn is_over(status: &str) -> bool {
+    let over = [
+        "Offline",
+        "Waiting",
+        "Invalid",
+        "Ready",
+        "Completed",
+        "Aborted",
+        "Stopped",
+    ];
+    over.iter().any(|word| status.starts_with(word))
 }

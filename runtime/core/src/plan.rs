@@ -50,6 +50,14 @@ impl Element {
         self.points[self.points.len() - 1]
     }
 
+    /// The length of a line, metres; `None` of a circle, and of a single place.
+    pub(crate) fn line_m(&self) -> Option<f64> {
+        if self.circles || self.points.len() < 2 {
+            return None;
+        }
+        Some(self.legs().map(|(start, end)| start.distance_m(end)).sum())
+    }
+
     /// The legs between its points; a single point is a leg of no length.
     pub(crate) fn legs(&self) -> impl Iterator<Item = (EastNorth, EastNorth)> + '_ {
         let single = (self.points.len() == 1).then(|| (self.points[0], self.points[0]));

@@ -13,12 +13,10 @@ use backseat_units::Timestamp;
 
 use crate::commands::Answer;
 use crate::context::Context;
-use crate::envelope::{End, Insert, Track};
+use crate::envelope::Insert;
 use crate::inserts::Inserts;
 use crate::io::Note;
-use crate::plugin::{PluginId, Refusal, RequestState};
-use crate::refusal::refused;
-use crate::switches::{Check, is_on};
+use crate::plugin::{PluginId, RequestState};
 use crate::timer::Timer;
 
 /// How often a cancel is sent on a connection while it is not answered.
@@ -39,7 +37,7 @@ struct Recall {
 /// The inserts that are being taken back, by their requests.
 #[derive(Debug, Default)]
 pub(crate) struct Recalls {
-    pub(crate) open: BTreeMap<u64, Recall>,
+    open: BTreeMap<u64, Recall>,
 }
 
 impl Inserts {
@@ -58,13 +56,13 @@ impl Inserts {
     /// first, each judged with what is left of the others. False where one had to be left to the vehicle because of its
     /// way.
     pub(crate) fn take_back_judged(&mut self, cx: &mut Context, plugin: Option<PluginId>) -> bool {
-        let mut left = cx.chain();
+        let mut left = cx.outlook().chain();
         let mut all = true;
         for (insert, _, _) in self.waiting_inserts(cx, plugin).into_iter().rev() {
             if self.is_kept_gps_hit(cx, insert) {
                 continue;
             }
-            if let Err(refusal) = cx.judge_cancel(&left, insert) {
+            if let Err(refusal) = cx.outlook().judge_cancel(&left, insert) {
                 all = false;
                 cx.note(Note::Text {
                     text: format!(
@@ -100,7 +98,7 @@ impl Inserts {
 
     /// Our open inserts that have not begun.
     fn waiting_inserts(&self, cx: &Context, plugin: Option<PluginId>) -> Vec<(u64, Insert, bool)> {
-        let mut waiting = cx.chain();
+        let mut waiting = cx.outlook().chain();
         waiting.retain(|(request, _, begun)| {
             let of = cx.ledger.get(*request).map(|entry| entry.owner);
             !begun && plugin.is_none_or(|plugin| of.is_some_and(|owner| owner == plugin))
@@ -257,50 +255,5 @@ impl Inserts {
     fn set_recall_timer(&mut self, cx: &mut Context) {
         let first = self.recalls.open.values().filter_map(|recall| recall.due).min();
         cx.timers.set_or_stop(Timer::Recall, first);
-    }
-}
-
-impl Context {
-    /// Safety requirements 002 and 020: the way that the vehicle takes without one of the inserts of a chain, from what was
-    /// before it to what comes after it.
-    pub(crate) fn judge_cancel(&self, chain: &[(u64, Insert, bool)], insert: u64) -> Result<(), Refusal> {
-        let Some(at) = chain.iter().position(|(request, _, _)| *request == insert) else {
-            return Ok(());
-        };
-        if chain.len() <= 1 || !is_on(Check::CancelWay) {
-            // What remains is the plan's own.
-            return Ok(());
-        }
-        let Some(navigation) = self.vehicle.navigation.fresh(self.now) else {
-            return Err(refused("navigation", "navigation is stale"));
-        };
-        let before = at.checked_sub(1).and_then(|before| chain.get(before));
-        let after = chain.get(at + 1);
-        let surfacing = [before, after]
-            .into_iter()
-            .flatten()
-            .any(|(_, next, _)| next.surfaces());
-        let from = self.comes_from(chain.get(..at).unwrap_or_default());
-        let to: Vec<End> = match after {
-            Some(after) => vec![self.monitor.envelope.ends(&after.1).0],
-            None => {
-                let tracks = self.taken_up_after(false);
-                let onto = tracks.iter().flat_map(Track::points);
-                self.vehicle
-                    .plan
-                    .next_points()
-                    .into_iter()
-                    .chain(onto)
-                    .map(End::At)
-                    .collect()
-            }
-        };
-        let passage = self.passage(navigation.depth, surfacing, self.before_insert_s(false));
-        for from in &from {
-            for to in &to {
-                self.monitor.envelope.judge_way((*from, *to), &passage)?;
-            }
-        }
-        Ok(())
     }
 }

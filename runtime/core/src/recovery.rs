@@ -20,12 +20,13 @@ use serde::{Deserialize, Serialize};
 use crate::capability::Capabilities;
 use crate::commands::Purpose;
 use crate::context::Context;
+use crate::dispatch::Dispatch;
 use crate::envelope::MODIFY_TIMEOUT;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::{LimitError, seconds};
 use crate::orders::{Order, Orders};
-use crate::plugin::{NavigationSample, Refusal, RequestState};
+use crate::plugin::{NavigationSample, Refusal};
 use crate::timer::Timer;
 
 /// The ladder of a mission: its `[recovery]` table. Times count from when the vehicle was first outside, while it is.
@@ -202,7 +203,7 @@ impl Whereabouts {
         let Some(navigation) = cx.vehicle.navigation.newest().copied() else {
             return;
         };
-        if cx.is_active() {
+        if cx.outlook().is_active() {
             self.active = Some(cx.now);
         }
         match self.judge_place(cx, &navigation) {
@@ -375,7 +376,7 @@ impl Whereabouts {
     /// False where an insert was left to the vehicle because its way is worse.
     fn cancel_for_recovery(&mut self, cx: &mut Context, capabilities: &mut Capabilities, orders: &mut Orders) -> bool {
         let all = capabilities.inserts.take_back_judged(cx, None);
-        let begun = cx.chain().iter().any(|(_, _, begun)| *begun);
+        let begun = cx.outlook().chain().iter().any(|(_, _, begun)| *begun);
         if !begun {
             return all;
         }
@@ -415,7 +416,7 @@ impl Whereabouts {
             slowest: Transport::AcousticModem,
             text,
         });
-        if cx.send_request(request, "TOP", &message, Purpose::Topside(request)) {
+        if cx.send_request(request, &Dispatch::new("TOP", message, Purpose::Topside(request))) {
             capabilities.topside.count(cx.now);
         }
     }
@@ -436,16 +437,6 @@ impl Whereabouts {
 }
 
 impl Context {
-    /// A lease stands, or an insert of ours is flown or may be.
-    pub(crate) fn is_active(&self) -> bool {
-        let flown = |entry: &crate::ledger::Entry| {
-            entry.is_open_insert() && matches!(entry.state, RequestState::Started | RequestState::Unknown)
-        };
-        self.arbiter.is_steering()
-            || self.ledger.iter().any(|(_, entry)| flown(entry))
-            || self.ledger.doubtful().next().is_some()
-    }
-
     pub(crate) fn recovery_note(&mut self, text: String) {
         self.note(Note::Recovery { text });
     }

@@ -1,7 +1,7 @@
 //! What the vehicle's sensors say, for the plugins that asked for it (SPI 6.3 to 6.8, 6.12 to 6.15, 6.18).
 
 use backseat_spi::FromVehicle;
-use backseat_units::{TimeOfDay, Timestamp};
+use backseat_units::TimeOfDay;
 
 use crate::context::Context;
 use crate::plugin::{
@@ -10,18 +10,12 @@ use crate::plugin::{
 };
 
 impl Context {
-    /// When something of the vehicle's time was, on our clock; never later than now.
-    pub(crate) fn when(&self, written: TimeOfDay) -> Timestamp {
-        let age = self.vehicle.navigation.clock().age(self.now, self.utc(), written);
-        self.now - age.unwrap_or_default()
-    }
-
     /// A sensor's message; anything else is none.
     pub(crate) fn sampled(&mut self, message: &FromVehicle) {
         if let Some(created) = message.created() {
             self.heard(created);
             if let Some((topic, sample)) = self.sample(message, created) {
-                self.tell_wanting(topic, &Event::Sample(sample));
+                self.plugins.tell_wanting(topic, &Event::Sample(sample));
             }
         }
     }
@@ -134,27 +128,27 @@ impl Context {
             _ => return None,
         })
     }
+}
 
-    /// The plan is known anew.
-    pub(crate) fn tell_of_plan(&mut self) {
-        if !self.plugins.iter().any(|slot| slot.wants(Topic::Plan)) {
-            return;
-        }
-        let frame = self.monitor.envelope.fence().frame();
-        let elements: Vec<PlannedElement> = self
-            .vehicle
-            .plan
-            .elements()
-            .map(|element| PlannedElement {
-                number: element.number,
-                identifier: element.identifier.map(backseat_spi::BehaviorId::get),
-                points: element
-                    .points
-                    .iter()
-                    .map(|point| (frame.to_position(*point), *point))
-                    .collect(),
-            })
-            .collect();
-        self.tell_wanting(Topic::Plan, &Event::Plan(elements));
+/// The plan is known anew.
+pub(crate) fn tell_of_plan(cx: &mut Context) {
+    if !cx.plugins.ids().any(|plugin| cx.plugins.wants(plugin, Topic::Plan)) {
+        return;
     }
+    let frame = cx.monitor.envelope.fence().frame();
+    let elements: Vec<PlannedElement> = cx
+        .vehicle
+        .plan
+        .elements()
+        .map(|element| PlannedElement {
+            number: element.number,
+            identifier: element.identifier.map(backseat_spi::BehaviorId::get),
+            points: element
+                .points
+                .iter()
+                .map(|point| (frame.to_position(*point), *point))
+                .collect(),
+        })
+        .collect();
+    cx.plugins.tell_wanting(Topic::Plan, &Event::Plan(elements));
 }

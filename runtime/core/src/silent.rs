@@ -14,8 +14,7 @@ use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose, SILENT_WITHIN};
 use crate::context::Context;
-use crate::ledger::RequestKind;
-use crate::limits::Grant;
+use crate::dispatch::Dispatch;
 use crate::plugin::{PluginId, Refusal, RequestState, SilentRequest};
 use crate::refusal::refused;
 use crate::switches::{Check, is_on};
@@ -73,26 +72,37 @@ impl Silent {
 }
 
 impl Silent {
-    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: &SilentRequest) {
-        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Silent);
-        let next = match self.admit(cx, plugin, asked.silent, request) {
-            Ok(next) => next,
-            Err(refusal) => return cx.reject(request, refusal),
-        };
+    /// What a request sends, where it can be sent.
+    pub(crate) fn check(
+        &self,
+        cx: &mut Context,
+        plugin: PluginId,
+        request: u64,
+        asked: &SilentRequest,
+    ) -> Result<Dispatch, Refusal> {
+        self.may_ask(cx, plugin, asked.silent)?;
         let message = ToVehicle::SilentMode(SilentMode {
             created: cx.stamper.stamp(cx.now, "SIL"),
             silent: asked.silent,
         });
-        if cx.send_request(request, "SIL", &message, Purpose::Silent(request)) {
-            self.entered += u32::from(asked.silent);
-            self.state = next;
-            cx.vehicle.silent = self.is_kept();
-        }
+        Ok(Dispatch::new("SIL", message, Purpose::Silent(request)))
     }
 
-    /// The state that a request leads to.
-    fn admit(&mut self, cx: &mut Context, plugin: PluginId, silent: bool, request: u64) -> Result<State, Refusal> {
-        cx.admit(plugin, Grant::Silent)?;
+    /// The request's BPSIL has left.
+    pub(crate) fn sent(&mut self, cx: &mut Context, plugin: PluginId, request: u64, asked: &SilentRequest) {
+        self.entered += u32::from(asked.silent);
+        self.state = match self.state {
+            State::Silent(silence) if !asked.silent => State::Leaving(silence, request),
+            State::Normal | State::Entering(_) | State::Silent(_) | State::Leaving(..) => State::Entering(Entry {
+                plugin,
+                request,
+                sent: cx.now,
+            }),
+        };
+        cx.vehicle.silent = self.is_kept();
+    }
+
+    fn may_ask(&self, cx: &Context, plugin: PluginId, silent: bool) -> Result<(), Refusal> {
         if !cx.link.subscriptions.has("ACK") {
             return Err(refused("state", "the vehicle's acknowledgements are not on (SPI 7.22)"));
         }
@@ -100,9 +110,9 @@ impl Silent {
             State::Entering(_) | State::Leaving(..) => {
                 Err(refused("state", "the vehicle has not answered for the last one"))
             }
-            State::Normal if silent => self.admit_entry(cx, plugin, request),
+            State::Normal if silent => self.may_enter(cx),
             State::Normal => Err(refused("state", "the vehicle is not silent")),
-            State::Silent(_) if silent && !is_on(Check::SilentTerm) => self.admit_entry(cx, plugin, request),
+            State::Silent(_) if silent && !is_on(Check::SilentTerm) => self.may_enter(cx),
             State::Silent(silence) if silent => Err(refused(
                 "state",
                 &format!(
@@ -113,21 +123,17 @@ impl Silent {
             State::Silent(silence) if silence.plugin != plugin => {
                 Err(refused("priority", "another plugin has asked for the silence"))
             }
-            State::Silent(silence) => Ok(State::Leaving(silence, request)),
+            State::Silent(_) => Ok(()),
         }
     }
 
-    fn admit_entry(&self, cx: &Context, plugin: PluginId, request: u64) -> Result<State, Refusal> {
+    fn may_enter(&self, cx: &Context) -> Result<(), Refusal> {
         let most = cx.monitor.limits().silences_total_max;
         if self.entered >= most && is_on(Check::SilencesTotal) {
             let text = format!("silent mode has been asked for {most} times, the most of a mission");
             return Err(refused("cap", &text));
         }
-        Ok(State::Entering(Entry {
-            plugin,
-            request,
-            sent: cx.now,
-        }))
+        Ok(())
     }
 
     /// The vehicle's answers to a BPSIL: the first, on its receipt, comes as pending whatever it says.

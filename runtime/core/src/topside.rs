@@ -5,10 +5,9 @@ use backseat_units::Timestamp;
 
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
+use crate::dispatch::Dispatch;
 use crate::io::Note;
-use crate::ledger::RequestKind;
-use crate::limits::Grant;
-use crate::plugin::{Event, PluginId, Refusal, RequestState, Topic, TopsideRequest, Transport};
+use crate::plugin::{Event, Refusal, RequestState, Topic, TopsideRequest, Transport};
 use crate::quota::LastMinute;
 use crate::refusal::refused;
 
@@ -29,24 +28,13 @@ impl Topside {
 }
 
 impl Topside {
-    pub(crate) fn asked(&mut self, cx: &mut Context, plugin: PluginId, asked: &TopsideRequest) {
-        let request = cx.ledger.propose(plugin, asked.tag, RequestKind::Topside);
-        let text = match self.admit(cx, plugin, asked) {
-            Ok(text) => text,
-            Err(refusal) => return cx.reject(request, refusal),
-        };
-        let message = ToVehicle::TopsideText(TopsideText {
-            created: cx.stamper.stamp(cx.now, "TOP"),
-            slowest: way(asked.slowest),
-            text,
-        });
-        if cx.send_request(request, "TOP", &message, Purpose::Topside(request)) {
-            self.count(cx.now);
-        }
-    }
-
-    fn admit(&mut self, cx: &mut Context, plugin: PluginId, asked: &TopsideRequest) -> Result<Text, Refusal> {
-        cx.admit(plugin, Grant::Topside)?;
+    /// What a request sends, where it can be sent.
+    pub(crate) fn check(
+        &mut self,
+        cx: &mut Context,
+        request: u64,
+        asked: &TopsideRequest,
+    ) -> Result<Dispatch, Refusal> {
         let text = admit_text(&asked.text)?;
         let most = cx.monitor.limits().topside_per_min;
         if !self.sent.has_room(cx.now, most) {
@@ -55,7 +43,12 @@ impl Topside {
                 &format!("{most} messages have been sent to the topside in the last minute, the most there may be"),
             ));
         }
-        Ok(text)
+        let message = ToVehicle::TopsideText(TopsideText {
+            created: cx.stamper.stamp(cx.now, "TOP"),
+            slowest: way(asked.slowest),
+            text,
+        });
+        Ok(Dispatch::new("TOP", message, Purpose::Topside(request)))
     }
 
     /// Success means that the message waits for a link, not that anybody has read it (7.3): nothing more is heard of it.
@@ -87,7 +80,7 @@ impl Topside {
             transport: transport(message.transport),
             text: text.to_owned(),
         };
-        cx.tell_wanting(Topic::Topside, &event);
+        cx.plugins.tell_wanting(Topic::Topside, &event);
     }
 }
 

@@ -24,7 +24,7 @@ impl Station {
         if !self.limit.changed {
             return;
         }
-        let Some(speed_mps) = cx.speed_default_mps() else {
+        let Some(speed_mps) = cx.monitor.limits().speed_default_mps() else {
             return;
         };
         let created = cx.stamper.stamp(cx.now, "SPD");
@@ -55,7 +55,7 @@ impl Station {
             Answer::Pending => return,
             Answer::Done => {
                 self.limit = SpeedLimit {
-                    known_mps: cx.speed_default_mps(),
+                    known_mps: cx.monitor.limits().speed_default_mps(),
                     ..SpeedLimit::default()
                 };
             }
@@ -65,12 +65,5 @@ impl Station {
             }),
         }
         self.limit.restoring = None;
-    }
-}
-
-impl Context {
-    pub(crate) fn speed_default_mps(&self) -> Option<f64> {
-        let hull = self.monitor.limits().hull.as_ref();
-        hull.map(|hull| hull.speed_default_mps)
     }
 }

@@ -5,6 +5,7 @@ use backseat_spi::{CancelAll, CancelCurrent, CancelElement, ToVehicle};
 use super::Orders;
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
+use crate::dispatch::Dispatch;
 use crate::envelope::{End, Track};
 use crate::io::Note;
 use crate::ledger::RequestKind;
@@ -22,7 +23,7 @@ impl Orders {
         }
         let created = cx.stamper.stamp(cx.now, "RCA");
         let message = ToVehicle::CancelAll(CancelAll { created });
-        cx.send_request(request, "RCA", &message, Purpose::CancelAll(request));
+        cx.send_request(request, &Dispatch::new("RCA", message, Purpose::CancelAll(request)));
     }
 
     /// The vehicle's answer to BPRCA. Inserts of ours that it had accepted are cancelled, those that have begun are not. A
@@ -68,7 +69,7 @@ impl Orders {
         }
         let created = cx.stamper.stamp(cx.now, "RCB");
         let message = ToVehicle::CancelCurrent(CancelCurrent { created });
-        cx.send_request(request, "RCB", &message, Purpose::Request(request));
+        cx.send_request(request, &Dispatch::new("RCB", message, Purpose::Request(request)));
     }
 
     /// Safety requirements 002 and 020: the way from here to what comes next is the order's consequence.
@@ -91,7 +92,7 @@ impl Orders {
         let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
             return Err(refused("navigation", "navigation is stale"));
         };
-        let chain = cx.chain();
+        let chain = cx.outlook().chain();
         let own = cx.ledger.by_identifier(current);
         let mut to: Vec<End> = Vec::new();
         // A GPS hit has the vehicle on its way up, or down again.
@@ -108,9 +109,12 @@ impl Orders {
                 to.extend(left.flat_map(|element: &Element| [End::At(element.first()), End::At(element.last())]));
             }
         }
-        let (here, passage) = (End::At(navigation.local), cx.passage(navigation.depth, surfacing, 0.0));
+        let (here, passage) = (
+            End::At(navigation.local),
+            cx.outlook().passage(navigation.depth, surfacing, 0.0),
+        );
         // Or it takes up an insert that this one has interrupted.
-        let onto = cx.taken_up_after(false);
+        let onto = cx.outlook().taken_up_after(false);
         to.extend(onto.iter().flat_map(Track::points).map(End::At));
         for to in to.into_iter().filter(|_| is_on(Check::CancelWay)) {
             cx.monitor.envelope.judge_way((here, to), &passage)?;
@@ -126,6 +130,6 @@ impl Orders {
         }
         let created = cx.stamper.stamp(cx.now, "RCE");
         let message = ToVehicle::CancelElement(CancelElement { created });
-        cx.send_request(request, "RCE", &message, Purpose::Request(request));
+        cx.send_request(request, &Dispatch::new("RCE", message, Purpose::Request(request)));
     }
 }

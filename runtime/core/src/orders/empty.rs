@@ -9,6 +9,7 @@ use super::Orders;
 use crate::capability::Capabilities;
 use crate::commands::{Answer, Purpose};
 use crate::context::Context;
+use crate::dispatch::Dispatch;
 use crate::ledger::RequestKind;
 use crate::phase::Phase;
 use crate::plugin::{Refusal, RequestState};
@@ -45,7 +46,7 @@ impl Orders {
             duration: f64::from(duration),
             unit,
         });
-        if cx.send_request(request, "SEM", &message, Purpose::EmptyMission(request)) {
+        if cx.send_request(request, &Dispatch::new("SEM", message, Purpose::EmptyMission(request))) {
             self.empty = Some(EmptyMission {
                 request,
                 deadline: None,

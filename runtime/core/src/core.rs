@@ -1,17 +1,17 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use backseat_units::{Timestamp, Utc};
+use backseat_units::Timestamp;
 
 use crate::capability::Capabilities;
 use crate::commands::Answer;
 use crate::context::Context;
+use crate::drivers;
 use crate::envelope::Envelope;
 use crate::io::{Input, Note, Output, Reservation, Start};
-use crate::ledger::{RequestCounts, Transition};
+use crate::ledger::RequestCounts;
 use crate::orders::Orders;
-use crate::owner::Owner;
-use crate::plugin::{Event, PluginId, RequestState};
+use crate::plugin::Event;
 use crate::recovery::Whereabouts;
 use crate::session::Session;
 use crate::settings::{PluginSetup, Settings};
@@ -21,8 +21,6 @@ use crate::timer::Timer;
 /// Called later than this after the promised time, every lease ends before anything else is done: what we know of the
 /// vehicle is old, and so is what it knows of us.
 const LATE: Duration = Duration::from_millis(500);
-/// Logs are closed within 10 s of BFSHT (safety requirement 011).
-pub(crate) const CLOSE_AFTER_SHUTDOWN: Duration = Duration::from_secs(8);
 
 /// The backseat's state machine.
 ///
@@ -40,6 +38,14 @@ pub struct Core {
     /// Navigation has come that nothing has been held against.
     pub(crate) unjudged: bool,
 }
+
+mod answer;
+mod connection;
+#[cfg(test)]
+mod gated;
+mod hear;
+mod request;
+mod step;
 
 impl Core {
     /// A core that has not yet heard of anything. Its first output connects.
@@ -83,9 +89,9 @@ impl Core {
             Input::LinkDown => self.link_down(),
             Input::Received(bytes) => self.receive(bytes),
             Input::Returned(plugin, returned) => self.returned(plugin, returned),
-            Input::Restarted(plugin, restarted) => self.cx.restarted(plugin, restarted),
+            Input::Restarted(plugin, restarted) => self.restarted(plugin, restarted),
             Input::Operator(act) => self.orders.act(&mut self.cx, &mut self.capabilities, act),
-            Input::Driver(driver, bytes) => self.driver_received(driver, bytes),
+            Input::Driver(driver, bytes) => drivers::received(&mut self.cx, &mut self.capabilities, driver, bytes),
             Input::Reserved(reservation) => self.cx.identifiers.reserved(reservation),
             Input::UtcSet(by_nanos) => self.utc_set(by_nanos),
             Input::Timeout => {}
@@ -177,7 +183,7 @@ impl Core {
     fn settle(&mut self) {
         self.settle_control();
         self.follow_navigation();
-        self.capabilities.inserts.settle(&mut self.cx);
+        self.settle_waiting();
         self.orders.watch_staleness(&mut self.cx);
         let navigation = match self.cx.vehicle.navigation.stale_at().filter(|at| *at > self.cx.now) {
             Some(stale) if self.cx.vehicle.navigation.steady(self.cx.now) => Some(stale),
@@ -190,7 +196,7 @@ impl Core {
             .set_or_stop(Timer::Acknowledgement, self.cx.link.commands.next_deadline());
         self.session.settle_heartbeat(&mut self.cx);
         // What was due while a plugin was busy or away is due now; nobody has promised to be here earlier.
-        let plugins = self.cx.plugins_due().map(|due| due.max(self.cx.now));
+        let plugins = self.cx.plugins.wakes_at().map(|due| due.max(self.cx.now));
         self.cx.timers.set_or_stop(Timer::Plugins, plugins);
     }
 
@@ -212,7 +218,7 @@ impl Core {
                 self.capabilities.station.control_granted(&mut self.cx);
             }
             self.session.tell_of_control(&mut self.cx, lost.unwrap_or(""));
-            self.cx.tell_all(&Event::Control(granted));
+            self.cx.plugins.tell_all(&Event::Control(granted));
             self.fail_plugins();
         }
     }
@@ -252,114 +258,6 @@ impl Core {
             Timer::Shutdown => {
                 self.cx.timers.stop_all();
                 self.cx.outbox.push(Output::Finish);
-            }
-        }
-    }
-}
-
-impl Context {
-    /// Our UTC now, by the clock of the start: for stamps, and for what is measured with them.
-    pub(crate) fn utc(&self) -> Utc {
-        self.stamper.utc(self.now)
-    }
-
-    /// Our UTC at a time, as the computer has it now: for zones that are valid for a time.
-    pub(crate) fn zone_utc(&self, at: Timestamp) -> Utc {
-        self.stamper.zone_utc(at)
-    }
-
-    pub(crate) fn note(&mut self, note: Note) {
-        self.outbox.note(note);
-    }
-
-    /// As [`Context::note`], of what the vehicle has said: so many a second, the rest is counted.
-    pub(crate) fn note_of_vehicle(&mut self, note: Note) {
-        self.outbox.note_of_vehicle(self.now, note);
-    }
-
-    /// Takes a request on, tells its plugin and the log.
-    pub(crate) fn transition(&mut self, request: u64, to: RequestState) {
-        if let Some(transition) = self.transition_unnoted(request, to) {
-            self.note(Note::Request(transition));
-        }
-    }
-
-    /// As [`Context::transition`], for the plugin alone: the log has a count.
-    pub(crate) fn transition_unnoted(&mut self, request: u64, to: RequestState) -> Option<Transition> {
-        let transition = self.ledger.transition(request, to)?;
-        match transition.owner {
-            Owner::Plugin(plugin) => {
-                let (tag, state) = (transition.tag, transition.state.clone());
-                self.tell(plugin, Event::Outcome { tag, state });
-            }
-            Owner::Driver(driver) => self.tell_driver(driver, &transition),
-            Owner::Operator => {}
-        }
-        Some(transition)
-    }
-
-    /// As [`Context::transition`], for the log alone: the plugin replaced its own request under the same tag.
-    pub(crate) fn transition_quietly(&mut self, request: u64, to: RequestState) {
-        if let Some(transition) = self.ledger.transition(request, to) {
-            self.note(Note::Request(transition));
-        }
-    }
-
-    pub(crate) fn tell_all(&mut self, event: &Event) {
-        for index in 0..self.plugins.len() {
-            self.tell(PluginId(index), event.clone());
-        }
-    }
-
-    /// Why we have no control; `None` where it is ours.
-    pub(crate) fn lost_because(&self) -> Option<&'static str> {
-        let reason = if !self.link.is_up() {
-            "the link is down"
-        } else if self.control.stopping {
-            "the run is ending"
-        } else if self.control.held {
-            "the operator holds"
-        } else if self.control.mission_ended {
-            "the operator has ended the mission"
-        } else if self.control.handed_over.is_none() && is_on(Check::ControlKnown) {
-            "the vehicle has not said who has control"
-        } else if self.control.handed_over == Some(false) && is_on(Check::ControlGiven) {
-            "the vehicle has control"
-        } else if self.control.running.is_none() && is_on(Check::ControlKnown) {
-            "the vehicle has not said whether its mission runs"
-        } else if self.control.running == Some(false) && is_on(Check::MissionRuns) {
-            "the mission is not running"
-        } else if let Some(reason) = self.unlike_expected() {
-            reason
-        } else if let Some(reason) = self.unplanned_dive() {
-            reason
-        } else if let Some(reason) = self.unheard() {
-            reason
-        } else if self.vehicle.navigation.fresh(self.now).is_none() {
-            "navigation is stale"
-        } else if !self.vehicle.navigation.steady(self.now) {
-            "navigation has not been steady for long enough"
-        } else {
-            return None;
-        };
-        Some(reason)
-    }
-
-    /// Tells what was counted and not told.
-    pub(crate) fn tell_what_was_counted(&mut self) {
-        let untold = self.outbox.take_untold();
-        if untold > 0 {
-            let text = format!("{untold} lines more of what the vehicle said were left out");
-            self.note(Note::Text { text });
-        }
-        for index in 0..self.plugins.len() {
-            let untold = self.plugins[index].over_rate.take_untold();
-            if untold > 0 {
-                let text = format!(
-                    "{untold} requests more of {} were over its rate and rejected",
-                    self.plugins[index].name()
-                );
-                self.note(Note::Text { text });
             }
         }
     }

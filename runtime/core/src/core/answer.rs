@@ -1,13 +1,10 @@
 //! What the vehicle's answers are for (SPI 4.4, 6.21). Acknowledgements never refresh navigation's clock.
 
-use backseat_spi::{AckStatus, Acknowledgement, ToVehicle};
+use backseat_spi::{AckStatus, Acknowledgement};
 
-use crate::commands::{Answer, Command, FIRST_WITHIN, Purpose};
-use crate::context::Context;
+use super::Core;
+use crate::commands::{Answer, Command, Purpose};
 use crate::io::Note;
-use crate::machine::Core;
-use crate::plugin::RequestState;
-use crate::refusal::refused;
 use crate::session::name;
 
 impl Core {
@@ -82,47 +79,6 @@ impl Core {
                     });
                 }
             }
-        }
-    }
-}
-
-impl Context {
-    /// Sends a request's command. False where the gate holds it back: then the request is rejected.
-    pub(crate) fn send_request(
-        &mut self,
-        request: u64,
-        letters: &'static str,
-        message: &ToVehicle,
-        purpose: Purpose,
-    ) -> bool {
-        let command = Command {
-            name: name(letters),
-            created: message.created(),
-            identifier: None,
-            purpose,
-            deadline: self.now + 2 * FIRST_WITHIN,
-            pending: false,
-        };
-        let owner = self.ledger.get(request).map(|entry| entry.owner);
-        let sent = owner.is_some_and(|owner| self.transmit_for(owner, message, Some(command)));
-        if sent {
-            self.transition(request, RequestState::Sent);
-        } else {
-            self.reject(request, refused("control", "it could not be sent"));
-        }
-        sent
-    }
-
-    /// The answer to a request that ends with it.
-    pub(crate) fn request_answered(&mut self, request: u64, answer: Answer<'_>) {
-        match answer {
-            Answer::Pending => self.transition(request, RequestState::Pending),
-            Answer::Done => {
-                self.transition(request, RequestState::Accepted);
-                self.transition(request, RequestState::Ended("done".to_owned()));
-            }
-            Answer::Refused(text) => self.transition(request, RequestState::Failed(text.to_owned())),
-            Answer::Missing => self.transition(request, RequestState::TimedOut),
         }
     }
 }

@@ -4,24 +4,26 @@ use std::time::Duration;
 
 use backseat_spi::{
     BehaviorBegin, BehaviorEnd, BehaviorId, Ctd, DecodeError, FromVehicle, MissionCommand, MissionStatus, Navigation,
-    VelocityAndRates,
+    Text, VelocityAndRates,
 };
-use backseat_units::TimeOfDay;
 
-use crate::context::Context;
+use super::Core;
 use crate::dive::NamedBy;
-use crate::expected::Compared;
 use crate::integrity::Flaw;
 use crate::io::{Note, Operator};
-use crate::machine::{CLOSE_AFTER_SHUTDOWN, Core};
+
 use crate::navigation::{Change, WITHOUT_VELOCITIES};
 use crate::orders::Condition;
 use crate::owner::Owner;
-use crate::plugin::{Behavior, CtdSample, Event, PluginId, RequestState, Topic};
+use crate::phase::is_over;
+use crate::plugin::{Behavior, CtdSample, Event, RequestState, Topic};
+use crate::plugins::Plugins;
 use crate::settings::ControlHook;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
+/// Logs are closed within 10 s of BFSHT (safety requirement 011).
+const CLOSE_AFTER_SHUTDOWN: Duration = Duration::from_secs(8);
 /// A flaw of navigation that stays is told so often.
 const FLAW_TOLD_EVERY: Duration = Duration::from_secs(10);
 
@@ -46,7 +48,7 @@ impl Core {
                     if line.swallows {
                         self.cx.vehicle.lose();
                     }
-                    if self.cx.doubt_control(error.message) {
+                    if self.cx.control.doubt(&self.cx.settings.control, error.message) {
                         self.settle_control();
                     }
                     self.malformed(&error);
@@ -99,7 +101,7 @@ impl Core {
                 });
                 self.capabilities.end_controlled(&mut self.cx, "power goes");
                 self.cx.control.stopping = true;
-                self.cx.tell_all(&Event::Shutdown);
+                self.cx.plugins.tell_all(&Event::Shutdown);
                 self.cx.timers.set(Timer::Shutdown, self.cx.now + CLOSE_AFTER_SHUTDOWN);
             }
             FromVehicle::Ctd(message) => self.ctd(&message),
@@ -118,11 +120,13 @@ impl Core {
             FromVehicle::LoggingBegin(message) => {
                 self.cx.heard(message.created);
                 self.cx
+                    .plugins
                     .tell_wanting(Topic::Logging, &Event::LoggingBegan(message.text.as_str().to_owned()));
             }
             FromVehicle::LoggingEnd(message) => {
                 self.cx.heard(message.created);
                 self.cx
+                    .plugins
                     .tell_wanting(Topic::Logging, &Event::LoggingEnded(message.text.as_str().to_owned()));
             }
             FromVehicle::TopsideMessage(message) => {
@@ -169,7 +173,8 @@ impl Core {
         let Some(change) = self.cx.vehicle.navigation.position(self.cx.now, utc, message) else {
             return;
         };
-        self.navigation_came();
+        self.session.heard_navigation(&mut self.cx);
+        self.capabilities.inserts.watch_schedules(&mut self.cx);
         let jump = match change {
             Change::Follows => None,
             Change::Jumped(jump) => Some(jump),
@@ -232,6 +237,25 @@ impl Core {
         }
     }
 
+    /// Where the vehicle names another dive file, the plan is forgotten and asked for, and nothing steers until it is
+    /// whole.
+    fn dive_named(&mut self, by: NamedBy, file: &Text) {
+        if !self.cx.vehicle.dive.named(by, file) || !is_on(Check::DiveIdentity) {
+            return;
+        }
+        self.cx.note_of_vehicle(Note::Text {
+            text: format!("another dive: {}", file.as_str().trim()),
+        });
+        self.capabilities
+            .end_leases(&mut self.cx, "the vehicle flies another dive");
+        self.cx.vehicle.forget_plan();
+        self.cx.link.commands.forget_plan();
+        self.cx.vehicle.courses.lose();
+        self.cx.vehicle.dive.is_another();
+        self.session.want_plan(&mut self.cx);
+        self.settle_control();
+    }
+
     fn mission_status(&mut self, message: &MissionStatus) {
         self.cx.heard(message.created);
         self.dive_named(NamedBy::Status, &message.dive_file);
@@ -242,8 +266,7 @@ impl Core {
         if self.cx.control.running != Some(running) {
             self.cx.control.running = Some(running);
             if running {
-                self.cx.vehicle.plan.forget();
-                self.cx.vehicle.compared = Compared::default();
+                self.cx.vehicle.forget_plan();
                 self.cx.link.commands.forget_plan();
                 self.session.want_plan(&mut self.cx);
             } else if is_on(Check::MissionRuns) && is_on(Check::ControlLossEndsLease) {
@@ -329,7 +352,8 @@ impl Core {
                 self.cx
                     .ledger
                     .settle_doubt_if(|entry| entry.waits_not && entry.insert.is_some_and(|insert| !insert.surfaces()));
-                self.cx.plan_goes_on();
+                let vehicle = &mut self.cx.vehicle;
+                vehicle.former.plan_goes_on(&vehicle.plan);
                 self.capabilities.inserts.judge_waiting(&mut self.cx);
             }
             (None, None) => self
@@ -337,7 +361,7 @@ impl Core {
                 .adjustments
                 .behavior(&mut self.cx, true, message.kind.as_str()),
         }
-        self.cx.tell_of_behavior(true, own, message.kind.as_str());
+        tell_of_behavior(&mut self.cx.plugins, true, own, message.kind.as_str());
     }
 
     fn behavior_ended(&mut self, message: BehaviorEnd) {
@@ -376,7 +400,7 @@ impl Core {
             }
         }
         self.cx.course_ended(message.number, message.identifier);
-        self.cx.tell_of_behavior(false, own, message.kind.as_str());
+        tell_of_behavior(&mut self.cx.plugins, false, own, message.kind.as_str());
     }
 
     /// The vehicle flies one behaviour at a time: an insert that had begun is over where another one begins, though its
@@ -430,6 +454,7 @@ impl Core {
             |when| matches!(when, Condition::MissionCommand(command) if command.trim() == text.trim()),
         );
         self.cx
+            .plugins
             .tell_wanting(Topic::MissionCommand, &Event::MissionCommand(text.to_owned()));
     }
 
@@ -462,67 +487,24 @@ impl Core {
             temperature_c: message.temperature_c,
             pressure_kpa: message.pressure_kpa,
         };
-        self.cx.tell_wanting(Topic::Ctd, &Event::Ctd(sample));
+        self.cx.plugins.tell_wanting(Topic::Ctd, &Event::Ctd(sample));
     }
 }
 
-impl Context {
-    pub(crate) fn heard(&mut self, created: TimeOfDay) {
-        let utc = self.utc();
-        self.vehicle.navigation.heard(self.now, utc, created);
-    }
-
-    pub(crate) fn tell_wanting(&mut self, topic: Topic, event: &Event) {
-        for index in 0..self.plugins.len() {
-            if self.plugins[index].wants(topic) {
-                self.tell(PluginId(index), event.clone());
-            }
+/// Those plugins are told that listen to the vehicle's behaviours.
+fn tell_of_behavior(plugins: &mut Plugins, began: bool, own: Option<(Owner, u64)>, kind: &str) {
+    for plugin in plugins.ids() {
+        if plugins.wants(plugin, Topic::Behavior) {
+            let behavior = Behavior {
+                kind: kind.to_owned(),
+                tag: own.filter(|(owner, _)| *owner == plugin).map(|(_, tag)| tag),
+            };
+            let event = if began {
+                Event::BehaviorBegan(behavior)
+            } else {
+                Event::BehaviorEnded(behavior)
+            };
+            plugins.tell(plugin, event);
         }
     }
-
-    /// What cannot be read may have taken control (safety requirement 001).
-    pub(crate) fn doubt_control(&mut self, message: &str) -> bool {
-        match message {
-            "BFCTL" if self.settings.control == ControlHook::Bfctl => self.control.handed_over = None,
-            "BFMIS" => self.control.running = None,
-            _ => return false,
-        }
-        true
-    }
-
-    pub(crate) fn tell_of_behavior(&mut self, began: bool, own: Option<(Owner, u64)>, kind: &str) {
-        for index in 0..self.plugins.len() {
-            let plugin = PluginId(index);
-            if self.plugins[index].wants(Topic::Behavior) {
-                let tag = own.filter(|(owner, _)| *owner == plugin).map(|(_, tag)| tag);
-                let behavior = Behavior {
-                    kind: kind.to_owned(),
-                    tag,
-                };
-                self.tell(
-                    plugin,
-                    if began {
-                        Event::BehaviorBegan(behavior)
-                    } else {
-                        Event::BehaviorEnded(behavior)
-                    },
-                );
-            }
-        }
-    }
-}
-
-/// Whether a mission status says that nothing of the mission is flown any more. Others, junk among them, take control
-/// but leave the inserts open: the vehicle may fly them yet. The words are those of SPI 6.11.
-pub(crate) fn is_over(status: &str) -> bool {
-    let over = [
-        "Offline",
-        "Waiting",
-        "Invalid",
-        "Ready",
-        "Completed",
-        "Aborted",
-        "Stopped",
-    ];
-    over.iter().any(|word| status.starts_with(word))
 }

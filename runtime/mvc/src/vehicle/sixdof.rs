@@ -42,6 +42,7 @@ pub(crate) use piloted::{Helm, Orders, Piloted, Surroundings, Trim, flown};
 
 use backseat_units::EastNorth;
 use backseat_units::math::{asin, atan2, wrap_360};
+use nalgebra::{Quaternion, Vector3};
 
 use actuators::Tail;
 use attitude::Attitude;
@@ -58,7 +59,7 @@ pub(crate) struct SixDof {
     state: State,
     tail: Tail,
     /// Water's velocity of the last step, north, east, down; none before the first.
-    water: Option<[f64; 3]>,
+    water: Option<Vector3<f64>>,
     /// By how much buoyancy exceeds weight when submerged, newtons.
     excess_n: f64,
 }
@@ -67,7 +68,7 @@ pub(crate) struct SixDof {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct State {
     /// North, east, down, metres.
-    at: [f64; 3],
+    at: Vector3<f64>,
     attitude: Attitude,
     /// Through the water.
     velocity: BodyVelocity,
@@ -76,37 +77,28 @@ struct State {
 /// The change of a state in a second.
 #[derive(Clone, Copy, Debug)]
 struct Rate {
-    at: [f64; 3],
-    attitude: [f64; 4],
+    at: Vector3<f64>,
+    attitude: Quaternion<f64>,
     velocity: BodyVelocity,
 }
 
 impl State {
     fn after(&self, rate: &Rate, dt_s: f64) -> Self {
-        let mut next = *self;
-        for (value, rate) in next.at.iter_mut().zip(rate.at) {
-            *value += rate * dt_s;
+        Self {
+            at: self.at + rate.at * dt_s,
+            attitude: Attitude(self.attitude.0 + rate.attitude * dt_s),
+            velocity: self.velocity + rate.velocity * dt_s,
         }
-        for (value, rate) in next.attitude.0.iter_mut().zip(rate.attitude) {
-            *value += rate * dt_s;
-        }
-        for (value, rate) in next.velocity.iter_mut().zip(rate.velocity) {
-            *value += rate * dt_s;
-        }
-        next
     }
 }
 
 impl Rate {
     /// The weighted mean of the four slopes of a Runge-Kutta step.
     fn mean(a: &Self, b: &Self, c: &Self, d: &Self) -> Self {
-        fn mean<const N: usize>(a: [f64; N], b: [f64; N], c: [f64; N], d: [f64; N]) -> [f64; N] {
-            core::array::from_fn(|i| (a[i] + 2.0 * (b[i] + c[i]) + d[i]) / 6.0)
-        }
         Self {
-            at: mean(a.at, b.at, c.at, d.at),
-            attitude: mean(a.attitude, b.attitude, c.attitude, d.attitude),
-            velocity: mean(a.velocity, b.velocity, c.velocity, d.velocity),
+            at: (a.at + (b.at + c.at) * 2.0 + d.at) / 6.0,
+            attitude: (a.attitude + (b.attitude + c.attitude) * 2.0 + d.attitude) / 6.0,
+            velocity: (a.velocity + (b.velocity + c.velocity) * 2.0 + d.velocity) / 6.0,
         }
     }
 }
@@ -118,9 +110,9 @@ impl SixDof {
         Self {
             coefficients: Coefficients::remus_100(),
             state: State {
-                at: [at.north_m, at.east_m, depth_m.max(0.0)],
+                at: Vector3::new(at.north_m, at.east_m, depth_m.max(0.0)),
                 attitude: Attitude::level(heading_deg.to_radians()),
-                velocity: [0.0; 6],
+                velocity: BodyVelocity::zeros(),
             },
             tail: Tail::default(),
             water: None,
@@ -157,17 +149,17 @@ impl SixDof {
 
     /// Stops it over ground where it is, its tail too. What lets it go finds it at rest there, and the water in motion.
     pub(crate) fn hold(&mut self) {
-        self.state.velocity = [0.0; 6];
+        self.state.velocity = BodyVelocity::zeros();
         self.state.attitude = Attitude::level(self.state.attitude.heading_rad());
         self.tail = Tail::default();
-        self.water = Some([0.0; 3]);
+        self.water = Some(Vector3::zeros());
     }
 
     /// Puts it on a seabed at `water_depth_m` if it is below that. Whether it is there.
     pub(crate) fn ground_at(&mut self, water_depth_m: f64) -> bool {
-        let grounded = self.state.at[2] >= water_depth_m;
+        let grounded = self.state.at.z >= water_depth_m;
         if grounded {
-            self.state.at[2] = water_depth_m.max(0.0);
+            self.state.at.z = water_depth_m.max(0.0);
             self.stop_vertical(|down_mps| down_mps > 0.0);
         }
         grounded
@@ -176,13 +168,13 @@ impl SixDof {
     /// Where it is in the world's frame.
     #[must_use]
     pub(crate) fn at(&self) -> EastNorth {
-        EastNorth::new(self.state.at[1], self.state.at[0])
+        EastNorth::new(self.state.at.y, self.state.at.x)
     }
 
     /// Depth, metres, never negative.
     #[must_use]
     pub(crate) fn depth_m(&self) -> f64 {
-        self.state.at[2]
+        self.state.at.z
     }
 
     /// Degrees from the frame's north, in [0, 360).
@@ -194,36 +186,34 @@ impl SixDof {
     /// Degrees, positive nose up.
     #[must_use]
     pub(crate) fn pitch_deg(&self) -> f64 {
-        asin((-self.state.attitude.down()[0]).clamp(-1.0, 1.0)).to_degrees()
+        asin((-self.state.attitude.down().x).clamp(-1.0, 1.0)).to_degrees()
     }
 
     /// Degrees, positive to starboard.
     #[must_use]
     pub(crate) fn roll_deg(&self) -> f64 {
-        let [_, y, z] = self.state.attitude.down();
-        atan2(y, z).to_degrees()
+        let down = self.state.attitude.down();
+        atan2(down.y, down.z).to_degrees()
     }
 
     /// Velocity through the water: forward, to starboard, down (metres a second), roll, pitch, yaw (radians a second).
     #[must_use]
     pub(crate) fn velocity(&self) -> [f64; 6] {
-        self.state.velocity
+        self.state.velocity.into()
     }
 
     /// Velocity over ground: east, north, down, metres a second.
     #[must_use]
     pub(crate) fn ground_velocity(&self) -> (f64, f64, f64) {
-        let [u, v, w, ..] = self.state.velocity;
-        let [north, east, down] = self.state.attitude.to_world([u, v, w]);
-        let [water_north, water_east, water_down] = self.water.unwrap_or_default();
-        (east + water_east, north + water_north, down + water_down)
+        let ground = self.state.attitude.to_world(linear(&self.state.velocity)) + self.water.unwrap_or_default();
+        (ground.y, ground.x, ground.z)
     }
 
     /// Rates of roll, pitch and heading, degrees a second.
     #[must_use]
     pub(crate) fn attitude_rates_dps(&self) -> (f64, f64, f64) {
-        let [.., p, q, r] = self.state.velocity;
-        let [sin_pitch, y, z] = self.state.attitude.down();
+        let [.., p, q, r] = self.velocity();
+        let [sin_pitch, y, z]: [f64; 3] = self.state.attitude.down().into();
         // Sine and cosine of roll, each times the cosine of pitch.
         let cos2 = (y * y + z * z).max(COS2_PITCH_LEAST);
         let cos = cos2.sqrt();
@@ -247,7 +237,7 @@ impl SixDof {
     /// Kinetic energy through the water, added mass included, and of righting, joules.
     #[cfg(test)]
     pub(crate) fn energy_j(&self) -> f64 {
-        self.coefficients.kinetic_j(&self.state.velocity) + self.coefficients.righting_j(self.state.attitude.down()[2])
+        self.coefficients.kinetic_j(&self.state.velocity) + self.coefficients.righting_j(self.state.attitude.down().z)
     }
 
     fn integrate(&mut self, tail: Actuators, dt_s: f64) {
@@ -257,26 +247,25 @@ impl SixDof {
         let d = self.rate(&self.state.after(&c, dt_s), tail);
         self.state = self.state.after(&Rate::mean(&a, &b, &c, &d), dt_s);
         self.state.attitude.normalize();
-        let [_, x, y, z] = &mut self.state.attitude.0;
-        for value in self.state.velocity.iter_mut().chain([x, y, z]) {
+        let turned = self.state.attitude.0.coords.iter_mut().take(3);
+        for value in self.state.velocity.iter_mut().chain(turned) {
             if value.abs() < AT_REST {
                 *value = 0.0;
             }
         }
-        if self.state.at[2] < 0.0 {
-            self.state.at[2] = 0.0;
+        if self.state.at.z < 0.0 {
+            self.state.at.z = 0.0;
             self.stop_vertical(|down_mps| down_mps < 0.0);
         }
     }
 
     fn rate(&self, state: &State, tail: Actuators) -> Rate {
-        let [u, v, w, p, q, r] = state.velocity;
         let water = self.water.unwrap_or_default();
-        let through = state.attitude.to_world([u, v, w]);
-        let excess_n = self.excess_n * (state.at[2] / BUOYANCY_FADES_M).clamp(0.0, 1.0);
+        let [.., p, q, r]: [f64; 6] = state.velocity.into();
+        let excess_n = self.excess_n * (state.at.z / BUOYANCY_FADES_M).clamp(0.0, 1.0);
         Rate {
-            at: core::array::from_fn(|i| through[i] + water[i]),
-            attitude: state.attitude.rate([p, q, r]),
+            at: state.attitude.to_world(linear(&state.velocity)) + water,
+            attitude: state.attitude.rate(Vector3::new(p, q, r)),
             velocity: acceleration(
                 &self.coefficients,
                 &state.velocity,
@@ -290,24 +279,16 @@ impl SixDof {
     /// Where the water's motion changes, the vehicle's own inertia keeps its velocity over ground. A current that is no
     /// number is the one of before; past [`THROUGH_MAX_MPS`] the change carries the vehicle at once.
     fn carry_over(&mut self, current: (f64, f64, f64)) {
-        let water = [current.1, current.0, current.2];
+        let water = Vector3::new(current.1, current.0, current.2);
         if water.iter().any(|value| !value.is_finite()) {
             return;
         }
         if let Some(before) = self.water {
-            let change = self
-                .state
-                .attitude
-                .to_body(core::array::from_fn(|i| water[i] - before[i]));
-            for (velocity, change) in self.state.velocity.iter_mut().zip(change) {
-                *velocity -= change;
-            }
-            let [u, v, w, ..] = self.state.velocity;
-            let through_mps = (u * u + v * v + w * w).sqrt();
+            let mut through = self.state.velocity.fixed_rows_mut::<3>(0);
+            through -= self.state.attitude.to_body(water - before);
+            let through_mps = through.norm();
             if through_mps > THROUGH_MAX_MPS {
-                for velocity in &mut self.state.velocity[..3] {
-                    *velocity *= THROUGH_MAX_MPS / through_mps;
-                }
+                through *= THROUGH_MAX_MPS / through_mps;
             }
         }
         self.water = Some(water);
@@ -317,12 +298,16 @@ impl SixDof {
     fn stop_vertical(&mut self, stops: impl Fn(f64) -> bool) {
         let (_, _, down_mps) = self.ground_velocity();
         if stops(down_mps) {
-            let change = self.state.attitude.to_body([0.0, 0.0, down_mps]);
-            for (velocity, change) in self.state.velocity.iter_mut().zip(change) {
-                *velocity -= change;
-            }
+            let change = self.state.attitude.to_body(Vector3::new(0.0, 0.0, down_mps));
+            let mut through = self.state.velocity.fixed_rows_mut::<3>(0);
+            through -= change;
         }
     }
+}
+
+/// The linear part of a velocity.
+fn linear(velocity: &BodyVelocity) -> Vector3<f64> {
+    velocity.fixed_rows::<3>(0).into_owned()
 }
 
 /// The fastest through the water, metres a second: three times what it can swim. Cross-flow drag brakes in 1/50 s there,

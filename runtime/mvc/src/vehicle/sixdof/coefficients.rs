@@ -218,7 +218,7 @@ impl Coefficients {
     /// Energy of the motion through the water, joules.
     #[cfg(test)]
     pub(super) fn kinetic_j(&self, velocity: &BodyVelocity) -> f64 {
-        let [u, v, _, p, q, _] = *velocity;
+        let [u, v, _, p, q, _]: [f64; 6] = (*velocity).into();
         let diagonal: f64 = self
             .mass
             .iter()

@@ -1,11 +1,12 @@
 use backseat_units::math::exp;
+use nalgebra::{Vector3, Vector6};
 
 use super::actuators::Actuators;
 use super::coefficients::{Coefficients, LENGTH_M, STRIPS};
 
 /// Velocity through the water in the body's axes: forward, to starboard, down (metres a second), roll, pitch, yaw
 /// (radians a second).
-pub(super) type BodyVelocity = [f64; 6];
+pub(super) type BodyVelocity = Vector6<f64>;
 
 /// Rate of change of the velocity through the water, with the world's `down` in the body's axes, the `tail` where it is,
 /// and `excess_n` newtons more buoyancy than weight.
@@ -15,11 +16,11 @@ pub(super) type BodyVelocity = [f64; 6];
 pub(super) fn acceleration(
     coefficients: &Coefficients,
     velocity: &BodyVelocity,
-    down: [f64; 3],
+    down: Vector3<f64>,
     tail: Actuators,
     excess_n: f64,
 ) -> BodyVelocity {
-    let mut force = [0.0; 6];
+    let mut force = BodyVelocity::zeros();
     inertial(coefficients, velocity, &mut force);
     damping(coefficients, velocity, &mut force);
     lift_and_drag(coefficients, velocity, &mut force);
@@ -31,8 +32,8 @@ pub(super) fn acceleration(
 
 /// Excess of buoyancy over weight that floats the vehicle up level at `rise_mps`, newtons: what the water then pulls.
 pub(super) fn excess_for_rise(coefficients: &Coefficients, rise_mps: f64) -> f64 {
-    let velocity = [0.0, 0.0, -rise_mps.abs(), 0.0, 0.0, 0.0];
-    let mut force = [0.0; 6];
+    let velocity = BodyVelocity::new(0.0, 0.0, -rise_mps.abs(), 0.0, 0.0, 0.0);
+    let mut force = BodyVelocity::zeros();
     damping(coefficients, &velocity, &mut force);
     lift_and_drag(coefficients, &velocity, &mut force);
     cross_flow(coefficients, &velocity, &mut force);
@@ -46,7 +47,7 @@ pub(super) fn excess_for_rise(coefficients: &Coefficients, rise_mps: f64) -> f64
 /// (among them the Munk moment): without quadratic damping of the rotation they make the model unstable. What is left out
 /// is skew-symmetric, so that the energy stays right.
 fn inertial(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut BodyVelocity) {
-    let [u, v, w, p, q, r] = *velocity;
+    let [u, v, w, p, q, r]: [f64; 6] = (*velocity).into();
     let mass = coefficients.mass_kg;
     let below = coefficients.coupling / mass;
     // Velocity of the centre of gravity, and the origin's, each crossed by the rotation.
@@ -69,7 +70,7 @@ fn inertial(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut Bo
 
 /// Linear damping; in surge and sway it fades with speed, where drag and cross-flow take over.
 fn damping(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut BodyVelocity) {
-    let [u, v, w, ..] = *velocity;
+    let [u, v, w, ..]: [f64; 6] = (*velocity).into();
     let faded = exp(-3.0 * (u * u + v * v + w * w).sqrt());
     for (i, ((force, damping), velocity)) in force.iter_mut().zip(coefficients.damping).zip(velocity).enumerate() {
         let share = if i < 2 { faded } else { 1.0 };
@@ -82,7 +83,7 @@ fn damping(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut Bod
 /// Published with the angle of attack a itself; here it is sin a cos a, the same within 1 % up to 7 degrees, and zero
 /// athwart, where a lift that grows with the angle has no meaning: a vehicle that floats up level is not driven forward.
 fn lift_and_drag(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut BodyVelocity) {
-    let [u, v, w, ..] = *velocity;
+    let [u, v, w, ..]: [f64; 6] = (*velocity).into();
     let in_plane2 = u * u + w * w;
     if in_plane2 < 1e-12 {
         return;
@@ -99,7 +100,7 @@ fn lift_and_drag(coefficients: &Coefficients, velocity: &BodyVelocity, force: &m
 /// Drag of the water that crosses the hull, by strips (Fossen 2021, section 6.4), in the horizontal plane and, the hull
 /// being round, likewise in the vertical one.
 fn cross_flow(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut BodyVelocity) {
-    let [_, v, w, _, q, r] = *velocity;
+    let [_, v, w, _, q, r]: [f64; 6] = (*velocity).into();
     let (mut sway, mut heave, mut pitch, mut yaw) = (0.0, 0.0, 0.0, 0.0);
     for i in 0..STRIPS {
         let x = LENGTH_M * ((i as f64 + 0.5) / STRIPS as f64 - 0.5);
@@ -116,17 +117,17 @@ fn cross_flow(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut 
     force[5] -= coefficients.strip * yaw;
 }
 
-fn restoring(coefficients: &Coefficients, down: [f64; 3], excess_n: f64, force: &mut BodyVelocity) {
-    for (force, down) in force.iter_mut().zip(down) {
+fn restoring(coefficients: &Coefficients, down: Vector3<f64>, excess_n: f64, force: &mut BodyVelocity) {
+    for (force, down) in force.iter_mut().zip(&down) {
         *force -= excess_n * down;
     }
     let righting = coefficients.righting_nm();
-    force[3] -= righting * down[1];
-    force[4] += righting * down[0];
+    force[3] -= righting * down.y;
+    force[4] += righting * down.x;
 }
 
 fn tail_forces(coefficients: &Coefficients, velocity: &BodyVelocity, tail: Actuators, force: &mut BodyVelocity) {
-    let [u, v, w, ..] = *velocity;
+    let [u, v, w, ..]: [f64; 6] = (*velocity).into();
     let turns = tail.propeller_rpm / 60.0;
     let propeller = coefficients.propeller;
     let speed = (u * u + v * v + w * w).sqrt();
@@ -144,16 +145,17 @@ fn tail_forces(coefficients: &Coefficients, velocity: &BodyVelocity, tail: Actua
     force[5] += coefficients.fins_aft_m * across;
 }
 
+/// The mass matrix's inverse in closed form: of its 36 elements symmetry leaves two blocks of two rows and two single ones.
 fn divided_by_mass(coefficients: &Coefficients, force: &BodyVelocity) -> BodyVelocity {
-    let [x, y, z, k, m, n] = *force;
+    let [x, y, z, k, m, n]: [f64; 6] = (*force).into();
     let [mx, my, mz, mk, mm, mn] = coefficients.mass;
     let c = coefficients.coupling;
-    [
+    BodyVelocity::new(
         (mm * x - c * m) / coefficients.surge_pitch,
         (mk * y + c * k) / coefficients.sway_roll,
         z / mz,
         (my * k + c * y) / coefficients.sway_roll,
         (mx * m - c * x) / coefficients.surge_pitch,
         n / mn,
-    ]
+    )
 }

@@ -257,7 +257,7 @@ fn attitude(roll_deg: f64, pitch_deg: f64) -> super::attitude::Attitude {
     use backseat_units::math::sin_cos;
     let (sr, cr) = sin_cos(0.5 * roll_deg.to_radians());
     let (sp, cp) = sin_cos(0.5 * pitch_deg.to_radians());
-    super::attitude::Attitude([cr * cp, sr * cp, cr * sp, -sr * sp])
+    super::attitude::Attitude(nalgebra::Quaternion::new(cr * cp, sr * cp, cr * sp, -sr * sp))
 }
 
 #[test]

@@ -7,7 +7,7 @@
 //!
 //! Three layers, each usable by itself:
 //! - [`SixDof`]: fins and propeller in, motion out;
-//! - [`Autopilot`]: heading, depth, pitch, speed in, fins and propeller out;
+//! - [`autopilot::Autopilot`]: heading, depth, pitch, speed in, fins and propeller out;
 //! - [`Piloted`]: both, in the sea that it is in and within a hull's limits: what the mock flies where the world says
 //!   `model = "6-dof"`.
 //!

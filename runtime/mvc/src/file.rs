@@ -39,6 +39,7 @@ pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
 pub use mission_command::MissionCommandConfig;
 pub use plan::{PlaceConfig, PlanEntry, PlanKind};
 pub use power::PowerConfig;
+pub(crate) use power::SHUTDOWN_NOTICE;
 pub use roles::{RoleConfig, RoleError, WithoutRole};
 pub(crate) use sensors::COMPASSES_MAX;
 pub use sensors::{

@@ -1,3 +1,8 @@
+pub(crate) mod course;
+pub(crate) mod insert;
+pub(crate) mod planned;
+pub(crate) mod soundings;
+
 use core::time::Duration;
 
 use backseat_spi::Text;
@@ -5,6 +10,7 @@ use backseat_units::{EastNorth, LocalFrame, Position};
 
 use crate::error::MvcError;
 use crate::file::{PlaceConfig, PlanEntry, PlanKind, VehicleConfig};
+use crate::vehicle::Vertical;
 
 /// What a behavior flies, in the world's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,17 +95,6 @@ impl Shape {
             | Self::Idle => self,
         }
     }
-}
-
-/// What the vehicle holds vertically.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Vertical {
-    Depth(f64),
-    Altitude(f64),
-    /// Degrees, positive up.
-    Pitch(f64),
-    /// Degrees of elevator, held; positive lifts the nose (SPI 6.12).
-    Elevator(f64),
 }
 
 /// One behavior of the front seat's plan.

@@ -1,8 +1,8 @@
 use serde::Deserialize;
 
 use crate::error::{MvcError, check};
-use crate::hull::{Hull, HullClass};
-use crate::sixdof::flown;
+use crate::vehicle::hull::{Hull, HullClass};
+use crate::vehicle::sixdof::flown;
 
 /// How the vehicle's motion is worked out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]

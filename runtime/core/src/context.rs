@@ -5,6 +5,7 @@ mod send;
 
 use std::sync::Arc;
 
+use backseat_spi::ToVehicle;
 use backseat_units::{TimeOfDay, Timestamp, Utc};
 
 use crate::arbiter::Arbiter;
@@ -19,6 +20,7 @@ use crate::link::Link;
 use crate::monitor::Monitor;
 use crate::outbox::Outbox;
 use crate::outlook::Outlook;
+use crate::phase::Phase;
 use crate::plugins::Plugins;
 use crate::settings::{PluginSetup, Settings};
 use crate::stamp::Stamper;
@@ -115,17 +117,17 @@ impl Context {
         self.now - age.unwrap_or_default()
     }
 
-    /// What the gate is asked with at this moment.
-    pub(crate) fn gate(&self) -> Gate<'_> {
+    /// What the gate is asked with when a message is about to leave.
+    fn gate(&self, message: &ToVehicle) -> Gate<'_> {
+        let is_own = |identifier| self.identifiers.is_ours(identifier) || self.vehicle.former.includes(identifier);
         Gate {
             now: self.now,
             is_up: self.link.is_up(),
-            lost: self.lost_because(),
-            control: &self.control,
+            is_armed: self.control.armed,
+            has_control: self.lost_because().is_none(),
+            may_start_mission: !self.control.held && !self.control.stopping && self.vehicle.phase == Phase::Over,
+            is_own_insert: matches!(message, ToVehicle::CancelBehavior(cancel) if is_own(cancel.identifier)),
             permits: &self.monitor.permits,
-            phase: self.vehicle.phase,
-            identifiers: &self.identifiers,
-            former: &self.vehicle.former,
             speed_default_mps: self.monitor.limits().speed_default_mps(),
         }
     }

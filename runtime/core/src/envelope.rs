@@ -30,6 +30,7 @@ use ends::{farthest_m, ways};
 pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
 use motion::turn_radius_m;
 pub(crate) use onto::{Approach, Track};
+pub(crate) use place::Good;
 use surfacing::{Climb, deepest};
 pub(crate) use time::{APART_MAX, Clocks};
 

@@ -5,11 +5,7 @@
 use backseat_spi::{HullSpeedLimit, ToVehicle};
 use backseat_units::Timestamp;
 
-use crate::control::Control;
-use crate::former::Former;
-use crate::identifiers::Identifiers;
 use crate::owner::Owner;
-use crate::phase::Phase;
 use crate::switches::{Check, is_on};
 
 /// What a message needs before it may leave.
@@ -123,18 +119,22 @@ impl Permits {
     }
 }
 
-/// What the gate is asked with.
+/// What is known when a message is about to leave.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Gate<'a> {
     pub(crate) now: Timestamp,
+    /// The link is up.
     pub(crate) is_up: bool,
-    /// Why control is not ours; `None` where it is.
-    pub(crate) lost: Option<&'static str>,
-    pub(crate) control: &'a Control,
+    /// The operator lets this process send what steers.
+    pub(crate) is_armed: bool,
+    /// Control is ours.
+    pub(crate) has_control: bool,
+    /// No mission runs, and the operator neither holds nor ends the run.
+    pub(crate) may_start_mission: bool,
+    /// An insert that is taken back is one that this runtime has sent.
+    pub(crate) is_own_insert: bool,
     pub(crate) permits: &'a Permits,
-    pub(crate) phase: Phase,
-    pub(crate) identifiers: &'a Identifiers,
-    pub(crate) former: &'a Former,
-    /// The vehicle's own speed limit.
+    /// The vehicle's own speed limit, m/s.
     pub(crate) speed_default_mps: Option<f64>,
 }
 
@@ -147,21 +147,19 @@ impl Gate<'_> {
     fn may_leave(&self, owner: Option<Owner>, message: &ToVehicle) -> bool {
         let operator = owner == Some(Owner::Operator);
         let driver = matches!(owner, Some(Owner::Driver(_)));
-        let armed = self.control.armed;
-        let control = || armed && self.lost.is_none();
+        let armed = self.is_armed;
+        let control = armed && self.has_control;
         match needs(message) {
             Needs::Link => true,
-            Needs::OwnInsert => self.is_own_insert(message),
-            Needs::Control => !driver && (control() || armed && !is_on(Check::ListWithoutControl) && !steers(message)),
-            Needs::OperatorWithControl => operator && control(),
-            Needs::DriverWithControl => (operator || driver) && control(),
+            Needs::OwnInsert => self.is_own_insert,
+            Needs::Control => !driver && (control || armed && !is_on(Check::ListWithoutControl) && !steers(message)),
+            Needs::OperatorWithControl => operator && control,
+            Needs::DriverWithControl => (operator || driver) && control,
             Needs::OperatorArmed => operator && armed,
-            Needs::NoMission => {
-                operator && armed && !self.control.held && !self.control.stopping && self.phase == Phase::Over
-            }
+            Needs::NoMission => operator && armed && self.may_start_mission,
             Needs::Driver => driver && armed,
-            Needs::Window => control() && (self.permits.window_is_open(self.now) || !is_on(Check::ModemWindow)),
-            Needs::Handshake => control() && (self.permits.may_trigger || !is_on(Check::DvlLeave)),
+            Needs::Window => control && (self.permits.window_is_open(self.now) || !is_on(Check::ModemWindow)),
+            Needs::Handshake => control && (self.permits.may_trigger || !is_on(Check::DvlLeave)),
             Needs::Never => false,
         }
     }
@@ -172,13 +170,5 @@ impl Gate<'_> {
         self.permits.station_ends
             && (matches!(message, ToVehicle::Resume(_))
                 || matches!(message, ToVehicle::HullSpeedLimit(limit) if restores(limit)))
-    }
-
-    fn is_own_insert(&self, message: &ToVehicle) -> bool {
-        if let ToVehicle::CancelBehavior(cancel) = message {
-            self.identifiers.is_ours(cancel.identifier) || self.former.includes(cancel.identifier)
-        } else {
-            false
-        }
     }
 }

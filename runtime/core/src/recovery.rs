@@ -21,7 +21,7 @@ use crate::capability::Capabilities;
 use crate::commands::Purpose;
 use crate::context::Context;
 use crate::dispatch::Dispatch;
-use crate::envelope::MODIFY_TIMEOUT;
+use crate::envelope::{Good, MODIFY_TIMEOUT};
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::limits::{LimitError, seconds};
@@ -141,17 +141,6 @@ pub(crate) struct Whereabouts {
     excursion: Option<Excursion>,
 }
 
-/// A place inside the fence: no other within so many metres of it, and within these depths, is outside.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Good {
-    pub(crate) at: EastNorth,
-    pub(crate) clearance_m: f64,
-    pub(crate) depth_min_m: f64,
-    pub(crate) depth_max_m: f64,
-    /// Metres above the seabed; an unknown one is as good as any.
-    pub(crate) altitude_min_m: f64,
-}
-
 /// A time in which the vehicle is outside, as far as is known.
 #[derive(Clone, Debug)]
 struct Excursion {
@@ -171,18 +160,6 @@ struct Excursion {
     untold: bool,
     /// What the newest place outside offends against.
     refusal: Refusal,
-}
-
-impl Good {
-    fn covers(&self, navigation: &NavigationSample) -> bool {
-        let depth_m = navigation.depth.as_m().max(0.0);
-        let altitude_m = navigation.altitude.map_or(f64::MAX, |altitude| altitude.as_m());
-        // Written so that a figure that is none fails.
-        navigation.local.distance_m(self.at) < self.clearance_m
-            && depth_m >= self.depth_min_m
-            && depth_m <= self.depth_max_m
-            && altitude_m >= self.altitude_min_m
-    }
 }
 
 impl Whereabouts {

@@ -84,7 +84,7 @@ impl Context {
 
     /// The only place from which anything leaves for the vehicle: through the gate, encoded, its answer awaited.
     pub(crate) fn pass(&mut self, owner: Option<Owner>, message: &ToVehicle, command: Option<Command>) -> bool {
-        if !self.gate().lets_through(owner, message) {
+        if !self.gate(message).lets_through(owner, message) {
             return false;
         }
         let mut bytes = Vec::with_capacity(96);

@@ -1,16 +1,38 @@
 //! Where the vehicle itself is, not where it may come to: for recovery.
 
 use backseat_fence::{Shape, Span, Sweep, VerticalExtent};
-use backseat_units::Utc;
+use backseat_units::{EastNorth, Utc};
 
 use super::{Envelope, refusal};
 use crate::plugin::{NavigationSample, Refusal};
-use crate::recovery::Good;
 
 /// A vehicle whose height is not known is as high as it likes: what needs it does not stand without it.
 const UNKNOWN_ALTITUDE_M: f64 = 1e6;
 /// The room that depth and altitude are judged with where they have it, metres.
 const ROOM_M: f64 = 2.0;
+
+/// A place inside the fence: no other within so many metres of it, and within these depths, is outside.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Good {
+    pub(crate) at: EastNorth,
+    pub(crate) clearance_m: f64,
+    pub(crate) depth_min_m: f64,
+    pub(crate) depth_max_m: f64,
+    /// Metres above the seabed; an unknown one is as good as any.
+    pub(crate) altitude_min_m: f64,
+}
+
+impl Good {
+    pub(crate) fn covers(&self, navigation: &NavigationSample) -> bool {
+        let depth_m = navigation.depth.as_m().max(0.0);
+        let altitude_m = navigation.altitude.map_or(f64::MAX, |altitude| altitude.as_m());
+        // Written so that a figure that is none fails.
+        navigation.local.distance_m(self.at) < self.clearance_m
+            && depth_m >= self.depth_min_m
+            && depth_m <= self.depth_max_m
+            && altitude_m >= self.altitude_min_m
+    }
+}
 
 impl Envelope {
     /// Whether the vehicle's place, navigation's error around it, holds at this moment. What it then answers for is kept,

@@ -1,26 +1,35 @@
 //! Each thing that can be asked of the vehicle: a type with a state of its own, and the hooks by which the rest tells it of
 //! answers, time, a lost link, lost control and a failed plugin.
 
+pub(crate) mod acoustic;
+pub(crate) mod adjustment;
+pub(crate) mod device;
+pub(crate) mod dvl;
+pub(crate) mod insert;
+pub(crate) mod modify;
+pub(crate) mod silent;
+pub(crate) mod station;
+pub(crate) mod topside;
+
 use backseat_spi::ToVehicle;
 
-use crate::acoustic::Acoustic;
-use crate::adjustment::{Adjustments, Adjusts};
 use crate::arbiter::LeaseKind;
+use crate::capability::acoustic::Acoustic;
+use crate::capability::adjustment::{Adjustments, Adjusts};
+use crate::capability::dvl::DvlTrigger;
+use crate::capability::insert::{Admitted, Inserts};
+use crate::capability::modify::Modify;
+use crate::capability::silent::Silent;
+use crate::capability::station::Station;
+use crate::capability::topside::Topside;
 use crate::context::Context;
-use crate::devices;
-use crate::dispatch::Dispatch;
-use crate::dvl::DvlTrigger;
-use crate::envelope::{Hover, Insert, Setpoint};
-use crate::helm::Modify;
-use crate::hull::Station;
-use crate::inserts::{Admitted, Inserts};
+use crate::monitor::envelope::{Hover, Insert, Setpoint};
 use crate::plugin::{
     GpsHitRequest, HoldRequest, ModifyRequest, PluginId, Refusal, Request, TrackcircleRequest, TracklineRequest,
 };
 use crate::refusal::refused;
-use crate::silent::Silent;
+use crate::session::dispatch::Dispatch;
 use crate::switches::{Check, is_on};
-use crate::topside::Topside;
 
 /// A request that has passed every check.
 #[derive(Debug)]
@@ -154,9 +163,9 @@ impl Capabilities {
             Request::Trim(_) => self.adjustments.check(cx, request, Adjusts::Trim),
             Request::Buoyancy(_) => self.adjustments.check(cx, request, Adjusts::Buoyancy),
             Request::Packet(asked) => self.acoustic.check(cx, request, asked),
-            Request::SonarAngle(asked) => devices::sonar_angle(cx, request, asked),
-            Request::Camera(asked) => devices::camera(cx, request, asked),
-            Request::Light(asked) => devices::light(cx, request, asked),
+            Request::SonarAngle(asked) => device::sonar_angle(cx, request, asked),
+            Request::Camera(asked) => device::camera(cx, request, asked),
+            Request::Light(asked) => device::light(cx, request, asked),
             Request::EndModify | Request::EndHold | Request::Message(_) | Request::Timer { .. } => Err(not_asked()),
         };
         dispatch.map(Checked::Command)

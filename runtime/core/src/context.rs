@@ -10,24 +10,24 @@ use backseat_units::{TimeOfDay, Timestamp, Utc};
 
 use crate::arbiter::Arbiter;
 use crate::control::Control;
-use crate::drivers::Drivers;
-use crate::envelope::Envelope;
-use crate::gate::Gate;
+use crate::external::Drivers;
 use crate::identifiers::Identifiers;
 use crate::io::{Note, Start};
 use crate::ledger::Ledger;
-use crate::link::Link;
 use crate::monitor::Monitor;
+use crate::monitor::envelope::Envelope;
+use crate::monitor::gate::Gate;
 use crate::outbox::Outbox;
 use crate::outlook::Outlook;
-use crate::phase::Phase;
-use crate::plugins::Plugins;
+use crate::plugin::slots::Plugins;
+use crate::session::link::Link;
+use crate::session::subscriptions::Subscriptions;
 use crate::settings::{PluginSetup, Settings};
 use crate::stamp::Stamper;
-use crate::subscriptions::Subscriptions;
 use crate::switches::{Check, is_on};
 use crate::timer::Timers;
 use crate::vehicle::Vehicle;
+use crate::vehicle::phase::Phase;
 
 /// What every capability is given, and never `Core`: the time, what is known of the vehicle, the monitor, the ledger and
 /// the ways out.

@@ -4,16 +4,16 @@ use std::time::Duration;
 use backseat_units::Timestamp;
 
 use crate::capability::Capabilities;
-use crate::commands::Answer;
 use crate::context::Context;
-use crate::drivers;
-use crate::envelope::Envelope;
+use crate::external;
 use crate::io::{Input, Note, Output, Reservation, Start};
 use crate::ledger::RequestCounts;
-use crate::orders::Orders;
+use crate::monitor::envelope::Envelope;
+use crate::operator::Orders;
 use crate::plugin::Event;
 use crate::recovery::Whereabouts;
 use crate::session::Session;
+use crate::session::commands::Answer;
 use crate::settings::{PluginSetup, Settings};
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -41,10 +41,12 @@ pub struct Core {
 
 mod answer;
 mod connection;
+mod course;
 #[cfg(test)]
 mod gated;
 mod hear;
 mod request;
+mod samples;
 mod step;
 
 impl Core {
@@ -91,7 +93,7 @@ impl Core {
             Input::Returned(plugin, returned) => self.returned(plugin, returned),
             Input::Restarted(plugin, restarted) => self.restarted(plugin, restarted),
             Input::Operator(act) => self.orders.act(&mut self.cx, &mut self.capabilities, act),
-            Input::Driver(driver, bytes) => drivers::received(&mut self.cx, &mut self.capabilities, driver, bytes),
+            Input::Driver(driver, bytes) => external::received(&mut self.cx, &mut self.capabilities, driver, bytes),
             Input::Reserved(reservation) => self.cx.identifiers.reserved(reservation),
             Input::UtcSet(by_nanos) => self.utc_set(by_nanos),
             Input::Timeout => {}

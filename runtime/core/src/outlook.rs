@@ -13,16 +13,16 @@ use backseat_spi::BehaviorId;
 use backseat_units::Timestamp;
 
 use crate::arbiter::Arbiter;
-use crate::commands::Purpose;
-use crate::envelope::{Clocks, Insert};
 use crate::identifiers::Identifiers;
 use crate::ledger::{Entry, Ledger};
-use crate::link::Link;
 use crate::monitor::Monitor;
-use crate::plan::Element;
+use crate::monitor::envelope::{Clocks, Insert};
 use crate::plugin::{PluginId, RequestState};
+use crate::session::commands::Purpose;
+use crate::session::link::Link;
 use crate::stamp::Stamper;
 use crate::vehicle::Vehicle;
+use crate::vehicle::plan::Element;
 
 /// A view of all that this depends on, which changes nothing.
 #[derive(Clone, Copy)]

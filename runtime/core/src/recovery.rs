@@ -14,19 +14,19 @@
 use std::time::Duration;
 
 use backseat_spi::{LogMessage, Text, ToVehicle, TopsideText, Transport};
-use backseat_units::{EastNorth, Timestamp};
+use backseat_units::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use crate::capability::Capabilities;
-use crate::commands::Purpose;
 use crate::context::Context;
-use crate::dispatch::Dispatch;
-use crate::envelope::{Good, MODIFY_TIMEOUT};
 use crate::io::Note;
 use crate::ledger::RequestKind;
-use crate::limits::{LimitError, seconds};
-use crate::orders::{Order, Orders};
+use crate::monitor::envelope::{Good, MODIFY_TIMEOUT};
+use crate::monitor::limits::{LimitError, seconds};
+use crate::operator::{Order, Orders};
 use crate::plugin::{NavigationSample, Refusal};
+use crate::session::commands::Purpose;
+use crate::session::dispatch::Dispatch;
 use crate::timer::Timer;
 
 /// The ladder of a mission: its `[recovery]` table. Times count from when the vehicle was first outside, while it is.
@@ -263,7 +263,7 @@ impl Whereabouts {
             excursion.back = None;
         } else if now.since(*excursion.back.get_or_insert(now)) >= back_for {
             self.forget_excursion(cx);
-            cx.recovery_note("the vehicle is inside the fence again".to_owned());
+            note(cx, "the vehicle is inside the fence again".to_owned());
         }
     }
 
@@ -310,14 +310,14 @@ impl Whereabouts {
                     "the vehicle is outside: {}; nothing of ours is active, and nothing is done",
                     refusal.text
                 );
-                return cx.recovery_note(text);
+                return note(cx, text);
             }
         }
         let Some(step) = excursion.step else { return };
         excursion.step = step.next();
         match step {
             Step::Leases => {
-                cx.recovery_note(format!("the vehicle is outside: {}; leases end", refusal.text));
+                note(cx, format!("the vehicle is outside: {}; leases end", refusal.text));
                 capabilities
                     .modify
                     .end(cx, "recovery: the vehicle is outside the fence");
@@ -326,18 +326,18 @@ impl Whereabouts {
                     .end(cx, "recovery: the vehicle is outside the fence");
             }
             Step::Inserts => {
-                cx.recovery_note("still outside: inserts are cancelled".to_owned());
+                note(cx, "still outside: inserts are cancelled".to_owned());
                 if !self.cancel_for_recovery(cx, capabilities, orders) {
-                    cx.recovery_note("a way that would remain is worse: on to the next step".to_owned());
+                    note(cx, "a way that would remain is worse: on to the next step".to_owned());
                     self.take_step(cx, capabilities, orders);
                 }
             }
             Step::Tell => {
-                cx.recovery_note("still outside: the topside is told".to_owned());
+                note(cx, "still outside: the topside is told".to_owned());
                 self.tell_of_excursion(cx, capabilities, &refusal);
             }
             Step::Abort => {
-                cx.recovery_note("still outside: the mission is aborted".to_owned());
+                note(cx, "still outside: the mission is aborted".to_owned());
                 orders.order_in_advance(
                     cx,
                     capabilities,
@@ -361,7 +361,10 @@ impl Whereabouts {
             // Judged there as the operator's own order is.
             orders.order_in_advance(cx, capabilities, &Order::CancelCurrent);
         } else {
-            cx.recovery_note("the insert that is flown goes on: `cancel_current` is not set".to_owned());
+            note(
+                cx,
+                "the insert that is flown goes on: `cancel_current` is not set".to_owned(),
+            );
         }
         all
     }
@@ -413,10 +416,8 @@ impl Whereabouts {
     }
 }
 
-impl Context {
-    pub(crate) fn recovery_note(&mut self, text: String) {
-        self.note(Note::Recovery { text });
-    }
+fn note(cx: &mut Context, text: String) {
+    cx.note(Note::Recovery { text });
 }
 
 #[cfg(test)]

@@ -1,5 +1,12 @@
 //! The session: connection, subscriptions, the plan's asking, silence, status (SPI 4, 7.1, 7.2, 7.19, 7.25).
 
+pub(crate) mod commands;
+pub(crate) mod dispatch;
+pub(crate) mod heartbeat;
+pub(crate) mod link;
+pub(crate) mod reads;
+pub(crate) mod subscriptions;
+
 use std::time::Duration;
 
 use backseat_spi::{
@@ -8,13 +15,13 @@ use backseat_spi::{
 };
 use backseat_units::{TimeOfDay, Timestamp};
 
-use crate::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
 use crate::context::Context;
-use crate::heartbeat::{BEAT_EVERY, Remedy};
 use crate::io::{Note, Output};
 use crate::quota::LastMinute;
+use crate::session::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
+use crate::session::heartbeat::{BEAT_EVERY, Remedy};
+use crate::session::subscriptions::ACKNOWLEDGEMENTS;
 use crate::settings::StatusCondition;
-use crate::subscriptions::ACKNOWLEDGEMENTS;
 use crate::timer::Timer;
 
 /// The interface that we speak.

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use super::Context;
-use crate::envelope::limit;
-use crate::limits::Grant;
+use crate::monitor::envelope::limit;
+use crate::monitor::limits::Grant;
 use crate::plugin::{PluginId, Refusal, RequestState};
 use crate::refusal::refused;
 use crate::switches::{Check, is_on};

@@ -1,11 +1,11 @@
 //! A request comes to another state: its owner and the log are told.
 
 use super::Context;
-use crate::commands::Answer;
 use crate::io::Note;
 use crate::ledger::Transition;
 use crate::owner::Owner;
 use crate::plugin::{Event, RequestState};
+use crate::session::commands::Answer;
 
 impl Context {
     /// Takes a request on, tells its plugin and the log.

@@ -4,13 +4,13 @@ use backseat_spi::{BehaviorId, CancelBehavior, ToVehicle};
 use backseat_units::TimeOfDay;
 
 use super::Context;
-use crate::commands::{Command, FIRST_WITHIN, Purpose};
-use crate::dispatch::Dispatch;
 use crate::io::{Note, Output};
-use crate::limits::Grant;
+use crate::monitor::limits::Grant;
 use crate::owner::Owner;
 use crate::plugin::RequestState;
 use crate::refusal::refused;
+use crate::session::commands::{Command, FIRST_WITHIN, Purpose};
+use crate::session::dispatch::Dispatch;
 use crate::session::name;
 
 impl Context {

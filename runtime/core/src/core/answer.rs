@@ -3,8 +3,8 @@
 use backseat_spi::{AckStatus, Acknowledgement};
 
 use super::Core;
-use crate::commands::{Answer, Command, Purpose};
 use crate::io::Note;
+use crate::session::commands::{Answer, Command, Purpose};
 use crate::session::name;
 
 impl Core {

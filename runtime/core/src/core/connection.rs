@@ -3,12 +3,13 @@
 use backseat_spi::Acknowledgement;
 
 use super::Core;
-use crate::commands::Answer;
-use crate::expected::compare_plan;
+use super::samples::tell_of_plan;
+use crate::context::Context;
 use crate::io::Note;
-use crate::samples::tell_of_plan;
+use crate::session::commands::Answer;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
+use crate::vehicle::expected::Compared;
 
 impl Core {
     pub(super) fn link_up(&mut self) {
@@ -109,4 +110,24 @@ impl Core {
             self.session.is_heard(cx, ack.created);
         }
     }
+}
+
+/// The vehicle's plan has come whole. True where it is found to be another than the expected one for the first time.
+fn compare_plan(cx: &mut Context) -> bool {
+    let Some(expected) = &cx.settings.expected_plan else {
+        return false;
+    };
+    let difference = expected.difference(&cx.vehicle.plan, cx.monitor.envelope.fence().frame());
+    let compared = if difference.is_some() {
+        Compared::Differs
+    } else {
+        Compared::Same
+    };
+    let news = cx.vehicle.compared != compared;
+    cx.vehicle.compared = compared;
+    if let Some(difference) = difference.filter(|_| news) {
+        let text = format!("the vehicle's plan is not the one that was checked: {difference}");
+        cx.note(Note::Text { text });
+    }
+    news && compared == Compared::Differs
 }

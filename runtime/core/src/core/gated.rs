@@ -10,10 +10,10 @@ use backseat_spi::{
 use backseat_units::{Depth, Heading, Position, Timestamp, Utc};
 
 use super::Core;
-use crate::envelope::Envelope;
 use crate::io::{Identifiers, Input, Operator, Start};
-use crate::limits::tests::limits;
-use crate::orders::Order;
+use crate::monitor::envelope::Envelope;
+use crate::monitor::limits::tests::limits;
+use crate::operator::Order;
 use crate::owner::{DriverId, Owner};
 use crate::plugin::PluginId;
 use crate::settings::Settings;

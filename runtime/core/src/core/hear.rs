@@ -7,20 +7,21 @@ use backseat_spi::{
     Text, VelocityAndRates,
 };
 
-use super::Core;
-use crate::dive::NamedBy;
-use crate::integrity::Flaw;
+use super::samples::sampled;
+use super::{Core, course};
 use crate::io::{Note, Operator};
+use crate::vehicle::dive::NamedBy;
+use crate::vehicle::integrity::Flaw;
 
-use crate::navigation::{Change, WITHOUT_VELOCITIES};
-use crate::orders::Condition;
+use crate::operator::Condition;
 use crate::owner::Owner;
-use crate::phase::is_over;
+use crate::plugin::slots::Plugins;
 use crate::plugin::{Behavior, CtdSample, Event, RequestState, Topic};
-use crate::plugins::Plugins;
 use crate::settings::ControlHook;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
+use crate::vehicle::navigation::{Change, WITHOUT_VELOCITIES};
+use crate::vehicle::phase::is_over;
 
 /// Logs are closed within 10 s of BFSHT (safety requirement 011).
 const CLOSE_AFTER_SHUTDOWN: Duration = Duration::from_secs(8);
@@ -163,7 +164,7 @@ impl Core {
             | FromVehicle::Dvl(_)
             | FromVehicle::DvlBeams(_)
             | FromVehicle::Imu(_)
-            | FromVehicle::ServoPositions(_) => self.cx.sampled(&message),
+            | FromVehicle::ServoPositions(_) => sampled(&mut self.cx, &message),
             FromVehicle::Unknown(_) => {}
         }
     }
@@ -187,7 +188,7 @@ impl Core {
             self.capabilities.modify.end(&mut self.cx, "navigation jumped");
         }
         self.heed_flaw();
-        self.cx.course_navigated(jump);
+        course::navigated(&mut self.cx, jump);
         self.unjudged = true;
         self.whereabouts
             .watch_place(&mut self.cx, &mut self.capabilities, &mut self.orders);
@@ -231,7 +232,7 @@ impl Core {
     /// them by the end of an input.
     pub(crate) fn follow_navigation(&mut self) {
         if core::mem::take(&mut self.unjudged) {
-            self.cx.watch_course();
+            course::watch(&mut self.cx);
             self.capabilities.modify.prevent(&mut self.cx);
             self.capabilities.station.prevent(&mut self.cx);
         }
@@ -283,7 +284,7 @@ impl Core {
             self.capabilities
                 .adjustments
                 .mission_over(&mut self.cx, "the mission is over");
-            self.cx.mission_goes_on();
+            self.cx.vehicle.mission_goes_on();
         }
         if self.cx.settings.control == ControlHook::Running {
             self.cx.control.handed_over = Some(running);
@@ -305,7 +306,7 @@ impl Core {
                 .vehicle
                 .former
                 .heard_begin(message.identifier, message.kind.as_str(), revenant);
-            self.cx.course_began(message.number, message.identifier);
+            course::began(&mut self.cx, message.number, message.identifier);
         }
         self.cx.heard(message.created);
         self.cx.note_of_vehicle(Note::Behavior {
@@ -323,7 +324,7 @@ impl Core {
         self.capabilities
             .station
             .end(&mut self.cx, "a behaviour began: the mission goes on");
-        self.cx.mission_goes_on();
+        self.cx.vehicle.mission_goes_on();
         if is_flown {
             self.end_overtaken(message.identifier);
             self.cx.vehicle.named_insert.began(message.identifier);
@@ -399,7 +400,7 @@ impl Core {
                 _ => self.cx.transition(request, RequestState::Ended("flown".to_owned())),
             }
         }
-        self.cx.course_ended(message.number, message.identifier);
+        course::ended(&mut self.cx, message.number, message.identifier);
         tell_of_behavior(&mut self.cx.plugins, false, own, message.kind.as_str());
     }
 

@@ -4,15 +4,15 @@ use backseat_spi::{LogMessage, Text, ToVehicle};
 
 use super::Core;
 use crate::capability::Checked;
-use crate::dispatch::Dispatch;
-use crate::envelope::Insert;
-use crate::inserts::{Admitted, grant_of};
+use crate::capability::insert::irrevocable::Waiting;
+use crate::capability::insert::{Admitted, grant_of};
 use crate::io::Note;
-use crate::irrevocable::Waiting;
 use crate::ledger::RequestKind;
-use crate::limits::Grant;
+use crate::monitor::envelope::Insert;
+use crate::monitor::limits::Grant;
+use crate::plugin::slots::TIMERS_MAX;
 use crate::plugin::{DvlTriggerRequest, LogLevel, LogLine, PluginId, Refusal, Request, RequestState};
-use crate::plugins::TIMERS_MAX;
+use crate::session::dispatch::Dispatch;
 use crate::switches::{Check, is_on};
 
 const MESSAGE_CHARS_MAX: usize = 200;

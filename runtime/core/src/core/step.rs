@@ -2,10 +2,10 @@
 
 use super::Core;
 use crate::io::{Note, Output, Restarted};
-use crate::limits::FailAction;
-use crate::orders::{Condition, Order};
+use crate::monitor::limits::FailAction;
+use crate::operator::{Condition, Order};
+use crate::plugin::slots::{Due, Failed, Step};
 use crate::plugin::{Event, FaultKind, PluginFault, PluginId, Returned, StepInput};
-use crate::plugins::{Due, Failed, Step};
 
 impl Core {
     /// Steps every plugin that is due: with navigation, at its period; without, when that is overdue.

@@ -9,11 +9,11 @@ use backseat_units::Timestamp;
 use backseat_units::math::hypot;
 
 use super::Outlook;
-use crate::envelope::{APART_MAX, Insert, Route};
-use crate::limits::seconds;
+use crate::ledger::schedule::Schedule;
+use crate::monitor::envelope::{APART_MAX, Insert, Route};
+use crate::monitor::limits::seconds;
 use crate::plugin::{Refusal, RequestState};
 use crate::refusal::refused;
-use crate::schedule::Schedule;
 
 /// An insert is taken up so long after it was asked for at the latest, where nothing is flown before it: its way there,
 /// the vehicle's pending answer (SPI 7.5), and the change of the behaviour.

@@ -6,12 +6,12 @@ use backseat_spi::BehaviorId;
 use backseat_units::EastNorth;
 
 use super::Outlook;
-use crate::course::{Begin, Flown};
 use crate::ledger::Entry;
-use crate::plan::Element;
 use crate::plugin::{Refusal, RequestState};
 use crate::refusal::refused;
 use crate::switches::{Check, is_on};
+use crate::vehicle::course::{Begin, Flown};
+use crate::vehicle::plan::Element;
 
 impl Outlook<'_> {
     /// Where the vehicle is, and how far it may have gone since it was there.

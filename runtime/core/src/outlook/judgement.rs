@@ -1,7 +1,7 @@
 //! Ways that are not asked for but follow: to and from an insert that waits, and past one that is taken back.
 
 use super::Outlook;
-use crate::envelope::{End, Insert, Track};
+use crate::monitor::envelope::{End, Insert, Track};
 use crate::plugin::Refusal;
 use crate::refusal::refused;
 use crate::switches::{Check, is_on};

@@ -3,10 +3,10 @@
 use backseat_units::Depth;
 
 use super::Outlook;
-use crate::course::Flown;
-use crate::envelope::{End, Insert, Passage, Route, Track};
-use crate::plan::Element;
+use crate::monitor::envelope::{End, Insert, Passage, Route, Track};
 use crate::plugin::RequestState;
+use crate::vehicle::course::Flown;
+use crate::vehicle::plan::Element;
 
 /// From above the surface to the deepest sea.
 const ALL_DEPTHS_M: [f64; 2] = [-100.0, 12_000.0];

@@ -3,11 +3,11 @@
 use backseat_units::EastNorth;
 
 use super::Outlook;
-use crate::course::{Begin, Flown};
-use crate::envelope::{Approach, Insert, Track};
 use crate::ledger::Entry;
-use crate::plan::Element;
+use crate::monitor::envelope::{Approach, Insert, Track};
 use crate::plugin::RequestState;
+use crate::vehicle::course::{Begin, Flown};
+use crate::vehicle::plan::Element;
 
 /// Places that are nearer to each other count as one, metres.
 const SAME_M: f64 = 1.0;

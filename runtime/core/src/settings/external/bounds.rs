@@ -126,12 +126,12 @@ impl DriverBounds {
     }
 
     /// How many sentences may come at once.
-    pub(super) fn burst(&self) -> f64 {
+    pub(crate) fn burst(&self) -> f64 {
         self.rate_max_hz.max(1.0)
     }
 
     /// The sample in the vehicle's unit.
-    pub(super) fn ctd(&self, ctd: PayloadCtd, utc: TimeOfDay) -> Result<PayloadCtd, Refusal> {
+    pub(crate) fn ctd(&self, ctd: PayloadCtd, utc: TimeOfDay) -> Result<PayloadCtd, Refusal> {
         self.recent(ctd.measured, utc)?;
         let us_per_cm = ctd.conductivity_us_per_cm * self.conductivity_in.us_per_cm();
         within("conductivity", us_per_cm, 0.0, CONDUCTIVITY_MAX_US_PER_CM, "uS/cm")?;
@@ -149,7 +149,7 @@ impl DriverBounds {
         })
     }
 
-    pub(super) fn fix(
+    pub(crate) fn fix(
         &self,
         fix: &PositionFix,
         utc: TimeOfDay,
@@ -191,13 +191,13 @@ impl DriverBounds {
         )
     }
 
-    pub(super) fn reset(&self, reset: &RelativeReset) -> Result<(), Refusal> {
+    pub(crate) fn reset(&self, reset: &RelativeReset) -> Result<(), Refusal> {
         within("x", reset.x_m, -self.reset_max_m, self.reset_max_m, "m")?;
         within("y", reset.y_m, -self.reset_max_m, self.reset_max_m, "m")?;
         within("the bearing", reset.bearing_deg, -180.0, 360.0, "degrees")
     }
 
-    pub(super) fn bearing(&self, offset: &BearingOffset) -> Result<(), Refusal> {
+    pub(crate) fn bearing(&self, offset: &BearingOffset) -> Result<(), Refusal> {
         within(
             "the offset",
             offset.offset_deg,
@@ -231,17 +231,17 @@ fn within(what: &str, value: f64, least: f64, most: f64, unit: &str) -> Result<(
 }
 
 /// Whether a message moves the frame that the monitor judges in: the vehicle has to take it.
-pub(super) fn moves_frame(message: &ToVehicle) -> bool {
+pub(crate) fn moves_frame(message: &ToVehicle) -> bool {
     resets_relative(message) || matches!(message, ToVehicle::PositionFix(fix) if fix.force)
 }
 
 /// Whether relative navigation begins anew with a message.
-pub(super) const fn resets_relative(message: &ToVehicle) -> bool {
+pub(crate) const fn resets_relative(message: &ToVehicle) -> bool {
     matches!(message, ToVehicle::RelativeReset(_) | ToVehicle::BearingOffset(_))
 }
 
 /// The same message, made at `created`.
-pub(super) fn stamped(message: ToVehicle, created: TimeOfDay) -> ToVehicle {
+pub(crate) fn stamped(message: ToVehicle, created: TimeOfDay) -> ToVehicle {
     #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is a driver's")]
     match message {
         ToVehicle::TopsideRelay(relay) => ToVehicle::TopsideRelay(backseat_spi::TopsideRelay { created, ..relay }),

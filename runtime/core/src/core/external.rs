@@ -3,10 +3,9 @@
 use backseat_spi::{AckStatus, CommandName, DecodeError, Sentence, ToVehicle};
 use backseat_units::TimeOfDay;
 
-use super::port::acknowledge;
-use super::{DriverSentence, bounds};
 use crate::capability::Capabilities;
 use crate::context::Context;
+use crate::external::acknowledge;
 use crate::io::Note;
 use crate::owner::DriverId;
 use crate::plugin::Refusal;
@@ -15,6 +14,7 @@ use crate::session::commands::Purpose;
 use crate::session::dispatch::Dispatch;
 use crate::session::is_told;
 use crate::session::subscriptions::ACKNOWLEDGEMENTS;
+use crate::settings::external::{DriverSentence, bounds};
 use crate::switches::{Check, is_on};
 
 /// So many lines of one read are answered; what a driver sends beyond them in one go is dropped and counted.
@@ -34,7 +34,7 @@ fn read(sentence: &Sentence<'_>) -> Said {
 }
 
 /// Bytes from a driver.
-pub(crate) fn received(cx: &mut Context, capabilities: &mut Capabilities, driver: DriverId, bytes: &[u8]) {
+pub(super) fn received(cx: &mut Context, capabilities: &mut Capabilities, driver: DriverId, bytes: &[u8]) {
     let Some(port) = cx.drivers.ports.get_mut(driver.0) else {
         return;
     };

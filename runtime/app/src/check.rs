@@ -135,7 +135,7 @@ fn dive(mission: &Mission, arguments: &Check, now: Utc) -> Result<Vec<String>> {
                 class: class.unwrap_or(vehicle.class),
                 ..vehicle
             };
-            findings.extend(beyond_class(limits, fence, vehicle.class, &vehicle.hull()));
+            findings.extend(beyond_class(limits, fence, vehicle.class, &vehicle.limits()));
         }
     }
     let plan = match (&arguments.plan, &mission.plan) {

@@ -1,5 +1,5 @@
 use backseat_core::{FailAction, Grant, Limits, PluginLimits, Policy, Recovery, Settings};
-use backseat_mvc::HullClass;
+use backseat_plan::HullClass;
 use serde::{Deserialize, Serialize};
 
 use crate::drivers::DriverTable;

@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use backseat_core::{ExpectedElement, ExpectedPath, ExpectedPlan};
-use backseat_mvc::{HullClass, PlanEntry, PlannedBehavior, PlannedPath, VehicleConfig, WorldFile, planned_behaviors};
+use backseat_mvc::{VehicleConfig, WorldFile};
+use backseat_plan::{
+    HullClass, PlaceConfig, PlanEntry, PlannedBehavior, PlannedPath, VehicleLimits, planned_behaviors,
+};
 use backseat_units::Position;
 use serde::Deserialize;
 
@@ -59,9 +62,8 @@ impl FrontSeatPlan {
             (None, Some(world)) => Some((world.origin.latitude_deg, world.origin.longitude_deg)),
             (None, None) => None,
         };
-        let from_origin = |place: Option<backseat_mvc::PlaceConfig>| {
-            place.is_some_and(|place| place.east_m.is_some() || place.north_m.is_some())
-        };
+        let from_origin =
+            |place: Option<PlaceConfig>| place.is_some_and(|place| place.east_m.is_some() || place.north_m.is_some());
         let first = file
             .plan
             .iter()
@@ -136,12 +138,13 @@ impl FrontSeatPlan {
 }
 
 /// The vehicle of a class, else the world's, else the usual one.
-fn vehicle(class: Option<HullClass>, world: Option<&WorldFile>) -> VehicleConfig {
+fn vehicle(class: Option<HullClass>, world: Option<&WorldFile>) -> VehicleLimits {
     let vehicle = world.map(|world| world.vehicle).unwrap_or_default();
-    VehicleConfig {
+    let vehicle = VehicleConfig {
         class: class.unwrap_or(vehicle.class),
         ..vehicle
-    }
+    };
+    vehicle.limits()
 }
 
 /// The plan that a mission names.

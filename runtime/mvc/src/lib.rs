@@ -44,7 +44,6 @@ mod modify;
 mod mvc;
 mod plan;
 mod plan_report;
-mod planned;
 mod power;
 mod requests;
 mod sensors;
@@ -56,6 +55,9 @@ mod surfacing;
 mod topside;
 mod truth;
 mod vehicle;
+
+// The plan is written alike in `world.toml` and for a mission.
+pub use backseat_plan::{HullClass, PlaceConfig, PlanEntry, PlanKind};
 
 pub use acoustic::AcousticEvent;
 pub use adjustment::{AdjustmentEvent, AdjustmentKind};
@@ -75,18 +77,17 @@ pub use file::{
     DepthSensorConfig, DirectionName, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry, FaultFile, FaultName,
     FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig, InsertPlace,
     InsertsAfterControl, InterpretationConfig, Interruption, LineFault, MaximumExpectation, MissionCommandConfig,
-    MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket, PlaceConfig, PlanEntry,
-    PlanKind, PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide,
-    SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig,
-    TopsideEntry, TrackcircleLayout, UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
+    MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket, PowerConfig, Profile,
+    RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SilenceConfig, SoundConfig, SpiConfig,
+    StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig, TopsideEntry, TrackcircleLayout,
+    UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
 };
 pub use hovering::{HoveringEvent, SuspensionEnd};
-pub use hull::{Hull, HullClass};
+pub use hull::Hull;
 pub use interpretation::{Interpretation, ResumeFrom};
 pub use link::{Chunk, Direction, FaultyLink, LinkFaults};
 pub use mission_event::{MissionEvent, Told};
 pub use mvc::Mvc;
-pub use planned::{PlannedBehavior, PlannedPath, PlannedVertical, planned_behaviors};
 pub use sensors::{Sensor, SensorFailure};
 pub use silence::SilenceEvent;
 pub use topside::TopsideEvent;

@@ -416,10 +416,10 @@ const AFLOAT_M: f64 = 0.001;
 
 #[cfg(test)]
 mod tests {
+    use backseat_plan::HullClass;
     use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, Span, TideLevelConfig, WorldConfig};
 
     use super::*;
-    use crate::hull::HullClass;
 
     fn world() -> World {
         let config = WorldConfig {

@@ -2,6 +2,7 @@
 //!
 //! Requirements of this project, not published figures: those are in [`super::published`].
 
+use backseat_plan::HullClass;
 use backseat_units::math::wrap_180;
 use backseat_units::{EastNorth, Timestamp};
 
@@ -9,7 +10,7 @@ use super::piloted::Motion;
 use super::{Actuators, Helm, Orders, Piloted, STEP_MAX_S, SixDof, Steering, Surroundings, Throttle, Trim};
 use crate::course::{Course, Way, crabbed_deg};
 use crate::estimate::Estimate;
-use crate::hull::{Hull, HullClass};
+use crate::hull::Hull;
 use crate::plan::Shape;
 
 const TORPEDOES: [HullClass; 3] = [HullClass::NineInch, HullClass::TwelveInch, HullClass::TwentyOneInch];

@@ -7,7 +7,8 @@ mod status;
 
 use anyhow::{Context, Result};
 use backseat_mission::Mission;
-use backseat_mvc::{FaultPlan, LinkFaults};
+use backseat_mvc::LinkFaults;
+use backseat_scenario::{Scenario, read_faults};
 
 use crate::cli::{Mvc, Profile};
 use crate::mvc::log::Log;
@@ -15,27 +16,25 @@ use crate::mvc::server::serve;
 
 pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
-    let mut world = mission.world()?.clone();
+    let mut scenario = Scenario::load(&mission)?;
     match arguments.profile {
-        Some(Profile::Spec) => world.spi.profile = backseat_mvc::Profile::Spec,
-        Some(Profile::Field) => world.spi.profile = backseat_mvc::Profile::Field,
+        Some(Profile::Spec) => scenario.world.spi.profile = backseat_mvc::Profile::Spec,
+        Some(Profile::Field) => scenario.world.spi.profile = backseat_mvc::Profile::Field,
         None => {}
     }
     if !arguments.iprole.is_empty() {
-        world.spi.roles.clone_from(&arguments.iprole);
+        scenario.world.spi.roles.clone_from(&arguments.iprole);
     }
-    let file = arguments.mission.mission.join("world.toml");
-    let mut vehicle = mission
-        .vehicle(&world, arguments.seed)
-        .with_context(|| format!("{}", file.display()))?;
+    let mut vehicle = scenario
+        .vehicle(arguments.seed)
+        .with_context(|| format!("{}", scenario.path.display()))?;
     let faults = match &arguments.faults {
         Some(path) => {
-            let text = std::fs::read_to_string(path).with_context(|| format!("--faults {}", path.display()))?;
-            let plan = FaultPlan::from_toml(&text).with_context(|| format!("{}", path.display()))?;
+            let plan = read_faults(path)?;
             vehicle.set_faults(plan.clone());
             plan
         }
-        None => world.faults.plan()?,
+        None => scenario.world.faults.plan()?,
     };
     let faults = LinkFaults::new(&faults, arguments.seed);
     let log = match &arguments.log {

@@ -1,11 +1,10 @@
-use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
 use backseat_mission::Mission;
-use backseat_mvc::FaultPlan;
 use backseat_plugin_host::Host;
 use backseat_recorder::{Header, Rate, Recorder};
+use backseat_scenario::{Scenario, read_faults};
 use backseat_sim::{Report, Simulation, load_plugins, survey_map};
 use backseat_units::Timestamp;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -17,7 +16,7 @@ use crate::output::say;
 
 pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
-    let world = mission.world()?;
+    let scenario = Scenario::load(&mission)?;
     let faults = arguments.faults.as_deref().map(read_faults).transpose()?;
     let loading = Clock::start();
     let host = Host::new()?;
@@ -28,7 +27,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         Some(path) => Some(Recorder::create(
             path,
             &Header {
-                utc_at_start: world.start.utc,
+                utc_at_start: scenario.world.start.utc,
                 rate: Rate::Simulation,
                 mission: &mission.name,
                 seed: Some(arguments.seed),
@@ -54,7 +53,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         );
     }
     let flying = Clock::start();
-    let mut simulation = Simulation::new(&mission, arguments.seed, loaded, recorder)?;
+    let mut simulation = Simulation::new(&mission, &scenario, arguments.seed, loaded, recorder)?;
     if let Some(plan) = faults {
         simulation.set_faults(plan);
     }
@@ -69,7 +68,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     progress.finish_and_clear();
 
     if let Some(path) = &arguments.map {
-        let picture = survey_map(&mission, &report, &trace, &mvc);
+        let picture = survey_map(&mission, &scenario, &report, &trace, &mvc);
         std::fs::write(path, picture).with_context(|| format!("{}", path.display()))?;
     }
     if arguments.json {
@@ -78,11 +77,6 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         print_report(&report, arguments)?;
     }
     Ok(report.passed())
-}
-
-fn read_faults(path: &Path) -> Result<FaultPlan> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("{}", path.display()))?;
-    FaultPlan::from_toml(&text).with_context(|| format!("{}", path.display()))
 }
 
 /// Goes no faster than a multiple of life.

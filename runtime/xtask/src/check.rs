@@ -22,7 +22,7 @@ const READERS: [(&str, &str); 8] = [
     ("runtime/docs/", "backseat-mvc"),
     ("runtime/docs/", "xtask"),
     ("tests/plans/", "backseat-hunt"),
-    ("missions/", "backseat-mission"),
+    ("missions/", "backseat-scenario"),
     ("missions/", "backseat-suite"),
     ("missions/", "backseat-sim"),
 ];

@@ -8,7 +8,7 @@ use crate::safety::safety;
 use crate::switches::switches;
 
 /// Which crate may never depend on which of ours: the arrows of `runtime/docs/architecture.md`.
-const NEVER: [(&str, &[&str]); 10] = [
+const NEVER: [(&str, &[&str]); 12] = [
     (
         "units",
         &[
@@ -63,6 +63,21 @@ const NEVER: [(&str, &[&str]); 10] = [
         ],
     ),
     ("plugin-host", &["spi", "mvc", "world", "tokio"]),
+    // What goes to sea.
+    (
+        "mission",
+        &[
+            "world",
+            "mvc",
+            "scenario",
+            "oracle",
+            "sim",
+            "recorder",
+            "plugin-host",
+            "tokio",
+        ],
+    ),
+    ("scenario", &["oracle", "sim", "recorder", "plugin-host", "tokio"]),
     ("sim", &["tokio"]),
 ];
 /// A file longer than this is more than one room.

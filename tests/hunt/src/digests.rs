@@ -8,6 +8,7 @@ use std::thread;
 use anyhow::{Context, Result, bail};
 use backseat_mission::{Layers, Mission};
 use backseat_plugin_host::Host;
+use backseat_scenario::Scenario;
 use backseat_sim::{Components, Report, Simulation};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -64,10 +65,11 @@ pub fn of_mission(
     workers: usize,
 ) -> Result<BTreeMap<u64, Digests>> {
     let mission = Mission::load(mission, &Layers::default())?;
+    let scenario = Scenario::load(&mission)?;
     let components = Components::load(&Host::new()?, &mission, Some(plugins))?;
     let workers = vec![(); workers.max(1)];
     each_seed(seeds, workers, |(), seed| {
-        let mut simulation = Simulation::new(&mission, seed, components.start(&mission)?, None)?;
+        let mut simulation = Simulation::new(&mission, &scenario, seed, components.start(&mission)?, None)?;
         while simulation.advance()? {}
         let (report, ..) = simulation.finish()?;
         Digests::of(&report, &())

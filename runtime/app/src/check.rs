@@ -3,7 +3,7 @@ use backseat_core::plugin::Topic;
 use backseat_fence::{Kind, Window};
 use backseat_mission::Mission;
 use backseat_plugin_host::{COMPILE_TIME, COMPONENT_BYTES, Host};
-use backseat_sim::load_plugins;
+use backseat_plugin_loader::load_plugins;
 
 use crate::cli::Check;
 use crate::clock::Clock;

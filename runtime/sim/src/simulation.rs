@@ -14,6 +14,7 @@ use backseat_core::{Envelope, Identifiers, RequestCounts, Reservation, Settings,
 use backseat_mission::Mission;
 use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Status};
 use backseat_oracle::{OracleError, State, Statistics};
+use backseat_plugin_loader::Loaded;
 use backseat_recorder::{Recorder, RecorderError};
 use backseat_scenario::Scenario;
 use backseat_units::{Timestamp, Utc};
@@ -21,7 +22,6 @@ use backseat_units::{Timestamp, Utc};
 use crate::digest::Digest;
 use crate::expectation;
 use crate::link::Lane;
-use crate::load::Loaded;
 use crate::report::Report;
 use crate::simulation::judge::Judge;
 use crate::simulation::process::{Process, Successor};

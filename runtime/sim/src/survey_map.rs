@@ -2,9 +2,7 @@ use backseat_core::plugin::{PositionRequest, Request};
 use backseat_fence::Kind;
 use backseat_mission::Mission;
 use backseat_mvc::Mvc;
-use backseat_recorder::picture::{
-    Extent, Palette, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render,
-};
+use backseat_picture::{Extent, Palette, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render};
 use backseat_scenario::Scenario;
 use backseat_spi::ToVehicle;
 use backseat_units::{EastNorth, LocalFrame, Position, Timestamp};

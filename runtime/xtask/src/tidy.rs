@@ -8,7 +8,7 @@ use crate::safety::safety;
 use crate::switches::switches;
 
 /// Which crate may never depend on which of ours: the arrows of `runtime/docs/architecture.md`.
-const NEVER: [(&str, &[&str]); 12] = [
+const NEVER: [(&str, &[&str]); 15] = [
     (
         "units",
         &[
@@ -76,6 +76,18 @@ const NEVER: [(&str, &[&str]); 12] = [
             "plugin-host",
             "tokio",
         ],
+    ),
+    (
+        "plugin-loader",
+        &["world", "mvc", "scenario", "oracle", "sim", "recorder", "tokio"],
+    ),
+    (
+        "recorder",
+        &["world", "mvc", "scenario", "oracle", "sim", "picture", "tokio"],
+    ),
+    (
+        "picture",
+        &["core", "mission", "mvc", "world", "sim", "recorder", "tokio"],
     ),
     ("scenario", &["oracle", "sim", "recorder", "plugin-host", "tokio"]),
     ("sim", &["tokio"]),

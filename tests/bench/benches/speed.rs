@@ -12,9 +12,10 @@ use backseat_fence::{Fence, Shape, Sweep, VerticalExtent};
 use backseat_mission::{Layers, Mission};
 use backseat_mvc::ClientId;
 use backseat_plugin_host::{Budget, Host};
+use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, Rate, Recorder};
 use backseat_scenario::Scenario;
-use backseat_sim::{Simulation, load_plugins};
+use backseat_sim::Simulation;
 use backseat_units::{Altitude, Depth, EastNorth, Heading, LocalFrame, Position, Timestamp, Utc};
 
 fn main() {

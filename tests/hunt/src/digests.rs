@@ -8,8 +8,9 @@ use std::thread;
 use anyhow::{Context, Result, bail};
 use backseat_mission::{Layers, Mission};
 use backseat_plugin_host::Host;
+use backseat_plugin_loader::Components;
 use backseat_scenario::Scenario;
-use backseat_sim::{Components, Report, Simulation};
+use backseat_sim::{Report, Simulation};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 

@@ -11,9 +11,10 @@ use backseat_mission::{Layers, Mission, PluginTable};
 use backseat_mvc::{FaultKind, Status};
 use backseat_oracle::State;
 use backseat_plugin_host::Host;
+use backseat_plugin_loader::Components;
 use backseat_recorder::{Header, Rate, Recorder};
 use backseat_scenario::Scenario;
-use backseat_sim::{Components, Report, Simulation, Step};
+use backseat_sim::{Report, Simulation, Step};
 use backseat_units::Timestamp;
 use tempfile::TempDir;
 

@@ -11,8 +11,9 @@ use backseat_mission::{Layers, Mission, PluginTable};
 use backseat_mvc::Activity;
 use backseat_oracle::Violation;
 use backseat_plugin_host::{Host, Plugin};
+use backseat_plugin_loader::{Components, Loaded};
 use backseat_scenario::Scenario;
-use backseat_sim::{Components, Loaded, Report, Simulation, Step, Trace};
+use backseat_sim::{Report, Simulation, Step, Trace};
 use backseat_spi::ToVehicle;
 use backseat_units::Timestamp;
 

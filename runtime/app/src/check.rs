@@ -1,11 +1,15 @@
+use std::path::PathBuf;
+
 use anyhow::Result;
 use backseat_core::plugin::Topic;
 use backseat_fence::{Kind, Window};
 use backseat_mission::Mission;
 use backseat_plugin_host::{COMPILE_TIME, COMPONENT_BYTES, Host};
 use backseat_plugin_loader::load_plugins;
+use backseat_units::Utc;
+use clap::Args;
 
-use crate::cli::Check;
+use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::output::say;
 use crate::run::host_and_port;
@@ -13,7 +17,30 @@ use crate::state::State;
 
 mod front_seat;
 mod machine;
+#[cfg(feature = "simulation")]
 mod scenario;
+
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    #[command(flatten)]
+    pub(crate) mission: MissionArguments,
+    /// Print mission.toml as it is after all layers, and stop
+    #[arg(long)]
+    pub(crate) resolved: bool,
+    /// Hold this plan of the front seat against the fence, [[plan]] as in world.toml [default: the mission's [plan], then,
+    /// where simulations are built in, its world.toml's]
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) plan: Option<PathBuf>,
+    /// When the dive begins, as 2026-06-01T08:00:00Z: which zones are valid [default: now, and in simulation's world.toml]
+    #[arg(long, value_name = "TIME", value_parser = utc)]
+    pub(crate) at: Option<Utc>,
+    /// Where the dive will write its logs
+    #[arg(long, value_name = "DIR", default_value = "logs")]
+    pub(crate) log: PathBuf,
+    /// Where the dive will keep identifiers and the operator's hold [default: the user's state folder]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
+}
 
 /// Everything that can be known before a dive. True where the mission can be flown.
 pub(crate) fn check(arguments: &Check) -> Result<bool> {
@@ -100,7 +127,14 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             driver.listen
         );
     }
-    let front_seat = scenario::front_seat(&mission, arguments.plan.as_deref())?;
+    let plan = arguments.plan.as_deref();
+    #[cfg(feature = "simulation")]
+    let front_seat = scenario::front_seat(&mission, plan)?;
+    #[cfg(not(feature = "simulation"))]
+    let front_seat = {
+        say!("world.toml was not looked at: this program was built for sea, without the simulation");
+        front_seat::FrontSeat::of_mission(&mission, plan)?
+    };
     let mut findings = front_seat.findings(&mission, arguments.at, clock.utc_at_start())?;
     if let Err(error) = host_and_port(&mission.file.vehicle.address, "mission.toml: vehicle.address") {
         findings.push(error.to_string());
@@ -159,4 +193,9 @@ fn print_fence(mission: &Mission) -> Result<()> {
         );
     }
     Ok(())
+}
+
+fn utc(text: &str) -> Result<Utc, String> {
+    backseat_fence::utc(text)
+        .ok_or_else(|| "expected a date and time with its offset, as 2026-06-01T08:00:00Z".to_owned())
 }

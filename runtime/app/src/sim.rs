@@ -1,3 +1,4 @@
+use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
@@ -8,12 +9,38 @@ use backseat_recorder::{Header, Rate, Recorder};
 use backseat_scenario::{Scenario, read_faults};
 use backseat_sim::{Report, Simulation, survey_map};
 use backseat_units::Timestamp;
+use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use tracing::info;
 
-use crate::cli::{Sim, Speed};
+use crate::cli::MissionArguments;
 use crate::clock::{Clock, pause};
 use crate::output::say;
+use crate::speed::Speed;
+
+#[derive(Debug, Args)]
+pub(crate) struct Sim {
+    #[command(flatten)]
+    pub(crate) mission: MissionArguments,
+    /// Draws the world, the noise and what the specification leaves open
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Let go wrong what this file says and when, instead of the [faults] of world.toml
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) faults: Option<PathBuf>,
+    /// Write the log here
+    #[arg(long, value_name = "FILE.mcap")]
+    pub(crate) log: Option<PathBuf>,
+    /// Draw the run here
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) map: Option<PathBuf>,
+    /// How many times faster than life, or `max`
+    #[arg(long, default_value = "max", value_name = "X|max")]
+    pub(crate) speed: Speed,
+    /// Print one JSON object on standard output and nothing else
+    #[arg(long)]
+    pub(crate) json: bool,
+}
 
 pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;

@@ -19,6 +19,12 @@ mod front_seat;
 mod machine;
 #[cfg(feature = "simulation")]
 mod scenario;
+#[cfg(feature = "simulation")]
+use scenario::front_seat;
+#[cfg(not(feature = "simulation"))]
+mod sea;
+#[cfg(not(feature = "simulation"))]
+use sea::front_seat;
 
 #[derive(Debug, Args)]
 pub(crate) struct Check {
@@ -49,6 +55,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         say!("{}", mission.resolved.trim_end());
         return Ok(true);
     }
+    let front_seat = front_seat(&mission, arguments.plan.as_deref())?;
     say!("{} (hash {})", mission.name, &mission.hash()[..16]);
     print_fence(&mission)?;
     let host = Host::new()?;
@@ -127,14 +134,6 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             driver.listen
         );
     }
-    let plan = arguments.plan.as_deref();
-    #[cfg(feature = "simulation")]
-    let front_seat = scenario::front_seat(&mission, plan)?;
-    #[cfg(not(feature = "simulation"))]
-    let front_seat = {
-        say!("world.toml was not looked at: this program was built for sea, without the simulation");
-        front_seat::FrontSeat::of_mission(&mission, plan)?
-    };
     let mut findings = front_seat.findings(&mission, arguments.at, clock.utc_at_start())?;
     if let Err(error) = host_and_port(&mission.file.vehicle.address, "mission.toml: vehicle.address") {
         findings.push(error.to_string());

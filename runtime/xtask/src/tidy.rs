@@ -5,6 +5,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::cargo::root;
 use crate::safety::safety;
+use crate::sea::sea;
 use crate::switches::switches;
 
 /// Which crate may never depend on which of ours: the arrows of `runtime/docs/architecture.md`.
@@ -104,6 +105,7 @@ pub(crate) fn tidy() -> Result<()> {
     let mut faults = Vec::new();
     arrows(&root, &mut faults)?;
     switches(&root, &mut faults)?;
+    sea(&root, &mut faults)?;
     let sources = sources(&root)?;
     safety(&root, &sources, &mut faults)?;
     for file in sources {

@@ -23,6 +23,8 @@ pub(super) struct FrontSeat {
     pub(super) starts_after_s: f64,
     /// When the simulation begins.
     pub(super) simulated_at: Option<Utc>,
+    /// What is to be said of `world.toml`.
+    pub(super) remark: Option<&'static str>,
 }
 
 impl FrontSeat {
@@ -41,6 +43,7 @@ impl FrontSeat {
             start_depth_m: 0.0,
             starts_after_s: 0.0,
             simulated_at: None,
+            remark: None,
         })
     }
 
@@ -55,6 +58,9 @@ impl FrontSeat {
                 Vec::new()
             }
         };
+        if let Some(remark) = self.remark {
+            say!("{remark}");
+        }
         let Some(plan) = &self.plan else {
             say!("no plan of the front seat: it is held against nothing; name one by --plan or [plan]");
             return Ok(findings);

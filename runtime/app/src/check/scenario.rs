@@ -7,13 +7,14 @@ use backseat_mission::Mission;
 use backseat_scenario::Scenario;
 
 use super::front_seat::FrontSeat;
-use crate::output::say;
 
 /// The front seat of the mission's scenario, where it has one.
 pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>) -> Result<FrontSeat> {
     let Some(scenario) = Scenario::find(mission)? else {
-        say!("no world.toml: this mission cannot be simulated");
-        return FrontSeat::of_mission(mission, plan);
+        return Ok(FrontSeat {
+            remark: Some("no world.toml: this mission cannot be simulated"),
+            ..FrontSeat::of_mission(mission, plan)?
+        });
     };
     let vehicle = scenario.vehicle_of(mission);
     let plan = scenario.plan(mission, plan)?;
@@ -33,5 +34,6 @@ pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>) -> Result<Front
         start_depth_m: scenario.world.start.depth_m,
         starts_after_s: scenario.world.mission.starts_after_s,
         simulated_at: Some(scenario.world.start.utc),
+        remark: None,
     })
 }

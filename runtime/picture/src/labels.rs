@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use backseat_units::math::{atan2, hypot};
 
-use super::canvas::{Canvas, Pixel, element, figure, number, path, text, text_width};
-use super::ground::Bands;
-use super::tracks::anchor;
-use super::view::View;
-use super::{Picture, Shape, ZoneKind, ink};
+use crate::canvas::{Canvas, Pixel, element, figure, number, path, text, text_width};
+use crate::ground::Bands;
+use crate::ink;
+use crate::picture::{Picture, Shape, ZoneKind};
+use crate::tracks::anchor;
+use crate::view::View;
 
 /// Labels of refused requests at most.
 const MOST_REASONS: usize = 12;
@@ -49,7 +50,7 @@ struct Important {
 }
 
 /// What is taken, and what waits for a place.
-pub(super) struct Labels {
+pub(crate) struct Labels {
     map: Box2,
     taken: Vec<Box2>,
     /// Points of lines, to be avoided where possible, and how much they matter.
@@ -58,7 +59,7 @@ pub(super) struct Labels {
 }
 
 impl Labels {
-    pub(super) fn new(view: &View) -> Self {
+    pub(crate) fn new(view: &View) -> Self {
         Self {
             map: Box2 {
                 left: view.map_left + 4.0,
@@ -73,7 +74,7 @@ impl Labels {
     }
 
     /// Keeps labels off a line where there is room elsewhere. A track's weight is 1.
-    pub(super) fn avoid(&mut self, line: &[Pixel], weight: f64) {
+    pub(crate) fn avoid(&mut self, line: &[Pixel], weight: f64) {
         for pair in line.windows(2) {
             let length = hypot(pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
             let count = (length / 6.0).ceil().clamp(1.0, 400.0) as usize;
@@ -87,7 +88,7 @@ impl Labels {
     }
 
     /// A label that gets its place before all others.
-    pub(super) fn important(&mut self, at: Pixel, content: &str, colour: &'static str) {
+    pub(crate) fn important(&mut self, at: Pixel, content: &str, colour: &'static str) {
         self.taken.push(Box2::around(at, 16.0, 16.0));
         // Start and end of a closed track are one place.
         let near = self
@@ -150,7 +151,7 @@ impl Labels {
     }
 }
 
-pub(super) fn draw(canvas: &mut Canvas, labels: &mut Labels, view: &View, picture: &Picture, bands: Option<&Bands>) {
+pub(crate) fn draw(canvas: &mut Canvas, labels: &mut Labels, view: &View, picture: &Picture, bands: Option<&Bands>) {
     avoid_all(labels, view, picture);
     for Important { at, content, colour } in std::mem::take(&mut labels.important) {
         put(canvas, labels, at, &content, ("label", colour, 13.0, "600"));

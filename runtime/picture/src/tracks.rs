@@ -2,11 +2,12 @@
 
 use backseat_units::math::hypot;
 
-use super::canvas::{Canvas, Pixel, circle, number, path, polyline};
-use super::labels::Labels;
-use super::simplify::simplify;
-use super::view::View;
-use super::{Picture, Rejected, Shape, Steer, TrackPoint, ink, is_finite};
+use crate::canvas::{Canvas, Pixel, circle, number, path, polyline};
+use crate::labels::Labels;
+use crate::picture::{Picture, Rejected, Shape, Steer, TrackPoint};
+use crate::simplify::simplify;
+use crate::view::View;
+use crate::{ink, is_finite};
 
 /// Tracks are kept to this, metres; to a third of a pixel where that is more.
 const TOLERANCE_M: f64 = 0.5;
@@ -15,7 +16,7 @@ const ARROW_SPACING: f64 = 130.0;
 /// Refused requests that are drawn at most: more would hide the map, and they are alike.
 const MOST_REJECTED: usize = 400;
 
-pub(super) fn draw_planned(canvas: &mut Canvas, view: &View, planned: &[backseat_units::EastNorth]) {
+pub(crate) fn draw_planned(canvas: &mut Canvas, view: &View, planned: &[backseat_units::EastNorth]) {
     let points = view.pixels(planned);
     if points.len() < 2 {
         return;
@@ -34,7 +35,7 @@ pub(super) fn draw_planned(canvas: &mut Canvas, view: &View, planned: &[backseat
     ));
 }
 
-pub(super) fn draw_inserts(canvas: &mut Canvas, view: &View, inserts: &[Shape]) {
+pub(crate) fn draw_inserts(canvas: &mut Canvas, view: &View, inserts: &[Shape]) {
     let data: String = inserts.iter().map(|shape| outline(view, shape)).collect();
     if data.is_empty() {
         return;
@@ -52,7 +53,7 @@ pub(super) fn draw_inserts(canvas: &mut Canvas, view: &View, inserts: &[Shape]) 
     ));
 }
 
-pub(super) fn draw_rejected(canvas: &mut Canvas, view: &View, rejected: &[Rejected]) {
+pub(crate) fn draw_rejected(canvas: &mut Canvas, view: &View, rejected: &[Rejected]) {
     let mut data = String::new();
     let mut crosses = String::new();
     // Evenly out of all, so that a flood does not show its beginning alone.
@@ -88,7 +89,7 @@ pub(super) fn draw_rejected(canvas: &mut Canvas, view: &View, rejected: &[Reject
 }
 
 /// Where a refused request's cross and label go: the end of a line, for that is where it would have led.
-pub(super) fn anchor(view: &View, shape: &Shape) -> Option<Pixel> {
+pub(crate) fn anchor(view: &View, shape: &Shape) -> Option<Pixel> {
     let at = match *shape {
         Shape::Point(at) | Shape::Line(_, at) | Shape::Circle { centre: at, .. } => at,
     };
@@ -122,7 +123,7 @@ fn outline(view: &View, shape: &Shape) -> String {
 }
 
 /// The flown track with arrows, and the places where it begins and ends and leases do.
-pub(super) fn draw_flown(canvas: &mut Canvas, view: &View, picture: &Picture, labels: &mut Labels) {
+pub(crate) fn draw_flown(canvas: &mut Canvas, view: &View, picture: &Picture, labels: &mut Labels) {
     let tolerance = (TOLERANCE_M * view.scale).max(0.3);
     let runs: Vec<(Steer, Vec<Pixel>)> = runs(&picture.flown)
         .into_iter()

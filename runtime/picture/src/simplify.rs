@@ -1,6 +1,6 @@
 /// Leaves out the points of a line that are within `tolerance` of what remains: Douglas and Peucker, Cartographica 10,
 /// 112 (1973), without recursion.
-pub(super) fn simplify(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
+pub(crate) fn simplify(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     if points.len() < 3 {
         return points.to_vec();
     }

@@ -2,8 +2,9 @@
 
 use backseat_units::EastNorth;
 
-use super::canvas::{Canvas, Pixel, figure, number, path, rectangle, text, text_width};
-use super::{Extent, Picture, Shape, ink, is_finite};
+use crate::canvas::{Canvas, Pixel, figure, number, path, rectangle, text, text_width};
+use crate::picture::{Extent, Picture, Shape};
+use crate::{ink, is_finite};
 
 const WIDTH: f64 = 1200.0;
 const MAP_LEFT: f64 = 76.0;
@@ -14,21 +15,21 @@ const CAPTION_WIDTH: f64 = WIDTH - MAP_LEFT - 28.0;
 const CAPTION_LINE: f64 = 18.0;
 
 /// The page: what of the frame is in view, and where.
-pub(super) struct View {
-    pub(super) width: f64,
-    pub(super) height: f64,
-    pub(super) map_left: f64,
-    pub(super) map_top: f64,
-    pub(super) map_width: f64,
-    pub(super) map_height: f64,
-    pub(super) extent: Extent,
+pub(crate) struct View {
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+    pub(crate) map_left: f64,
+    pub(crate) map_top: f64,
+    pub(crate) map_width: f64,
+    pub(crate) map_height: f64,
+    pub(crate) extent: Extent,
     /// Pixels a metre.
-    pub(super) scale: f64,
+    pub(crate) scale: f64,
     caption: Vec<String>,
 }
 
 impl View {
-    pub(super) fn new(picture: &Picture) -> Self {
+    pub(crate) fn new(picture: &Picture) -> Self {
         let extent = page_extent(seen(picture));
         let scale = MAP_WIDTH / (extent.east_m - extent.west_m);
         let map_height = (extent.north_m - extent.south_m) * scale;
@@ -46,7 +47,7 @@ impl View {
         }
     }
 
-    pub(super) fn pixel(&self, point: EastNorth) -> Pixel {
+    pub(crate) fn pixel(&self, point: EastNorth) -> Pixel {
         (
             self.map_left + (point.east_m - self.extent.west_m) * self.scale,
             self.map_top + (self.extent.north_m - point.north_m) * self.scale,
@@ -54,12 +55,12 @@ impl View {
     }
 
     /// The pixels of a line's finite points.
-    pub(super) fn pixels(&self, points: &[EastNorth]) -> Vec<Pixel> {
+    pub(crate) fn pixels(&self, points: &[EastNorth]) -> Vec<Pixel> {
         let finite = points.iter().filter(|point| is_finite(point));
         finite.map(|point| self.pixel(*point)).collect()
     }
 
-    pub(super) fn is_in_map(&self, (x, y): Pixel) -> bool {
+    pub(crate) fn is_in_map(&self, (x, y): Pixel) -> bool {
         (self.map_left..=self.map_left + self.map_width).contains(&x)
             && (self.map_top..=self.map_top + self.map_height).contains(&y)
     }
@@ -73,7 +74,7 @@ impl View {
     }
 
     /// Thin lines through the ticks.
-    pub(super) fn draw_graticule(&self, canvas: &mut Canvas) {
+    pub(crate) fn draw_graticule(&self, canvas: &mut Canvas) {
         let mut data = String::new();
         let step = self.step();
         for east_m in ticks(self.extent.west_m, self.extent.east_m, step) {
@@ -100,7 +101,7 @@ impl View {
     }
 
     /// Frame, ticks, title and caption.
-    pub(super) fn draw_frame(&self, canvas: &mut Canvas, picture: &Picture) {
+    pub(crate) fn draw_frame(&self, canvas: &mut Canvas, picture: &Picture) {
         let frame = [("fill", &"none" as &dyn ToString), ("stroke", &ink::FRAME)];
         canvas.around(rectangle(
             self.map_left,
@@ -237,7 +238,7 @@ fn page_extent(seen: Option<Extent>) -> Extent {
 }
 
 /// The least of 1, 2, 5 times a power of ten that is not below a positive figure.
-pub(super) fn nice_step(least: f64) -> f64 {
+pub(crate) fn nice_step(least: f64) -> f64 {
     if !(least > 0.0 && least.is_finite()) {
         return 1.0;
     }
@@ -255,7 +256,7 @@ pub(super) fn nice_step(least: f64) -> f64 {
 }
 
 /// The multiples of a step within a range, a hundred at most.
-pub(super) fn ticks(from: f64, to: f64, step: f64) -> Vec<f64> {
+pub(crate) fn ticks(from: f64, to: f64, step: f64) -> Vec<f64> {
     let first = (from / step).ceil();
     let count = ((to / step).floor() - first + 1.0).clamp(0.0, 100.0) as usize;
     (0..count).map(|index| (first + index as f64) * step).collect()

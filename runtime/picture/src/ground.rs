@@ -2,33 +2,34 @@
 
 use backseat_units::EastNorth;
 
-use super::canvas::{Canvas, Pixel, path, polyline};
-use super::contour::{self, Line};
-use super::simplify::simplify;
-use super::view::{View, nice_step, ticks};
-use super::{Palette, Raster, ink};
+use crate::canvas::{Canvas, Pixel, path, polyline};
+use crate::contour::{self, Line};
+use crate::ink;
+use crate::picture::{Palette, Raster};
+use crate::simplify::simplify;
+use crate::view::{View, nice_step, ticks};
 
 /// Outlines smaller than this, square pixels, are noise.
 const LEAST_AREA: f64 = 6.0;
 
 /// The bands that were drawn, for labels and legend.
-pub(super) struct Bands {
+pub(crate) struct Bands {
     /// Lower edges between the bands, rising; one band more than these.
-    pub(super) levels: Vec<f64>,
-    pub(super) step: f64,
-    pub(super) palette: Palette,
+    pub(crate) levels: Vec<f64>,
+    pub(crate) step: f64,
+    pub(crate) palette: Palette,
     /// Contour lines in pixels with their values, longest first in each level.
-    pub(super) lines: Vec<(f64, Vec<Vec<Pixel>>)>,
+    pub(crate) lines: Vec<(f64, Vec<Vec<Pixel>>)>,
 }
 
 impl Bands {
     /// The colour of a band, 0 the lowest.
-    pub(super) fn colour(&self, band: usize) -> String {
+    pub(crate) fn colour(&self, band: usize) -> String {
         colour(self.palette, band as f64 / self.levels.len().max(1) as f64)
     }
 }
 
-pub(super) fn draw(canvas: &mut Canvas, view: &View, raster: &Raster) -> Option<Bands> {
+pub(crate) fn draw(canvas: &mut Canvas, view: &View, raster: &Raster) -> Option<Bands> {
     let finite = || raster.values.iter().copied().filter(|value| value.is_finite());
     let (least, greatest) = (finite().reduce(f64::min)?, finite().reduce(f64::max)?);
     let step = nice_step((greatest - least) / 9.0);

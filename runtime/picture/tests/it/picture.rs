@@ -1,8 +1,6 @@
 //! A picture shows what it was given, the same each time, whatever it was given.
 
-use backseat_recorder::picture::{
-    Extent, Palette, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render,
-};
+use backseat_picture::{Extent, Palette, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render};
 use backseat_units::EastNorth;
 use backseat_units::math::{exp, sin};
 

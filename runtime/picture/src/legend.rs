@@ -2,10 +2,11 @@
 
 use svg::node::element::Element;
 
-use super::canvas::{Canvas, Pixel, circle, figure, number, path, rectangle, text};
-use super::ground::Bands;
-use super::view::{View, nice_step};
-use super::{Picture, Raster, Steer, ZoneKind, ink};
+use crate::canvas::{Canvas, Pixel, circle, figure, number, path, rectangle, text};
+use crate::ground::Bands;
+use crate::ink;
+use crate::picture::{Picture, Raster, Steer, ZoneKind};
+use crate::view::{View, nice_step};
 
 /// Between the map and the panel, pixels.
 const GAP: f64 = 28.0;
@@ -13,7 +14,7 @@ const ROW: f64 = 25.0;
 /// Width of a sign.
 const SIGN: f64 = 34.0;
 
-pub(super) fn draw(canvas: &mut Canvas, view: &View, picture: &Picture, bands: Option<&Bands>) {
+pub(crate) fn draw(canvas: &mut Canvas, view: &View, picture: &Picture, bands: Option<&Bands>) {
     let left = view.map_left + view.map_width + GAP;
     draw_north(canvas, (left + 12.0, view.map_top));
     draw_scale(canvas, view, (left + 54.0, view.map_top + 22.0));
@@ -210,8 +211,8 @@ fn draw_bands(canvas: &mut Canvas, raster: &Raster, bands: &Bands, (x, y): Pixel
     let every = (13.0 / height).ceil().max(1.0) as usize;
     for band in 0..count {
         let row = match raster.palette {
-            super::Palette::Depth => band,
-            super::Palette::Field => count - 1 - band,
+            crate::picture::Palette::Depth => band,
+            crate::picture::Palette::Field => count - 1 - band,
         };
         let at = top + row as f64 * height;
         canvas.around(rectangle(x, at, SIGN - 8.0, height, &[("fill", &bands.colour(band))]));
@@ -220,8 +221,8 @@ fn draw_bands(canvas: &mut Canvas, raster: &Raster, bands: &Bands, (x, y): Pixel
             continue;
         };
         let edge = match raster.palette {
-            super::Palette::Depth => at,
-            super::Palette::Field => at + height,
+            crate::picture::Palette::Depth => at,
+            crate::picture::Palette::Field => at + height,
         };
         let value = figure(bands.levels[level], bands.step);
         let style = [

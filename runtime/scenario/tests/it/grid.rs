@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use backseat_mission::{Layers, Mission};
+use backseat_scenario::{Scenario, ScenarioError};
 use backseat_units::EastNorth;
 
 /// A mission over a grid of 12 by 8 cells: a shelf that falls to the south-east, with a wreck's mound on it.
@@ -25,20 +26,25 @@ fn changed(file: &str, content: Option<&[u8]>) -> tempfile::TempDir {
     copy
 }
 
+fn scenario(folder: &Path) -> Result<Scenario, ScenarioError> {
+    let mission = Mission::load(folder, &Layers::default()).unwrap();
+    Scenario::load(&mission)
+}
+
 fn fault(folder: &Path) -> String {
-    let message = Mission::load(folder, &Layers::default()).err().unwrap().to_string();
+    let message = scenario(folder).err().unwrap().to_string();
     assert!(!message.contains('\n'), "{message}");
     message
 }
 
 #[test]
 fn the_grid_is_read_from_beside_the_world_and_flown_over() {
-    let mission = Mission::load(&mission(), &Layers::default()).unwrap();
+    let scenario = scenario(&mission()).unwrap();
     assert_eq!(
-        mission.grid.as_ref().map(|grid| (grid.columns(), grid.rows())),
+        scenario.grid.as_ref().map(|grid| (grid.columns(), grid.rows())),
         Some((12, 8))
     );
-    let mut mvc = mission.vehicle(mission.world().unwrap(), 1).unwrap();
+    let mut mvc = scenario.vehicle(1).unwrap();
     // The mound's top, at the centre of its cell.
     assert_eq!(mvc.world().water_depth_m(EastNorth::new(50.0, 50.0)), 14.0);
     let mut nearest_m = f64::INFINITY;
@@ -82,8 +88,7 @@ fn a_grid_that_cannot_be_used_is_named_with_its_place() {
 
     // A seed's world is drawn over it: what does not fit is told then.
     let folder = changed("bed.asc", Some(text.replacen(" 14 ", " -9999 ", 1).as_bytes()));
-    let mission = Mission::load(folder.path(), &Layers::default()).unwrap();
-    let error = mission.vehicle(mission.world().unwrap(), 1).unwrap_err().to_string();
+    let error = scenario(folder.path()).unwrap().vehicle(1).unwrap_err().to_string();
     assert!(error.contains("row 4, column 7: no data"), "{error}");
 }
 
@@ -93,8 +98,7 @@ fn a_plan_into_the_grids_bottom_is_refused_with_the_place() {
     let deep = world.replacen("altitude_m = 6", "depth_m = 18", 1);
     assert_ne!(deep, world);
     let folder = changed("world.toml", Some(deep.as_bytes()));
-    let mission = Mission::load(folder.path(), &Layers::default()).unwrap();
-    let error = mission.vehicle(mission.world().unwrap(), 1).unwrap_err().to_string();
+    let error = scenario(folder.path()).unwrap().vehicle(1).unwrap_err().to_string();
     assert!(error.starts_with("plan element 2: the water is 17.9"), "{error}");
     assert!(
         error.ends_with("expected at least 18.00 m: the element's depth"),
@@ -107,9 +111,9 @@ fn a_plan_into_the_grids_bottom_is_refused_with_the_place() {
 fn the_projects_missions_have_water_enough_whatever_the_seed() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     for name in ["missions/isobath", "missions/plume", "tests/suite/missions/steady"] {
-        let mission = Mission::load(&root.join(name), &Layers::default()).unwrap();
+        let scenario = scenario(&root.join(name)).unwrap();
         for seed in 0..500 {
-            let made = mission.vehicle(mission.world().unwrap(), seed);
+            let made = scenario.vehicle(seed);
             assert!(made.is_ok(), "{name}, seed {seed}: {:?}", made.err());
         }
     }

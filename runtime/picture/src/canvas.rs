@@ -4,17 +4,17 @@ use svg::node::Text;
 use svg::node::element::Element;
 use svg::node::{Node, Value};
 
-use super::ink;
-use super::view::View;
+use crate::ink;
+use crate::view::View;
 
 /// A point of the picture, pixels, y down.
-pub(super) type Pixel = (f64, f64);
+pub(crate) type Pixel = (f64, f64);
 
 /// Sans-serif as the viewer's system has it.
 const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif";
 
 /// The document under way: what is clipped to the map, and what is over and around it.
-pub(super) struct Canvas {
+pub(crate) struct Canvas {
     definitions: Element,
     map: Element,
     around: Element,
@@ -23,7 +23,7 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    pub(super) fn new(view: &View) -> Self {
+    pub(crate) fn new(view: &View) -> Self {
         let mut definitions = Element::new("defs");
         let mut clip = element("clipPath", &[("id", &"map")]);
         clip.append(rectangle(
@@ -44,21 +44,21 @@ impl Canvas {
     }
 
     /// Adds a clip path, pattern or the like.
-    pub(super) fn define(&mut self, definition: Element) {
+    pub(crate) fn define(&mut self, definition: Element) {
         self.definitions.append(definition);
     }
 
     /// Draws inside the map.
-    pub(super) fn map(&mut self, drawn: Element) {
+    pub(crate) fn map(&mut self, drawn: Element) {
         self.map.append(drawn);
     }
 
     /// Draws over and around the map.
-    pub(super) fn around(&mut self, drawn: Element) {
+    pub(crate) fn around(&mut self, drawn: Element) {
         self.around.append(drawn);
     }
 
-    pub(super) fn finish(self) -> String {
+    pub(crate) fn finish(self) -> String {
         let (width, height) = (number(self.width), number(self.height));
         let mut root = element(
             "svg",
@@ -81,7 +81,7 @@ impl Canvas {
 }
 
 /// An element with attributes.
-pub(super) fn element(name: &str, attributes: &[(&str, &dyn ToString)]) -> Element {
+pub(crate) fn element(name: &str, attributes: &[(&str, &dyn ToString)]) -> Element {
     let mut element = Element::new(name);
     for (name, value) in attributes {
         element.assign(*name, Value::from(value.to_string()));
@@ -89,7 +89,7 @@ pub(super) fn element(name: &str, attributes: &[(&str, &dyn ToString)]) -> Eleme
     element
 }
 
-pub(super) fn rectangle(x: f64, y: f64, width: f64, height: f64, style: &[(&str, &dyn ToString)]) -> Element {
+pub(crate) fn rectangle(x: f64, y: f64, width: f64, height: f64, style: &[(&str, &dyn ToString)]) -> Element {
     let mut rectangle = element("rect", style);
     for (name, value) in [("x", x), ("y", y), ("width", width), ("height", height)] {
         rectangle.assign(name, number(value));
@@ -97,7 +97,7 @@ pub(super) fn rectangle(x: f64, y: f64, width: f64, height: f64, style: &[(&str,
     rectangle
 }
 
-pub(super) fn circle(centre: Pixel, radius: f64, style: &[(&str, &dyn ToString)]) -> Element {
+pub(crate) fn circle(centre: Pixel, radius: f64, style: &[(&str, &dyn ToString)]) -> Element {
     let mut circle = element("circle", style);
     for (name, value) in [("cx", centre.0), ("cy", centre.1), ("r", radius)] {
         circle.assign(name, number(value));
@@ -105,13 +105,13 @@ pub(super) fn circle(centre: Pixel, radius: f64, style: &[(&str, &dyn ToString)]
     circle
 }
 
-pub(super) fn path(data: &str, style: &[(&str, &dyn ToString)]) -> Element {
+pub(crate) fn path(data: &str, style: &[(&str, &dyn ToString)]) -> Element {
     let mut path = element("path", style);
     path.assign("d", data);
     path
 }
 
-pub(super) fn text(at: Pixel, content: &str, style: &[(&str, &dyn ToString)]) -> Element {
+pub(crate) fn text(at: Pixel, content: &str, style: &[(&str, &dyn ToString)]) -> Element {
     let mut text = element("text", style);
     text.assign("x", number(at.0));
     text.assign("y", number(at.1));
@@ -120,7 +120,7 @@ pub(super) fn text(at: Pixel, content: &str, style: &[(&str, &dyn ToString)]) ->
 }
 
 /// Path data of lines through points; closed where asked.
-pub(super) fn polyline(data: &mut String, points: &[Pixel], closed: bool) {
+pub(crate) fn polyline(data: &mut String, points: &[Pixel], closed: bool) {
     let mut last = String::new();
     for (index, (x, y)) in points.iter().enumerate() {
         let point = format!("{} {}", number(*x), number(*y));
@@ -137,7 +137,7 @@ pub(super) fn polyline(data: &mut String, points: &[Pixel], closed: bool) {
 }
 
 /// A number to a tenth, without what says nothing.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let mut text = format!("{value:.1}");
     if text.ends_with(".0") {
         text.truncate(text.len() - 2);
@@ -146,7 +146,7 @@ pub(super) fn number(value: f64) -> String {
 }
 
 /// A figure with as many decimals as its step needs, a true minus sign before it.
-pub(super) fn figure(value: f64, step: f64) -> String {
+pub(crate) fn figure(value: f64, step: f64) -> String {
     let mut decimals = 0;
     let mut unit = step.abs();
     while decimals < 6 && (unit - unit.round()).abs() > 1e-6 {
@@ -162,6 +162,6 @@ pub(super) fn figure(value: f64, step: f64) -> String {
 }
 
 /// How wide a text is, pixels: an estimate on the wide side, for no font is at hand.
-pub(super) fn text_width(content: &str, size: f64) -> f64 {
+pub(crate) fn text_width(content: &str, size: f64) -> f64 {
     content.chars().count() as f64 * size * 0.6
 }

@@ -1,24 +1,4 @@
-//! A run as one SVG file: the ground, the fence, what was planned, what was flown and by whom, what was asked and
-//! what was refused.
-//!
-//! Everything is given in one local east-north frame, metres, north up. The same picture gives the same bytes. What
-//! is not finite is left out; nothing is embedded, no fonts and no scripts.
-
-mod canvas;
-mod contour;
-mod fence;
-mod ground;
-mod labels;
-mod legend;
-mod simplify;
-mod tracks;
-mod view;
-
 use backseat_units::EastNorth;
-
-use canvas::Canvas;
-use labels::Labels;
-use view::View;
 
 /// What a picture shows. Everything but the title may be empty.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -158,57 +138,4 @@ pub struct Rejected {
     pub shape: Shape,
     /// Why not, in a few words. Equal reasons share one label.
     pub reason: String,
-}
-
-/// Draws a picture: an SVG document about 1200 pixels wide.
-#[must_use]
-pub fn render(picture: &Picture) -> String {
-    let view = View::new(picture);
-    let mut canvas = Canvas::new(&view);
-    let mut labels = Labels::new(&view);
-    let bands = picture
-        .ground
-        .as_ref()
-        .and_then(|raster| ground::draw(&mut canvas, &view, raster));
-    view.draw_graticule(&mut canvas);
-    fence::draw(&mut canvas, &view, &picture.zones);
-    tracks::draw_planned(&mut canvas, &view, &picture.planned);
-    tracks::draw_inserts(&mut canvas, &view, &picture.inserts);
-    tracks::draw_rejected(&mut canvas, &view, &picture.rejected);
-    tracks::draw_flown(&mut canvas, &view, picture, &mut labels);
-    labels::draw(&mut canvas, &mut labels, &view, picture, bands.as_ref());
-    view.draw_frame(&mut canvas, picture);
-    legend::draw(&mut canvas, &view, picture, bands.as_ref());
-    canvas.finish()
-}
-
-/// The colours of everything but the ground: distinct to the colour-blind (orange and violet after Wong, Nature
-/// Methods 8, 441 (2011), and Okabe and Ito), and darker than any ground.
-mod ink {
-    use super::Steer;
-
-    pub(super) const TEXT: &str = "#22303a";
-    pub(super) const FAINT: &str = "#5c6b75";
-    pub(super) const FRAME: &str = "#8a979f";
-    pub(super) const PLANNED: &str = "#3f4a52";
-    pub(super) const INCLUSION: &str = "#00695c";
-    pub(super) const EXCLUSION: &str = "#4e342e";
-    pub(super) const REJECTED: &str = "#c1121f";
-    pub(super) const HIGHLIGHT: &str = "#0b3c8c";
-    pub(super) const INSERT: &str = "#6a1b9a";
-    pub(super) const MODIFY: &str = "#e66100";
-    pub(super) const FRONT_SEAT: &str = "#1f2a30";
-
-    pub(super) const fn steer(steer: Steer) -> &'static str {
-        match steer {
-            Steer::FrontSeat => FRONT_SEAT,
-            Steer::Modify => MODIFY,
-            Steer::Insert => INSERT,
-        }
-    }
-}
-
-/// A finite point.
-fn is_finite(point: &EastNorth) -> bool {
-    point.east_m.is_finite() && point.north_m.is_finite()
 }

@@ -1,16 +1,16 @@
 //! Contours of a grid by marching squares (Lorensen and Cline, SIGGRAPH 1987, in two dimensions), chained.
 
-use super::Raster;
+use crate::picture::Raster;
 
 /// One contour line, in grid coordinates: x nodes from the west, y nodes from the south.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Line {
-    pub(super) points: Vec<(f64, f64)>,
-    pub(super) closed: bool,
+pub(crate) struct Line {
+    pub(crate) points: Vec<(f64, f64)>,
+    pub(crate) closed: bool,
 }
 
 /// The lines where a raster has a value. They end at its border and at holes.
-pub(super) fn lines(raster: &Raster, value: f64) -> Vec<Line> {
+pub(crate) fn lines(raster: &Raster, value: f64) -> Vec<Line> {
     let field = Field {
         raster,
         value,
@@ -20,7 +20,7 @@ pub(super) fn lines(raster: &Raster, value: f64) -> Vec<Line> {
 }
 
 /// The outlines of all ground that is at or above a value, each closed: those of holes run the other way round.
-pub(super) fn outlines(raster: &Raster, value: f64) -> Vec<Line> {
+pub(crate) fn outlines(raster: &Raster, value: f64) -> Vec<Line> {
     let field = Field {
         raster,
         value,
@@ -176,8 +176,8 @@ impl Field<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Extent, Palette};
     use super::*;
+    use crate::picture::{Extent, Palette};
 
     fn raster(width: usize, height: usize, value: impl Fn(f64, f64) -> f64) -> Raster {
         let nodes = (0..height).flat_map(|y| (0..width).map(move |x| (x as f64, y as f64)));

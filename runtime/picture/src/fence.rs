@@ -1,10 +1,11 @@
 //! The fence's zones: a margin is the half of a thick line that lies on the side where the vehicle may be.
 
-use super::canvas::{Canvas, element, number, path, polyline, rectangle};
-use super::view::View;
-use super::{Zone, ZoneKind, ink};
+use crate::canvas::{Canvas, element, number, path, polyline, rectangle};
+use crate::ink;
+use crate::picture::{Zone, ZoneKind};
+use crate::view::View;
 
-pub(super) fn draw(canvas: &mut Canvas, view: &View, zones: &[Zone]) {
+pub(crate) fn draw(canvas: &mut Canvas, view: &View, zones: &[Zone]) {
     if zones.is_empty() {
         return;
     }

@@ -6,7 +6,7 @@ use super::{Orders, admit};
 use crate::context::Context;
 use crate::io::Note;
 use crate::ledger::RequestKind;
-use crate::monitor::envelope::{End, Track};
+use crate::monitor::envelope::End;
 use crate::plugin::{Refusal, RequestState};
 use crate::refusal::refused;
 use crate::session::commands::{Answer, Purpose};
@@ -115,9 +115,11 @@ impl Orders {
         );
         // Or it takes up an insert that this one has interrupted.
         let onto = cx.outlook().taken_up_after(false);
-        to.extend(onto.iter().flat_map(Track::points).map(End::At));
         for to in to.into_iter().filter(|_| is_on(Check::CancelWay)) {
             cx.monitor.envelope.judge_way((here, to), &passage)?;
+        }
+        for track in onto.iter().filter(|_| is_on(Check::CancelWay)) {
+            cx.monitor.envelope.judge_way_onto((here, track), &passage)?;
         }
         Ok(())
     }

@@ -339,9 +339,13 @@ impl Core {
                         entry.interrupted = false;
                     }
                     self.cx.transition(request, RequestState::Started);
-                } else if !self.cx.vehicle.plan.has(identifier) {
-                    // Another payload's that came after the plan was asked for, perhaps.
-                    self.session.want_plan(&mut self.cx);
+                } else {
+                    if !self.cx.vehicle.plan.has(identifier) {
+                        // Another payload's that came after the plan was asked for, perhaps.
+                        self.session.want_plan(&mut self.cx);
+                    }
+                    // It may have interrupted what was flown, which is then taken up again after all that waits.
+                    self.capabilities.inserts.judge_waiting(&mut self.cx);
                 }
             }
             (None, Some(number)) => {

@@ -5,7 +5,6 @@ use backseat_units::Timestamp;
 
 use crate::capability::Capabilities;
 use crate::context::Context;
-use crate::external;
 use crate::io::{Input, Note, Output, Reservation, Start};
 use crate::ledger::RequestCounts;
 use crate::monitor::envelope::Envelope;
@@ -42,6 +41,7 @@ pub struct Core {
 mod answer;
 mod connection;
 mod course;
+mod external;
 #[cfg(test)]
 mod gated;
 mod hear;

@@ -1,86 +1,138 @@
-//! Configured drivers: the operator's own programs that feed what no plugin may (SPI 7.14, 7.15, 7.21, 8.8, 8.9).
-//!
-//! A driver speaks the sentence that it wants sent, as it would to the vehicle; the runtime checks that the mission lets
-//! it, bounds it, stamps it anew, sends it, and answers with the vehicle's own BFACK.
+//! What core keeps of each driver, and what each is told.
 
-use backseat_spi::{BearingOffset, PayloadCtd, PositionFix, RelativeReset, ToVehicle, TopsideRelay};
-use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
-use crate::ledger::RequestKind;
+use backseat_spi::{
+    AckStatus, Acknowledgement, CommandName, EchoedTime, FrameCounts, Framer, FromVehicle, Policy, Text,
+};
+use backseat_units::{TimeOfDay, Timestamp, Utc};
 
-mod bounds;
-mod port;
-mod way;
+use crate::io::Output;
+use crate::ledger::{Transition, is_end};
+use crate::outbox::Outbox;
+use crate::owner::DriverId;
+use crate::plugin::RequestState;
+use crate::settings::external::DriverSetup;
 
-pub use bounds::{ConductivityUnit, DriverBounds};
-pub(crate) use port::Drivers;
-pub(crate) use way::received;
+/// An answer's text is cut to this, characters.
+const TEXT_BYTES_MAX: usize = 200;
 
-/// A sentence that a driver may send.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum DriverSentence {
-    /// Topside message relay.
-    #[serde(rename = "BPTMR")]
-    Relay,
-    /// Raw CTD data.
-    #[serde(rename = "BPCTD")]
-    PayloadCtd,
-    /// Navigation position update.
-    #[serde(rename = "BPNPU")]
-    PositionFix,
-    /// Reset of relative navigation.
-    #[serde(rename = "BPRNS")]
-    RelativeReset,
-    /// Offset of the hull-relative bearing.
-    #[serde(rename = "BPRBO")]
-    BearingOffset,
+/// What core knows of its drivers.
+#[derive(Debug)]
+pub(crate) struct Drivers {
+    pub(crate) ports: Vec<Port>,
 }
 
-impl DriverSentence {
-    /// The sentence of a message; `None` for all that are no driver's.
-    fn of(message: &ToVehicle) -> Option<Self> {
-        match message.name() {
-            TopsideRelay::NAME => Some(Self::Relay),
-            PayloadCtd::NAME => Some(Self::PayloadCtd),
-            PositionFix::NAME => Some(Self::PositionFix),
-            RelativeReset::NAME => Some(Self::RelativeReset),
-            BearingOffset::NAME => Some(Self::BearingOffset),
-            _ => None,
+#[derive(Debug)]
+pub(crate) struct Port {
+    pub(crate) setup: DriverSetup,
+    pub(crate) framer: Framer,
+    /// What of `framer`'s counts has been dealt with.
+    pub(crate) dropped: u64,
+    /// Lines that came to nothing before the ledger, of all causes.
+    pub(crate) refused: u64,
+    /// How many sentences are left of its rate, and when that was so.
+    pub(crate) left: f64,
+    pub(crate) at: Timestamp,
+    /// Requests that are not at their end: the name and the time under which the driver knows them.
+    pub(crate) open: BTreeMap<u64, (CommandName, TimeOfDay)>,
+    /// Counts its requests: the tags of its ledger entries.
+    pub(crate) tag: u64,
+}
+
+impl Drivers {
+    pub(crate) fn new(setups: &[DriverSetup]) -> Self {
+        let port = |setup: &DriverSetup| Port {
+            left: setup.bounds.burst(),
+            setup: setup.clone(),
+            framer: Framer::new(Policy::FromPayload),
+            dropped: 0,
+            refused: 0,
+            at: Timestamp::ZERO,
+            open: BTreeMap::new(),
+            tag: 0,
+        };
+        Self {
+            ports: setups.iter().map(port).collect(),
         }
     }
 
-    /// The three letters that it is acknowledged by.
-    #[must_use]
-    pub const fn letters(self) -> &'static str {
-        match self {
-            Self::Relay => "TMR",
-            Self::PayloadCtd => "CTD",
-            Self::PositionFix => "NPU",
-            Self::RelativeReset => "RNS",
-            Self::BearingOffset => "RBO",
+    /// A driver's request has come to another state: its end, or that it is pending, is said to it as the vehicle would.
+    pub(crate) fn tell(&mut self, outbox: &mut Outbox, utc: Utc, driver: DriverId, transition: &Transition) {
+        let Some(port) = self.ports.get_mut(driver.0) else {
+            return;
+        };
+        let Some((name, echoed)) = port.open.get(&transition.request).copied() else {
+            return;
+        };
+        if is_end(&transition.state) {
+            port.open.remove(&transition.request);
         }
-    }
-
-    const fn kind(self) -> RequestKind {
-        match self {
-            Self::Relay => RequestKind::Relay,
-            Self::PayloadCtd => RequestKind::PayloadCtd,
-            Self::PositionFix => RequestKind::PositionFix,
-            Self::RelativeReset => RequestKind::RelativeReset,
-            Self::BearingOffset => RequestKind::BearingOffset,
-        }
+        let (status, text) = match &transition.state {
+            RequestState::Pending => (AckStatus::Pending, ""),
+            RequestState::Accepted => (AckStatus::Succeeded, ""),
+            RequestState::Rejected(text) | RequestState::Failed(text) => (AckStatus::Failed, text.as_str()),
+            RequestState::TimedOut => (AckStatus::Failed, "the vehicle has not answered"),
+            RequestState::Cancelled => (AckStatus::Failed, "cancelled"),
+            // The acknowledgement has been passed on already, or is yet to come.
+            RequestState::Sent | RequestState::Unknown | RequestState::Started | RequestState::Ended(_) => return,
+        };
+        acknowledge(outbox, utc, driver, (name, echoed), (status, text));
     }
 }
 
-/// A driver of the mission: a `[[driver]]` table.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DriverSetup {
-    /// Its name in the mission.
-    pub name: String,
-    /// What it may send.
-    pub sends: Vec<DriverSentence>,
-    /// The figures that it may send, and how often.
-    #[serde(default)]
-    pub bounds: DriverBounds,
+impl Port {
+    /// Takes one of what its rate allows, where one is left.
+    pub(crate) fn take(&mut self, now: Timestamp) -> bool {
+        let bounds = &self.setup.bounds;
+        let refilled = now.since(self.at).as_secs_f64() * bounds.rate_max_hz;
+        self.left = (self.left + refilled).min(bounds.burst());
+        self.at = now;
+        let takes = self.left >= 1.0;
+        if takes {
+            self.left -= 1.0;
+        }
+        takes
+    }
+
+    /// How many lines have been dropped since the last call because they are no sentences. What the next sentence has
+    /// cut short is not among them: it had no end that could be answered.
+    pub(crate) fn dropped(&mut self) -> u64 {
+        let FrameCounts {
+            sentences: _,
+            checksum_invalid,
+            checksum_absent,
+            malformed,
+            too_long,
+            not_utf8,
+            cut_short: _,
+            overflowed,
+            noise_bytes: _,
+        } = self.framer.counts();
+        let dropped = checksum_invalid + checksum_absent + malformed + too_long + not_utf8 + overflowed;
+        dropped - std::mem::replace(&mut self.dropped, dropped)
+    }
+}
+
+/// Says to a driver what has become of a command, as the vehicle would.
+pub(crate) fn acknowledge(
+    outbox: &mut Outbox,
+    utc: Utc,
+    driver: DriverId,
+    (command, command_created): (CommandName, TimeOfDay),
+    (status, text): (AckStatus, &str),
+) {
+    let text: String = text.chars().take(TEXT_BYTES_MAX).collect();
+    let ack = FromVehicle::from(Acknowledgement {
+        created: utc.time_of_day(),
+        command,
+        command_created: EchoedTime::of(command_created),
+        behavior: None,
+        status,
+        text: Text::cleaned(&text),
+    });
+    let mut bytes = Vec::with_capacity(96);
+    if ack.encode(&mut bytes).is_ok() {
+        outbox.push(Output::Driver(driver, bytes));
+    }
 }

@@ -1,11 +1,14 @@
+pub(crate) mod external;
+pub(crate) mod recovery;
+
 use serde::{Deserialize, Serialize};
 
-use crate::external::DriverSetup;
 use crate::monitor::limits::plugin::PluginLimits;
 use crate::monitor::limits::{FailAction, Grant, HeadingFrame};
-use crate::operator::Policy;
+use crate::order::Policy;
 use crate::plugin::Description;
-use crate::recovery::Recovery;
+use crate::settings::external::DriverSetup;
+use crate::settings::recovery::Recovery;
 use crate::vehicle::expected::ExpectedPlan;
 
 /// What hands control to the backseat.

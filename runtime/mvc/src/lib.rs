@@ -34,6 +34,9 @@ mod services;
 mod truth;
 mod vehicle;
 
+// The plan is written alike in `world.toml` and for a mission.
+pub use backseat_plan::{HullClass, PlaceConfig, PlanEntry, PlanKind};
+
 pub use error::MvcError;
 pub use event::{
     AcousticEvent, AdjustmentEvent, AdjustmentKind, Behavior, CancelCause, ClientId, DropReason, DvlTriggerEvent,
@@ -50,14 +53,13 @@ pub use file::{
     DepthSensorConfig, DirectionName, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry, FaultFile, FaultName,
     FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig, InsertPlace,
     InsertsAfterControl, InterpretationConfig, Interruption, LineFault, MaximumExpectation, MissionCommandConfig,
-    MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket, PlaceConfig, PlanEntry,
-    PlanKind, PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide,
-    SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig,
-    TopsideEntry, TrackcircleLayout, UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
+    MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket, PowerConfig, Profile,
+    RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SilenceConfig, SoundConfig, SpiConfig,
+    StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig, TopsideEntry, TrackcircleLayout,
+    UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
 };
 pub use interpretation::{Interpretation, ResumeFrom};
 pub use link::{Chunk, Direction, FaultyLink, LinkFaults};
 pub use mvc::Mvc;
-pub use plan::planned::{PlannedBehavior, PlannedPath, PlannedVertical, planned_behaviors};
 pub use truth::{Activity, HoveringTruth, Truth};
-pub use vehicle::hull::{Hull, HullClass};
+pub use vehicle::hull::Hull;

@@ -377,10 +377,10 @@ const AFLOAT_M: f64 = 0.001;
 
 #[cfg(test)]
 mod tests {
+    use backseat_plan::HullClass;
     use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, Span, TideLevelConfig, WorldConfig};
 
     use super::*;
-    use crate::vehicle::hull::HullClass;
 
     fn world() -> World {
         let config = WorldConfig {

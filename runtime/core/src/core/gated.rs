@@ -13,7 +13,7 @@ use super::Core;
 use crate::io::{Identifiers, Input, Operator, Start};
 use crate::monitor::envelope::Envelope;
 use crate::monitor::limits::tests::limits;
-use crate::operator::Order;
+use crate::order::Order;
 use crate::owner::{DriverId, Owner};
 use crate::plugin::PluginId;
 use crate::settings::Settings;

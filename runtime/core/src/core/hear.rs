@@ -13,7 +13,7 @@ use crate::io::{Note, Operator};
 use crate::vehicle::dive::NamedBy;
 use crate::vehicle::integrity::Flaw;
 
-use crate::operator::Condition;
+use crate::order::Condition;
 use crate::owner::Owner;
 use crate::plugin::slots::Plugins;
 use crate::plugin::{Behavior, CtdSample, Event, RequestState, Topic};

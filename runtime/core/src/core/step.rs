@@ -3,7 +3,7 @@
 use super::Core;
 use crate::io::{Note, Output, Restarted};
 use crate::monitor::limits::FailAction;
-use crate::operator::{Condition, Order};
+use crate::order::{Condition, Order};
 use crate::plugin::slots::{Due, Failed, Step};
 use crate::plugin::{Event, FaultKind, PluginFault, PluginId, Returned, StepInput};
 

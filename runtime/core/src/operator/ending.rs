@@ -10,12 +10,12 @@ use std::time::Duration;
 use backseat_spi::{Abort, AbortReason, Kill, Text, ToVehicle};
 use backseat_units::Timestamp;
 
-use super::Order;
 use super::Orders;
 use crate::capability::Capabilities;
 use crate::context::Context;
 use crate::io::Note;
 use crate::ledger::RequestKind;
+use crate::order::Order;
 use crate::owner::Owner;
 use crate::plugin::RequestState;
 use crate::refusal::refused;

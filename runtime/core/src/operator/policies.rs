@@ -8,10 +8,10 @@ use std::time::Duration;
 use backseat_units::Timestamp;
 
 use super::Orders;
-use super::{Condition, Policy};
 use crate::capability::Capabilities;
 use crate::context::Context;
 use crate::io::Note;
+use crate::order::{Condition, Policy};
 use crate::timer::Timer;
 
 /// A time in which navigation is stale.

@@ -1,35 +1,4 @@
-use serde::{Deserialize, Serialize};
-
-/// The vehicle classes that the interface covers (SPI 1).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-pub enum HullClass {
-    /// The small torpedo.
-    #[serde(rename = "9-inch")]
-    NineInch,
-    /// The survey torpedo.
-    #[default]
-    #[serde(rename = "12-inch")]
-    TwelveInch,
-    /// The deep torpedo.
-    #[serde(rename = "21-inch")]
-    TwentyOneInch,
-    /// The hull inspector, which stands still at will.
-    #[serde(rename = "hovering")]
-    Hovering,
-}
-
-impl HullClass {
-    /// Its name in `world.toml`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::NineInch => "9-inch",
-            Self::TwelveInch => "12-inch",
-            Self::TwentyOneInch => "21-inch",
-            Self::Hovering => "hovering",
-        }
-    }
-}
+use backseat_plan::{HullClass, VehicleLimits};
 
 /// What a hull can do, as a first-order model.
 ///
@@ -76,13 +45,14 @@ pub struct Hull {
     pub hovers: bool,
 }
 
+const LIMITS_NINE_INCH: VehicleLimits = HullClass::NineInch.limits();
 const NINE_INCH: Hull = Hull {
-    speed_min_mps: 0.5,
-    speed_max_mps: 2.5,
-    depth_max_m: 200.0,
+    speed_min_mps: LIMITS_NINE_INCH.speed_min_mps,
+    speed_max_mps: LIMITS_NINE_INCH.speed_max_mps,
+    depth_max_m: LIMITS_NINE_INCH.depth_max_m,
     surge_tau_s: 3.0,
     surge_accel_mps2: 0.3,
-    yaw_rate_max_dps: 15.0,
+    yaw_rate_max_dps: LIMITS_NINE_INCH.yaw_rate_max_dps,
     turn_radius_m: 5.0,
     yaw_tau_s: 0.6,
     yaw_gain_per_s: 0.5,
@@ -97,13 +67,14 @@ const NINE_INCH: Hull = Hull {
     hovers: false,
 };
 
+const LIMITS_TWELVE_INCH: VehicleLimits = HullClass::TwelveInch.limits();
 const TWELVE_INCH: Hull = Hull {
-    speed_min_mps: 0.5,
-    speed_max_mps: 2.5,
-    depth_max_m: 200.0,
+    speed_min_mps: LIMITS_TWELVE_INCH.speed_min_mps,
+    speed_max_mps: LIMITS_TWELVE_INCH.speed_max_mps,
+    depth_max_m: LIMITS_TWELVE_INCH.depth_max_m,
     surge_tau_s: 5.0,
     surge_accel_mps2: 0.2,
-    yaw_rate_max_dps: 10.0,
+    yaw_rate_max_dps: LIMITS_TWELVE_INCH.yaw_rate_max_dps,
     turn_radius_m: 7.0,
     yaw_tau_s: 1.0,
     yaw_gain_per_s: 0.35,
@@ -118,13 +89,14 @@ const TWELVE_INCH: Hull = Hull {
     hovers: false,
 };
 
+const LIMITS_TWENTY_ONE_INCH: VehicleLimits = HullClass::TwentyOneInch.limits();
 const TWENTY_ONE_INCH: Hull = Hull {
-    speed_min_mps: 0.5,
-    speed_max_mps: 2.3,
-    depth_max_m: 4500.0,
+    speed_min_mps: LIMITS_TWENTY_ONE_INCH.speed_min_mps,
+    speed_max_mps: LIMITS_TWENTY_ONE_INCH.speed_max_mps,
+    depth_max_m: LIMITS_TWENTY_ONE_INCH.depth_max_m,
     surge_tau_s: 8.0,
     surge_accel_mps2: 0.12,
-    yaw_rate_max_dps: 6.0,
+    yaw_rate_max_dps: LIMITS_TWENTY_ONE_INCH.yaw_rate_max_dps,
     turn_radius_m: 12.0,
     yaw_tau_s: 1.6,
     yaw_gain_per_s: 0.22,
@@ -139,13 +111,14 @@ const TWENTY_ONE_INCH: Hull = Hull {
     hovers: false,
 };
 
+const LIMITS_HOVERING: VehicleLimits = HullClass::Hovering.limits();
 const HOVERING: Hull = Hull {
-    speed_min_mps: 0.0,
-    speed_max_mps: 0.75,
-    depth_max_m: 60.0,
+    speed_min_mps: LIMITS_HOVERING.speed_min_mps,
+    speed_max_mps: LIMITS_HOVERING.speed_max_mps,
+    depth_max_m: LIMITS_HOVERING.depth_max_m,
     surge_tau_s: 1.5,
     surge_accel_mps2: 0.2,
-    yaw_rate_max_dps: 20.0,
+    yaw_rate_max_dps: LIMITS_HOVERING.yaw_rate_max_dps,
     turn_radius_m: 0.0,
     yaw_tau_s: 0.5,
     yaw_gain_per_s: 0.6,

@@ -2,6 +2,7 @@
 //!
 //! Requirements of this project, not published figures: those are in [`super::published`].
 
+use backseat_plan::HullClass;
 use backseat_units::math::wrap_180;
 use backseat_units::{EastNorth, Timestamp};
 
@@ -10,7 +11,7 @@ use super::{Actuators, Helm, Orders, Piloted, STEP_MAX_S, SixDof, Steering, Surr
 use crate::estimate::Estimate;
 use crate::plan::Shape;
 use crate::plan::course::{Course, Way, crabbed_deg};
-use crate::vehicle::hull::{Hull, HullClass};
+use crate::vehicle::hull::Hull;
 
 const TORPEDOES: [HullClass; 3] = [HullClass::NineInch, HullClass::TwelveInch, HullClass::TwentyOneInch];
 

@@ -203,7 +203,7 @@ fn of_several_zones_that_hold_the_roomier_one_is_told() {
     ]);
     let clearance = check(&fence, Shape::point(at(0.0, 0.0)), 1.0).unwrap();
     assert_eq!(clearance.metres, 94.0);
-    assert_eq!(fence.describe_edge(clearance.edge).unwrap().zone, "large");
+    assert_eq!(fence.describe_edge(clearance.edge.unwrap()).unwrap().zone, "large");
 }
 
 #[test]
@@ -467,7 +467,7 @@ fn a_fence_is_shared_between_threads() {
 #[test]
 fn edges_that_a_fence_does_not_have_are_not_described() {
     let fence = box_fence(0.0);
-    let mut edge = check(&fence, Shape::point(at(0.0, 99.0)), 0.5).unwrap().edge;
+    let mut edge = check(&fence, Shape::point(at(0.0, 99.0)), 0.5).unwrap().edge.unwrap();
     assert_eq!(fence.describe_edge(edge).unwrap().to_string(), "edge 3");
     for beyond in [4, 5, u32::MAX] {
         edge.edge = beyond;

@@ -1,21 +1,52 @@
-use std::time::Duration;
+use std::path::PathBuf;
 
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use backseat_core::plugin::Topic;
-use backseat_fence::{Fence, Kind, Rfc3339, Window};
-use backseat_mission::{Dive, FrontSeatPlan, Mission, beyond_class};
-use backseat_mvc::{VehicleConfig, WorldFile};
+use backseat_fence::{Kind, Window};
+use backseat_mission::Mission;
 use backseat_plugin_host::{COMPILE_TIME, COMPONENT_BYTES, Host};
-use backseat_sim::load_plugins;
-use backseat_units::{EastNorth, LocalFrame, OutOfRange, Position, Utc};
+use backseat_plugin_loader::load_plugins;
+use backseat_units::Utc;
+use clap::Args;
 
-use crate::cli::Check;
+use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::output::say;
 use crate::run::host_and_port;
 use crate::state::State;
 
+mod front_seat;
 mod machine;
+#[cfg(feature = "simulation")]
+mod scenario;
+#[cfg(feature = "simulation")]
+use scenario::front_seat;
+#[cfg(not(feature = "simulation"))]
+mod sea;
+#[cfg(not(feature = "simulation"))]
+use sea::front_seat;
+
+#[derive(Debug, Args)]
+pub(crate) struct Check {
+    #[command(flatten)]
+    pub(crate) mission: MissionArguments,
+    /// Print mission.toml as it is after all layers, and stop
+    #[arg(long)]
+    pub(crate) resolved: bool,
+    /// Hold this plan of the front seat against the fence, [[plan]] as in world.toml [default: the mission's [plan], then,
+    /// where simulations are built in, its world.toml's]
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) plan: Option<PathBuf>,
+    /// When the dive begins, as 2026-06-01T08:00:00Z: which zones are valid [default: now, and in simulation's world.toml]
+    #[arg(long, value_name = "TIME", value_parser = utc)]
+    pub(crate) at: Option<Utc>,
+    /// Where the dive will write its logs
+    #[arg(long, value_name = "DIR", default_value = "logs")]
+    pub(crate) log: PathBuf,
+    /// Where the dive will keep identifiers and the operator's hold [default: the user's state folder]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
+}
 
 /// Everything that can be known before a dive. True where the mission can be flown.
 pub(crate) fn check(arguments: &Check) -> Result<bool> {
@@ -24,6 +55,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
         say!("{}", mission.resolved.trim_end());
         return Ok(true);
     }
+    let front_seat = front_seat(&mission, arguments.plan.as_deref())?;
     say!("{} (hash {})", mission.name, &mission.hash()[..16]);
     print_fence(&mission)?;
     let host = Host::new()?;
@@ -102,7 +134,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             driver.listen
         );
     }
-    let mut findings = dive(&mission, arguments, clock.utc_at_start())?;
+    let mut findings = front_seat.findings(&mission, arguments.at, clock.utc_at_start())?;
     if let Err(error) = host_and_port(&mission.file.vehicle.address, "mission.toml: vehicle.address") {
         findings.push(error.to_string());
     }
@@ -120,111 +152,6 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     good &= findings.is_empty();
     say!("{}", if good { "ready" } else { "not ready" });
     Ok(good)
-}
-
-/// Holds the front seat's plan against the fence, and limits and fence against the vehicle's class.
-fn dive(mission: &Mission, arguments: &Check, now: Utc) -> Result<Vec<String>> {
-    let (world, fence, limits) = (mission.world.as_ref(), mission.envelope.fence(), &mission.file.limits);
-    let class = mission.file.vehicle.class;
-    let mut findings = Vec::new();
-    match (class, world) {
-        (None, None) => say!("no [vehicle] class: what its hull can do is held against nothing"),
-        (Some(_), _) | (None, Some(_)) => {
-            let vehicle = world.map(|world| world.vehicle).unwrap_or_default();
-            let vehicle = VehicleConfig {
-                class: class.unwrap_or(vehicle.class),
-                ..vehicle
-            };
-            findings.extend(beyond_class(limits, fence, vehicle.class, &vehicle.hull()));
-        }
-    }
-    let plan = match (&arguments.plan, &mission.plan) {
-        (Some(file), _) => Some(FrontSeatPlan::read(file, class, world)?),
-        (None, Some(plan)) => Some(plan.clone()),
-        (None, None) if world.is_some() => Some(FrontSeatPlan::read(&mission.folder.join("world.toml"), class, world)?),
-        (None, None) => None,
-    };
-    match world {
-        None => say!("no world.toml: this mission cannot be simulated"),
-        // What only a seed shows: a vehicle or a seabed that cannot be.
-        Some(world) => drop(mission.vehicle(world, 1)?),
-    }
-    let Some(plan) = plan else {
-        say!("no plan of the front seat: it is held against nothing; name one by --plan or [plan]");
-        return Ok(findings);
-    };
-    let start = world.map(|world| {
-        let origin = Position::from_deg(world.origin.latitude_deg, world.origin.longitude_deg)?;
-        Ok(LocalFrame::new(origin).to_position(EastNorth::new(world.start.east_m, world.start.north_m)))
-    });
-    let start: Option<Position> = start
-        .transpose()
-        .map_err(|error: OutOfRange| anyhow!("world.toml: origin: {error}"))?;
-    let whence = if start.is_some() {
-        "its start"
-    } else {
-        "its first place"
-    };
-    let after_s = world.map_or(0.0, |world| world.mission.starts_after_s);
-    let begun_at = |utc: Utc| Dive {
-        fence,
-        limits,
-        plan: &plan.behaviors,
-        start,
-        start_depth_m: world.map_or(0.0, |world| world.start.depth_m),
-        utc: utc + Duration::try_from_secs_f64(after_s).unwrap_or_default(),
-    };
-    if begun_at(now).bottom_is_unknown() {
-        say!("plan: how far from the bottom it keeps is not judged: [limits] has no water_depth_min_m");
-    }
-    let mut outside = Vec::new();
-    let begins = begins(arguments, world, fence, now);
-    if fence.changes() {
-        let times: Vec<String> = begins
-            .iter()
-            .map(|(utc, why)| format!("{} ({why})", Rfc3339(*utc)))
-            .collect();
-        say!(
-            "plan: judged as begun at {}; --at names another time",
-            times.join(" and at ")
-        );
-    }
-    for (utc, why) in begins {
-        for finding in begun_at(utc).findings() {
-            if !outside.iter().any(|(told, _)| *told == finding) {
-                outside.push((finding, why));
-            }
-        }
-    }
-    if outside.is_empty() {
-        say!(
-            "plan: {whence} and all {} behaviours, with the ways between them, lie inside the fence",
-            plan.behaviors.len()
-        );
-    }
-    findings.extend(outside.into_iter().map(|(finding, why)| match fence.changes() {
-        true => format!("{finding} (begun {why})"),
-        false => finding,
-    }));
-    Ok(findings)
-}
-
-/// When the dive is taken to begin, and why then. Zones that come and go count on the day of the dive, which is not that of
-/// the simulation.
-fn begins(arguments: &Check, world: Option<&WorldFile>, fence: &Fence, now: Utc) -> Vec<(Utc, &'static str)> {
-    let today = (
-        Utc::from_unix_nanos(now.as_unix_nanos() / 1_000_000_000 * 1_000_000_000),
-        "now",
-    );
-    match (arguments.at, world) {
-        (Some(at), _) => vec![(at, "as --at says")],
-        (None, Some(world)) => {
-            let mut begins = vec![(world.start.utc, "as world.toml says")];
-            begins.extend(fence.changes().then_some(today));
-            begins
-        }
-        (None, None) => vec![today],
-    }
 }
 
 fn print_fence(mission: &Mission) -> Result<()> {
@@ -265,4 +192,9 @@ fn print_fence(mission: &Mission) -> Result<()> {
         );
     }
     Ok(())
+}
+
+fn utc(text: &str) -> Result<Utc, String> {
+    backseat_fence::utc(text)
+        .ok_or_else(|| "expected a date and time with its offset, as 2026-06-01T08:00:00Z".to_owned())
 }

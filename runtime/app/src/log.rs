@@ -1,81 +1,44 @@
 //! `backseat log`: what the log of a run says.
 
+mod info;
+#[cfg(feature = "simulation")]
+mod judge;
+
 use std::path::Path;
 
 use anyhow::{Context, Result};
 use backseat_recorder::read;
-use backseat_sim::{Verdict, judge_log};
-use serde_json::json;
+use clap::Subcommand;
 
-use crate::cli::{Log, LogJudge};
-use crate::output::say;
+#[derive(Debug, Subcommand)]
+pub(crate) enum Log {
+    /// Show what a log is of: mission, times, what is attached, what is missing
+    Info(info::LogInfo),
+    /// Judge a recorded run by the safety requirements, as simulations are judged
+    ///
+    /// The oracle that judges simulations reads the link's bytes in the log of a dive, with the mission's limits and the
+    /// fence that are attached to it. A line for each rule says whether it held and how often there was something to judge,
+    /// or why it could not be judged. The word before that is the side that the rule looks at: `sent` our sentences
+    /// alone, `heard` our sentences after what the runtime had read from the vehicle, `operator` our sentences after what
+    /// the operator did, `arrived` and `truth` what only a simulation knows: these are never judged here, even in the log
+    /// of a simulation. Where a rule broke, time, rule, text and sentence follow.
+    ///
+    /// Where the disk was too slow, records are missing. Past such a gap nothing is claimed that hangs on what was before
+    /// it, until the log tells it again.
+    ///
+    /// Exit code 0 where nothing broke, 1 where something did, 2 where the file cannot be judged.
+    #[cfg(feature = "simulation")]
+    Judge(judge::LogJudge),
+}
 
 pub(crate) fn log(command: &Log) -> Result<bool> {
     match command {
-        Log::Judge(arguments) => judge(arguments),
+        Log::Info(arguments) => info::info(arguments),
+        #[cfg(feature = "simulation")]
+        Log::Judge(arguments) => judge::judge(arguments),
     }
 }
 
-fn judge(arguments: &LogJudge) -> Result<bool> {
-    let path = &arguments.file;
-    let log = read(path).context("expected the log of a run, as `run` or `sim --log` writes it")?;
-    let verdict = judge_log(&log).with_context(|| format!("log {} cannot be judged", path.display()))?;
-    if arguments.json {
-        let mut report = serde_json::to_value(&verdict)?;
-        if let Some(report) = report.as_object_mut() {
-            report.insert("log".to_owned(), json!(path.display().to_string()));
-            report.insert("passed".to_owned(), json!(verdict.passed()));
-        }
-        say!("{report}");
-    } else {
-        print(path, &verdict)?;
-    }
-    Ok(verdict.passed())
-}
-
-fn print(path: &Path, verdict: &Verdict) -> Result<()> {
-    let seed = verdict.seed.map_or_else(String::new, |seed| format!(", seed {seed}"));
-    let cut = if verdict.complete { "" } else { ", cut short" };
-    say!(
-        "{}: {}{seed}, {:.1} min{cut}",
-        path.display(),
-        verdict.mission,
-        verdict.seconds / 60.0
-    );
-    for gap in &verdict.gaps {
-        say!(
-            "  gap: {} records are missing from {:.3} s to {:.3} s; what hangs on them is unknown until the log tells it again",
-            gap.records,
-            gap.since_s,
-            gap.until_s
-        );
-    }
-    if verdict.standstills > 0 {
-        say!(
-            "  the process stood still {} times, for over a second: its silence is not judged",
-            verdict.standstills
-        );
-    }
-    for rule in &verdict.rules {
-        let requirement = rule
-            .requirement
-            .map_or_else(|| "   ".to_owned(), |requirement| format!("{requirement:03}"));
-        let fared = match (rule.unjudged, rule.broken) {
-            (Some(why), _) => format!("not judged: {why}"),
-            (None, 0) => format!("held, {} to judge", rule.judged),
-            (None, broken) => format!("broke {broken} of {} to judge", rule.judged),
-        };
-        say!("  {requirement} {:27} {:9} {fared}", rule.rule, rule.side);
-    }
-    for violation in &verdict.broken {
-        say!("  {violation}");
-        if let Some(sentence) = &violation.sentence {
-            say!("    {sentence}");
-        }
-    }
-    match verdict.broken.len() {
-        0 => say!("  no rule broke"),
-        _ => say!("  a rule broke"),
-    }
-    Ok(())
+fn read_log(path: &Path) -> Result<backseat_recorder::Log> {
+    read(path).context("expected the log of a run, as `run` or `sim --log` writes it")
 }

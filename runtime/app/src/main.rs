@@ -11,6 +11,7 @@ mod drivers;
 mod keeper;
 mod link;
 mod log;
+#[cfg(feature = "simulation")]
 mod mvc;
 mod operator;
 mod output;
@@ -20,7 +21,10 @@ mod real_time;
 mod recording;
 mod run;
 mod service;
+#[cfg(feature = "simulation")]
 mod sim;
+#[cfg(feature = "simulation")]
+mod speed;
 mod spi;
 mod state;
 mod terminal;
@@ -72,8 +76,10 @@ fn program() -> ExitCode {
         .with(told.unwrap_or_else(|| Targets::new().with_default(LevelFilter::INFO)))
         .init();
     let result = match &cli.command {
+        #[cfg(feature = "simulation")]
         Command::Sim(arguments) => sim::sim(arguments),
         Command::Run(arguments) => run::run(arguments),
+        #[cfg(feature = "simulation")]
         Command::Mvc(arguments) => mvc::mvc(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Log(command) => log::log(command),

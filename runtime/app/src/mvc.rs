@@ -5,37 +5,79 @@ mod log;
 mod server;
 mod status;
 
+use std::path::PathBuf;
+
 use anyhow::{Context, Result};
 use backseat_mission::Mission;
-use backseat_mvc::{FaultPlan, LinkFaults};
+use backseat_mvc::{LinkFaults, RoleConfig};
+use backseat_scenario::{Scenario, read_faults};
+use clap::{Args, ValueEnum};
 
-use crate::cli::{Mvc, Profile};
+use crate::cli::MissionArguments;
 use crate::mvc::log::Log;
 use crate::mvc::server::serve;
+use crate::speed::Speed;
+
+#[derive(Debug, Args)]
+pub(crate) struct Mvc {
+    #[command(flatten)]
+    pub(crate) mission: MissionArguments,
+    /// Where to listen
+    #[arg(long, default_value = "127.0.0.1:29500", value_name = "ADDR:PORT")]
+    pub(crate) listen: String,
+    /// How many times faster than life, or `max`: as fast as its clients read
+    #[arg(long, default_value = "1", value_name = "X|max")]
+    pub(crate) speed: Speed,
+    /// Whose habits: the specification's, or real vehicles' [default: the world's]
+    #[arg(long)]
+    pub(crate) profile: Option<Profile>,
+    /// Give a role to the client that connects from this address, as in 192.168.10.10::sonar; where there are roles, who
+    /// gets none is turned away. Repeat it or write a list with commas [default: the world's roles]
+    #[arg(long, value_name = "ADDRESS:PORT:ROLE", value_delimiter = ',')]
+    pub(crate) iprole: Vec<RoleConfig>,
+    /// Play these faults of vehicle and links, instead of the world's
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) faults: Option<PathBuf>,
+    /// Draws the world, the noise and what the specification leaves open
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Write every sentence both ways and every event here, with the vehicle's clock
+    #[arg(long, value_name = "FILE")]
+    pub(crate) log: Option<PathBuf>,
+    /// End after so many seconds of the vehicle's time
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub(crate) duration: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Profile {
+    /// As the specification has it: all status messages off
+    Spec,
+    /// As real vehicles are: CTL and MIS on from the start
+    Field,
+}
 
 pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
-    let mut world = mission.world()?.clone();
+    let mut scenario = Scenario::load(&mission)?;
     match arguments.profile {
-        Some(Profile::Spec) => world.spi.profile = backseat_mvc::Profile::Spec,
-        Some(Profile::Field) => world.spi.profile = backseat_mvc::Profile::Field,
+        Some(Profile::Spec) => scenario.world.spi.profile = backseat_mvc::Profile::Spec,
+        Some(Profile::Field) => scenario.world.spi.profile = backseat_mvc::Profile::Field,
         None => {}
     }
     if !arguments.iprole.is_empty() {
-        world.spi.roles.clone_from(&arguments.iprole);
+        scenario.world.spi.roles.clone_from(&arguments.iprole);
     }
-    let file = arguments.mission.mission.join("world.toml");
-    let mut vehicle = mission
-        .vehicle(&world, arguments.seed)
-        .with_context(|| format!("{}", file.display()))?;
+    let mut vehicle = scenario
+        .vehicle(arguments.seed)
+        .with_context(|| format!("{}", scenario.path.display()))?;
     let faults = match &arguments.faults {
         Some(path) => {
-            let text = std::fs::read_to_string(path).with_context(|| format!("--faults {}", path.display()))?;
-            let plan = FaultPlan::from_toml(&text).with_context(|| format!("{}", path.display()))?;
+            let plan = read_faults(path)?;
             vehicle.set_faults(plan.clone());
             plan
         }
-        None => world.faults.plan()?,
+        None => scenario.world.faults.plan()?,
     };
     let faults = LinkFaults::new(&faults, arguments.seed);
     let log = match &arguments.log {
@@ -45,4 +87,11 @@ pub(crate) fn mvc(arguments: &Mvc) -> Result<bool> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(serve(arguments, vehicle, faults, log))?;
     Ok(true)
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (1e-3..=1e9).contains(&seconds) => Ok(seconds),
+        _ => Err("expected seconds, from 0.001 to 1e9".to_owned()),
+    }
 }

@@ -81,7 +81,7 @@ fn sr_022_log_state_and_a_plugin_panic_and_the_vehicle_is_steered_on() {
     let layers = backseat_mission::Layers::default();
     let mission = backseat_mission::Mission::load(folder.path(), &layers).unwrap();
     let host = Host::new().unwrap();
-    let loaded = backseat_sim::load_plugins(&host, &mission, Some(backseat_test_support::plugins())).unwrap();
+    let loaded = backseat_plugin_loader::load_plugins(&host, &mission, Some(backseat_test_support::plugins())).unwrap();
     let clock = Clock::start();
     let header = Header {
         utc_at_start: clock.utc_at_start(),

@@ -1,7 +1,7 @@
 //! The driver at sea: core on a real clock, a TCP link, and plugins on threads of their own.
 
 use std::mem::ManuallyDrop;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::pin::Pin;
 use std::time::Duration;
 
@@ -9,14 +9,15 @@ use anyhow::{Context, Result, bail};
 use backseat_core::{Core, Grant, Input, Note, Operator, Output, Start};
 use backseat_mission::Mission;
 use backseat_plugin_host::Host;
+use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, Rate, Recorder, RecorderError};
-use backseat_sim::load_plugins;
 use backseat_units::Timestamp;
+use clap::Args;
 use tokio::net::TcpStream;
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 use tracing::{error, info, warn};
 
-use crate::cli::Run;
+use crate::cli::MissionArguments;
 use crate::clock::Clock;
 use crate::drivers::{Heard, Ports};
 use crate::keeper::{Keeper, Kept};
@@ -26,6 +27,28 @@ use crate::plugins::{Answer, Crew};
 use crate::recording::{Queue, Recording};
 use crate::service::{Service, Slips};
 use crate::state::State;
+
+#[derive(Debug, Args)]
+pub(crate) struct Run {
+    #[command(flatten)]
+    pub(crate) mission: MissionArguments,
+    /// The vehicle's address, instead of the mission's
+    #[arg(long, value_name = "HOST:PORT")]
+    pub(crate) connect: Option<String>,
+    /// Send what steers the vehicle; without it all else is done
+    #[arg(long)]
+    pub(crate) arm: bool,
+    /// Write logs into this folder
+    #[arg(long, value_name = "DIR", default_value = "logs")]
+    pub(crate) log: PathBuf,
+    /// Keep identifiers and the operator's hold in this folder [default: the user's state folder]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
+    /// Start a new record of SPI identifiers at this number, which no payload of this vehicle's mission has used
+    // 0 means none on the wire (SPI 6.21); the end leaves room for every request of a mission.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=2_000_000_000))]
+    pub(crate) first_identifier: Option<u32>,
+}
 
 /// What is granted that the vehicle must know by an identifier.
 const NAMED: [Grant; 3] = [Grant::Insert, Grant::Surface, Grant::Acoustic];

@@ -1,23 +1,50 @@
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
 use backseat_mission::Mission;
-use backseat_mvc::FaultPlan;
 use backseat_plugin_host::Host;
+use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, Rate, Recorder};
-use backseat_sim::{Report, Simulation, load_plugins, survey_map};
+use backseat_scenario::{Scenario, read_faults};
+use backseat_sim::{Report, Simulation, survey_map};
 use backseat_units::Timestamp;
+use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use tracing::info;
 
-use crate::cli::{Sim, Speed};
+use crate::cli::MissionArguments;
 use crate::clock::{Clock, pause};
 use crate::output::say;
+use crate::speed::Speed;
+
+#[derive(Debug, Args)]
+pub(crate) struct Sim {
+    #[command(flatten)]
+    pub(crate) mission: MissionArguments,
+    /// Draws the world, the noise and what the specification leaves open
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Let go wrong what this file says and when, instead of the [faults] of world.toml
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) faults: Option<PathBuf>,
+    /// Write the log here
+    #[arg(long, value_name = "FILE.mcap")]
+    pub(crate) log: Option<PathBuf>,
+    /// Draw the run here
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) map: Option<PathBuf>,
+    /// How many times faster than life, or `max`
+    #[arg(long, default_value = "max", value_name = "X|max")]
+    pub(crate) speed: Speed,
+    /// Print one JSON object on standard output and nothing else
+    #[arg(long)]
+    pub(crate) json: bool,
+}
 
 pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
-    let world = mission.world()?;
+    let scenario = Scenario::load(&mission)?;
     let faults = arguments.faults.as_deref().map(read_faults).transpose()?;
     let loading = Clock::start();
     let host = Host::new()?;
@@ -28,7 +55,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         Some(path) => Some(Recorder::create(
             path,
             &Header {
-                utc_at_start: world.start.utc,
+                utc_at_start: scenario.world.start.utc,
                 rate: Rate::Simulation,
                 mission: &mission.name,
                 seed: Some(arguments.seed),
@@ -54,7 +81,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         );
     }
     let flying = Clock::start();
-    let mut simulation = Simulation::new(&mission, arguments.seed, loaded, recorder)?;
+    let mut simulation = Simulation::new(&mission, &scenario, arguments.seed, loaded, recorder)?;
     if let Some(plan) = faults {
         simulation.set_faults(plan);
     }
@@ -69,7 +96,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     progress.finish_and_clear();
 
     if let Some(path) = &arguments.map {
-        let picture = survey_map(&mission, &report, &trace, &mvc);
+        let picture = survey_map(&mission, &scenario, &report, &trace, &mvc);
         std::fs::write(path, picture).with_context(|| format!("{}", path.display()))?;
     }
     if arguments.json {
@@ -78,11 +105,6 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         print_report(&report, arguments)?;
     }
     Ok(report.passed())
-}
-
-fn read_faults(path: &Path) -> Result<FaultPlan> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("{}", path.display()))?;
-    FaultPlan::from_toml(&text).with_context(|| format!("{}", path.display()))
 }
 
 /// Goes no faster than a multiple of life.

@@ -2,13 +2,90 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use backseat_spi_tools::{Address, Connection, Decoding, Error, Form, Listing, Subscription, View, connect};
+use clap::{Args, Subcommand};
 use tokio::signal::unix::{SignalKind, signal};
 
-use crate::cli::{Spi, SpiConnect, SpiDecode};
+#[derive(Debug, Subcommand)]
+pub(crate) enum Spi {
+    /// Show the messages of the interface, one a line; or one message whole
+    ///
+    /// A row has the message's name, its section in SPI 1.12a, who sends it, its title, and its fields with unit and range.
+    List(SpiList),
+    /// Show what a recording says, one line or JSON object for each sentence
+    ///
+    /// Bytes of any kind are taken: sentences of both directions, line ends of all kinds, text before a `$`, broken lines.
+    /// A sentence begins with `$` and a name, and no sentence is dropped: what cannot be read is shown with its error.
+    /// What is no sentence (noise, lines over 4352 bytes) is counted on standard error at the end.
+    ///
+    /// With --json an object has `name`, `checksum` (valid, invalid, absent), and either `message`, the typed fields that
+    /// `backseat spi list` names, or `error`, with the `line` of the input. Of a sentence with a wrong checksum nothing is
+    /// sure, so that it has an `error`, which names the right checksum; --ignore-checksum reads it all the same.
+    ///
+    /// Exit code 0 also where sentences were faulty; 2 where the input cannot be read.
+    Decode(SpiDecode),
+    /// Make sentences of JSON objects, one a line, as `decode --json` writes them
+    ///
+    /// An object is {"name":"BPLOG","message":{"message":"NVG","on":true}}. What comes out is valid: checksum, CRLF, every
+    /// value within its range, no reserved character in a text. The first wrong line ends it, with exit code 2 and an error
+    /// that names line, field and what was expected; the sentences before it have been written.
+    Encode(SpiEncode),
+    /// Watch a live vehicle: subscribe to what it tells, and show it
+    ///
+    /// On a terminal it shows the vehicle at a glance; into a pipe or with --json a line for each sentence, with the
+    /// seconds since the start. It sends the subscriptions (BPLOG) and nothing else, not even BPVER: it is no payload, and
+    /// takes no part in the mission. A lost link is made again with back-off.
+    ///
+    /// Ctrl-C ends it with a summary on standard error. Exit code 0 where a message was read, 1 where none was.
+    Connect(SpiConnect),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SpiList {
+    /// Show these whole: BFNVG, or its last three letters
+    pub(crate) names: Vec<String>,
+    /// Print a JSON object for each message, one a line
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SpiDecode {
+    /// The recording, or - for standard input
+    pub(crate) file: PathBuf,
+    /// Print a JSON object for each sentence, one a line
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Read sentences whose checksum is wrong; it is still told to be
+    #[arg(long)]
+    pub(crate) ignore_checksum: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SpiEncode {
+    /// The objects, or - for standard input
+    #[arg(default_value = "-")]
+    pub(crate) file: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SpiConnect {
+    /// Where the vehicle listens [default port: 29500]
+    #[arg(value_name = "HOST[:PORT]")]
+    pub(crate) address: String,
+    /// Print a JSON object for each sentence, one a line
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Subscribe to these only; what a vehicle sends unasked is shown too [default: everything]
+    #[arg(long, value_name = "NVG,CTL", value_delimiter = ',')]
+    pub(crate) only: Vec<String>,
+    /// End after so many seconds
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) seconds: Option<u64>,
+}
 
 pub(crate) fn spi(command: &Spi) -> Result<bool> {
     match command {

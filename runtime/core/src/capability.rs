@@ -1,16 +1,50 @@
 //! Each thing that can be asked of the vehicle: a type with a state of its own, and the hooks by which the rest tells it of
 //! answers, time, a lost link, lost control and a failed plugin.
 
-use crate::acoustic::Acoustic;
-use crate::adjustment::Adjustments;
+pub(crate) mod acoustic;
+pub(crate) mod adjustment;
+pub(crate) mod device;
+pub(crate) mod dvl;
+pub(crate) mod insert;
+pub(crate) mod modify;
+pub(crate) mod silent;
+pub(crate) mod station;
+pub(crate) mod topside;
+
+use backseat_spi::ToVehicle;
+
+use crate::arbiter::LeaseKind;
+use crate::capability::acoustic::Acoustic;
+use crate::capability::adjustment::{Adjustments, Adjusts};
+use crate::capability::dvl::DvlTrigger;
+use crate::capability::insert::{Admitted, Inserts};
+use crate::capability::modify::Modify;
+use crate::capability::silent::Silent;
+use crate::capability::station::Station;
+use crate::capability::topside::Topside;
 use crate::context::Context;
-use crate::devices::Devices;
-use crate::dvl::DvlTrigger;
-use crate::helm::Modify;
-use crate::hull::Station;
-use crate::inserts::Inserts;
-use crate::silent::Silent;
-use crate::topside::Topside;
+use crate::monitor::envelope::{Hover, Insert, Setpoint};
+use crate::plugin::{
+    GpsHitRequest, HoldRequest, ModifyRequest, PluginId, Refusal, Request, TrackcircleRequest, TracklineRequest,
+};
+use crate::refusal::refused;
+use crate::session::dispatch::Dispatch;
+use crate::switches::{Check, is_on};
+
+/// A request that has passed every check.
+#[derive(Debug)]
+pub(crate) enum Checked<'a> {
+    /// A modify may stand.
+    Modify(&'a ModifyRequest, Setpoint),
+    /// Station keeping may stand.
+    Station(&'a HoldRequest, Hover),
+    /// An insert may leave.
+    Insert(Dispatch, Insert, Admitted),
+    /// An insert with this tag may leave once the vehicle has answered.
+    Waits(u64, Insert),
+    /// One command is all of it.
+    Command(Dispatch),
+}
 
 /// All of them.
 pub(crate) struct Capabilities {
@@ -22,7 +56,6 @@ pub(crate) struct Capabilities {
     pub(crate) acoustic: Acoustic,
     pub(crate) dvl: DvlTrigger,
     pub(crate) topside: Topside,
-    pub(crate) devices: Devices,
 }
 
 impl Capabilities {
@@ -36,7 +69,6 @@ impl Capabilities {
             acoustic: Acoustic::default(),
             dvl: DvlTrigger::default(),
             topside: Topside::default(),
-            devices: Devices,
         }
     }
 
@@ -51,4 +83,133 @@ impl Capabilities {
         self.end_leases(cx, reason);
         self.dvl.end(cx, reason);
     }
+
+    /// The connection is gone; the leases have ended by it.
+    pub(crate) fn link_lost(&mut self, cx: &mut Context) {
+        self.station.reset();
+        self.silent.link_lost(cx);
+        self.adjustments.link_lost(cx);
+        self.acoustic.link_lost(cx);
+        self.dvl.link_lost(cx);
+    }
+
+    /// A plugin has failed: its leases end, its triggering too, and what waits of its does not leave.
+    pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
+        if is_on(Check::PluginFailure) {
+            self.modify.plugin_failed(cx, plugin);
+            self.station.plugin_failed(cx, plugin);
+        }
+        self.dvl.plugin_failed(cx, plugin);
+        self.inserts.plugin_failed(cx, plugin);
+    }
+
+    /// Who steers beside a request: one plugin at a time.
+    ///
+    /// # Errors
+    /// Where another plugin comes before it, or the vehicle has just refused to be steered.
+    pub(crate) fn arbitrate(&self, cx: &Context, plugin: PluginId, asked: &Request) -> Result<(), Refusal> {
+        let kind = match asked {
+            Request::Modify(_) => {
+                self.modify.may_begin(cx)?;
+                LeaseKind::Modify
+            }
+            Request::Hold(_) => LeaseKind::Station,
+            Request::EndModify
+            | Request::Trackline(_)
+            | Request::Trackcircle(_)
+            | Request::GpsHit(_)
+            | Request::Cancel(_)
+            | Request::Message(_)
+            | Request::Topside(_)
+            | Request::DvlTrigger(_)
+            | Request::Silent(_)
+            | Request::Trim(_)
+            | Request::Buoyancy(_)
+            | Request::Packet(_)
+            | Request::EndHold
+            | Request::SonarAngle(_)
+            | Request::Camera(_)
+            | Request::Light(_)
+            | Request::Timer { .. } => return Ok(()),
+        };
+        cx.arbiter.arbitrate(plugin, kind)
+    }
+
+    /// The state of what is asked for, its figures, and its whole geometry against the fence.
+    ///
+    /// # Errors
+    /// The first of these that does not hold.
+    pub(crate) fn check<'a>(
+        &mut self,
+        cx: &mut Context,
+        plugin: PluginId,
+        request: u64,
+        asked: &'a Request,
+        shape: Option<Insert>,
+    ) -> Result<Checked<'a>, Refusal> {
+        let dispatch = match asked {
+            Request::Modify(asked) => return Ok(Checked::Modify(asked, self.modify.check(cx, plugin, asked)?)),
+            Request::Hold(asked) => return Ok(Checked::Station(asked, self.station.check(cx, plugin, asked)?)),
+            Request::Trackline(TracklineRequest { tag, .. })
+            | Request::Trackcircle(TrackcircleRequest { tag, .. })
+            | Request::GpsHit(GpsHitRequest { tag, .. }) => {
+                let Some(insert) = shape else { return Err(not_asked()) };
+                return self.check_insert(cx, plugin, *tag, request, insert);
+            }
+            Request::Cancel(tag) => self.inserts.check_cancel(cx, plugin, request, *tag),
+            Request::Topside(asked) => self.topside.check(cx, request, asked),
+            Request::DvlTrigger(asked) => self.dvl.check(cx, plugin, request, asked),
+            Request::Silent(asked) => self.silent.check(cx, plugin, request, asked),
+            Request::Trim(_) => self.adjustments.check(cx, request, Adjusts::Trim),
+            Request::Buoyancy(_) => self.adjustments.check(cx, request, Adjusts::Buoyancy),
+            Request::Packet(asked) => self.acoustic.check(cx, request, asked),
+            Request::SonarAngle(asked) => device::sonar_angle(cx, request, asked),
+            Request::Camera(asked) => device::camera(cx, request, asked),
+            Request::Light(asked) => device::light(cx, request, asked),
+            Request::EndModify | Request::EndHold | Request::Message(_) | Request::Timer { .. } => Err(not_asked()),
+        };
+        dispatch.map(Checked::Command)
+    }
+
+    /// The same of an insert, when it is asked for and once more when it has waited.
+    pub(crate) fn check_insert(
+        &mut self,
+        cx: &mut Context,
+        plugin: PluginId,
+        tag: u64,
+        request: u64,
+        insert: Insert,
+    ) -> Result<Checked<'static>, Refusal> {
+        let admitted = self.inserts.check(cx, plugin, tag, &insert)?;
+        if self.inserts.waits_for_answer(cx, &insert) {
+            return Ok(Checked::Waits(tag, insert));
+        }
+        let dispatch = self.inserts.dispatch(cx, request, &insert).ok_or_else(not_asked)?;
+        Ok(Checked::Insert(dispatch, insert, admitted))
+    }
+
+    /// A request's command has left.
+    pub(crate) fn sent(
+        &mut self,
+        cx: &mut Context,
+        plugin: PluginId,
+        request: u64,
+        asked: &Request,
+        message: &ToVehicle,
+    ) {
+        match (asked, message) {
+            (Request::Topside(_), _) => self.topside.count(cx.now),
+            (Request::DvlTrigger(asked), _) => self.dvl.sent(cx, plugin, request, asked),
+            (Request::Silent(asked), _) => self.silent.sent(cx, plugin, request, asked),
+            (Request::Trim(_), _) => self.adjustments.sent(request, Adjusts::Trim),
+            (Request::Buoyancy(_), _) => self.adjustments.sent(request, Adjusts::Buoyancy),
+            (Request::Packet(_), ToVehicle::Packet(packet)) => self.acoustic.sent(cx, request, packet.request),
+            _ => {}
+        }
+    }
+}
+
+/// What is no request of its own never comes to a check.
+fn not_asked() -> Refusal {
+    refused("state", "it is no request of its own")
 }

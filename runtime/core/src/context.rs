@@ -1,26 +1,33 @@
-use std::collections::VecDeque;
+mod admission;
+mod control;
+mod ledger;
+mod send;
+
 use std::sync::Arc;
 
-use backseat_units::Timestamp;
+use backseat_spi::ToVehicle;
+use backseat_units::{TimeOfDay, Timestamp, Utc};
 
 use crate::arbiter::Arbiter;
-use crate::conductor::Slot;
 use crate::control::Control;
-use crate::drivers::Drivers;
-use crate::envelope::Envelope;
+use crate::external::Drivers;
 use crate::identifiers::Identifiers;
-use crate::io::Start;
+use crate::io::{Note, Start};
 use crate::ledger::Ledger;
-use crate::link::Link;
 use crate::monitor::Monitor;
+use crate::monitor::envelope::Envelope;
+use crate::monitor::gate::Gate;
 use crate::outbox::Outbox;
-use crate::plugin::{PluginFault, PluginId};
+use crate::outlook::Outlook;
+use crate::plugin::slots::Plugins;
+use crate::session::link::Link;
+use crate::session::subscriptions::Subscriptions;
 use crate::settings::{PluginSetup, Settings};
 use crate::stamp::Stamper;
-use crate::subscriptions::Subscriptions;
 use crate::switches::{Check, is_on};
 use crate::timer::Timers;
 use crate::vehicle::Vehicle;
+use crate::vehicle::phase::Phase;
 
 /// What every capability is given, and never `Core`: the time, what is known of the vehicle, the monitor, the ledger and
 /// the ways out.
@@ -37,9 +44,7 @@ pub(crate) struct Context {
     pub(crate) ledger: Ledger,
     pub(crate) outbox: Outbox,
     pub(crate) timers: Timers,
-    pub(crate) plugins: Vec<Slot>,
-    /// Plugins that have failed while something else was being done, which is finished first.
-    pub(crate) failures: VecDeque<(PluginId, PluginFault)>,
+    pub(crate) plugins: Plugins,
     pub(crate) drivers: Drivers,
 }
 
@@ -61,11 +66,69 @@ impl Context {
             ledger: Ledger::default(),
             outbox: Outbox::default(),
             timers: Timers::default(),
-            plugins: plugins.into_iter().map(Slot::new).collect(),
-            failures: VecDeque::new(),
+            plugins: Plugins::new(plugins),
             drivers: Drivers::new(&settings.drivers),
             monitor: Monitor::new(envelope),
             settings,
+        }
+    }
+
+    /// What the vehicle may do next, as far as can be known.
+    pub(crate) const fn outlook(&self) -> Outlook<'_> {
+        Outlook {
+            now: self.now,
+            stamper: &self.stamper,
+            vehicle: &self.vehicle,
+            link: &self.link,
+            monitor: &self.monitor,
+            arbiter: &self.arbiter,
+            identifiers: &self.identifiers,
+            ledger: &self.ledger,
+        }
+    }
+
+    pub(crate) fn note(&mut self, note: Note) {
+        self.outbox.note(note);
+    }
+
+    /// As [`Context::note`], of what the vehicle has said: so many a second, the rest is counted.
+    pub(crate) fn note_of_vehicle(&mut self, note: Note) {
+        self.outbox.note_of_vehicle(self.now, note);
+    }
+
+    /// Our UTC now, by the clock of the start: for stamps, and for what is measured with them.
+    pub(crate) fn utc(&self) -> Utc {
+        self.stamper.utc(self.now)
+    }
+
+    /// Our UTC at a time, as the computer has it now: for zones that are valid for a time.
+    pub(crate) fn zone_utc(&self, at: Timestamp) -> Utc {
+        self.stamper.zone_utc(at)
+    }
+
+    pub(crate) fn heard(&mut self, created: TimeOfDay) {
+        let utc = self.utc();
+        self.vehicle.navigation.heard(self.now, utc, created);
+    }
+
+    /// When something of the vehicle's time was, on our clock; never later than now.
+    pub(crate) fn when(&self, written: TimeOfDay) -> Timestamp {
+        let age = self.vehicle.navigation.clock().age(self.now, self.utc(), written);
+        self.now - age.unwrap_or_default()
+    }
+
+    /// What the gate is asked with when a message is about to leave.
+    fn gate(&self, message: &ToVehicle) -> Gate<'_> {
+        let is_own = |identifier| self.identifiers.is_ours(identifier) || self.vehicle.former.includes(identifier);
+        Gate {
+            now: self.now,
+            is_up: self.link.is_up(),
+            is_armed: self.control.armed,
+            has_control: self.lost_because().is_none(),
+            may_start_mission: !self.control.held && !self.control.stopping && self.vehicle.phase == Phase::Over,
+            is_own_insert: matches!(message, ToVehicle::CancelBehavior(cancel) if is_own(cancel.identifier)),
+            permits: &self.monitor.permits,
+            speed_default_mps: self.monitor.limits().speed_default_mps(),
         }
     }
 }

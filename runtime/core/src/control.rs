@@ -1,3 +1,5 @@
+use crate::settings::ControlHook;
+
 /// What the vehicle, the operator and the run itself say of who steers.
 #[derive(Debug, Default)]
 pub(crate) struct Control {
@@ -25,5 +27,15 @@ impl Control {
     pub(crate) fn forget(&mut self) {
         self.handed_over = None;
         self.running = None;
+    }
+
+    /// A message of the vehicle's that cannot be read may have taken control (safety requirement 001); whether this one may.
+    pub(crate) fn doubt(&mut self, hook: &ControlHook, message: &str) -> bool {
+        match message {
+            "BFCTL" if *hook == ControlHook::Bfctl => self.handed_over = None,
+            "BFMIS" => self.running = None,
+            _ => return false,
+        }
+        true
     }
 }

@@ -6,7 +6,7 @@ use backseat_units::{TimeOfDay, Utc};
 use serde::{Deserialize, Serialize};
 
 use crate::ledger::Transition;
-use crate::orders::Order;
+use crate::order::Order;
 use crate::owner::{DriverId, Owner};
 use crate::plugin::{LogLine, PluginFault, PluginId, RequestState, Returned, StepInput};
 

@@ -1,14 +1,16 @@
+pub(crate) mod schedule;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use backseat_spi::BehaviorId;
 use backseat_units::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use crate::commands::SETTLED_WITHIN;
-use crate::envelope::Insert;
+use crate::ledger::schedule::Schedule;
+use crate::monitor::envelope::Insert;
 use crate::owner::Owner;
 use crate::plugin::{PluginId, RequestState};
-use crate::schedule::Schedule;
+use crate::session::commands::SETTLED_WITHIN;
 
 /// What kind of request an entry of the ledger is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -415,7 +417,7 @@ mod tests {
     use super::*;
     use backseat_units::{Depth, Position, Speed};
 
-    use crate::envelope::{Flight, InsertPath, Vertical};
+    use crate::monitor::envelope::{Flight, InsertPath, Vertical};
 
     fn insert() -> Insert {
         let place = Position::from_deg(42.0, -70.0).unwrap();

@@ -1,8 +1,12 @@
+pub(crate) mod envelope;
+pub(crate) mod gate;
+pub(crate) mod limits;
+
 use std::sync::Arc;
 
-use crate::envelope::Envelope;
-use crate::gate::Permits;
-use crate::limits::Limits;
+use crate::monitor::envelope::Envelope;
+use crate::monitor::gate::Permits;
+use crate::monitor::limits::Limits;
 
 /// The safety monitor: what may be asked of the vehicle, and what may leave.
 pub(crate) struct Monitor {

@@ -1,9 +1,11 @@
+pub(crate) mod budget;
+
 use std::collections::VecDeque;
 
 use backseat_units::Timestamp;
 
-use crate::budget::LineBudget;
 use crate::io::{Note, Output};
+use crate::outbox::budget::LineBudget;
 
 /// What is to be done by whoever drives core, oldest first.
 #[derive(Debug, Default)]

@@ -3,6 +3,8 @@
 //! Figures that come from a plugin are plain `f64` here, whatever they are: NaN, infinities, latitude 91. Core's
 //! admission turns them into checked quantities or rejects the request; nothing else reads them.
 
+pub(crate) mod slots;
+
 use std::time::Duration;
 
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};

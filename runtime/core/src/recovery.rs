@@ -14,101 +14,21 @@
 use std::time::Duration;
 
 use backseat_spi::{LogMessage, Text, ToVehicle, TopsideText, Transport};
-use backseat_units::{EastNorth, Timestamp};
-use serde::{Deserialize, Serialize};
+use backseat_units::Timestamp;
 
 use crate::capability::Capabilities;
-use crate::commands::Purpose;
 use crate::context::Context;
-use crate::envelope::MODIFY_TIMEOUT;
 use crate::io::Note;
 use crate::ledger::RequestKind;
-use crate::limits::{LimitError, seconds};
-use crate::orders::{Order, Orders};
-use crate::plugin::{NavigationSample, Refusal, RequestState};
+use crate::monitor::envelope::{Good, MODIFY_TIMEOUT};
+use crate::monitor::limits::seconds;
+use crate::operator::Orders;
+use crate::order::Order;
+use crate::plugin::{NavigationSample, Refusal};
+use crate::session::commands::Purpose;
+use crate::session::dispatch::Dispatch;
+use crate::settings::recovery::Recovery;
 use crate::timer::Timer;
-
-/// The ladder of a mission: its `[recovery]` table. Times count from when the vehicle was first outside, while it is.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Recovery {
-    /// After how long outside the vehicle counts as outside, and leases end, seconds.
-    pub outside_for_s: f64,
-    /// After how long outside our inserts that have not begun are cancelled, seconds.
-    pub cancel_after_s: f64,
-    /// Whether the insert of ours that is flown is ended with them (BPRCB, SPI 7.10), where the way that remains holds.
-    pub cancel_current: bool,
-    /// After how long outside the vehicle's log and the topside are told, seconds.
-    pub tell_after_s: f64,
-    /// Whether the topside is told (BPTOP, SPI 7.3), or the vehicle's log alone (BPMSG, 7.1).
-    pub tell_topside: bool,
-    /// After how long outside the vehicle's mission is aborted (BPABT, SPI 7.16), seconds: never where it is absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub abort_after_s: Option<f64>,
-    /// How far inside the vehicle must be to be inside again, metres beyond the margin.
-    pub back_by_m: f64,
-    /// For how long, seconds.
-    pub back_for_s: f64,
-}
-
-impl Default for Recovery {
-    fn default() -> Self {
-        Self {
-            outside_for_s: 2.0,
-            cancel_after_s: 4.0,
-            cancel_current: false,
-            tell_after_s: 10.0,
-            tell_topside: true,
-            abort_after_s: None,
-            back_by_m: 5.0,
-            back_for_s: 10.0,
-        }
-    }
-}
-
-impl Recovery {
-    /// Every figure within what it can mean, the steps in their order.
-    ///
-    /// # Errors
-    /// [`LimitError`] names the first key that is not.
-    pub fn validate(&self) -> Result<(), LimitError> {
-        const LONGEST_S: f64 = 3600.0;
-        let fault = |key, value, expected| Err(LimitError { key, value, expected });
-        for (key, value) in [
-            ("outside_for_s", self.outside_for_s),
-            ("cancel_after_s", self.cancel_after_s),
-            ("tell_after_s", self.tell_after_s),
-            ("abort_after_s", self.abort_after_s.unwrap_or(LONGEST_S)),
-            ("back_for_s", self.back_for_s),
-        ] {
-            if !(0.0..=LONGEST_S).contains(&value) {
-                return fault(key, value, "within 0 to 3600 s");
-            }
-        }
-        if !(0.0..=1000.0).contains(&self.back_by_m) {
-            return fault("back_by_m", self.back_by_m, "within 0 to 1000 m");
-        }
-        if self.cancel_after_s < self.outside_for_s {
-            return fault("cancel_after_s", self.cancel_after_s, "at least outside_for_s");
-        }
-        if self.tell_after_s < self.cancel_after_s {
-            return fault("tell_after_s", self.tell_after_s, "at least cancel_after_s");
-        }
-        match self.abort_after_s {
-            Some(abort_s) if abort_s < self.tell_after_s => fault("abort_after_s", abort_s, "at least tell_after_s"),
-            Some(_) | None => Ok(()),
-        }
-    }
-
-    fn after(&self, step: Step) -> Option<Duration> {
-        match step {
-            Step::Leases => Some(seconds(self.outside_for_s)),
-            Step::Inserts => Some(seconds(self.cancel_after_s)),
-            Step::Tell => Some(seconds(self.tell_after_s)),
-            Step::Abort => self.abort_after_s.map(seconds),
-        }
-    }
-}
 
 /// The steps of the ladder, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,6 +40,16 @@ enum Step {
 }
 
 impl Step {
+    /// After how long outside it is taken; `None` where it never is.
+    fn after(self, table: &Recovery) -> Option<Duration> {
+        match self {
+            Self::Leases => Some(seconds(table.outside_for_s)),
+            Self::Inserts => Some(seconds(table.cancel_after_s)),
+            Self::Tell => Some(seconds(table.tell_after_s)),
+            Self::Abort => table.abort_after_s.map(seconds),
+        }
+    }
+
     const fn next(self) -> Option<Self> {
         match self {
             Self::Leases => Some(Self::Inserts),
@@ -138,17 +68,6 @@ pub(crate) struct Whereabouts {
     /// When something of ours was last active.
     active: Option<Timestamp>,
     excursion: Option<Excursion>,
-}
-
-/// A place inside the fence: no other within so many metres of it, and within these depths, is outside.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Good {
-    pub(crate) at: EastNorth,
-    pub(crate) clearance_m: f64,
-    pub(crate) depth_min_m: f64,
-    pub(crate) depth_max_m: f64,
-    /// Metres above the seabed; an unknown one is as good as any.
-    pub(crate) altitude_min_m: f64,
 }
 
 /// A time in which the vehicle is outside, as far as is known.
@@ -172,18 +91,6 @@ struct Excursion {
     refusal: Refusal,
 }
 
-impl Good {
-    fn covers(&self, navigation: &NavigationSample) -> bool {
-        let depth_m = navigation.depth.as_m().max(0.0);
-        let altitude_m = navigation.altitude.map_or(f64::MAX, |altitude| altitude.as_m());
-        // Written so that a figure that is none fails.
-        navigation.local.distance_m(self.at) < self.clearance_m
-            && depth_m >= self.depth_min_m
-            && depth_m <= self.depth_max_m
-            && altitude_m >= self.altitude_min_m
-    }
-}
-
 impl Whereabouts {
     /// Whether the ladder is being climbed: no plugin's request is accepted meanwhile.
     fn recovers(&self) -> bool {
@@ -202,7 +109,7 @@ impl Whereabouts {
         let Some(navigation) = cx.vehicle.navigation.newest().copied() else {
             return;
         };
-        if cx.is_active() {
+        if cx.outlook().is_active() {
             self.active = Some(cx.now);
         }
         match self.judge_place(cx, &navigation) {
@@ -285,7 +192,7 @@ impl Whereabouts {
             excursion.back = None;
         } else if now.since(*excursion.back.get_or_insert(now)) >= back_for {
             self.forget_excursion(cx);
-            cx.recovery_note("the vehicle is inside the fence again".to_owned());
+            note(cx, "the vehicle is inside the fence again".to_owned());
         }
     }
 
@@ -307,8 +214,8 @@ impl Whereabouts {
             }
             let step = excursion.step;
             let after = match (excursion.confirmed, excursion.ours) {
-                (false, _) => cx.settings.recovery.after(Step::Leases),
-                (true, true) => step.and_then(|step| cx.settings.recovery.after(step)),
+                (false, _) => Step::Leases.after(&cx.settings.recovery),
+                (true, true) => step.and_then(|step| step.after(&cx.settings.recovery)),
                 (true, false) => None,
             };
             let due = after.map(|after| excursion.since + after);
@@ -332,14 +239,14 @@ impl Whereabouts {
                     "the vehicle is outside: {}; nothing of ours is active, and nothing is done",
                     refusal.text
                 );
-                return cx.recovery_note(text);
+                return note(cx, text);
             }
         }
         let Some(step) = excursion.step else { return };
         excursion.step = step.next();
         match step {
             Step::Leases => {
-                cx.recovery_note(format!("the vehicle is outside: {}; leases end", refusal.text));
+                note(cx, format!("the vehicle is outside: {}; leases end", refusal.text));
                 capabilities
                     .modify
                     .end(cx, "recovery: the vehicle is outside the fence");
@@ -348,18 +255,18 @@ impl Whereabouts {
                     .end(cx, "recovery: the vehicle is outside the fence");
             }
             Step::Inserts => {
-                cx.recovery_note("still outside: inserts are cancelled".to_owned());
+                note(cx, "still outside: inserts are cancelled".to_owned());
                 if !self.cancel_for_recovery(cx, capabilities, orders) {
-                    cx.recovery_note("a way that would remain is worse: on to the next step".to_owned());
+                    note(cx, "a way that would remain is worse: on to the next step".to_owned());
                     self.take_step(cx, capabilities, orders);
                 }
             }
             Step::Tell => {
-                cx.recovery_note("still outside: the topside is told".to_owned());
+                note(cx, "still outside: the topside is told".to_owned());
                 self.tell_of_excursion(cx, capabilities, &refusal);
             }
             Step::Abort => {
-                cx.recovery_note("still outside: the mission is aborted".to_owned());
+                note(cx, "still outside: the mission is aborted".to_owned());
                 orders.order_in_advance(
                     cx,
                     capabilities,
@@ -375,7 +282,7 @@ impl Whereabouts {
     /// False where an insert was left to the vehicle because its way is worse.
     fn cancel_for_recovery(&mut self, cx: &mut Context, capabilities: &mut Capabilities, orders: &mut Orders) -> bool {
         let all = capabilities.inserts.take_back_judged(cx, None);
-        let begun = cx.chain().iter().any(|(_, _, begun)| *begun);
+        let begun = cx.outlook().chain().iter().any(|(_, _, begun)| *begun);
         if !begun {
             return all;
         }
@@ -383,7 +290,10 @@ impl Whereabouts {
             // Judged there as the operator's own order is.
             orders.order_in_advance(cx, capabilities, &Order::CancelCurrent);
         } else {
-            cx.recovery_note("the insert that is flown goes on: `cancel_current` is not set".to_owned());
+            note(
+                cx,
+                "the insert that is flown goes on: `cancel_current` is not set".to_owned(),
+            );
         }
         all
     }
@@ -415,7 +325,7 @@ impl Whereabouts {
             slowest: Transport::AcousticModem,
             text,
         });
-        if cx.send_request(request, "TOP", &message, Purpose::Topside(request)) {
+        if cx.send_request(request, &Dispatch::new("TOP", message, Purpose::Topside(request))) {
             capabilities.topside.count(cx.now);
         }
     }
@@ -435,20 +345,8 @@ impl Whereabouts {
     }
 }
 
-impl Context {
-    /// A lease stands, or an insert of ours is flown or may be.
-    pub(crate) fn is_active(&self) -> bool {
-        let flown = |entry: &crate::ledger::Entry| {
-            entry.is_open_insert() && matches!(entry.state, RequestState::Started | RequestState::Unknown)
-        };
-        self.arbiter.is_steering()
-            || self.ledger.iter().any(|(_, entry)| flown(entry))
-            || self.ledger.doubtful().next().is_some()
-    }
-
-    pub(crate) fn recovery_note(&mut self, text: String) {
-        self.note(Note::Recovery { text });
-    }
+fn note(cx: &mut Context, text: String) {
+    cx.note(Note::Recovery { text });
 }
 
 #[cfg(test)]

@@ -1,24 +1,27 @@
 //! The session: connection, subscriptions, the plan's asking, silence, status (SPI 4, 7.1, 7.2, 7.19, 7.25).
 
+pub(crate) mod commands;
+pub(crate) mod dispatch;
+pub(crate) mod heartbeat;
+pub(crate) mod link;
+pub(crate) mod reads;
+pub(crate) mod subscriptions;
+
 use std::time::Duration;
 
 use backseat_spi::{
-    Acknowledgement, CommandName, DecodeError, Framer, FromVehicle, LoggingControl, PayloadStatus, PayloadVersion,
-    Policy, RequestPlan, Text, ToVehicle,
+    CommandName, DecodeError, Framer, FromVehicle, LoggingControl, PayloadStatus, PayloadVersion, Policy, RequestPlan,
+    Text, ToVehicle,
 };
 use backseat_units::{TimeOfDay, Timestamp};
 
-use crate::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
-use crate::conductor::Slot;
 use crate::context::Context;
-use crate::heartbeat::{BEAT_EVERY, Remedy};
 use crate::io::{Note, Output};
-use crate::machine::Core;
-use crate::plugin::RequestState;
 use crate::quota::LastMinute;
+use crate::session::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
+use crate::session::heartbeat::{BEAT_EVERY, Remedy};
+use crate::session::subscriptions::ACKNOWLEDGEMENTS;
 use crate::settings::StatusCondition;
-use crate::subscriptions::ACKNOWLEDGEMENTS;
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// The interface that we speak.
@@ -113,14 +116,39 @@ impl Session {
         }
     }
 
-    /// A new connection.
-    fn begin(&mut self) {
+    /// A new connection: says who we are, subscribes, and asks for the plan.
+    pub(crate) fn begin(&mut self, cx: &mut Context) {
         self.framer.clear();
         self.lost = self.framer.counts().lost();
         self.silences = 0;
         self.malformed = 0;
         self.unheard_told = false;
         self.clock_told = None;
+        let created = cx.stamper.stamp(cx.now, "VER");
+        let version = ToVehicle::PayloadVersion(PayloadVersion {
+            created,
+            version: Text::cleaned(VERSION),
+        });
+        let command = self.early(cx, "VER", Some(created));
+        cx.transmit(&version, Some(command));
+        self.subscribe_all(cx);
+        self.ask_for_plan(cx);
+    }
+
+    /// The connection is gone: another is tried after a while.
+    pub(crate) fn connect_again(&mut self, cx: &mut Context) {
+        let retry_s = self.retry_s(cx);
+        let counts = self.framer.counts();
+        cx.note(Note::LinkDown { counts, retry_s });
+        cx.outbox.push(Output::Connect {
+            after: Duration::from_secs_f64(retry_s),
+        });
+        self.attempts = self.attempts.saturating_add(1);
+    }
+
+    /// Sets when navigation will have stayed away.
+    pub(crate) fn watch_silence(&self, cx: &mut Context) {
+        cx.timers.set(Timer::Silence, cx.now + SILENT);
     }
 
     /// Bytes from the vehicle, in any split.
@@ -151,146 +179,39 @@ impl Session {
     }
 
     /// Navigation came: the connection is good.
-    pub(crate) fn heard_navigation(&mut self) {
+    pub(crate) fn heard_navigation(&mut self, cx: &mut Context) {
         self.attempts = 0;
         self.silences = 0;
-    }
-}
-
-impl Core {
-    pub(crate) fn link_up(&mut self) {
-        self.session.begin();
-        self.cx.link.begin(self.cx.now);
-        self.cx.vehicle.reset();
-        self.cx.control.forget();
-        self.capabilities.station.reset();
-        self.cx.note(Note::LinkUp);
-        let created = self.cx.stamper.stamp(self.cx.now, "VER");
-        let version = ToVehicle::PayloadVersion(PayloadVersion {
-            created,
-            version: Text::cleaned(VERSION),
-        });
-        let command = self.session.early(&self.cx, "VER", Some(created));
-        self.cx.transmit(&version, Some(command));
-        self.session.subscribe_all(&mut self.cx);
-        self.session.ask_for_plan(&mut self.cx);
-        self.orders.link_up(&mut self.cx, &mut self.capabilities);
-        self.capabilities.inserts.link_up(&mut self.cx);
-        if self.cx.control.held && is_on(Check::HoldCancels) {
-            // The operator may have taken the helm while nothing could be sent.
-            self.capabilities.inserts.take_back_all(&mut self.cx, None);
-            self.capabilities.inserts.cancel_former(&mut self.cx);
-        }
-        self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
-        self.session.beat(&mut self.cx);
+        self.watch_silence(cx);
+        self.watch_clock(cx);
     }
 
-    pub(crate) fn link_down(&mut self) {
-        // No BPEMB reaches the vehicle: its own clock ends the modify (safety requirement 007).
-        self.cx.link.end();
-        self.cx.vehicle.former.link_lost();
-        if self.cx.ledger.interrupts() {
-            self.cx.vehicle.courses.leave_plan();
+    /// The vehicle hears us, and has just said what time it has.
+    pub(crate) fn is_heard(&mut self, cx: &mut Context, written: TimeOfDay) {
+        self.unheard_told = false;
+        if self.clock_told.is_none() {
+            self.tell_of_clock(cx, written);
         }
-        self.cx.vehicle.courses.lose();
-        self.capabilities.end_leases(&mut self.cx, "the link is down");
-        self.cx.control.forget();
-        self.cx.link.commands.clear();
-        self.cx.vehicle.reset();
-        self.capabilities.station.reset();
-        self.capabilities.silent.link_lost(&mut self.cx);
-        self.capabilities.adjustments.link_lost(&mut self.cx);
-        self.capabilities.acoustic.link_lost(&mut self.cx);
-        self.capabilities.dvl.link_lost(&mut self.cx);
-        self.orders.link_lost(&mut self.cx);
-        self.capabilities.inserts.link_lost(&mut self.cx);
-        let undecided: Vec<(u64, bool)> = self
-            .cx
-            .ledger
-            .iter()
-            .filter(|(_, entry)| matches!(entry.state, RequestState::Sent | RequestState::Pending))
-            .map(|(request, entry)| (request, entry.is_open_insert()))
-            .collect();
-        for (request, insert) in undecided {
-            // What has no identifier of its own cannot be resolved by one.
-            let to = if insert {
-                RequestState::Unknown
-            } else {
-                RequestState::TimedOut
-            };
-            self.cx.transition(request, to);
-        }
-        for timer in [Timer::Silence, Timer::Plan, Timer::Status, Timer::Heartbeat] {
-            self.cx.timers.stop(timer);
-        }
-        if self.cx.control.stopping {
-            return;
-        }
-        let after_s = self.session.retry_s(&self.cx);
-        self.cx.note(Note::LinkDown {
-            counts: self.session.framer.counts(),
-            retry_s: after_s,
-        });
-        self.cx.outbox.push(Output::Connect {
-            after: Duration::from_secs_f64(after_s),
-        });
-        self.session.attempts = self.session.attempts.saturating_add(1);
     }
 
-    pub(crate) fn plan_answered(&mut self, answer: Answer<'_>) {
+    /// An answer to BPRMP. True where the plan has come whole with it.
+    pub(crate) fn plan_answered(&mut self, cx: &mut Context, answer: Answer<'_>) -> bool {
         match answer {
             // The series follows its own pending acknowledgement; what came before is of an earlier asking.
-            Answer::Pending => self.session.begin_plan(&mut self.cx),
-            Answer::Done => {
-                if self.cx.vehicle.plan.end(self.session.framer.counts().lost()) {
-                    self.cx.note(Note::Plan {
-                        elements: self.cx.vehicle.plan.len(),
-                    });
-                    self.cx.dive_planned();
-                    if self.cx.compare_plan() {
-                        // Once more, for the day when two answers came mixed.
-                        self.cx.timers.set(Timer::Plan, self.cx.now + PLAN_RETRY);
-                    }
-                    self.capabilities.inserts.resolve_by_plan(&mut self.cx);
-                    self.cx.former_in_plan();
-                    self.cx.tell_of_plan();
-                    self.capabilities.inserts.judge_waiting(&mut self.cx);
-                    if self.cx.control.held && is_on(Check::HoldCancels) {
-                        self.capabilities.inserts.cancel_former(&mut self.cx);
-                    }
-                } else {
-                    self.session.plan_failed(&mut self.cx);
-                }
+            Answer::Pending => self.begin_plan(cx),
+            Answer::Done if cx.vehicle.plan.end(self.framer.counts().lost()) => {
+                let elements = cx.vehicle.plan.len();
+                cx.note(Note::Plan { elements });
+                return true;
             }
-            Answer::Refused(_) | Answer::Missing => self.session.plan_failed(&mut self.cx),
+            Answer::Done | Answer::Refused(_) | Answer::Missing => self.plan_failed(cx),
         }
+        false
     }
 
-    pub(crate) fn navigation_came(&mut self) {
-        self.session.heard_navigation();
-        self.cx.timers.set(Timer::Silence, self.cx.now + SILENT);
-        self.session.watch_clock(&mut self.cx);
-        self.capabilities.inserts.watch_schedules(&mut self.cx);
-    }
-
-    /// An acknowledgement may end a round trip.
-    pub(crate) fn round_trip(&mut self, ack: &Acknowledgement) {
-        let Some(heard) = self.cx.link.heartbeat.acknowledged(self.cx.now, ack) else {
-            return;
-        };
-        let utc = self.cx.utc();
-        if let Some(step) = self.cx.vehicle.navigation.measured(heard.trip, utc, ack.created) {
-            let text = format!("the vehicle's clock was set by {:+.3} s", -(step as f64) / 1e9);
-            self.cx.note(Note::Navigation { text });
-            self.capabilities
-                .end_leases(&mut self.cx, "the vehicle's clock was set");
-        }
-        if heard.good {
-            self.session.unheard_told = false;
-            if self.session.clock_told.is_none() {
-                self.session.tell_of_clock(&mut self.cx, ack.created);
-            }
-        }
+    /// The plan is asked for again in a while.
+    pub(crate) fn ask_for_plan_again(&self, cx: &mut Context) {
+        cx.timers.set(Timer::Plan, cx.now + PLAN_RETRY);
     }
 }
 
@@ -344,7 +265,7 @@ impl Session {
     /// The second's BPSTS (SPI 7.2), and what carries the beat beside it where the vehicle does not answer that.
     pub(crate) fn beat(&mut self, cx: &mut Context) {
         self.catch_up_on_control(cx);
-        cx.tell_what_was_counted();
+        self.tell_what_was_counted(cx);
         if cx.link.heartbeat.needs_log(cx.now) {
             self.subscribe_acknowledgements(cx, Purpose::Beat);
         }
@@ -352,9 +273,26 @@ impl Session {
         cx.timers.set(Timer::Status, cx.now + BEAT_EVERY);
     }
 
+    /// Tells what was counted and not told.
+    fn tell_what_was_counted(&self, cx: &mut Context) {
+        let untold = cx.outbox.take_untold();
+        if untold > 0 {
+            let text = format!("{untold} lines more of what the vehicle said were left out");
+            cx.note(Note::Text { text });
+        }
+        for plugin in cx.plugins.ids() {
+            let untold = cx.plugins.take_untold(plugin);
+            if untold > 0 {
+                let name = cx.plugins.name(plugin);
+                let text = format!("{untold} requests more of {name} were over its rate and rejected");
+                cx.note(Note::Text { text });
+            }
+        }
+    }
+
     pub(crate) fn send_status(&mut self, cx: &mut Context) {
         let failed = cx.settings.status_failed_when.iter().any(|condition| match condition {
-            StatusCondition::PluginQuarantined => cx.plugins.iter().any(Slot::is_quarantined),
+            StatusCondition::PluginQuarantined => cx.plugins.any_is_quarantined(),
             StatusCondition::NavigationStale => cx.vehicle.navigation.fresh(cx.now).is_none(),
         });
         let text = match (cx.arbiter.is_steering(), cx.lost_because()) {
@@ -581,31 +519,6 @@ impl Session {
         let remedy = cx.link.heartbeat.remedy_at();
         cx.timers
             .set(Timer::Heartbeat, lapses.map_or(remedy, |lapses| lapses.min(remedy)));
-    }
-}
-
-impl Context {
-    /// A command whose answer is taken note of and no more.
-    pub(crate) fn courtesy(&self, command: &'static str, created: Option<TimeOfDay>) -> Command {
-        Command {
-            name: name(command),
-            created,
-            identifier: None,
-            purpose: Purpose::Courtesy,
-            deadline: self.now + 2 * FIRST_WITHIN,
-            pending: false,
-        }
-    }
-
-    /// Why the vehicle does not hear us; `None` where it does (safety requirement 023).
-    pub(crate) fn unheard(&self) -> Option<&'static str> {
-        if self.link.heartbeat.is_heard(self.now) || !is_on(Check::Heard) {
-            None
-        } else if self.link.heartbeat.has_answered() {
-            Some("the vehicle does not answer in time")
-        } else {
-            Some("the vehicle has not answered yet")
-        }
     }
 }
 

@@ -1,12 +1,15 @@
+pub(crate) mod external;
+pub(crate) mod recovery;
+
 use serde::{Deserialize, Serialize};
 
-use crate::drivers::DriverSetup;
-use crate::expected::ExpectedPlan;
-use crate::limits::{FailAction, Grant, HeadingFrame};
-use crate::orders::Policy;
+use crate::monitor::limits::plugin::PluginLimits;
+use crate::monitor::limits::{FailAction, Grant, HeadingFrame};
+use crate::order::Policy;
 use crate::plugin::Description;
-use crate::plugin_limits::PluginLimits;
-use crate::recovery::Recovery;
+use crate::settings::external::DriverSetup;
+use crate::settings::recovery::Recovery;
+use crate::vehicle::expected::ExpectedPlan;
 
 /// What hands control to the backseat.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,18 +1,30 @@
+pub(crate) mod clock;
+pub(crate) mod course;
+pub(crate) mod dive;
+pub(crate) mod expected;
+pub(crate) mod former;
+pub(crate) mod integrity;
+pub(crate) mod named_insert;
+pub(crate) mod navigation;
+pub(crate) mod phase;
+pub(crate) mod plan;
+pub(crate) mod relative;
+
 use backseat_units::LocalFrame;
 
-use crate::course::Courses;
-use crate::dive::Dive;
-use crate::envelope::Suspended;
-use crate::expected::Compared;
-use crate::former::Former;
-use crate::hull::Track;
 use crate::io::Identifiers;
-use crate::limits::Limits;
-use crate::named_insert::NamedInsert;
-use crate::navigation::Tracker;
-use crate::phase::Phase;
-use crate::plan::Plan;
+use crate::monitor::envelope::Suspended;
+use crate::monitor::limits::Limits;
 use crate::plugin::{CartesianSample, RelativeSample};
+use crate::vehicle::course::Courses;
+use crate::vehicle::dive::Dive;
+use crate::vehicle::expected::Compared;
+use crate::vehicle::former::Former;
+use crate::vehicle::named_insert::NamedInsert;
+use crate::vehicle::navigation::Tracker;
+use crate::vehicle::phase::Phase;
+use crate::vehicle::plan::Plan;
+use crate::vehicle::relative::Track;
 
 /// What is believed of the vehicle. Each part follows what the vehicle says of one thing.
 #[derive(Debug)]
@@ -66,6 +78,11 @@ impl Vehicle {
     pub(crate) fn forget_plan(&mut self) {
         self.plan.forget();
         self.compared = Compared::default();
+    }
+
+    /// Its mission goes on, for a behavior has begun or it is over.
+    pub(crate) fn mission_goes_on(&mut self) {
+        self.suspended.clear();
     }
 
     /// Something was not heard, which may have been a begin or an end of what is flown.

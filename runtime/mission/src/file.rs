@@ -1,5 +1,5 @@
 use backseat_core::{FailAction, Grant, Limits, PluginLimits, Policy, Recovery, Settings};
-use backseat_mvc::HullClass;
+use backseat_plan::HullClass;
 use serde::{Deserialize, Serialize};
 
 use crate::drivers::DriverTable;
@@ -70,7 +70,7 @@ pub struct VehicleTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Which hull it is: `9-inch`, `12-inch`, `21-inch` or `hovering`. What it can do is held against the limits and the
-    /// plan before a dive; where absent, that of `world.toml` is.
+    /// plan before a dive; where absent, a check that looks at `world.toml` takes its class.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub class: Option<HullClass>,
     /// Whether it reads the entry angle of a trackcircle (BPRTC): SPI 7.6 has it in the table and not in the header. Where
@@ -96,7 +96,7 @@ impl Default for VehicleTable {
 #[serde(deny_unknown_fields)]
 pub struct PlanTable {
     /// A file of the mission's folder with `[[plan]]` as in `world.toml`, and `[origin]` where its places count from
-    /// one; or `world.toml` itself.
+    /// one; or `world.toml` itself, of which no more than that is read.
     pub file: String,
     /// How far a place of the vehicle's plan may be from the one expected, metres, above 0 to 100.
     #[serde(default = "PlanTable::default_tolerance_m")]

@@ -1,5 +1,6 @@
-//! Missions on disk: a folder with `mission.toml`, a fence (`fence.geojson`, `fence.plan` or `fence.kml`) and, for
-//! simulation, `world.toml`.
+//! Missions on disk: a folder with `mission.toml`, a fence (`fence.geojson`, `fence.plan` or `fence.kml`) and, where the
+//! mission names one, the front seat's plan. What goes to sea is read here; `world.toml` beside it is simulation's, and
+//! nothing in it keeps a mission from being read.
 //!
 //! Each file is parsed alone first, so that a fault is told with its line; then `mission.toml` is layered: defaults,
 //! the file, the environment (`BACKSEAT__LIMITS__SPEED_MAX_MPS=1.8`), the command line (`--set limits.speed_max_mps=1.8`).
@@ -10,7 +11,6 @@ mod drivers;
 mod error;
 mod fence;
 mod file;
-mod grid;
 mod mission;
 mod plan;
 mod predive;

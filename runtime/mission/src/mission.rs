@@ -3,9 +3,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use backseat_core::{Condition, Envelope, Order, Policy, Settings};
-use backseat_mvc::{Mvc, MvcError, WorldFile};
 use backseat_spi::Text;
-use backseat_world::Grid;
 use config::{Config, Environment, File, FileFormat};
 use sha2::{Digest, Sha256};
 
@@ -14,7 +12,6 @@ use crate::drivers::{DriverTable, check_drivers};
 use crate::error::MissionError;
 use crate::fence;
 use crate::file::{MissionFile, PluginTable, VehicleTable};
-use crate::grid::read_grid;
 use crate::plan::{self, FrontSeatPlan};
 
 /// What lies over `mission.toml`.
@@ -41,12 +38,8 @@ pub struct Mission {
     /// The fence as GeoJSON with areas alone: `fence.geojson` as it is where it has no others, else written out from what
     /// was read.
     pub fence_text: String,
-    /// `world.toml`, where there is one.
-    pub world: Option<WorldFile>,
     /// The front seat's plan that the mission names, where it does.
     pub plan: Option<FrontSeatPlan>,
-    /// The seabed's grid, where `world.toml` names one; clones share it.
-    pub grid: Option<Grid>,
     /// The whole mission file after layering, as TOML.
     pub resolved: String,
 }
@@ -95,23 +88,12 @@ impl Mission {
 
         let fence = fence::load(folder, file.fence.as_ref())?;
 
-        let world_path = folder.join("world.toml");
-        let world = if world_path.is_file() {
-            let text = read(&world_path)?;
-            Some(WorldFile::from_toml(&text).map_err(|error| value(&world_path, error.to_string()))?)
-        } else {
-            None
-        };
         let plan = match &file.plan {
-            Some(table) => Some(plan::load(folder, table, file.vehicle.class, world.as_ref())?),
+            Some(table) => Some(plan::load(folder, table, file.vehicle.class)?),
             None => None,
         };
         file.session.trackcircle_entry_angle = file.vehicle.trackcircle_entry_angle;
         file.session.expected_plan = plan.as_ref().map(FrontSeatPlan::expected);
-        let grid = match world.as_ref().and_then(|world| world.seabed.grid.as_ref()) {
-            Some(path) => Some(read_grid(&folder.join(path))?),
-            None => None,
-        };
         let resolved =
             toml::to_string(&file).map_err(|error| value(&path, format!("cannot be written as TOML: {error}")))?;
         let name = folder
@@ -127,32 +109,9 @@ impl Mission {
             envelope,
             fence_file: fence.file,
             fence_text: fence.text,
-            world,
             plan,
-            grid,
             resolved,
         })
-    }
-
-    /// The world, which simulation needs.
-    ///
-    /// # Errors
-    /// [`MissionError`] where the mission has no `world.toml`.
-    pub fn world(&self) -> Result<&WorldFile, MissionError> {
-        self.world.as_ref().ok_or_else(|| {
-            value(
-                &self.folder.join("world.toml"),
-                "not there: a mission needs its world to be simulated".to_owned(),
-            )
-        })
-    }
-
-    /// The mock vehicle of a world that is this mission's, or was it before the caller changed it, over its grid.
-    ///
-    /// # Errors
-    /// [`MvcError`] where this seed's world or plan cannot be flown: see [`Mvc::with_grid`].
-    pub fn vehicle(&self, world: &WorldFile, seed: u64) -> Result<Mvc, MvcError> {
-        Mvc::with_grid(world, seed, self.grid.clone())
     }
 
     /// Where each plugin's component is, in priority order.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use backseat_core::{ExpectedElement, ExpectedPath, ExpectedPlan};
-use backseat_mvc::{HullClass, PlanEntry, PlannedBehavior, PlannedPath, VehicleConfig, WorldFile, planned_behaviors};
+use backseat_plan::{HullClass, PlanEntry, PlannedBehavior, PlannedPath, VehicleLimits, planned_behaviors};
 use backseat_units::Position;
 use serde::Deserialize;
 
@@ -33,6 +33,13 @@ struct PlanFile {
     plan: Vec<PlanEntry>,
 }
 
+/// The plan of a `world.toml`. All else there is simulation's, and none of a dive's business.
+#[derive(Deserialize)]
+struct PlanOfWorld {
+    origin: Option<Origin>,
+    plan: Vec<PlanEntry>,
+}
+
 #[derive(Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Origin {
@@ -40,74 +47,42 @@ struct Origin {
     longitude_deg: f64,
 }
 
+impl From<PlanOfWorld> for PlanFile {
+    fn from(PlanOfWorld { origin, plan }: PlanOfWorld) -> Self {
+        Self { origin, plan }
+    }
+}
+
 impl FrontSeatPlan {
-    /// Reads a plan from a file: one with `[[plan]]` alone, or a `world.toml`. `class` is the vehicle's, where it is not
-    /// to be that of the world.
+    /// Reads a plan from a file: one with `[[plan]]` alone, or a `world.toml`, of which `[origin]` and `[[plan]]` are read.
+    /// It is held against what the vehicle can do. Places of a file without an origin count from `origin`.
     ///
     /// # Errors
     /// [`MissionError`] with the file, and the line or the element.
-    pub fn read(path: &Path, class: Option<HullClass>, world: Option<&WorldFile>) -> Result<Self, MissionError> {
+    pub fn read(path: &Path, vehicle: &VehicleLimits, origin: Option<Position>) -> Result<Self, MissionError> {
         let text = read(path)?;
         let fault = |message: String| value(path, message);
-        if path.file_name().is_some_and(|name| name == "world.toml") {
-            let world = WorldFile::from_toml(&text).map_err(|error| fault(error.to_string()))?;
-            return Self::of_world(text, &world, class).map_err(fault);
-        }
-        let file: PlanFile = toml::from_str(&text).map_err(|error| toml_error(path, &text, &error))?;
-        let origin = match (file.origin, world) {
-            (Some(origin), _) => Some((origin.latitude_deg, origin.longitude_deg)),
-            (None, Some(world)) => Some((world.origin.latitude_deg, world.origin.longitude_deg)),
-            (None, None) => None,
+        let file = if path.file_name().is_some_and(|name| name == "world.toml") {
+            toml::from_str::<PlanOfWorld>(&text).map(PlanFile::from)
+        } else {
+            toml::from_str(&text)
         };
-        let from_origin = |place: Option<backseat_mvc::PlaceConfig>| {
-            place.is_some_and(|place| place.east_m.is_some() || place.north_m.is_some())
-        };
-        let first = file
-            .plan
-            .iter()
-            .find_map(|entry| entry.at.or(entry.start).or(entry.centre));
-        let counts_from = file.plan.iter().any(|entry| {
-            [entry.at, entry.start, entry.end, entry.centre]
-                .into_iter()
-                .any(from_origin)
-        });
-        let (latitude_deg, longitude_deg) = match origin {
-            Some(origin) => origin,
-            None if counts_from => {
+        let file = file.map_err(|error| toml_error(path, &text, &error))?;
+        let origin = match (file.origin, origin) {
+            (Some(origin), _) => origin.position().map_err(fault)?,
+            (None, Some(origin)) => origin,
+            (None, None) if file.plan.iter().any(counts_from_origin) => {
                 return Err(fault(
                     "no [origin]: expected latitude_deg and longitude_deg, places count from it".to_owned(),
                 ));
             }
             // Any near by will do: no place counts from it.
-            None => first.map_or((0.0, 0.0), |place| {
-                (place.latitude_deg.unwrap_or(0.0), place.longitude_deg.unwrap_or(0.0))
-            }),
+            (None, None) => near_by(&file.plan).position().map_err(fault)?,
         };
-        let origin = Position::from_deg(latitude_deg, longitude_deg)
-            .ok()
-            .filter(|origin| origin.latitude.as_deg().abs() <= 85.0)
-            .ok_or_else(|| {
-                fault(format!(
-                    "origin is latitude {latitude_deg} longitude {longitude_deg}: expected ±85 and ±180 degrees"
-                ))
-            })?;
-        let vehicle = vehicle(class, world);
-        let behaviors = planned_behaviors(&file.plan, origin, &vehicle).map_err(|error| fault(error.to_string()))?;
+        let behaviors = planned_behaviors(&file.plan, origin, vehicle).map_err(|error| fault(error.to_string()))?;
         Ok(Self {
             text,
             behaviors,
-            tolerance_m: PlanTable::default_tolerance_m(),
-        })
-    }
-
-    /// The plan of a world.
-    pub(crate) fn of_world(text: String, world: &WorldFile, class: Option<HullClass>) -> Result<Self, String> {
-        let origin = Position::from_deg(world.origin.latitude_deg, world.origin.longitude_deg)
-            .map_err(|error| format!("origin: {error}"))?;
-        let behaviors = planned_behaviors(&world.plan, origin, &vehicle(class, Some(world)));
-        Ok(Self {
-            text,
-            behaviors: behaviors.map_err(|error| error.to_string())?,
             tolerance_m: PlanTable::default_tolerance_m(),
         })
     }
@@ -135,22 +110,40 @@ impl FrontSeatPlan {
     }
 }
 
-/// The vehicle of a class, else the world's, else the usual one.
-fn vehicle(class: Option<HullClass>, world: Option<&WorldFile>) -> VehicleConfig {
-    let vehicle = world.map(|world| world.vehicle).unwrap_or_default();
-    VehicleConfig {
-        class: class.unwrap_or(vehicle.class),
-        ..vehicle
+impl Origin {
+    fn position(self) -> Result<Position, String> {
+        let Self {
+            latitude_deg,
+            longitude_deg,
+        } = self;
+        Position::from_deg(latitude_deg, longitude_deg)
+            .ok()
+            .filter(|origin| origin.latitude.as_deg().abs() <= 85.0)
+            .ok_or_else(|| {
+                format!("origin is latitude {latitude_deg} longitude {longitude_deg}: expected ±85 and ±180 degrees")
+            })
+    }
+}
+
+/// Whether a place of an element is written by metres.
+fn counts_from_origin(entry: &PlanEntry) -> bool {
+    [entry.at, entry.start, entry.end, entry.centre]
+        .into_iter()
+        .flatten()
+        .any(|place| place.east_m.is_some() || place.north_m.is_some())
+}
+
+/// The first place of a plan that is written by latitude and longitude.
+fn near_by(plan: &[PlanEntry]) -> Origin {
+    let first = plan.iter().find_map(|entry| entry.at.or(entry.start).or(entry.centre));
+    Origin {
+        latitude_deg: first.and_then(|place| place.latitude_deg).unwrap_or(0.0),
+        longitude_deg: first.and_then(|place| place.longitude_deg).unwrap_or(0.0),
     }
 }
 
 /// The plan that a mission names.
-pub(crate) fn load(
-    folder: &Path,
-    table: &PlanTable,
-    class: Option<HullClass>,
-    world: Option<&WorldFile>,
-) -> Result<FrontSeatPlan, MissionError> {
+pub(crate) fn load(folder: &Path, table: &PlanTable, class: Option<HullClass>) -> Result<FrontSeatPlan, MissionError> {
     if !(table.tolerance_m > 0.0 && table.tolerance_m <= TOLERANCE_MAX_M) {
         let message = format!(
             "plan.tolerance_m is {}: expected metres above 0 and at most {TOLERANCE_MAX_M}",
@@ -158,7 +151,8 @@ pub(crate) fn load(
         );
         return Err(value(&folder.join("mission.toml"), message));
     }
-    let plan = FrontSeatPlan::read(&folder.join(&table.file), class, world)?;
+    let vehicle = class.map_or_else(VehicleLimits::of_any_class, HullClass::limits);
+    let plan = FrontSeatPlan::read(&folder.join(&table.file), &vehicle, None)?;
     Ok(FrontSeatPlan {
         tolerance_m: table.tolerance_m,
         ..plan

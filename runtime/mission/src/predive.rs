@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use backseat_core::Limits;
 use backseat_fence::{Breach, Clearance, Fence, Kind, Shape, Span, Sweep, VerticalExtent};
-use backseat_mvc::{Hull, HullClass, PlannedBehavior, PlannedPath, PlannedVertical};
+use backseat_plan::{HullClass, PlannedBehavior, PlannedPath, PlannedVertical, VehicleLimits};
 use backseat_units::{EastNorth, LocalFrame, Position, Utc};
 
 mod reach;
@@ -416,9 +416,9 @@ fn square(centre: EastNorth, radius_m: f64) -> Vec<EastNorth> {
     vec![corner(45.0), corner(135.0), corner(225.0), corner(315.0)]
 }
 
-/// What the limits and the fence allow and a hull of the class cannot do.
+/// What the limits and the fence allow and a vehicle of the class, which can do what `hull` says, cannot do.
 #[must_use]
-pub fn beyond_class(limits: &Limits, fence: &Fence, class: HullClass, hull: &Hull) -> Vec<String> {
+pub fn beyond_class(limits: &Limits, fence: &Fence, class: HullClass, hull: &VehicleLimits) -> Vec<String> {
     let name = class.name();
     let mut findings = Vec::new();
     let mut over = |key: &str, value: f64, most: f64, unit: &str| {

@@ -1,3 +1,4 @@
+use backseat_plan::PlanError;
 use backseat_world::WorldError;
 
 /// A `world.toml` that the mock cannot run: where, what, and what was expected.
@@ -44,6 +45,19 @@ pub enum MvcError {
     /// The world cannot be made.
     #[error(transparent)]
     World(#[from] WorldError),
+}
+
+impl From<PlanError> for MvcError {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Length(elements) => Self::Value {
+                key: "plan",
+                value: format!("{elements} elements"),
+                expected: "1 to 10000 elements",
+            },
+            PlanError::Element { number, fault } => Self::Plan { number, fault },
+        }
+    }
 }
 
 /// Checks one number of a configuration.

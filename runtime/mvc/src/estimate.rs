@@ -13,4 +13,8 @@ pub(crate) struct Estimate {
     pub(crate) surge_mps: f64,
     /// Velocity of the water, metres a second east and north.
     pub(crate) current: (f64, f64),
+    /// What its headings are wrong by, degrees.
+    pub(crate) heading_bias_deg: f64,
+    /// The way of the last step as the log and the inertial system know it, by the vehicle's true heading.
+    pub(crate) way: EastNorth,
 }

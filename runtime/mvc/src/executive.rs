@@ -1,11 +1,16 @@
+mod another_dive;
 mod ending;
+mod ending_commands;
 mod flow;
+mod insert_commands;
 mod inserts;
+pub(crate) mod mission;
 mod modify;
+mod plan_report;
+mod reports;
+mod schedule;
 mod steering;
 mod suspend;
-
-pub(crate) use inserts::takes_back;
 
 use core::time::Duration;
 use std::collections::{BTreeSet, VecDeque};
@@ -13,16 +18,16 @@ use std::collections::{BTreeSet, VecDeque};
 use backseat_spi::{BehaviorId, Text};
 use backseat_units::{EastNorth, Timestamp};
 
-use crate::course::{Course, SURFACED_M};
 use crate::estimate::Estimate;
 use crate::event::{Behavior, CancelCause, EndReason, ModifyEnd, MvcEventKind, Source, Status};
 use crate::file::{ControlWindow, MissionConfig, ModifyLimit, VehicleConfig, WrapUp};
-use crate::hull::Hull;
-use crate::insert::Insert;
 use crate::interpretation::Interpretation;
-use crate::modify::Modify;
-use crate::plan::{PayloadText, PlanItem, Vertical};
+use crate::plan::course::{Course, SURFACED_M};
+use crate::plan::insert::Insert;
+use crate::plan::{PayloadText, PlanItem};
 use crate::truth::Activity;
+use crate::vehicle::Vertical;
+use crate::vehicle::hull::Hull;
 use crate::vehicle::{Demand, Drive, Throttle, Turn};
 
 /// How many identifiers a mission may use up.
@@ -30,10 +35,10 @@ const IDENTIFIERS_MAX: usize = 100_000;
 
 /// The mission executive: which behavior is flown, what is inserted, who has control.
 ///
-/// What happens is left in `log`, in order; the server tells it to the clients.
+/// What happens is left in `log`, in order; [`mission::Mission`] tells it to the clients.
 #[derive(Clone, Debug)]
 pub(crate) struct Executive {
-    pub(crate) log: Vec<MvcEventKind>,
+    log: Vec<MvcEventKind>,
     plan: Vec<PlanItem>,
     interpretation: Interpretation,
     hull: Hull,
@@ -62,7 +67,7 @@ pub(crate) struct Executive {
     /// What inserts have interrupted, where it is to be resumed, and when; the last is resumed first.
     paused: Vec<(Running, Timestamp)>,
     suspension: Option<suspend::Suspension>,
-    modify: Option<Modify>,
+    modify: Option<modify::Modify>,
     /// How long the running behavior has been modified.
     modified: Duration,
     modify_barred: bool,
@@ -145,6 +150,17 @@ impl Executive {
             control: false,
             control_denied: false,
         }
+    }
+
+    /// What has happened since this was last asked, in order.
+    pub(crate) fn take_log(&mut self) -> Vec<MvcEventKind> {
+        core::mem::take(&mut self.log)
+    }
+
+    /// Gives back what [`Executive::take_log`] gave, for its room.
+    pub(crate) fn recycle_log(&mut self, log: Vec<MvcEventKind>) {
+        // Nothing that is told asks the executive for more: its log is still empty.
+        self.log = log;
     }
 
     pub(crate) const fn status(&self) -> Status {

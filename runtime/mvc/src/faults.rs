@@ -1,16 +1,17 @@
 //! What goes wrong in the vehicle, and when: by a plan, or as the run's driver injects it. Faults of the link are told
 //! here and played by [`crate::FaultyLink`].
 
-mod active;
 mod draw;
 mod plan;
+mod sensor;
 mod text;
+pub(crate) mod timeline;
 
-pub(crate) use active::{Faults, Verdict, ack_identifier};
 pub use plan::{
     AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, Untrue,
     Whom,
 };
+pub use sensor::{Sensor, SensorFailure};
 
 /// A fault of the run begins or ends: a line of the vehicle's log.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,7 +9,6 @@ mod hovering;
 mod interpretation;
 mod mission;
 mod mission_command;
-mod plan;
 mod power;
 mod roles;
 mod sensors;
@@ -19,6 +18,7 @@ mod start;
 mod topside;
 mod vehicle;
 
+use backseat_plan::PlanEntry;
 use backseat_world::{
     CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, TargetConfig, TideLevelConfig, WorldConfig,
 };
@@ -37,8 +37,8 @@ pub use interpretation::{
 };
 pub use mission::{ControlWindow, MissionConfig, ModifyLimit, WrapUp};
 pub use mission_command::MissionCommandConfig;
-pub use plan::{PlaceConfig, PlanEntry, PlanKind};
 pub use power::PowerConfig;
+pub(crate) use power::SHUTDOWN_NOTICE;
 pub use roles::{RoleConfig, RoleError, WithoutRole};
 pub(crate) use sensors::COMPASSES_MAX;
 pub use sensors::{

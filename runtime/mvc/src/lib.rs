@@ -17,57 +17,35 @@
 //! What goes wrong is a [`FaultPlan`]: the vehicle's own faults act in here, those of the link are played by a driver
 //! with [`LinkFaults`], and each begin and end is an event.
 
-mod acoustic;
-mod adjustment;
-mod aiding;
-mod another_dive;
-mod answers;
-mod commands;
-mod course;
-mod dvl_trigger;
-mod ending;
+mod context;
 mod error;
 mod estimate;
 mod event;
 mod executive;
 mod faults;
 mod file;
-mod fixed;
-mod hovering;
-mod hull;
-mod insert;
 mod interpretation;
 mod link;
-mod mission_commands;
-mod mission_event;
-mod modify;
 mod mvc;
 mod plan;
-mod plan_report;
-mod planned;
-mod power;
-mod requests;
 mod sensors;
 mod server;
-mod silence;
-mod sixdof;
-mod soundings;
-mod surfacing;
-mod topside;
+mod services;
 mod truth;
 mod vehicle;
 
-pub use acoustic::AcousticEvent;
-pub use adjustment::{AdjustmentEvent, AdjustmentKind};
-pub use dvl_trigger::DvlTriggerEvent;
+// The plan is written alike in `world.toml` and for a mission.
+pub use backseat_plan::{HullClass, PlaceConfig, PlanEntry, PlanKind};
+
 pub use error::MvcError;
 pub use event::{
-    Behavior, CancelCause, ClientId, DropReason, EndReason, ModifyEnd, ModifyHorizontal, ModifySpeed, ModifyValues,
-    ModifyVertical, MvcEvent, MvcEventKind, Refusal, Source, Status,
+    AcousticEvent, AdjustmentEvent, AdjustmentKind, Behavior, CancelCause, ClientId, DropReason, DvlTriggerEvent,
+    EndReason, HoveringEvent, MissionEvent, ModifyEnd, ModifyHorizontal, ModifySpeed, ModifyValues, ModifyVertical,
+    MvcEvent, MvcEventKind, Refusal, SilenceEvent, Source, Status, SuspensionEnd, Told, TopsideEvent,
 };
 pub use faults::{
     AckFilter, AckStage, Directions, Fault, FaultEdge, FaultEvent, FaultKind, FaultPlan, LinkFault, LinkFaultKind,
-    NegativeStatus, Untrue, Whom,
+    NegativeStatus, Sensor, SensorFailure, Untrue, Whom,
 };
 pub use file::{
     AcknowledgeConfig, Acknowledged, AcousticConfig, AcousticDevice, AdjustmentConfig, AdjustmentWhenSilenced,
@@ -75,19 +53,13 @@ pub use file::{
     DepthSensorConfig, DirectionName, DvlConfig, DvlTriggerConfig, Expectations, FaultEntry, FaultFile, FaultName,
     FixConfig, GpsConfig, HeadingFrame, HoveringConfig, HullVertical, ImuConfig, InsConfig, InsertPlace,
     InsertsAfterControl, InterpretationConfig, Interruption, LineFault, MaximumExpectation, MissionCommandConfig,
-    MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket, PlaceConfig, PlanEntry,
-    PlanKind, PowerConfig, Profile, RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide,
-    SilenceConfig, SoundConfig, SpiConfig, StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig,
-    TopsideEntry, TrackcircleLayout, UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
+    MissionConfig, ModifyBeyond, ModifyFins, ModifyLimit, MotionModel, PeerConfig, PeerPacket, PowerConfig, Profile,
+    RoleConfig, RoleError, SensorConfig, SensorName, ShipConfig, ShipSide, SilenceConfig, SoundConfig, SpiConfig,
+    StageName, StartConfig, TailconeConfig, TelemetryConfig, TopsideConfig, TopsideEntry, TrackcircleLayout,
+    UnackedFrames, VehicleConfig, WithoutLock, WithoutRole, WorldFile, WrapUp,
 };
-pub use hovering::{HoveringEvent, SuspensionEnd};
-pub use hull::{Hull, HullClass};
 pub use interpretation::{Interpretation, ResumeFrom};
 pub use link::{Chunk, Direction, FaultyLink, LinkFaults};
-pub use mission_event::{MissionEvent, Told};
 pub use mvc::Mvc;
-pub use planned::{PlannedBehavior, PlannedPath, PlannedVertical, planned_behaviors};
-pub use sensors::{Sensor, SensorFailure};
-pub use silence::SilenceEvent;
-pub use topside::TopsideEvent;
 pub use truth::{Activity, HoveringTruth, Truth};
+pub use vehicle::hull::Hull;

@@ -1,80 +1,50 @@
+//! The vehicle as a whole: it takes what comes to the part that it is for, and has no other knowledge.
+
+mod commands;
+mod faults;
+mod steps;
+
 use core::time::Duration;
-use std::collections::VecDeque;
 use std::net::SocketAddr;
 
-use backseat_spi::{
-    BackseatControl, BehaviorBegin, BehaviorEnd, FromVehicle, LoggingBegin, LoggingEnd, MissionCommand, MissionStatus,
-    Text, VehicleVersion,
-};
-use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
-use backseat_world::{Grid, Span, Stream, World};
+use backseat_units::{EastNorth, LocalFrame, Position, Timestamp, Utc};
+use backseat_world::{Grid, World};
 
-use crate::acoustic::Acoustic;
-use crate::adjustment::Adjustment;
-use crate::dvl_trigger::DvlTrigger;
+use crate::context::North;
 use crate::error::MvcError;
-use crate::event::{Behavior, ClientId, DropReason, MvcEvent, MvcEventKind, Source, Status};
-use crate::executive::Executive;
-use crate::faults::Faults;
-use crate::file::{AcknowledgeConfig, MotionModel, Profile, WorldFile};
-use crate::hovering::Hovering;
+use crate::event::{ClientId, DropReason, MvcEvent, Status};
+use crate::executive::mission::Mission;
+use crate::faults::timeline::Timeline;
+use crate::file::{MotionModel, WorldFile};
 use crate::interpretation::Interpretation;
-use crate::mission_commands::MissionCommands;
-use crate::mission_event::{MissionEvent, Told};
-use crate::power::Power;
-use crate::requests::Pending;
+use crate::plan::soundings;
 use crate::sensors::{Sensors, true_heading};
-use crate::server::{Received, Server, Topic};
-use crate::silence::Silence;
-use crate::surfacing::Surfacing;
-use crate::topside::Topside;
-use crate::truth::Truth;
-use crate::vehicle::{Drive, Vehicle};
+use crate::server::{Received, Server};
+use crate::services::Services;
+use crate::truth::{HoveringTruth, Truth};
+use crate::vehicle::Vehicle;
 
-/// How many events may wait to be fetched.
-const EVENTS_MAX: usize = 10_000;
 /// A framer is given no more at once, so that a flood is worked off as it comes, bytes.
 const CHUNK: usize = 4096;
 
 /// The mock main vehicle computer. See the crate's documentation for the order of calls.
 #[derive(Debug)]
 pub struct Mvc {
-    pub(crate) world: World,
-    pub(crate) vehicle: Vehicle,
-    pub(crate) executive: Executive,
-    pub(crate) server: Server,
-    pub(crate) interpretation: Interpretation,
-    pub(crate) pending: VecDeque<Pending>,
-    pub(crate) pending_s: Span,
-    pub(crate) acknowledge: AcknowledgeConfig,
-    pub(crate) delays: Stream,
-    /// Angles from true north to the frame's north and to the UTM grid's, where the vehicle is.
-    pub(crate) frame_convergence_deg: f64,
-    pub(crate) grid_convergence_deg: f64,
-    pub(crate) sensors: Sensors,
-    pub(crate) surfacing: Surfacing,
-    pub(crate) silence: Silence,
-    pub(crate) adjustment: Adjustment,
-    pub(crate) power: Power,
-    pub(crate) dvl_trigger: DvlTrigger,
-    pub(crate) topside: Topside,
-    pub(crate) acoustic: Acoustic,
-    pub(crate) hovering: Hovering,
-    pub(crate) faults: Faults,
-    pub(crate) empty_allowed: bool,
-    pub(crate) mission_commands: MissionCommands,
-    utc_at_start: Utc,
-    version: Text,
-    pub(crate) dive_file: Text,
-    running_text: Text,
-    profile: Profile,
+    world: World,
+    interpretation: Interpretation,
+    vehicle: Vehicle,
+    north: North,
+    sensors: Sensors,
+    mission: Mission,
+    services: Services,
+    server: Server,
+    faults: Timeline,
     period: Duration,
     ticks: u64,
     next_tick: Timestamp,
     last_tick: Timestamp,
+    /// What the log last said of it.
     grounded: bool,
-    events: VecDeque<MvcEvent>,
-    events_lost: u64,
 }
 
 impl Mvc {
@@ -103,61 +73,34 @@ impl Mvc {
         let world = World::with_grid(&file.world_config(), seed, grid)?;
         let plan = crate::plan::resolve(&file.plan, world.frame(), &file.vehicle)?;
         let start = EastNorth::new(file.start.east_m, file.start.north_m);
-        crate::soundings::check_start(start, file.start.depth_m, &world)?;
-        crate::soundings::check(&plan, start, &world, file.vehicle.altitude_min_m, charted)?;
+        soundings::check_start(start, file.start.depth_m, &world)?;
+        soundings::check(&plan, start, &world, file.vehicle.altitude_min_m, charted)?;
         let interpretation = Interpretation::new(&file.interpretation, seed);
         let period = Duration::from_nanos(1_000_000_000 / u64::from(file.vehicle.tick_hz.clamp(1, 100)));
-        let at = start;
-        let position = world.frame().to_position(at);
-        let frame_convergence_deg = world.frame().convergence_deg(position);
-        let heading_deg = file.start.heading_deg - frame_convergence_deg;
-        let hull = file.vehicle.hull();
+        let north = North::at(start, world.frame());
         let made = match file.vehicle.model {
             MotionModel::Kinematic => Vehicle::new,
             MotionModel::SixDof => Vehicle::with_body,
         };
-        let mut vehicle = made(hull, file.vehicle.altitude_min_m, at, file.start.depth_m, heading_deg);
-        let adjustment = Adjustment::new(file, seed);
-        vehicle.rise_share = adjustment.rise_share();
+        let heading_deg = file.start.heading_deg - north.frame_deg;
+        let (hull, altitude_min_m) = (file.vehicle.hull(), file.vehicle.altitude_min_m);
+        let mut vehicle = made(hull, altitude_min_m, start, file.start.depth_m, heading_deg);
         vehicle.sense(&world, Timestamp::ZERO);
-        let hovering = Hovering::new(file, &world, &mut vehicle, seed);
-        let sensors = Sensors::new(file, &vehicle, seed);
-        let running = format!("{} {}", Status::Running.name(), file.mission.log_dir);
+        let services = Services::new(file, &world, &mut vehicle, seed);
         Ok(Self {
-            vehicle,
-            executive: Executive::new(plan, &file.mission, &file.vehicle, interpretation, period),
-            server: Server::new(&file.spi),
+            sensors: Sensors::new(file, &vehicle, seed),
+            mission: Mission::new(file, plan, interpretation, period, seed),
+            services,
+            server: Server::new(file, &interpretation, seed),
+            faults: Timeline::new(&file.faults)?,
             interpretation,
-            pending: VecDeque::new(),
-            pending_s: file.spi.pending_s,
-            acknowledge: file.spi.acknowledge,
-            delays: Stream::new(seed, "acknowledgement delays"),
-            frame_convergence_deg,
-            grid_convergence_deg: utm_convergence_deg(position),
-            sensors,
-            surfacing: Surfacing::new(file, seed),
-            silence: Silence::new(file, seed),
-            adjustment,
-            power: Power::new(file, seed),
-            dvl_trigger: DvlTrigger::new(file, seed),
-            topside: Topside::new(file, seed),
-            acoustic: Acoustic::new(file, seed),
-            hovering,
-            faults: Faults::new(&file.faults)?,
-            empty_allowed: file.mission.empty_allowed,
-            mission_commands: MissionCommands::new(&file.mission.commands),
-            utc_at_start: file.start.utc,
-            version: Text::cleaned(&file.spi.version),
-            dive_file: Text::cleaned(&file.mission.dive_file),
-            running_text: Text::cleaned(running.trim_end()),
-            profile: file.spi.profile,
+            vehicle,
+            north,
             period,
             ticks: 0,
             next_tick: Timestamp::ZERO + period,
             last_tick: Timestamp::ZERO,
             grounded: false,
-            events: VecDeque::new(),
-            events_lost: 0,
             world,
         })
     }
@@ -194,30 +137,10 @@ impl Mvc {
     pub fn connect_from(&mut self, now: Timestamp, client: ClientId, address: Option<SocketAddr>) {
         self.handle_timeout(now);
         self.forget(now, client);
-        if !self.power.is_on() {
+        if self.services.power.is_on() {
+            self.server.connect(now, client, address);
+        } else {
             self.server.cut_off(client, DropReason::PowerOff);
-            self.settle(now);
-            return;
-        }
-        let topics = match self.profile {
-            Profile::Spec => 0,
-            Profile::Field => Topic::Control.bit() | Topic::Mission.bit(),
-        };
-        if self.server.connect(client, address, topics) {
-            self.note(now, MvcEventKind::Connected(client));
-            if let Some(role) = self.server.role_of(client).map(Box::from) {
-                self.note(now, MvcEventKind::RoleGiven(client, role));
-            }
-            let created = self.stamp(now);
-            self.send(
-                now,
-                client,
-                VehicleVersion {
-                    created,
-                    version: self.version.clone(),
-                }
-                .into(),
-            );
         }
         self.settle(now);
     }
@@ -230,13 +153,8 @@ impl Mvc {
     }
 
     fn forget(&mut self, now: Timestamp, client: ClientId) {
-        self.mute(client);
-        if let Some(role) = self.server.disconnect(client) {
-            self.note(now, MvcEventKind::Disconnected(client));
-            if let Some(role) = role {
-                self.note(now, MvcEventKind::RoleReleased(client, role));
-            }
-        }
+        self.services.client_left(client);
+        self.server.disconnect(now, client);
     }
 
     /// The role that a client holds (SPI 4.1).
@@ -253,37 +171,35 @@ impl Mvc {
             while let Some(received) = self.server.next_received(client) {
                 match received {
                     Received::Command(command) => self.command(now, client, command),
-                    Received::Malformed(name, text) => self.malformed(now, client, name, text),
+                    Received::Malformed(name, text) => self.server.malformed(now, client, name, text.as_str()),
                 }
                 self.settle(now);
             }
         }
-        if let Some(what) = self.server.ignored(now, client) {
-            self.note(now, MvcEventKind::Ignored(client, what));
-        }
+        self.server.note_ignored(now, client);
     }
 
     /// When [`Mvc::handle_timeout`] is due.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Timestamp> {
-        let lapses = self.executive.lapses_at().unwrap_or(self.next_tick);
-        Some(self.next_tick.min(lapses).min(self.faults.next()))
+        let lapses = self.mission.lapses_at().unwrap_or(self.next_tick);
+        Some(self.next_tick.min(lapses).min(self.next_fault()))
     }
 
     /// Takes every step of the vehicle that is due. A late call takes them all, each at its own time, so that a call
     /// an hour late costs an hour's steps. The inputs do the same before anything else.
     pub fn handle_timeout(&mut self, now: Timestamp) {
         loop {
-            let fault = self.faults.next();
-            let first = fault.min(self.executive.lapses_at().unwrap_or(Timestamp::MAX));
+            let fault = self.next_fault();
+            let first = fault.min(self.mission.lapses_at().unwrap_or(Timestamp::MAX));
             if fault <= now && fault == first && fault <= self.next_tick {
                 self.step_faults(fault);
                 continue;
             }
             // A modify and a suspension lapse on time and not at the next step: their 5 s and 2 s are promises (SPI
             // 7.12, 8.1).
-            if let Some(at) = self.executive.lapses_at().filter(|at| *at <= now.min(self.next_tick)) {
-                self.executive.lapse(at);
+            if let Some(at) = self.mission.lapses_at().filter(|at| *at <= now.min(self.next_tick)) {
+                self.mission.lapse(at);
                 self.settle(at);
                 continue;
             }
@@ -315,37 +231,44 @@ impl Mvc {
     /// The next line of the vehicle's log.
     #[must_use]
     pub fn poll_event(&mut self) -> Option<MvcEvent> {
-        if self.events.is_empty() && self.events_lost > 0 {
-            let lost = core::mem::take(&mut self.events_lost);
-            return Some(MvcEvent {
-                at: self.last_tick,
-                kind: MvcEventKind::EventsLost(lost),
-            });
-        }
-        self.events.pop_front()
+        self.server.poll_event(self.last_tick)
+    }
+
+    /// The points of the front seat's plan and of the inserts in it, with the numbers of the planned elements.
+    #[must_use]
+    pub fn plan_points(&self) -> Vec<(Option<u32>, Position)> {
+        let points = self.mission.plan_points(self.sensors.estimate(&self.vehicle).at);
+        let place = |(number, at)| (number, self.frame().to_position(at));
+        points.into_iter().map(place).collect()
+    }
+
+    /// A hovering vehicle's truth beside [`Mvc::truth`]; none of other vehicles.
+    #[must_use]
+    pub fn hovering_truth(&self) -> Option<HoveringTruth> {
+        self.services.hovering.truth(&self.vehicle, &self.mission)
     }
 
     /// The vehicle as it is after its last step.
     #[must_use]
     pub fn truth(&self) -> Truth {
         let vehicle = &self.vehicle;
-        let position = self.frame().to_position(vehicle.at);
+        let position = self.frame().to_position(vehicle.motion().at);
         let estimate = self.sensors.estimate(vehicle);
         Truth {
             time: self.last_tick,
             position,
-            local: vehicle.at,
+            local: vehicle.motion().at,
             believed: estimate.at,
-            depth_m: vehicle.depth_m,
+            depth_m: vehicle.motion().depth_m,
             believed_depth_m: estimate.depth_m,
-            altitude_m: vehicle.water_depth_m - vehicle.depth_m,
-            water_depth_m: vehicle.water_depth_m,
-            heading_deg: true_heading(vehicle.heading_deg, self.frame(), position).as_deg(),
-            speed_mps: vehicle.surge_mps,
-            east_mps: vehicle.ground.0,
-            north_mps: vehicle.ground.1,
-            activity: self.executive.activity(),
-            control: self.executive.control(),
+            altitude_m: vehicle.motion().water_depth_m - vehicle.motion().depth_m,
+            water_depth_m: vehicle.motion().water_depth_m,
+            heading_deg: true_heading(vehicle.motion().heading_deg, self.frame(), position).as_deg(),
+            speed_mps: vehicle.motion().surge_mps,
+            east_mps: vehicle.motion().ground.0,
+            north_mps: vehicle.motion().ground.1,
+            activity: self.mission.activity(),
+            control: self.mission.control(),
         }
     }
 
@@ -353,7 +276,7 @@ impl Mvc {
     #[must_use]
     pub fn mission_over(&self) -> bool {
         matches!(
-            self.executive.status(),
+            self.mission.status(),
             Status::Completed | Status::Aborted | Status::Stopped
         )
     }
@@ -361,207 +284,12 @@ impl Mvc {
     /// The mission's status.
     #[must_use]
     pub fn mission_status(&self) -> Status {
-        self.executive.status()
+        self.mission.status()
     }
 
     /// Vehicle UTC, as its sentences carry it.
     #[must_use]
     pub fn utc(&self, now: Timestamp) -> Utc {
-        self.utc_at_start + now.since(Timestamp::ZERO)
-    }
-
-    pub(crate) fn stamp(&self, now: Timestamp) -> TimeOfDay {
-        self.utc(now).time_of_day()
-    }
-
-    /// When the vehicle's last step was.
-    pub(crate) const fn last_tick(&self) -> Timestamp {
-        self.last_tick
-    }
-
-    /// Sets the vehicle's clock forward or back.
-    pub(crate) fn step_clock(&mut self, nanos: i64) {
-        let utc = self.utc_at_start.as_unix_nanos().saturating_add_signed(nanos);
-        self.utc_at_start = Utc::from_unix_nanos(utc);
-    }
-
-    /// Says now that the payload's power goes off, and when it does where that is not sooner anyway.
-    pub(crate) fn shut_down(&mut self, now: Timestamp, at: Timestamp) {
-        self.power.shut_down_at(at);
-        self.watch_power(now);
-    }
-
-    /// Time between two steps of the vehicle.
-    pub(crate) const fn period(&self) -> Duration {
-        self.period
-    }
-
-    fn tick(&mut self, now: Timestamp) {
-        self.resolve_pending(now);
-        self.steer_hovering();
-        let drive = self
-            .executive
-            .tick(now, &self.sensors.estimate(&self.vehicle), self.frame_convergence_deg);
-        let drive = self.quieted(now, drive);
-        self.vehicle
-            .step(self.sensors.as_flown(drive), self.period.as_secs_f64());
-        self.vehicle.sense(&self.world, now);
-        if self.vehicle.grounded != self.grounded {
-            self.grounded = self.vehicle.grounded;
-            if self.grounded && drive != Drive::Held {
-                self.note(now, MvcEventKind::Grounded);
-            }
-        }
-        // The angles change by a hundred-thousandth of a degree a metre.
-        if self.ticks.is_multiple_of(10) {
-            let position = self.frame().to_position(self.vehicle.at);
-            self.frame_convergence_deg = self.frame().convergence_deg(position);
-            self.grid_convergence_deg = utm_convergence_deg(position);
-        }
-        self.settle(now);
-        self.turn_devices();
-        self.tick_sensors(now);
-        self.tick_silence(now);
-        self.tick_adjustment(now);
-        self.tick_power(now);
-        self.tick_dvl_trigger(now);
-        self.tick_topside(now);
-        self.tick_acoustic(now);
-        self.tick_hovering(now);
-        self.tick_mission_commands(now);
-        self.settle(now);
-    }
-
-    /// Tells the clients and the log what the executive and the server have done.
-    pub(crate) fn settle(&mut self, now: Timestamp) {
-        if !self.executive.log.is_empty() {
-            let mut log = core::mem::take(&mut self.executive.log);
-            for kind in log.drain(..) {
-                self.tell(now, &kind);
-                self.note(now, kind);
-            }
-            // Nothing above asks the executive for more: its log is still empty, and keeps its room this way.
-            self.executive.log = log;
-        }
-        while let Some((client, reason, role)) = self.server.dropped.pop_front() {
-            self.mute(client);
-            self.note(now, MvcEventKind::Dropped(client, reason));
-            if let Some(role) = role {
-                self.note(now, MvcEventKind::RoleReleased(client, role));
-            }
-        }
-    }
-
-    fn tell(&mut self, now: Timestamp, kind: &MvcEventKind) {
-        let created = self.stamp(now);
-        #[expect(
-            clippy::wildcard_enum_match_arm,
-            reason = "the rest is the vehicle's own affair, or acknowledged"
-        )]
-        match kind {
-            MvcEventKind::Control(granted) => {
-                self.publish(
-                    now,
-                    Some(Topic::Control),
-                    &BackseatControl {
-                        created,
-                        granted: *granted,
-                    }
-                    .into(),
-                );
-            }
-            MvcEventKind::Mission { status, details } => {
-                let message = self.mission_message(now, *status, details.as_str());
-                self.publish(now, Some(Topic::Mission), &message);
-            }
-            MvcEventKind::BehaviorBegan(behavior) => {
-                let (dive_file, number, identifier, kind) = self.behavior_fields(*behavior);
-                let message = BehaviorBegin {
-                    created,
-                    dive_file,
-                    number,
-                    identifier,
-                    kind,
-                };
-                self.publish(now, Some(Topic::BehaviorBegin), &message.into());
-            }
-            MvcEventKind::BehaviorEnded(behavior, _) => {
-                let (dive_file, number, identifier, kind) = self.behavior_fields(*behavior);
-                let message = BehaviorEnd {
-                    created,
-                    dive_file,
-                    number,
-                    identifier,
-                    kind,
-                };
-                self.publish(now, Some(Topic::BehaviorEnd), &message.into());
-            }
-            MvcEventKind::Executive(MissionEvent::Told { role, what, text }) => {
-                let text = text.clone();
-                let message = match what {
-                    Told::Command => MissionCommand { created, text }.into(),
-                    Told::LoggingBegins => LoggingBegin { created, text }.into(),
-                    Told::LoggingEnds => LoggingEnd { created, text }.into(),
-                };
-                self.command_client(now, role.as_deref(), &message);
-            }
-            _ => {}
-        }
-    }
-
-    /// A behavior as BFMBS and BFMBE give it (SPI 6.9): an insert has an identifier, an element file and number.
-    fn behavior_fields(&self, behavior: Behavior) -> (Text, Option<u32>, Option<backseat_spi::BehaviorId>, Text) {
-        let kind = Text::cleaned(behavior.kind);
-        match behavior.source {
-            Source::Plan(number) => (self.dive_file.clone(), Some(number), None, kind),
-            Source::Insert(id) => (Text::default(), None, Some(id), kind),
-            Source::Empty => (Text::default(), None, None, kind),
-        }
-    }
-
-    pub(crate) fn mission_message(&self, now: Timestamp, status: Status, details: &str) -> FromVehicle {
-        let text = match status {
-            Status::Running => self.running_text.clone(),
-            Status::Ready
-            | Status::WrappingUp
-            | Status::Aborting
-            | Status::Completed
-            | Status::Aborted
-            | Status::Stopped => Text::cleaned(status.name()),
-        };
-        // An empty mission has no dive file.
-        let dive_file = if self.executive.is_empty_mission() {
-            Text::default()
-        } else {
-            self.dive_file.clone()
-        };
-        let details = Text::cleaned(details);
-        MissionStatus {
-            created: self.stamp(now),
-            dive_file,
-            status: text,
-            details,
-        }
-        .into()
-    }
-
-    pub(crate) fn send(&mut self, now: Timestamp, client: ClientId, message: FromVehicle) {
-        if let Err(name) = self.server.send(client, &message) {
-            self.note(now, MvcEventKind::NotEncoded(name));
-        }
-    }
-
-    pub(crate) fn publish(&mut self, now: Timestamp, topic: Option<Topic>, message: &FromVehicle) {
-        if let Err(name) = self.server.publish(topic, message) {
-            self.note(now, MvcEventKind::NotEncoded(name));
-        }
-    }
-
-    pub(crate) fn note(&mut self, at: Timestamp, kind: MvcEventKind) {
-        if self.events.len() < EVENTS_MAX {
-            self.events.push_back(MvcEvent { at, kind });
-        } else {
-            self.events_lost += 1;
-        }
+        self.server.utc(now)
     }
 }

@@ -1,7 +1,7 @@
+mod aiding;
 mod attitude;
 mod compass;
 mod dvl;
-mod failure;
 mod imu;
 mod noise;
 mod readings;
@@ -25,13 +25,12 @@ use self::tailcone::Tailcone;
 use self::untrue::UntrueWords;
 use self::water::{Water, true_sound_mps};
 use crate::estimate::Estimate;
-use crate::faults::Untrue;
+use crate::faults::{Sensor, Untrue};
 use crate::file::{SensorConfig, WorldFile};
-use crate::plan::Vertical;
+use crate::vehicle::Vertical;
 use crate::vehicle::{Demand, Drive, HoverDemand, Turn, Vehicle};
 
-pub use self::failure::{Sensor, SensorFailure};
-pub(crate) use self::solution::FixOutcome;
+use self::solution::FixOutcome;
 
 /// Velocity towards the frame's east and north, metres a second.
 type EastNorthRate = (f64, f64);
@@ -60,15 +59,15 @@ pub(crate) struct Sensors {
     sound_ratio: f64,
     schedules: Schedules,
     /// How the vehicle moved a step before.
-    before: Motion,
-    now: Motion,
+    before: Rates,
+    now: Rates,
     last: Option<(Navigation, VelocityAndRates)>,
     failed: Failed,
     untrue: UntrueWords,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Motion {
+struct Rates {
     ground: EastNorthRate,
     heave_mps: f64,
     yaw_rate_dps: f64,
@@ -105,11 +104,11 @@ impl Sensors {
             tailcone: Tailcone::new(&config.tailcone, seed),
             water,
             depth_error_m,
-            depth_m: vehicle.depth_m + depth_error_m,
+            depth_m: vehicle.motion().depth_m + depth_error_m,
             sound_ratio: 1.0,
             schedules: Schedules::new(&config),
-            before: Motion::default(),
-            now: Motion::default(),
+            before: Rates::default(),
+            now: Rates::default(),
             last: None,
             failed: Failed::default(),
             untrue: UntrueWords::default(),
@@ -121,15 +120,17 @@ impl Sensors {
         let velocity = self.solution.velocity;
         // The current is what is left of the velocity over ground without that through the water.
         let water = (
-            vehicle.ground.0 - vehicle.current.0,
-            vehicle.ground.1 - vehicle.current.1,
+            vehicle.motion().ground.0 - vehicle.motion().current.0,
+            vehicle.motion().ground.1 - vehicle.motion().current.1,
         );
         Estimate {
             at: self.solution.at,
             depth_m: self.depth_m,
-            heading_deg: vehicle.heading_deg + self.solution.heading_bias_deg,
-            surge_mps: vehicle.surge_mps,
+            heading_deg: vehicle.motion().heading_deg + self.solution.heading_bias_deg,
+            surge_mps: vehicle.motion().surge_mps,
             current: (velocity.0 - water.0, velocity.1 - water.1),
+            heading_bias_deg: self.solution.heading_bias_deg,
+            way: self.solution.own_way(),
         }
     }
 
@@ -170,21 +171,6 @@ impl Sensors {
         self.dvl.lock
     }
 
-    /// The depth that it reads, metres.
-    pub(crate) const fn depth_m(&self) -> f64 {
-        self.depth_m
-    }
-
-    /// What its headings are wrong by, degrees.
-    pub(crate) const fn heading_bias_deg(&self) -> f64 {
-        self.solution.heading_bias_deg
-    }
-
-    /// The way of the last step as the log and the inertial system know it, by the vehicle's true heading.
-    pub(crate) fn own_way(&self) -> EastNorth {
-        self.solution.own_way()
-    }
-
     /// Turns the Doppler log to look so many degrees above the horizontal.
     pub(crate) fn turn_log(&mut self, look_deg: f64) {
         self.dvl.turn_to(look_deg);
@@ -195,14 +181,12 @@ impl Sensors {
         self.failed.frozen = frozen;
     }
 
-    /// Navigation says what is not so from the next step on, until the fault of this number ends.
-    pub(crate) fn begin_untrue(&mut self, number: usize, what: Untrue) {
-        self.untrue.begin(number, what, self.steps, self.solution.at);
-    }
-
-    /// One fault of the words of navigation is over.
-    pub(crate) fn end_untrue(&mut self, number: usize) {
-        self.untrue.end(number);
+    /// Navigation says what is not so from the next step on, or no longer, as the fault of this number has it.
+    pub(crate) fn say_untrue(&mut self, number: usize, what: Option<Untrue>) {
+        match what {
+            Some(what) => self.untrue.begin(number, what, self.steps, self.solution.at),
+            None => self.untrue.end(number),
+        }
     }
 
     /// The solution jumps.
@@ -249,16 +233,16 @@ impl Sensors {
     }
 
     /// One step of the vehicle, which has been made.
-    fn step(&mut self, vehicle: &Vehicle, world: &World, now: Timestamp) {
+    fn advance(&mut self, vehicle: &Vehicle, world: &World, now: Timestamp) {
         self.steps += 1;
         self.before = self.now;
-        self.now = Motion {
-            ground: vehicle.ground,
-            heave_mps: vehicle.heave_mps,
-            yaw_rate_dps: vehicle.yaw_rate_dps,
+        self.now = Rates {
+            ground: vehicle.motion().ground,
+            heave_mps: vehicle.motion().heave_mps,
+            yaw_rate_dps: vehicle.motion().yaw_rate_dps,
         };
         if !self.failed.depth {
-            self.depth_m = vehicle.depth_m + self.depth_error_m;
+            self.depth_m = vehicle.motion().depth_m + self.depth_error_m;
         }
         if !self.config.dvl.phased_array && self.schedules.sound_ratio.due(now).is_some() {
             let used_mps = self.water.sound_mps(vehicle, world, now);
@@ -287,7 +271,8 @@ impl Sensors {
         let config = &self.config;
         let mut draws = self.report.reading(self.steps);
         let noise = EastNorth::new(draws.gaussian(), draws.gaussian()) * config.position_noise_m;
-        let heading_deg = vehicle.heading_deg + self.solution.heading_bias_deg + draws.normal(config.heading_noise_deg);
+        let heading_deg =
+            vehicle.motion().heading_deg + self.solution.heading_bias_deg + draws.normal(config.heading_noise_deg);
         let depth_m = self.depth_m + draws.normal(config.depth_noise_m);
         let altitude_noise_m = draws.normal(config.altitude_noise_m);
         let place = self.untrue.place(self.solution.at + noise, self.steps, self.dt_s);
@@ -302,25 +287,28 @@ impl Sensors {
             },
             altitude: if self.dvl.sounds && !self.failed.altimeter {
                 // A reading of zero would say that there is no lock.
-                Altitude::from_m((vehicle.water_depth_m - vehicle.depth_m + altitude_noise_m).max(0.01)).ok()
+                Altitude::from_m(
+                    (vehicle.motion().water_depth_m - vehicle.motion().depth_m + altitude_noise_m).max(0.01),
+                )
+                .ok()
             } else {
                 None
             },
             depth: Depth::from_m(depth_m.clamp(-100.0, 12_000.0)).expect("clamped to the range of a depth"),
             heading: GridHeading::from_deg(heading_deg + convergence_deg)
                 .expect("a wrapped angle, a convergence and noise are finite"),
-            roll_deg: vehicle.roll_deg + draws.normal(config.attitude_noise_deg),
-            pitch_deg: vehicle.pitch_deg + draws.normal(config.attitude_noise_deg),
+            roll_deg: vehicle.motion().roll_deg + draws.normal(config.attitude_noise_deg),
+            pitch_deg: vehicle.motion().pitch_deg + draws.normal(config.attitude_noise_deg),
             solution: stamp,
         };
         let velocity = VelocityAndRates {
             created: stamp,
             east_mps: self.solution.velocity.0 + draws.normal(config.velocity_noise_mps),
             north_mps: self.solution.velocity.1 + draws.normal(config.velocity_noise_mps),
-            down_mps: vehicle.heave_mps,
-            pitch_rate_dps: vehicle.pitch_rate_dps,
-            roll_rate_dps: vehicle.roll_rate_dps,
-            yaw_rate_dps: vehicle.yaw_rate_dps,
+            down_mps: vehicle.motion().heave_mps,
+            pitch_rate_dps: vehicle.motion().pitch_rate_dps,
+            roll_rate_dps: vehicle.motion().roll_rate_dps,
+            yaw_rate_dps: vehicle.motion().yaw_rate_dps,
         };
         self.last = Some((navigation.clone(), velocity.clone()));
         (navigation, velocity)

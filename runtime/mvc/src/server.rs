@@ -1,292 +1,341 @@
-//! The server's table of clients: who is connected, what each has switched on, what is due to it.
+//! The server side of the interface: who is connected and what each is told, the vehicle's log and its clock.
+//!
+//! Every part of the vehicle says here what it has to say. What a client asks for comes out here, and is routed by
+//! [`crate::Mvc`].
 
+pub(crate) mod answers;
+mod clients;
+mod log;
+pub(crate) mod requests;
 mod roles;
-mod topics;
+pub(crate) mod topics;
 
-use core::time::Duration;
-use std::collections::VecDeque;
 use std::net::SocketAddr;
 
-use backseat_spi::{CommandName, FrameCounts, Framer, FromVehicle, Policy, Sentence, Text, ToVehicle};
+use backseat_spi::{AckStatus, Acknowledgement, CommandName, EchoedTime, FromVehicle, Text, VehicleVersion};
+use backseat_units::{TimeOfDay, Timestamp, Utc};
 
-use backseat_units::Timestamp;
+use self::answers::{Answers, Regarding, Verdict, clipped};
+use self::clients::Clients;
+use self::log::Log;
+use self::requests::{Requests, Work};
+use self::topics::{Named, Topic, named};
+use crate::event::{ClientId, DropReason, MvcEvent, MvcEventKind};
+use crate::faults::FaultKind;
+use crate::file::{Profile, WorldFile};
+use crate::interpretation::Interpretation;
+use crate::plan::insert::Insert;
 
-pub(crate) use topics::{Named, Topic, named};
+pub(crate) use self::clients::Received;
 
-use crate::event::{ClientId, DropReason};
-use crate::file::SpiConfig;
-use crate::server::roles::{Roles, Seat};
-
-/// How much may wait for a client, bytes: a long plan fits twice, a client that never reads is cut off.
-const BACKLOG_MAX: usize = 4 << 20;
-
-/// What came from a client.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Received {
-    Command(ToVehicle),
-    /// A command that does not parse: its name, and which field is at fault.
-    Malformed(CommandName, Text),
-}
-
-#[derive(Debug)]
-struct Client {
-    id: ClientId,
-    framer: Framer,
-    topics: u32,
-    /// Which of the server's roles it holds.
-    role: Option<usize>,
-    out: Vec<u8>,
-    /// What it had sent that is no sentence, when the log was last told, and when the next line may come.
-    told: FrameCounts,
-    tell_from: Timestamp,
-}
-
-/// Ignored sentences of a client are told of no more often.
-const IGNORED_EVERY: Duration = Duration::from_secs(1);
-
-const fn without_sentences(counts: FrameCounts) -> FrameCounts {
-    FrameCounts {
-        sentences: 0,
-        checksum_absent: 0,
-        ..counts
-    }
-}
-
-/// The table of clients: what each has switched on, what it has sent, what is due to it.
+/// Clients, what is due to them, the log and the clock.
 #[derive(Debug)]
 pub(crate) struct Server {
-    clients: Vec<Client>,
-    clients_max: usize,
-    roles: Roles,
-    /// Clients that the server has cut off and the driver has not yet heard of.
-    gone: VecDeque<ClientId>,
-    /// What the server has cut off since last asked, why, and the role that is free by that.
-    pub(crate) dropped: VecDeque<(ClientId, DropReason, Option<Box<str>>)>,
-    /// All that any client has switched on.
-    topics: u32,
-    /// Where the next look for something to send begins, so that each client has its turn.
-    turn: usize,
-    scratch: Vec<u8>,
+    clients: Clients,
+    log: Log,
+    answers: Answers,
+    requests: Requests,
+    utc_at_start: Utc,
+    version: Text,
+    profile: Profile,
+    /// Who has been cut off and not yet been told of to the rest of the vehicle.
+    left: Vec<ClientId>,
 }
 
 impl Server {
-    pub(crate) fn new(config: &SpiConfig) -> Self {
+    pub(crate) fn new(file: &WorldFile, interpretation: &Interpretation, seed: u64) -> Self {
         Self {
-            clients: Vec::new(),
-            clients_max: config.clients_max as usize,
-            roles: Roles::new(config),
-            gone: VecDeque::new(),
-            dropped: VecDeque::new(),
-            topics: 0,
-            turn: 0,
-            scratch: Vec::with_capacity(512),
+            clients: Clients::new(&file.spi),
+            log: Log::default(),
+            answers: Answers::new(interpretation),
+            requests: Requests::new(&file.spi, seed),
+            utc_at_start: file.start.utc,
+            version: Text::cleaned(&file.spi.version),
+            profile: file.spi.profile,
+            left: Vec::new(),
         }
     }
 
-    /// Adds a client; false where there is no room or no role for it, and it is cut off.
-    pub(crate) fn connect(&mut self, id: ClientId, address: Option<SocketAddr>, topics: u32) -> bool {
-        self.disconnect(id);
-        self.gone.retain(|gone| *gone != id);
-        if self.clients.len() >= self.clients_max {
-            self.cut_off(id, DropReason::TooMany);
-            return false;
-        }
-        let held = |role: usize| self.clients.iter().any(|client| client.role == Some(role));
-        let role = match self.roles.seat(address, held) {
-            Seat::Role(role) => Some(role),
-            Seat::Stranger => None,
-            Seat::Refused(reason) => {
-                self.cut_off(id, reason);
-                return false;
-            }
+    /// A client that is not known has connected: it is given the role that is meant for its address (SPI 4.1), and told
+    /// the interface version (SPI 5.7). Where there is no room or no role for it, it is cut off.
+    pub(crate) fn connect(&mut self, now: Timestamp, client: ClientId, address: Option<SocketAddr>) {
+        let topics = match self.profile {
+            Profile::Spec => 0,
+            Profile::Field => Topic::Control.bit() | Topic::Mission.bit(),
         };
-        self.clients.push(Client {
-            id,
-            framer: Framer::new(Policy::FromPayload),
-            topics,
-            role,
-            out: Vec::new(),
-            told: FrameCounts::default(),
-            tell_from: Timestamp::ZERO,
-        });
-        self.topics |= topics;
-        true
-    }
-
-    /// The role that a client holds.
-    pub(crate) fn role_of(&self, id: ClientId) -> Option<&str> {
-        let client = self.clients.iter().find(|client| client.id == id)?;
-        self.roles.name(client.role?)
-    }
-
-    /// The client that holds a role.
-    pub(crate) fn holder(&self, role: &str) -> Option<ClientId> {
-        let holds = |client: &&Client| client.role.and_then(|held| self.roles.name(held)) == Some(role);
-        self.clients.iter().find(holds).map(|client| client.id)
-    }
-
-    /// Forgets a client, and gives the role that is free by that; none where the client was not known.
-    pub(crate) fn disconnect(&mut self, id: ClientId) -> Option<Option<Box<str>>> {
-        let at = self.clients.iter().position(|client| client.id == id)?;
-        let client = self.clients.remove(at);
-        self.topics = self.clients.iter().fold(0, |topics, client| topics | client.topics);
-        Some(client.role.and_then(|role| self.roles.name(role)).map(Box::from))
-    }
-
-    pub(crate) fn cut_off(&mut self, id: ClientId, reason: DropReason) {
-        let role = self.disconnect(id).flatten();
-        // A driver that never asks must not make this grow.
-        if self.gone.len() < 1024 {
-            self.gone.push_back(id);
+        if self.clients.connect(client, address, topics) {
+            self.note(now, MvcEventKind::Connected(client));
+            if let Some(role) = self.clients.role_of(client).map(Box::from) {
+                self.note(now, MvcEventKind::RoleGiven(client, role));
+            }
+            let (created, version) = (self.stamp(now), self.version.clone());
+            self.send(now, client, &VehicleVersion { created, version }.into());
         }
-        self.dropped.push_back((id, reason, role));
+    }
+
+    /// A client's connection is gone, with all that it had switched on and all that was due to it.
+    pub(crate) fn disconnect(&mut self, now: Timestamp, client: ClientId) {
+        self.mute(client);
+        if let Some(role) = self.clients.disconnect(client) {
+            self.note(now, MvcEventKind::Disconnected(client));
+            if let Some(role) = role {
+                self.note(now, MvcEventKind::RoleReleased(client, role));
+            }
+        }
+    }
+
+    pub(crate) fn cut_off(&mut self, client: ClientId, reason: DropReason) {
+        self.clients.cut_off(client, reason);
     }
 
     pub(crate) fn cut_off_all(&mut self, reason: DropReason) {
-        while let Some(id) = self.clients.first().map(|client| client.id) {
-            self.cut_off(id, reason);
+        self.clients.cut_off_all(reason);
+    }
+
+    /// Logs who has been cut off.
+    pub(crate) fn settle(&mut self, now: Timestamp) {
+        while let Some((client, reason, role)) = self.clients.next_dropped() {
+            self.mute(client);
+            self.left.push(client);
+            self.note(now, MvcEventKind::Dropped(client, reason));
+            if let Some(role) = role {
+                self.note(now, MvcEventKind::RoleReleased(client, role));
+            }
         }
+    }
+
+    /// The next client that has been cut off and that the rest of the vehicle is to forget.
+    pub(crate) fn next_left(&mut self) -> Option<ClientId> {
+        self.left.pop()
+    }
+
+    fn mute(&mut self, client: ClientId) {
+        self.answers.forget(client);
+        self.requests.mute(client);
+    }
+
+    /// The role that a client holds (SPI 4.1).
+    pub(crate) fn role_of(&self, client: ClientId) -> Option<&str> {
+        self.clients.role_of(client)
+    }
+
+    pub(crate) fn push(&mut self, client: ClientId, bytes: &[u8]) {
+        self.clients.push(client, bytes);
+    }
+
+    pub(crate) fn next_received(&mut self, client: ClientId) -> Option<Received> {
+        self.clients.next_received(client)
+    }
+
+    /// Logs what a client has sent that is no sentence.
+    pub(crate) fn note_ignored(&mut self, now: Timestamp, client: ClientId) {
+        if let Some(what) = self.clients.ignored(now, client) {
+            self.note(now, MvcEventKind::Ignored(client, what));
+        }
+    }
+
+    pub(crate) fn poll_transmit(&mut self, out: &mut Vec<u8>) -> Option<ClientId> {
+        self.clients.poll_transmit(out)
     }
 
     pub(crate) fn poll_disconnect(&mut self) -> Option<ClientId> {
-        self.gone.pop_front()
+        self.clients.poll_disconnect()
     }
 
-    pub(crate) fn push(&mut self, id: ClientId, bytes: &[u8]) {
-        if let Some(client) = self.client(id) {
-            client.framer.push(bytes);
-        }
+    pub(crate) fn poll_event(&mut self, last_step: Timestamp) -> Option<MvcEvent> {
+        self.log.poll(last_step)
     }
 
-    pub(crate) fn next_received(&mut self, id: ClientId) -> Option<Received> {
-        let client = self.client(id)?;
-        let sentence = client.framer.next_sentence()?;
-        Some(match ToVehicle::decode(&sentence) {
-            Ok(command) => match reserved_fault(&command, &sentence) {
-                None => Received::Command(command),
-                Some(fault) => {
-                    let name = CommandName::new(sentence.name()).unwrap_or(CommandName::NAK);
-                    Received::Malformed(name, Text::cleaned(&fault))
-                }
-            },
-            Err(error) => {
-                let name = CommandName::new(sentence.name()).unwrap_or(CommandName::NAK);
-                Received::Malformed(name, Text::cleaned(&error.to_string()))
-            }
-        })
+    /// Vehicle UTC, as its sentences carry it.
+    pub(crate) fn utc(&self, now: Timestamp) -> Utc {
+        self.utc_at_start + now.since(Timestamp::ZERO)
     }
 
-    /// What a client has sent that is no sentence, since that was last asked with an answer: a line a second at most.
-    pub(crate) fn ignored(&mut self, now: Timestamp, id: ClientId) -> Option<Text> {
-        let client = self.client(id)?;
-        let (counts, told) = (client.framer.counts(), client.told);
-        if now < client.tell_from || without_sentences(counts) == without_sentences(told) {
-            return None;
-        }
-        (client.told, client.tell_from) = (counts, now + IGNORED_EVERY);
-        let parts = [
-            (counts.checksum_invalid - told.checksum_invalid, "with a wrong checksum"),
-            (counts.malformed - told.malformed, "without a name"),
-            (counts.too_long - told.too_long, "too long"),
-            (counts.not_utf8 - told.not_utf8, "not of text"),
-            (counts.cut_short - told.cut_short, "cut short"),
-            (counts.overflowed - told.overflowed, "too many at once"),
-            (counts.noise_bytes - told.noise_bytes, "bytes of noise"),
-        ];
-        let parts: Vec<String> = parts
-            .iter()
-            .filter(|(count, _)| *count > 0)
-            .map(|(count, what)| format!("{count} {what}"))
-            .collect();
-        Some(Text::cleaned(&parts.join("; ")))
+    pub(crate) fn stamp(&self, now: Timestamp) -> TimeOfDay {
+        self.utc(now).time_of_day()
     }
 
-    pub(crate) fn switch(&mut self, id: ClientId, topics: u32, on: bool) {
-        if let Some(client) = self.client(id) {
-            client.topics = if on {
-                client.topics | topics
-            } else {
-                client.topics & !topics
-            };
-        }
-        self.topics = self.clients.iter().fold(0, |topics, client| topics | client.topics);
+    /// Sets the vehicle's clock forward or back.
+    pub(crate) fn step_clock(&mut self, nanos: i64) {
+        let utc = self.utc_at_start.as_unix_nanos().saturating_add_signed(nanos);
+        self.utc_at_start = Utc::from_unix_nanos(utc);
     }
 
-    pub(crate) fn has(&self, id: ClientId, topic: Topic) -> bool {
-        self.clients
-            .iter()
-            .any(|client| client.id == id && client.topics & topic.bit() != 0)
+    pub(crate) fn note(&mut self, at: Timestamp, kind: MvcEventKind) {
+        self.log.note(at, kind);
     }
 
-    /// Whether any client has switched it on.
+    /// Whether any client has switched one of these on.
     pub(crate) const fn wanted(&self, topics: u32) -> bool {
-        self.topics & topics != 0
+        self.clients.wanted(topics)
     }
 
-    /// Sends to one client. An error is the name of the message that cannot be written.
-    pub(crate) fn send(&mut self, id: ClientId, message: &FromVehicle) -> Result<(), Box<str>> {
-        let Some(client) = self.client(id) else { return Ok(()) };
-        let encoded = message.encode(&mut client.out).map_err(|_| Box::from(message.name()));
-        if client.out.len() > BACKLOG_MAX {
-            self.cut_off(id, DropReason::Backlog);
+    /// Whether this client has switched it on.
+    pub(crate) fn has(&self, client: ClientId, topic: Topic) -> bool {
+        self.clients.has(client, topic)
+    }
+
+    pub(crate) fn send(&mut self, now: Timestamp, client: ClientId, message: &FromVehicle) {
+        if let Err(name) = self.clients.send(client, message) {
+            self.note(now, MvcEventKind::NotEncoded(name));
         }
-        encoded
     }
 
     /// Sends to every client that has switched it on, or to all.
-    pub(crate) fn publish(&mut self, topic: Option<Topic>, message: &FromVehicle) -> Result<(), Box<str>> {
-        self.scratch.clear();
-        message
-            .encode(&mut self.scratch)
-            .map_err(|_| Box::from(message.name()))?;
-        let mut full = Vec::new();
-        for client in &mut self.clients {
-            if topic.is_none_or(|topic| client.topics & topic.bit() != 0) {
-                client.out.extend_from_slice(&self.scratch);
-                if client.out.len() > BACKLOG_MAX {
-                    full.push(client.id);
-                }
-            }
+    pub(crate) fn publish(&mut self, now: Timestamp, topic: Option<Topic>, message: &FromVehicle) {
+        if let Err(name) = self.clients.publish(topic, message) {
+            self.note(now, MvcEventKind::NotEncoded(name));
         }
-        for id in full {
-            self.cut_off(id, DropReason::Backlog);
-        }
-        Ok(())
     }
 
-    /// One write: all that is due to one client. Its buffer is swapped, so that neither is allocated anew.
-    pub(crate) fn poll_transmit(&mut self, out: &mut Vec<u8>) -> Option<ClientId> {
-        let count = self.clients.len();
-        for step in 0..count {
-            let at = (self.turn + step) % count;
-            if let Some(client) = self.clients.get_mut(at).filter(|client| !client.out.is_empty()) {
-                self.turn = at + 1;
-                out.clear();
-                core::mem::swap(out, &mut client.out);
-                return Some(client.id);
-            }
+    /// Sends a command message (SPI 5) to the client that holds a role, or to all without one.
+    pub(crate) fn order(&mut self, now: Timestamp, role: Option<&str>, message: &FromVehicle) {
+        let Some(role) = role else {
+            self.publish(now, None, message);
+            return;
+        };
+        match self.clients.holder(role) {
+            Some(client) => self.send(now, client, message),
+            None => self.note(
+                now,
+                MvcEventKind::NobodyHolds {
+                    role: role.into(),
+                    message: message.name().into(),
+                },
+            ),
         }
+        self.settle(now);
+    }
+
+    /// BPLOG (SPI 7.1). What is switched on by it.
+    pub(crate) fn switch(&mut self, now: Timestamp, re: Regarding, message: Text, on: bool) -> u32 {
+        let topics = match named(message.as_str()) {
+            Named::Topics(topics) => topics,
+            Named::AlwaysOn if on => 0,
+            Named::AlwaysOn => {
+                self.acknowledge(now, re, AckStatus::Failed, "command messages are always on");
+                return 0;
+            }
+            Named::Unknown => {
+                let text = format!("message {message}: expected a message of the vehicle or ALL");
+                self.invalid(now, re, &text);
+                return 0;
+            }
+        };
+        let client = re.client;
+        self.clients.switch(client, topics, on);
+        self.note(now, MvcEventKind::Subscribed { client, message, on });
+        self.acknowledge(now, re, AckStatus::Succeeded, "");
+        if on { topics } else { 0 }
+    }
+
+    /// BFACK (SPI 6.21), where the client has asked for acknowledgements.
+    pub(crate) fn acknowledge(&mut self, now: Timestamp, re: Regarding, status: AckStatus, text: &str) {
+        if re.muted || !self.has(re.client, Topic::Acknowledgement) || !self.answers.speaks_of(re.command, status) {
+            return;
+        }
+        let (status, delay) = match self.answers.verdict(re.command, status) {
+            Verdict::Says(status) => (status, None),
+            Verdict::Late(status, delay) => (status, Some(delay)),
+            Verdict::Lost => return,
+        };
+        let message = Acknowledgement {
+            created: self.stamp(now),
+            command: re.command,
+            command_created: EchoedTime::with_decimals(re.created, self.answers.echo_decimals),
+            // 0 is none on the wire.
+            behavior: re.behavior.filter(|id| id.get() != 0),
+            status,
+            text: Text::cleaned(clipped(text)),
+        };
+        match delay {
+            None => self.send(now, re.client, &message.into()),
+            Some(delay) => self.answers.delay(now + delay, re.client, message),
+        }
+    }
+
+    /// Answers a command that has a value without a meaning.
+    pub(crate) fn invalid(&mut self, now: Timestamp, re: Regarding, text: &str) {
+        self.note(
+            now,
+            MvcEventKind::CommandInvalid(re.client, re.command, Text::cleaned(clipped(text))),
+        );
+        self.acknowledge(now, re, AckStatus::Invalid, text);
+    }
+
+    /// Answers a command that does not parse: it is named, its time is not echoed.
+    pub(crate) fn malformed(&mut self, now: Timestamp, client: ClientId, command: CommandName, text: &str) {
+        let re = Regarding {
+            client,
+            command,
+            created: TimeOfDay::MIDNIGHT,
+            behavior: None,
+            muted: false,
+        };
+        self.invalid(now, re, text);
+    }
+
+    /// Answers what is no command at all.
+    pub(crate) fn no_command(&mut self, now: Timestamp, re: Regarding, name: &str) {
+        let text = format!("{} is no command", name.chars().take(20).collect::<String>());
+        let re = Regarding {
+            command: CommandName::NAK,
+            created: TimeOfDay::MIDNIGHT,
+            ..re
+        };
+        self.invalid(now, re, &text);
+    }
+
+    /// What a fault has this command answered instead of done.
+    pub(crate) fn refusal(&self, command: CommandName) -> Option<AckStatus> {
+        self.answers.refusal(command)
+    }
+
+    /// A fault of acknowledgements begins or ends. It has this place in the plan of faults.
+    pub(crate) fn fault(&mut self, index: usize, kind: &FaultKind, begins: bool) {
+        self.answers.fault(index, kind, begins);
+    }
+
+    /// When the next late acknowledgement is sent; [`Timestamp::MAX`] is never.
+    pub(crate) fn late_due(&self) -> Timestamp {
+        self.answers.late_due()
+    }
+
+    /// Sends the acknowledgements that a fault has held back until now.
+    pub(crate) fn send_late(&mut self, now: Timestamp) {
+        while let Some((client, message)) = self.answers.next_late(now) {
+            let created = self.stamp(now);
+            self.send(now, client, &Acknowledgement { created, ..message }.into());
+        }
+    }
+
+    /// Starts a request that may be pending. Gives it back where it is to be decided at once.
+    #[must_use]
+    pub(crate) fn begin<W: Into<Work>>(&mut self, now: Timestamp, re: Regarding, work: W) -> Option<W> {
+        if self.requests.is_immediate() {
+            return Some(work);
+        }
+        self.begin_pending(now, re, work);
         None
     }
 
-    fn client(&mut self, id: ClientId) -> Option<&mut Client> {
-        self.clients.iter_mut().find(|client| client.id == id)
+    /// Starts a request that is always pending first.
+    pub(crate) fn begin_pending(&mut self, now: Timestamp, re: Regarding, work: impl Into<Work>) {
+        if self.requests.is_full(re.client) {
+            self.acknowledge(now, re, AckStatus::Failed, "too many requests are pending");
+            return;
+        }
+        self.acknowledge(now, re, AckStatus::Pending, "");
+        self.requests.push(now, re, work.into());
     }
-}
 
-/// What is wrong with a reserved field, which "must be empty or 0" (SPI 7.3, 7.10, 7.11); a comma in
-/// the text of a BPTOP spills into it. Decoding skips it.
-fn reserved_fault(command: &ToVehicle, sentence: &Sentence<'_>) -> Option<String> {
-    #[expect(
-        clippy::wildcard_enum_match_arm,
-        reason = "the other commands have no reserved field"
-    )]
-    let index = match command {
-        ToVehicle::TopsideText(_) => 3,
-        ToVehicle::CancelCurrent(_) | ToVehicle::CancelElement(_) => 1,
-        _ => return None,
-    };
-    let field = sentence.fields().nth(index)?.trim();
-    let zero = field.is_empty() || field.parse::<f64>().is_ok_and(|number| number == 0.0);
-    (!zero).then(|| format!("reserved field {field}: expected empty or 0"))
+    /// The next request whose outcome is due.
+    pub(crate) fn next_due(&mut self, now: Timestamp) -> Option<(Regarding, Work)> {
+        self.requests.next_due(now)
+    }
+
+    /// Takes back the inserts that are still pending and `of` which that is true. How many.
+    pub(crate) fn take_back(&mut self, of: impl Fn(&Insert) -> bool) -> usize {
+        self.requests.take_back(of)
+    }
 }

@@ -1,61 +1,31 @@
 mod body;
+mod demand;
 mod hover;
+pub(crate) mod hull;
 mod lags;
+mod motion;
+pub(crate) mod ship;
+pub(crate) mod sixdof;
 
 use backseat_units::math::{asin, sin, sin_cos, wrap_180, wrap_360};
 use backseat_units::{EastNorth, Timestamp};
 use backseat_world::World;
 
-use crate::hull::Hull;
-use crate::plan::Vertical;
-use crate::sixdof::{Actuators, Piloted};
-use lags::Lags;
+use self::hull::Hull;
+use self::lags::Lags;
+use self::sixdof::Piloted;
 
-pub(crate) use crate::sixdof::Throttle;
-pub(crate) use hover::{HoverDemand, Obstacle};
-
-/// What the vehicle turns to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Turn {
-    /// Degrees from the frame's north.
-    Heading(f64),
-    /// Degrees of rudder, positive to starboard (SPI 6.12), held.
-    Rudder(f64),
-}
+pub(crate) use self::demand::{Demand, Drive, HoverDemand, Turn, Vertical};
+pub(crate) use self::hover::Obstacle;
+pub(crate) use self::motion::{Motion, Tail};
+pub(crate) use self::sixdof::Throttle;
 
 /// What a lag has brought down to this moves nothing any more, in any unit. Left to itself it becomes a subnormal number,
 /// and every sum with those takes a processor a hundred times as long.
 const AT_REST: f64 = 1e-30;
 
-/// What the vehicle is asked to hold.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Demand {
-    pub(crate) turn: Turn,
-    pub(crate) vertical: Vertical,
-    pub(crate) throttle: Throttle,
-}
-
-/// Rudder, elevator and thruster, as they are and as they have been told to be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Tail {
-    pub(crate) now: Actuators,
-    pub(crate) ordered: Actuators,
-}
-
-/// What moves the vehicle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Drive {
-    /// Held where it is: before its mission.
-    Held,
-    Under(Demand),
-    /// Any way, as only a hovering vehicle can.
-    Hover(HoverDemand),
-    /// Nothing: it drifts and floats up.
-    Adrift,
-}
-
 /// The vehicle, which the current carries along: a first-order model of surge, yaw and pitch, or the body of
-/// [`crate::sixdof`].
+/// [`crate::vehicle::sixdof`].
 ///
 /// No rate of the first-order model jumps: what is asked of it changes accelerations. A step moves it by the mean of the
 /// rates before and after, so that the rates which are told add up to the way that was made, at any rate of steps.
@@ -67,39 +37,16 @@ pub(crate) struct Vehicle {
     pitch_max_sin: f64,
     lags: Lags,
     /// What a hovering vehicle keeps clear of.
-    pub(crate) obstacle: Option<Obstacle>,
-    pub(crate) at: EastNorth,
-    pub(crate) depth_m: f64,
-    /// Degrees from the frame's north, in [0, 360).
-    pub(crate) heading_deg: f64,
-    /// Along its own axis.
-    pub(crate) surge_mps: f64,
-    /// To starboard: what the water's changes leave a torpedo for a while.
-    pub(crate) sway_mps: f64,
-    /// Depth rate, positive down.
-    pub(crate) heave_mps: f64,
+    obstacle: Option<Obstacle>,
+    motion: Motion,
     /// The part of a torpedo's depth rate that its buoyancy makes and not its pitch.
     float_mps: f64,
-    pub(crate) yaw_rate_dps: f64,
-    pub(crate) pitch_deg: f64,
-    pub(crate) pitch_rate_dps: f64,
-    pub(crate) roll_deg: f64,
-    pub(crate) roll_rate_dps: f64,
-    /// Velocity of the water where the vehicle is, east and north.
-    pub(crate) current: (f64, f64),
     /// The water's velocity that surge and sway are counted from. Held, the vehicle stands over ground and not in the water.
     carried_by: (f64, f64),
     /// Sine and cosine of the heading.
     axis: (f64, f64),
-    /// Velocity over ground, east and north.
-    pub(crate) ground: (f64, f64),
-    pub(crate) water_depth_m: f64,
-    pub(crate) gradient: EastNorth,
-    pub(crate) grounded: bool,
     /// How fast it floats up adrift, as a share of the hull's buoyant rise: its buoyancy may be adjusted (SPI 7.24).
-    pub(crate) rise_share: f64,
-    /// What the tail does; none where the model has none.
-    pub(crate) tail: Option<Tail>,
+    rise_share: f64,
     /// The body that moves it in place of the first-order model.
     piloted: Option<Box<Piloted>>,
 }
@@ -113,32 +60,16 @@ impl Vehicle {
             pitch_max_sin: sin(hull.pitch_max_deg.to_radians()),
             lags: Lags::of(&hull, 1.0),
             obstacle: None,
-            at,
-            depth_m,
-            heading_deg,
-            surge_mps: 0.0,
-            sway_mps: 0.0,
-            heave_mps: 0.0,
+            motion: Motion::at_rest(at, depth_m, heading_deg),
             float_mps: 0.0,
-            yaw_rate_dps: 0.0,
-            pitch_deg: 0.0,
-            pitch_rate_dps: 0.0,
-            roll_deg: 0.0,
-            roll_rate_dps: 0.0,
-            current: (0.0, 0.0),
             carried_by: (0.0, 0.0),
             axis: sin_cos(heading_deg.to_radians()),
-            ground: (0.0, 0.0),
-            water_depth_m: f64::INFINITY,
-            gradient: EastNorth::default(),
-            grounded: false,
             rise_share: 1.0,
-            tail: None,
             piloted: None,
         }
     }
 
-    /// As [`Vehicle::new`], with six degrees of freedom. `hull` is what [`crate::sixdof::flown`] makes of one.
+    /// As [`Vehicle::new`], with six degrees of freedom. `hull` is what [`crate::vehicle::sixdof::flown`] makes of one.
     pub(crate) fn with_body(hull: Hull, altitude_min_m: f64, at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
         let piloted = Piloted::new(&hull, altitude_min_m, at, depth_m, heading_deg);
         Self {
@@ -155,18 +86,38 @@ impl Vehicle {
         self.altitude_min_m
     }
 
+    /// How it is and moves after its last step.
+    pub(crate) const fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// A ship to keep clear of.
+    pub(crate) const fn keep_clear_of(&mut self, obstacle: Option<Obstacle>) {
+        self.obstacle = obstacle;
+    }
+
+    /// The ship that it keeps clear of.
+    pub(crate) const fn obstacle(&self) -> Option<&Obstacle> {
+        self.obstacle.as_ref()
+    }
+
+    /// Floats it up adrift at this share of its hull's buoyant rise.
+    pub(crate) const fn float_with(&mut self, rise_share: f64) {
+        self.rise_share = rise_share;
+    }
+
     /// Reads the sea where the vehicle is.
     pub(crate) fn sense(&mut self, world: &World, now: Timestamp) {
-        (self.water_depth_m, self.gradient) = world.seabed().depth_and_gradient(self.at);
-        self.water_depth_m = (self.water_depth_m + world.tide_m(now)).max(0.0);
-        self.current = world.current_at(self.at, self.depth_m, now);
+        (self.motion.water_depth_m, self.motion.gradient) = world.seabed().depth_and_gradient(self.motion.at);
+        self.motion.water_depth_m = (self.motion.water_depth_m + world.tide_m(now)).max(0.0);
+        self.motion.current = world.current_at(self.motion.at, self.motion.depth_m, now);
         if self.piloted.is_some() {
             return self.ground();
         }
-        self.grounded = self.depth_m >= self.water_depth_m;
-        if self.grounded {
-            self.depth_m = self.water_depth_m;
-            self.heave_mps = self.heave_mps.min(self.deepening_mps());
+        self.motion.grounded = self.motion.depth_m >= self.motion.water_depth_m;
+        if self.motion.grounded {
+            self.motion.depth_m = self.motion.water_depth_m;
+            self.motion.heave_mps = self.motion.heave_mps.min(self.deepening_mps());
         }
     }
 
@@ -178,8 +129,8 @@ impl Vehicle {
         if dt_s.to_bits() != self.lags.dt_s.to_bits() {
             self.lags = Lags::of(&self.hull, dt_s);
         }
-        let (ground, heave_mps) = (self.ground, self.heave_mps);
-        let yaw_rate_dps = self.yaw_rate_dps;
+        let (ground, heave_mps) = (self.motion.ground, self.motion.heave_mps);
+        let yaw_rate_dps = self.motion.yaw_rate_dps;
         match drive {
             Drive::Held => return self.stand(),
             Drive::Under(demand) => {
@@ -196,62 +147,67 @@ impl Vehicle {
             }
         }
         for rate in [
-            &mut self.surge_mps,
-            &mut self.sway_mps,
-            &mut self.heave_mps,
+            &mut self.motion.surge_mps,
+            &mut self.motion.sway_mps,
+            &mut self.motion.heave_mps,
             &mut self.float_mps,
-            &mut self.yaw_rate_dps,
-            &mut self.pitch_rate_dps,
-            &mut self.roll_rate_dps,
+            &mut self.motion.yaw_rate_dps,
+            &mut self.motion.pitch_rate_dps,
+            &mut self.motion.roll_rate_dps,
         ] {
             if rate.abs() < AT_REST {
                 *rate = 0.0;
             }
         }
-        self.heading_deg = wrap_360(self.heading_deg + 0.5 * (yaw_rate_dps + self.yaw_rate_dps) * dt_s);
-        self.axis = sin_cos(self.heading_deg.to_radians());
+        self.motion.heading_deg =
+            wrap_360(self.motion.heading_deg + 0.5 * (yaw_rate_dps + self.motion.yaw_rate_dps) * dt_s);
+        self.axis = sin_cos(self.motion.heading_deg.to_radians());
         let (sin, cos) = self.axis;
         self.roll(dt_s);
         let ahead_mps = self.make_way();
-        self.ground = (
-            ahead_mps * sin + self.sway_mps * cos + self.carried_by.0,
-            ahead_mps * cos - self.sway_mps * sin + self.carried_by.1,
+        self.motion.ground = (
+            ahead_mps * sin + self.motion.sway_mps * cos + self.carried_by.0,
+            ahead_mps * cos - self.motion.sway_mps * sin + self.carried_by.1,
         );
         self.meet_surface_and_bed();
         // Adrift, nothing keeps it off but the hull itself.
         let safety_m = if drive == Drive::Adrift { 0.0 } else { self.safety_m() };
         self.stay_clear(safety_m);
-        self.at = self.at + EastNorth::new(ground.0 + self.ground.0, ground.1 + self.ground.1) * (0.5 * dt_s);
-        self.depth_m += 0.5 * (heave_mps + self.heave_mps) * dt_s;
+        self.motion.at = self.motion.at
+            + EastNorth::new(ground.0 + self.motion.ground.0, ground.1 + self.motion.ground.1) * (0.5 * dt_s);
+        self.motion.depth_m += 0.5 * (heave_mps + self.motion.heave_mps) * dt_s;
         // The last of the way up, of which there would be no end.
-        if self.depth_m < AFLOAT_M && self.heave_mps <= 0.0 {
-            self.depth_m = 0.0;
-            self.heave_mps = 0.0;
+        if self.motion.depth_m < AFLOAT_M && self.motion.heave_mps <= 0.0 {
+            self.motion.depth_m = 0.0;
+            self.motion.heave_mps = 0.0;
         }
     }
 
     /// Held over ground. What lets it go finds it at rest there, and the water in motion.
     fn stand(&mut self) {
-        (self.surge_mps, self.sway_mps) = (0.0, 0.0);
-        (self.heave_mps, self.yaw_rate_dps) = (0.0, 0.0);
-        (self.ground, self.carried_by) = ((0.0, 0.0), (0.0, 0.0));
+        (self.motion.surge_mps, self.motion.sway_mps) = (0.0, 0.0);
+        (self.motion.heave_mps, self.motion.yaw_rate_dps) = (0.0, 0.0);
+        (self.motion.ground, self.carried_by) = ((0.0, 0.0), (0.0, 0.0));
     }
 
     /// Where the water's motion changes, the vehicle's own inertia keeps its velocity over ground.
     fn carry_over(&mut self) {
         let (sin, cos) = self.axis;
-        let change = (self.current.0 - self.carried_by.0, self.current.1 - self.carried_by.1);
-        self.surge_mps -= change.0 * sin + change.1 * cos;
-        self.sway_mps -= change.0 * cos - change.1 * sin;
-        self.carried_by = self.current;
+        let change = (
+            self.motion.current.0 - self.carried_by.0,
+            self.motion.current.1 - self.carried_by.1,
+        );
+        self.motion.surge_mps -= change.0 * sin + change.1 * cos;
+        self.motion.sway_mps -= change.0 * cos - change.1 * sin;
+        self.carried_by = self.motion.current;
     }
 
     fn drift(&mut self, dt_s: f64) {
         self.surge(0.0, dt_s);
         self.settle_sway();
-        let most_dps = self.hull.turn_max_dps(self.surge_mps);
-        self.yaw_rate_dps -= self.yaw_rate_dps * self.lags.yaw;
-        self.yaw_rate_dps = self.yaw_rate_dps.clamp(-most_dps, most_dps);
+        let most_dps = self.hull.turn_max_dps(self.motion.surge_mps);
+        self.motion.yaw_rate_dps -= self.motion.yaw_rate_dps * self.lags.yaw;
+        self.motion.yaw_rate_dps = self.motion.yaw_rate_dps.clamp(-most_dps, most_dps);
         let rise_mps = self.hull.buoyant_rise_mps * self.rise_share;
         if self.hull.hovers {
             self.heave(-rise_mps);
@@ -268,7 +224,7 @@ impl Vehicle {
             Throttle::Rpm(rpm) => hull.speed_mps(rpm),
         };
         let speed_mps = speed_mps.clamp(hull.speed_min_mps, hull.speed_max_mps);
-        let before_mps = self.surge_mps;
+        let before_mps = self.motion.surge_mps;
         self.surge(speed_mps, dt_s);
         self.settle_sway();
         self.yaw(demand.turn);
@@ -279,7 +235,7 @@ impl Vehicle {
         }
         self.float(0.0);
         // Climbs and dives by its attitude: pitch is what the depth rate needs at the speed that it will have by then.
-        let speed_mps = self.surge_mps + (self.surge_mps - before_mps) * self.lags.pitch_steps;
+        let speed_mps = self.motion.surge_mps + (self.motion.surge_mps - before_mps) * self.lags.pitch_steps;
         let steepest = self.pitch_max_sin;
         let rise = (self.float_mps - wanted_mps) / speed_mps.max(PITCHES_FROM_MPS);
         self.pitch(asin(rise.clamp(-steepest, steepest)).to_degrees(), dt_s);
@@ -288,16 +244,16 @@ impl Vehicle {
     fn yaw(&mut self, turn: Turn) {
         let hull = self.hull;
         // A rudder needs way on.
-        let rate_max_dps = hull.turn_max_dps(self.surge_mps);
+        let rate_max_dps = hull.turn_max_dps(self.motion.surge_mps);
         let rate_dps = match turn {
             Turn::Heading(heading_deg) => {
-                let error_deg = wrap_180(heading_deg - self.heading_deg);
+                let error_deg = wrap_180(heading_deg - self.motion.heading_deg);
                 (hull.yaw_gain_per_s * error_deg).clamp(-rate_max_dps, rate_max_dps)
             }
             Turn::Rudder(rudder_deg) => hull.rudder_dps(rudder_deg) * rate_max_dps / hull.yaw_rate_max_dps,
         };
-        self.yaw_rate_dps += (rate_dps - self.yaw_rate_dps) * self.lags.yaw;
-        self.yaw_rate_dps = self.yaw_rate_dps.clamp(-rate_max_dps, rate_max_dps);
+        self.motion.yaw_rate_dps += (rate_dps - self.motion.yaw_rate_dps) * self.lags.yaw;
+        self.motion.yaw_rate_dps = self.motion.yaw_rate_dps.clamp(-rate_max_dps, rate_max_dps);
     }
 
     fn wanted_heave_mps(&self, vertical: Vertical) -> f64 {
@@ -305,7 +261,7 @@ impl Vehicle {
         let rate_max_mps = self.depth_rate_max_mps();
         let wanted_mps = match vertical {
             Vertical::Depth(depth_m) => self.towards_mps(depth_m),
-            Vertical::Altitude(altitude_m) => self.towards_mps(self.water_depth_m - altitude_m),
+            Vertical::Altitude(altitude_m) => self.towards_mps(self.motion.water_depth_m - altitude_m),
             Vertical::Pitch(pitch_deg) => self.by_pitch_mps(pitch_deg),
             Vertical::Elevator(elevator_deg) => self.by_pitch_mps(hull.elevator_pitch_deg(elevator_deg)),
         };
@@ -320,7 +276,7 @@ impl Vehicle {
     /// Depth rate that a pitch makes, within the same safe limits.
     fn by_pitch_mps(&self, pitch_deg: f64) -> f64 {
         let pitch_deg = pitch_deg.clamp(-self.hull.pitch_max_deg, self.hull.pitch_max_deg);
-        let by_pitch_mps = -self.surge_mps * sin(pitch_deg.to_radians());
+        let by_pitch_mps = -self.motion.surge_mps * sin(pitch_deg.to_radians());
         by_pitch_mps
             .max(self.towards_mps(0.0).min(0.0))
             .min(self.towards_mps(f64::INFINITY))
@@ -328,38 +284,38 @@ impl Vehicle {
 
     /// How fast the water under it gets deeper.
     fn deepening_mps(&self) -> f64 {
-        self.ground.0 * self.gradient.east_m + self.ground.1 * self.gradient.north_m
+        self.motion.ground.0 * self.motion.gradient.east_m + self.motion.ground.1 * self.motion.gradient.north_m
     }
 
     /// Depth rate towards a depth, clipped to the vehicle's own safe limits: not above the surface, not below its
     /// greatest depth, not nearer the seabed of now and of 10 s ahead than its least altitude.
     fn towards_mps(&self, depth_m: f64) -> f64 {
         let ahead_m = 10.0 * self.deepening_mps();
-        let floor_m = self.water_depth_m + ahead_m.min(0.0) - self.altitude_min_m;
+        let floor_m = self.motion.water_depth_m + ahead_m.min(0.0) - self.altitude_min_m;
         let depth_m = depth_m.min(self.hull.depth_max_m).min(floor_m).max(0.0);
-        self.hull.depth_gain_per_s * (depth_m - self.depth_m)
+        self.hull.depth_gain_per_s * (depth_m - self.motion.depth_m)
     }
 
     fn depth_rate_max_mps(&self) -> f64 {
         if self.hull.hovers {
             return self.hull.depth_rate_max_mps;
         }
-        let by_pitch_mps = self.surge_mps * self.pitch_max_sin;
+        let by_pitch_mps = self.motion.surge_mps * self.pitch_max_sin;
         by_pitch_mps.clamp(0.02, self.hull.depth_rate_max_mps)
     }
 
     fn surge(&mut self, speed_mps: f64, dt_s: f64) {
-        let change = (speed_mps - self.surge_mps) * self.lags.surge;
+        let change = (speed_mps - self.motion.surge_mps) * self.lags.surge;
         let most = self.hull.surge_accel_mps2 * dt_s;
-        self.surge_mps += change.clamp(-most, most);
+        self.motion.surge_mps += change.clamp(-most, most);
     }
 
     fn settle_sway(&mut self) {
-        self.sway_mps -= self.sway_mps * self.lags.surge;
+        self.motion.sway_mps -= self.motion.sway_mps * self.lags.surge;
     }
 
     fn heave(&mut self, rate_mps: f64) {
-        self.heave_mps += (rate_mps - self.heave_mps) * self.lags.heave;
+        self.motion.heave_mps += (rate_mps - self.motion.heave_mps) * self.lags.heave;
     }
 
     fn float(&mut self, rate_mps: f64) {
@@ -368,40 +324,45 @@ impl Vehicle {
 
     fn pitch(&mut self, wanted_deg: f64, dt_s: f64) {
         let most_dps = self.hull.pitch_rate_max_dps;
-        let left_deg = wanted_deg - self.pitch_deg - 0.5 * self.pitch_rate_dps * dt_s;
+        let left_deg = wanted_deg - self.motion.pitch_deg - 0.5 * self.motion.pitch_rate_dps * dt_s;
         let wanted_dps = (left_deg * self.lags.pitch_per_s).clamp(-most_dps, most_dps);
-        let rate_dps = self.pitch_rate_dps + (wanted_dps - self.pitch_rate_dps) * self.lags.attitude;
-        self.pitch_deg += 0.5 * (self.pitch_rate_dps + rate_dps) * dt_s;
-        self.pitch_rate_dps = rate_dps;
+        let rate_dps = self.motion.pitch_rate_dps + (wanted_dps - self.motion.pitch_rate_dps) * self.lags.attitude;
+        self.motion.pitch_deg += 0.5 * (self.motion.pitch_rate_dps + rate_dps) * dt_s;
+        self.motion.pitch_rate_dps = rate_dps;
     }
 
     /// Leans into turns a little. Like the pitch it looks half a step ahead, without which it would swing beyond where steps
     /// are long.
     fn roll(&mut self, dt_s: f64) {
-        let left_deg = LEAN_S * self.yaw_rate_dps - self.roll_deg - 0.5 * self.roll_rate_dps * dt_s;
+        let left_deg =
+            LEAN_S * self.motion.yaw_rate_dps - self.motion.roll_deg - 0.5 * self.motion.roll_rate_dps * dt_s;
         let wanted_dps = left_deg * self.lags.roll_per_s;
-        let rate_dps = self.roll_rate_dps + (wanted_dps - self.roll_rate_dps) * self.lags.attitude;
-        self.roll_deg += 0.5 * (self.roll_rate_dps + rate_dps) * dt_s;
-        self.roll_rate_dps = rate_dps;
+        let rate_dps = self.motion.roll_rate_dps + (wanted_dps - self.motion.roll_rate_dps) * self.lags.attitude;
+        self.motion.roll_deg += 0.5 * (self.motion.roll_rate_dps + rate_dps) * dt_s;
+        self.motion.roll_rate_dps = rate_dps;
     }
 
     /// Sets the depth rate of a torpedo by its pitch. Its speed through the water ahead in the plane.
     fn make_way(&mut self) -> f64 {
         if self.hull.hovers {
-            return self.surge_mps;
+            return self.motion.surge_mps;
         }
-        let sin = sin(self.pitch_deg.to_radians());
-        self.heave_mps = self.float_mps - self.surge_mps * sin;
+        let sin = sin(self.motion.pitch_deg.to_radians());
+        self.motion.heave_mps = self.float_mps - self.motion.surge_mps * sin;
         // Its pitch never comes near a right angle, and a root costs less than a cosine.
-        self.surge_mps * (1.0 - sin * sin).sqrt()
+        self.motion.surge_mps * (1.0 - sin * sin).sqrt()
     }
 
     /// The surface and the bed stop it as it comes to them: the closer, the slower. On a bed that rises it is pushed up.
     fn meet_surface_and_bed(&mut self) {
         let gain_per_s = self.lags.stop_per_s;
-        let altitude_m = self.water_depth_m - self.depth_m;
+        let altitude_m = self.motion.water_depth_m - self.motion.depth_m;
         let down_mps = self.deepening_mps() + TOUCH_MPS + gain_per_s * altitude_m;
-        self.heave_mps = self.heave_mps.max(-gain_per_s * self.depth_m).min(down_mps);
+        self.motion.heave_mps = self
+            .motion
+            .heave_mps
+            .max(-gain_per_s * self.motion.depth_m)
+            .min(down_mps);
     }
 }
 
@@ -416,10 +377,10 @@ const AFLOAT_M: f64 = 0.001;
 
 #[cfg(test)]
 mod tests {
+    use backseat_plan::HullClass;
     use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, Span, TideLevelConfig, WorldConfig};
 
     use super::*;
-    use crate::hull::HullClass;
 
     fn world() -> World {
         let config = WorldConfig {
@@ -466,9 +427,13 @@ mod tests {
                 throttle: Throttle::Speed(0.7),
             };
             let vehicle = fly(class, demand, 200);
-            assert!(wrap_180(vehicle.heading_deg - 180.0).abs() < 0.5, "{class:?}");
-            assert!((vehicle.depth_m - 20.0).abs() < 0.2, "{class:?} {}", vehicle.depth_m);
-            assert!((vehicle.surge_mps - 0.7).abs() < 0.01, "{class:?}");
+            assert!(wrap_180(vehicle.motion().heading_deg - 180.0).abs() < 0.5, "{class:?}");
+            assert!(
+                (vehicle.motion().depth_m - 20.0).abs() < 0.2,
+                "{class:?} {}",
+                vehicle.motion().depth_m
+            );
+            assert!((vehicle.motion().surge_mps - 0.7).abs() < 0.01, "{class:?}");
         }
     }
 
@@ -481,7 +446,7 @@ mod tests {
             throttle: Throttle::Speed(1.5),
         };
         let vehicle = fly(HullClass::TwelveInch, demand, 400);
-        let altitude = vehicle.water_depth_m - vehicle.depth_m;
+        let altitude = vehicle.motion().water_depth_m - vehicle.motion().depth_m;
         assert!((altitude - 10.0).abs() < 0.6, "{altitude}");
     }
 
@@ -499,12 +464,12 @@ mod tests {
                 let mut vehicle = Vehicle::new(hull, 2.0, EastNorth::default(), 0.0, 0.0);
                 for _ in 0..5000 {
                     vehicle.sense(&world, Timestamp::ZERO);
-                    let altitude = vehicle.water_depth_m - vehicle.depth_m;
+                    let altitude = vehicle.motion().water_depth_m - vehicle.motion().depth_m;
                     assert!(
-                        altitude > 0.5 && vehicle.depth_m <= hull.depth_max_m + 0.5,
+                        altitude > 0.5 && vehicle.motion().depth_m <= hull.depth_max_m + 0.5,
                         "{class:?} {altitude}"
                     );
-                    assert!(vehicle.surge_mps <= hull.speed_max_mps);
+                    assert!(vehicle.motion().surge_mps <= hull.speed_max_mps);
                     vehicle.step(Drive::Under(demand), 0.1);
                 }
             }
@@ -520,18 +485,26 @@ mod tests {
         };
         let vehicle = fly(HullClass::TwelveInch, demand, 20);
         // Half of the greatest rudder is half of the fastest turn.
-        assert!((vehicle.yaw_rate_dps - 5.0).abs() < 0.1, "{}", vehicle.yaw_rate_dps);
         assert!(
-            vehicle.pitch_deg < -3.0 && vehicle.depth_m > 0.5,
+            (vehicle.motion().yaw_rate_dps - 5.0).abs() < 0.1,
             "{}",
-            vehicle.pitch_deg
+            vehicle.motion().yaw_rate_dps
+        );
+        assert!(
+            vehicle.motion().pitch_deg < -3.0 && vehicle.motion().depth_m > 0.5,
+            "{}",
+            vehicle.motion().pitch_deg
         );
         let demand = Demand {
             turn: Turn::Rudder(-90.0),
             ..demand
         };
         let vehicle = fly(HullClass::TwelveInch, demand, 20);
-        assert!((vehicle.yaw_rate_dps + 10.0).abs() < 0.1, "{}", vehicle.yaw_rate_dps);
+        assert!(
+            (vehicle.motion().yaw_rate_dps + 10.0).abs() < 0.1,
+            "{}",
+            vehicle.motion().yaw_rate_dps
+        );
     }
 
     #[test]
@@ -545,7 +518,7 @@ mod tests {
         for _ in 0..1200 {
             vehicle.step(Drive::Adrift, 0.1);
         }
-        assert_eq!(vehicle.depth_m, 0.0);
-        assert!(vehicle.surge_mps < 0.01);
+        assert_eq!(vehicle.motion().depth_m, 0.0);
+        assert!(vehicle.motion().surge_mps < 0.01);
     }
 }

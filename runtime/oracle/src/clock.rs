@@ -1,4 +1,6 @@
-use crate::flaws::{Flaw, What};
+use std::collections::VecDeque;
+
+use crate::flaws::{Flaw, STEADY, What};
 use crate::moment::Moment;
 use crate::time_of_day::TimeOfDay;
 
@@ -12,16 +14,28 @@ const SET_MIN_NS: i64 = 500_000_000;
 pub(crate) struct Clock {
     /// The run's time less the vehicle's time of day, nanoseconds: neither less nor more.
     bounds: Option<[i64; 2]>,
+    /// When the answers of the last seconds came, oldest first, and the bounds that each gives by itself, where it gives
+    /// any. The first one may be older.
+    recent: VecDeque<(Moment, Option<[i64; 2]>)>,
 }
 
 impl Clock {
+    /// More answers within 10 s than a vehicle gives.
+    const RECENT_MAX: usize = 256;
+
     /// Nothing is known of it.
     pub(crate) fn forget(&mut self) {
         self.bounds = None;
+        self.recent.clear();
     }
 
     pub(crate) const fn is_known(&self) -> bool {
         self.bounds.is_some()
+    }
+
+    /// An answer came of which it is not known here what it answers, or when it was read. The runtime may know.
+    pub(crate) fn unmeasured(&mut self, came: Moment) {
+        self.remember(came, None);
     }
 
     /// An answer that was made at the vehicle's time `made` came, to what left before. A flaw where it tells of another
@@ -31,13 +45,15 @@ impl Clock {
         let mut measured = [left, came].map(|at| nanos(at.as_nanos()) - made_ns);
         let Some([least, most]) = self.bounds else {
             self.bounds = Some(measured);
+            self.remember(came, Some(measured));
             return None;
         };
         // The same day as that of those before it.
         let days = (measured[0] - least + DAY_NS / 2).div_euclid(DAY_NS);
         measured = measured.map(|bound| bound - days * DAY_NS);
+        self.remember(came, Some(measured));
         let met = [least.max(measured[0]), most.min(measured[1])];
-        let apart_ns = met[0] - met[1];
+        let apart_ns = apart(measured, [least, most]);
         if apart_ns <= 0 {
             self.bounds = Some(met);
             return None;
@@ -48,13 +64,37 @@ impl Clock {
         }
         self.bounds = Some(measured);
         Some(Flaw {
-            since: came,
+            since: self.set_since(measured).unwrap_or(came),
             told: came,
             what: What::ClockSet {
                 by_s: apart_ns as f64 / 1e9,
             },
         })
     }
+
+    fn remember(&mut self, came: Moment, bounds: Option<[i64; 2]>) {
+        while self.recent.get(1).is_some_and(|(next, _)| came.since(*next) > STEADY) {
+            self.recent.pop_front();
+        }
+        // Where there are too many, those that are kept let the clock be set earlier than it was, and never later.
+        if self.recent.len() < Self::RECENT_MAX {
+            self.recent.push_back((came, bounds));
+        }
+    }
+
+    /// When the first answer came that the vehicle can have made by the clock of these bounds. The runtime may have seen
+    /// then what is seen only later here: it measures some answers more closely, and some that are not measured here.
+    fn set_since(&self, measured: [i64; 2]) -> Option<Moment> {
+        let other = |bounds: &[i64; 2]| apart(measured, *bounds) > SET_MIN_NS;
+        let of_it = self.recent.iter().rev();
+        let of_it = of_it.take_while(|(_, bounds)| !bounds.as_ref().is_some_and(other));
+        of_it.last().map(|(came, _)| *came)
+    }
+}
+
+/// How far apart two bounds lie, nanoseconds: not more than nought where they meet.
+fn apart(one: [i64; 2], other: [i64; 2]) -> i64 {
+    one[0].max(other[0]) - one[1].min(other[1])
 }
 
 fn nanos(nanos: u64) -> i64 {

@@ -5,7 +5,7 @@ use crate::moment::Moment;
 use crate::rule::Rule;
 
 /// For so long nothing steers by navigation after a flaw of it, less what is lost between two figures.
-const STEADY: Duration = Duration::from_millis(9900);
+pub(crate) const STEADY: Duration = Duration::from_millis(9900);
 
 /// What has shown that navigation, or the clock that it goes by, cannot be steered by.
 #[derive(Clone, Copy, Debug)]
@@ -64,9 +64,12 @@ impl Flaws {
         self.0.push_back(flaw);
     }
 
-    /// What was told after this the runtime may never have read.
-    pub(crate) fn unread_from(&mut self, told: Moment) {
+    /// What was told after this the runtime may never have read. Whether that was said of the vehicle's clock too.
+    pub(crate) fn unread_from(&mut self, told: Moment) -> bool {
+        let of_clock = |flaw: &Flaw| flaw.told >= told && flaw.what.rule() == Rule::ClockSet;
+        let clock = self.0.iter().any(of_clock);
         self.0.retain(|flaw| flaw.told < told);
+        clock
     }
 
     pub(crate) fn clear(&mut self) {

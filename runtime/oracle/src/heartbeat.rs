@@ -33,6 +33,8 @@ pub(crate) struct Heartbeat {
     logs: VecDeque<Moment>,
     subscribed: bool,
     early_log: Option<Moment>,
+    /// When the BPLOG left that was answered last, if the one before all others was not answered.
+    log_before: Option<Moment>,
     /// When commands left that were answered in time, and when their answers came; of the last seconds.
     trips: VecDeque<(Moment, Moment)>,
     /// When commands left whose answers came while the runtime stood still.
@@ -55,6 +57,7 @@ impl Heartbeat {
             logs: VecDeque::new(),
             subscribed: false,
             early_log: None,
+            log_before: None,
             trips: VecDeque::new(),
             unread: Vec::new(),
             unseen_until: None,
@@ -91,17 +94,29 @@ impl Heartbeat {
         }
     }
 
-    /// The vehicle answered something: when that had left. `stopped` where the runtime stands still, and reads it when it
-    /// goes on.
+    /// The vehicle answered something: when that left at the earliest, where that is certain. `stopped` where the runtime
+    /// stands still, and reads it when it goes on.
     pub(crate) fn answered(&mut self, at: Moment, command: [u8; 3], echo: Echo, stopped: bool) -> Option<Moment> {
+        let mut earliest = None;
         let left = if command == *b"LOG" {
+            // If the vehicle answers the early one too, each answer is to the BPLOG before.
+            let early = self.early_log;
             let known = self.logs.pop_front().or_else(|| self.early_log.take());
+            if self.unseen_until.is_none()
+                && let Some(left) = known
+            {
+                let before = self.log_before.replace(left);
+                earliest = if early.is_some() { before.or(early) } else { known };
+            }
             // One that left unseen may be meant.
             known.or(self.unseen_until.map(|_| at))
         } else {
             let meant = |(name, created, _): &([u8; 3], TimeOfDay, Moment)| *name == command && echo.echoes(*created);
             let index = self.sent.iter().rposition(meant);
-            index.and_then(|index| self.sent.remove(index)).map(|(_, _, left)| left)
+            let left = index.and_then(|index| self.sent.remove(index)).map(|(_, _, left)| left);
+            // One that is not precise may mean several.
+            earliest = left.filter(|_| echo.is_precise());
+            left
         };
         match left {
             Some(left) if stopped && self.unread.len() < Self::TRIPS_MAX => self.unread.push(left),
@@ -111,7 +126,7 @@ impl Heartbeat {
             }
             Some(_) | None => {}
         }
-        left
+        earliest
     }
 
     /// The runtime goes on, and reads what came meanwhile.
@@ -172,6 +187,7 @@ impl Heartbeat {
         self.logs.clear();
         self.subscribed = false;
         self.early_log = None;
+        self.log_before = None;
         self.trips.clear();
         self.unread.clear();
         self.unseen_until = None;

@@ -174,7 +174,10 @@ impl Oracle {
         self.navigation.cut();
         self.integrity.cut();
         // What was on its way may not have been read.
-        self.flaws.unread_from(at - self.sure());
+        if self.flaws.unread_from(at - self.sure()) {
+            // It may go by the clock from before, and see nothing where that is set back.
+            self.clock.forget();
+        }
         // The old connection is over either way, even where its end was not told.
         let change = self.control.link(at, false);
         self.control_changed(at, change);

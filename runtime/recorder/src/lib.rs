@@ -1,6 +1,5 @@
-//! The log of a run, in MCAP, and pictures of it.
+//! The log of a run, in MCAP.
 //!
-//! # The log
 //! One MCAP file a run (<https://mcap.dev/spec>), uncompressed, written by [`Recorder`] and read back by [`read`]. It
 //! holds every input of core in the order in which core handled it, so that core can be replayed from the file alone,
 //! and beside that what people and plotting tools want decoded.
@@ -46,9 +45,6 @@
 //! lacks its end is read up to its last whole chunk by [`read`], by `mcap recover`, and by the Python package's
 //! streaming reader (`NonSeekingReader`), which raises at the end of what there is. Nothing is forced to the disk: a power cut
 //! can cost what the operating system had not written, as a rule the last 30 s.
-//!
-//! # The picture
-//! [`picture`] draws a run as one SVG file.
 
 mod bytes;
 mod channel;
@@ -56,7 +52,6 @@ mod error;
 mod header;
 mod log;
 mod message;
-pub mod picture;
 mod raw;
 mod recorder;
 mod request;

@@ -6,20 +6,16 @@
 //!
 //! The same mission, seed and components give the same bytes on the link, which the digest shows.
 
-mod components;
 mod digest;
 mod expectation;
 mod link;
-mod load;
 mod report;
 mod simulation;
 mod survey_map;
 mod trace;
 mod verdict;
 
-pub use components::Components;
 pub use digest::{Digest, Direction};
-pub use load::{LoadError, Loaded, load_plugins};
 pub use report::Report;
 pub use simulation::{SimError, Simulation, Step};
 pub use survey_map::survey_map;

@@ -11,16 +11,17 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use backseat_core::{Envelope, Identifiers, RequestCounts, Reservation, Settings, Start};
-use backseat_mission::{Mission, MissionError};
-use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Status, WorldFile};
+use backseat_mission::Mission;
+use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Status};
 use backseat_oracle::{OracleError, State, Statistics};
+use backseat_plugin_loader::Loaded;
 use backseat_recorder::{Recorder, RecorderError};
+use backseat_scenario::Scenario;
 use backseat_units::{Timestamp, Utc};
 
 use crate::digest::Digest;
 use crate::expectation;
 use crate::link::Lane;
-use crate::load::Loaded;
 use crate::report::Report;
 use crate::simulation::judge::Judge;
 use crate::simulation::process::{Process, Successor};
@@ -34,9 +35,6 @@ const LONGEST: Timestamp = Timestamp::from_secs(24 * 3600);
 /// A run that cannot be made, or that cannot go on.
 #[derive(Debug, thiserror::Error)]
 pub enum SimError {
-    /// The mission has no world.
-    #[error(transparent)]
-    Mission(#[from] MissionError),
     /// The world cannot be made.
     #[error("world.toml: {0}")]
     Mvc(#[from] MvcError),
@@ -116,18 +114,18 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// A run of a mission with a seed, its plugins loaded.
+    /// A run of a mission in its scenario with a seed, its plugins loaded.
     ///
     /// # Errors
-    /// [`SimError`] where the mission has no world, or one that cannot be made.
+    /// [`SimError`] where this seed's world cannot be made.
     pub fn new(
         mission: &Mission,
+        scenario: &Scenario,
         seed: u64,
         loaded: Loaded,
         mut recorder: Option<Recorder<BufWriter<File>>>,
     ) -> Result<Self, SimError> {
-        let world: &WorldFile = mission.world()?;
-        let mvc = mission.vehicle(world, seed)?;
+        let mvc = scenario.vehicle(seed)?;
         let oracle = Judge::new(mission)?;
         let utc_at_start = mvc.utc(Timestamp::ZERO);
         let disk = Disk {
@@ -169,7 +167,7 @@ impl Simulation {
             now: Timestamp::ZERO,
             to_payload: Lane::new(seed, "link from the vehicle"),
             to_vehicle: Lane::new(seed, "link to the vehicle"),
-            faults: LinkFaults::new(&world.faults.plan()?, seed),
+            faults: LinkFaults::new(&scenario.world.faults.plan()?, seed),
             faults_begun: 0,
             client: ClientId(0),
             connected: false,
@@ -182,7 +180,7 @@ impl Simulation {
             plugin_failures: BTreeMap::new(),
             mission: mission.name.clone(),
             seed,
-            expect: world.expect,
+            expect: scenario.world.expect,
         };
         simulation.drain_core()?;
         Ok(simulation)

@@ -2,9 +2,8 @@ use backseat_core::plugin::{PositionRequest, Request};
 use backseat_fence::Kind;
 use backseat_mission::Mission;
 use backseat_mvc::Mvc;
-use backseat_recorder::picture::{
-    Extent, Palette, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render,
-};
+use backseat_picture::{Extent, Palette, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render};
+use backseat_scenario::Scenario;
 use backseat_spi::ToVehicle;
 use backseat_units::{EastNorth, LocalFrame, Position, Timestamp};
 
@@ -16,7 +15,7 @@ const NODES: f64 = 160.0;
 
 /// The picture of a run, as SVG: fence, ground, plan, the vehicle's true way by who steered, inserts and rejections.
 #[must_use]
-pub fn survey_map(mission: &Mission, report: &Report, trace: &Trace, mvc: &Mvc) -> String {
+pub fn survey_map(mission: &Mission, scenario: &Scenario, report: &Report, trace: &Trace, mvc: &Mvc) -> String {
     let fence = mission.envelope.fence();
     let frame = fence.frame();
     let zones: Vec<Zone> = fence
@@ -65,7 +64,7 @@ pub fn survey_map(mission: &Mission, report: &Report, trace: &Trace, mvc: &Mvc) 
         ),
         caption: caption(report),
         extent: None,
-        ground: Some(ground(extent, frame, mvc, report_contour(mission))),
+        ground: Some(ground(extent, frame, mvc, contour_sought(scenario))),
         planned: plan(mvc).iter().map(|position| frame.to_local(*position)).collect(),
         flown,
         inserts: trace
@@ -103,13 +102,8 @@ fn caption(report: &Report) -> String {
     text
 }
 
-fn report_contour(mission: &Mission) -> Option<f64> {
-    mission
-        .world
-        .as_ref()?
-        .expect
-        .contour
-        .map(|contour| contour.water_depth_m)
+fn contour_sought(scenario: &Scenario) -> Option<f64> {
+    scenario.world.expect.contour.map(|contour| contour.water_depth_m)
 }
 
 fn extent_of(zones: &[Zone]) -> Extent {

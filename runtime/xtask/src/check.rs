@@ -8,6 +8,7 @@ use clap::Args;
 use crate::cargo::{backseat, cargo, root, run};
 use crate::compile::{Compiled, compile};
 use crate::plugins;
+use crate::sea;
 use crate::steps::Steps;
 use crate::tests::{Which, run_examples, run_tests};
 use crate::tidy::tidy;
@@ -22,7 +23,7 @@ const READERS: [(&str, &str); 8] = [
     ("runtime/docs/", "backseat-mvc"),
     ("runtime/docs/", "xtask"),
     ("tests/plans/", "backseat-hunt"),
-    ("missions/", "backseat-mission"),
+    ("missions/", "backseat-scenario"),
     ("missions/", "backseat-suite"),
     ("missions/", "backseat-sim"),
 ];
@@ -41,6 +42,8 @@ fn test_in(steps: &mut Steps) -> Result<()> {
     steps.run("format", || cargo(&["fmt", "--all", "--check"]))?;
     steps.run("project rules", tidy)?;
     steps.run("dependencies: licences, sources", dependencies)?;
+    // Before the whole, whose program takes its place.
+    steps.run("compile the program for sea", sea::build)?;
     let compiled = steps.run("compile, with lints", compile)?;
     steps.run("compile the plugins", || plugins::build(&componentize(&compiled)))?;
     // What fails does not hide what else fails.
@@ -82,6 +85,8 @@ fn quick_in(arguments: &Quick, steps: &mut Steps) -> Result<()> {
     println!("tested: {}", list(&crates));
     steps.run("format", || cargo(&["fmt", "--all", "--check"]))?;
     steps.run("project rules", tidy)?;
+    // Before the whole, whose program takes its place.
+    steps.run("compile the program for sea", sea::build)?;
     let compiled = steps.run("compile, with lints", compile)?;
     steps.run("compile the plugins", || plugins::build(&componentize(&compiled)))?;
     let tests = steps.run("tests", || run_tests(&compiled, Some(&crates), Which::Computing));

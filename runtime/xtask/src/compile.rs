@@ -29,12 +29,17 @@ pub(crate) struct TestProgram {
 /// added, and `cargo clippy` puts it there in the same way, but throws the code away. A warning fails in each crate that
 /// takes the workspace's lints (`[lints] workspace = true`); in others, a plugin of your own say, it is only shown.
 pub(crate) fn compile() -> Result<Compiled> {
+    compile_with(&["--workspace", "--all-targets"])
+}
+
+/// Compiles what Cargo is told to in the same way.
+pub(crate) fn compile_with(arguments: &[&str]) -> Result<Compiled> {
     let colours = if std::io::stderr().is_terminal() {
         "--message-format=json-diagnostic-rendered-ansi"
     } else {
         "--message-format=json"
     };
-    let mut command = cargo_command(&["build", "--workspace", "--all-targets", colours]);
+    let mut command = cargo_command(&[&["build", colours], arguments].concat());
     with_lints(&mut command)?;
     let mut cargo = command
         .current_dir(root()?)

@@ -9,6 +9,7 @@ mod digest;
 mod hunt;
 mod plugins;
 mod safety;
+mod sea;
 mod seeds;
 mod soak;
 mod steps;

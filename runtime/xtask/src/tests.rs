@@ -7,6 +7,7 @@ use anyhow::{Result, bail};
 use crate::cargo::{cargo_command, root, run};
 use crate::compile::{Compiled, with_lints};
 use crate::plugins;
+use crate::sea;
 use crate::workspace::Workspace;
 
 /// The module of a test program that has its tests in real time: they wait more than they compute, and some hold the
@@ -122,5 +123,6 @@ pub(crate) fn prepare<'a>(command: &'a mut Command, compiled: &Compiled) -> Resu
     }
     let program: &Path = &compiled.programs;
     command.env("BACKSEAT_TEST_PROGRAM", program.join("backseat"));
+    command.env("BACKSEAT_TEST_SEA_PROGRAM", root()?.join(sea::program()?));
     Ok(command.env("BACKSEAT_TEST_PLUGINS", plugins::folder()?))
 }

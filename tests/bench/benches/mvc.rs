@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use backseat_bench::{HEADER, by_hand, in_turn, row};
 use backseat_mission::{Layers, Mission};
 use backseat_mvc::{ClientId, Mvc};
+use backseat_scenario::Scenario;
 use backseat_units::Timestamp;
 
 const CLIENTS: usize = 100;
@@ -34,7 +35,7 @@ fn main() {
 /// what is due to it thrown away. The floor reads one BFNVG by hand.
 fn kinematic(listening: bool) {
     let mission = Mission::load(&backseat_test_support::mission("isobath"), &Layers::default()).expect("a mission");
-    let world = mission.world().expect("a world").clone();
+    let world = Scenario::load(&mission).expect("a world").world;
     let mut vehicle = Mvc::new(&world, 1).expect("a vehicle");
     let mut out = Vec::with_capacity(4096);
     if listening {

@@ -12,8 +12,10 @@ use backseat_fence::{Fence, Shape, Sweep, VerticalExtent};
 use backseat_mission::{Layers, Mission};
 use backseat_mvc::ClientId;
 use backseat_plugin_host::{Budget, Host};
+use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, Rate, Recorder};
-use backseat_sim::{Simulation, load_plugins};
+use backseat_scenario::Scenario;
+use backseat_sim::Simulation;
 use backseat_units::{Altitude, Depth, EastNorth, Heading, LocalFrame, Position, Timestamp, Utc};
 
 fn main() {
@@ -314,12 +316,13 @@ fn flat_module() -> (wasmtime::Store<()>, Flat) {
 fn whole_loop() {
     const REPETITIONS: usize = 12;
     let mission = Mission::load(&backseat_test_support::mission("isobath"), &Layers::default()).expect("the mission");
+    let scenario = Scenario::load(&mission).expect("a world");
     let folder = tempfile::tempdir().expect("a folder");
     let host = Host::new().expect("an engine");
     let (mut ours, mut floor, mut ticks) = (Vec::new(), Vec::new(), (0.0, 0.0));
     for _ in 0..REPETITIONS {
-        let (flight, flown) = fly(&mission, &host, &folder.path().join("log.mcap"));
-        let (vehicle, stepped) = vehicle_alone(&mission);
+        let (flight, flown) = fly(&mission, &scenario, &host, &folder.path().join("log.mcap"));
+        let (vehicle, stepped) = vehicle_alone(&scenario);
         ours.push(flight);
         floor.push(vehicle);
         ticks = (flown, stepped);
@@ -338,10 +341,10 @@ fn whole_loop() {
 const SEED: u64 = 1;
 
 /// The seconds of each minute, of what is before the first and of what comes after the last, and the ticks of 0.1 s.
-fn fly(mission: &Mission, host: &Host, log: &Path) -> (Vec<f64>, f64) {
+fn fly(mission: &Mission, scenario: &Scenario, host: &Host, log: &Path) -> (Vec<f64>, f64) {
     let loaded = load_plugins(host, mission, Some(backseat_test_support::plugins())).expect("the plugins");
     let header = Header {
-        utc_at_start: mission.world().expect("a world").start.utc,
+        utc_at_start: scenario.world.start.utc,
         rate: Rate::Simulation,
         mission: &mission.name,
         seed: Some(SEED),
@@ -352,7 +355,7 @@ fn fly(mission: &Mission, host: &Host, log: &Path) -> (Vec<f64>, f64) {
     };
     let recorder = Recorder::create(log, &header).expect("a log");
     let mut stages = Stages::start();
-    let mut simulation = Simulation::new(mission, SEED, loaded, Some(recorder)).expect("a world");
+    let mut simulation = Simulation::new(mission, scenario, SEED, loaded, Some(recorder)).expect("a world");
     simulation.run(|_| stages.end()).expect("a log that can be written");
     let (report, _, _) = simulation.finish().expect("a log that can be closed");
     stages.end();
@@ -360,9 +363,8 @@ fn fly(mission: &Mission, host: &Host, log: &Path) -> (Vec<f64>, f64) {
 }
 
 /// As [`fly`].
-fn vehicle_alone(mission: &Mission) -> (Vec<f64>, f64) {
-    let world = mission.world().expect("a world");
-    let mut vehicle = mission.vehicle(world, SEED).expect("a world");
+fn vehicle_alone(scenario: &Scenario) -> (Vec<f64>, f64) {
+    let mut vehicle = scenario.vehicle(SEED).expect("a world");
     let client = ClientId(1);
     let mut out = Vec::new();
     vehicle.connect(Timestamp::ZERO, client);

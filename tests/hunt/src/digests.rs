@@ -8,7 +8,9 @@ use std::thread;
 use anyhow::{Context, Result, bail};
 use backseat_mission::{Layers, Mission};
 use backseat_plugin_host::Host;
-use backseat_sim::{Components, Report, Simulation};
+use backseat_plugin_loader::Components;
+use backseat_scenario::Scenario;
+use backseat_sim::{Report, Simulation};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
@@ -69,10 +71,11 @@ pub fn of_mission(
     workers: usize,
 ) -> Result<BTreeMap<u64, Digests>> {
     let mission = Mission::load(mission, &Layers::default())?;
+    let scenario = Scenario::load(&mission)?;
     let components = Components::load(&Host::new()?, &mission, Some(plugins))?;
     let workers = vec![(); workers.max(1)];
     each_seed(seeds, workers, |(), seed| {
-        let mut simulation = Simulation::new(&mission, seed, components.start(&mission)?, None)?;
+        let mut simulation = Simulation::new(&mission, &scenario, seed, components.start(&mission)?, None)?;
         while simulation.advance()? {}
         let (report, ..) = simulation.finish()?;
         Digests::of(&report, &())

@@ -11,8 +11,10 @@ use backseat_mission::{Layers, Mission, PluginTable};
 use backseat_mvc::{FaultKind, Status};
 use backseat_oracle::State;
 use backseat_plugin_host::Host;
+use backseat_plugin_loader::Components;
 use backseat_recorder::{Header, Rate, Recorder};
-use backseat_sim::{Components, Report, Simulation, Step};
+use backseat_scenario::Scenario;
+use backseat_sim::{Report, Simulation, Step};
 use backseat_units::Timestamp;
 use tempfile::TempDir;
 
@@ -128,13 +130,14 @@ impl Range {
 
     fn fly_with(&self, plan: &Plan, log: Option<&Path>) -> Result<Flight> {
         let folder = self.folder.path();
-        let scenario = &plan.scenario;
-        fs::write(folder.join("mission.toml"), &scenario.mission)?;
-        fs::write(folder.join("fence.geojson"), &scenario.fence)?;
-        fs::write(folder.join("world.toml"), &scenario.world)?;
+        let files = &plan.scenario;
+        fs::write(folder.join("mission.toml"), &files.mission)?;
+        fs::write(folder.join("fence.geojson"), &files.fence)?;
+        fs::write(folder.join("world.toml"), &files.world)?;
         let mission = Mission::load(folder, &Layers::default())?;
+        let scenario = Scenario::load(&mission)?;
         let flown = catch_unwind(AssertUnwindSafe(|| {
-            Flown::new(&self.components, &mission, plan, log)?.fly()
+            Flown::new(&self.components, &mission, &scenario, plan, log)?.fly()
         }));
         match flown {
             Ok(flight) => flight,
@@ -189,13 +192,19 @@ struct Flown<'a> {
 }
 
 impl<'a> Flown<'a> {
-    fn new(components: &'a Components, mission: &'a Mission, plan: &'a Plan, log: Option<&Path>) -> Result<Self> {
+    fn new(
+        components: &'a Components,
+        mission: &'a Mission,
+        scenario: &Scenario,
+        plan: &'a Plan,
+        log: Option<&Path>,
+    ) -> Result<Self> {
         let loaded = components.start(mission)?;
         let recorder = match log {
             Some(path) => Some(Recorder::create(
                 path,
                 &Header {
-                    utc_at_start: mission.world()?.start.utc,
+                    utc_at_start: scenario.world.start.utc,
                     rate: Rate::Simulation,
                     mission: &mission.name,
                     seed: Some(plan.seed),
@@ -207,7 +216,7 @@ impl<'a> Flown<'a> {
             )?),
             None => None,
         };
-        let simulation = Simulation::new(mission, plan.seed, loaded, recorder)?;
+        let simulation = Simulation::new(mission, scenario, plan.seed, loaded, recorder)?;
         let mut flown = Self {
             components,
             mission,

@@ -26,6 +26,7 @@ pub struct Backseat {
     stderr: Option<Stdio>,
     stdin: Vec<u8>,
     file_max_kib: Option<u64>,
+    for_sea: bool,
 }
 
 impl Backseat {
@@ -33,6 +34,13 @@ impl Backseat {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// The program as it goes to sea, which has no simulation.
+    #[must_use]
+    pub fn for_sea(mut self) -> Self {
+        self.for_sea = true;
+        self
     }
 
     /// Adds arguments.
@@ -127,7 +135,11 @@ impl Backseat {
     /// Starts it and lets it run; it ends with the [`Process`] at the latest.
     #[must_use]
     pub fn spawn(self) -> Process {
-        let program = backseat_test_support::program();
+        let program = if self.for_sea {
+            backseat_test_support::sea_program()
+        } else {
+            backseat_test_support::program()
+        };
         let mut command = match self.file_max_kib {
             None => Command::new(program),
             Some(kib) => {

@@ -66,6 +66,20 @@ pub fn program() -> &'static Path {
     })
 }
 
+/// The program as it goes to sea, without the simulation, in the same way. Built by hand it has a target folder of its own,
+/// beside that of the test, for both programs have one name.
+///
+/// # Panics
+/// Where it cannot be built; the message says why.
+#[must_use]
+pub fn sea_program() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| match std::env::var_os("BACKSEAT_TEST_SEA_PROGRAM") {
+        Some(program) => program.into(),
+        None => build_in("backseat", &["--no-default-features", "--features", "sea"], Some("sea")).join("backseat"),
+    })
+}
+
 /// The library of `tests/stall`, which makes files hang for a program that loads it. It lies beside the program.
 ///
 /// # Panics
@@ -91,6 +105,11 @@ pub fn stall() -> &'static Path {
 
 /// Builds a package in the target folder and with the profile of the program that asks. Gives the folder with what it built.
 fn build(package: &str) -> PathBuf {
+    build_in(package, &[], None)
+}
+
+/// The same with more arguments, and in a folder of the target folder where one is given.
+fn build_in(package: &str, arguments: &[&str], own: Option<&str>) -> PathBuf {
     // TARGET/PROFILE/deps/TEST, or one folder less where the test is a program itself.
     let test = std::env::current_exe().expect("a running program has a path");
     let folder = test
@@ -101,15 +120,17 @@ fn build(package: &str) -> PathBuf {
     let name = folder.file_name().map_or("debug".into(), |name| name.to_string_lossy());
     let profile = if name == "debug" { "dev" } else { &name };
     let target = folder.parent().expect("a profile's folder lies in the target folder");
+    let target = own.map_or_else(|| target.to_path_buf(), |own| target.join(own));
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let built = Command::new(cargo)
         .args(["build", "--quiet", "--package", package, "--profile", profile])
         .arg("--target-dir")
-        .arg(target)
+        .arg(&target)
+        .args(arguments)
         .current_dir(workspace())
         .status();
     match built {
-        Ok(status) if status.success() => folder.to_path_buf(),
+        Ok(status) if status.success() => target.join(&*name),
         Ok(status) => panic!("{package} cannot be built: cargo ended with {status}"),
         Err(error) => panic!("{package} cannot be built: cargo does not start: {error}"),
     }

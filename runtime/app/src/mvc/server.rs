@@ -8,11 +8,12 @@ use backseat_units::Timestamp;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::mpsc;
 
-use crate::cli::{Mvc, Speed};
+use super::Mvc;
 use crate::clock::Clock;
 use crate::mvc::connection::{Connection, Heard};
 use crate::mvc::log::Log;
 use crate::mvc::status::Status;
+use crate::speed::Speed;
 
 /// What may wait for one client, bytes, before it is cut off: it is too slow, and nobody else waits for it.
 const WAITING_MAX: usize = 1 << 20;

@@ -1,4 +1,4 @@
 //! Missions as folders.
 
-mod grid;
 mod hull;
+mod plan;

@@ -5,7 +5,8 @@ use backseat_units::{EastNorth, Timestamp};
 use super::Executive;
 use crate::event::{CancelCause, EndReason, ModifyEnd, Refusal, Source, Status};
 use crate::file::WrapUp;
-use crate::plan::{PlanItem, Vertical};
+use crate::plan::PlanItem;
+use crate::vehicle::Vertical;
 
 const NO_MISSION: &str = "no mission is running";
 

@@ -4,11 +4,12 @@ use backseat_spi::Text;
 use backseat_units::{EastNorth, Timestamp};
 
 use super::{Executive, Running};
-use crate::course::Course;
+use crate::event::mission::{MissionEvent, Told};
 use crate::event::{Behavior, CancelCause, EndReason, ModifyEnd, MvcEventKind, Source, Status};
-use crate::insert::Insert;
-use crate::mission_event::{MissionEvent, Told};
-use crate::plan::{PayloadText, Shape, Vertical};
+use crate::plan::course::Course;
+use crate::plan::insert::Insert;
+use crate::plan::{PayloadText, Shape};
+use crate::vehicle::Vertical;
 
 /// What comes after what.
 impl Executive {

@@ -4,8 +4,8 @@ use backseat_units::{EastNorth, Timestamp};
 use super::{Executive, IDENTIFIERS_MAX, Running};
 use crate::estimate::Estimate;
 use crate::event::{CancelCause, ClientId, EndReason, MvcEventKind, Refusal, Source};
-use crate::insert::Insert;
 use crate::interpretation::Interpretation;
+use crate::plan::insert::Insert;
 
 impl Executive {
     /// Adds an insert to the plan, or says why not.
@@ -102,6 +102,6 @@ impl Executive {
 }
 
 /// Whether BPRCA of a client takes an insert (SPI 7.9).
-pub(crate) fn takes_back(reading: &Interpretation, client: ClientId, insert: &Insert) -> bool {
+pub(super) fn takes_back(reading: &Interpretation, client: ClientId, insert: &Insert) -> bool {
     (reading.cancel_all || insert.client == client) && (reading.cancel_all_gps || !insert.is_gps_hit())
 }

@@ -1,8 +1,24 @@
+use core::time::Duration;
+
+use backseat_spi::{HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode};
 use backseat_units::Timestamp;
+use backseat_units::math::wrap_360;
 
 use super::Executive;
-use crate::event::{ClientId, MODIFY_LASTS, ModifyEnd, ModifyValues, MvcEventKind};
-use crate::modify::{Modify, beyond};
+use crate::event::{ClientId, ModifyEnd, ModifyHorizontal, ModifySpeed, ModifyValues, ModifyVertical, MvcEventKind};
+use crate::vehicle::hull::Hull;
+
+/// A modify lapses this long after the last BPRMB (SPI 7.12).
+const MODIFY_LASTS: Duration = Duration::from_secs(5);
+
+/// The modify that is in force (SPI 7.12).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Modify {
+    client: ClientId,
+    pub(super) values: ModifyValues,
+    /// When it lapses unless it is refreshed.
+    until: Timestamp,
+}
 
 impl Executive {
     /// Takes a modify (SPI 7.12), or says why not.
@@ -79,4 +95,78 @@ impl Executive {
             self.log.push(MvcEventKind::ModifyEnded(why));
         }
     }
+}
+
+/// Reads BPRMB. `grid_convergence_deg` is what to add to its heading to count from true north.
+///
+/// An empty horizontal mode is a heading, and an empty vertical mode a depth, as the numbers that the fields had
+/// before the modes were added; an empty speed mode is refused, since 0 means rpm here and metres a second in BPRTK. An error
+/// is the text that says which field has a value without a meaning.
+pub(super) fn read(request: &ModifyBehavior, grid_convergence_deg: f64) -> Result<ModifyValues, String> {
+    let horizontal = match (request.horizontal, request.horizontal_mode) {
+        (None, _) => None,
+        (Some(deg), None | Some(HorizontalMode::Heading)) if deg.abs() <= 720.0 => {
+            Some(ModifyHorizontal::Heading(wrap_360(deg + grid_convergence_deg)))
+        }
+        (Some(deg), None | Some(HorizontalMode::Heading)) => {
+            return Err(format!("horizontal {deg}: expected a heading in degrees"));
+        }
+        (Some(deg), Some(HorizontalMode::Rudder)) => Some(ModifyHorizontal::Rudder(deg)),
+        (Some(_), Some(HorizontalMode::Other(code))) => {
+            return Err(format!("horizontal_mode {code}: expected 0 or 1"));
+        }
+    };
+    let vertical = match (request.vertical_m, request.vertical_mode) {
+        (None, _) => None,
+        (Some(depth), None | Some(ModifyVerticalMode::Depth)) => Some(ModifyVertical::Depth(depth)),
+        (Some(altitude), Some(ModifyVerticalMode::Altitude)) => Some(ModifyVertical::Altitude(altitude)),
+        (Some(pitch), Some(ModifyVerticalMode::Pitch)) => Some(ModifyVertical::Pitch(pitch)),
+        (Some(deg), Some(ModifyVerticalMode::Elevator)) => Some(ModifyVertical::Elevator(deg)),
+        (Some(_), Some(ModifyVerticalMode::Other(code))) => {
+            return Err(format!("vertical_mode {code}: expected 0 to 3"));
+        }
+    };
+    let speed = match (request.speed, request.speed_mode) {
+        (None, _) => None,
+        (Some(rpm), Some(ModifySpeedMode::Rpm)) => Some(ModifySpeed::Rpm(rpm)),
+        (Some(mps), Some(ModifySpeedMode::MetresPerSecond)) => Some(ModifySpeed::MetresPerSecond(mps)),
+        (Some(_), None) => return Err("speed_mode: empty beside a speed".to_owned()),
+        (Some(_), Some(ModifySpeedMode::Other(code))) => {
+            return Err(format!("speed_mode {code}: expected 0 or 1"));
+        }
+    };
+    Ok(ModifyValues {
+        horizontal,
+        vertical,
+        speed,
+    })
+}
+
+/// Which of the values is beyond the vehicle's safe operating parameters (SPI 7.12), as a text.
+fn beyond(values: &ModifyValues, hull: &Hull, altitude_min_m: f64) -> Option<&'static str> {
+    match values.horizontal {
+        Some(ModifyHorizontal::Rudder(deg)) if deg.abs() > hull.fin_max_deg => {
+            return Some("the rudder is beyond the safe limits of the vehicle");
+        }
+        Some(ModifyHorizontal::Rudder(_) | ModifyHorizontal::Heading(_)) | None => {}
+    }
+    let safe = match values.vertical {
+        None => true,
+        Some(ModifyVertical::Depth(metres)) => (0.0..=hull.depth_max_m).contains(&metres),
+        Some(ModifyVertical::Altitude(metres)) => (altitude_min_m..=1000.0).contains(&metres),
+        Some(ModifyVertical::Pitch(deg)) => deg.abs() <= hull.pitch_max_deg,
+        Some(ModifyVertical::Elevator(deg)) => deg.abs() <= hull.fin_max_deg,
+    };
+    if !safe {
+        return Some("depth or altitude or pitch or elevator is beyond the safe limits of the vehicle");
+    }
+    let speed_mps = values.speed.map(|speed| match speed {
+        ModifySpeed::MetresPerSecond(mps) => mps,
+        ModifySpeed::Rpm(rpm) => hull.speed_mps(rpm),
+    });
+    // None at all is safe: the thruster stops, and the vehicle floats up. Silent mode, trim and buoyancy need it (SPI 7.22
+    // to 7.24).
+    speed_mps
+        .is_some_and(|mps| mps != 0.0 && !(hull.speed_min_mps..=hull.speed_max_mps).contains(&mps))
+        .then_some("the speed is beyond the safe limits of the vehicle")
 }

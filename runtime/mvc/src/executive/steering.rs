@@ -2,11 +2,11 @@ use backseat_units::Timestamp;
 use backseat_units::math::sin;
 
 use super::{Executive, Running};
-use crate::course::{Steer, Way, crabbed_deg};
 use crate::estimate::Estimate;
+use crate::event::mission::{MissionEvent, Told};
 use crate::event::{EndReason, ModifyHorizontal, ModifySpeed, ModifyValues, ModifyVertical, MvcEventKind};
-use crate::mission_event::{MissionEvent, Told};
-use crate::plan::Vertical;
+use crate::plan::course::{Steer, Way, crabbed_deg};
+use crate::vehicle::Vertical;
 use crate::vehicle::{Demand, Drive, Throttle, Turn};
 
 /// What the running behavior, and whoever modifies it, ask of the vehicle.

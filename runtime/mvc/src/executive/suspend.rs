@@ -10,10 +10,10 @@ use backseat_units::{EastNorth, Timestamp};
 
 use super::Executive;
 use crate::estimate::Estimate;
-use crate::event::{Behavior, ClientId, MvcEventKind};
-use crate::hovering::{HoveringEvent, SuspensionEnd};
+use crate::event::{Behavior, ClientId, HoveringEvent, MvcEventKind, SuspensionEnd};
 use crate::interpretation::ResumeFrom;
-use crate::plan::{Shape, Vertical};
+use crate::plan::Shape;
+use crate::vehicle::Vertical;
 use crate::vehicle::{Drive, HoverDemand};
 
 /// A suspension lapses this long after the last BPSUS, BPCON, BPGHP or BPGBP (SPI 8.1).

@@ -8,7 +8,7 @@ use super::{
     AckFilter, AckStage, Directions, Fault, FaultKind, FaultPlan, LinkFault, LinkFaultKind, NegativeStatus, Untrue,
     Whom,
 };
-use crate::sensors::Sensor;
+use crate::faults::Sensor;
 
 /// At full intensity a fault begins this often, on the average.
 const EVERY_S: f64 = 15.0;
@@ -52,7 +52,7 @@ impl FaultPlan {
             } else {
                 Fault {
                     at,
-                    lasts: crate::power::SHUTDOWN_NOTICE,
+                    lasts: crate::file::SHUTDOWN_NOTICE,
                     kind: FaultKind::Shutdown,
                 }
             });

@@ -6,8 +6,8 @@ use serde::{Serialize, Serializer};
 
 use crate::error::MvcError;
 use crate::event::ClientId;
+use crate::faults::Sensor;
 use crate::file::FaultFile;
-use crate::sensors::Sensor;
 
 /// What goes wrong in a run, and when: data, so that it can be printed in full, kept and shrunk.
 ///

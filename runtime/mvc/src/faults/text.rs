@@ -6,7 +6,7 @@ use super::{
     AckFilter, AckStage, Directions, FaultEdge, FaultEvent, FaultKind, LinkFault, LinkFaultKind, NegativeStatus,
     Untrue, Whom,
 };
-use crate::sensors::Sensor;
+use crate::faults::Sensor;
 
 impl fmt::Display for FaultEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -6,8 +6,8 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::error::MvcError;
+use crate::faults::Sensor;
 use crate::faults::{AckStage, Directions, FaultPlan};
-use crate::sensors::Sensor;
 
 /// No plan has more faults.
 const FAULTS_MAX: usize = 100_000;

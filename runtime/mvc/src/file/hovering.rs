@@ -3,7 +3,7 @@ use serde::Deserialize;
 
 use super::{StartConfig, VehicleConfig};
 use crate::error::{MvcError, check};
-use crate::hovering::Ship;
+use crate::vehicle::ship::Ship;
 
 /// The `[hovering]` section: what only a vehicle of the class `hovering` has, and the ship that it inspects.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]

@@ -1,6 +1,11 @@
+use core::time::Duration;
+
 use serde::Deserialize;
 
 use crate::error::{MvcError, check};
+
+/// BFSHT comes at least this long before the payload's power goes off (SPI 5.2: at least 1 minute).
+pub(crate) const SHUTDOWN_NOTICE: Duration = Duration::from_secs(60);
 
 /// The `[power]` section: the batteries (SPI 6.8) and when they take the payload's power (SPI 5.2).
 ///

@@ -1,8 +1,9 @@
+use backseat_plan::{HullClass, VehicleLimits};
 use serde::Deserialize;
 
 use crate::error::{MvcError, check};
-use crate::hull::{Hull, HullClass};
-use crate::sixdof::flown;
+use crate::vehicle::hull::Hull;
+use crate::vehicle::sixdof::flown;
 
 /// How the vehicle's motion is worked out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -59,6 +60,19 @@ impl VehicleConfig {
             speed_max_mps: self.speed_max_mps.unwrap_or(hull.speed_max_mps),
             ..hull
         })
+    }
+
+    /// The part of that which plans are held against.
+    #[must_use]
+    pub fn limits(&self) -> VehicleLimits {
+        let hull = self.hull();
+        VehicleLimits {
+            speed_min_mps: hull.speed_min_mps,
+            speed_max_mps: hull.speed_max_mps,
+            yaw_rate_max_dps: hull.yaw_rate_max_dps,
+            depth_max_m: hull.depth_max_m,
+            altitude_min_m: self.altitude_min_m,
+        }
     }
 
     fn under_model(&self, hull: &Hull) -> Hull {

@@ -3,7 +3,7 @@ use backseat_units::math::sin_cos;
 use crate::vehicle::Vehicle;
 
 /// The vehicle's own axes, forward, to starboard and down, each in the frame's north, east and down (Fossen, *Handbook
-/// of Marine Craft Hydrodynamics and Motion Control*, 2011, equation 2.18).
+/// of Marine Craft Hydrodynamics and Rates Control*, 2011, equation 2.18).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Attitude {
     axes: [[f64; 3]; 3],
@@ -11,9 +11,9 @@ pub(super) struct Attitude {
 
 impl Attitude {
     pub(super) fn of(vehicle: &Vehicle) -> Self {
-        let (sin_yaw, cos_yaw) = sin_cos(vehicle.heading_deg.to_radians());
-        let (sin_pitch, cos_pitch) = sin_cos(vehicle.pitch_deg.to_radians());
-        let (sin_roll, cos_roll) = sin_cos(vehicle.roll_deg.to_radians());
+        let (sin_yaw, cos_yaw) = sin_cos(vehicle.motion().heading_deg.to_radians());
+        let (sin_pitch, cos_pitch) = sin_cos(vehicle.motion().pitch_deg.to_radians());
+        let (sin_roll, cos_roll) = sin_cos(vehicle.motion().roll_deg.to_radians());
         Self {
             axes: [
                 [cos_pitch * cos_yaw, cos_pitch * sin_yaw, -sin_pitch],

@@ -57,8 +57,8 @@ impl Compasses {
             created: stamp,
             number: compass,
             heading_deg: wrap_360(magnetic_deg + deviation_deg(coefficients, magnetic_deg) + draws.normal(noise_deg)),
-            pitch_deg: vehicle.pitch_deg + draws.normal(noise_deg),
-            roll_deg: vehicle.roll_deg + draws.normal(noise_deg),
+            pitch_deg: vehicle.motion().pitch_deg + draws.normal(noise_deg),
+            roll_deg: vehicle.motion().roll_deg + draws.normal(noise_deg),
             measured: stamp,
         }
     }

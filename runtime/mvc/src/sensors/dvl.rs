@@ -114,20 +114,20 @@ impl Dvl {
     }
 
     fn altitude_in_reach(&self, vehicle: &Vehicle) -> bool {
-        let altitude_m = vehicle.water_depth_m - vehicle.depth_m;
-        let tilt_deg = vehicle.pitch_deg.abs().max(vehicle.roll_deg.abs());
+        let altitude_m = vehicle.motion().water_depth_m - vehicle.motion().depth_m;
+        let tilt_deg = vehicle.motion().pitch_deg.abs().max(vehicle.motion().roll_deg.abs());
         altitude_m >= self.config.altitude_blanking_m
             && altitude_m <= self.config.altitude_range_m
             && tilt_deg <= self.config.dvl.tilt_max_deg
     }
 
     fn reaches(&self, vehicle: &Vehicle) -> bool {
-        if vehicle.obstacle.is_none() {
+        if vehicle.obstacle().is_none() {
             if !self.altitude_in_reach(vehicle) {
                 return false;
             }
             // Well within its reach every beam comes back, on any slope that is one.
-            if 3.0 * (vehicle.water_depth_m - vehicle.depth_m) < self.config.altitude_range_m {
+            if 3.0 * (vehicle.motion().water_depth_m - vehicle.motion().depth_m) < self.config.altitude_range_m {
                 return true;
             }
         }
@@ -143,12 +143,13 @@ impl Dvl {
     /// does not come.
     fn range_m(&self, vehicle: &Vehicle, attitude: Attitude, beam: [f64; 3]) -> Option<f64> {
         let [north, east, down] = attitude.to_frame(beam);
-        let closing = down - vehicle.gradient.north_m * north - vehicle.gradient.east_m * east;
-        let to_bed_m = (closing > 0.0).then_some((vehicle.water_depth_m - vehicle.depth_m) / closing);
-        let to_ship_m = vehicle
-            .obstacle
-            .as_ref()
-            .and_then(|obstacle| obstacle.ship.ahead_m(vehicle.at, vehicle.depth_m, (east, north, down)));
+        let closing = down - vehicle.motion().gradient.north_m * north - vehicle.motion().gradient.east_m * east;
+        let to_bed_m = (closing > 0.0).then_some((vehicle.motion().water_depth_m - vehicle.motion().depth_m) / closing);
+        let to_ship_m = vehicle.obstacle().as_ref().and_then(|obstacle| {
+            obstacle
+                .ship
+                .ahead_m(vehicle.motion().at, vehicle.motion().depth_m, (east, north, down))
+        });
         to_ship_m
             .into_iter()
             .chain(to_bed_m)
@@ -185,18 +186,18 @@ impl Dvl {
                 .filter(|_| self.lock && !lost)
                 .map(|range_m| (range_m + noise_m).max(0.01))
         });
-        let (east, north) = vehicle.ground;
+        let (east, north) = vehicle.motion().ground;
         let over_ground = ranges_m.iter().flatten().count() >= BEAMS_FOR_LOCK;
         let velocity = if over_ground {
             Some((east, north))
         } else if config.water_velocity {
-            Some((east - vehicle.current.0, north - vehicle.current.1))
+            Some((east - vehicle.motion().current.0, north - vehicle.motion().current.1))
         } else {
             None
         };
         let velocity_mps = velocity.map(|velocity| {
             let (east, north) = self.measured(velocity, sound_ratio);
-            let [x, y, z] = attitude.to_body([north, east, vehicle.heave_mps]);
+            let [x, y, z] = attitude.to_body([north, east, vehicle.motion().heave_mps]);
             [x + noise_mps[0], y + noise_mps[1], z + noise_mps[2]]
         });
         let mut along_beams_mps = [None; 4];

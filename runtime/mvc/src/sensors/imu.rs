@@ -2,7 +2,7 @@ use backseat_spi::Imu as ImuMessage;
 use backseat_units::TimeOfDay;
 use backseat_units::math::sin_cos;
 
-use super::Motion;
+use super::Rates;
 use super::attitude::Attitude;
 use super::noise::Noise;
 use crate::file::ImuConfig;
@@ -36,7 +36,7 @@ impl Imu {
     pub(super) fn message(
         &self,
         vehicle: &Vehicle,
-        before: &Motion,
+        before: &Rates,
         dt_s: f64,
         number: u64,
         stamp: TimeOfDay,
@@ -44,9 +44,9 @@ impl Imu {
         let mut draws = self.noise.reading(number);
         let rate_dps = body_rates_dps(vehicle);
         let acceleration = Attitude::of(vehicle).to_body([
-            (vehicle.ground.1 - before.ground.1) / dt_s,
-            (vehicle.ground.0 - before.ground.0) / dt_s,
-            (vehicle.heave_mps - before.heave_mps) / dt_s - GRAVITY_MPS2,
+            (vehicle.motion().ground.1 - before.ground.1) / dt_s,
+            (vehicle.motion().ground.0 - before.ground.0) / dt_s,
+            (vehicle.motion().heave_mps - before.heave_mps) / dt_s - GRAVITY_MPS2,
         ]);
         ImuMessage {
             created: stamp,
@@ -65,9 +65,13 @@ impl Imu {
 
 /// Rates about the vehicle's axes, of the rates of roll, pitch and heading (Fossen 2011, equation 2.26).
 fn body_rates_dps(vehicle: &Vehicle) -> [f64; 3] {
-    let (sin_pitch, cos_pitch) = sin_cos(vehicle.pitch_deg.to_radians());
-    let (sin_roll, cos_roll) = sin_cos(vehicle.roll_deg.to_radians());
-    let (roll, pitch, yaw) = (vehicle.roll_rate_dps, vehicle.pitch_rate_dps, vehicle.yaw_rate_dps);
+    let (sin_pitch, cos_pitch) = sin_cos(vehicle.motion().pitch_deg.to_radians());
+    let (sin_roll, cos_roll) = sin_cos(vehicle.motion().roll_deg.to_radians());
+    let (roll, pitch, yaw) = (
+        vehicle.motion().roll_rate_dps,
+        vehicle.motion().pitch_rate_dps,
+        vehicle.motion().yaw_rate_dps,
+    );
     [
         roll - yaw * sin_pitch,
         pitch * cos_roll + yaw * sin_roll * cos_pitch,

@@ -1,12 +1,12 @@
 use backseat_spi::{FromVehicle, Telemetry};
-use backseat_units::Timestamp;
 
-use super::SensorFailure;
+use super::Sensors;
 use super::schedule::Schedule;
+use crate::context::Context;
 use crate::event::MvcEventKind;
+use crate::faults::SensorFailure;
 use crate::file::SensorConfig;
-use crate::mvc::Mvc;
-use crate::server::Topic;
+use crate::server::topics::Topic;
 
 /// When each sensor is read.
 #[derive(Clone, Copy, Debug)]
@@ -38,50 +38,47 @@ impl Schedules {
     }
 }
 
-impl Mvc {
+impl Sensors {
     /// Breaks navigation or a sensor, or mends it.
-    pub fn fail_sensor(&mut self, failure: SensorFailure) {
+    pub(crate) fn fail(&mut self, failure: SensorFailure) {
         match failure {
-            SensorFailure::Frozen(frozen) => self.sensors.freeze(frozen),
-            SensorFailure::Silent(silent) => self.sensors.silence_navigation(silent),
-            SensorFailure::Jump(way) => self.sensors.jump(way),
-            SensorFailure::Dropout(sensor, dead) => self.sensors.sensor_dropout(sensor, dead),
+            SensorFailure::Frozen(frozen) => self.freeze(frozen),
+            SensorFailure::Silent(silent) => self.silence_navigation(silent),
+            SensorFailure::Jump(way) => self.jump(way),
+            SensorFailure::Dropout(sensor, dead) => self.sensor_dropout(sensor, dead),
         }
     }
 
     /// One step of the vehicle: its navigation and what its sensors read.
-    pub(crate) fn tick_sensors(&mut self, now: Timestamp) {
-        let (gps, lock) = (self.sensors.has_gps(), self.sensors.has_bottom_lock());
-        self.sensors.step(&self.vehicle, &self.world, now);
-        if self.sensors.has_gps() != gps {
-            self.note(now, MvcEventKind::Gps(!gps));
+    pub(crate) fn step(&mut self, ctx: &mut Context<'_>) {
+        let (gps, lock) = (self.has_gps(), self.has_bottom_lock());
+        self.advance(ctx.vehicle, ctx.world, ctx.now);
+        if self.has_gps() != gps {
+            ctx.note(MvcEventKind::Gps(!gps));
         }
-        if self.sensors.has_bottom_lock() != lock {
-            self.note(now, MvcEventKind::BottomLock(!lock));
+        if self.has_bottom_lock() != lock {
+            ctx.note(MvcEventKind::BottomLock(!lock));
         }
-        self.report_navigation(now);
-        self.report_readings(now);
+        self.report_navigation(ctx);
+        self.report_readings(ctx);
     }
 
     /// BFNVG and BFNVR are built each step, whoever listens.
-    fn report_navigation(&mut self, now: Timestamp) {
-        let stamp = self.stamp(now);
-        let convergence_deg = self.frame_convergence_deg - self.grid_convergence_deg;
-        let (navigation, velocity) = self
-            .sensors
-            .navigation(&self.vehicle, self.world.frame(), convergence_deg, stamp);
-        if !self.sensors.failed.silent {
-            self.publish(now, Some(Topic::Navigation), &FromVehicle::Navigation(navigation));
-            if !self.sensors.untrue.has_no_velocity() {
-                self.publish(now, Some(Topic::Velocity), &FromVehicle::VelocityAndRates(velocity));
+    fn report_navigation(&mut self, ctx: &mut Context<'_>) {
+        let convergence_deg = ctx.north.frame_deg - ctx.north.grid_deg;
+        let (navigation, velocity) = self.navigation(ctx.vehicle, ctx.frame(), convergence_deg, ctx.stamp());
+        if !self.failed.silent {
+            ctx.publish(Some(Topic::Navigation), &FromVehicle::Navigation(navigation));
+            if !self.untrue.has_no_velocity() {
+                ctx.publish(Some(Topic::Velocity), &FromVehicle::VelocityAndRates(velocity));
             }
         }
     }
 
     /// The other sensors, each at its own rate: a reading is counted in any case, and made where it is wanted.
-    fn report_readings(&mut self, now: Timestamp) {
-        let failed = self.sensors.failed;
-        let schedules = &mut self.sensors.schedules;
+    fn report_readings(&mut self, ctx: &mut Context<'_>) {
+        let (now, failed) = (ctx.now, self.failed);
+        let schedules = &mut self.schedules;
         let ctd = schedules.ctd.due(now);
         let sound = schedules.sound.due(now);
         let compass = schedules.compass.due(now);
@@ -90,80 +87,50 @@ impl Mvc {
         let dvl = schedules.dvl.due(now);
         let imu = schedules.imu.due(now);
         let telemetry = schedules.telemetry.due(now);
-        if !self.server.wanted(READINGS) {
+        if !ctx.wanted(READINGS) {
             return;
         }
-        let stamp = self.stamp(now);
-        if let Some(number) = ctd.filter(|_| self.sensors.config.ctd_fitted && !self.sensors.water.ctd_dead) {
-            let reading = |mvc: &Self| {
-                mvc.sensors
-                    .water
-                    .ctd(&mvc.vehicle, &mvc.world, now, number, stamp)
-                    .into()
-            };
-            self.report(now, Topic::Ctd, reading);
+        let (vehicle, world, stamp) = (ctx.vehicle, ctx.world, ctx.stamp());
+        if let Some(number) = ctd.filter(|_| self.config.ctd_fitted && !self.water.ctd_dead) {
+            let reading = || self.water.ctd(vehicle, world, now, number, stamp).into();
+            report(ctx, Topic::Ctd, reading);
         }
         if let Some(number) = sound {
-            let reading = |mvc: &Self| {
-                mvc.sensors
-                    .water
-                    .sound(&mvc.vehicle, &mvc.world, now, number, stamp)
-                    .into()
-            };
-            self.report(now, Topic::SoundVelocity, reading);
+            let reading = || self.water.sound(vehicle, world, now, number, stamp).into();
+            report(ctx, Topic::SoundVelocity, reading);
         }
         if let Some(number) = compass.filter(|_| !failed.compass) {
-            let true_deg = self.vehicle.heading_deg + self.frame_convergence_deg;
-            for compass in 1..=self.sensors.compasses.count() {
-                let reading = |mvc: &Self| {
-                    let compasses = &mvc.sensors.compasses;
-                    compasses.message(compass, &mvc.vehicle, true_deg, number, stamp).into()
-                };
-                self.report(now, Topic::Compass, reading);
+            let true_deg = vehicle.motion().heading_deg + ctx.north.frame_deg;
+            let compasses = &self.compasses;
+            for compass in 1..=compasses.count() {
+                let reading = || compasses.message(compass, vehicle, true_deg, number, stamp).into();
+                report(ctx, Topic::Compass, reading);
             }
         }
         if let Some(number) = depth.filter(|_| !failed.depth) {
-            let reading = |mvc: &Self| {
-                let Self {
-                    sensors,
-                    vehicle,
-                    world,
-                    ..
-                } = mvc;
-                sensors.water.depth_sensor(vehicle, world, number, stamp).into()
-            };
-            self.report(now, Topic::DepthSensor, reading);
+            let reading = || self.water.depth_sensor(vehicle, world, number, stamp).into();
+            report(ctx, Topic::DepthSensor, reading);
         }
         // A hovering hull has no tailcone (SPI 6.7, 6.12).
-        if let Some(number) = tailcone.filter(|_| !failed.tailcone && !self.vehicle.hull().hovers) {
-            let reading = |mvc: &Self| mvc.sensors.tailcone.speed(&mvc.vehicle, number, stamp).into();
-            self.report(now, Topic::VehicleSpeed, reading);
-            let reading = |mvc: &Self| {
-                let Self { sensors, vehicle, .. } = mvc;
-                sensors
-                    .tailcone
-                    .angles(vehicle, &sensors.before, sensors.dt_s, number, stamp)
-                    .into()
-            };
-            self.report(now, Topic::ElevatorRudder, reading);
+        if let Some(number) = tailcone.filter(|_| !failed.tailcone && !vehicle.hull().hovers) {
+            let tailcone = &self.tailcone;
+            report(ctx, Topic::VehicleSpeed, || {
+                tailcone.speed(vehicle, number, stamp).into()
+            });
+            let reading = || tailcone.angles(vehicle, &self.before, self.dt_s, number, stamp).into();
+            report(ctx, Topic::ElevatorRudder, reading);
         }
         if let Some(number) = dvl {
-            self.report_dvl(now, number);
+            self.report_dvl(ctx, number);
         }
         if let Some(number) = imu.filter(|_| !failed.imu) {
-            let reading = |mvc: &Self| {
-                let Self { sensors, vehicle, .. } = mvc;
-                sensors
-                    .imu
-                    .message(vehicle, &sensors.before, sensors.dt_s, number, stamp)
-                    .into()
-            };
-            self.report(now, Topic::Imu, reading);
+            let reading = || self.imu.message(vehicle, &self.before, self.dt_s, number, stamp).into();
+            report(ctx, Topic::Imu, reading);
         }
-        if telemetry.is_some() && self.sensors.config.telemetry.enabled && !failed.telemetry {
-            let config = self.sensors.config.telemetry;
-            let surfaced = self.vehicle.depth_m < self.sensors.config.gps.antenna_depth_m;
-            let reading = |_: &Self| {
+        if telemetry.is_some() && self.config.telemetry.enabled && !failed.telemetry {
+            let config = self.config.telemetry;
+            let surfaced = vehicle.motion().depth_m < self.config.gps.antenna_depth_m;
+            let reading = || {
                 Telemetry {
                     created: stamp,
                     acoustic_up_available_kb: config.acoustic_up_kb,
@@ -175,36 +142,33 @@ impl Mvc {
                 }
                 .into()
             };
-            self.report(now, Topic::Telemetry, reading);
+            report(ctx, Topic::Telemetry, reading);
         }
     }
 
-    fn report_dvl(&mut self, now: Timestamp, number: u64) {
-        if !self.server.wanted(Topic::Dvl.bit() | Topic::DvlExtended.bit()) {
+    fn report_dvl(&self, ctx: &mut Context<'_>, number: u64) {
+        if !ctx.wanted(Topic::Dvl.bit() | Topic::DvlExtended.bit()) {
             return;
         }
-        let stamp = self.stamp(now);
-        let temperature_c = self.world.temperature_c(self.vehicle.at, self.vehicle.depth_m, now);
-        let sensors = &self.sensors;
-        let reading = sensors
-            .dvl
-            .reading(&self.vehicle, temperature_c, sensors.sound_ratio, number);
+        let (vehicle, stamp) = (ctx.vehicle, ctx.stamp());
+        let motion = vehicle.motion();
+        let temperature_c = ctx.world.temperature_c(motion.at, motion.depth_m, ctx.now);
+        let reading = self.dvl.reading(vehicle, temperature_c, self.sound_ratio, number);
         if let Some(reading) = reading {
-            let hovers = self.vehicle.hull().hovers;
-            self.report(now, Topic::Dvl, |_| reading.message(stamp).into());
-            self.report(now, Topic::DvlExtended, |_| reading.extended(hovers, stamp).into());
-        }
-    }
-
-    fn report(&mut self, now: Timestamp, topic: Topic, reading: impl FnOnce(&Self) -> FromVehicle) {
-        if self.server.wanted(topic.bit()) {
-            let message = reading(self);
-            self.publish(now, Some(topic), &message);
+            report(ctx, Topic::Dvl, || reading.message(stamp).into());
+            let hovers = vehicle.hull().hovers;
+            report(ctx, Topic::DvlExtended, || reading.extended(hovers, stamp).into());
         }
     }
 }
 
-/// What [`Mvc::report_readings`] may publish.
+fn report(ctx: &mut Context<'_>, topic: Topic, reading: impl FnOnce() -> FromVehicle) {
+    if ctx.wanted(topic.bit()) {
+        ctx.publish(Some(topic), &reading());
+    }
+}
+
+/// What [`Sensors::report_readings`] may publish.
 const READINGS: u32 = Topic::Ctd.bit()
     | Topic::SoundVelocity.bit()
     | Topic::Compass.bit()

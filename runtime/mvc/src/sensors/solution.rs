@@ -99,14 +99,14 @@ impl Solution {
         let mut first = gps_noise.reading(0);
         // The last fix before the run: a dive from the surface begins with its error.
         let error = EastNorth::new(first.gaussian(), first.gaussian()) * config.gps.error_m;
-        let surfaced = vehicle.depth_m < config.gps.antenna_depth_m;
+        let surfaced = vehicle.motion().depth_m < config.gps.antenna_depth_m;
         let position_step_m = config.position_drift_m_per_sqrt_h * (dt_s / 3600.0).sqrt();
         let velocity_step_mps = config.ins.velocity_walk_mps_per_sqrt_s * dt_s.sqrt();
         let misalignment_rad = config.dvl.misalignment_deg.to_radians();
         let turned_rad = hypot(config.ins.heading_bias_deg.to_radians(), misalignment_rad);
         Self {
             config: *config,
-            at: vehicle.at + error,
+            at: vehicle.motion().at + error,
             velocity: (0.0, 0.0),
             way: EastNorth::default(),
             heading_bias_deg,
@@ -116,7 +116,7 @@ impl Solution {
             dt_s,
             velocity_error: (0.0, 0.0),
             aid_share: dt_s / (AIDED_TAU_S + dt_s),
-            held_current: vehicle.current,
+            held_current: vehicle.motion().current,
             error: ErrorModel {
                 share: hypot(config.dvl.scale_error, turned_rad),
                 step_m2: position_step_m * position_step_m,
@@ -150,8 +150,11 @@ impl Solution {
     /// One step: what the vehicle has moved, as the vehicle knows it.
     pub(super) fn step(&mut self, vehicle: &Vehicle, dvl: &Dvl, sound_ratio: f64, now: Timestamp, draws: &mut Draws) {
         let before = self.velocity;
-        let ground = vehicle.ground;
-        let through_water = self.turned((ground.0 - vehicle.current.0, ground.1 - vehicle.current.1));
+        let ground = vehicle.motion().ground;
+        let through_water = self.turned((
+            ground.0 - vehicle.motion().current.0,
+            ground.1 - vehicle.motion().current.1,
+        ));
         let position_walk = EastNorth::new(draws.gaussian(), draws.gaussian()) * self.position_step_m;
         if dvl.lock || self.gps.used {
             let aided = if dvl.lock {
@@ -209,7 +212,7 @@ impl Solution {
     /// GPS is in the solution from the first fix after the antenna has come up until it goes down.
     fn receive_gps(&mut self, vehicle: &Vehicle, now: Timestamp) {
         let config = self.config.gps;
-        if vehicle.depth_m >= config.antenna_depth_m || self.gps.dead {
+        if vehicle.motion().depth_m >= config.antenna_depth_m || self.gps.dead {
             (self.gps.acquired_at, self.gps.used) = (None, false);
             return;
         }
@@ -232,7 +235,7 @@ impl Solution {
         let fresh = EastNorth::new(draws.gaussian(), draws.gaussian()) * config.error_m;
         self.gps.error = self.gps.error * kept + fresh * (1.0 - kept * kept).sqrt();
         self.gps.used = true;
-        self.move_by(vehicle.at + self.gps.error - self.at);
+        self.move_by(vehicle.motion().at + self.gps.error - self.at);
         self.error.random_m2 = config.error_m * config.error_m;
         (self.error.systematic_m, self.error.velocity_m2) = (0.0, 0.0);
     }

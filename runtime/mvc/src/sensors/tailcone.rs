@@ -1,7 +1,7 @@
 use backseat_spi::{ControlSurfaces, VehicleSpeed};
 use backseat_units::TimeOfDay;
 
-use super::Motion;
+use super::Rates;
 use super::noise::Noise;
 use crate::file::TailconeConfig;
 use crate::vehicle::Vehicle;
@@ -35,8 +35,11 @@ impl Tailcone {
         let rpm_per_mps = vehicle.hull().rpm_per_mps;
         // Let go against the water's motion it has less than no way on, and its thruster has not begun to turn.
         let turns_rpm = vehicle
+            .motion()
             .tail
-            .map_or(vehicle.surge_mps.max(0.0) * rpm_per_mps, |tail| tail.now.propeller_rpm);
+            .map_or(vehicle.motion().surge_mps.max(0.0) * rpm_per_mps, |tail| {
+                tail.now.propeller_rpm
+            });
         let thruster_rpm = turns_rpm + self.rotation.reading(number).normal(self.config.rpm_noise);
         VehicleSpeed {
             created: stamp,
@@ -53,14 +56,14 @@ impl Tailcone {
     pub(super) fn angles(
         &self,
         vehicle: &Vehicle,
-        before: &Motion,
+        before: &Rates,
         dt_s: f64,
         number: u64,
         stamp: TimeOfDay,
     ) -> ControlSurfaces {
         let mut draws = self.angles.reading(number);
         let mut noise_deg = || draws.normal(self.config.angle_noise_deg);
-        if let Some(tail) = vehicle.tail {
+        if let Some(tail) = vehicle.motion().tail {
             return ControlSurfaces {
                 created: stamp,
                 elevator_deg: tail.now.elevator_deg() + noise_deg(),
@@ -73,13 +76,13 @@ impl Tailcone {
         let most_deg = self.config.angle_max_deg;
         let angle = |rate: f64, fastest: f64| (most_deg * rate / fastest).clamp(-most_deg, most_deg);
         let asked = |before: f64, now: f64, tau_s: f64| before + (now - before) * (tau_s + dt_s) / dt_s;
-        let yaw_dps = asked(before.yaw_rate_dps, vehicle.yaw_rate_dps, hull.yaw_tau_s);
-        let turn_max_dps = hull.turn_max_dps(vehicle.surge_mps).max(TURN_LEAST_DPS);
-        let heave_mps = asked(before.heave_mps, vehicle.heave_mps, hull.heave_tau_s);
+        let yaw_dps = asked(before.yaw_rate_dps, vehicle.motion().yaw_rate_dps, hull.yaw_tau_s);
+        let turn_max_dps = hull.turn_max_dps(vehicle.motion().surge_mps).max(TURN_LEAST_DPS);
+        let heave_mps = asked(before.heave_mps, vehicle.motion().heave_mps, hull.heave_tau_s);
         ControlSurfaces {
             created: stamp,
-            elevator_deg: angle(-vehicle.heave_mps, hull.depth_rate_max_mps) + noise_deg(),
-            rudder_deg: angle(vehicle.yaw_rate_dps, turn_max_dps) + noise_deg(),
+            elevator_deg: angle(-vehicle.motion().heave_mps, hull.depth_rate_max_mps) + noise_deg(),
+            rudder_deg: angle(vehicle.motion().yaw_rate_dps, turn_max_dps) + noise_deg(),
             elevator_target_deg: angle(-heave_mps, hull.depth_rate_max_mps),
             rudder_target_deg: angle(yaw_dps, turn_max_dps),
         }

@@ -64,7 +64,7 @@ impl Water {
         let noise_kpa = self.pressure.reading(number).normal(self.config.depth.noise_kpa);
         DepthSensor {
             created: stamp,
-            pressure_kpa: pressure_kpa(world, vehicle.depth_m) + self.depth_bias_kpa + noise_kpa,
+            pressure_kpa: pressure_kpa(world, vehicle.motion().depth_m) + self.depth_bias_kpa + noise_kpa,
         }
     }
 
@@ -84,7 +84,7 @@ impl Water {
     }
 
     fn ctd_without_noise(&self, vehicle: &Vehicle, world: &World, now: Timestamp) -> (f64, f64, f64) {
-        let (at, depth_m) = (vehicle.at, vehicle.depth_m);
+        let (at, depth_m) = (vehicle.motion().at, vehicle.motion().depth_m);
         (
             world.conductivity_us_per_cm(at, depth_m, now) + self.conductivity_bias_us_per_cm,
             world.temperature_c(at, depth_m, now) + self.temperature_bias_c,
@@ -141,7 +141,7 @@ fn pressure_kpa(world: &World, depth_m: f64) -> f64 {
 
 /// What the water makes of it, metres a second.
 pub(super) fn true_sound_mps(vehicle: &Vehicle, world: &World, now: Timestamp) -> f64 {
-    world.sound_speed_mps(vehicle.at, vehicle.depth_m, now)
+    world.sound_speed_mps(vehicle.motion().at, vehicle.motion().depth_m, now)
 }
 
 /// Speed of sound by what a CTD measures: microsiemens a centimetre, degrees Celsius, kilopascals with the air's.

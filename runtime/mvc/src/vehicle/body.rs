@@ -1,15 +1,5 @@
-use super::{Demand, Drive, Tail, Throttle, Turn, Vehicle};
-use crate::plan::Vertical;
-use crate::sixdof::{Helm, Orders, Steering, Surroundings, Trim};
-
-impl Throttle {
-    /// Whether the thruster turns ahead at all.
-    pub(crate) fn is_on(self) -> bool {
-        match self {
-            Self::Speed(amount) | Self::Rpm(amount) => amount > 0.0,
-        }
-    }
-}
+use super::{Demand, Drive, Tail, Turn, Vehicle, Vertical};
+use crate::vehicle::sixdof::{Helm, Orders, Steering, Surroundings, Trim};
 
 /// The body with six degrees of freedom under the vehicle. It is called only where there is one.
 impl Vehicle {
@@ -22,23 +12,23 @@ impl Vehicle {
             Drive::Adrift | Drive::Hover(_) => Helm::Adrift,
         };
         let around = Surroundings {
-            water_depth_m: self.water_depth_m,
-            gradient: self.gradient,
-            current: (self.current.0, self.current.1, 0.0),
+            water_depth_m: self.motion.water_depth_m,
+            gradient: self.motion.gradient,
+            current: (self.motion.current.0, self.motion.current.1, 0.0),
         };
         piloted.float_at(self.rise_share);
         piloted.drive(&helm, &around, dt_s);
         let motion = piloted.motion();
-        self.at = motion.at;
-        self.depth_m = motion.depth_m;
-        self.heading_deg = motion.heading_deg;
-        (self.surge_mps, self.sway_mps) = (motion.surge_mps, motion.sway_mps);
-        self.heave_mps = motion.heave_mps;
-        self.yaw_rate_dps = motion.yaw_rate_dps;
-        (self.pitch_deg, self.pitch_rate_dps) = (motion.pitch_deg, motion.pitch_rate_dps);
-        (self.roll_deg, self.roll_rate_dps) = (motion.roll_deg, motion.roll_rate_dps);
-        self.ground = motion.ground;
-        self.tail = Some(Tail {
+        self.motion.at = motion.at;
+        self.motion.depth_m = motion.depth_m;
+        self.motion.heading_deg = motion.heading_deg;
+        (self.motion.surge_mps, self.motion.sway_mps) = (motion.surge_mps, motion.sway_mps);
+        self.motion.heave_mps = motion.heave_mps;
+        self.motion.yaw_rate_dps = motion.yaw_rate_dps;
+        (self.motion.pitch_deg, self.motion.pitch_rate_dps) = (motion.pitch_deg, motion.pitch_rate_dps);
+        (self.motion.roll_deg, self.motion.roll_rate_dps) = (motion.roll_deg, motion.roll_rate_dps);
+        self.motion.ground = motion.ground;
+        self.motion.tail = Some(Tail {
             now: motion.tail,
             ordered: motion.ordered,
         });
@@ -47,9 +37,9 @@ impl Vehicle {
     /// Puts it on the seabed where it is below that.
     pub(super) fn ground(&mut self) {
         let Some(piloted) = &mut self.piloted else { return };
-        (self.grounded, self.depth_m) = piloted.ground_at(self.water_depth_m);
-        if self.grounded {
-            self.heave_mps = self.heave_mps.min(0.0);
+        (self.motion.grounded, self.motion.depth_m) = piloted.ground_at(self.motion.water_depth_m);
+        if self.motion.grounded {
+            self.motion.heave_mps = self.motion.heave_mps.min(0.0);
         }
     }
 }

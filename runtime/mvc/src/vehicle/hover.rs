@@ -1,20 +1,7 @@
 use backseat_units::math::{hypot, sin_cos};
 
-use super::{Turn, Vehicle};
-use crate::hovering::Ship;
-use crate::plan::Vertical;
-
-/// What a hovering vehicle is asked to do where it does not steer like a torpedo: any velocity under any heading.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct HoverDemand {
-    /// Velocity over ground, metres a second east and north, before the limits.
-    pub(crate) ground: (f64, f64),
-    pub(crate) vertical: Vertical,
-    /// Degrees from the frame's north.
-    pub(crate) heading_deg: f64,
-    /// The most over ground, in all directions together, metres a second.
-    pub(crate) speed_max_mps: f64,
-}
+use super::ship::Ship;
+use super::{HoverDemand, Turn, Vehicle};
 
 /// A ship, and how close the vehicle goes to it, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,13 +29,13 @@ impl Vehicle {
         let (east_mps, north_mps) = capped(demand.ground, left_mps.min(hull.speed_max_mps));
         let (east_mps, north_mps, down_mps) = self.led((east_mps, north_mps, down_mps));
         let wanted = capped(
-            (east_mps - self.current.0, north_mps - self.current.1),
+            (east_mps - self.motion.current.0, north_mps - self.motion.current.1),
             hull.speed_max_mps,
         );
         let (sin, cos) = self.axis;
         let water = (
-            self.surge_mps * sin + self.sway_mps * cos,
-            self.surge_mps * cos - self.sway_mps * sin,
+            self.motion.surge_mps * sin + self.motion.sway_mps * cos,
+            self.motion.surge_mps * cos - self.motion.sway_mps * sin,
         );
         let part = self.lags.surge;
         let change = capped(
@@ -57,13 +44,13 @@ impl Vehicle {
         );
         let water = (water.0 + change.0, water.1 + change.1);
         self.heave(down_mps);
-        let yaw_rate_dps = self.yaw_rate_dps;
+        let yaw_rate_dps = self.motion.yaw_rate_dps;
         self.yaw(Turn::Heading(demand.heading_deg));
         // The velocity stays as it is while the vehicle turns under it.
-        let heading_deg = self.heading_deg + 0.5 * (yaw_rate_dps + self.yaw_rate_dps) * dt_s;
+        let heading_deg = self.motion.heading_deg + 0.5 * (yaw_rate_dps + self.motion.yaw_rate_dps) * dt_s;
         let (sin, cos) = sin_cos(heading_deg.to_radians());
-        self.surge_mps = water.0 * sin + water.1 * cos;
-        self.sway_mps = water.0 * cos - water.1 * sin;
+        self.motion.surge_mps = water.0 * sin + water.1 * cos;
+        self.motion.sway_mps = water.0 * cos - water.1 * sin;
     }
 
     pub(super) fn safety_m(&self) -> f64 {
@@ -74,17 +61,17 @@ impl Vehicle {
     /// it, and so does what drifts in it.
     pub(super) fn stay_clear(&mut self, safety_m: f64) {
         let (sin, cos) = self.axis;
-        let velocity = (self.ground.0, self.ground.1, self.heave_mps);
+        let velocity = (self.motion.ground.0, self.motion.ground.1, self.motion.heave_mps);
         let kept = self.kept_clear(velocity, safety_m);
         if kept == velocity {
             return;
         }
         let (east_mps, north_mps, down_mps) = kept;
         let water = (east_mps - self.carried_by.0, north_mps - self.carried_by.1);
-        self.ground = (east_mps, north_mps);
-        self.heave_mps = down_mps;
-        self.surge_mps = water.0 * sin + water.1 * cos;
-        self.sway_mps = water.0 * cos - water.1 * sin;
+        self.motion.ground = (east_mps, north_mps);
+        self.motion.heave_mps = down_mps;
+        self.motion.surge_mps = water.0 * sin + water.1 * cos;
+        self.motion.sway_mps = water.0 * cos - water.1 * sin;
     }
 
     /// A velocity (east, north, down) that is kept clear of the ship, and does not take the vehicle into the bottom on the
@@ -93,9 +80,9 @@ impl Vehicle {
         let safety_m = self.safety_m();
         let at_share = |share: f64| self.kept_clear((wanted.0 * share, wanted.1 * share, wanted.2), safety_m);
         let rises_mps = |velocity: (f64, f64, f64)| {
-            velocity.0 * self.gradient.east_m + velocity.1 * self.gradient.north_m - velocity.2
+            velocity.0 * self.motion.gradient.east_m + velocity.1 * self.motion.gradient.north_m - velocity.2
         };
-        let altitude_m = self.water_depth_m - self.depth_m;
+        let altitude_m = self.motion.water_depth_m - self.motion.depth_m;
         // Where standing still sinks faster, the way is not at fault.
         let least_mps = (CLEARANCE_GAIN_PER_S * (self.altitude_min_m - altitude_m)).min(rises_mps(at_share(0.0)));
         let whole = at_share(1.0);
@@ -120,7 +107,7 @@ impl Vehicle {
         let Some(obstacle) = &self.obstacle else {
             return velocity;
         };
-        let (clearance_m, away) = obstacle.ship.clearance(self.at, self.depth_m);
+        let (clearance_m, away) = obstacle.ship.clearance(self.motion.at, self.motion.depth_m);
         let least_mps = CLEARANCE_GAIN_PER_S * (safety_m - clearance_m);
         let away_mps = velocity.0 * away.0 + velocity.1 * away.1 + velocity.2 * away.2;
         let more_mps = least_mps - away_mps;

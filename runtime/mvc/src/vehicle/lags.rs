@@ -1,4 +1,4 @@
-use crate::hull::Hull;
+use crate::vehicle::hull::Hull;
 
 /// Time constant of the rates of pitch and roll, seconds.
 const ATTITUDE_TAU_S: f64 = 0.5;

@@ -108,13 +108,13 @@ impl Oracle {
         let created = answer.command_created;
         let (command, identifier) = (answer.command, answer.identifier);
         let left = self.heartbeat.answered(at, command, created, self.process.is_stopped());
-        if let Some(left) = left
-            && created.is_precise()
-            && !created.is_none()
-            && !self.process.is_stopped()
-            && let Some(flaw) = self.clock.answered(left, at, answer.created)
-        {
-            self.flaws.add(flaw);
+        match left.filter(|_| !self.process.is_stopped()) {
+            Some(left) => {
+                if let Some(flaw) = self.clock.answered(left, at, answer.created) {
+                    self.flaws.add(flaw);
+                }
+            }
+            None => self.clock.unmeasured(at),
         }
         if matches!(&command, b"RMB" | b"NAK") {
             self.lease.answered();

@@ -118,6 +118,83 @@ fn requirement_023_a_clock_that_was_set_steers_nothing_for_ten_seconds() {
     modified(killed, 7500).finds_nothing();
 }
 
+/// The vehicle answers BPLOG once a second and no BPSTS, and its clock is set at 5 s.
+fn answers_only_subscriptions(by_ms: u64) -> Scenario {
+    let run = Scenario::with_control().beats_until(0).without_answers();
+    let run = run.clock_set(5000, by_ms.cast_signed()).ours(200, "BPLOG,CTL,ON");
+    (255..20_000).step_by(1000).fold(run, |run, ms| {
+        run.ours(ms, "BPLOG,ACK,ON")
+            .vehicle(ms + 5, &answer("LOG,000000.000", ms + 5, by_ms))
+    })
+}
+
+/// An answer to a command of its name and time, with the time of a clock that was set at 5 s.
+fn answer(command: &str, ms: u64, by_ms: u64) -> String {
+    let made = stamp(if ms < 5000 { ms } else { ms + by_ms });
+    format!("BFACK,{made},{command},0,2,0,ok")
+}
+
+#[test]
+fn requirement_023_answers_to_subscriptions_tell_of_the_clock_too() {
+    let set = |ms| modified(answers_only_subscriptions(3000), ms);
+    // The beat of 5.26 s tells it.
+    set(5400).finds_nothing();
+    set(6500).finds(&["clock-set"]);
+    set(15_100).finds(&["clock-set"]);
+    set(15_300).finds_nothing();
+}
+
+#[test]
+fn requirement_023_what_the_runtime_has_seen_in_other_answers_is_no_news_in_a_later_one() {
+    let precise = |run: Scenario, ms: u64| {
+        run.ours(ms, "BPSTS,{t},1,well")
+            .vehicle(ms + 5, &answer(&format!("STS,{}", stamp(ms)), ms + 5, 3000))
+    };
+    // The first answer with a time since the clock was set comes 10 s after those that have none.
+    let run = precise(answers_only_subscriptions(3000), 3000);
+    modified(precise(run, 15_600), 17_000).finds_nothing();
+    // Echoes of fewer decimals tell the runtime, and are not measured by the oracle.
+    let coarse = |run: Scenario, ms: u64| {
+        let echo = stamp(ms);
+        let echo = echo.split_at(echo.len() - 1).0;
+        run.ours(ms, "BPSTS,{t},1,well")
+            .vehicle(ms + 5, &answer(&format!("STS,{echo}"), ms + 5, 3000))
+    };
+    let run = Scenario::with_control().beats_until(4500).without_answers();
+    let run = run.clock_set(5000, 3000);
+    let run = (5055..15_000).step_by(1000).fold(run, coarse);
+    modified(precise(run, 15_055), 15_500).finds_nothing();
+}
+
+#[test]
+fn requirement_023_an_answer_to_an_earlier_subscription_sets_no_clock() {
+    // The vehicle answers the first BPLOG too, which left before answers were asked for. So the second answer, made before
+    // the third BPLOG left, is to the second.
+    let run = Scenario::with_control()
+        .ours(200, "BPLOG,CTL,ON")
+        .ours(300, "BPLOG,ACK,ON");
+    let run = run.vehicle(1000, &answer("LOG,000000.000", 900, 0));
+    let run = run.ours(4000, "BPLOG,ACK,ON");
+    let run = run.vehicle(4100, &answer("LOG,000000.000", 3000, 0));
+    modified(run, 6000).finds_nothing();
+}
+
+#[test]
+fn requirement_023_of_a_clock_that_was_set_when_the_link_was_lost_nobody_may_have_heard() {
+    let beat = |run: Scenario, (ms, by_ms)| {
+        run.ours(ms, "BPSTS,{t},1,well")
+            .vehicle(ms + 5, &answer(&format!("STS,{}", stamp(ms)), ms + 5, by_ms))
+    };
+    let run = |lost_ms| {
+        let run = Scenario::with_control().beats_until(5000).without_answers();
+        let run = beat(run, (5055, 3000)).reconnects(lost_ms, lost_ms + 100);
+        [(5500, 0), (6500, 0)].into_iter().fold(run, beat)
+    };
+    // It was set back before the link came up again.
+    modified(run(5100), 7000).finds_nothing();
+    modified(run(5400), 7000).finds(&["clock-set"]);
+}
+
 #[test]
 fn requirement_023_after_a_refusal_the_next_lease_waits() {
     let refused = |run: Scenario, ms: u64| {

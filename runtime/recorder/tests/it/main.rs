@@ -1,4 +1,3 @@
-//! The log and the picture of a run.
+//! The log of a run.
 
 mod log;
-mod picture;

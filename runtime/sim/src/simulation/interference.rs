@@ -6,9 +6,9 @@ use backseat_core::plugin::PluginId;
 use backseat_core::{Input, Note, Operator, Output, Start};
 use backseat_mvc::{Direction as Way, Fault, FaultKind};
 use backseat_plugin_host::Plugin;
+use backseat_plugin_loader::Loaded;
 use backseat_units::Utc;
 
-use crate::load::Loaded;
 use crate::simulation::process::{Answer, Process, Successor};
 use crate::simulation::{SimError, Simulation, add};
 

@@ -4,9 +4,8 @@ use std::time::Duration;
 use backseat_core::plugin::{NavigationSample, PluginId, Returned, StepInput};
 use backseat_core::{Core, Envelope, Input, Operator, Reservation, Restarted, Settings, Start};
 use backseat_plugin_host::Plugin;
+use backseat_plugin_loader::Loaded;
 use backseat_units::{Position, Timestamp};
-
-use crate::load::Loaded;
 
 /// A nanosecond for a unit of fuel: what a core of these years burns, nearly.
 const FUEL_PER_SECOND: u64 = 1_000_000_000;

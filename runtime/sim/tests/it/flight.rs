@@ -11,13 +11,16 @@ use backseat_mission::{Layers, Mission, PluginTable};
 use backseat_mvc::Activity;
 use backseat_oracle::Violation;
 use backseat_plugin_host::{Host, Plugin};
-use backseat_sim::{Components, Loaded, Report, Simulation, Step, Trace};
+use backseat_plugin_loader::{Components, Loaded};
+use backseat_scenario::Scenario;
+use backseat_sim::{Report, Simulation, Step, Trace};
 use backseat_spi::ToVehicle;
 use backseat_units::Timestamp;
 
 /// The mission with its plugins, compiled once.
 struct Hangar {
     mission: Mission,
+    scenario: Scenario,
     components: Components,
 }
 
@@ -28,7 +31,12 @@ fn hangar() -> &'static Hangar {
         let mission = Mission::load(&folder, &Layers::default()).unwrap();
         let host = Host::new().unwrap();
         let components = Components::load(&host, &mission, Some(backseat_test_support::plugins())).unwrap();
-        Hangar { mission, components }
+        let scenario = Scenario::load(&mission).unwrap();
+        Hangar {
+            mission,
+            scenario,
+            components,
+        }
     })
 }
 
@@ -41,11 +49,13 @@ pub(crate) fn mission() -> &'static Mission {
 }
 
 /// The same, but a behaviour begins every 20 s, and the vehicle refuses each trackline.
-fn in_legs() -> &'static Mission {
-    static LEGS: OnceLock<Mission> = OnceLock::new();
+fn in_legs() -> &'static (Mission, Scenario) {
+    static LEGS: OnceLock<(Mission, Scenario)> = OnceLock::new();
     LEGS.get_or_init(|| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/missions/legs");
-        Mission::load(&folder, &Layers::default()).unwrap()
+        let mission = Mission::load(&folder, &Layers::default()).unwrap();
+        let scenario = Scenario::load(&mission).unwrap();
+        (mission, scenario)
     })
 }
 
@@ -93,13 +103,14 @@ pub(crate) struct Flight {
 
 impl Flight {
     pub(crate) fn new(seed: u64) -> Self {
-        let sim = Simulation::new(mission(), seed, crew(), None).unwrap();
+        let sim = Simulation::new(mission(), &hangar().scenario, seed, crew(), None).unwrap();
         Self { sim }
     }
 
     /// One in which a process that connects later soon hears a behaviour begin.
     pub(crate) fn in_legs(seed: u64) -> Self {
-        let sim = Simulation::new(in_legs(), seed, crew(), None).unwrap();
+        let (mission, scenario) = in_legs();
+        let sim = Simulation::new(mission, scenario, seed, crew(), None).unwrap();
         Self { sim }
     }
 

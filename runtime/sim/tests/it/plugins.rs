@@ -1,9 +1,6 @@
 //! Plugins: loaded once, started often, substituted while they fly.
 
-use backseat_plugin_host::Host;
-use backseat_sim::{Components, LoadError};
-
-use crate::flight::{Flight, PILOT, SECOND, crew, mission, understudy};
+use crate::flight::{Flight, PILOT, SECOND, crew, understudy};
 
 #[test]
 fn components_are_compiled_once_and_every_run_begins_afresh() {
@@ -19,27 +16,6 @@ fn components_are_compiled_once_and_every_run_begins_afresh() {
     assert!(first.requests.accepted > 0);
     assert_eq!(crew().setups.len(), 2);
     assert_eq!(crew().components[0].0, "pilot");
-}
-
-#[test]
-fn what_was_not_loaded_is_named_with_what_was() {
-    let error = Components::new().start(mission()).err().unwrap();
-    assert!(matches!(error, LoadError::Unknown { .. }), "{error}");
-    let mut components = Components::new();
-    let bytes = std::fs::read(backseat_test_support::plugins().join("template.wasm")).unwrap();
-    let host = Host::new().unwrap();
-    components.insert(&host, "template", &bytes).unwrap();
-    let error = components.start(mission()).err().unwrap().to_string();
-    assert_eq!(
-        error,
-        "plugin `pilot`: component `faulty` is not loaded, there are: template"
-    );
-    assert!(components.insert(&host, "nothing", b"").is_err());
-    assert!(
-        components
-            .start_one("faulty", &mission().file.plugins[0], mission())
-            .is_err()
-    );
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod predive;
 mod prober;
 mod real_time;
 mod refusals;
+mod sea;
 mod sim_faults;
 mod simulation;
 mod spi;

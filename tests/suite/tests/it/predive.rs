@@ -595,7 +595,7 @@ fn the_plan_that_was_checked_is_held_against_the_vehicles_own() {
         .append("mission.toml", "[plan]\nfile = \"plan.toml\"")
         .write(
             "plan.toml",
-            "[[plan]]\nkind = \"trackline\"\nstart = { east_m = -600, north_m = 0 }\nend = { east_m = 600, north_m = 15 }\ndepth_m = 8\nspeed_mps = 1.5\n",
+            "[origin]\nlatitude_deg = 42.35\nlongitude_deg = -70.70\n\n[[plan]]\nkind = \"trackline\"\nstart = { east_m = -600, north_m = 0 }\nend = { east_m = 600, north_m = 15 }\ndepth_m = 8\nspeed_mps = 1.5\n",
         );
     let _ = ready(&other, &[]);
     let (sent, notes) = flown(&other);

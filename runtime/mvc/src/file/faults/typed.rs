@@ -6,7 +6,7 @@ use backseat_units::{EastNorth, Timestamp};
 use super::{FaultEntry, FaultName};
 use crate::event::ClientId;
 use crate::faults::{AckFilter, Directions, Fault, FaultKind, LinkFault, LinkFaultKind, NegativeStatus, Untrue, Whom};
-use crate::power::SHUTDOWN_NOTICE;
+use crate::file::SHUTDOWN_NOTICE;
 
 /// No time in a plan is longer, seconds: ten years.
 const LONGEST_S: f64 = 315_360_000.0;

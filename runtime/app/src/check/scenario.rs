@@ -1,0 +1,39 @@
+//! What `world.toml` adds to a check: the vehicle and the plan that are simulated, and whether they can be.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow};
+use backseat_mission::Mission;
+use backseat_scenario::Scenario;
+
+use super::front_seat::FrontSeat;
+
+/// The front seat of the mission's scenario, where it has one.
+pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>) -> Result<FrontSeat> {
+    let Some(scenario) = Scenario::find(mission)? else {
+        return Ok(FrontSeat {
+            remark: Some("no world.toml: this mission cannot be simulated"),
+            ..FrontSeat::of_mission(mission, plan)?
+        });
+    };
+    let vehicle = scenario.vehicle_of(mission);
+    let plan = scenario.plan(mission, plan)?;
+    // What only a seed shows: a vehicle or a seabed that cannot be.
+    drop(
+        scenario
+            .vehicle(1)
+            .with_context(|| format!("{}", scenario.path.display()))?,
+    );
+    let start = scenario
+        .start()
+        .ok_or_else(|| anyhow!("{}: origin: expected ±85 and ±180 degrees", scenario.path.display()))?;
+    Ok(FrontSeat {
+        vehicle: Some((vehicle.class, vehicle.limits())),
+        plan: Some(plan),
+        start: Some(start),
+        start_depth_m: scenario.world.start.depth_m,
+        starts_after_s: scenario.world.mission.starts_after_s,
+        simulated_at: Some(scenario.world.start.utc),
+        remark: None,
+    })
+}

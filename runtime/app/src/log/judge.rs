@@ -1,0 +1,85 @@
+//! `backseat log judge`: what the oracle says of a run.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use backseat_sim::{Verdict, judge_log};
+use clap::Args;
+use serde_json::json;
+
+use super::read_log;
+use crate::output::say;
+
+#[derive(Debug, Args)]
+pub(crate) struct LogJudge {
+    /// The log, as `run` or `sim --log` writes it
+    #[arg(value_name = "DIVE.mcap")]
+    pub(crate) file: PathBuf,
+    /// Print one JSON object on standard output and nothing else
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+pub(super) fn judge(arguments: &LogJudge) -> Result<bool> {
+    let path = &arguments.file;
+    let log = read_log(path)?;
+    let verdict = judge_log(&log).with_context(|| format!("log {} cannot be judged", path.display()))?;
+    if arguments.json {
+        let mut report = serde_json::to_value(&verdict)?;
+        if let Some(report) = report.as_object_mut() {
+            report.insert("log".to_owned(), json!(path.display().to_string()));
+            report.insert("passed".to_owned(), json!(verdict.passed()));
+        }
+        say!("{report}");
+    } else {
+        print(path, &verdict)?;
+    }
+    Ok(verdict.passed())
+}
+
+fn print(path: &Path, verdict: &Verdict) -> Result<()> {
+    let seed = verdict.seed.map_or_else(String::new, |seed| format!(", seed {seed}"));
+    let cut = if verdict.complete { "" } else { ", cut short" };
+    say!(
+        "{}: {}{seed}, {:.1} min{cut}",
+        path.display(),
+        verdict.mission,
+        verdict.seconds / 60.0
+    );
+    for gap in &verdict.gaps {
+        say!(
+            "  gap: {} records are missing from {:.3} s to {:.3} s; what hangs on them is unknown until the log tells it again",
+            gap.records,
+            gap.since_s,
+            gap.until_s
+        );
+    }
+    if verdict.standstills > 0 {
+        say!(
+            "  the process stood still {} times, for over a second: its silence is not judged",
+            verdict.standstills
+        );
+    }
+    for rule in &verdict.rules {
+        let requirement = rule
+            .requirement
+            .map_or_else(|| "   ".to_owned(), |requirement| format!("{requirement:03}"));
+        let fared = match (rule.unjudged, rule.broken) {
+            (Some(why), _) => format!("not judged: {why}"),
+            (None, 0) => format!("held, {} to judge", rule.judged),
+            (None, broken) => format!("broke {broken} of {} to judge", rule.judged),
+        };
+        say!("  {requirement} {:27} {:9} {fared}", rule.rule, rule.side);
+    }
+    for violation in &verdict.broken {
+        say!("  {violation}");
+        if let Some(sentence) = &violation.sentence {
+            say!("    {sentence}");
+        }
+    }
+    match verdict.broken.len() {
+        0 => say!("  no rule broke"),
+        _ => say!("  a rule broke"),
+    }
+    Ok(())
+}

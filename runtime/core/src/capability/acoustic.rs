@@ -1,0 +1,293 @@
+//! Packets through the vehicle's acoustic modem (SPI 9; safety requirement 016).
+//!
+//! A packet waits for BFCPS, which names it by our identifier, across losses of the link too: the modem sends it all the
+//! same. Where the modem fails no report comes (9.2), so a packet that has none a minute after it left has timed out.
+
+use std::time::Duration;
+
+use backseat_spi::{
+    FrameData, FrameReceivedStatus, FrameSentStatus, MAX_LINE, MediumAccess, Packet, PacketReceived, PacketSent,
+    ToVehicle,
+};
+use backseat_units::{TimeOfDay, Timestamp};
+
+use crate::context::Context;
+use crate::io::Note;
+use crate::monitor::envelope::limit;
+use crate::plugin::{Event, PacketRequest, ReceivedFrame, ReceivedPacket, Refusal, RequestState, Topic, Window};
+use crate::quota::LastMinute;
+use crate::refusal::refused;
+use crate::session::commands::{Answer, Purpose};
+use crate::session::dispatch::Dispatch;
+use crate::switches::{Check, is_on};
+use crate::timer::Timer;
+use crate::vehicle::clock::elapsed_nanos;
+
+/// A packet's report comes within this or not at all. An acknowledged packet travels some kilometres of water twice, and
+/// waits in the modem before that.
+const REPORT_WITHIN: Duration = Duration::from_secs(60);
+/// A window that ends later than this is a mistaken time of day and no window.
+const WINDOW_MAX: Duration = Duration::from_secs(3600);
+
+/// What is known of the modem.
+#[derive(Debug, Default)]
+pub(crate) struct Acoustic {
+    /// When the window was said by the vehicle's clock, and for how long.
+    said: Option<(TimeOfDay, Duration)>,
+    /// The packets without a report.
+    packets: Vec<Unreported>,
+    sent: LastMinute,
+}
+
+#[derive(Debug)]
+struct Unreported {
+    request: u64,
+    /// Our name for it in BFCPS.
+    identifier: u32,
+    overdue: Timestamp,
+}
+
+impl Acoustic {
+    /// What a request sends, where it can be sent.
+    pub(crate) fn check(&mut self, cx: &mut Context, request: u64, asked: &PacketRequest) -> Result<Dispatch, Refusal> {
+        let packet = self.packet(cx, asked)?;
+        // It is used up, whatever comes of the packet.
+        cx.identifiers.take();
+        cx.reserve();
+        Ok(Dispatch::new(
+            "CPD",
+            ToVehicle::Packet(packet),
+            Purpose::Packet(request),
+        ))
+    }
+
+    /// The request's packet has left, under this name.
+    pub(crate) fn sent(&mut self, cx: &mut Context, request: u64, identifier: u32) {
+        self.sent.add(cx.now);
+        self.packets.push(Unreported {
+            request,
+            identifier,
+            overdue: cx.now + REPORT_WITHIN,
+        });
+        self.set_timer(cx);
+    }
+
+    fn packet(&mut self, cx: &mut Context, asked: &PacketRequest) -> Result<Packet, Refusal> {
+        for message in ["CMA", "CPS"] {
+            if !cx.link.subscriptions.has(message) {
+                let text = format!("the vehicle has not acknowledged the subscription to BF{message}");
+                return Err(refused("window", &text));
+            }
+        }
+        self.narrow_window(cx);
+        if !cx.monitor.permits.window_is_open(cx.now) && is_on(Check::ModemWindow) {
+            return Err(refused("window", "no window is open, or it ends too soon (SPI 9.1)"));
+        }
+        if cx.vehicle.silent {
+            return Err(refused("state", "the vehicle is in silent mode (SPI 7.22)"));
+        }
+        let most = cx.monitor.limits().packets_per_min;
+        if !self.sent.has_room(cx.now, most) {
+            let text = format!("{most} packets have been sent in the last minute, the most there may be");
+            return Err(refused("rate", &text));
+        }
+        if asked.mode < 0 {
+            return Err(limit(format!("telemetry mode {} is none (SPI 9.3)", asked.mode)));
+        }
+        let bytes = asked
+            .frames
+            .iter()
+            .fold(0usize, |all, frame| all.saturating_add(frame.len()));
+        // Two digits a byte; what else is in the line is seen when it is encoded.
+        if bytes > MAX_LINE / 2 {
+            return Err(limit(format!("frames of {bytes} bytes do not fit into a line")));
+        }
+        let frames = FrameData::new(asked.frames.clone()).map_err(|error| limit(error.to_string()))?;
+        let packet = Packet {
+            created: cx.stamper.stamp(cx.now, "CPD"),
+            // From the numbers of the inserts: unique for the whole mission, whatever restarts.
+            request: cx.identifiers.next()?,
+            destination: asked.destination,
+            mode: asked.mode,
+            ack: asked.acknowledge,
+            frames,
+        };
+        // An identifier is for what can be said.
+        match ToVehicle::Packet(packet.clone()).encode(&mut Vec::new()) {
+            Ok(()) => Ok(packet),
+            Err(error) => Err(limit(error.to_string())),
+        }
+    }
+
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => cx.transition(request, RequestState::Pending),
+            Answer::Done => cx.transition(request, RequestState::Accepted),
+            Answer::Refused(text) => {
+                self.packets.retain(|packet| packet.request != request);
+                self.set_timer(cx);
+                cx.transition(request, RequestState::Failed(text.to_owned()));
+            }
+            // The report says more than the acknowledgement would have, and may come yet.
+            Answer::Missing => {}
+        }
+    }
+
+    /// BFCMA. The newest one holds: it may shorten an earlier one.
+    pub(crate) fn window(&mut self, cx: &mut Context, message: &MediumAccess) {
+        cx.heard(message.created);
+        cx.monitor.permits.window_until = None;
+        match self.ends_of(cx, message) {
+            Ok((until, open_until)) => {
+                cx.monitor.permits.window_until = Some(open_until);
+                self.said = Some((message.created, length_of(message)));
+                let window = Window {
+                    until,
+                    address: message.address,
+                    device: message.device.as_str().to_owned(),
+                };
+                cx.plugins.tell_wanting(Topic::Acoustic, &Event::Window(window));
+            }
+            Err(reason) => cx.note(Note::Text {
+                text: format!("an acoustic window until {} is none: {reason}", message.until),
+            }),
+        }
+        self.set_timer(cx);
+    }
+
+    /// When a window ends on our clock, and until when a packet may leave.
+    fn ends_of(&self, cx: &Context, message: &MediumAccess) -> Result<(Timestamp, Timestamp), &'static str> {
+        let length = length_of(message);
+        if length.is_zero() {
+            return Err("it ends before it begins");
+        }
+        if length > WINDOW_MAX {
+            return Err("it ends more than an hour after it begins");
+        }
+        // It may have waited for us, and the vehicle's clock may have been set meanwhile.
+        let age = self.age(cx, message.created).max(cx.link.waited());
+        let until = cx.now + length - age;
+        let open_until = until - self.before_its_end(cx);
+        if open_until > cx.now {
+            Ok((until, open_until))
+        } else {
+            Err("nothing that leaves now would arrive in it")
+        }
+    }
+
+    /// How long before a window's end the last packet may leave: once for the delay that the clocks' offset hides, once
+    /// for the packet's own way.
+    fn before_its_end(&self, cx: &Context) -> Duration {
+        2 * cx.monitor.limits().link_delay_max()
+    }
+
+    /// What is known of the vehicle's clock by now may bring the window's end nearer, and never farther.
+    fn narrow_window(&mut self, cx: &mut Context) {
+        let Some((created, length)) = self.said else {
+            return;
+        };
+        let until = cx.now + length - self.age(cx, created) - self.before_its_end(cx);
+        cx.monitor.permits.window_until = cx.monitor.permits.window_until.map(|open_until| open_until.min(until));
+    }
+
+    /// BFCPS: of our packets and of everybody's else.
+    pub(crate) fn packet_sent(&mut self, cx: &mut Context, message: &PacketSent) {
+        cx.heard(message.created);
+        let packets = &mut self.packets;
+        let own = packets.iter().position(|packet| packet.identifier == message.request);
+        let Some(index) = own else { return };
+        let request = packets.remove(index).request;
+        self.set_timer(cx);
+        cx.transition(request, RequestState::Ended(report(message)));
+    }
+
+    /// BFCPR: as many frames as it says, good or not; places that it left empty count as not good.
+    pub(crate) fn packet_received(&mut self, cx: &mut Context, message: PacketReceived) {
+        cx.heard(message.created);
+        let count = usize::try_from(message.frames).unwrap_or(usize::MAX);
+        let frames = message.data.into_iter().take(count).map(|frame| ReceivedFrame {
+            good: frame.status == FrameReceivedStatus::Good,
+            data: frame.data.into_vec(),
+        });
+        let packet = ReceivedPacket {
+            arrived: cx.now - self.age(cx, message.arrived),
+            source: message.source,
+            destination: message.destination,
+            mode: (message.mode != -1).then_some(message.mode),
+            frames: frames.collect(),
+        };
+        cx.plugins.tell_wanting(Topic::Acoustic, &Event::Packet(packet));
+    }
+
+    pub(crate) fn timed_out(&mut self, cx: &mut Context) {
+        if !cx.monitor.permits.window_is_open(cx.now) {
+            cx.monitor.permits.window_until = None;
+        }
+        let now = cx.now;
+        let overdue: Vec<Unreported> = self.packets.extract_if(.., |packet| packet.overdue <= now).collect();
+        self.set_timer(cx);
+        for packet in overdue {
+            cx.transition(packet.request, RequestState::TimedOut);
+        }
+    }
+
+    /// What is not known to be open is closed. The packets' reports may come on the next connection.
+    pub(crate) fn link_lost(&mut self, cx: &mut Context) {
+        cx.monitor.permits.window_until = None;
+        self.set_timer(cx);
+        let unreported: Vec<u64> = self.packets.iter().map(|packet| packet.request).collect();
+        for request in unreported {
+            let state = cx.ledger.get(request).map(|entry| &entry.state);
+            if matches!(state, Some(RequestState::Sent | RequestState::Pending)) {
+                cx.transition(request, RequestState::Unknown);
+            }
+        }
+    }
+
+    fn set_timer(&mut self, cx: &mut Context) {
+        let packets = self.packets.iter().map(|packet| packet.overdue);
+        let next = packets.chain(cx.monitor.permits.window_until).min();
+        cx.timers.set_or_stop(Timer::Acoustic, next);
+    }
+
+    /// How old something of the vehicle's time is.
+    fn age(&self, cx: &Context, written: TimeOfDay) -> Duration {
+        let age = cx.vehicle.navigation.clock().age(cx.now, cx.utc(), written);
+        age.unwrap_or_default()
+    }
+}
+
+/// What became of a packet, frame by frame.
+fn report(message: &PacketSent) -> String {
+    let count = usize::try_from(message.frames).unwrap_or(usize::MAX);
+    let statuses: Vec<FrameSentStatus> = message.statuses.into_iter().take(count).collect();
+    let failed = statuses
+        .iter()
+        .filter(|status| **status == FrameSentStatus::FailedToSend)
+        .count();
+    let mut text = match statuses.len() {
+        0 => return "no frame was sent".to_owned(),
+        1 => "1 frame".to_owned(),
+        count => format!("{count} frames"),
+    };
+    if failed > 0 {
+        text.push_str(&format!(", {failed} not sent"));
+    }
+    for (index, status) in statuses.into_iter().enumerate() {
+        text.push_str(if index == 0 { ": " } else { ", " });
+        match status {
+            FrameSentStatus::Unset => text.push_str("unset"),
+            FrameSentStatus::Unacknowledged => text.push_str("unacknowledged"),
+            FrameSentStatus::Acked => text.push_str("acked"),
+            FrameSentStatus::FailedToSend => text.push_str("failed to send"),
+            FrameSentStatus::Other(code) => text.push_str(&format!("status {code}")),
+        }
+    }
+    text
+}
+
+/// How long a window lasts; nothing where it ends before it begins.
+fn length_of(message: &MediumAccess) -> Duration {
+    let nanos = u64::try_from(elapsed_nanos(message.created, message.until)).unwrap_or(0);
+    Duration::from_nanos(nanos)
+}

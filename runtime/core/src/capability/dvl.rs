@@ -1,0 +1,339 @@
+//! The payload's part in triggering the DVL (SPI 5.6, 7.4; safety requirement 017).
+//!
+//! A request begins with BPDVR 1,0 and lasts until it is over for good; what its plugin asks for under the same tag
+//! meanwhile is a step of it. The phases are those of the handshake:
+//!
+//! ```text
+//! Requested  --BFDVT 1-->  Allowed  --the plugin triggers: 1,1-->  Triggering
+//! Triggering --the plugin pauses: 1,0-->  Allowed
+//! Triggering --the plugin is about to end it: 0,1-->  Ending
+//! any        --BFDVT 0-->  Ceasing  --the plugin wants it again: 1,0-->  Requested
+//! any        --the plugin ends it: 0,0; or a time is over-->  no request, and the DVL triggers itself
+//! ```
+//!
+//! The vehicle takes the DVL back 5 s after its last trigger. We do not see the trigger, so while it triggers a plugin
+//! repeats its request at least as often; a repetition changes no field and is not sent. Whatever ends a request is said
+//! by one BPDVR 0,0, which needs the link alone.
+
+use std::time::Duration;
+
+use backseat_spi::{DvlTriggerRequest as Said, DvlTriggering, ToVehicle};
+use backseat_units::Timestamp;
+
+use crate::context::Context;
+use crate::io::Note;
+use crate::plugin::{DvlTriggerRequest, Event, PluginId, Refusal, RequestState};
+use crate::refusal::refused;
+use crate::session::commands::{Answer, Purpose};
+use crate::session::dispatch::Dispatch;
+use crate::switches::{Check, is_on};
+use crate::timer::Timer;
+
+/// The vehicle takes the DVL back when it has not been triggered for this long (7.4).
+const TRIGGER_WITHIN: Duration = Duration::from_secs(5);
+/// A plugin that is to stop says within this that it has, or whether it wants to go on later.
+const CEASE_WITHIN: Duration = Duration::from_secs(1);
+/// The vehicle allows it when that is safe, which may take its time; a request does not wait for longer than this.
+const ALLOW_WITHIN: Duration = Duration::from_secs(300);
+/// What nobody has asked for is answered this often at most: a vehicle that takes the answer for a question would ask
+/// again.
+const ANSWER_EVERY: Duration = Duration::from_secs(1);
+
+/// Where the handshake stands.
+#[derive(Debug, Default)]
+pub(crate) struct DvlTrigger {
+    open: Option<Handshake>,
+    /// When a BFDVT that nobody had asked for was last answered.
+    answered: Option<Timestamp>,
+}
+
+/// The one open request.
+#[derive(Clone, Copy, Debug)]
+struct Handshake {
+    request: u64,
+    plugin: PluginId,
+    tag: u64,
+    phase: Phase,
+    /// The phase ends no later.
+    until: Timestamp,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// BPDVR 1,0 was sent.
+    Requested,
+    /// BFDVT 1 came.
+    Allowed,
+    /// BPDVR 1,1 was sent.
+    Triggering,
+    /// BPDVR 0,1 was sent, to which BFDVT 0 is the answer.
+    Ending,
+    /// BFDVT 0 came.
+    Ceasing,
+}
+
+impl DvlTrigger {
+    /// Whether the payload may say that it is triggering.
+    pub(crate) fn may_trigger(&self) -> bool {
+        self.open
+            .is_some_and(|open| matches!(open.phase, Phase::Allowed | Phase::Triggering))
+    }
+}
+
+impl DvlTrigger {
+    /// Whether a plugin's request with this tag is open: what it asks for is a step of it.
+    pub(crate) fn continues(&mut self, cx: &mut Context, plugin: PluginId, tag: u64) -> bool {
+        if self.open.is_some_and(|open| open.until <= cx.now) {
+            // Its time was over before this was asked.
+            self.timed_out(cx);
+        }
+        self.open.is_some_and(|open| open.plugin == plugin && open.tag == tag)
+    }
+
+    /// What a request sends that begins a handshake, where it can be sent.
+    pub(crate) fn check(
+        &self,
+        cx: &mut Context,
+        plugin: PluginId,
+        request: u64,
+        asked: &DvlTriggerRequest,
+    ) -> Result<Dispatch, Refusal> {
+        self.may_begin(plugin, asked)?;
+        let message = self.message(cx, true, false);
+        Ok(Dispatch::new("DVR", message, Purpose::DvlTrigger(request)))
+    }
+
+    /// The request's BPDVR has left.
+    pub(crate) fn sent(&mut self, cx: &mut Context, plugin: PluginId, request: u64, asked: &DvlTriggerRequest) {
+        self.open = Some(Handshake {
+            request,
+            plugin,
+            tag: asked.tag,
+            phase: Phase::Requested,
+            until: cx.now + ALLOW_WITHIN,
+        });
+        self.set_timer(cx);
+    }
+
+    fn may_begin(&self, plugin: PluginId, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
+        match self.open {
+            Some(open) if open.plugin == plugin => Err(refused(
+                "tag",
+                &format!("this plugin's request with tag {} is still open", open.tag),
+            )),
+            Some(_) => Err(refused("priority", "another plugin has asked for the DVL's trigger")),
+            None if asked.triggering => Err(not_allowed()),
+            None if !asked.external => Err(refused("state", "no request is open that this could end")),
+            None => Ok(()),
+        }
+    }
+
+    /// The plugin of the open request ends it. Neither rate nor control holds that back: BPDVR 0,0 may always be said.
+    pub(crate) fn asked_end(&mut self, cx: &mut Context) {
+        let reason = match self.open.map(|open| open.phase) {
+            Some(Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending) | None => "its plugin ended it",
+            Some(Phase::Ceasing) => "the vehicle stopped it",
+        };
+        self.end(cx, reason);
+    }
+
+    /// What the plugin of the open request asks for next.
+    pub(crate) fn step(&mut self, cx: &mut Context, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
+        let Some(open) = self.open else { return Ok(()) };
+        match (asked.external, asked.triggering) {
+            (true, false) => match open.phase {
+                Phase::Requested | Phase::Allowed => {}
+                Phase::Triggering => self.say(cx, open, asked, Phase::Allowed, TRIGGER_WITHIN),
+                Phase::Ceasing => self.say(cx, open, asked, Phase::Requested, ALLOW_WITHIN),
+                Phase::Ending => return Err(refused("state", "its plugin is ending it")),
+            },
+            (true, true) => match open.phase {
+                Phase::Allowed => {
+                    self.say(cx, open, asked, Phase::Triggering, TRIGGER_WITHIN);
+                    cx.transition(open.request, RequestState::Started);
+                }
+                Phase::Triggering => self.enter(cx, open, Phase::Triggering, TRIGGER_WITHIN),
+                Phase::Requested | Phase::Ending | Phase::Ceasing if !is_on(Check::DvlLeave) => {
+                    self.say(cx, open, asked, Phase::Triggering, TRIGGER_WITHIN);
+                }
+                Phase::Requested | Phase::Ending | Phase::Ceasing => return Err(not_allowed()),
+            },
+            (false, _) => match open.phase {
+                Phase::Triggering => self.say(cx, open, asked, Phase::Ending, TRIGGER_WITHIN),
+                Phase::Ending => {}
+                Phase::Requested | Phase::Allowed | Phase::Ceasing => return Err(not_allowed()),
+            },
+        }
+        Ok(())
+    }
+
+    /// Sends a step of the open request, which brings it into another phase.
+    fn say(&mut self, cx: &mut Context, open: Handshake, asked: &DvlTriggerRequest, phase: Phase, within: Duration) {
+        let message = self.message(cx, asked.external, asked.triggering);
+        let mut command = cx.courtesy("DVR", message.created());
+        command.purpose = Purpose::DvlTrigger(open.request);
+        if cx.transmit_for(open.plugin.into(), &message, Some(command)) {
+            self.enter(cx, open, phase, within);
+        } else {
+            self.end(cx, "it could not be sent");
+        }
+    }
+
+    fn enter(&mut self, cx: &mut Context, open: Handshake, phase: Phase, within: Duration) {
+        let until = cx.now + within;
+        self.open = Some(Handshake { phase, until, ..open });
+        self.set_timer(cx);
+    }
+
+    fn message(&self, cx: &mut Context, external: bool, triggering: bool) -> ToVehicle {
+        ToVehicle::DvlTriggerRequest(Said {
+            created: cx.stamper.stamp(cx.now, "DVR"),
+            external,
+            triggering,
+        })
+    }
+
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
+        let Some(open) = self.open.filter(|open| open.request == request) else {
+            return;
+        };
+        match answer {
+            Answer::Pending => cx.transition(request, RequestState::Pending),
+            // Of the first step; for the later ones the request has come further.
+            Answer::Done => cx.transition(request, RequestState::Accepted),
+            Answer::Refused(text) => self.close(
+                cx,
+                if self.has_started(cx, request) {
+                    RequestState::Ended(format!("the vehicle refused it: {text}"))
+                } else {
+                    RequestState::Failed(text.to_owned())
+                },
+            ),
+            Answer::Missing => match open.phase {
+                Phase::Requested | Phase::Triggering | Phase::Ending => self.close(
+                    cx,
+                    if self.has_started(cx, request) {
+                        RequestState::Ended("the vehicle did not acknowledge it".to_owned())
+                    } else {
+                        RequestState::TimedOut
+                    },
+                ),
+                // The vehicle's BFDVT has answered it.
+                Phase::Allowed | Phase::Ceasing => {}
+            },
+        }
+    }
+
+    fn has_started(&self, cx: &Context, request: u64) -> bool {
+        cx.ledger
+            .get(request)
+            .is_some_and(|entry| entry.state == RequestState::Started)
+    }
+
+    /// BFDVT.
+    pub(crate) fn heard(&mut self, cx: &mut Context, message: &DvlTriggering) {
+        cx.heard(message.created);
+        let Some(open) = self.open else {
+            return self.answer_unasked(cx, message.begin);
+        };
+        let said = match (message.begin, open.phase) {
+            (true, Phase::Requested) => {
+                // The vehicle has counted since it said so: what was held up on its way leaves less.
+                let age = cx.vehicle.navigation.clock().age(cx.now, cx.utc(), message.created);
+                let within = TRIGGER_WITHIN.saturating_sub(age.unwrap_or_default());
+                self.enter(cx, open, Phase::Allowed, within);
+                true
+            }
+            (false, Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending) => {
+                self.enter(cx, open, Phase::Ceasing, CEASE_WITHIN);
+                false
+            }
+            // Said again, it changes nothing; a plugin that is to stop asks anew first.
+            (true, Phase::Allowed | Phase::Triggering | Phase::Ending | Phase::Ceasing) | (false, Phase::Ceasing) => {
+                return;
+            }
+        };
+        cx.plugins.tell(open.plugin, Event::DvlTrigger(said));
+    }
+
+    /// Nobody has asked, or no longer: we neither trigger nor want to.
+    fn answer_unasked(&mut self, cx: &mut Context, begin: bool) {
+        let recent = |at: Timestamp| cx.now.since(at) < ANSWER_EVERY;
+        if self.answered.is_some_and(recent) {
+            return;
+        }
+        self.answered = Some(cx.now);
+        let what = if begin { "allows" } else { "stops" };
+        cx.note(Note::Text {
+            text: format!("the vehicle {what} DVL triggering that no open request is about"),
+        });
+        self.say_not_triggering(cx);
+    }
+
+    fn say_not_triggering(&mut self, cx: &mut Context) {
+        let message = self.message(cx, false, false);
+        let command = cx.courtesy("DVR", message.created());
+        cx.transmit(&message, Some(command));
+    }
+
+    pub(crate) fn timed_out(&mut self, cx: &mut Context) {
+        let Some(open) = self.open else { return };
+        if !is_on(Check::DvlAnswer) {
+            return;
+        }
+        self.end(
+            cx,
+            match open.phase {
+                Phase::Requested => "the vehicle did not allow it within 300 s",
+                Phase::Allowed => "not triggered within 5 s",
+                Phase::Triggering => "its plugin did not say within 5 s that it goes on",
+                Phase::Ending => "the vehicle did not stop it within 5 s",
+                Phase::Ceasing => "the vehicle stopped it, and its plugin did not answer within 1 s",
+            },
+        );
+    }
+
+    /// Ends the open request, if there is one: BPDVR 0,0 where the link is up.
+    pub(crate) fn end(&mut self, cx: &mut Context, reason: &str) {
+        self.close(cx, RequestState::Ended(reason.to_owned()));
+    }
+
+    fn close(&mut self, cx: &mut Context, state: RequestState) {
+        let Some(open) = self.open.take() else { return };
+        self.set_timer(cx);
+        self.say_not_triggering(cx);
+        cx.transition(open.request, state);
+    }
+
+    /// Without us the vehicle takes the DVL back by itself, 5 s after the last trigger.
+    pub(crate) fn link_lost(&mut self, cx: &mut Context) {
+        self.answered = None;
+        let unanswered = |open: Handshake| {
+            let state = cx.ledger.get(open.request).map(|entry| &entry.state);
+            matches!(state, Some(RequestState::Sent | RequestState::Pending))
+        };
+        self.close(
+            cx,
+            if self.open.is_some_and(unanswered) {
+                RequestState::TimedOut
+            } else {
+                RequestState::Ended("the link is down".to_owned())
+            },
+        );
+    }
+
+    pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
+        if self.open.is_some_and(|open| open.plugin == plugin) {
+            self.end(cx, "its plugin failed");
+        }
+    }
+
+    fn set_timer(&mut self, cx: &mut Context) {
+        cx.monitor.permits.may_trigger = self.may_trigger();
+        cx.timers.set_or_stop(Timer::Dvl, self.open.map(|open| open.until));
+    }
+}
+
+fn not_allowed() -> Refusal {
+    refused("state", "the vehicle does not allow triggering now (BFDVT, SPI 7.4)")
+}

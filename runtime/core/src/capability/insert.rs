@@ -1,0 +1,497 @@
+//! Inserts: tracklines, trackcircles and GPS hits that the vehicle flies by itself once it has accepted them (SPI 7.5 to
+//! 7.7), and their cancelling (7.8). Safety requirements 002, 009, 010 and 019.
+//!
+//! A GPS hit is an insert that runs after the current behaviour and that nothing takes back: BPRCN covers tracklines and
+//! trackcircles alone.
+
+pub(crate) mod former;
+pub(crate) mod irrevocable;
+pub(crate) mod late;
+pub(crate) mod recall;
+pub(crate) mod waiting;
+
+use backseat_spi::{
+    BehaviorId, CancelBehavior, CircleEntry, GpsHit, Interrupt, SpeedMode, SurfaceMode, ToVehicle, Trackcircle,
+    Trackline, VerticalMode,
+};
+use backseat_units::Timestamp;
+
+use crate::capability::insert::irrevocable::Waiting;
+use crate::capability::insert::recall::Recalls;
+use crate::context::Context;
+use crate::ledger::schedule::Schedule;
+use crate::monitor::envelope::{Flight, Insert, InsertPath, Route, Vertical};
+use crate::monitor::limits::Grant;
+use crate::plugin::{PluginId, Refusal, Request, RequestState, TrackcircleRequest};
+use crate::refusal::refused;
+use crate::session::commands::{Answer, Purpose, SETTLED_WITHIN};
+use crate::session::dispatch::Dispatch;
+use crate::switches::{Check, is_on};
+use crate::timer::Timer;
+
+/// What the judgement of an insert found that is kept with it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Admitted {
+    /// How long it flies at most, seconds.
+    duration_s: f64,
+    schedule: Option<Schedule>,
+}
+
+/// The inserts that wait for an answer of the vehicle before they leave, and those that are being taken back.
+#[derive(Debug, Default)]
+pub(crate) struct Inserts {
+    pub(crate) waiting: Vec<Waiting>,
+    pub(crate) recalls: Recalls,
+}
+
+/// The grant that an insert needs; one that interrupts needs that of its own beside it.
+pub(crate) const fn grant_of(insert: &Insert) -> Grant {
+    if insert.surfaces() {
+        Grant::Surface
+    } else {
+        Grant::Insert
+    }
+}
+
+impl Inserts {
+    /// The path that a request means, where its figures are in range.
+    pub(crate) fn shape(&self, cx: &mut Context, asked: &Request) -> Option<Result<Insert, Refusal>> {
+        let insert = match asked {
+            Request::Trackline(line) => cx.monitor.envelope.admit_trackline(line),
+            Request::Trackcircle(circle) => self
+                .admit_layout(cx, circle)
+                .and_then(|()| cx.monitor.envelope.admit_trackcircle(circle)),
+            Request::GpsHit(hit) => cx.monitor.envelope.admit_gps_hit(hit),
+            Request::Modify(_)
+            | Request::EndModify
+            | Request::Cancel(_)
+            | Request::Message(_)
+            | Request::Topside(_)
+            | Request::DvlTrigger(_)
+            | Request::Silent(_)
+            | Request::Trim(_)
+            | Request::Buoyancy(_)
+            | Request::Packet(_)
+            | Request::Hold(_)
+            | Request::EndHold
+            | Request::SonarAngle(_)
+            | Request::Camera(_)
+            | Request::Light(_)
+            | Request::Timer { .. } => return None,
+        };
+        cx.reserve();
+        Some(insert)
+    }
+
+    /// All that an insert needs at the moment that it leaves.
+    pub(crate) fn check(
+        &mut self,
+        cx: &mut Context,
+        plugin: PluginId,
+        tag: u64,
+        insert: &Insert,
+    ) -> Result<Admitted, Refusal> {
+        let route = self.admit_insert(cx, plugin, tag, insert)?;
+        self.judge_insert(cx, insert, &route)?;
+        cx.outlook().admit_delay(insert, &route)?;
+        Ok(Admitted {
+            duration_s: self.cap_duration(cx, plugin, insert, &route)?,
+            schedule: cx.outlook().schedule(insert, &route),
+        })
+    }
+
+    /// What an insert sends, under the next identifier; `None` where the identifiers' state on disk is missing.
+    pub(crate) fn dispatch(&self, cx: &mut Context, request: u64, insert: &Insert) -> Option<Dispatch> {
+        let identifier = BehaviorId::new(cx.identifiers.take()?);
+        let (letters, message) = message_of(cx, identifier, insert);
+        Some(Dispatch::new(letters, message, Purpose::Insert(request)).naming(identifier))
+    }
+
+    /// The two layouts of BPRTC in SPI 7.6 differ in what comes before the interrupt code. Where nobody has said which one
+    /// the vehicle reads, a circle leaves only if both read it alike: after what is flown, entered anywhere.
+    fn admit_layout(&self, cx: &Context, circle: &TrackcircleRequest) -> Result<(), Refusal> {
+        let layout = cx.settings.trackcircle_entry_angle;
+        let text = match layout {
+            Some(true) => return Ok(()),
+            _ if circle.entry_angle_deg.is_some() => {
+                "the mission does not say that the vehicle reads a circle's entry angle (vehicle.trackcircle_entry_angle)"
+            }
+            None if circle.interrupt => {
+                "the mission does not say where the vehicle reads a circle's interrupt code (vehicle.trackcircle_entry_angle)"
+            }
+            Some(false) | None => return Ok(()),
+        };
+        Err(refused("layout", text))
+    }
+
+    /// All that does not hang on the geometry: grants, the plan, doubt, caps of number, identifiers. The insert's route.
+    fn admit_insert(
+        &mut self,
+        cx: &mut Context,
+        plugin: PluginId,
+        tag: u64,
+        insert: &Insert,
+    ) -> Result<Route, Refusal> {
+        let surfaces = insert.surfaces();
+        if !cx.vehicle.plan.is_complete() && is_on(Check::PlanKnown) {
+            return Err(refused(
+                "plan",
+                "the vehicle's plan is not known, nor so where the insert would begin",
+            ));
+        }
+        if cx.ledger.in_doubt() && is_on(Check::InsertInDoubt) {
+            return Err(refused(
+                "doubt",
+                "the vehicle has not answered for an earlier insert since the link was lost",
+            ));
+        }
+        if cx.outlook().open_insert(plugin, tag).is_some() || self.is_waiting(plugin, tag) {
+            return Err(refused("tag", "an insert with this tag is still open"));
+        }
+        if insert.interrupt {
+            cx.outlook().admit_beside_gps_hit()?;
+        }
+        if insert.interrupt && cx.ledger.interrupts() && is_on(Check::InterruptOfInterrupt) {
+            return Err(refused(
+                "interrupt",
+                "an insert that interrupts is open, and none may interrupt it (SPI 7.5)",
+            ));
+        }
+        if insert.interrupt && cx.outlook().former_may_fly() && is_on(Check::InterruptOfInterrupt) {
+            return Err(refused(
+                "interrupt",
+                "an insert of an earlier process may be flown, and may be one that none may interrupt (SPI 7.5)",
+            ));
+        }
+        let current = cx.vehicle.named_insert.current();
+        if insert.interrupt
+            && current.is_some_and(|current| !cx.identifiers.is_ours(current))
+            && is_on(Check::InterruptOfInterrupt)
+        {
+            return Err(refused(
+                "interrupt",
+                "an insert that is not ours is flown, and may be one that none may interrupt (SPI 7.5)",
+            ));
+        }
+        let limits = cx.monitor.limits();
+        if cx.ledger.open_inserts() + cx.outlook().inherited() >= limits.inserts_open_max && is_on(Check::InsertsOpen) {
+            return Err(refused(
+                "cap",
+                &format!("{} inserts are open, the most there may be", limits.inserts_open_max),
+            ));
+        }
+        if surfaces && cx.identifiers.gps_hits_sent() >= limits.gps_hits_total_max && is_on(Check::GpsHitsTotal) {
+            return Err(refused(
+                "cap",
+                &format!(
+                    "{} GPS hits have been sent, the most of a mission",
+                    limits.gps_hits_total_max
+                ),
+            ));
+        }
+        if !surfaces && cx.identifiers.inserts_sent() >= limits.inserts_total_max && is_on(Check::InsertsTotal) {
+            return Err(refused(
+                "cap",
+                &format!(
+                    "{} inserts have been sent, the most of a mission",
+                    limits.inserts_total_max
+                ),
+            ));
+        }
+        let own = cx.plugins.limits(plugin);
+        let open = cx.ledger.open_inserts_of(plugin);
+        if let Some(most) = own.inserts_open_max.filter(|most| open >= *most) {
+            let text = format!("{open} inserts of its own are open, and {most} may be");
+            return Err(refused("cap", &text));
+        }
+        let sent = cx.plugins.inserts_sent(plugin);
+        if let Some(most) = own.inserts_total_max.filter(|most| !surfaces && sent >= *most) {
+            let text = format!("it has sent {sent} inserts, and may send {most}");
+            return Err(refused("cap", &text));
+        }
+        if is_on(Check::PlanKnown) {
+            cx.outlook().heard_what_is_flown(insert.interrupt)?;
+        }
+        let plan = &cx.vehicle.plan;
+        cx.identifiers
+            .next_insert(surfaces, |identifier| plan.has(identifier))?;
+        Ok(cx.outlook().route_of_insert(insert.interrupt))
+    }
+
+    /// How long an insert flies at most, where that and what is open stay under the cap.
+    fn cap_duration(&self, cx: &Context, plugin: PluginId, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
+        let duration_s = cx.monitor.envelope.duration_s(insert, &route.from);
+        let open_s = cx.ledger.open_duration_s();
+        let most_s = cx.monitor.limits().inserts_duration_max_s;
+        if open_s + duration_s > most_s && is_on(Check::InsertsDuration) {
+            return Err(refused(
+                "cap",
+                &format!(
+                    "it may fly for {duration_s:.0} s and the open inserts for {open_s:.0} s, together over {most_s} s"
+                ),
+            ));
+        }
+        let own_s = cx.ledger.open_duration_of_s(plugin);
+        let own_max_s = cx.plugins.limits(plugin).inserts_duration_max_s;
+        if let Some(most_s) = own_max_s.filter(|most_s| own_s + duration_s > *most_s) {
+            let text = format!(
+                "it may fly for {duration_s:.0} s and its plugin's open inserts for {own_s:.0} s, together over {most_s} s"
+            );
+            return Err(refused("cap", &text));
+        }
+        Ok(duration_s)
+    }
+
+    fn judge_insert(&self, cx: &Context, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
+        let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
+            return Err(refused("navigation", "navigation is stale"));
+        };
+        if !is_on(Check::InsertFence) {
+            return Ok(f64::MAX);
+        }
+        cx.monitor.envelope.judge_insert(
+            insert,
+            navigation.depth,
+            cx.vehicle.navigation.bottom_lock(cx.now),
+            route,
+            cx.outlook().clocks(),
+        )
+    }
+
+    /// The request's command has left.
+    pub(crate) fn sent(&self, cx: &mut Context, request: u64, dispatch: &Dispatch, insert: Insert, admitted: Admitted) {
+        let Some(identifier) = dispatch.identifier() else {
+            return;
+        };
+        cx.identifiers.sent(identifier, insert.surfaces());
+        if !insert.surfaces()
+            && let Some(plugin) = cx.ledger.get(request).and_then(|entry| entry.owner.plugin())
+        {
+            cx.plugins.count_insert(plugin);
+        }
+        cx.reserve();
+        if let Some(entry) = cx.ledger.get_mut(request) {
+            entry.identifier = Some(identifier);
+            entry.insert = Some(insert);
+            entry.duration_s = admitted.duration_s;
+            entry.schedule = admitted.schedule;
+            entry.sent_at = cx.now;
+        }
+    }
+
+    /// What the cancel of a plugin's insert sends, where that may be taken back.
+    pub(crate) fn check_cancel(
+        &self,
+        cx: &mut Context,
+        plugin: PluginId,
+        request: u64,
+        tag: u64,
+    ) -> Result<Dispatch, Refusal> {
+        let insert = self.may_cancel(cx, plugin, tag)?;
+        let Some(identifier) = cx.ledger.get(insert).and_then(|entry| entry.identifier) else {
+            return Err(refused("control", "it could not be sent"));
+        };
+        let purpose = Purpose::Cancel {
+            cancel: Some(request),
+            insert,
+        };
+        let created = cx.stamper.stamp(cx.now, "RCN");
+        let message = ToVehicle::CancelBehavior(CancelBehavior { created, identifier });
+        Ok(Dispatch::new("RCN", message, purpose).naming(identifier))
+    }
+
+    fn may_cancel(&self, cx: &Context, plugin: PluginId, tag: u64) -> Result<u64, Refusal> {
+        let Some(insert) = cx.outlook().open_insert(plugin, tag) else {
+            return Err(refused("tag", "no insert with this tag is open"));
+        };
+        if cx
+            .ledger
+            .get(insert)
+            .is_some_and(|entry| entry.state == RequestState::Started)
+        {
+            return Err(refused(
+                "tag",
+                "the insert has begun and can no longer be cancelled (SPI 7.8)",
+            ));
+        }
+        if cx.ledger.is_gps_hit(Some(insert)) {
+            return Err(refused(
+                "tag",
+                "a GPS hit cannot be cancelled: BPRCN covers tracklines and trackcircles only (SPI 7.8)",
+            ));
+        }
+        // Without it the vehicle goes from what was before it to what comes after it.
+        cx.outlook().judge_cancel(&cx.outlook().chain(), insert)?;
+        Ok(insert)
+    }
+
+    /// The vehicle's answer to an insert.
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => cx.transition(request, RequestState::Pending),
+            Answer::Done => cx.transition(request, RequestState::Accepted),
+            Answer::Refused(text) => cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => self.unanswered(cx, request),
+        }
+    }
+
+    /// The vehicle's answer to a cancel.
+    pub(crate) fn cancel_answered(&mut self, cx: &mut Context, cancel: Option<u64>, insert: u64, answer: Answer<'_>) {
+        if cancel.is_none() {
+            self.recall_answered(cx, insert, answer);
+        }
+        match answer {
+            Answer::Pending => {}
+            Answer::Missing => {
+                if let Some(cancel) = cancel {
+                    cx.transition(cancel, RequestState::TimedOut);
+                }
+            }
+            Answer::Done => {
+                if let Some(identifier) = cx.ledger.get(insert).and_then(|entry| entry.identifier) {
+                    cx.vehicle.plan.ended(identifier);
+                }
+                cx.transition(insert, RequestState::Cancelled);
+                cx.ledger.settle_doubt(insert);
+                if let Some(cancel) = cancel {
+                    cx.transition(cancel, RequestState::Accepted);
+                    cx.transition(cancel, RequestState::Ended("done".to_owned()));
+                }
+            }
+            Answer::Refused(text) => {
+                if let Some(cancel) = cancel {
+                    cx.transition(cancel, RequestState::Failed(text.to_owned()));
+                }
+            }
+        }
+    }
+
+    /// An insert was not answered: it counts as one that the vehicle may fly, and is called back where that is possible.
+    fn unanswered(&mut self, cx: &mut Context, request: u64) {
+        if !cx.ledger.is_gps_hit(Some(request)) {
+            self.recall(cx, request);
+        }
+        cx.transition(request, RequestState::TimedOut);
+    }
+
+    /// The plan has come whole: inserts in doubt are in it or are not.
+    pub(crate) fn resolve_by_plan(&mut self, cx: &mut Context) {
+        let open: Vec<(u64, BehaviorId, Timestamp)> = cx
+            .ledger
+            .iter()
+            .filter(|(_, entry)| entry.state == RequestState::Unknown)
+            .filter_map(|(request, entry)| Some((request, entry.identifier?, entry.sent_at + SETTLED_WITHIN)))
+            .collect();
+        let asked_at = cx.vehicle.plan.asked_at();
+        for (request, identifier, decided_at) in open {
+            if cx.vehicle.plan.has(identifier) {
+                cx.transition(request, RequestState::Accepted);
+            } else if asked_at < decided_at {
+                // The vehicle may not have decided on it yet.
+                cx.timers.set(Timer::Plan, decided_at.max(cx.now));
+            } else if cx.vehicle.courses.current().is_some() && !cx.ledger.is_gps_hit(Some(request)) {
+                let text = "it is not in the vehicle's plan".to_owned();
+                cx.transition(request, RequestState::Failed(text));
+            } else {
+                // It may be flown; and BFPLN has no code for a GPS hit (6.20), so that a plan without it proves nothing. It
+                // stays under the caps.
+                cx.transition(request, RequestState::TimedOut);
+            }
+        }
+        let plan = &cx.vehicle.plan;
+        cx.ledger.told_plan(asked_at, |identifier| plan.has(identifier));
+    }
+
+    /// The mission no longer runs: what it held is over.
+    pub(crate) fn mission_over(&mut self, cx: &mut Context, reason: &str) {
+        let open: Vec<u64> = cx
+            .ledger
+            .iter()
+            .filter(|(_, entry)| entry.is_open_insert())
+            .map(|(request, _)| request)
+            .collect();
+        for request in open {
+            cx.transition(request, RequestState::Ended(reason.to_owned()));
+        }
+        cx.ledger.settle_all_doubt();
+    }
+}
+
+/// What an insert sends, under the next identifier.
+fn message_of(cx: &mut Context, identifier: BehaviorId, insert: &Insert) -> (&'static str, ToVehicle) {
+    let interrupt = if insert.interrupt {
+        Interrupt::InterruptCurrent
+    } else {
+        Interrupt::AfterCurrent
+    };
+    let (message, letters) = match insert.path {
+        InsertPath::Line { start, end, flight } => {
+            let created = cx.stamper.stamp(cx.now, "RTK");
+            let (vertical_m, vertical_mode, speed) = figures(flight);
+            let message = ToVehicle::Trackline(Trackline {
+                created,
+                identifier,
+                start,
+                end,
+                vertical_mode,
+                vertical_m,
+                speed,
+                speed_mode: SpeedMode::MetresPerSecond,
+                interrupt,
+            });
+            (message, "RTK")
+        }
+        InsertPath::Circle {
+            centre,
+            radius_m,
+            orbits,
+            entry_angle_deg,
+            flight,
+        } => {
+            let created = cx.stamper.stamp(cx.now, "RTC");
+            let (vertical_m, vertical_mode, speed) = figures(flight);
+            let message = ToVehicle::Trackcircle(Trackcircle {
+                created,
+                identifier,
+                centre,
+                radius_m,
+                orbits,
+                vertical_mode,
+                vertical_m,
+                speed,
+                speed_mode: SpeedMode::MetresPerSecond,
+                entry_angle_deg: match cx.settings.trackcircle_entry_angle {
+                    Some(true) => entry_angle_deg.map_or(CircleEntry::Anywhere, CircleEntry::Angle),
+                    Some(false) => CircleEntry::Absent,
+                    // The interrupt code of who takes it for that is the same as the one that follows.
+                    None => CircleEntry::Angle(0.0),
+                },
+                interrupt,
+            });
+            (message, "RTC")
+        }
+        InsertPath::Surface { at } => {
+            let created = cx.stamper.stamp(cx.now, "RGP");
+            let message = ToVehicle::GpsHit(GpsHit {
+                created,
+                identifier,
+                position: at,
+                // Vehicles ignore both today and use their default (7.7). Empty means the default in every reading;
+                // a zero would be no time and no fix to a vehicle that heeds them one day.
+                surface_within_s: None,
+                hits: None,
+                mode: SurfaceMode::StraightLine,
+            });
+            (message, "RGP")
+        }
+    };
+    (letters, message)
+}
+
+fn figures(flight: Flight) -> (f64, VerticalMode, f64) {
+    let (vertical_m, mode) = match flight.vertical {
+        Vertical::Depth(depth) => (depth.as_m(), VerticalMode::Depth),
+        Vertical::Altitude(altitude) => (altitude.as_m(), VerticalMode::Altitude),
+    };
+    (vertical_m, mode, flight.speed.as_mps())
+}

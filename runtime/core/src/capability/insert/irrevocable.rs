@@ -1,0 +1,104 @@
+//! What nothing takes back: GPS hits, and inserts that interrupt what is flown (SPI 7.8; safety requirement 023).
+//!
+//! A vehicle that has stopped reading finds them when it reads again, however old they are by then. So they leave only
+//! behind a beat that the vehicle has just answered, and wait a second for one where there is none.
+
+use std::time::Duration;
+
+use backseat_units::Timestamp;
+
+use crate::capability::insert::Inserts;
+use crate::context::Context;
+use crate::monitor::envelope::Insert;
+use crate::plugin::PluginId;
+use crate::refusal::refused;
+use crate::switches::{Check, is_on};
+use crate::timer::Timer;
+
+/// How long a request waits for the vehicle's answer.
+const ANSWERED_WITHIN: Duration = Duration::from_secs(1);
+/// More than this many do not wait at once.
+const WAITING_MAX: usize = 8;
+
+/// An insert that waits for an answer of the vehicle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Waiting {
+    pub(crate) request: u64,
+    pub(crate) plugin: PluginId,
+    pub(crate) tag: u64,
+    pub(crate) insert: Insert,
+    until: Timestamp,
+}
+
+impl Inserts {
+    /// Whether an insert must wait for the vehicle to answer.
+    pub(crate) fn waits_for_answer(&self, cx: &Context, insert: &Insert) -> bool {
+        (insert.interrupt || insert.surfaces())
+            && !cx.link.heartbeat.has_just_answered(cx.now)
+            && is_on(Check::IrrevocableAnswered)
+    }
+
+    /// Sends a beat, and keeps the insert until that is answered.
+    pub(crate) fn wait_for_answer(
+        &mut self,
+        cx: &mut Context,
+        request: u64,
+        plugin: PluginId,
+        tag: u64,
+        insert: Insert,
+    ) {
+        if self.waiting.len() >= WAITING_MAX {
+            let text = format!("{WAITING_MAX} requests wait for the vehicle to answer");
+            return cx.reject(request, refused("heard", &text));
+        }
+        self.waiting.push(Waiting {
+            request,
+            plugin,
+            tag,
+            insert,
+            until: cx.now + ANSWERED_WITHIN,
+        });
+        if !cx.link.heartbeat.beat_is_under_way(cx.now) {
+            cx.link.wants_beat = true;
+        }
+    }
+
+    /// Whether a plugin's insert with this tag waits.
+    pub(crate) fn is_waiting(&self, plugin: PluginId, tag: u64) -> bool {
+        self.waiting
+            .iter()
+            .any(|waiting| waiting.plugin == plugin && waiting.tag == tag)
+    }
+
+    /// A plugin has failed: what it asked for does not leave any more.
+    pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
+        let (failed, others) = self.waiting.drain(..).partition(|waiting| waiting.plugin == plugin);
+        self.waiting = others;
+        let failed: Vec<Waiting> = failed;
+        for waiting in failed {
+            cx.reject(
+                waiting.request,
+                refused("plugin", "its plugin failed before it was sent"),
+            );
+        }
+    }
+
+    /// What has waited, where the vehicle has answered by now.
+    pub(crate) fn take_answered(&mut self, cx: &Context) -> Option<Waiting> {
+        let answered = !self.waiting.is_empty() && cx.link.heartbeat.has_just_answered(cx.now);
+        answered.then(|| self.waiting.remove(0))
+    }
+
+    /// Rejects what has waited for too long.
+    pub(crate) fn reject_unanswered(&mut self, cx: &mut Context) {
+        let now = cx.now;
+        let over = |waiting: &Waiting| waiting.until <= now;
+        while let Some(index) = self.waiting.iter().position(over) {
+            let waiting = self.waiting.remove(index);
+            let text = "the vehicle did not answer within 1 s, and nothing takes this back once it is sent (SPI 7.8)";
+            cx.reject(waiting.request, refused("heard", text));
+        }
+        let next = self.waiting.iter().map(|waiting| waiting.until).min();
+        cx.timers.set_or_stop(Timer::Irrevocable, next);
+    }
+}

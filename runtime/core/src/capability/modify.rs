@@ -1,0 +1,380 @@
+//! The lease: one plugin's BPRMB, refreshed while it stands (SPI 7.12, 7.13; safety requirements 003, 004, 008).
+
+use std::time::Duration;
+
+use backseat_spi::{EndModify, HorizontalMode, ModifyBehavior, ModifySpeedMode, ModifyVerticalMode, ToVehicle};
+use backseat_units::{Timestamp, utm_convergence_deg};
+
+use crate::arbiter::LeaseKind;
+use crate::context::Context;
+use crate::io::Note;
+use crate::monitor::envelope::{Setpoint, Vertical};
+use crate::monitor::limits::HeadingFrame;
+use crate::plugin::{ModifyRequest, PluginId, Refusal, RequestState};
+use crate::refusal::refused;
+use crate::session::commands::{Answer, Command, FIRST_WITHIN, Purpose};
+use crate::session::name;
+use crate::switches::{Check, is_on};
+use crate::timer::Timer;
+
+/// The vehicle forgets a modify after 5 s (7.12).
+const REFRESH_EVERY: Duration = Duration::from_secs(1);
+/// Past this since the last one it is too late to refresh: the lease ends.
+const REFRESH_AT_MOST: Duration = Duration::from_millis(2500);
+/// A changed modify is sent at once, at 5 Hz at most.
+const REFRESH_AT_LEAST: Duration = Duration::from_millis(200);
+
+/// After a refused or unanswered BPRMB the next lease may begin no sooner than this, doubled at each one more.
+const PAUSE_MIN: Duration = Duration::from_secs(1);
+const PAUSE_MAX: Duration = Duration::from_secs(60);
+/// So long must BPRMB be answered for the pause to be the shortest again.
+const PAUSE_FORGIVEN_AFTER: Duration = Duration::from_secs(30);
+/// Answers further apart than this are not of one lease.
+const ANSWERS_APART_MAX: Duration = Duration::from_millis(1500);
+
+/// How long no lease begins after the vehicle has refused a BPRMB, or not answered one: a plugin that insists would
+/// otherwise have the vehicle under a modify most of the time (safety requirement 023).
+#[derive(Debug, Default)]
+pub(crate) struct Pause {
+    until: Timestamp,
+    /// The pause after the next failure.
+    next: Option<Duration>,
+    /// How long BPRMB has been answered since the last failure, and when it was last.
+    answered: Duration,
+    answered_at: Timestamp,
+}
+
+impl Pause {
+    fn failed(&mut self, now: Timestamp) {
+        let pause = self.next.unwrap_or(PAUSE_MIN);
+        self.until = now + pause;
+        self.next = Some((2 * pause).min(PAUSE_MAX));
+        self.answered = Duration::ZERO;
+    }
+
+    fn answered(&mut self, now: Timestamp) {
+        let since = now.since(self.answered_at);
+        self.answered_at = now;
+        if since <= ANSWERS_APART_MAX {
+            self.answered += since;
+        }
+        if self.answered >= PAUSE_FORGIVEN_AFTER {
+            self.next = None;
+        }
+    }
+
+    /// How much longer no lease begins.
+    fn left(&self, now: Timestamp) -> Option<Duration> {
+        (now < self.until).then(|| self.until.since(now))
+    }
+}
+
+/// Who steers, and where to.
+#[derive(Clone, Copy, Debug)]
+struct Lease {
+    plugin: PluginId,
+    request: u64,
+    tag: u64,
+    setpoint: Setpoint,
+    /// When the last BPRMB left, of this lease or of the one that it took over.
+    sent: Option<Timestamp>,
+    /// When the setpoint was last judged.
+    judged: Timestamp,
+}
+
+/// The modify that stands, and when the next may.
+#[derive(Debug, Default)]
+pub(crate) struct Modify {
+    lease: Option<Lease>,
+    pause: Pause,
+    /// When the last BPRMB left, of any lease.
+    sent: Option<Timestamp>,
+}
+
+impl Modify {
+    /// Whether a modify may begin: the vehicle has not just refused one, or not answered it.
+    pub(crate) fn may_begin(&self, cx: &Context) -> Result<(), Refusal> {
+        let Some(left) = self.pause.left(cx.now).filter(|_| is_on(Check::LeasePause)) else {
+            return Ok(());
+        };
+        let text = format!(
+            "the vehicle refused or did not answer the last BPRMB: none leaves for {:.1} s more",
+            left.as_secs_f64()
+        );
+        Err(refused("pause", &text))
+    }
+
+    /// What a request sends with each refresh, where that may stand.
+    pub(crate) fn check(&self, cx: &Context, plugin: PluginId, asked: &ModifyRequest) -> Result<Setpoint, Refusal> {
+        cx.outlook().admit_beside_gps_hit()?;
+        if is_on(Check::PlanKnown) {
+            cx.outlook().knows_what_is_flown()?;
+        }
+        let setpoint = cx.monitor.envelope.admit_modify(asked)?;
+        cx.cap_steering(plugin, asked.duration)?;
+        self.judge(cx, &setpoint)?;
+        Ok(setpoint)
+    }
+
+    /// A request takes the place of the lease that stands, if there is one. Whether what it asks for is another.
+    pub(crate) fn adopt(
+        &mut self,
+        cx: &mut Context,
+        plugin: PluginId,
+        request: u64,
+        asked: &ModifyRequest,
+        setpoint: Setpoint,
+    ) -> bool {
+        let (mut sent, mut changed) = (None, true);
+        cx.arbiter.take(cx.now, plugin, LeaseKind::Modify);
+        if let Some(lease) = self.lease.take() {
+            sent = lease.sent;
+            changed = lease.setpoint != setpoint;
+            if lease.plugin == plugin && lease.tag == asked.tag {
+                cx.transition_quietly(lease.request, RequestState::Ended("replaced".to_owned()));
+            } else {
+                let reason = "another modify took its place";
+                cx.transition(lease.request, RequestState::Ended(reason.to_owned()));
+            }
+        }
+        self.lease = Some(Lease {
+            plugin,
+            request,
+            tag: asked.tag,
+            setpoint,
+            sent,
+            judged: cx.now,
+        });
+        cx.timers.set(Timer::Term, cx.now + asked.duration);
+        changed
+    }
+
+    /// Sends the first BPRMB of a modify that has been adopted, or the next, no sooner than the rate allows.
+    pub(crate) fn begin(&mut self, cx: &mut Context, changed: bool) {
+        match self.lease.and_then(|lease| lease.sent) {
+            // A lease that has just ended counts: ending and asking anew is no way around the rate.
+            None => match self.sent.filter(|sent| cx.now.since(*sent) < refresh_at_least()) {
+                Some(sent) => cx.timers.set(Timer::Refresh, sent + refresh_at_least()),
+                None => self.refresh(cx),
+            },
+            Some(sent) if changed && cx.now.since(sent) >= refresh_at_least() => self.refresh(cx),
+            Some(sent) if changed => cx.timers.set(Timer::Refresh, sent + refresh_at_least()),
+            Some(sent) => cx.timers.set(Timer::Refresh, sent + refresh_every()),
+        }
+    }
+
+    /// The whole judgement of a setpoint, with what is known at this moment.
+    fn judge(&self, cx: &Context, setpoint: &Setpoint) -> Result<(), Refusal> {
+        let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
+            return Err(refused("navigation", "navigation is stale"));
+        };
+        if cx.monitor.limits().modify_needs_plan && !cx.vehicle.plan.is_complete() && is_on(Check::PlanKnown) {
+            return Err(refused(
+                "plan",
+                "the vehicle's plan is not known, nor so the way back to it",
+            ));
+        }
+        let route = cx.outlook().route_of_modify();
+        let lock = cx.vehicle.navigation.bottom_lock(cx.now);
+        cx.monitor
+            .envelope
+            .judge_modify(setpoint, navigation, lock, &route, (cx.now, cx.outlook().clocks()))
+            .map(|_| ())
+    }
+
+    /// Navigation is new: prevention before reaction. The lease ends now, not at its next refresh, where what it could
+    /// reach from here would touch the fence's margin.
+    pub(crate) fn prevent(&mut self, cx: &mut Context) {
+        let Some(lease) = self.lease else { return };
+        if !is_on(Check::RefreshJudged) {
+            return;
+        }
+        match self.judge(cx, &lease.setpoint) {
+            Ok(()) => {
+                if let Some(lease) = &mut self.lease {
+                    lease.judged = cx.now;
+                }
+            }
+            Err(refusal) => self.end(cx, &told(&refusal)),
+        }
+    }
+
+    /// Sends the lease's BPRMB, checked anew.
+    pub(crate) fn refresh(&mut self, cx: &mut Context) {
+        let Some(lease) = self.lease else { return };
+        if let Some(sent) = lease.sent
+            && cx.now.since(sent) > REFRESH_AT_MOST
+            && is_on(Check::LateWake)
+            && is_on(Check::RefreshCadence)
+        {
+            return self.end(cx, "it was not refreshed in time");
+        }
+        if lease.judged < cx.now && is_on(Check::RefreshJudged) {
+            match self.judge(cx, &lease.setpoint) {
+                Ok(()) => {
+                    if let Some(lease) = &mut self.lease {
+                        lease.judged = cx.now;
+                    }
+                }
+                Err(refusal) => return self.end(cx, &told(&refusal)),
+            }
+        }
+        let Some(navigation) = cx.vehicle.navigation.fresh(cx.now).copied() else {
+            return self.end(cx, "navigation is stale");
+        };
+        let Setpoint {
+            heading,
+            vertical,
+            speed,
+        } = lease.setpoint;
+        let heading_deg = match cx.settings.heading_frame {
+            HeadingFrame::True => heading.as_deg(),
+            HeadingFrame::Grid => heading.to_grid(utm_convergence_deg(navigation.position)).as_deg(),
+        };
+        let (vertical_m, vertical_mode) = match vertical {
+            Vertical::Depth(depth) => (depth.as_m(), ModifyVerticalMode::Depth),
+            Vertical::Altitude(altitude) => (altitude.as_m(), ModifyVerticalMode::Altitude),
+        };
+        let created = cx.stamper.stamp(cx.now, "RMB");
+        let message = ToVehicle::ModifyBehavior(ModifyBehavior {
+            created,
+            horizontal: Some(heading_deg),
+            vertical_m: Some(vertical_m),
+            vertical_mode: Some(vertical_mode),
+            speed: Some(speed.as_mps()),
+            speed_mode: Some(ModifySpeedMode::MetresPerSecond),
+            horizontal_mode: Some(HorizontalMode::Heading),
+        });
+        let command = Command {
+            name: name("RMB"),
+            created: Some(created),
+            identifier: None,
+            purpose: Purpose::Lease(lease.request),
+            deadline: cx.now + FIRST_WITHIN,
+            pending: false,
+        };
+        if !cx.transmit(&message, Some(command)) {
+            return self.end(cx, "it could not be sent");
+        }
+        if let Some(lease) = &mut self.lease {
+            lease.sent = Some(cx.now);
+        }
+        self.sent = Some(cx.now);
+        cx.timers.set(Timer::Refresh, cx.now + refresh_every());
+        cx.transition(lease.request, RequestState::Sent);
+    }
+
+    /// Ends the lease, if there is one: one BPEMB where the link is up, then silence.
+    pub(crate) fn end(&mut self, cx: &mut Context, reason: &str) {
+        self.close(cx, reason, |reason| RequestState::Ended(reason.to_owned()));
+    }
+
+    /// As [`Self::end`], with the state that the lease's request comes to.
+    pub(crate) fn close(&mut self, cx: &mut Context, reason: &str, state: impl FnOnce(&str) -> RequestState) {
+        let Some(lease) = self.lease.take() else { return };
+        cx.arbiter.release(cx.now, LeaseKind::Modify);
+        cx.timers.stop(Timer::Refresh);
+        cx.timers.stop(Timer::Term);
+        cx.link.commands.forget_lease();
+        if lease.sent.is_some() && is_on(Check::LeaseEndSaid) {
+            let created = cx.stamper.stamp(cx.now, "EMB");
+            let command = cx.courtesy("EMB", Some(created));
+            cx.transmit(&ToVehicle::EndModify(EndModify { created }), Some(command));
+        }
+        cx.transition(lease.request, state(reason));
+        cx.note(Note::LeaseEnded {
+            plugin: lease.plugin,
+            reason: reason.to_owned(),
+        });
+    }
+
+    /// The plugin ends its own lease.
+    pub(crate) fn asked_end(&mut self, cx: &mut Context, plugin: PluginId) {
+        if self.lease.is_some_and(|lease| lease.plugin == plugin) {
+            self.end(cx, "its plugin ended it");
+        }
+    }
+
+    pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
+        if self.lease.is_some_and(|lease| lease.plugin == plugin) {
+            self.end(cx, "its plugin failed");
+        }
+    }
+
+    /// An answer to a refresh.
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
+        let live = self.lease.is_some_and(|lease| lease.request == request);
+        match answer {
+            Answer::Pending => {}
+            Answer::Missing if is_on(Check::LeaseAcknowledged) => self.unanswered(cx, request),
+            Answer::Missing => {}
+            Answer::Done => {
+                self.pause.answered(cx.now);
+                self.transition_once_accepted(cx, request);
+            }
+            Answer::Refused(text) if live => {
+                self.pause.failed(cx.now);
+                let reason = format!("the vehicle refused it: {text}");
+                self.close(cx, &reason, |_| RequestState::Failed(text.to_owned()));
+            }
+            // The refused one was replaced meanwhile. A plugin that asks anew in every step always has: waiting for the
+            // answer to the newest one would wait for ever.
+            Answer::Refused(text) => {
+                self.pause.failed(cx.now);
+                self.end(cx, &format!("the vehicle refused it: {text}"));
+            }
+        }
+    }
+
+    fn transition_once_accepted(&mut self, cx: &mut Context, request: u64) {
+        if cx
+            .ledger
+            .get(request)
+            .is_some_and(|entry| entry.state == RequestState::Sent)
+        {
+            cx.transition(request, RequestState::Accepted);
+        }
+    }
+
+    /// A refresh was not acknowledged in time.
+    fn unanswered(&mut self, cx: &mut Context, request: u64) {
+        self.pause.failed(cx.now);
+        if self.lease.is_some_and(|lease| lease.request == request) {
+            self.close(cx, "the vehicle did not acknowledge it", |_| RequestState::TimedOut);
+        } else if self.lease.is_some() {
+            // An older request of a lease that goes on: the vehicle has been silent for as long.
+            self.end(cx, "the vehicle did not acknowledge it");
+        }
+    }
+
+    /// The vehicle has refused a BPRMB, or not answered it in time, whose lease was over by then: the next one waits all the
+    /// same, or whoever ends each lease at once would never wait. While it waits, all such are of before.
+    pub(crate) fn failed_after_its_end(&mut self, cx: &mut Context) {
+        if self.pause.left(cx.now).is_none() {
+            self.pause.failed(cx.now);
+        }
+    }
+}
+
+/// A refusal as the end of what was refused: rule, then place and metres.
+fn told(refusal: &Refusal) -> String {
+    format!("{}: {}", refusal.rule, refusal.text)
+}
+
+/// How long after a refresh the next is due.
+fn refresh_every() -> Duration {
+    if is_on(Check::RefreshCadence) {
+        REFRESH_EVERY
+    } else {
+        Duration::from_secs(4)
+    }
+}
+
+/// How long after a refresh a changed modify may leave.
+fn refresh_at_least() -> Duration {
+    if is_on(Check::ModifyRate) {
+        REFRESH_AT_LEAST
+    } else {
+        Duration::ZERO
+    }
+}

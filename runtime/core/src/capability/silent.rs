@@ -1,0 +1,259 @@
+//! Silent mode (SPI 7.22; safety requirement 018).
+//!
+//! The vehicle acknowledges a BPSIL twice: on its receipt, then within 2 s, or 4 s where its tailcone still turns, with
+//! what came of it. It leaves silent mode by itself, after five minutes where the mission file says nothing else, and
+//! without a word. So the five minutes are kept here, from the moment that the request was sent: a plugin is told no
+//! later than they are over. The other way round, the vehicle counts as silent for as long as it may be: until then no
+//! request enters silent mode anew, which would not extend it.
+//!
+//! Silence outlives us: neither a lost link, nor lost control, the operator's hold, the mission's end or the failure of
+//! the plugin that asked for it ends it before its time. Only that plugin may leave it before.
+
+use backseat_spi::{SilentMode, ToVehicle};
+use backseat_units::Timestamp;
+
+use crate::context::Context;
+use crate::plugin::{PluginId, Refusal, RequestState, SilentRequest};
+use crate::refusal::refused;
+use crate::session::commands::{Answer, Purpose, SILENT_WITHIN};
+use crate::session::dispatch::Dispatch;
+use crate::switches::{Check, is_on};
+use crate::timer::Timer;
+
+/// What is known of the vehicle's silence.
+#[derive(Debug, Default)]
+pub(crate) struct Silent {
+    state: State,
+    /// How often it has been asked for.
+    entered: u32,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+enum State {
+    /// The vehicle is not silent for us.
+    #[default]
+    Normal,
+    /// BPSIL 1 was sent.
+    Entering(Entry),
+    /// The vehicle is silent, or may be.
+    Silent(Silence),
+    /// BPSIL 0 was sent, for this request.
+    Leaving(Silence, u64),
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    plugin: PluginId,
+    request: u64,
+    sent: Timestamp,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Silence {
+    /// Who asked for it.
+    plugin: PluginId,
+    /// The request; `None` where it is at its end, or had no answer, and the vehicle may be silent all the same.
+    entry: Option<u64>,
+    /// The request ends no later.
+    until: Timestamp,
+    /// The vehicle is silent no longer.
+    over: Timestamp,
+}
+
+impl Silent {
+    /// Whether a plugin counts on the vehicle's silence.
+    fn is_kept(&self) -> bool {
+        match self.state {
+            State::Normal => false,
+            State::Entering(_) => true,
+            State::Silent(silence) | State::Leaving(silence, _) => silence.entry.is_some(),
+        }
+    }
+}
+
+impl Silent {
+    /// What a request sends, where it can be sent.
+    pub(crate) fn check(
+        &self,
+        cx: &mut Context,
+        plugin: PluginId,
+        request: u64,
+        asked: &SilentRequest,
+    ) -> Result<Dispatch, Refusal> {
+        self.may_ask(cx, plugin, asked.silent)?;
+        let message = ToVehicle::SilentMode(SilentMode {
+            created: cx.stamper.stamp(cx.now, "SIL"),
+            silent: asked.silent,
+        });
+        Ok(Dispatch::new("SIL", message, Purpose::Silent(request)))
+    }
+
+    /// The request's BPSIL has left.
+    pub(crate) fn sent(&mut self, cx: &mut Context, plugin: PluginId, request: u64, asked: &SilentRequest) {
+        self.entered += u32::from(asked.silent);
+        self.state = match self.state {
+            State::Silent(silence) if !asked.silent => State::Leaving(silence, request),
+            State::Normal | State::Entering(_) | State::Silent(_) | State::Leaving(..) => State::Entering(Entry {
+                plugin,
+                request,
+                sent: cx.now,
+            }),
+        };
+        cx.vehicle.silent = self.is_kept();
+    }
+
+    fn may_ask(&self, cx: &Context, plugin: PluginId, silent: bool) -> Result<(), Refusal> {
+        if !cx.link.subscriptions.has("ACK") {
+            return Err(refused("state", "the vehicle's acknowledgements are not on (SPI 7.22)"));
+        }
+        match self.state {
+            State::Entering(_) | State::Leaving(..) => {
+                Err(refused("state", "the vehicle has not answered for the last one"))
+            }
+            State::Normal if silent => self.may_enter(cx),
+            State::Normal => Err(refused("state", "the vehicle is not silent")),
+            State::Silent(_) if silent && !is_on(Check::SilentTerm) => self.may_enter(cx),
+            State::Silent(silence) if silent => Err(refused(
+                "state",
+                &format!(
+                    "the vehicle may be silent for another {:.0} s, and entering anew would not extend it (SPI 7.22)",
+                    silence.over.since(cx.now).as_secs_f64()
+                ),
+            )),
+            State::Silent(silence) if silence.plugin != plugin => {
+                Err(refused("priority", "another plugin has asked for the silence"))
+            }
+            State::Silent(_) => Ok(()),
+        }
+    }
+
+    fn may_enter(&self, cx: &Context) -> Result<(), Refusal> {
+        let most = cx.monitor.limits().silences_total_max;
+        if self.entered >= most && is_on(Check::SilencesTotal) {
+            let text = format!("silent mode has been asked for {most} times, the most of a mission");
+            return Err(refused("cap", &text));
+        }
+        Ok(())
+    }
+
+    /// The vehicle's answers to a BPSIL: the first, on its receipt, comes as pending whatever it says.
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
+        match self.state {
+            State::Entering(entry) if entry.request == request => self.entry_answered(cx, entry, answer),
+            State::Leaving(silence, leave) if leave == request => self.leave_answered(cx, silence, leave, answer),
+            State::Normal | State::Entering(_) | State::Silent(_) | State::Leaving(..) => {}
+        }
+    }
+
+    fn entry_answered(&mut self, cx: &mut Context, entry: Entry, answer: Answer<'_>) {
+        let Entry { plugin, request, sent } = entry;
+        match answer {
+            Answer::Pending => cx.transition(request, RequestState::Pending),
+            Answer::Done => {
+                let term = cx.monitor.limits().silent_term();
+                self.become_silent(
+                    cx,
+                    State::Silent(Silence {
+                        plugin,
+                        entry: Some(request),
+                        until: sent + term,
+                        over: cx.now + term,
+                    }),
+                );
+                cx.transition(request, RequestState::Accepted);
+                cx.transition(request, RequestState::Started);
+            }
+            Answer::Refused(text) => {
+                self.become_silent(cx, State::Normal);
+                cx.transition(request, RequestState::Failed(text.to_owned()));
+            }
+            Answer::Missing => self.entry_unanswered(cx, entry),
+        }
+    }
+
+    /// The vehicle may fall silent yet, and nothing will say so: it counts as silent for as long as that may last.
+    fn entry_unanswered(&mut self, cx: &mut Context, entry: Entry) {
+        let limits = cx.monitor.limits();
+        let over = cx.now + limits.link_delay_max() + SILENT_WITHIN + limits.silent_term();
+        self.become_silent(
+            cx,
+            State::Silent(Silence {
+                plugin: entry.plugin,
+                entry: None,
+                until: over,
+                over,
+            }),
+        );
+        cx.transition(entry.request, RequestState::TimedOut);
+    }
+
+    fn leave_answered(&mut self, cx: &mut Context, silence: Silence, leave: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => cx.transition(leave, RequestState::Pending),
+            Answer::Done => {
+                self.become_silent(cx, State::Normal);
+                self.end_entry(cx, silence, "normal again");
+                cx.transition(leave, RequestState::Accepted);
+                cx.transition(leave, RequestState::Ended("normal again".to_owned()));
+            }
+            Answer::Refused(text) => {
+                self.become_silent(cx, State::Silent(silence));
+                cx.transition(leave, RequestState::Failed(text.to_owned()));
+            }
+            Answer::Missing => self.leave_unanswered(cx, silence, leave),
+        }
+    }
+
+    /// The vehicle may be silent or not: nobody can count on it any more.
+    fn leave_unanswered(&mut self, cx: &mut Context, silence: Silence, leave: u64) {
+        self.become_silent(cx, State::Silent(Silence { entry: None, ..silence }));
+        self.end_entry(cx, silence, "the vehicle has not said whether it is normal again");
+        cx.transition(leave, RequestState::TimedOut);
+    }
+
+    fn end_entry(&mut self, cx: &mut Context, silence: Silence, reason: &str) {
+        if let Some(entry) = silence.entry {
+            cx.transition(entry, RequestState::Ended(reason.to_owned()));
+        }
+    }
+
+    /// Takes the state on, with its timer.
+    fn become_silent(&mut self, cx: &mut Context, state: State) {
+        self.state = state;
+        cx.vehicle.silent = self.is_kept();
+        let next = match state {
+            State::Normal | State::Entering(_) => None,
+            State::Silent(silence) | State::Leaving(silence, _) => match silence.entry {
+                Some(_) => Some(silence.until),
+                None => Some(silence.over).filter(|_| matches!(state, State::Silent(_))),
+            },
+        };
+        cx.timers.set_or_stop(Timer::Silent, next);
+    }
+
+    /// The five minutes are over: for the request first, then for the vehicle too.
+    pub(crate) fn timed_out(&mut self, cx: &mut Context) {
+        let (silence, next) = match self.state {
+            State::Normal | State::Entering(_) => return,
+            State::Silent(silence) => {
+                let lapsed = Silence { entry: None, ..silence };
+                let over = silence.over <= cx.now;
+                (silence, if over { State::Normal } else { State::Silent(lapsed) })
+            }
+            // Its answer says what the vehicle is now.
+            State::Leaving(silence, leave) => (silence, State::Leaving(Silence { entry: None, ..silence }, leave)),
+        };
+        self.become_silent(cx, next);
+        let term_s = cx.monitor.limits().silent_term_s;
+        self.end_entry(cx, silence, &format!("lapsed after {term_s} s"));
+    }
+
+    /// Silence outlives the link; what was not answered never will be.
+    pub(crate) fn link_lost(&mut self, cx: &mut Context) {
+        match self.state {
+            State::Normal | State::Silent(_) => {}
+            State::Entering(entry) => self.entry_unanswered(cx, entry),
+            State::Leaving(silence, leave) => self.leave_unanswered(cx, silence, leave),
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Relative navigation comes, and what it means for the station that is kept.
+
+use backseat_spi::{CartesianNavigation, RelativeNavigation};
+
+use super::Station;
+use crate::context::Context;
+use crate::io::Note;
+use crate::plugin::{CartesianSample, RelativeSample};
+use crate::timer::Timer;
+
+impl Station {
+    /// BFRNV.
+    pub(crate) fn heard_relative(&mut self, cx: &mut Context, message: &RelativeNavigation) {
+        cx.heard(message.created);
+        if !cx.vehicle.relative.advances(message.created, message.solution) {
+            return;
+        }
+        let sample = RelativeSample {
+            measured: cx.when(message.solution),
+            horizontal_m: message.horizontal_m,
+            vertical_m: message.vertical_m,
+            distance_m: message.distance_m,
+            heading_deg: message.heading_deg,
+            depth_m: message.depth_m,
+            absolute_heading_deg: message.absolute_heading_deg,
+            roll_deg: message.roll_deg,
+            pitch_deg: message.pitch_deg,
+        };
+        let jumped = cx.vehicle.relative.take(cx.now, sample, message.solution);
+        self.relative_came(cx, "BFRNV", jumped);
+    }
+
+    /// BFCNV. It bears no time of its solution: one that stands still while the messages go on cannot be told.
+    pub(crate) fn heard_cartesian(&mut self, cx: &mut Context, message: &CartesianNavigation) {
+        cx.heard(message.created);
+        if !cx.vehicle.cartesian.advances(message.created, message.created) {
+            return;
+        }
+        let sample = CartesianSample {
+            measured: cx.when(message.created),
+            x_m: message.x_m,
+            y_m: message.y_m,
+            z_m: message.z_m,
+            heading_deg: message.heading_deg,
+        };
+        let jumped = cx.vehicle.cartesian.take(cx.now, sample, message.created);
+        self.relative_came(cx, "BFCNV", jumped);
+    }
+
+    fn relative_came(&mut self, cx: &mut Context, message: &str, jumped_m: Option<f64>) {
+        if let Some(metres) = jumped_m {
+            // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
+            let text = format!("{message} jumped by {metres:.1} m");
+            self.end(cx, &text);
+            cx.note(Note::Navigation { text });
+        }
+        self.watch_return(cx);
+        self.prevent(cx);
+        self.watch_relative(cx);
+    }
+
+    /// Sets when relative navigation will have become stale under the hold.
+    pub(super) fn watch_relative(&mut self, cx: &mut Context) {
+        let stale_at = [cx.vehicle.relative.stale_at(), cx.vehicle.cartesian.stale_at()];
+        let next = stale_at.into_iter().flatten().filter(|at| *at > cx.now).min();
+        let next = next.filter(|_| self.hold.is_some());
+        cx.timers.set_or_stop(Timer::Relative, next);
+    }
+
+    /// Relative navigation has become stale: the hold stands where it does not need it.
+    pub(crate) fn timed_out(&mut self, cx: &mut Context) {
+        if self.is_sound(cx) {
+            self.watch_relative(cx);
+        }
+    }
+}

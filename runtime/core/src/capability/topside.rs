@@ -1,0 +1,162 @@
+//! Messages to and from the topside (SPI 5.5, 7.3).
+
+use backseat_spi::{Direction, Text, ToVehicle, TopsideMessage, TopsideText, Transport as Way, catalogue};
+use backseat_units::Timestamp;
+
+use crate::context::Context;
+use crate::io::Note;
+use crate::plugin::{Event, Refusal, RequestState, Topic, TopsideRequest, Transport};
+use crate::quota::LastMinute;
+use crate::refusal::refused;
+use crate::session::commands::{Answer, Purpose};
+use crate::session::dispatch::Dispatch;
+
+/// The longest text, bytes. The specification names no bound; an acoustic modem takes minutes for as much.
+const TEXT_BYTES_MAX: usize = 200;
+
+/// What has been sent to the topside.
+#[derive(Debug, Default)]
+pub(crate) struct Topside {
+    sent: LastMinute,
+}
+
+impl Topside {
+    /// One more has been sent.
+    pub(crate) fn count(&mut self, now: Timestamp) {
+        self.sent.add(now);
+    }
+}
+
+impl Topside {
+    /// What a request sends, where it can be sent.
+    pub(crate) fn check(
+        &mut self,
+        cx: &mut Context,
+        request: u64,
+        asked: &TopsideRequest,
+    ) -> Result<Dispatch, Refusal> {
+        let text = admit_text(&asked.text)?;
+        let most = cx.monitor.limits().topside_per_min;
+        if !self.sent.has_room(cx.now, most) {
+            return Err(refused(
+                "rate",
+                &format!("{most} messages have been sent to the topside in the last minute, the most there may be"),
+            ));
+        }
+        let message = ToVehicle::TopsideText(TopsideText {
+            created: cx.stamper.stamp(cx.now, "TOP"),
+            slowest: way(asked.slowest),
+            text,
+        });
+        Ok(Dispatch::new("TOP", message, Purpose::Topside(request)))
+    }
+
+    /// Success means that the message waits for a link, not that anybody has read it (7.3): nothing more is heard of it.
+    pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => cx.transition(request, RequestState::Pending),
+            Answer::Done => {
+                cx.transition(request, RequestState::Accepted);
+                cx.transition(request, RequestState::Ended("queued".to_owned()));
+            }
+            Answer::Refused(text) => cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => cx.transition(request, RequestState::TimedOut),
+        }
+    }
+
+    /// BFTOP.
+    pub(crate) fn heard(&self, cx: &mut Context, message: &TopsideMessage) {
+        cx.heard(message.created);
+        let text = message.text.as_str();
+        cx.note(Note::Text {
+            text: format!("message from the topside: {text}"),
+        });
+    }
+
+    /// Plugins are told what the topside has said.
+    pub(crate) fn tell(&self, cx: &mut Context, message: &TopsideMessage) {
+        let text = message.text.as_str();
+        let event = Event::TopsideMessage {
+            transport: transport(message.transport),
+            text: text.to_owned(),
+        };
+        cx.plugins.tell_wanting(Topic::Topside, &event);
+    }
+}
+
+/// A plugin's text as it stands, or why it is not sent. It is never mended: what the topside reads is what was written.
+///
+/// A text that holds the three letters of a command in upper case is refused, wherever they stand: there are vehicles
+/// that take a sentence for the command whose name its text contains. Lower case is harmless, since names are
+/// case-sensitive (4.2), and no name consists of hexadecimal digits, which vehicles send as binary data (7.3).
+fn admit_text(text: &str) -> Result<Text, Refusal> {
+    if text.trim().is_empty() {
+        return Err(refused("text", "it is empty"));
+    }
+    if text.len() > TEXT_BYTES_MAX {
+        return Err(refused(
+            "text",
+            &format!("it has {} bytes, more than {TEXT_BYTES_MAX}", text.len()),
+        ));
+    }
+    let text = Text::new(text).map_err(|error| refused("text", &error.to_string()))?;
+    let commands = catalogue()
+        .iter()
+        .filter(|entry| entry.direction == Direction::ToVehicle)
+        .filter_map(|entry| entry.name.strip_prefix("BP"));
+    for letters in commands {
+        if let Some(at) = text.as_str().find(letters) {
+            return Err(refused(
+                "text",
+                &format!(
+                    "{letters} at byte {at} is a command's name, which some vehicles act on: write it in lower case"
+                ),
+            ));
+        }
+    }
+    Ok(text)
+}
+
+const fn way(transport: Transport) -> Way {
+    match transport {
+        Transport::Ethernet => Way::Ethernet,
+        Transport::Wifi => Way::Wifi,
+        Transport::RadioModem => Way::RfModem,
+        Transport::AcousticModem => Way::AcousticModem,
+    }
+}
+
+const fn transport(way: Way) -> Option<Transport> {
+    match way {
+        Way::Ethernet => Some(Transport::Ethernet),
+        Way::Wifi => Some(Transport::Wifi),
+        Way::RfModem => Some(Transport::RadioModem),
+        Way::AcousticModem => Some(Transport::AcousticModem),
+        Way::Other(_) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_commands_are_refused_in_upper_case_only_and_hexadecimal_digits_never() {
+        for bad in ["at RMB", "STOP", "BPKIL", "all CONtacts lost", "xRTKx"] {
+            let refusal = admit_text(bad).unwrap_err();
+            assert!(
+                refusal.rule == "text" && refusal.text.contains("command"),
+                "{refusal:?}"
+            );
+        }
+        for good in [
+            "at rmb",
+            "stop",
+            "0123456789ABCDEF",
+            "FEEDBEEF",
+            "Line 3 done: 2 contacts",
+        ] {
+            assert_eq!(admit_text(good).unwrap().as_str(), good);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! A request comes to another state: its owner and the log are told.
+
+use super::Context;
+use crate::io::Note;
+use crate::ledger::Transition;
+use crate::owner::Owner;
+use crate::plugin::{Event, RequestState};
+use crate::session::commands::Answer;
+
+impl Context {
+    /// Takes a request on, tells its plugin and the log.
+    pub(crate) fn transition(&mut self, request: u64, to: RequestState) {
+        if let Some(transition) = self.transition_unnoted(request, to) {
+            self.note(Note::Request(transition));
+        }
+    }
+
+    /// As [`Context::transition`], for the plugin alone: the log has a count.
+    pub(crate) fn transition_unnoted(&mut self, request: u64, to: RequestState) -> Option<Transition> {
+        let transition = self.ledger.transition(request, to)?;
+        match transition.owner {
+            Owner::Plugin(plugin) => {
+                let (tag, state) = (transition.tag, transition.state.clone());
+                self.plugins.tell(plugin, Event::Outcome { tag, state });
+            }
+            Owner::Driver(driver) => {
+                let utc = self.stamper.utc(self.now);
+                self.drivers.tell(&mut self.outbox, utc, driver, &transition);
+            }
+            Owner::Operator => {}
+        }
+        Some(transition)
+    }
+
+    /// As [`Context::transition`], for the log alone: the plugin replaced its own request under the same tag.
+    pub(crate) fn transition_quietly(&mut self, request: u64, to: RequestState) {
+        if let Some(transition) = self.ledger.transition(request, to) {
+            self.note(Note::Request(transition));
+        }
+    }
+
+    /// The answer to a request that ends with it.
+    pub(crate) fn request_answered(&mut self, request: u64, answer: Answer<'_>) {
+        match answer {
+            Answer::Pending => self.transition(request, RequestState::Pending),
+            Answer::Done => {
+                self.transition(request, RequestState::Accepted);
+                self.transition(request, RequestState::Ended("done".to_owned()));
+            }
+            Answer::Refused(text) => self.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => self.transition(request, RequestState::TimedOut),
+        }
+    }
+
+    /// The link is gone: what the vehicle had not decided on is in doubt. What has no identifier of its own cannot be
+    /// resolved by one.
+    pub(crate) fn doubt_undecided(&mut self) {
+        let undecided: Vec<(u64, RequestState)> = self
+            .ledger
+            .iter()
+            .filter(|(_, entry)| matches!(entry.state, RequestState::Sent | RequestState::Pending))
+            .map(|(request, entry)| {
+                let insert = entry.is_open_insert();
+                (
+                    request,
+                    if insert {
+                        RequestState::Unknown
+                    } else {
+                        RequestState::TimedOut
+                    },
+                )
+            })
+            .collect();
+        for (request, to) in undecided {
+            self.transition(request, to);
+        }
+    }
+}

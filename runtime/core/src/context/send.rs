@@ -1,0 +1,110 @@
+//! The way out to the vehicle.
+
+use backseat_spi::{BehaviorId, CancelBehavior, ToVehicle};
+use backseat_units::TimeOfDay;
+
+use super::Context;
+use crate::io::{Note, Output};
+use crate::monitor::limits::Grant;
+use crate::owner::Owner;
+use crate::plugin::RequestState;
+use crate::refusal::refused;
+use crate::session::commands::{Command, FIRST_WITHIN, Purpose};
+use crate::session::dispatch::Dispatch;
+use crate::session::name;
+
+impl Context {
+    /// Sends a message of the runtime's own.
+    pub(crate) fn transmit(&mut self, message: &ToVehicle, command: Option<Command>) -> bool {
+        self.pass(None, message, command)
+    }
+
+    /// Sends a message for the owner of a request.
+    pub(crate) fn transmit_for(&mut self, owner: Owner, message: &ToVehicle, command: Option<Command>) -> bool {
+        self.pass(Some(owner), message, command)
+    }
+
+    /// Sends a request's command. False where the gate holds it back: then the request is rejected.
+    pub(crate) fn send(&mut self, request: u64, dispatch: &Dispatch) -> bool {
+        let owner = self.ledger.get(request).map(|entry| entry.owner);
+        let command = dispatch.command(self.now);
+        let sent = owner.is_some_and(|owner| self.pass(Some(owner), dispatch.message(), Some(command)));
+        if !sent {
+            self.reject(request, refused("control", "it could not be sent"));
+        }
+        sent
+    }
+
+    /// As [`Context::send`], of a request of which nothing more is kept than its state.
+    pub(crate) fn send_request(&mut self, request: u64, dispatch: &Dispatch) -> bool {
+        let sent = self.send(request, dispatch);
+        if sent {
+            self.transition(request, RequestState::Sent);
+        }
+        sent
+    }
+
+    /// A command whose answer is taken note of and no more.
+    pub(crate) fn courtesy(&self, command: &'static str, created: Option<TimeOfDay>) -> Command {
+        Command {
+            name: name(command),
+            created,
+            identifier: None,
+            purpose: Purpose::Courtesy,
+            deadline: self.now + 2 * FIRST_WITHIN,
+            pending: false,
+        }
+    }
+
+    /// Sends a cancel: of the request `cancel`, or of the runtime's own. False where it could not be sent.
+    pub(crate) fn send_cancel(&mut self, cancel: Option<u64>, insert: u64, identifier: BehaviorId) -> bool {
+        let created = self.stamper.stamp(self.now, "RCN");
+        let command = Command {
+            name: name("RCN"),
+            created: Some(created),
+            identifier: Some(identifier),
+            purpose: Purpose::Cancel { cancel, insert },
+            deadline: self.now + 2 * FIRST_WITHIN,
+            pending: false,
+        };
+        self.transmit(
+            &ToVehicle::CancelBehavior(CancelBehavior { created, identifier }),
+            Some(command),
+        )
+    }
+
+    /// Asks for more where few identifiers are left, or not as many inserts as may be open at once.
+    pub(crate) fn reserve(&mut self) {
+        let ahead = self.monitor.limits().inserts_open_max.max(1);
+        let surfaces = self.plugins.any_has(Grant::Surface);
+        if let Some(reservation) = self.identifiers.reserve(self.now, ahead, surfaces) {
+            self.outbox.push(Output::Reserve(reservation));
+        }
+    }
+
+    /// The only place from which anything leaves for the vehicle: through the gate, encoded, its answer awaited.
+    pub(crate) fn pass(&mut self, owner: Option<Owner>, message: &ToVehicle, command: Option<Command>) -> bool {
+        if !self.gate(message).lets_through(owner, message) {
+            return false;
+        }
+        let mut bytes = Vec::with_capacity(96);
+        if let Err(error) = message.encode(&mut bytes) {
+            self.note(Note::Text {
+                text: format!("{} was not sent: {error}", message.name()),
+            });
+            return false;
+        }
+        if let Some(command) = command {
+            if !self.link.commands.push(command) {
+                self.note(Note::Text {
+                    text: format!("{} was not sent: too many commands are not answered", message.name()),
+                });
+                return false;
+            }
+            let early = command.purpose == Purpose::Early;
+            self.link.heartbeat.left(self.now, command.name, command.created, early);
+        }
+        self.outbox.push(Output::Send(bytes));
+        true
+    }
+}

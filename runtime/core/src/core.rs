@@ -1,0 +1,266 @@
+use std::sync::Arc;
+use std::time::Duration;
+
+use backseat_units::Timestamp;
+
+use crate::capability::Capabilities;
+use crate::context::Context;
+use crate::io::{Input, Note, Output, Reservation, Start};
+use crate::ledger::RequestCounts;
+use crate::monitor::envelope::Envelope;
+use crate::operator::Orders;
+use crate::plugin::Event;
+use crate::recovery::Whereabouts;
+use crate::session::Session;
+use crate::session::commands::Answer;
+use crate::settings::{PluginSetup, Settings};
+use crate::switches::{Check, is_on};
+use crate::timer::Timer;
+
+/// Called later than this after the promised time, every lease ends before anything else is done: what we know of the
+/// vehicle is old, and so is what it knows of us.
+const LATE: Duration = Duration::from_millis(500);
+
+/// The backseat's state machine.
+///
+/// Hand it what happens with [`Core::handle`], then drain [`Core::poll_output`] until it is empty, then call again at
+/// [`Core::poll_timeout`] or when something happens, whichever is first.
+pub struct Core {
+    pub(crate) cx: Context,
+    pub(crate) capabilities: Capabilities,
+    pub(crate) orders: Orders,
+    pub(crate) session: Session,
+    pub(crate) late_count: u64,
+    /// The flaw of navigation that was last told, and when.
+    pub(crate) flaw_told: Option<(&'static str, Timestamp)>,
+    pub(crate) whereabouts: Whereabouts,
+    /// Navigation has come that nothing has been held against.
+    pub(crate) unjudged: bool,
+}
+
+mod answer;
+mod connection;
+mod course;
+mod external;
+#[cfg(test)]
+mod gated;
+mod hear;
+mod request;
+mod samples;
+mod step;
+
+impl Core {
+    /// A core that has not yet heard of anything. Its first output connects.
+    #[must_use]
+    pub fn new(settings: Settings, envelope: Arc<Envelope>, plugins: Vec<PluginSetup>, start: Start) -> Self {
+        let mut core = Self {
+            session: Session::new(start.jitter),
+            cx: Context::new(settings, envelope, plugins, start),
+            capabilities: Capabilities::new(),
+            orders: Orders::default(),
+            late_count: 0,
+            flaw_told: None,
+            whereabouts: Whereabouts::default(),
+            unjudged: false,
+        };
+        if !core.cx.vehicle.former.is_none() {
+            core.cx.vehicle.courses.leave_plan();
+        }
+        core.cx.outbox.push(Output::Connect { after: Duration::ZERO });
+        core.cx.reserve();
+        core.settle();
+        core
+    }
+
+    /// Something has happened. `now` never runs backwards; a smaller one is taken for the last.
+    pub fn handle(&mut self, now: Timestamp, input: Input<'_>) {
+        let promised = self.cx.timers.next();
+        self.cx.now = self.cx.now.max(now);
+        if let Some(promised) = promised
+            && self.cx.now.since(promised) > LATE
+            && is_on(Check::LateWake)
+        {
+            self.late_count += 1;
+            self.cx.note(Note::Late {
+                seconds: self.cx.now.since(promised).as_secs_f64(),
+            });
+            self.capabilities.end_leases(&mut self.cx, "the runtime woke late");
+        }
+        match input {
+            Input::LinkUp => self.link_up(),
+            Input::LinkDown => self.link_down(),
+            Input::Received(bytes) => self.receive(bytes),
+            Input::Returned(plugin, returned) => self.returned(plugin, returned),
+            Input::Restarted(plugin, restarted) => self.restarted(plugin, restarted),
+            Input::Operator(act) => self.orders.act(&mut self.cx, &mut self.capabilities, act),
+            Input::Driver(driver, bytes) => external::received(&mut self.cx, &mut self.capabilities, driver, bytes),
+            Input::Reserved(reservation) => self.cx.identifiers.reserved(reservation),
+            Input::UtcSet(by_nanos) => self.utc_set(by_nanos),
+            Input::Timeout => {}
+        }
+        self.fail_plugins();
+        while let Some(timer) = self.cx.timers.expired(self.cx.now) {
+            self.expired(timer);
+            self.fail_plugins();
+        }
+        self.settle();
+    }
+
+    /// What is to be done, oldest first; `None` until something happens again.
+    #[must_use]
+    pub fn poll_output(&mut self) -> Option<Output> {
+        self.cx.outbox.pop()
+    }
+
+    /// When to call [`Core::handle`] with [`Input::Timeout`] if nothing happens before.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Timestamp> {
+        self.cx.timers.next()
+    }
+
+    /// How many requests have come how far.
+    #[must_use]
+    pub fn request_counts(&self) -> RequestCounts {
+        self.cx.ledger.counts()
+    }
+
+    /// Whether requests can be sent now.
+    #[must_use]
+    pub const fn has_control(&self) -> bool {
+        self.cx.control.granted
+    }
+
+    /// The newest navigation, however old.
+    #[must_use]
+    pub fn navigation(&self) -> Option<&crate::plugin::NavigationSample> {
+        self.cx.vehicle.navigation.newest()
+    }
+
+    /// Whether a lease stands, a modify or a hold.
+    #[must_use]
+    pub fn is_steering(&self) -> bool {
+        self.cx.arbiter.is_steering()
+    }
+
+    /// How many requests are not at their end.
+    #[must_use]
+    pub fn open_requests(&self) -> usize {
+        self.cx.ledger.iter().count()
+    }
+
+    /// The requests that are not at their end, each in words.
+    #[must_use]
+    pub fn open_request_states(&self) -> Vec<String> {
+        self.cx
+            .ledger
+            .iter()
+            .map(|(request, entry)| format!("{:?} {request} is {:?}", entry.kind, entry.state))
+            .collect()
+    }
+
+    /// What was used of the reservations, for who follows this core in order; `None` where there was none.
+    #[must_use]
+    pub fn used(&self) -> Option<Reservation> {
+        self.cx.identifiers.used()
+    }
+
+    /// How often core was called more than half a second late.
+    #[must_use]
+    pub const fn late_count(&self) -> u64 {
+        self.late_count
+    }
+
+    /// The computer's clock was set. Stamps stay on the clock of the start, or answers would seem to come from another time;
+    /// zones follow.
+    fn utc_set(&mut self, by_nanos: i64) {
+        let step_s = self.cx.stamper.set(by_nanos);
+        self.cx.note(Note::Text {
+            text: format!("this computer's clock was set by {step_s:+.3} s: zones with times follow it"),
+        });
+        self.capabilities.inserts.judge_waiting(&mut self.cx);
+        self.unjudged = true;
+    }
+
+    /// Brings what follows from the state up to date: control, and when to wake.
+    fn settle(&mut self) {
+        self.settle_control();
+        self.follow_navigation();
+        self.settle_waiting();
+        self.orders.watch_staleness(&mut self.cx);
+        let navigation = match self.cx.vehicle.navigation.stale_at().filter(|at| *at > self.cx.now) {
+            Some(stale) if self.cx.vehicle.navigation.steady(self.cx.now) => Some(stale),
+            Some(stale) => Some(stale.min(self.cx.now + Duration::from_millis(500))),
+            None => None,
+        };
+        self.cx.timers.set_or_stop(Timer::Navigation, navigation);
+        self.cx
+            .timers
+            .set_or_stop(Timer::Acknowledgement, self.cx.link.commands.next_deadline());
+        self.session.settle_heartbeat(&mut self.cx);
+        // What was due while a plugin was busy or away is due now; nobody has promised to be here earlier.
+        let plugins = self.cx.plugins.wakes_at().map(|due| due.max(self.cx.now));
+        self.cx.timers.set_or_stop(Timer::Plugins, plugins);
+    }
+
+    /// Control is gained and lost by what has become known: tells of it and ends the lease.
+    pub(crate) fn settle_control(&mut self) {
+        if self.cx.vehicle.navigation.fresh(self.cx.now).is_none() {
+            self.cx.vehicle.navigation.unsettle();
+        }
+        let lost = self.cx.lost_because();
+        let granted = lost.is_none();
+        if granted != self.cx.control.granted {
+            self.cx.control.granted = granted;
+            if let Some(reason) = lost
+                && is_on(Check::ControlLossEndsLease)
+            {
+                self.capabilities.end_controlled(&mut self.cx, reason);
+            }
+            if granted {
+                self.capabilities.station.control_granted(&mut self.cx);
+            }
+            self.session.tell_of_control(&mut self.cx, lost.unwrap_or(""));
+            self.cx.plugins.tell_all(&Event::Control(granted));
+            self.fail_plugins();
+        }
+    }
+
+    fn expired(&mut self, timer: Timer) {
+        match timer {
+            Timer::Refresh => self.capabilities.modify.refresh(&mut self.cx),
+            Timer::Term => self.capabilities.modify.end(&mut self.cx, "its term is over"),
+            // What follows from navigation's age is drawn in `settle`.
+            Timer::Navigation => {}
+            Timer::Acknowledgement => {
+                while let Some(command) = self.cx.link.commands.late(self.cx.now) {
+                    self.answered(command, Answer::Missing);
+                }
+            }
+            Timer::Silence => self.session.silence(&mut self.cx),
+            Timer::Plan => self.session.ask_for_plan(&mut self.cx),
+            Timer::Status => self.session.beat(&mut self.cx),
+            // What waits is looked at in `settle`.
+            Timer::Irrevocable => {}
+            // That no round trip speaks for the link any more is drawn in `settle`.
+            Timer::Heartbeat => self.session.remedy(&mut self.cx),
+            Timer::HoldTerm => self.capabilities.station.end(&mut self.cx, "its term is over"),
+            Timer::Hold => self.capabilities.station.refresh(&mut self.cx),
+            Timer::Relative => self.capabilities.station.timed_out(&mut self.cx),
+            Timer::Silent => self.capabilities.silent.timed_out(&mut self.cx),
+            Timer::Adjustment => self.capabilities.adjustments.timed_out(&mut self.cx),
+            Timer::Acoustic => self.capabilities.acoustic.timed_out(&mut self.cx),
+            Timer::Dvl => self.capabilities.dvl.timed_out(&mut self.cx),
+            Timer::Order => self.orders.timed_out(&mut self.cx),
+            Timer::Policy => self.orders.policies_due(&mut self.cx, &mut self.capabilities),
+            Timer::Recall => self.capabilities.inserts.recalls_timed_out(&mut self.cx),
+            Timer::Recovery => self
+                .whereabouts
+                .climb(&mut self.cx, &mut self.capabilities, &mut self.orders),
+            Timer::Plugins => self.step_due(false),
+            Timer::Shutdown => {
+                self.cx.timers.stop_all();
+                self.cx.outbox.push(Output::Finish);
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! What the vehicle's answers are for (SPI 4.4, 6.21). Acknowledgements never refresh navigation's clock.
+
+use backseat_spi::{AckStatus, Acknowledgement};
+
+use super::Core;
+use crate::io::Note;
+use crate::session::commands::{Answer, Command, Purpose};
+use crate::session::name;
+
+impl Core {
+    pub(crate) fn acknowledged(&mut self, ack: &Acknowledgement) {
+        self.cx.heard(ack.created);
+        self.round_trip(ack);
+        if let AckStatus::Other(code) = ack.status {
+            // It neither accepts nor refuses: the command stays unanswered, or what the vehicle flies would count as over.
+            if let Some(count) = self.session.malformed() {
+                let text = format!("BFACK of {}: status {code} is not defined", ack.command.as_str());
+                self.cx.note(Note::Malformed { text, count });
+            }
+            return;
+        }
+        let subscriptions = self.cx.link.subscriptions.subjects();
+        let Some((command, settled)) = self.cx.link.commands.answer(ack, self.cx.now, subscriptions) else {
+            return;
+        };
+        let answer = match ack.status {
+            AckStatus::Pending => Answer::Pending,
+            AckStatus::Succeeded if !settled => Answer::Pending,
+            AckStatus::Succeeded => Answer::Done,
+            AckStatus::Invalid | AckStatus::Failed | AckStatus::Other(_) => Answer::Refused(ack.text.as_str()),
+        };
+        self.answered(command, answer);
+    }
+
+    /// Takes an answer, or its absence, to what its command was sent for.
+    pub(crate) fn answered(&mut self, command: Command, answer: Answer<'_>) {
+        match command.purpose {
+            // Its answer tells of the vehicle's habits and of nothing else.
+            Purpose::Early => {}
+            // Nothing but its round trip counts.
+            Purpose::Beat => {}
+            Purpose::Subscription(index) => self.session.subscription_answered(&mut self.cx, index, answer),
+            Purpose::Plan => self.plan_answered(answer),
+            Purpose::Lease(request) => self.capabilities.modify.answered(&mut self.cx, request, answer),
+            Purpose::Insert(request) => self.capabilities.inserts.answered(&mut self.cx, request, answer),
+            Purpose::Cancel { cancel, insert } => {
+                self.capabilities
+                    .inserts
+                    .cancel_answered(&mut self.cx, cancel, insert, answer)
+            }
+            Purpose::Request(request) => self.cx.request_answered(request, answer),
+            Purpose::Topside(request) => self.capabilities.topside.answered(&mut self.cx, request, answer),
+            Purpose::Silent(request) => self.capabilities.silent.answered(&mut self.cx, request, answer),
+            Purpose::Adjustment(request) => self.capabilities.adjustments.answered(&mut self.cx, request, answer),
+            Purpose::Packet(request) => self.capabilities.acoustic.answered(&mut self.cx, request, answer),
+            Purpose::DvlTrigger(request) => self.capabilities.dvl.answered(&mut self.cx, request, answer),
+            Purpose::Hold(request) => self
+                .capabilities
+                .station
+                .answered(&mut self.cx, request, command.name, answer),
+            Purpose::CancelAll(request) => {
+                if self.orders.cancel_all_answered(&mut self.cx, request, answer) {
+                    self.session.ask_for_plan(&mut self.cx);
+                }
+            }
+            Purpose::Ending(request) => {
+                self.orders
+                    .ending_answered(&mut self.cx, &mut self.capabilities, request, answer)
+            }
+            Purpose::EmptyMission(request) => self.orders.empty_answered(&mut self.cx, request, answer),
+            Purpose::SpeedRestored(request) => self.capabilities.station.speed_restored(&mut self.cx, request, answer),
+            Purpose::Courtesy => {
+                if command.name == name("RMB") && matches!(answer, Answer::Missing | Answer::Refused(_)) {
+                    self.capabilities.modify.failed_after_its_end(&mut self.cx);
+                }
+                if let Answer::Refused(text) = answer {
+                    self.cx.note(Note::Text {
+                        text: format!("the vehicle refused {}: {text}", command.name.as_str()),
+                    });
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! The connection comes and goes, the plan comes, and answers come round.
+
+use backseat_spi::Acknowledgement;
+
+use super::Core;
+use super::samples::tell_of_plan;
+use crate::context::Context;
+use crate::io::Note;
+use crate::session::commands::Answer;
+use crate::switches::{Check, is_on};
+use crate::timer::Timer;
+use crate::vehicle::expected::Compared;
+
+impl Core {
+    pub(super) fn link_up(&mut self) {
+        let Self {
+            cx,
+            capabilities,
+            orders,
+            session,
+            ..
+        } = self;
+        cx.link.begin(cx.now);
+        cx.vehicle.reset();
+        cx.control.forget();
+        capabilities.station.reset();
+        cx.note(Note::LinkUp);
+        session.begin(cx);
+        orders.link_up(cx, capabilities);
+        capabilities.inserts.link_up(cx);
+        if cx.control.held && is_on(Check::HoldCancels) {
+            // The operator may have taken the helm while nothing could be sent.
+            capabilities.inserts.take_back_all(cx, None);
+            capabilities.inserts.cancel_former(cx);
+        }
+        session.watch_silence(cx);
+        session.beat(cx);
+    }
+
+    pub(super) fn link_down(&mut self) {
+        let Self {
+            cx,
+            capabilities,
+            orders,
+            session,
+            ..
+        } = self;
+        // No BPEMB reaches the vehicle: its own clock ends the modify (safety requirement 007).
+        cx.link.end();
+        cx.vehicle.former.link_lost();
+        if cx.ledger.interrupts() {
+            cx.vehicle.courses.leave_plan();
+        }
+        cx.vehicle.courses.lose();
+        capabilities.end_leases(cx, "the link is down");
+        cx.control.forget();
+        cx.link.commands.clear();
+        cx.vehicle.reset();
+        capabilities.link_lost(cx);
+        orders.link_lost(cx);
+        capabilities.inserts.link_lost(cx);
+        cx.doubt_undecided();
+        for timer in [Timer::Silence, Timer::Plan, Timer::Status, Timer::Heartbeat] {
+            cx.timers.stop(timer);
+        }
+        if !cx.control.stopping {
+            session.connect_again(cx);
+        }
+    }
+
+    /// The answer to BPRMP: the plan is whole, or it is asked for again.
+    pub(super) fn plan_answered(&mut self, answer: Answer<'_>) {
+        let Self {
+            cx,
+            capabilities,
+            session,
+            ..
+        } = self;
+        if !session.plan_answered(cx, answer) {
+            return;
+        }
+        cx.vehicle.dive.planned();
+        if compare_plan(cx) {
+            // Once more, for the day when two answers came mixed.
+            session.ask_for_plan_again(cx);
+        }
+        capabilities.inserts.resolve_by_plan(cx);
+        let vehicle = &mut cx.vehicle;
+        vehicle.former.told_plan(&vehicle.plan);
+        tell_of_plan(cx);
+        capabilities.inserts.judge_waiting(cx);
+        if cx.control.held && is_on(Check::HoldCancels) {
+            capabilities.inserts.cancel_former(cx);
+        }
+    }
+
+    /// An acknowledgement may end a round trip.
+    pub(super) fn round_trip(&mut self, ack: &Acknowledgement) {
+        let cx = &mut self.cx;
+        let Some(heard) = cx.link.heartbeat.acknowledged(cx.now, ack) else {
+            return;
+        };
+        let utc = cx.utc();
+        if let Some(step) = cx.vehicle.navigation.measured(heard.trip, utc, ack.created) {
+            let text = format!("the vehicle's clock was set by {:+.3} s", -(step as f64) / 1e9);
+            cx.note(Note::Navigation { text });
+            self.capabilities.end_leases(cx, "the vehicle's clock was set");
+        }
+        if heard.good {
+            self.session.is_heard(cx, ack.created);
+        }
+    }
+}
+
+/// The vehicle's plan has come whole. True where it is found to be another than the expected one for the first time.
+fn compare_plan(cx: &mut Context) -> bool {
+    let Some(expected) = &cx.settings.expected_plan else {
+        return false;
+    };
+    let difference = expected.difference(&cx.vehicle.plan, cx.monitor.envelope.fence().frame());
+    let compared = if difference.is_some() {
+        Compared::Differs
+    } else {
+        Compared::Same
+    };
+    let news = cx.vehicle.compared != compared;
+    cx.vehicle.compared = compared;
+    if let Some(difference) = difference.filter(|_| news) {
+        let text = format!("the vehicle's plan is not the one that was checked: {difference}");
+        cx.note(Note::Text { text });
+    }
+    news && compared == Compared::Differs
+}

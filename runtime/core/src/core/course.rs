@@ -1,0 +1,91 @@
+//! What the vehicle keeps to, as its behaviors begin and end, and as it navigates.
+
+use backseat_spi::BehaviorId;
+use backseat_units::EastNorth;
+use backseat_units::math::hypot;
+
+use crate::context::Context;
+use crate::vehicle::course::{Begin, Flown, is_on};
+use crate::vehicle::navigation::Jump;
+
+/// A behaviour has begun here.
+pub(super) fn began(cx: &mut Context, number: Option<u32>, identifier: Option<BehaviorId>) {
+    let planned = number.map(Flown::Planned);
+    let Some(flown) = identifier.map(Flown::Inserted).or(planned) else {
+        return;
+    };
+    let here = cx.outlook().begins_here();
+    cx.vehicle.courses.began(cx.now, flown, here);
+    let insert = |identifier| cx.ledger.get(cx.ledger.by_identifier(identifier)?)?.insert;
+    // One that is not known here may have interrupted too.
+    if identifier.is_some_and(|identifier| insert(identifier).is_none_or(|insert| insert.interrupt)) {
+        cx.vehicle.courses.leave_plan();
+    }
+}
+
+/// Navigation has come, and has jumped perhaps. Where it did so around a begin, the vehicle knew itself at the one place
+/// or at the other.
+pub(super) fn navigated(cx: &mut Context, jump: Option<Jump>) {
+    let Some(mut here) = cx.outlook().begins_here() else {
+        return;
+    };
+    let solution = cx.vehicle.navigation.newest().map(|newest| newest.solution);
+    let before = jump.map(|jump| Begin {
+        at: jump.from,
+        within_m: cx.monitor.limits().speed_max_mps * jump.elapsed_s,
+    });
+    here.within_m += before.map_or(0.0, |before| before.within_m);
+    cx.vehicle.courses.navigated(before, here, solution);
+}
+
+/// A behaviour has ended, for good or for one that interrupts it. Until another begins what is flown is not known.
+pub(super) fn ended(cx: &mut Context, number: Option<u32>, identifier: Option<BehaviorId>) {
+    let ended = identifier.map(Flown::Inserted).or(number.map(Flown::Planned));
+    let current = cx.vehicle.courses.current();
+    // Where it was seen what is flown, whatever ends makes that another.
+    if ended.is_some() && (current.is_none() || ended == current) {
+        cx.vehicle.courses.lose();
+    }
+    let Some(identifier) = identifier else { return };
+    let entry = cx.ledger.by_identifier(identifier);
+    if !entry.is_some_and(|request| cx.ledger.get(request).is_some_and(|entry| entry.interrupted)) {
+        cx.vehicle.courses.ended(identifier);
+    }
+}
+
+/// Where the vehicle is while nobody of ours steers: on its line, from where on the way to it is behind it.
+pub(super) fn watch(cx: &mut Context) {
+    if cx.arbiter.modifies() {
+        return cx.vehicle.courses.is_led();
+    }
+    let Some(navigation) = cx.vehicle.navigation.newest().copied() else {
+        return;
+    };
+    cx.vehicle
+        .courses
+        .flies_at(hypot(navigation.east_mps, navigation.north_mps));
+    let vertical = [navigation.depth.as_m(), navigation.down_mps];
+    let after_another = !cx.vehicle.former.is_none();
+    cx.vehicle.courses.levels(cx.now, vertical, after_another);
+    let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
+    let within_m = cx.monitor.limits().tracking_error_m;
+    let is_on = |line| is_on(line, navigation.local, velocity, within_m);
+    match cx.vehicle.courses.current() {
+        None => {
+            let mut paths: Vec<Flown> = Vec::new();
+            for (flown, line) in cx.outlook().lines_that_may_be_flown() {
+                if is_on(line) && !paths.contains(&flown) {
+                    paths.push(flown);
+                }
+            }
+            if cx.vehicle.courses.placed().is_empty() && cx.vehicle.courses.keeps_to(cx.now, &paths) {
+                cx.vehicle.plan.seen_at(cx.vehicle.courses.placed());
+            }
+        }
+        Some(current) if cx.vehicle.courses.is_placed_on(current) => {}
+        Some(current) => {
+            let on_line = cx.outlook().first_line_of(current).is_some_and(is_on);
+            cx.vehicle.courses.is_on_line(cx.now, current, on_line);
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! The way of a driver's sentence: read, admitted, bounded, stamped anew, sent through the gate; or refused.
+
+use backseat_spi::{AckStatus, CommandName, DecodeError, Sentence, ToVehicle};
+use backseat_units::TimeOfDay;
+
+use crate::capability::Capabilities;
+use crate::context::Context;
+use crate::external::acknowledge;
+use crate::io::Note;
+use crate::owner::DriverId;
+use crate::plugin::Refusal;
+use crate::refusal::refused;
+use crate::session::commands::Purpose;
+use crate::session::dispatch::Dispatch;
+use crate::session::is_told;
+use crate::session::subscriptions::ACKNOWLEDGEMENTS;
+use crate::settings::external::{DriverSentence, bounds};
+use crate::switches::{Check, is_on};
+
+/// So many lines of one read are answered; what a driver sends beyond them in one go is dropped and counted.
+const LINES_MAX: usize = 32;
+
+/// What a driver's line says.
+enum Said {
+    Message(ToVehicle),
+    Unreadable(DecodeError),
+}
+
+fn read(sentence: &Sentence<'_>) -> Said {
+    match ToVehicle::decode(sentence) {
+        Ok(message) => Said::Message(message),
+        Err(error) => Said::Unreadable(error),
+    }
+}
+
+/// Bytes from a driver.
+pub(super) fn received(cx: &mut Context, capabilities: &mut Capabilities, driver: DriverId, bytes: &[u8]) {
+    let Some(port) = cx.drivers.ports.get_mut(driver.0) else {
+        return;
+    };
+    port.framer.push(bytes);
+    let mut lines = 0;
+    while let Some(port) = cx.drivers.ports.get_mut(driver.0) {
+        let said = port.framer.next_sentence().map(|sentence| read(&sentence));
+        for _ in 0..port.dropped() {
+            lines += 1;
+            refuse_line(
+                cx,
+                driver,
+                lines,
+                CommandName::NAK,
+                TimeOfDay::MIDNIGHT,
+                "it is no sentence",
+            );
+        }
+        let Some(said) = said else { break };
+        lines += 1;
+        match said {
+            Said::Message(message) => driver_said(cx, capabilities, driver, lines, message),
+            Said::Unreadable(error) => {
+                let name = name_of(error.message);
+                refuse_line(cx, driver, lines, name, TimeOfDay::MIDNIGHT, &error.to_string());
+            }
+        }
+    }
+}
+
+fn driver_said(cx: &mut Context, capabilities: &mut Capabilities, driver: DriverId, lines: usize, message: ToVehicle) {
+    let echoed = message.created().unwrap_or(TimeOfDay::MIDNIGHT);
+    let name = name_of(message.name());
+    let sends = &cx.drivers.ports[driver.0].setup.sends;
+    let sentence =
+        DriverSentence::of(&message).filter(|sentence| sends.contains(sentence) || !is_on(Check::DriverSends));
+    if let Some(sentence) = sentence {
+        if lines > LINES_MAX {
+            count_refused(cx, driver);
+        } else {
+            ask_for_driver(cx, capabilities, driver, sentence, name, echoed, message);
+        }
+        return;
+    }
+    if is_courtesy(&message) && lines <= LINES_MAX {
+        // Programs that speak to a vehicle begin like this. Acknowledgements are always on here.
+        return acknowledge(
+            &mut cx.outbox,
+            cx.stamper.utc(cx.now),
+            driver,
+            (name, echoed),
+            (AckStatus::Succeeded, ""),
+        );
+    }
+    let text = "the mission does not let this driver send it";
+    refuse_line(cx, driver, lines, name, echoed, text);
+}
+
+/// A sentence that the driver may send becomes a request.
+fn ask_for_driver(
+    cx: &mut Context,
+    capabilities: &mut Capabilities,
+    driver: DriverId,
+    sentence: DriverSentence,
+    name: CommandName,
+    echoed: TimeOfDay,
+    message: ToVehicle,
+) {
+    let port = &mut cx.drivers.ports[driver.0];
+    port.tag += 1;
+    let request = cx.ledger.propose(driver, port.tag, sentence.kind());
+    port.open.insert(request, (name, echoed));
+    match admit_driver(cx, driver, sentence, message) {
+        Ok(message) => {
+            let moves = bounds::moves_frame(&message) && is_on(Check::FrameReset);
+            if moves {
+                // What a lease or a hold stands on is about to be another place (safety requirement 021).
+                let reason = "a driver resets the vehicle's navigation";
+                capabilities.end_leases(cx, reason);
+            }
+            let resets = bounds::resets_relative(&message) && is_on(Check::FrameReset);
+            let dispatch = Dispatch::new(sentence.letters(), message, Purpose::Request(request));
+            let sent = cx.send_request(request, &dispatch);
+            if sent && resets {
+                cx.vehicle.relative.unsettle(cx.now);
+                cx.vehicle.cartesian.unsettle(cx.now);
+            }
+            if moves {
+                cx.vehicle.navigation.frame_reset(cx.now);
+            }
+        }
+        Err(refusal) => cx.reject(request, refusal),
+    }
+}
+
+/// The sentence as it is to leave, under our own stamp.
+fn admit_driver(
+    cx: &mut Context,
+    driver: DriverId,
+    sentence: DriverSentence,
+    message: ToVehicle,
+) -> Result<ToVehicle, Refusal> {
+    let port = &mut cx.drivers.ports[driver.0];
+    if !port.take(cx.now) {
+        let text = format!("more than {} sentences a second", port.setup.bounds.rate_max_hz);
+        return Err(refused("rate", &text));
+    }
+    // What is relayed is the topside's word, which is no wish of ours: it passes without control (014).
+    if sentence != DriverSentence::Relay
+        && let Some(reason) = cx.lost_because()
+    {
+        return Err(refused("control", reason));
+    }
+    if !cx.link.is_up() {
+        return Err(refused("control", "the link is down"));
+    }
+    if !cx.control.armed {
+        return Err(refused("control", "the runtime is not armed"));
+    }
+    let message = bounded(cx, driver, message)?;
+    let created = cx.stamper.stamp(cx.now, sentence.letters());
+    Ok(bounds::stamped(message, created))
+}
+
+/// The message, every figure within the driver's bounds.
+fn bounded(cx: &Context, driver: DriverId, message: ToVehicle) -> Result<ToVehicle, Refusal> {
+    let bounds = &cx.drivers.ports[driver.0].setup.bounds;
+    let utc = cx.utc().time_of_day();
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is a driver's")]
+    match message {
+        ToVehicle::TopsideRelay(relay) if relay.text.holds_command() => Err(refused(
+            "text",
+            "the text holds $BP, and a vehicle that looks for sentences could take what follows for a command",
+        )),
+        ToVehicle::TopsideRelay(relay) => Ok(relay.into()),
+        ToVehicle::PayloadCtd(ctd) => bounds.ctd(ctd, utc).map(ToVehicle::from),
+        ToVehicle::PositionFix(fix) => {
+            let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
+                return Err(refused("navigation", "navigation is stale"));
+            };
+            let frame = cx.monitor.envelope.fence().frame();
+            bounds.fix(&fix, utc, frame, navigation)?;
+            Ok(fix.into())
+        }
+        ToVehicle::RelativeReset(reset) => {
+            bounds.reset(&reset)?;
+            Ok(reset.into())
+        }
+        ToVehicle::BearingOffset(offset) => {
+            bounds.bearing(&offset)?;
+            Ok(offset.into())
+        }
+        other => Err(refused("limit", &format!("{} is no driver's", other.name()))),
+    }
+}
+
+/// A line that is not taken: answered, unless there are too many in one read, and counted.
+fn refuse_line(cx: &mut Context, driver: DriverId, lines: usize, name: CommandName, echoed: TimeOfDay, text: &str) {
+    if lines <= LINES_MAX {
+        acknowledge(
+            &mut cx.outbox,
+            cx.stamper.utc(cx.now),
+            driver,
+            (name, echoed),
+            (AckStatus::Invalid, text),
+        );
+    }
+    count_refused(cx, driver);
+}
+
+fn count_refused(cx: &mut Context, driver: DriverId) {
+    let port = &mut cx.drivers.ports[driver.0];
+    port.refused += 1;
+    if is_told(port.refused) {
+        let text = format!("driver {}: {} lines were not taken", port.setup.name, port.refused);
+        cx.note(Note::Text { text });
+    }
+}
+
+/// What every payload may say of itself (SPI 7.25, 7.1), which ends here.
+fn is_courtesy(message: &ToVehicle) -> bool {
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is one")]
+    match message {
+        ToVehicle::PayloadVersion(_) => true,
+        ToVehicle::LoggingControl(logging) => logging.message.as_str() == ACKNOWLEDGEMENTS,
+        _ => false,
+    }
+}
+
+/// As acknowledgements name it; what has no such name is no command (NAK).
+fn name_of(sentence: &str) -> CommandName {
+    let known = backseat_spi::catalogue()
+        .iter()
+        .any(|entry| entry.name == sentence && sentence.starts_with("BP"));
+    let name = known.then(|| CommandName::new(sentence).ok()).flatten();
+    name.unwrap_or(CommandName::NAK)
+}

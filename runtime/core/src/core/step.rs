@@ -1,0 +1,134 @@
+//! The plugins' steps, and what is done when one fails (safety requirement 006).
+
+use super::Core;
+use crate::io::{Note, Output, Restarted};
+use crate::monitor::limits::FailAction;
+use crate::order::{Condition, Order};
+use crate::plugin::slots::{Due, Failed, Step};
+use crate::plugin::{Event, FaultKind, PluginFault, PluginId, Returned, StepInput};
+
+impl Core {
+    /// Steps every plugin that is due: with navigation, at its period; without, when that is overdue.
+    pub(super) fn step_due(&mut self, with_navigation: bool) {
+        for plugin in self.cx.plugins.ids() {
+            match self.cx.plugins.due(self.cx.now, plugin, with_navigation) {
+                Some(Due::Step) => self.invoke(plugin),
+                Some(Due::Restart) => self.cx.outbox.push(Output::Restart(plugin)),
+                None => {}
+            }
+        }
+    }
+
+    fn invoke(&mut self, plugin: PluginId) {
+        let cx = &mut self.cx;
+        let clocks = cx.outlook().clocks();
+        let input = StepInput {
+            now: cx.now,
+            utc: clocks.utc,
+            clocks_apart: clocks.apart,
+            navigation: cx.vehicle.navigation.fresh(cx.now).copied(),
+            relative: cx.vehicle.relative.fresh(cx.now),
+            cartesian: cx.vehicle.cartesian.fresh(cx.now),
+            control: cx.control.granted,
+            events: cx.plugins.begin_step(cx.now, plugin),
+        };
+        cx.outbox.push(Output::Invoke(plugin, input));
+    }
+
+    /// A step has returned with what the plugin asks for.
+    pub(super) fn returned(&mut self, plugin: PluginId, returned: Returned) {
+        for line in returned.log {
+            self.cx.note(Note::PluginLog { plugin, line });
+        }
+        match self.cx.plugins.returned(self.cx.now, plugin) {
+            Step::Counts => {}
+            Step::Dropped => return,
+        }
+        match returned.result {
+            Ok(requests) => {
+                for request in requests {
+                    // One that has failed by the events of its own requests gets nothing more.
+                    if !self.cx.plugins.is_idle(plugin) {
+                        break;
+                    }
+                    self.ask(plugin, &request);
+                    if core::mem::take(&mut self.cx.link.wants_beat) {
+                        self.session.beat(&mut self.cx);
+                    }
+                    self.fail_plugins();
+                }
+            }
+            Err(fault) => self.failed(plugin, fault),
+        }
+        if self.cx.plugins.is_overdue(plugin) {
+            self.invoke(plugin);
+        }
+    }
+
+    /// Another instance of a plugin has come, or has failed to.
+    pub(super) fn restarted(&mut self, plugin: PluginId, restarted: Restarted) {
+        if !self.cx.plugins.restarted(plugin) {
+            return;
+        }
+        let cx = &mut self.cx;
+        match restarted.result {
+            Ok(()) => {
+                cx.note(Note::PluginRestarted { plugin });
+                let own = cx.ledger.iter().filter(|(_, entry)| entry.owner == plugin);
+                let event = Event::Restored {
+                    lost_steps: restarted.lost_steps,
+                    open: own.map(|(_, entry)| entry.tag).collect(),
+                };
+                cx.plugins.tell(plugin, event);
+                cx.plugins.tell(plugin, Event::Control(cx.control.granted));
+            }
+            Err(fault) => {
+                // Whatever it says of itself, there is no instance.
+                let kind = FaultKind::Start;
+                self.failed(plugin, PluginFault { kind, ..fault });
+            }
+        }
+    }
+
+    /// Plugins that have failed while something else was being done.
+    pub(super) fn fail_plugins(&mut self) {
+        while let Some((plugin, fault)) = self.cx.plugins.take_failure() {
+            self.failed(plugin, fault);
+        }
+    }
+
+    /// A plugin has failed: it steers no longer, what it declared for the case is done, and it comes back later or not at
+    /// all. Its siblings notice nothing.
+    fn failed(&mut self, plugin: PluginId, fault: PluginFault) {
+        let Self {
+            cx,
+            capabilities,
+            orders,
+            ..
+        } = self;
+        let Failed {
+            then,
+            on_failure,
+            quarantined,
+        } = cx.plugins.fail(cx.now, plugin, fault.kind);
+        cx.note(Note::PluginFailed { plugin, fault, then });
+        capabilities.plugin_failed(cx, plugin);
+        match on_failure {
+            FailAction::Yield => {}
+            FailAction::Cancel => {
+                capabilities.inserts.take_back_judged(cx, Some(plugin));
+            }
+            FailAction::Abort => {
+                capabilities.inserts.take_back_judged(cx, Some(plugin));
+                let order = Order::Abort {
+                    text: "a plugin failed".to_owned(),
+                    errors: true,
+                };
+                orders.order_in_advance(cx, capabilities, &order);
+            }
+        }
+        if quarantined {
+            orders.carry_out(cx, capabilities, |when| matches!(when, Condition::PluginQuarantined));
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! What core keeps of each driver, and what each is told.
+
+use std::collections::BTreeMap;
+
+use backseat_spi::{
+    AckStatus, Acknowledgement, CommandName, EchoedTime, FrameCounts, Framer, FromVehicle, Policy, Text,
+};
+use backseat_units::{TimeOfDay, Timestamp, Utc};
+
+use crate::io::Output;
+use crate::ledger::{Transition, is_end};
+use crate::outbox::Outbox;
+use crate::owner::DriverId;
+use crate::plugin::RequestState;
+use crate::settings::external::DriverSetup;
+
+/// An answer's text is cut to this, characters.
+const TEXT_BYTES_MAX: usize = 200;
+
+/// What core knows of its drivers.
+#[derive(Debug)]
+pub(crate) struct Drivers {
+    pub(crate) ports: Vec<Port>,
+}
+
+#[derive(Debug)]
+pub(crate) struct Port {
+    pub(crate) setup: DriverSetup,
+    pub(crate) framer: Framer,
+    /// What of `framer`'s counts has been dealt with.
+    pub(crate) dropped: u64,
+    /// Lines that came to nothing before the ledger, of all causes.
+    pub(crate) refused: u64,
+    /// How many sentences are left of its rate, and when that was so.
+    pub(crate) left: f64,
+    pub(crate) at: Timestamp,
+    /// Requests that are not at their end: the name and the time under which the driver knows them.
+    pub(crate) open: BTreeMap<u64, (CommandName, TimeOfDay)>,
+    /// Counts its requests: the tags of its ledger entries.
+    pub(crate) tag: u64,
+}
+
+impl Drivers {
+    pub(crate) fn new(setups: &[DriverSetup]) -> Self {
+        let port = |setup: &DriverSetup| Port {
+            left: setup.bounds.burst(),
+            setup: setup.clone(),
+            framer: Framer::new(Policy::FromPayload),
+            dropped: 0,
+            refused: 0,
+            at: Timestamp::ZERO,
+            open: BTreeMap::new(),
+            tag: 0,
+        };
+        Self {
+            ports: setups.iter().map(port).collect(),
+        }
+    }
+
+    /// A driver's request has come to another state: its end, or that it is pending, is said to it as the vehicle would.
+    pub(crate) fn tell(&mut self, outbox: &mut Outbox, utc: Utc, driver: DriverId, transition: &Transition) {
+        let Some(port) = self.ports.get_mut(driver.0) else {
+            return;
+        };
+        let Some((name, echoed)) = port.open.get(&transition.request).copied() else {
+            return;
+        };
+        if is_end(&transition.state) {
+            port.open.remove(&transition.request);
+        }
+        let (status, text) = match &transition.state {
+            RequestState::Pending => (AckStatus::Pending, ""),
+            RequestState::Accepted => (AckStatus::Succeeded, ""),
+            RequestState::Rejected(text) | RequestState::Failed(text) => (AckStatus::Failed, text.as_str()),
+            RequestState::TimedOut => (AckStatus::Failed, "the vehicle has not answered"),
+            RequestState::Cancelled => (AckStatus::Failed, "cancelled"),
+            // The acknowledgement has been passed on already, or is yet to come.
+            RequestState::Sent | RequestState::Unknown | RequestState::Started | RequestState::Ended(_) => return,
+        };
+        acknowledge(outbox, utc, driver, (name, echoed), (status, text));
+    }
+}
+
+impl Port {
+    /// Takes one of what its rate allows, where one is left.
+    pub(crate) fn take(&mut self, now: Timestamp) -> bool {
+        let bounds = &self.setup.bounds;
+        let refilled = now.since(self.at).as_secs_f64() * bounds.rate_max_hz;
+        self.left = (self.left + refilled).min(bounds.burst());
+        self.at = now;
+        let takes = self.left >= 1.0;
+        if takes {
+            self.left -= 1.0;
+        }
+        takes
+    }
+
+    /// How many lines have been dropped since the last call because they are no sentences. What the next sentence has
+    /// cut short is not among them: it had no end that could be answered.
+    pub(crate) fn dropped(&mut self) -> u64 {
+        let FrameCounts {
+            sentences: _,
+            checksum_invalid,
+            checksum_absent,
+            malformed,
+            too_long,
+            not_utf8,
+            cut_short: _,
+            overflowed,
+            noise_bytes: _,
+        } = self.framer.counts();
+        let dropped = checksum_invalid + checksum_absent + malformed + too_long + not_utf8 + overflowed;
+        dropped - std::mem::replace(&mut self.dropped, dropped)
+    }
+}
+
+/// Says to a driver what has become of a command, as the vehicle would.
+pub(crate) fn acknowledge(
+    outbox: &mut Outbox,
+    utc: Utc,
+    driver: DriverId,
+    (command, command_created): (CommandName, TimeOfDay),
+    (status, text): (AckStatus, &str),
+) {
+    let text: String = text.chars().take(TEXT_BYTES_MAX).collect();
+    let ack = FromVehicle::from(Acknowledgement {
+        created: utc.time_of_day(),
+        command,
+        command_created: EchoedTime::of(command_created),
+        behavior: None,
+        status,
+        text: Text::cleaned(&text),
+    });
+    let mut bytes = Vec::with_capacity(96);
+    if ack.encode(&mut bytes).is_ok() {
+        outbox.push(Output::Driver(driver, bytes));
+    }
+}

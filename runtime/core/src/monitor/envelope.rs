@@ -1,0 +1,637 @@
+//! The monitor's judgement: what the operator's fence and limits say of a request, of the way to it and of what
+//! follows it. Pure: the same question gives the same answer, to core before anything is sent and to plugins that ask.
+
+use std::time::Duration;
+
+use backseat_fence::{Breach, Fence, Rule, Shape, Span, Sweep, VerticalExtent, Window};
+use backseat_units::math::{PI, SQRT_2};
+use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Speed};
+
+use crate::monitor::limits::Limits;
+use crate::plugin::{
+    ModifyRequest, NavigationSample, PositionRequest, Refusal, TrackcircleRequest, TracklineRequest, VerticalRequest,
+};
+use crate::switches::{Check, is_on};
+
+mod boxes;
+mod ends;
+mod hull;
+mod judge;
+mod modify;
+mod motion;
+mod onto;
+mod place;
+mod surfacing;
+mod time;
+mod tracks;
+
+pub(crate) use ends::End;
+use ends::{farthest_m, ways};
+pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
+use motion::turn_radius_m;
+pub(crate) use onto::{Approach, Track};
+pub(crate) use place::Good;
+use surfacing::{Climb, deepest};
+pub(crate) use time::{APART_MAX, Clocks};
+
+/// The vehicle keeps a modify for this long after the last BPRMB that it received (SPI 7.12).
+pub(crate) const MODIFY_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// A vertical setpoint that is one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Vertical {
+    Depth(Depth),
+    Altitude(Altitude),
+}
+
+/// What a modify sets: always all three, never left for the vehicle to inherit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Setpoint {
+    pub(crate) heading: Heading,
+    pub(crate) vertical: Vertical,
+    pub(crate) speed: Speed,
+}
+
+/// How a line or a circle is flown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Flight {
+    pub(crate) vertical: Vertical,
+    pub(crate) speed: Speed,
+}
+
+/// Where an insert goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum InsertPath {
+    Line {
+        start: Position,
+        end: Position,
+        flight: Flight,
+    },
+    Circle {
+        centre: Position,
+        radius_m: f64,
+        orbits: f64,
+        entry_angle_deg: Option<f64>,
+        flight: Flight,
+    },
+    /// To a place at a depth and speed of the vehicle's own, up to the surface there, and adrift until GPS has its fix
+    /// (SPI 7.7).
+    Surface { at: Position },
+}
+
+/// An insert whose figures have been checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Insert {
+    pub(crate) path: InsertPath,
+    /// It begins at once rather than after the current behaviour.
+    pub(crate) interrupt: bool,
+}
+
+impl Insert {
+    /// Whether it is a GPS hit, which nothing can take back (SPI 7.8).
+    pub(crate) const fn surfaces(&self) -> bool {
+        match self.path {
+            InsertPath::Surface { .. } => true,
+            InsertPath::Line { .. } | InsertPath::Circle { .. } => false,
+        }
+    }
+
+    const fn flight(&self) -> Option<Flight> {
+        match self.path {
+            InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. } => Some(flight),
+            InsertPath::Surface { .. } => None,
+        }
+    }
+}
+
+/// A water depth that bottom lock gave, and where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BottomLock {
+    pub(crate) water_depth_m: f64,
+    pub(crate) at: EastNorth,
+}
+
+/// What surrounds a request: where the vehicle may be when it begins, and what it may go on to after it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Route {
+    /// Where it may come from.
+    pub(crate) from: Vec<End>,
+    /// It may come from the surface: a GPS hit may be flown before it.
+    pub(crate) from_surface: bool,
+    /// It may go on to the surface: a GPS hit may be flown after it.
+    pub(crate) to_surface: bool,
+    /// The depth of what may be flown before it, where that is deeper than the vehicle is now, metres.
+    pub(crate) deepest_m: f64,
+    /// The fastest that the vehicle was seen to fly its plan in this dive, m/s over ground.
+    pub(crate) seen_mps: f64,
+    /// Where what may come next begins.
+    pub(crate) to: Vec<End>,
+    /// What it may take up again after it.
+    pub(crate) onto: Vec<Track>,
+    /// What it may be on now, to which a lapsed modify returns.
+    pub(crate) legs: Vec<Track>,
+    /// The depths of what is flown before it and after it, from and to, metres; `None` where they count for nothing.
+    pub(crate) depths_m: Option<[f64; 2]>,
+    /// How long all that may be flown before it takes at most, or an insert that it modifies, seconds; infinite where
+    /// nobody knows.
+    pub(crate) before_s: f64,
+}
+
+/// How a way is flown that belongs to no request.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Passage {
+    /// The vehicle's depth now.
+    pub(crate) depth: Depth,
+    pub(crate) lock: Option<BottomLock>,
+    /// A GPS hit is at one of its ends, and it goes through all depths down to this one.
+    pub(crate) surfacing: bool,
+    /// The depth that it may climb from at that end where it is deeper than it is now, metres.
+    pub(crate) deepest_m: f64,
+    /// As a route's.
+    pub(crate) seen_mps: f64,
+    /// As a route's.
+    pub(crate) depths_m: Option<[f64; 2]>,
+    pub(crate) clocks: Clocks,
+    /// It begins by then at the latest, seconds.
+    pub(crate) before_s: f64,
+}
+
+/// How a way is flown: how far beside it, how deep, and when.
+#[derive(Clone, Copy)]
+struct Way {
+    strayed_m: f64,
+    extent: VerticalExtent,
+    depths_m: [f64; 2],
+    when: Option<Span>,
+}
+
+impl Route {
+    /// Where it may come from, as far as the ways from there are judged.
+    fn checked_from(&self) -> impl Iterator<Item = &End> {
+        self.from.iter().filter(|_| is_on(Check::InsertWayTo))
+    }
+
+    /// The lines that it may take up again, as far as the ways there are judged.
+    fn checked_onto(&self) -> impl Iterator<Item = &Track> {
+        self.onto.iter().filter(|_| is_on(Check::InsertWayOn))
+    }
+
+    /// The depths that may be passed on the ways.
+    fn passed_m(&self, extent: &VerticalExtent) -> [f64; 2] {
+        self.depths_m.unwrap_or([extent.depth_min_m, extent.depth_max_m])
+    }
+
+    /// Every point to which it may go on.
+    fn goes_on_to(&self) -> impl Iterator<Item = EastNorth> {
+        let next = self.to.iter().flat_map(|to| to.corners());
+        next.chain(self.onto.iter().flat_map(Track::points))
+    }
+
+    /// What may come next, as far as the ways there are judged.
+    fn checked_to(&self) -> impl Iterator<Item = &End> {
+        self.to.iter().filter(|_| is_on(Check::InsertWayOn))
+    }
+}
+
+/// The operator's fence and limits, immutable for the run.
+pub struct Envelope {
+    fence: Fence,
+    limits: Limits,
+    /// A zone of the fence is not always valid.
+    timed: bool,
+}
+
+impl Envelope {
+    /// From a fence and validated limits.
+    #[must_use]
+    pub fn new(fence: Fence, limits: Limits) -> Self {
+        let timed = fence.zones().any(|zone| zone.window() != Window::default());
+        Self { fence, limits, timed }
+    }
+
+    /// The fence.
+    #[must_use]
+    pub const fn fence(&self) -> &Fence {
+        &self.fence
+    }
+
+    /// The limits.
+    #[must_use]
+    pub const fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    pub(crate) fn admit_modify(&self, request: &ModifyRequest) -> Result<Setpoint, Refusal> {
+        if request.duration.is_zero() || request.duration > self.limits.modify_term_max() {
+            return Err(limit(format!(
+                "a modify may stand for more than 0 and at most {} s, not {} s",
+                self.limits.modify_term_max_s,
+                request.duration.as_secs_f64()
+            )));
+        }
+        Ok(Setpoint {
+            heading: Heading::from_deg(request.heading_deg).map_err(|error| limit(error.to_string()))?,
+            vertical: vertical(request.vertical)?,
+            speed: self.speed(request.speed_mps)?,
+        })
+    }
+
+    pub(crate) fn admit_trackline(&self, request: &TracklineRequest) -> Result<Insert, Refusal> {
+        let (start, end) = (position(request.start)?, position(request.end)?);
+        let frame = self.fence.frame();
+        if frame.to_local(start).distance_m(frame.to_local(end)) < 1.0 {
+            return Err(limit(
+                "a trackline's start and end are less than a metre apart".to_owned(),
+            ));
+        }
+        Ok(Insert {
+            path: InsertPath::Line {
+                start,
+                end,
+                flight: Flight {
+                    vertical: vertical(request.vertical)?,
+                    speed: self.speed(request.speed_mps)?,
+                },
+            },
+            interrupt: request.interrupt,
+        })
+    }
+
+    pub(crate) fn admit_trackcircle(&self, request: &TrackcircleRequest) -> Result<Insert, Refusal> {
+        let speed = self.speed(request.speed_mps)?;
+        let least = turn_radius_m(speed.as_mps(), self.limits.turn_rate_dps);
+        if !(request.radius_m >= least && request.radius_m <= 10_000.0) {
+            return Err(limit(format!(
+                "a circle's radius must be within {least:.1} (the vehicle's turn) to 10000 m, not {} m",
+                request.radius_m
+            )));
+        }
+        if !(request.orbits.abs() > 0.0 && request.orbits.abs() <= 100.0) {
+            return Err(limit(format!(
+                "a circle has more than 0 and at most 100 orbits, not {}",
+                request.orbits
+            )));
+        }
+        let entry_angle_deg = match request.entry_angle_deg {
+            Some(deg) => Some(
+                Heading::from_deg(deg)
+                    .map_err(|error| limit(error.to_string()))?
+                    .as_deg(),
+            ),
+            None => None,
+        };
+        Ok(Insert {
+            path: InsertPath::Circle {
+                centre: position(request.centre)?,
+                radius_m: request.radius_m,
+                orbits: request.orbits,
+                entry_angle_deg,
+                flight: Flight {
+                    vertical: vertical(request.vertical)?,
+                    speed,
+                },
+            },
+            interrupt: request.interrupt,
+        })
+    }
+
+    /// Safety requirement 002 for an insert: the transit to it, its lead-in and lead-out, its whole geometry, and the
+    /// way on to what comes after it.
+    pub(crate) fn judge_insert(
+        &self,
+        insert: &Insert,
+        depth: Depth,
+        lock: Option<BottomLock>,
+        route: &Route,
+        clocks: Clocks,
+    ) -> Result<f64, Refusal> {
+        let frame = self.fence.frame();
+        let speed_mps = insert
+            .flight()
+            .map_or(self.fastest_mps(route.seen_mps), |flight| flight.speed.as_mps());
+        let strayed_m = self.strayed_m(speed_mps);
+        let (shape, reach_m) = match insert.path {
+            InsertPath::Line { start, end, .. } => {
+                let (start, end) = self.with_leads(frame.to_local(start), frame.to_local(end));
+                (Shape::leg(start, end), start.distance_m(end))
+            }
+            InsertPath::Circle { centre, radius_m, .. } => {
+                (Shape::rim(frame.to_local(centre), radius_m), 2.0 * radius_m)
+            }
+            InsertPath::Surface { at } => (Shape::point(frame.to_local(at)), self.drift_m()),
+        };
+        let climb = if insert.surfaces() || route.from_surface {
+            self.climb(deepest(depth, route.deepest_m)?)
+        } else {
+            Climb::default()
+        };
+        let ends = self.ends(insert);
+        let when = clocks.next(route.before_s + self.lasts_s(insert, route) + climb.lasts_s);
+        let to_it = route.from.iter().map(|from| farthest_m(*from, ends.0));
+        let from_it = route.goes_on_to().map(|to| farthest_m(ends.1, End::At(to)));
+        let ways_m = to_it.chain(from_it).fold(0.0, f64::max);
+        // What a bottom lock tells must hold for the ways too.
+        let reach_m = reach_m + ways_m + strayed_m;
+        let around = ends.0.middle();
+        let Some(flight) = insert.flight() else {
+            // It goes there, up, and on as it likes: at every depth between the surface and where it comes from.
+            let deepest = deepest(depth, route.deepest_m)?;
+            let extent = self.extent(Vertical::Depth(deepest), depth, lock, around, reach_m)?;
+            return self.judge_surfacing((shape, strayed_m + climb.along_m), ends, &extent, route, when);
+        };
+        let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
+        // What comes before it and after it may be flown faster.
+        let way = Way {
+            strayed_m: self.strayed_m(self.fastest_mps(route.seen_mps)),
+            extent,
+            depths_m: route.passed_m(&extent),
+            when,
+        };
+        // It may come from where it has come up.
+        let to_it = Way {
+            strayed_m: way.strayed_m + climb.along_m,
+            ..way
+        };
+        let mut least_m = f64::MAX;
+        if is_on(Check::InsertShape) {
+            least_m = self.sweep(shape, strayed_m, &extent, when)?;
+        }
+        for from in route.checked_from() {
+            least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, &to_it)?);
+        }
+        for to in route.checked_to() {
+            least_m = least_m.min(self.way_by(route.to_surface, ends.1, *to, &way)?);
+        }
+        for track in route.checked_onto() {
+            least_m = least_m.min(self.way_onto(route.to_surface, ends.1, track, &way)?);
+        }
+        Ok(least_m)
+    }
+
+    /// The way from one end to another alone: what remains when an insert between them is cancelled.
+    pub(crate) fn judge_way(&self, (from, to): (End, End), passage: &Passage) -> Result<f64, Refusal> {
+        let climb = if passage.surfacing {
+            self.climb(deepest(passage.depth, passage.deepest_m)?)
+        } else {
+            Climb::default()
+        };
+        let strayed_m = self.strayed_m(self.fastest_mps(passage.seen_mps)) + climb.along_m;
+        let (depth_m, way_m) = (passage.depth.as_m(), farthest_m(from, to));
+        let (shallowest_m, _) = self.water_depths(passage.lock, to.middle(), way_m + strayed_m);
+        let extent = VerticalExtent {
+            depth_min_m: depth_m,
+            depth_max_m: depth_m,
+            altitude_min_m: shallowest_m.unwrap_or(0.0) - depth_m,
+        };
+        let way = Way {
+            strayed_m,
+            extent,
+            depths_m: passage.depths_m.unwrap_or([depth_m, depth_m]),
+            when: passage
+                .clocks
+                .next(passage.before_s + climb.lasts_s + way_m / self.slowest_mps()),
+        };
+        self.way_by(passage.surfacing, from, to, &way)
+    }
+
+    /// Where an insert begins and ends: a line with a lead of any length up to the longest.
+    pub(crate) fn ends(&self, insert: &Insert) -> (End, End) {
+        let frame = self.fence.frame();
+        match insert.path {
+            InsertPath::Line { start, end, .. } => {
+                let (start, end) = (frame.to_local(start), frame.to_local(end));
+                let (led_in, led_out) = self.with_leads(start, end);
+                (End::between(led_in, start), End::between(led_out, end))
+            }
+            InsertPath::Surface { at } => {
+                let centre = frame.to_local(at);
+                let adrift = End::Anywhere {
+                    centre,
+                    radius_m: self.drift_m(),
+                };
+                (End::At(centre), adrift)
+            }
+            InsertPath::Circle {
+                centre,
+                radius_m,
+                orbits,
+                entry_angle_deg,
+                ..
+            } => {
+                let local = frame.to_local(centre);
+                match entry_angle_deg {
+                    Some(entry_deg) => {
+                        let entry_deg = entry_deg - frame.convergence_deg(centre);
+                        (
+                            End::At(local.offset(entry_deg, radius_m)),
+                            End::At(local.offset(entry_deg + 360.0 * orbits, radius_m)),
+                        )
+                    }
+                    None => {
+                        let anywhere = End::Anywhere {
+                            centre: local,
+                            radius_m,
+                        };
+                        (anywhere, anywhere)
+                    }
+                }
+            }
+        }
+    }
+
+    /// How long an insert flies at most, its transit from `from` included, seconds.
+    pub(crate) fn duration_s(&self, insert: &Insert, from: &[End]) -> f64 {
+        let limits = &self.limits;
+        let length_m = self.length_m(insert);
+        let (speed_mps, at_surface_s) = match insert.flight() {
+            Some(flight) => (flight.speed.as_mps(), 0.0),
+            None => (limits.speed_min_mps, limits.gps_hit_duration_max_s),
+        };
+        let transit_m = from
+            .iter()
+            .map(|from| farthest_m(*from, self.ends(insert).0))
+            .fold(0.0, f64::max);
+        let turns_s = 2.0 * self.turn_away_s();
+        (length_m + transit_m) / (speed_mps - limits.current_max_mps) + turns_s + at_surface_s
+    }
+
+    /// As [`Envelope::duration_s`], and on to what may come next, which the vehicle flies no more slowly than the
+    /// mission's plugins may ask for.
+    pub(crate) fn lasts_s(&self, insert: &Insert, route: &Route) -> f64 {
+        let end = self.ends(insert).1;
+        let straight_m = route.to.iter().map(|to| farthest_m(end, *to)).fold(0.0, f64::max);
+        // By way of the line at most.
+        let points = route.onto.iter().flat_map(Track::points);
+        let onto_m = SQRT_2 * points.map(|to| farthest_m(end, End::At(to))).fold(0.0, f64::max);
+        self.duration_s(insert, &route.from) + straight_m.max(onto_m) / self.slowest_mps()
+    }
+
+    /// How far the vehicle goes on an insert itself, metres.
+    fn length_m(&self, insert: &Insert) -> f64 {
+        let frame = self.fence.frame();
+        match insert.path {
+            InsertPath::Line { start, end, .. } => {
+                frame.to_local(start).distance_m(frame.to_local(end)) + 2.0 * self.limits.lead_max_m
+            }
+            InsertPath::Circle { radius_m, orbits, .. } => 2.0 * PI * radius_m * orbits.abs(),
+            InsertPath::Surface { .. } => 0.0,
+        }
+    }
+
+    fn way(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
+        self.least(ways(from, to), way.strayed_m, |sweep| self.sweep_way(sweep, way))
+    }
+
+    /// What holds of all of some shapes, each so far around.
+    fn least(
+        &self,
+        shapes: Vec<Shape>,
+        radius_m: f64,
+        judge: impl Fn(&Sweep) -> Result<f64, Refusal>,
+    ) -> Result<f64, Refusal> {
+        let mut least_m = f64::MAX;
+        for shape in shapes {
+            least_m = least_m.min(judge(&Sweep { shape, radius_m })?);
+        }
+        Ok(least_m)
+    }
+
+    fn sweep_way(&self, sweep: &Sweep, way: &Way) -> Result<f64, Refusal> {
+        match self.check_passing(sweep, &way.extent, (way.depths_m, way.when)) {
+            Ok(clearance) => Ok(clearance.metres),
+            Err(breach) => Err(refusal(&breach)),
+        }
+    }
+
+    fn sweep(&self, shape: Shape, radius_m: f64, extent: &VerticalExtent, when: Option<Span>) -> Result<f64, Refusal> {
+        match self.check(&Sweep { shape, radius_m }, extent, when) {
+            Ok(clearance) => Ok(clearance.metres),
+            Err(breach) => Err(refusal(&breach)),
+        }
+    }
+
+    fn with_leads(&self, start: EastNorth, end: EastNorth) -> (EastNorth, EastNorth) {
+        let length_m = start.distance_m(end).max(1e-3);
+        let lead = (end - start) * (self.limits.lead_max_m / length_m);
+        (start - lead, end + lead)
+    }
+
+    fn speed(&self, mps: f64) -> Result<Speed, Refusal> {
+        let allowed = self.limits.speed_min_mps..=self.limits.speed_max_mps;
+        match Speed::from_mps(mps) {
+            Ok(speed) if allowed.contains(&mps) || !is_on(Check::SpeedLimits) => Ok(speed),
+            _ => Err(limit(format!(
+                "speed must be within {} to {} m/s, not {mps} m/s",
+                allowed.start(),
+                allowed.end()
+            ))),
+        }
+    }
+
+    /// The depths and the least altitude that a setpoint may lead to within `reach_m` of a point.
+    fn extent(
+        &self,
+        vertical: Vertical,
+        depth: Depth,
+        lock: Option<BottomLock>,
+        around: EastNorth,
+        reach_m: f64,
+    ) -> Result<VerticalExtent, Refusal> {
+        let error_m = self.limits.vertical_error_m;
+        let (shallowest_m, deepest_m) = self.water_depths(lock, around, reach_m);
+        let shallowest_m = shallowest_m.unwrap_or(0.0);
+        let now_m = depth.as_m();
+        Ok(match vertical {
+            Vertical::Depth(set) => VerticalExtent {
+                depth_min_m: now_m.min(set.as_m() - error_m).max(0.0),
+                depth_max_m: now_m.max(set.as_m() + error_m),
+                altitude_min_m: shallowest_m - set.as_m() - error_m,
+            },
+            Vertical::Altitude(set) => {
+                let unknown_m = (!is_on(Check::BottomKnown)).then_some(now_m);
+                let Some(deepest_m) = deepest_m.or(unknown_m) else {
+                    return Err(Refusal {
+                        rule: "altitude",
+                        metres: 0.0,
+                        text: "an altitude setpoint needs bottom lock or the mission's water_depth_max_m".to_owned(),
+                    });
+                };
+                VerticalExtent {
+                    depth_min_m: now_m.min(shallowest_m - set.as_m() - error_m).max(0.0),
+                    depth_max_m: now_m.max(deepest_m - set.as_m() + error_m),
+                    altitude_min_m: set.as_m() - error_m,
+                }
+            }
+        })
+    }
+}
+
+impl Envelope {
+    /// The least and the greatest water depth within `reach_m` of a point, metres, where they are known.
+    fn water_depths(&self, lock: Option<BottomLock>, around: EastNorth, reach_m: f64) -> (Option<f64>, Option<f64>) {
+        let limits = &self.limits;
+        let by_lock = lock.map(|lock| {
+            let change_m = limits.seabed_slope_max * (lock.at.distance_m(around) + reach_m);
+            (lock.water_depth_m - change_m, lock.water_depth_m + change_m)
+        });
+        let shallowest_m = match (by_lock, limits.water_depth_min_m) {
+            (Some((lock_m, _)), Some(known_m)) => Some(lock_m.max(known_m)),
+            (Some((lock_m, _)), None) => Some(lock_m),
+            (None, known_m) => known_m,
+        };
+        let deepest_m = match (by_lock, limits.water_depth_max_m) {
+            (Some((_, lock_m)), Some(known_m)) => Some(lock_m.min(known_m)),
+            (Some((_, lock_m)), None) => Some(lock_m),
+            (None, known_m) => known_m,
+        };
+        (shallowest_m, deepest_m)
+    }
+}
+
+/// The water depth under a sample with bottom lock.
+pub(crate) fn bottom_lock(navigation: &NavigationSample) -> Option<BottomLock> {
+    let altitude = navigation.altitude?;
+    Some(BottomLock {
+        water_depth_m: navigation.depth.as_m() + altitude.as_m(),
+        at: navigation.local,
+    })
+}
+
+fn vertical(request: VerticalRequest) -> Result<Vertical, Refusal> {
+    let refused = |error: backseat_units::OutOfRange| limit(error.to_string());
+    match request {
+        VerticalRequest::DepthM(m) if m < 0.0 => Err(limit(format!("depth must be 0 m or more, not {m} m"))),
+        VerticalRequest::DepthM(m) => Ok(Vertical::Depth(Depth::from_m(m).map_err(refused)?)),
+        VerticalRequest::AltitudeM(m) => Ok(Vertical::Altitude(Altitude::from_m(m).map_err(refused)?)),
+    }
+}
+
+fn position(request: PositionRequest) -> Result<Position, Refusal> {
+    Position::from_deg(request.latitude_deg, request.longitude_deg).map_err(|error| limit(error.to_string()))
+}
+
+/// A figure that is no such quantity, or beyond the operator's limits.
+pub(crate) fn limit(text: String) -> Refusal {
+    Refusal {
+        rule: "limit",
+        metres: 0.0,
+        text,
+    }
+}
+
+fn refusal(breach: &Breach) -> Refusal {
+    let rule = match breach.rule {
+        Rule::Inclusion => "inclusion",
+        Rule::Exclusion => "exclusion",
+        Rule::DepthMin | Rule::DepthMax => "depth",
+        Rule::AltitudeMin => "altitude",
+        Rule::Surfacing => "surfacing",
+        Rule::Closed => "time",
+        Rule::NotFinite => "limit",
+    };
+    Refusal {
+        rule,
+        metres: breach.metres,
+        text: breach.to_string(),
+    }
+}

@@ -1,0 +1,143 @@
+//! Boxes with edges parallel to the axes: one in another, and one clear of another.
+
+use crate::monitor::limits::hull::{BottomBox, HullBox};
+use crate::plugin::Refusal;
+use crate::switches::{Check, is_on};
+
+/// Where a check is made: for the text of a rejection.
+#[derive(Clone, Copy)]
+pub(super) enum Stretch {
+    Here,
+    Way,
+}
+
+/// One axis: what it is called, the keys of its bounds, the bounds, and what the vehicle may come to.
+pub(super) struct Axis {
+    name: &'static str,
+    keys: [&'static str; 2],
+    bounds_m: [f64; 2],
+    span_m: [f64; 2],
+}
+
+impl Stretch {
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Here => "where it is",
+            Self::Way => "on its way",
+        }
+    }
+}
+
+pub(super) fn hull_axes(bounds: &HullBox, spans_m: [[f64; 2]; 3]) -> [Axis; 3] {
+    [
+        Axis {
+            name: "horizontal position",
+            keys: ["horizontal_min_m", "horizontal_max_m"],
+            bounds_m: [bounds.horizontal_min_m, bounds.horizontal_max_m],
+            span_m: spans_m[0],
+        },
+        Axis {
+            name: "vertical position",
+            keys: ["vertical_min_m", "vertical_max_m"],
+            bounds_m: [bounds.vertical_min_m, bounds.vertical_max_m],
+            span_m: spans_m[1],
+        },
+        Axis {
+            name: "distance from the hull",
+            keys: ["distance_min_m", "distance_max_m"],
+            bounds_m: [bounds.distance_min_m, bounds.distance_max_m],
+            span_m: spans_m[2],
+        },
+    ]
+}
+
+pub(super) fn bottom_axes(bounds: &BottomBox, spans_m: [[f64; 2]; 3]) -> [Axis; 3] {
+    [
+        Axis {
+            name: "x",
+            keys: ["x_min_m", "x_max_m"],
+            bounds_m: [bounds.x_min_m, bounds.x_max_m],
+            span_m: spans_m[0],
+        },
+        Axis {
+            name: "y",
+            keys: ["y_min_m", "y_max_m"],
+            bounds_m: [bounds.y_min_m, bounds.y_max_m],
+            span_m: spans_m[1],
+        },
+        Axis {
+            name: "depth",
+            keys: ["depth_min_m", "depth_max_m"],
+            bounds_m: [bounds.depth_min_m, bounds.depth_max_m],
+            span_m: spans_m[2],
+        },
+    ]
+}
+
+/// The least and the greatest, grown. One figure that is none makes all of it none.
+pub(super) fn span(values: impl Iterator<Item = f64>, grown_m: f64) -> [f64; 2] {
+    let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
+    for value in values {
+        if value.is_nan() {
+            return [f64::NAN; 2];
+        }
+        (min, max) = (min.min(value), max.max(value));
+    }
+    [min - grown_m, max + grown_m]
+}
+
+/// Every axis within its bounds, by how many metres at least.
+pub(super) fn contain(stretch: Stretch, key: &str, axes: &[Axis; 3]) -> Result<f64, Refusal> {
+    let mut least_m = f64::MAX;
+    for axis in axes {
+        let room_m = [axis.span_m[0] - axis.bounds_m[0], axis.bounds_m[1] - axis.span_m[1]];
+        for (edge, room_m) in room_m.into_iter().enumerate() {
+            // A figure that is none is in no box.
+            if (room_m.is_nan() || room_m < 0.0) && is_on(Check::HoldBox) {
+                let text = format!(
+                    "{}: {} may come to {:.2} m, {:.2} m beyond {key}'s {} {}",
+                    stretch.name(),
+                    axis.name,
+                    axis.span_m[edge],
+                    -room_m,
+                    axis.keys[edge],
+                    axis.bounds_m[edge]
+                );
+                return Err(breach(-room_m, text));
+            }
+            least_m = least_m.min(room_m);
+        }
+    }
+    Ok(least_m)
+}
+
+/// One axis at least clear of a box that is to be kept out of, by how many metres.
+pub(super) fn avoid(stretch: Stretch, key: &str, name: &str, axes: &[Axis; 3]) -> Result<f64, Refusal> {
+    let mut clear_m = f64::NEG_INFINITY;
+    let mut edge = "";
+    for axis in axes {
+        let gaps_m = [axis.bounds_m[0] - axis.span_m[1], axis.span_m[0] - axis.bounds_m[1]];
+        for (gap_m, key) in gaps_m.into_iter().zip(axis.keys) {
+            if gap_m > clear_m {
+                (clear_m, edge) = (gap_m, key);
+            }
+        }
+    }
+    if clear_m > 0.0 || !is_on(Check::HoldBox) {
+        return Ok(clear_m);
+    }
+    let text = format!(
+        "{}: it may come {:.2} m into {key} '{name}', over its {edge}",
+        stretch.name(),
+        -clear_m
+    );
+    Err(breach(-clear_m, text))
+}
+
+pub(super) fn breach(metres: f64, text: String) -> Refusal {
+    Refusal {
+        rule: "hull",
+        metres,
+        text,
+    }
+}

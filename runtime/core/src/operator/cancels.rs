@@ -1,0 +1,135 @@
+//! Cancels beyond a plugin's own: all inserts, the current behaviour, the current element (SPI 7.9 to 7.11).
+
+use backseat_spi::{CancelAll, CancelCurrent, CancelElement, ToVehicle};
+
+use super::{Orders, admit};
+use crate::context::Context;
+use crate::io::Note;
+use crate::ledger::RequestKind;
+use crate::monitor::envelope::{End, Track};
+use crate::plugin::{Refusal, RequestState};
+use crate::refusal::refused;
+use crate::session::commands::{Answer, Purpose};
+use crate::session::dispatch::Dispatch;
+use crate::switches::{Check, is_on};
+use crate::vehicle::plan::Element;
+
+impl Orders {
+    /// BPRCA: it may take another payload's inserts too, which is why nobody but the operator orders it.
+    pub(super) fn order_cancel_all(&mut self, cx: &mut Context) {
+        let request = cx.ledger.propose_order(RequestKind::CancelAll);
+        if let Err(refusal) = admit(cx) {
+            return cx.reject(request, refusal);
+        }
+        let created = cx.stamper.stamp(cx.now, "RCA");
+        let message = ToVehicle::CancelAll(CancelAll { created });
+        cx.send_request(request, &Dispatch::new("RCA", message, Purpose::CancelAll(request)));
+    }
+
+    /// The vehicle's answer to BPRCA. Inserts of ours that it had accepted are cancelled, those that have begun are not. A
+    /// GPS hit stays open: BPRCN does not cover it (7.8), and 7.9 does not say whether BPRCA does.
+    ///
+    /// True where it has cancelled them: what is left of the plan is then for the vehicle to say.
+    pub(crate) fn cancel_all_answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) -> bool {
+        match answer {
+            Answer::Pending => cx.transition(request, RequestState::Pending),
+            Answer::Missing => cx.transition(request, RequestState::TimedOut),
+            Answer::Refused(text) => cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Done => {
+                cx.transition(request, RequestState::Accepted);
+                cx.transition(request, RequestState::Ended("done".to_owned()));
+                let accepted: Vec<(u64, bool)> = cx
+                    .ledger
+                    .iter()
+                    .filter(|(_, entry)| entry.state == RequestState::Accepted)
+                    .filter_map(|(insert, entry)| Some((insert, entry.insert?.surfaces())))
+                    .collect();
+                for (insert, surfaces) in accepted {
+                    if surfaces {
+                        cx.note(Note::Text {
+                            text: format!("GPS hit {insert} may be flown yet: it is not certain that BPRCA covers it"),
+                        });
+                    } else {
+                        cx.transition(insert, RequestState::Cancelled);
+                    }
+                }
+                cx.ledger
+                    .settle_doubt_if(|entry| entry.insert.is_some_and(|insert| !insert.surfaces()));
+                return true;
+            }
+        }
+        false
+    }
+
+    /// BPRCB, which carries no identifier and ends whatever is current: only where that is an insert of ours.
+    pub(super) fn order_cancel_current(&mut self, cx: &mut Context) {
+        let request = cx.ledger.propose_order(RequestKind::CancelCurrent);
+        if let Err(refusal) = admit(cx).and_then(|()| self.judge_cancel_current(cx)) {
+            return cx.reject(request, refusal);
+        }
+        let created = cx.stamper.stamp(cx.now, "RCB");
+        let message = ToVehicle::CancelCurrent(CancelCurrent { created });
+        cx.send_request(request, &Dispatch::new("RCB", message, Purpose::Request(request)));
+    }
+
+    /// Safety requirements 002 and 020: the way from here to what comes next is the order's consequence.
+    fn judge_cancel_current(&self, cx: &mut Context) -> Result<(), Refusal> {
+        let Some(current) = cx.vehicle.named_insert.current() else {
+            return Err(refused(
+                "state",
+                "the current behaviour is not known to be an insert of ours",
+            ));
+        };
+        if !cx.identifiers.is_ours(current) {
+            return Err(refused("state", "the current behaviour is an insert that is not ours"));
+        }
+        if !cx.vehicle.plan.is_complete() {
+            return Err(refused(
+                "plan",
+                "the vehicle's plan is not known, nor so what comes next",
+            ));
+        }
+        let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
+            return Err(refused("navigation", "navigation is stale"));
+        };
+        let chain = cx.outlook().chain();
+        let own = cx.ledger.by_identifier(current);
+        let mut to: Vec<End> = Vec::new();
+        // A GPS hit has the vehicle on its way up, or down again.
+        let mut surfacing = cx.ledger.is_gps_hit(own);
+        if let Some((_, next, _)) = chain.iter().find(|(_, _, begun)| !begun) {
+            to.push(cx.monitor.envelope.ends(next).0);
+            surfacing |= next.surfaces();
+        } else {
+            to.extend(cx.vehicle.plan.next_points().into_iter().map(End::At));
+            let interrupts = chain.iter().any(|(_, insert, begun)| *begun && insert.interrupt);
+            if interrupts || own.is_none() {
+                // After an interruption it may go back to what it left: readings differ (SPI 7.5).
+                let left = cx.vehicle.plan.current();
+                to.extend(left.flat_map(|element: &Element| [End::At(element.first()), End::At(element.last())]));
+            }
+        }
+        let (here, passage) = (
+            End::At(navigation.local),
+            cx.outlook().passage(navigation.depth, surfacing, 0.0),
+        );
+        // Or it takes up an insert that this one has interrupted.
+        let onto = cx.outlook().taken_up_after(false);
+        to.extend(onto.iter().flat_map(Track::points).map(End::At));
+        for to in to.into_iter().filter(|_| is_on(Check::CancelWay)) {
+            cx.monitor.envelope.judge_way((here, to), &passage)?;
+        }
+        Ok(())
+    }
+
+    /// BPRCE: what comes next is the front seat's, and what it is the operator knows.
+    pub(super) fn order_cancel_element(&mut self, cx: &mut Context) {
+        let request = cx.ledger.propose_order(RequestKind::CancelElement);
+        if let Err(refusal) = admit(cx) {
+            return cx.reject(request, refusal);
+        }
+        let created = cx.stamper.stamp(cx.now, "RCE");
+        let message = ToVehicle::CancelElement(CancelElement { created });
+        cx.send_request(request, &Dispatch::new("RCE", message, Purpose::Request(request)));
+    }
+}

@@ -1,0 +1,260 @@
+//! The ends of a mission: abort and kill (SPI 7.16, 7.17; safety requirement 012).
+//!
+//! Neither must be lost. One that is not acknowledged within a second is sent again, five times in all. While the link is
+//! down it is kept for two minutes, and sent as the first thing that can be acknowledged on the next connection: no later,
+//! for what it was meant for is long over then. That is the one exception to sending nothing twice after a reconnect: to end
+//! what has ended does nothing. A BFMIS that shows the mission's end settles it too.
+
+use std::time::Duration;
+
+use backseat_spi::{Abort, AbortReason, Kill, Text, ToVehicle};
+use backseat_units::Timestamp;
+
+use super::Orders;
+use crate::capability::Capabilities;
+use crate::context::Context;
+use crate::io::Note;
+use crate::ledger::RequestKind;
+use crate::order::Order;
+use crate::owner::Owner;
+use crate::plugin::RequestState;
+use crate::refusal::refused;
+use crate::session::commands::{Answer, Command, FIRST_WITHIN, Purpose};
+use crate::session::name;
+use crate::vehicle::phase::Phase;
+
+/// How often one is sent on a connection while it is not acknowledged.
+const SENT_MAX: u32 = 5;
+/// How long one waits for the link to come back.
+const KEPT_FOR: Duration = Duration::from_secs(120);
+/// What a vehicle's log and a topside's line hold of a text.
+const TEXT_MAX: usize = 200;
+
+/// An abort or kill that is not at its end.
+#[derive(Clone, Debug)]
+pub(crate) struct Ending {
+    request: u64,
+    kind: RequestKind,
+    text: Text,
+    reason: AbortReason,
+    /// How often it was sent on this connection.
+    sent: u32,
+    /// A kill has been ordered after this abort: it is not sent again, or it would move a vehicle that was to drift.
+    superseded: bool,
+    until: Timestamp,
+}
+
+impl Ending {
+    pub(super) fn until(&self) -> Timestamp {
+        self.until
+    }
+
+    fn is_kill(&self) -> bool {
+        self.kind == RequestKind::Kill
+    }
+}
+
+impl Orders {
+    /// [`Order::Abort`] or [`Order::Kill`].
+    pub(super) fn order_end(&mut self, cx: &mut Context, capabilities: &mut Capabilities, order: &Order) {
+        let (kind, text, reason) = match order {
+            Order::Abort { text, errors: true } => (RequestKind::Abort, text, AbortReason::Errors),
+            Order::Abort { text, errors: false } => (RequestKind::Abort, text, AbortReason::Successful),
+            Order::Kill { text } => (RequestKind::Kill, text, AbortReason::Errors),
+            Order::Hold
+            | Order::Release
+            | Order::CancelAll
+            | Order::CancelCurrent
+            | Order::CancelElement
+            | Order::StartEmptyMission { .. } => return,
+        };
+        let request = cx.ledger.propose_order(kind);
+        if !cx.control.armed {
+            return cx.reject(request, refused("control", "the runtime is not armed"));
+        }
+        if self.endings.iter().any(|ending| ending.kind == kind) {
+            return cx.reject(request, refused("state", "one is under way already"));
+        }
+        if kind == RequestKind::Kill {
+            for ending in &mut self.endings {
+                ending.superseded = true;
+            }
+        }
+        cx.control.mission_ended = true;
+        // A character that may not be sent must not keep an abort from being sent. In lower case: there are vehicles that
+        // take a sentence for the one whose name its text contains.
+        let text: String = text.to_lowercase().chars().take(TEXT_MAX).collect();
+        self.endings.push(Ending {
+            request,
+            kind,
+            text: Text::cleaned(&text),
+            reason,
+            sent: 0,
+            superseded: false,
+            until: cx.now + KEPT_FOR,
+        });
+        if cx.link.is_up() {
+            self.send_ending(cx, capabilities, request);
+        } else {
+            cx.note(Note::Text {
+                text: format!(
+                    "{kind:?} {request} waits for the link, for {} s at most",
+                    KEPT_FOR.as_secs()
+                ),
+            });
+        }
+        self.set_timer(cx);
+    }
+
+    fn send_ending(&mut self, cx: &mut Context, capabilities: &mut Capabilities, request: u64) {
+        let Some(ending) = self.endings.iter().find(|ending| ending.request == request) else {
+            return;
+        };
+        let (text, reason, kill) = (ending.text.clone(), ending.reason, ending.is_kill());
+        // Nothing that steers stands when it leaves.
+        capabilities.end_leases(cx, "the operator ends the mission");
+        let letters = if kill { "KIL" } else { "ABT" };
+        let created = cx.stamper.stamp(cx.now, letters);
+        let message = if kill {
+            ToVehicle::Kill(Kill { created, text })
+        } else {
+            ToVehicle::Abort(Abort { created, text, reason })
+        };
+        let command = Command {
+            name: name(letters),
+            created: Some(created),
+            identifier: None,
+            purpose: Purpose::Ending(request),
+            deadline: cx.now + FIRST_WITHIN,
+            pending: false,
+        };
+        if !cx.transmit_for(Owner::Operator, &message, Some(command)) {
+            self.endings.retain(|ending| ending.request != request);
+            return cx.reject(request, refused("control", "it could not be sent"));
+        }
+        for ending in &mut self.endings {
+            if ending.request == request {
+                ending.sent += 1;
+            }
+        }
+        cx.transition(request, RequestState::Sent);
+    }
+
+    /// The vehicle's answer to an abort or kill.
+    pub(crate) fn ending_answered(
+        &mut self,
+        cx: &mut Context,
+        capabilities: &mut Capabilities,
+        request: u64,
+        answer: Answer<'_>,
+    ) {
+        match answer {
+            Answer::Pending => cx.transition(request, RequestState::Pending),
+            Answer::Done => {
+                cx.transition(request, RequestState::Accepted);
+                self.end_ending(cx, request, RequestState::Ended("done".to_owned()));
+            }
+            Answer::Refused(text) => self.end_ending(cx, request, RequestState::Failed(text.to_owned())),
+            Answer::Missing => {
+                let ending = self.endings.iter().find(|ending| ending.request == request);
+                let Some((kind, sent, superseded)) = ending.map(|ending| (ending.kind, ending.sent, ending.superseded))
+                else {
+                    return;
+                };
+                if superseded || sent >= SENT_MAX {
+                    return self.end_ending(cx, request, RequestState::TimedOut);
+                }
+                cx.note(Note::Text {
+                    text: format!(
+                        "{kind:?} {request} was not acknowledged: sent again, {} of {SENT_MAX}",
+                        sent + 1
+                    ),
+                });
+                self.send_ending(cx, capabilities, request);
+            }
+        }
+    }
+
+    fn end_ending(&mut self, cx: &mut Context, request: u64, state: RequestState) {
+        self.endings.retain(|ending| ending.request != request);
+        cx.transition(request, state);
+    }
+
+    pub(super) fn endings_link_lost(&mut self, cx: &mut Context) {
+        let sent: Vec<(u64, bool)> = self
+            .endings
+            .iter()
+            .filter(|ending| ending.sent > 0)
+            .map(|ending| (ending.request, ending.superseded))
+            .collect();
+        for (request, superseded) in sent {
+            if superseded {
+                self.end_ending(cx, request, RequestState::TimedOut);
+            } else {
+                cx.transition(request, RequestState::Unknown);
+            }
+        }
+    }
+
+    pub(super) fn endings_link_up(&mut self, cx: &mut Context, capabilities: &mut Capabilities) {
+        for ending in &mut self.endings {
+            ending.sent = 0;
+        }
+        // The wake-up that would have given them up may be late.
+        self.endings_expired(cx);
+        let kept: Vec<(u64, bool)> = self
+            .endings
+            .iter()
+            .map(|ending| (ending.request, ending.superseded))
+            .collect();
+        for (request, superseded) in kept {
+            if superseded {
+                let text = "a kill took its place before it could be sent".to_owned();
+                self.end_ending(cx, request, RequestState::Ended(text));
+            } else {
+                self.send_ending(cx, capabilities, request);
+            }
+        }
+    }
+
+    /// Those that have waited for the link for too long.
+    pub(super) fn endings_expired(&mut self, cx: &mut Context) {
+        let late: Vec<u64> = self
+            .endings
+            .iter()
+            .filter(|ending| ending.until <= cx.now && (ending.sent == 0 || !cx.link.is_up()))
+            .map(|ending| ending.request)
+            .collect();
+        for request in late {
+            self.endings.retain(|ending| ending.request != request);
+            let unknown = cx.ledger.get(request).map(|entry| entry.state.clone());
+            if unknown == Some(RequestState::Unknown) {
+                cx.transition(request, RequestState::TimedOut);
+            } else {
+                let text = format!("the link was down for {} s: order it again", KEPT_FOR.as_secs());
+                cx.reject(request, refused("control", &text));
+            }
+        }
+    }
+
+    /// A mission that ends has been ended; one that wraps up moves yet, and a kill is not done with.
+    pub(super) fn endings_mission_status(&mut self, cx: &mut Context, status: &str, phase: Phase) {
+        let done: Vec<u64> = self
+            .endings
+            .iter()
+            .filter(|ending| match phase {
+                Phase::Over => true,
+                Phase::Ending => !ending.is_kill(),
+                Phase::Running | Phase::Unknown => false,
+            })
+            .map(|ending| ending.request)
+            .collect();
+        for request in done {
+            self.end_ending(
+                cx,
+                request,
+                RequestState::Ended(format!("the mission is {}", status.trim())),
+            );
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! What the vehicle may do next, as far as can be known: from what is believed of it, and from what it was asked for. What is
+//! judged is judged from here (safety requirement 002).
+
+mod duration;
+mod flown;
+mod judgement;
+mod route;
+mod tracks;
+
+use std::time::Duration;
+
+use backseat_spi::BehaviorId;
+use backseat_units::Timestamp;
+
+use crate::arbiter::Arbiter;
+use crate::identifiers::Identifiers;
+use crate::ledger::{Entry, Ledger};
+use crate::monitor::Monitor;
+use crate::monitor::envelope::{Clocks, Insert};
+use crate::plugin::{PluginId, RequestState};
+use crate::session::commands::Purpose;
+use crate::session::link::Link;
+use crate::stamp::Stamper;
+use crate::vehicle::Vehicle;
+use crate::vehicle::plan::Element;
+
+/// A view of all that this depends on, which changes nothing.
+#[derive(Clone, Copy)]
+pub(crate) struct Outlook<'a> {
+    pub(crate) now: Timestamp,
+    pub(crate) stamper: &'a Stamper,
+    pub(crate) vehicle: &'a Vehicle,
+    pub(crate) link: &'a Link,
+    pub(crate) monitor: &'a Monitor,
+    pub(crate) arbiter: &'a Arbiter,
+    pub(crate) identifiers: &'a Identifiers,
+    pub(crate) ledger: &'a Ledger,
+}
+
+impl<'a> Outlook<'a> {
+    /// Inserts of the vehicle's plan that are not ours.
+    pub(crate) fn others(&self) -> impl Iterator<Item = (BehaviorId, &'a Element)> + use<'a> {
+        let identifiers = self.identifiers;
+        self.vehicle.plan.others(|identifier| identifiers.is_ours(identifier))
+    }
+
+    /// Our open inserts in the order that they fly, with their requests and whether they have begun.
+    pub(crate) fn chain(&self) -> Vec<(u64, Insert, bool)> {
+        self.ledger
+            .iter()
+            .filter_map(|(request, entry)| Some((request, entry.insert?, entry.state == RequestState::Started)))
+            .collect()
+    }
+
+    pub(crate) fn open_insert(&self, plugin: PluginId, tag: u64) -> Option<u64> {
+        self.ledger
+            .iter()
+            .find(|(_, entry)| entry.is_open_insert() && entry.owner == plugin && entry.tag == tag)
+            .map(|(request, _)| request)
+    }
+
+    /// A lease stands, or an insert of ours is flown or may be.
+    pub(crate) fn is_active(&self) -> bool {
+        let flown = |entry: &Entry| {
+            entry.is_open_insert() && matches!(entry.state, RequestState::Started | RequestState::Unknown)
+        };
+        self.arbiter.is_steering()
+            || self.ledger.iter().any(|(_, entry)| flown(entry))
+            || self.ledger.doubtful().next().is_some()
+    }
+
+    /// The vehicle has taken it, and it is not being taken back.
+    pub(crate) fn is_surely_flown(&self, request: u64) -> bool {
+        let accepted = |state: &RequestState| *state == RequestState::Accepted;
+        self.ledger.get(request).is_some_and(|entry| accepted(&entry.state))
+            && !self.ledger.is_recalled(request)
+            && !self
+                .link
+                .commands
+                .purposes()
+                .any(|purpose| matches!(purpose, Purpose::Cancel { insert, .. } if insert == request))
+    }
+
+    /// What is known of the time.
+    pub(crate) fn clocks(&self) -> Clocks {
+        Clocks {
+            utc: self.stamper.zone_utc(self.now),
+            apart: self.clocks_apart(),
+        }
+    }
+
+    /// By how much our clock and the vehicle's differ, where that is little enough for both to tell the time.
+    pub(crate) fn clocks_apart(&self) -> Option<Duration> {
+        self.vehicle.navigation.clocks_apart(self.now, self.stamper.set_nanos())
+    }
+}

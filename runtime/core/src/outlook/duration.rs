@@ -1,0 +1,124 @@
+//! When things are flown: what the zones that are valid for a time are judged by (safety requirement 002).
+//!
+//! An insert flies when the vehicle comes to it. Its judgement covers the time from the asking to the latest end that can be
+//! told. What delays it beyond that, a lease under which the planned leg grows longer, an insert that interrupts, is met by
+//! who watches the schedules.
+
+use backseat_fence::Span;
+use backseat_units::Timestamp;
+use backseat_units::math::hypot;
+
+use super::Outlook;
+use crate::ledger::schedule::Schedule;
+use crate::monitor::envelope::{APART_MAX, Insert, Route};
+use crate::monitor::limits::seconds;
+use crate::plugin::{Refusal, RequestState};
+use crate::refusal::refused;
+
+/// An insert is taken up so long after it was asked for at the latest, where nothing is flown before it: its way there,
+/// the vehicle's pending answer (SPI 7.5), and the change of the behaviour.
+const TAKEN_UP_S: f64 = 10.0;
+
+impl Outlook<'_> {
+    /// How long what may be flown before a new insert takes at most, seconds; infinite where nobody can say.
+    pub(crate) fn before_insert_s(&self, interrupt: bool) -> f64 {
+        if interrupt {
+            return TAKEN_UP_S;
+        }
+        self.current_s() + self.others_s() + self.ledger.open_duration_s() + TAKEN_UP_S
+    }
+
+    /// How long the insert that is flown goes on at most, seconds; 0 where the vehicle flies its plan.
+    pub(crate) fn flown_insert_s(&self) -> f64 {
+        let flown = self
+            .ledger
+            .iter()
+            .filter(|(_, entry)| entry.state == RequestState::Started);
+        let others_s = self.others_s();
+        flown.fold(others_s, |all, (_, entry)| all + entry.duration_s)
+    }
+
+    /// How long the planned behaviour that is flown goes on at most, seconds. Only that of a line can be told: what
+    /// else the vehicle does at a place, or how often it goes round, no sentence says (SPI 6.20).
+    pub(crate) fn current_s(&self) -> f64 {
+        let Some(navigation) = self.vehicle.navigation.newest() else {
+            return f64::INFINITY;
+        };
+        let slowest_mps = self.monitor.envelope.slowest_mps();
+        // One that makes less way than it must waits for something.
+        let over_ground_mps = hypot(navigation.east_mps, navigation.north_mps);
+        if over_ground_mps.is_nan() || over_ground_mps < slowest_mps {
+            return f64::INFINITY;
+        }
+        let mut longest_m: Option<f64> = None;
+        for element in self.vehicle.plan.flown() {
+            let length_m = element
+                .line_m()
+                .map(|length_m| length_m + navigation.local.distance_m(element.first()));
+            longest_m = Some(longest_m.unwrap_or(0.0).max(length_m.unwrap_or(f64::INFINITY)));
+        }
+        longest_m.map_or(f64::INFINITY, |length_m| length_m / slowest_mps)
+    }
+
+    /// How long the inserts take that are not ours.
+    pub(crate) fn others_s(&self) -> f64 {
+        let mut at = self.vehicle.navigation.newest().map(|navigation| navigation.local);
+        let others = self.others();
+        let mut all_m = 0.0;
+        for (_, element) in others {
+            let transit_m = at.map_or(f64::INFINITY, |at| at.distance_m(element.first()));
+            all_m += transit_m + element.line_m().unwrap_or(f64::INFINITY);
+            at = Some(element.last());
+        }
+        all_m / self.monitor.envelope.slowest_mps()
+    }
+
+    /// The time that an insert about to be sent was judged by; `None` where it was judged at the worst, or no zone ever
+    /// changes.
+    pub(crate) fn schedule(&self, insert: &Insert, route: &Route) -> Option<Schedule> {
+        let lasts_s = self.monitor.envelope.lasts_s(insert, route);
+        let known = self.clocks().next(route.before_s + lasts_s).is_some();
+        if !known || !self.monitor.envelope.fence().changes() {
+            return None;
+        }
+        let begins_by = self.now + seconds(route.before_s);
+        Some(Schedule {
+            begins_by,
+            ends_by: begins_by + seconds(lasts_s),
+            lasts_s,
+        })
+    }
+
+    /// What interrupts an insert of ours delays it, and the vehicle may come back to it (SPI 7.5).
+    pub(crate) fn admit_delay(&self, insert: &Insert, route: &Route) -> Result<(), Refusal> {
+        if !insert.interrupt {
+            return Ok(());
+        }
+        let delay_s = route.before_s + self.monitor.envelope.lasts_s(insert, route);
+        let begun = self
+            .ledger
+            .iter()
+            .filter(|(_, entry)| entry.state == RequestState::Started);
+        for (request, entry) in begun {
+            let delayed = entry
+                .schedule
+                .filter(|schedule| self.changes_between(schedule.ends_by, schedule.ends_by + seconds(delay_s)));
+            if delayed.is_some() {
+                return Err(refused(
+                    "time",
+                    &format!("it would delay insert {request} into a time for which that was not judged"),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a zone opens or closes between two times, by our clock or the vehicle's.
+    pub(crate) fn changes_between(&self, from: Timestamp, until: Timestamp) -> bool {
+        let apart = self.clocks_apart().unwrap_or(APART_MAX);
+        self.monitor.envelope.fence().changes_within(Span {
+            from: self.stamper.zone_utc(from - apart),
+            until: self.stamper.zone_utc(until + apart),
+        })
+    }
+}

@@ -1,0 +1,164 @@
+//! What is flown, and whether that is known.
+
+use std::collections::BTreeSet;
+
+use backseat_spi::BehaviorId;
+use backseat_units::EastNorth;
+
+use super::Outlook;
+use crate::ledger::Entry;
+use crate::plugin::{Refusal, RequestState};
+use crate::refusal::refused;
+use crate::switches::{Check, is_on};
+use crate::vehicle::course::{Begin, Flown};
+use crate::vehicle::plan::Element;
+
+impl Outlook<'_> {
+    /// Where the vehicle is, and how far it may have gone since it was there.
+    pub(crate) fn begins_here(&self) -> Option<Begin> {
+        let navigation = self.vehicle.navigation.newest()?;
+        let limits = self.monitor.limits();
+        let age_s = self.now.since(navigation.solution).as_secs_f64() + limits.link_delay_max_s;
+        Some(Begin {
+            at: navigation.local,
+            within_m: limits.speed_max_mps * age_s,
+        })
+    }
+
+    /// Whether it is known what the vehicle flies and goes on to, so that a modify's ways back can be judged: a behaviour of
+    /// its plan or an insert of this process, which was heard to begin or was seen by its lines.
+    pub(crate) fn knows_what_is_flown(&self) -> Result<(), Refusal> {
+        let known = match self.vehicle.courses.current() {
+            // Who needs no plan is judged without it, but for what a process before this one has led the vehicle away from.
+            None => self.is_placed() || (!self.monitor.limits().modify_needs_plan && self.vehicle.former.is_none()),
+            Some(Flown::Planned(number)) => self.vehicle.plan.names(number) || !self.vehicle.plan.is_complete(),
+            Some(Flown::Inserted(identifier)) => self.ledger.by_identifier(identifier).is_some(),
+        };
+        if !known {
+            let text = if self.vehicle.courses.current().is_none() {
+                "it was not heard what the vehicle flies, nor has it kept to a line of its plan for 10 s"
+            } else {
+                "what the vehicle flies is not in its plan, nor so the way back to it"
+            };
+            return Err(refused("plan", text));
+        }
+        self.knows_what_is_taken_up(false)
+    }
+
+    /// Whether it was seen what the vehicle flies, where nobody heard it.
+    pub(crate) fn is_placed(&self) -> bool {
+        let placed = self.vehicle.courses.placed();
+        let known = |flown: &Flown| match flown {
+            Flown::Planned(number) => self.vehicle.plan.names(*number),
+            Flown::Inserted(identifier) => self.ledger.by_identifier(*identifier).is_some(),
+        };
+        !placed.is_empty() && placed.iter().all(known)
+    }
+
+    /// Whether it was heard what the vehicle flies, so that an insert's way to it can be judged.
+    pub(crate) fn heard_what_is_flown(&self, interrupts: bool) -> Result<(), Refusal> {
+        if self.vehicle.courses.current().is_none() {
+            let text = "it was not heard what the vehicle flies, nor so where the insert would begin";
+            return Err(refused("plan", text));
+        }
+        self.knows_what_is_taken_up(interrupts)
+    }
+
+    /// Whether it is known where the planned behaviour began that the vehicle may take up again.
+    pub(crate) fn knows_what_is_taken_up(&self, interrupts: bool) -> Result<(), Refusal> {
+        if self.takes_up_plan(interrupts) && self.vehicle.courses.lacks_plan() {
+            let text =
+                "it was not heard what the vehicle takes up again after what it flies, nor so the way back to it";
+            return Err(refused("plan", text));
+        }
+        Ok(())
+    }
+
+    /// The lines of the plan and of our open tracklines, and whose they are; none where the vehicle may fly anything else.
+    pub(crate) fn lines_that_may_be_flown(&self) -> Vec<(Flown, (EastNorth, EastNorth))> {
+        let mut others = self.others();
+        if !self.vehicle.plan.is_complete() || others.next().is_some() {
+            return Vec::new();
+        }
+        let planned = self
+            .vehicle
+            .plan
+            .lines()
+            .map(|(number, line)| (Flown::Planned(number), line));
+        let ours = self.ledger.iter().filter_map(|(_, entry)| {
+            let (identifier, insert) = (entry.identifier?, entry.insert?);
+            Some((Flown::Inserted(identifier), self.monitor.envelope.line_led(&insert)?))
+        });
+        planned.chain(ours).collect()
+    }
+
+    /// The line of a behaviour that is one line, or the first of several, as it was given: the way to it may lead along any
+    /// other.
+    pub(crate) fn first_line_of(&self, flown: Flown) -> Option<(EastNorth, EastNorth)> {
+        match flown {
+            Flown::Planned(_) => self.vehicle.plan.flown().flat_map(Element::legs).next(),
+            Flown::Inserted(identifier) => {
+                let insert = self.ledger.get(self.ledger.by_identifier(identifier)?)?.insert?;
+                self.monitor.envelope.line_given(&insert)
+            }
+        }
+    }
+
+    /// Whether the vehicle may take up its plan again after what it flies, or after an insert that interrupts that.
+    pub(crate) fn takes_up_plan(&self, interrupts: bool) -> bool {
+        interrupts || self.ledger.interrupts() || self.former_may_fly() || self.vehicle.courses.has_left_plan()
+    }
+
+    /// How many inserts of the plan an earlier process of ours has left: they count under the cap (safety requirements
+    /// 007 and 019).
+    pub(crate) fn inherited(&self) -> u32 {
+        if !is_on(Check::InheritedInserts) {
+            return 0;
+        }
+        // One of this process that was held to be over counts where the plan names it all the same.
+        let others = self
+            .vehicle
+            .plan
+            .others(|identifier| self.ledger.by_identifier(identifier).is_some());
+        let mut inherited: BTreeSet<BehaviorId> = others
+            .map(|(identifier, _)| identifier)
+            .filter(|identifier| self.identifiers.is_used(*identifier))
+            .collect();
+        // One that has begun is flown, though the plan that came did not name it.
+        let current = self.vehicle.named_insert.may_be_current();
+        inherited.extend(current.filter(|identifier| self.vehicle.former.includes(*identifier)));
+        u32::try_from(inherited.len())
+            .unwrap_or(u32::MAX)
+            .saturating_add(u32::from(self.vehicle.former.has_revenant()))
+    }
+
+    /// Whether the vehicle may yet fly an insert of an earlier process, or flies one that was held to be over.
+    pub(crate) fn former_may_fly(&self) -> bool {
+        let vehicle = self.vehicle;
+        vehicle.former.may_fly(vehicle.named_insert.current(), &vehicle.plan)
+    }
+
+    /// Whether the vehicle may be on its way to the surface by a GPS hit that was held to be over, or that an earlier process
+    /// has sent: BFPLN does not tell one from a waypoint (SPI 6.20), BFMBS gives it a name that the specification does not
+    /// say (6.9), and what had begun before nobody says.
+    pub(crate) fn former_may_surface(&self) -> bool {
+        let doubtful = |entry: &Entry| entry.insert.is_some_and(|insert| insert.surfaces());
+        self.vehicle.former.may_surface(self.ledger.doubtful().any(doubtful))
+    }
+
+    /// Safety requirement 002: a vehicle that is led away from a GPS hit comes up wherever it is then.
+    pub(crate) fn admit_beside_gps_hit(&self) -> Result<(), Refusal> {
+        let begun = |entry: &Entry| entry.state == RequestState::Started;
+        let flown = self
+            .ledger
+            .iter()
+            .any(|(request, entry)| begun(entry) && self.ledger.is_gps_hit(Some(request)));
+        // Where it was not heard what is flown, one that waited may be.
+        let unheard = self.vehicle.courses.current().is_none() && self.ledger.surfaces();
+        if (flown || unheard || self.former_may_surface()) && is_on(Check::Surfacing) {
+            let text = "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
+            return Err(refused("surface", text));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,80 @@
+//! Ways that are not asked for but follow: to and from an insert that waits, and past one that is taken back.
+
+use super::Outlook;
+use crate::monitor::envelope::{End, Insert, Track};
+use crate::plugin::Refusal;
+use crate::refusal::refused;
+use crate::switches::{Check, is_on};
+
+impl Outlook<'_> {
+    pub(crate) fn judge_way_to(&self, before: &[(u64, Insert, bool)], insert: &Insert) -> Result<(), Refusal> {
+        // Where nothing was ever heard, nothing was ever inserted.
+        let Some(navigation) = self.vehicle.navigation.newest() else {
+            return Ok(());
+        };
+        let surfacing = insert.surfaces() || before.iter().any(|(_, before, _)| before.surfaces());
+        let passage = self.passage(navigation.depth, surfacing, self.before_insert_s(false));
+        for from in self.comes_from(before) {
+            self.monitor
+                .envelope
+                .judge_way((from, self.monitor.envelope.ends(insert).0), &passage)?;
+        }
+        Ok(())
+    }
+
+    /// The way on from the last of our inserts: what it goes on to may be another element by now.
+    pub(crate) fn judge_way_on(&self, insert: &Insert) -> Result<(), Refusal> {
+        let Some(navigation) = self.vehicle.navigation.newest() else {
+            return Ok(());
+        };
+        let from = self.monitor.envelope.ends(insert).1;
+        let passage = self.passage(navigation.depth, insert.surfaces(), self.before_insert_s(false));
+        for to in self.vehicle.plan.next_points() {
+            self.monitor.envelope.judge_way((from, End::At(to)), &passage)?;
+        }
+        Ok(())
+    }
+
+    /// Safety requirements 002 and 020: the way that the vehicle takes without one of the inserts of a chain, from what was
+    /// before it to what comes after it.
+    pub(crate) fn judge_cancel(&self, chain: &[(u64, Insert, bool)], insert: u64) -> Result<(), Refusal> {
+        let Some(at) = chain.iter().position(|(request, _, _)| *request == insert) else {
+            return Ok(());
+        };
+        if chain.len() <= 1 || !is_on(Check::CancelWay) {
+            // What remains is the plan's own.
+            return Ok(());
+        }
+        let Some(navigation) = self.vehicle.navigation.fresh(self.now) else {
+            return Err(refused("navigation", "navigation is stale"));
+        };
+        let before = at.checked_sub(1).and_then(|before| chain.get(before));
+        let after = chain.get(at + 1);
+        let surfacing = [before, after]
+            .into_iter()
+            .flatten()
+            .any(|(_, next, _)| next.surfaces());
+        let from = self.comes_from(chain.get(..at).unwrap_or_default());
+        let to: Vec<End> = match after {
+            Some(after) => vec![self.monitor.envelope.ends(&after.1).0],
+            None => {
+                let tracks = self.taken_up_after(false);
+                let onto = tracks.iter().flat_map(Track::points);
+                self.vehicle
+                    .plan
+                    .next_points()
+                    .into_iter()
+                    .chain(onto)
+                    .map(End::At)
+                    .collect()
+            }
+        };
+        let passage = self.passage(navigation.depth, surfacing, self.before_insert_s(false));
+        for from in &from {
+            for to in &to {
+                self.monitor.envelope.judge_way((*from, *to), &passage)?;
+            }
+        }
+        Ok(())
+    }
+}

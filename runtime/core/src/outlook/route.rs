@@ -1,0 +1,208 @@
+//! Where the vehicle comes from and goes on to, around a request.
+
+use backseat_units::Depth;
+
+use super::Outlook;
+use crate::monitor::envelope::{End, Insert, Passage, Route, Track};
+use crate::plugin::RequestState;
+use crate::vehicle::course::Flown;
+use crate::vehicle::plan::Element;
+
+/// From above the surface to the deepest sea.
+const ALL_DEPTHS_M: [f64; 2] = [-100.0, 12_000.0];
+
+impl Outlook<'_> {
+    /// Where a lapsed modify leads back to: the leg that is flown, and what comes after it.
+    pub(crate) fn route_of_modify(&self) -> Route {
+        let mut route = Route {
+            to: self.vehicle.plan.next_points().into_iter().map(End::At).collect(),
+            before_s: self.flown_insert_s(),
+            depths_m: self.depths_of_ways(),
+            seen_mps: self.vehicle.courses.seen_mps(),
+            ..Route::default()
+        };
+        // On the way to where its path begins it comes back to that way. What was seen by its lines is on them.
+        let begun = match self.vehicle.courses.current() {
+            Some(_) => self.vehicle.courses.of_current(),
+            None => Vec::new(),
+        };
+        let placed = self.vehicle.courses.placed();
+        let mut flying = false;
+        for (_, entry) in self.ledger.iter() {
+            let Some(insert) = entry.insert else { continue };
+            let seen = entry
+                .identifier
+                .is_some_and(|own| placed.contains(&Flown::Inserted(own)));
+            let heard = self.vehicle.courses.current().is_some() && entry.state == RequestState::Started;
+            if seen || heard {
+                route.legs.extend(self.tracks_of_insert(&insert, &begun));
+            }
+            flying |= heard;
+            if !heard {
+                route.to.push(self.monitor.envelope.ends(&insert).0);
+            }
+        }
+        // What the vehicle has not answered for, and what is not ours, may come next.
+        let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
+        route
+            .to
+            .extend(doubtful.map(|insert| self.monitor.envelope.ends(&insert).0));
+        let others = self.others();
+        route.to.extend(others.map(|(_, element)| End::At(element.first())));
+        route.to.extend(self.returns_to().map(End::At));
+        // The vehicle may end an insert that it is led away from (SPI 7.12), and take up what that has interrupted.
+        route.legs.extend(self.taken_up_after(false));
+        if !flying {
+            let lines: Vec<_> = self.vehicle.plan.current().flat_map(Element::legs).collect();
+            route.legs.extend(self.tracks_of_lines(&begun, &lines));
+        }
+        route.legs.extend(
+            self.vehicle
+                .plan
+                .seen_before()
+                .map(|(start, end)| Track::Line(start, end)),
+        );
+        route
+    }
+
+    /// Where the vehicle will be when an insert begins, and what it may go on to after it.
+    pub(crate) fn route_of_insert(&self, interrupt: bool) -> Route {
+        let chain = self.chain();
+        let mut route = Route {
+            to: self.vehicle.plan.next_points().into_iter().map(End::At).collect(),
+            before_s: self.before_insert_s(interrupt),
+            onto: self.taken_up_after(interrupt),
+            depths_m: self.depths_of_ways(),
+            seen_mps: self.vehicle.courses.seen_mps(),
+            ..Route::default()
+        };
+        let here = self
+            .vehicle
+            .navigation
+            .newest()
+            .map(|navigation| End::At(navigation.local));
+        if interrupt {
+            route.from.extend(here);
+            // After an interruption the vehicle goes on to the next behaviour, or back: readings differ (SPI 7.5).
+            route.to.extend(
+                self.vehicle
+                    .plan
+                    .current()
+                    .flat_map(|element| [element.first(), element.last()].map(End::At)),
+            );
+            route
+                .to
+                .extend(chain.iter().map(|(_, insert, _)| self.monitor.envelope.ends(insert).0));
+            route.to_surface = chain.iter().any(|(_, insert, _)| insert.surfaces());
+            // The rest of the set is flown before the plan goes on (7.5), whoever has asked for it.
+            for doubtful in self.ledger.doubtful().filter_map(|entry| entry.insert) {
+                route.to.push(self.monitor.envelope.ends(&doubtful).0);
+                route.to_surface |= doubtful.surfaces();
+            }
+            let others = self.others();
+            route.to.extend(others.map(|(_, element)| End::At(element.first())));
+            return route;
+        }
+        // One that was not answered may be flown before this one all the same.
+        let doubtful: Vec<Insert> = self.ledger.doubtful().filter_map(|entry| entry.insert).collect();
+        let mut before = doubtful.iter().chain(chain.iter().map(|(_, insert, _)| insert));
+        route.from_surface = before.any(Insert::surfaces);
+        route.deepest_m = self.deepest_open_m();
+        route
+            .from
+            .extend(doubtful.iter().map(|insert| self.monitor.envelope.ends(insert).1));
+        route.from.extend(self.comes_from(&chain));
+        route
+    }
+
+    /// Where the vehicle may be when it goes on to what comes after these inserts, which are in the order that they are
+    /// flown: at the end of the last that it surely flies, or of one after that. Where none is sure, anywhere on what it
+    /// flies of its plan, or between that and where it comes back from: where it is now, or the end of what interrupts it.
+    pub(crate) fn comes_from(&self, before: &[(u64, Insert, bool)]) -> Vec<End> {
+        let mut from = Vec::new();
+        for (request, insert, begun) in before.iter().rev() {
+            from.push(self.monitor.envelope.ends(insert).1);
+            // After one that interrupts it may take up again what it left.
+            if !insert.interrupt
+                && self.vehicle.courses.current().is_some()
+                && (*begun || self.is_surely_flown(*request))
+            {
+                return from;
+            }
+        }
+        let here = self
+            .vehicle
+            .navigation
+            .newest()
+            .map(|navigation| End::At(navigation.local));
+        let flown = before.iter().find(|(_, _, begun)| *begun);
+        let aside = flown
+            .map(|(_, insert, _)| self.monitor.envelope.ends(insert).1)
+            .or(here);
+        let lines: Vec<_> = self.vehicle.plan.current().flat_map(Element::legs).collect();
+        let begun = self.vehicle.courses.of_current();
+        let tracks = self.tracks_of_lines(&begun, &lines);
+        from.extend(tracks.iter().map(|track| End::on_or_beside(track, aside)));
+        // Inserts that are not ours come before it too (SPI 7.5: appended at the end of the set).
+        let others = self.others();
+        from.extend(others.map(|(_, element)| End::At(element.last())));
+        if from.is_empty() {
+            from.extend(here);
+        }
+        from
+    }
+
+    /// The depths on the ways to what the vehicle flies before or after a request, from and to, metres. Those of our own
+    /// inserts are known. What the front seat flies at no sentence says: it is taken for what the vehicle has settled at in
+    /// this mission, once it has settled on what is flown now, and for all depths before.
+    pub(crate) fn depths_of_ways(&self) -> Option<[f64; 2]> {
+        let Some([from_m, to_m]) = self.vehicle.courses.settled_depths_m() else {
+            return Some(ALL_DEPTHS_M);
+        };
+        // At what an insert is flown that is not ours no sentence says (6.20).
+        let mut others = self.others();
+        if others.next().is_some() {
+            return Some(ALL_DEPTHS_M);
+        }
+        let navigation = self.vehicle.navigation.newest()?;
+        let lock = self.vehicle.navigation.bottom_lock(self.now);
+        let (mut from_m, mut to_m) = (from_m.min(navigation.depth.as_m()), to_m.max(navigation.depth.as_m()));
+        for (_, insert, _) in self.chain() {
+            let Some([least_m, most_m]) = self.monitor.envelope.depths_m(&insert, navigation.depth, lock) else {
+                return Some(ALL_DEPTHS_M);
+            };
+            (from_m, to_m) = (from_m.min(least_m), to_m.max(most_m));
+        }
+        let error_m = self.monitor.limits().vertical_error_m;
+        Some([from_m - error_m, to_m + error_m])
+    }
+
+    /// The greatest depth that an open insert leads to, metres, or one that was not answered.
+    pub(crate) fn deepest_open_m(&self) -> f64 {
+        let chain = self.chain();
+        let doubtful = self.ledger.doubtful().filter_map(|entry| entry.insert);
+        let open = doubtful.chain(chain.into_iter().map(|(_, insert, _)| insert));
+        let depth_m = |insert: Insert| {
+            let navigation = self.vehicle.navigation.newest()?;
+            let lock = self.vehicle.navigation.bottom_lock(self.now);
+            self.monitor.envelope.deepest_m(&insert, navigation.depth, lock)
+        };
+        // Where one cannot be known, nothing that depends on it holds.
+        open.map(|insert| depth_m(insert).unwrap_or(f64::INFINITY))
+            .fold(0.0, f64::max)
+    }
+
+    /// How a way is flown from this depth that begins after so many seconds at the latest.
+    pub(crate) fn passage(&self, depth: Depth, surfacing: bool, before_s: f64) -> Passage {
+        Passage {
+            depth,
+            lock: self.vehicle.navigation.bottom_lock(self.now),
+            surfacing,
+            deepest_m: self.deepest_open_m(),
+            seen_mps: self.vehicle.courses.seen_mps(),
+            depths_m: self.depths_of_ways(),
+            clocks: self.clocks(),
+            before_s,
+        }
+    }
+}

@@ -1,0 +1,448 @@
+//! Commands that have been sent and wait for their acknowledgement (SPI 4.4, 6.21).
+
+use std::time::Duration;
+
+use backseat_spi::{AckStatus, Acknowledgement, BehaviorId, CommandName};
+use backseat_units::{TimeOfDay, Timestamp};
+
+use crate::session::subscriptions::ACKNOWLEDGEMENTS;
+
+/// The first acknowledgement comes within this: they are sent immediately (4.4).
+pub(crate) const FIRST_WITHIN: Duration = Duration::from_secs(1);
+/// A pending command is settled within 2 s (4.4), and the link's delay.
+pub(crate) const SETTLED_WITHIN: Duration = Duration::from_secs(4);
+/// Silent mode is settled within 2 s, and 2 s more where the tailcone still turns (7.22), and the link's delay.
+pub(crate) const SILENT_WITHIN: Duration = Duration::from_secs(6);
+/// A whole plan takes longer on its way (7.19).
+pub(crate) const PLAN_WITHIN: Duration = Duration::from_secs(10);
+
+/// What a command was sent for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Purpose {
+    /// It leaves before acknowledgements are asked for; a vehicle may answer it all the same.
+    Early,
+    /// A beat of the heartbeat: BPLOG,ACK,ON.
+    Beat,
+    /// A subscription of the session, by its place in the list.
+    Subscription(usize),
+    /// The plan.
+    Plan,
+    /// A refresh of the lease of this request.
+    Lease(u64),
+    /// An insert, by its request.
+    Insert(u64),
+    /// The cancelling of an insert: the cancel's own request if a plugin asked, and the insert's.
+    Cancel { cancel: Option<u64>, insert: u64 },
+    /// A request that ends with the answer to its one command.
+    Request(u64),
+    /// A message to the topside, by its request.
+    Topside(u64),
+    /// Silent mode, by its request.
+    Silent(u64),
+    /// A trim or buoyancy adjustment, by its request.
+    Adjustment(u64),
+    /// An acoustic packet, by its request.
+    Packet(u64),
+    /// The DVL's triggering, by its request.
+    DvlTrigger(u64),
+    /// A command of a hold, by its request.
+    Hold(u64),
+    /// The operator's cancel of all inserts, by its request.
+    CancelAll(u64),
+    /// The operator's abort or kill, by its request.
+    Ending(u64),
+    /// The start of an empty mission, by its request.
+    EmptyMission(u64),
+    /// The vehicle's own speed limit after a hold, by the hold's request.
+    SpeedRestored(u64),
+    /// Nothing hangs on it.
+    Courtesy,
+}
+
+/// The vehicle's answer to a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Answer<'a> {
+    /// It is working on it (acknowledgement status 3); the first time that it says so.
+    Pending,
+    /// It has done it.
+    Done,
+    /// It has refused it or failed at it; its text.
+    Refused(&'a str),
+    /// None came in time.
+    Missing,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Command {
+    pub(crate) name: CommandName,
+    pub(crate) created: Option<TimeOfDay>,
+    pub(crate) identifier: Option<BehaviorId>,
+    pub(crate) purpose: Purpose,
+    pub(crate) deadline: Timestamp,
+    pub(crate) pending: bool,
+}
+
+/// The commands under way, oldest first.
+#[derive(Debug, Default)]
+pub(crate) struct Commands {
+    sent: Vec<Command>,
+    /// The vehicle answers on this connection what was sent before it was asked to.
+    answers_early: bool,
+}
+
+/// More than this many at once are not remembered: no peer makes us remember without bound.
+const COMMANDS_MAX: usize = 256;
+
+/// The name under which subscriptions are acknowledged. They have no time that an acknowledgement could echo.
+const LOG: &str = "LOG";
+
+impl Commands {
+    /// Remembers a command that is to be sent. False where there is no room for its answer, so that it must not be sent:
+    /// what hangs on it would never end. One on which nothing hangs makes room and needs none; the end of a mission, of
+    /// which there are two at most, always finds it.
+    pub(crate) fn push(&mut self, command: Command) -> bool {
+        if self.sent.len() >= COMMANDS_MAX {
+            let idle = self.sent.iter().position(|sent| sent.purpose == Purpose::Courtesy);
+            match (idle, command.purpose) {
+                (Some(idle), _) => {
+                    self.sent.remove(idle);
+                }
+                (None, Purpose::Courtesy | Purpose::Early | Purpose::Beat) => return true,
+                (None, Purpose::Ending(_)) => {}
+                (
+                    None,
+                    Purpose::Subscription(_)
+                    | Purpose::Plan
+                    | Purpose::Lease(_)
+                    | Purpose::Insert(_)
+                    | Purpose::Cancel { .. }
+                    | Purpose::Request(_)
+                    | Purpose::Topside(_)
+                    | Purpose::Silent(_)
+                    | Purpose::Adjustment(_)
+                    | Purpose::Packet(_)
+                    | Purpose::DvlTrigger(_)
+                    | Purpose::Hold(_)
+                    | Purpose::SpeedRestored(_)
+                    | Purpose::CancelAll(_)
+                    | Purpose::EmptyMission(_),
+                ) => return false,
+            }
+        }
+        self.sent.push(command);
+        true
+    }
+
+    /// The command that an acknowledgement answers: by name, echoed time and identifier; one that names no command
+    /// (`NAK`) answers the oldest. With it, whether it is settled: a final answer takes it, another leaves it waiting.
+    /// `subscriptions` are the messages that [`Purpose::Subscription`] counts.
+    pub(crate) fn answer(
+        &mut self,
+        ack: &Acknowledgement,
+        now: Timestamp,
+        subscriptions: &[&str],
+    ) -> Option<(Command, bool)> {
+        let index = if ack.command == CommandName::NAK {
+            self.sent.iter().position(|command| !command.pending)?
+        } else if ack.command.as_str() == LOG {
+            self.subscription(ack, subscriptions)?
+        } else {
+            self.sent
+                .iter()
+                .position(|command| {
+                    command.name == ack.command
+                        && command
+                            .created
+                            .is_some_and(|created| ack.command_created.echoes(created))
+                        && (ack.behavior.is_none()
+                            || command.identifier.is_none()
+                            || ack.behavior == command.identifier)
+                })
+                .or_else(|| {
+                    // A command that could not be read is refused with no echo of its time: the oldest of its name.
+                    // Nothing but that refusal may lack the echo, or a late answer would confirm a later command.
+                    let unread = ack.status == AckStatus::Invalid && ack.command_created.is_none();
+                    unread
+                        .then(|| self.sent.iter().position(|command| command.name == ack.command))
+                        .flatten()
+                })?
+        };
+        let command = &mut self.sent[index];
+        self.answers_early |= command.purpose == Purpose::Early;
+        let settled = match ack.status {
+            AckStatus::Pending => false,
+            // The first of two acknowledgements of silent mode tells of the receipt, and need not say pending (7.22).
+            AckStatus::Succeeded => command.pending || !matches!(command.purpose, Purpose::Silent(_)),
+            AckStatus::Invalid | AckStatus::Failed | AckStatus::Other(_) => true,
+        };
+        if settled {
+            Some((self.sent.remove(index), true))
+        } else {
+            if command.pending {
+                // Said again, it gives the vehicle no more time.
+                return None;
+            }
+            command.pending = true;
+            command.deadline = match command.purpose {
+                Purpose::Plan => now + PLAN_WITHIN,
+                Purpose::Silent(_) => now + SILENT_WITHIN,
+                Purpose::Early
+                | Purpose::Beat
+                | Purpose::Subscription(_)
+                | Purpose::Lease(_)
+                | Purpose::Insert(_)
+                | Purpose::Cancel { .. }
+                | Purpose::Request(_)
+                | Purpose::Topside(_)
+                | Purpose::Adjustment(_)
+                | Purpose::Packet(_)
+                | Purpose::DvlTrigger(_)
+                | Purpose::Hold(_)
+                | Purpose::CancelAll(_)
+                | Purpose::Ending(_)
+                | Purpose::EmptyMission(_)
+                | Purpose::SpeedRestored(_)
+                | Purpose::Courtesy => now + SETTLED_WITHIN,
+            };
+            Some((*command, false))
+        }
+    }
+
+    /// The subscription that an acknowledgement is for: the one that its text names, else the oldest.
+    ///
+    /// What was sent before acknowledgements were asked for counts only where the vehicle answers such a thing. It
+    /// answers in order, so it would have answered BPVER before any subscription; otherwise each answer would be taken
+    /// for that of the subscription before.
+    fn subscription(&mut self, ack: &Acknowledgement, subscriptions: &[&str]) -> Option<usize> {
+        if !self.answers_early {
+            self.sent.retain(|command| command.purpose != Purpose::Early);
+        }
+        let subject = |command: &Command| match command.purpose {
+            Purpose::Subscription(index) => subscriptions.get(index).copied(),
+            // The first of the list is subscribed before acknowledgements are.
+            Purpose::Early => subscriptions.first().copied(),
+            Purpose::Beat => Some(ACKNOWLEDGEMENTS),
+            Purpose::Plan
+            | Purpose::Lease(_)
+            | Purpose::Insert(_)
+            | Purpose::Cancel { .. }
+            | Purpose::Request(_)
+            | Purpose::Topside(_)
+            | Purpose::Silent(_)
+            | Purpose::Adjustment(_)
+            | Purpose::Packet(_)
+            | Purpose::DvlTrigger(_)
+            | Purpose::Hold(_)
+            | Purpose::SpeedRestored(_)
+            | Purpose::CancelAll(_)
+            | Purpose::Ending(_)
+            | Purpose::EmptyMission(_)
+            | Purpose::Courtesy => None,
+        };
+        let waiting = || self.sent.iter().filter(|command| command.name == ack.command);
+        let text = ack.text.as_str();
+        let mut named = waiting().filter_map(subject).filter(|subject| names(text, subject));
+        let named = match (named.next(), named.next()) {
+            (Some(one), None) => Some(one),
+            // The same message may be subscribed twice; two messages in one text name none.
+            (Some(one), Some(other)) if one == other && named.all(|more| more == one) => Some(one),
+            (Some(_), Some(_)) | (None, _) => None,
+        };
+        self.sent.iter().position(|command| {
+            command.name == ack.command && named.is_none_or(|named| subject(command) == Some(named))
+        })
+    }
+
+    /// What the commands under way are for, oldest first.
+    pub(crate) fn purposes(&self) -> impl Iterator<Item = Purpose> + '_ {
+        self.sent.iter().map(|sent| sent.purpose)
+    }
+
+    /// Takes a command whose answer is late.
+    pub(crate) fn late(&mut self, now: Timestamp) -> Option<Command> {
+        let index = self.sent.iter().position(|command| command.deadline <= now)?;
+        Some(self.sent.remove(index))
+    }
+
+    pub(crate) fn next_deadline(&self) -> Option<Timestamp> {
+        self.sent.iter().map(|command| command.deadline).min()
+    }
+
+    /// The lease is over: nothing hangs on its refreshes any more.
+    pub(crate) fn forget_lease(&mut self) {
+        for command in &mut self.sent {
+            if matches!(command.purpose, Purpose::Lease(_)) {
+                command.purpose = Purpose::Courtesy;
+            }
+        }
+    }
+
+    /// The hold is over: nothing hangs on its commands any more.
+    pub(crate) fn forget_hold(&mut self) {
+        for command in &mut self.sent {
+            if matches!(command.purpose, Purpose::Hold(_)) {
+                command.purpose = Purpose::Courtesy;
+            }
+        }
+    }
+
+    /// The plan is asked for anew: an earlier series is not it.
+    pub(crate) fn forget_plan(&mut self) {
+        for command in &mut self.sent {
+            if command.purpose == Purpose::Plan {
+                command.purpose = Purpose::Courtesy;
+            }
+        }
+    }
+
+    /// The link is gone: no answer comes.
+    pub(crate) fn clear(&mut self) {
+        self.sent.clear();
+        self.answers_early = false;
+    }
+}
+
+/// Whether a text has a message's name among its words, `NVG` or `BFNVG`.
+fn names(text: &str, message: &str) -> bool {
+    text.split(|character: char| !character.is_ascii_alphanumeric())
+        .any(|word| word.strip_prefix("BF").unwrap_or(word) == message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use backseat_spi::{EchoedTime, Text};
+
+    const MESSAGES: [&str; 4] = ["CTL", "ACK", "MIS", "CTL"];
+
+    fn command(letters: &str, created: Option<TimeOfDay>, purpose: Purpose, deadline_s: u64) -> Command {
+        Command {
+            name: CommandName::new(letters).unwrap(),
+            created,
+            identifier: None,
+            purpose,
+            deadline: Timestamp::from_secs(deadline_s),
+            pending: false,
+        }
+    }
+
+    fn ack(letters: &str, echoed: TimeOfDay, status: AckStatus, text: &str) -> Acknowledgement {
+        Acknowledgement {
+            created: TimeOfDay::MIDNIGHT,
+            command: CommandName::new(letters).unwrap(),
+            command_created: EchoedTime::of(echoed),
+            behavior: None,
+            status,
+            text: Text::cleaned(text),
+        }
+    }
+
+    fn at(millis: u64) -> TimeOfDay {
+        TimeOfDay::from_nanos(millis * 1_000_000).unwrap()
+    }
+
+    /// What a connection begins with.
+    fn begun() -> Commands {
+        let mut commands = Commands::default();
+        commands.push(command("VER", Some(at(1)), Purpose::Early, 2));
+        commands.push(command("LOG", None, Purpose::Early, 2));
+        for index in 1..MESSAGES.len() {
+            commands.push(command("LOG", None, Purpose::Subscription(index), 2));
+        }
+        commands
+    }
+
+    fn answered(commands: &mut Commands, ack: &Acknowledgement) -> Option<Purpose> {
+        let command = commands.answer(ack, Timestamp::ZERO, &MESSAGES);
+        command.map(|(command, _)| command.purpose)
+    }
+
+    #[test]
+    fn a_vehicle_that_answers_when_asked_to_answers_from_the_asking_on() {
+        let mut commands = begun();
+        for index in 1..MESSAGES.len() {
+            let log = ack("LOG", TimeOfDay::MIDNIGHT, AckStatus::Succeeded, "log set");
+            assert_eq!(answered(&mut commands, &log), Some(Purpose::Subscription(index)));
+        }
+        assert_eq!(commands.next_deadline(), None);
+    }
+
+    #[test]
+    fn a_vehicle_that_answers_unasked_answers_from_the_beginning() {
+        for first in [
+            ack("VER", at(1), AckStatus::Succeeded, ""),
+            ack("NAK", TimeOfDay::MIDNIGHT, AckStatus::Invalid, "what"),
+        ] {
+            let mut commands = begun();
+            assert_eq!(answered(&mut commands, &first), Some(Purpose::Early));
+            let log = ack("LOG", TimeOfDay::MIDNIGHT, AckStatus::Succeeded, "log set");
+            assert_eq!(answered(&mut commands, &log), Some(Purpose::Early));
+            for index in 1..MESSAGES.len() {
+                assert_eq!(answered(&mut commands, &log), Some(Purpose::Subscription(index)));
+            }
+        }
+    }
+
+    #[test]
+    fn a_subscription_that_the_answer_names_is_the_one() {
+        let mut commands = begun();
+        let log = |text| ack("LOG", TimeOfDay::MIDNIGHT, AckStatus::Failed, text);
+        assert_eq!(
+            answered(&mut commands, &log("no BFMIS here")),
+            Some(Purpose::Subscription(2))
+        );
+        assert_eq!(answered(&mut commands, &log("CTL ON")), Some(Purpose::Subscription(3)));
+        assert_eq!(answered(&mut commands, &log("ACK")), Some(Purpose::Subscription(1)));
+        assert_eq!(answered(&mut commands, &log("ACK")), None);
+        let mut commands = begun();
+        assert_eq!(
+            answered(&mut commands, &log("either MIS or CTL")),
+            Some(Purpose::Subscription(1))
+        );
+    }
+
+    #[test]
+    fn only_the_refusal_of_what_could_not_be_read_lacks_the_echo() {
+        let mut commands = Commands::default();
+        commands.push(command("RMB", Some(at(7)), Purpose::Lease(1), 2));
+        commands.push(command("RMB", Some(at(8)), Purpose::Lease(2), 2));
+        let late = |echoed, status| ack("RMB", echoed, status, "");
+        assert_eq!(answered(&mut commands, &late(at(6), AckStatus::Succeeded)), None);
+        assert_eq!(
+            answered(&mut commands, &late(TimeOfDay::MIDNIGHT, AckStatus::Succeeded)),
+            None
+        );
+        assert_eq!(
+            answered(&mut commands, &late(at(8), AckStatus::Succeeded)),
+            Some(Purpose::Lease(2))
+        );
+        let unread = late(TimeOfDay::MIDNIGHT, AckStatus::Invalid);
+        assert_eq!(answered(&mut commands, &unread), Some(Purpose::Lease(1)));
+    }
+
+    fn insert(purpose: Purpose) -> Command {
+        command("RTK", None, purpose, 0)
+    }
+
+    #[test]
+    fn what_hangs_on_a_command_is_never_forgotten_for_want_of_room() {
+        let mut commands = Commands::default();
+        assert!(commands.push(insert(Purpose::Courtesy)));
+        for request in 0..COMMANDS_MAX as u64 {
+            assert!(commands.push(insert(Purpose::Insert(request))), "{request}");
+        }
+        assert!(!commands.push(insert(Purpose::Insert(999))), "it is not sent then");
+        assert!(
+            commands.push(insert(Purpose::Courtesy)),
+            "it is sent, and its answer is nobody's"
+        );
+        assert!(commands.push(insert(Purpose::Ending(1000))));
+        let mut late = Vec::new();
+        while let Some(command) = commands.late(Timestamp::ZERO) {
+            late.push(command.purpose);
+        }
+        let mut expected: Vec<Purpose> = (0..COMMANDS_MAX as u64).map(Purpose::Insert).collect();
+        expected.push(Purpose::Ending(1000));
+        assert_eq!(late, expected);
+    }
+}

@@ -1,0 +1,498 @@
+//! The two-way heartbeat: whether the vehicle hears us, and how long words take on their way (SPI 4.4, 6.21, 7.25; safety
+//! requirement 023).
+//!
+//! That navigation comes says nothing of whether our words arrive. An acknowledgement echoes its command's own time, so
+//! each one is a measured round trip. A beat leaves every second so that there is always one to measure: BPSTS, or, where
+//! a vehicle acknowledges only what its section says so of, BPLOG,ACK,ON.
+
+use std::collections::{BTreeSet, VecDeque};
+use std::time::Duration;
+
+use backseat_spi::{Acknowledgement, CommandName};
+use backseat_units::{TimeOfDay, Timestamp};
+
+use crate::session::name;
+use crate::vehicle::clock::Trip;
+
+/// A beat leaves so often.
+pub(crate) const BEAT_EVERY: Duration = Duration::from_secs(1);
+/// A round trip speaks for the link for so long after its command left.
+const TRIP_LASTS: Duration = Duration::from_secs(3);
+/// What cannot be taken back leaves only where the vehicle has answered within this.
+const JUST_NOW: Duration = Duration::from_secs(1);
+/// Who waits for an answer sends another beat where the last one left longer ago.
+const ANOTHER_AFTER: Duration = Duration::from_millis(250);
+/// So many BPSTS without an answer, and the vehicle is taken for one that does not answer them.
+const BEATS_WITHOUT_ANSWER: u32 = 4;
+/// An acknowledgement of BPLOG echoes no time. No BPLOG leaves as a beat until this has passed since the last answer to
+/// one, so that none that is under way is taken for the answer to another.
+const LOG_QUIET: Duration = Duration::from_secs(3);
+/// A BPLOG that was not answered for so long will not be.
+const LOG_FORGOTTEN: Duration = Duration::from_secs(30);
+/// A command that was not answered for so long will not be.
+const SENT_FORGOTTEN: Duration = Duration::from_secs(60);
+/// More commands without an answer are not remembered.
+const SENT_MAX: usize = 64;
+/// Acknowledgements are subscribed anew so long after the last good round trip, and then as often as at the last.
+const SUBSCRIBE_AFTER: [Duration; 3] = [Duration::from_secs(3), Duration::from_secs(6), Duration::from_secs(12)];
+/// A connection that was good is reset when it has not been for so long.
+const RESET_AFTER: Duration = Duration::from_secs(30);
+
+/// What carries the beat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Carrier {
+    /// BPSTS.
+    #[default]
+    Status,
+    /// BPLOG,ACK,ON, beside the BPSTS that are not answered.
+    Logging,
+}
+
+/// What is to be done where the vehicle is not heard to answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Remedy {
+    /// Subscribe the acknowledgements anew.
+    Subscribe,
+    /// Reset the connection.
+    Reset,
+}
+
+/// What an acknowledgement was to the heartbeat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Heard {
+    pub(crate) trip: Trip,
+    /// It is as short as the mission wants it.
+    pub(crate) good: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Sent {
+    name: CommandName,
+    created: TimeOfDay,
+    at: Timestamp,
+}
+
+/// The round trips of a connection.
+#[derive(Debug)]
+pub(crate) struct Heartbeat {
+    delay_max: Duration,
+    /// Commands with a time whose first acknowledgement has not come, oldest first.
+    sent: VecDeque<Sent>,
+    /// When each BPLOG left that is not answered, oldest first: they are answered in their order.
+    logs: VecDeque<Timestamp>,
+    /// The BPLOG that left before acknowledgements were asked for.
+    early_log: Option<Timestamp>,
+    /// No BPLOG leaves as a beat before.
+    quiet_until: Timestamp,
+    /// The good round trip whose command left last, on this connection.
+    good: Option<Trip>,
+    /// The newest round trip on this connection, however long.
+    newest: Option<Trip>,
+    carrier: Carrier,
+    /// BPSTS that left on this connection before one was answered.
+    unanswered_beats: u32,
+    /// Since when there has been no good round trip, or the connection.
+    lost_at: Timestamp,
+    remedies: u32,
+    /// Commands that this vehicle has ever answered.
+    answers: BTreeSet<CommandName>,
+}
+
+impl Heartbeat {
+    /// Round trips are good up to `delay_max`.
+    pub(crate) fn new(delay_max: Duration) -> Self {
+        Self {
+            delay_max,
+            sent: VecDeque::new(),
+            logs: VecDeque::new(),
+            early_log: None,
+            quiet_until: Timestamp::ZERO,
+            good: None,
+            newest: None,
+            carrier: Carrier::Status,
+            unanswered_beats: 0,
+            lost_at: Timestamp::ZERO,
+            remedies: 0,
+            answers: BTreeSet::new(),
+        }
+    }
+
+    /// A new connection. What the vehicle answers and what not is its habit, and stays.
+    pub(crate) fn begin(&mut self, now: Timestamp) {
+        let fresh = Self::new(self.delay_max);
+        *self = Self {
+            carrier: self.carrier,
+            answers: core::mem::take(&mut self.answers),
+            quiet_until: now + LOG_QUIET,
+            lost_at: now,
+            ..fresh
+        };
+    }
+
+    /// A command has left. `early` is before acknowledgements were asked for.
+    pub(crate) fn left(&mut self, now: Timestamp, command: CommandName, created: Option<TimeOfDay>, early: bool) {
+        match created {
+            Some(created) => {
+                let forgotten = |sent: &Sent| now.since(sent.at) >= SENT_FORGOTTEN;
+                while self.sent.len() >= SENT_MAX || self.sent.front().is_some_and(forgotten) {
+                    self.sent.pop_front();
+                }
+                self.sent.push_back(Sent {
+                    name: command,
+                    created,
+                    at: now,
+                });
+                if command == name("STS") {
+                    self.unanswered_beats = self.unanswered_beats.saturating_add(1);
+                }
+            }
+            None if command == name("LOG") && early => self.early_log = Some(now),
+            None if command == name("LOG") => {
+                if self.logs.len() >= SENT_MAX {
+                    self.logs.pop_front();
+                }
+                self.logs.push_back(now);
+            }
+            None => {}
+        }
+    }
+
+    /// An acknowledgement has come: the round trip that it ends, where it is the first answer to a command that is known.
+    /// Where several commands may be meant, the oldest: its trip is the longest, and none is taken for shorter than it was.
+    pub(crate) fn acknowledged(&mut self, now: Timestamp, ack: &Acknowledgement) -> Option<Heard> {
+        let sent = if ack.command == name("LOG") {
+            self.log_answered(now)?
+        } else {
+            let index = self
+                .sent
+                .iter()
+                .position(|sent| sent.name == ack.command && ack.command_created.echoes(sent.created))?;
+            let sent = self.sent.remove(index)?;
+            if sent.name == name("VER")
+                && let Some(early) = self.early_log.take()
+            {
+                // It answers what came before it was asked to answer.
+                self.logs.push_front(early);
+            }
+            if sent.name == name("STS") {
+                self.carrier = Carrier::Status;
+                self.unanswered_beats = 0;
+            }
+            sent.at
+        };
+        self.answers.insert(ack.command);
+        let trip = Trip { sent, received: now };
+        let good = trip.lasted() <= self.delay_max;
+        self.newest = Some(trip);
+        if good && self.good.is_none_or(|known| known.sent <= sent) {
+            self.good = Some(trip);
+            self.lost_at = sent;
+            self.remedies = 0;
+        }
+        Some(Heard { trip, good })
+    }
+
+    fn log_answered(&mut self, now: Timestamp) -> Option<Timestamp> {
+        // It has answered one that was subscribed, and not the one before.
+        self.early_log = None;
+        let sent = self.logs.pop_front();
+        if sent.is_none() || self.carrier == Carrier::Status {
+            self.quiet_until = now + LOG_QUIET;
+        }
+        sent
+    }
+
+    /// Whether the vehicle hears us: a good round trip whose command left less than 3 s ago.
+    pub(crate) fn is_heard(&self, now: Timestamp) -> bool {
+        self.good.is_some_and(|trip| now.since(trip.sent) < TRIP_LASTS)
+    }
+
+    /// Whether the vehicle has answered anything on this connection.
+    pub(crate) const fn has_answered(&self) -> bool {
+        self.newest.is_some()
+    }
+
+    /// The newest round trip, however long.
+    pub(crate) const fn newest(&self) -> Option<Trip> {
+        self.newest
+    }
+
+    /// When the newest good round trip will no longer speak for the link.
+    pub(crate) fn lapses_at(&self) -> Option<Timestamp> {
+        self.good.map(|trip| trip.sent + TRIP_LASTS)
+    }
+
+    /// Whether the vehicle has just answered, and nothing that it would have answered has left since: what cannot be taken
+    /// back may leave. It reads in order, so that it has read what left before.
+    pub(crate) fn has_just_answered(&self, now: Timestamp) -> bool {
+        let Some(trip) = self.good else { return false };
+        let just = now.since(trip.received) <= JUST_NOW && now.since(trip.sent) <= 2 * JUST_NOW;
+        let waits = |sent: &Sent| sent.at > trip.sent && self.answers.contains(&sent.name);
+        just && self.logs.iter().all(|sent| *sent <= trip.sent) && !self.sent.iter().any(waits)
+    }
+
+    /// Whether a beat has only just left, so that its answer is as good as another one's.
+    pub(crate) fn beat_is_under_way(&self, now: Timestamp) -> bool {
+        let recent = |at: Timestamp| now.since(at) < ANOTHER_AFTER;
+        match self.carrier {
+            Carrier::Status => self.sent.iter().any(|sent| sent.name == name("STS") && recent(sent.at)),
+            Carrier::Logging => self.logs.back().is_some_and(|at| recent(*at)),
+        }
+    }
+
+    /// Whether a BPLOG is to leave as the beat of this second. Asked once for each BPSTS, before it leaves.
+    pub(crate) fn needs_log(&mut self, now: Timestamp) -> bool {
+        if self.carrier == Carrier::Status
+            && self.unanswered_beats >= BEATS_WITHOUT_ANSWER
+            && !self.answers.contains(&name("STS"))
+            && self.has_answered()
+        {
+            self.carrier = Carrier::Logging;
+        }
+        self.forget_logs(now);
+        self.carrier == Carrier::Logging && self.logs.is_empty() && now >= self.quiet_until
+    }
+
+    fn forget_logs(&mut self, now: Timestamp) {
+        if self.logs.back().is_some_and(|sent| now.since(*sent) >= LOG_FORGOTTEN) {
+            self.logs.clear();
+        }
+    }
+
+    /// When the next remedy is due where no good round trip comes before.
+    pub(crate) fn remedy_at(&self) -> Timestamp {
+        let [first, second, third] = SUBSCRIBE_AFTER;
+        let after = match self.remedies {
+            0 => first,
+            1 => second,
+            more => third * (more - 1),
+        };
+        let subscribe = self.lost_at + after;
+        // Where BPLOG is the beat and one of it was lost, each answer would be taken for that of the one before for ever. So
+        // none leaves until all that are under way would have been answered.
+        let subscribe = match self.logs.back() {
+            Some(last) if self.carrier == Carrier::Logging && self.remedies >= 3 => {
+                subscribe.max(*last + LOG_FORGOTTEN)
+            }
+            Some(_) | None => subscribe,
+        };
+        match self.good {
+            Some(_) => subscribe.min(self.lost_at + RESET_AFTER),
+            None => subscribe,
+        }
+    }
+
+    /// What is to be done now, where something is.
+    pub(crate) fn remedy(&mut self, now: Timestamp) -> Option<Remedy> {
+        if now < self.remedy_at() {
+            return None;
+        }
+        if self.good.is_some() && now.since(self.lost_at) >= RESET_AFTER {
+            self.good = None;
+            return Some(Remedy::Reset);
+        }
+        self.remedies = self.remedies.saturating_add(1);
+        self.forget_logs(now);
+        Some(Remedy::Subscribe)
+    }
+
+    /// How often acknowledgements have been subscribed anew since the last good round trip.
+    pub(crate) const fn remedies(&self) -> u32 {
+        self.remedies
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use backseat_spi::{AckStatus, EchoedTime, Text};
+
+    use super::*;
+
+    const DELAY_MAX: Duration = Duration::from_secs(1);
+
+    fn stamp(millis: u64) -> TimeOfDay {
+        TimeOfDay::from_nanos((10_000_000 + millis) * 1_000_000).unwrap()
+    }
+
+    fn at(millis: u64) -> Timestamp {
+        Timestamp::from_millis(millis)
+    }
+
+    fn ack(letters: &'static str, echo: EchoedTime) -> Acknowledgement {
+        Acknowledgement {
+            created: TimeOfDay::MIDNIGHT,
+            command: name(letters),
+            command_created: echo,
+            behavior: None,
+            status: AckStatus::Succeeded,
+            text: Text::cleaned(""),
+        }
+    }
+
+    fn connected() -> Heartbeat {
+        let mut heartbeat = Heartbeat::new(DELAY_MAX);
+        heartbeat.begin(at(0));
+        heartbeat
+    }
+
+    /// BPSTS at one time, and its answer at another.
+    fn beat(heartbeat: &mut Heartbeat, sent: u64, answered: u64) -> Option<Heard> {
+        heartbeat.left(at(sent), name("STS"), Some(stamp(sent)), false);
+        heartbeat.acknowledged(at(answered), &ack("STS", EchoedTime::of(stamp(sent))))
+    }
+
+    #[test]
+    fn sr_023_a_good_round_trip_speaks_for_3_s_from_when_its_command_left() {
+        let mut heartbeat = connected();
+        assert!(!heartbeat.is_heard(at(0)));
+        assert!(beat(&mut heartbeat, 100, 1100).unwrap().good);
+        assert!(heartbeat.is_heard(at(3099)) && !heartbeat.is_heard(at(3100)));
+        assert_eq!(heartbeat.lapses_at(), Some(at(3100)));
+        assert!(!beat(&mut heartbeat, 3000, 4001).unwrap().good);
+        assert!(!heartbeat.is_heard(at(4001)));
+        heartbeat.begin(at(4100));
+        assert!(!heartbeat.is_heard(at(4100)), "another connection's");
+    }
+
+    #[test]
+    fn sr_023_only_the_first_answer_to_what_was_sent_counts() {
+        let mut heartbeat = connected();
+        assert!(beat(&mut heartbeat, 100, 110).is_some());
+        let again = ack("STS", EchoedTime::of(stamp(100)));
+        assert_eq!(heartbeat.acknowledged(at(2000), &again), None);
+        let never_sent = ack("STS", EchoedTime::of(stamp(900)));
+        assert_eq!(heartbeat.acknowledged(at(2000), &never_sent), None);
+        heartbeat.left(at(2000), name("STS"), Some(stamp(2000)), false);
+        assert_eq!(heartbeat.acknowledged(at(2001), &ack("STS", EchoedTime::NONE)), None);
+        assert_eq!(heartbeat.acknowledged(at(2001), &ack("NAK", EchoedTime::NONE)), None);
+    }
+
+    #[test]
+    fn sr_023_an_echo_that_may_mean_two_is_the_older_ones() {
+        let mut heartbeat = connected();
+        heartbeat.left(at(100), name("RMB"), Some(stamp(100)), false);
+        heartbeat.left(at(300), name("RMB"), Some(stamp(300)), false);
+        let echo = EchoedTime::with_decimals(stamp(300), 0);
+        let heard = heartbeat.acknowledged(at(310), &ack("RMB", echo)).unwrap();
+        assert_eq!(heard.trip.lasted(), Duration::from_millis(210));
+    }
+
+    #[test]
+    fn sr_023_where_status_is_not_answered_and_other_things_are_a_subscription_serves_one_at_a_time() {
+        let mut heartbeat = connected();
+        heartbeat.left(at(0), name("LOG"), None, false);
+        assert!(
+            heartbeat
+                .acknowledged(at(10), &ack("LOG", EchoedTime::NONE))
+                .unwrap()
+                .good
+        );
+        let mut logs = Vec::new();
+        for second in 0..20u64 {
+            let now = 20 + second * 1000;
+            if heartbeat.needs_log(at(now)) {
+                heartbeat.left(at(now), name("LOG"), None, false);
+                logs.push(second);
+                if second < 10 {
+                    let heard = heartbeat.acknowledged(at(now + 5), &ack("LOG", EchoedTime::NONE));
+                    assert_eq!(heard.unwrap().trip.lasted(), Duration::from_millis(5));
+                }
+            }
+            heartbeat.left(at(now), name("STS"), Some(stamp(now)), false);
+        }
+        // The one that left at 10 s is not answered, and none follows it.
+        assert_eq!(logs, [4, 5, 6, 7, 8, 9, 10]);
+        assert!(!heartbeat.is_heard(at(20_000)));
+        // Its answer comes at last, and is its own.
+        let late = heartbeat
+            .acknowledged(at(20_500), &ack("LOG", EchoedTime::NONE))
+            .unwrap();
+        assert!(!late.good && late.trip.lasted() > Duration::from_secs(10));
+    }
+
+    #[test]
+    fn sr_023_an_answer_to_a_subscription_that_is_lost_costs_a_minute_and_not_the_day() {
+        let mut heartbeat = connected();
+        heartbeat.left(at(0), name("LOG"), None, false);
+        heartbeat.acknowledged(at(10), &ack("LOG", EchoedTime::NONE));
+        let mut heard = Vec::new();
+        for second in 0..200u64 {
+            let now = 20 + second * 1000;
+            let beat = heartbeat.needs_log(at(now));
+            let subscribe = heartbeat.remedy(at(now)) == Some(Remedy::Subscribe);
+            for _ in 0..u32::from(beat) + u32::from(subscribe) {
+                heartbeat.left(at(now), name("LOG"), None, false);
+                // One of the answers is damaged on its way.
+                if second != 20 {
+                    heartbeat.acknowledged(at(now + 5), &ack("LOG", EchoedTime::NONE));
+                }
+            }
+            heartbeat.left(at(now), name("STS"), Some(stamp(now)), false);
+            if heartbeat.is_heard(at(now + 6)) {
+                heard.push(second);
+            }
+        }
+        assert!(heard.contains(&19) && !heard.contains(&30), "{heard:?}");
+        assert!((85..200).all(|second| heard.contains(&second)), "{heard:?}");
+    }
+
+    #[test]
+    fn a_vehicle_that_answers_nothing_is_not_taken_for_one_that_answers_subscriptions() {
+        let mut heartbeat = connected();
+        for second in 0..60u64 {
+            assert!(!heartbeat.needs_log(at(second * 1000)));
+            heartbeat.left(at(second * 1000), name("STS"), Some(stamp(second * 1000)), false);
+        }
+    }
+
+    #[test]
+    fn a_vehicle_that_answers_unasked_has_its_answers_counted_from_the_first() {
+        let mut heartbeat = connected();
+        heartbeat.left(at(0), name("VER"), Some(stamp(0)), true);
+        heartbeat.left(at(0), name("LOG"), None, true);
+        heartbeat.left(at(1000), name("LOG"), None, false);
+        heartbeat.acknowledged(at(1500), &ack("VER", EchoedTime::of(stamp(0))));
+        let first = heartbeat.acknowledged(at(1500), &ack("LOG", EchoedTime::NONE)).unwrap();
+        assert_eq!(first.trip.sent, at(0));
+        let second = heartbeat.acknowledged(at(2500), &ack("LOG", EchoedTime::NONE)).unwrap();
+        assert_eq!(second.trip.sent, at(1000));
+    }
+
+    #[test]
+    fn sr_023_what_cannot_be_taken_back_needs_an_answer_of_this_second_and_none_outstanding() {
+        let mut heartbeat = connected();
+        beat(&mut heartbeat, 1000, 1010);
+        assert!(heartbeat.has_just_answered(at(2010)) && !heartbeat.has_just_answered(at(2011)));
+        beat(&mut heartbeat, 2000, 2010);
+        heartbeat.left(at(2020), name("STS"), Some(stamp(2020)), false);
+        assert!(!heartbeat.has_just_answered(at(2030)), "a beat is under way");
+        heartbeat.acknowledged(at(2040), &ack("STS", EchoedTime::of(stamp(2020))));
+        // What this vehicle has never answered is not waited for.
+        heartbeat.left(at(2050), name("MSG"), Some(stamp(2050)), false);
+        assert!(heartbeat.has_just_answered(at(2060)));
+    }
+
+    #[test]
+    fn acknowledgements_are_subscribed_anew_after_3_6_and_12_s_and_a_good_connection_is_reset_after_30() {
+        let mut heartbeat = connected();
+        beat(&mut heartbeat, 1000, 1010);
+        let mut done = Vec::new();
+        for millis in (1000..60_000).step_by(100) {
+            if let Some(remedy) = heartbeat.remedy(at(millis)) {
+                done.push((millis, remedy));
+            }
+        }
+        use Remedy::{Reset, Subscribe};
+        assert_eq!(
+            done[..5],
+            [
+                (4000, Subscribe),
+                (7000, Subscribe),
+                (13_000, Subscribe),
+                (25_000, Subscribe),
+                (31_000, Reset)
+            ]
+        );
+        assert!(done[5..].iter().all(|(_, remedy)| *remedy == Subscribe), "{done:?}");
+    }
+}

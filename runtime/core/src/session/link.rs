@@ -1,0 +1,61 @@
+use std::time::Duration;
+
+use backseat_units::Timestamp;
+
+use crate::session::commands::Commands;
+use crate::session::heartbeat::Heartbeat;
+use crate::session::reads::Reads;
+use crate::session::subscriptions::Subscriptions;
+
+/// What is known of the connection: whether it is up, what the vehicle owes an answer to, and whether it hears us.
+#[derive(Debug)]
+pub(crate) struct Link {
+    up: bool,
+    pub(crate) commands: Commands,
+    pub(crate) heartbeat: Heartbeat,
+    pub(crate) subscriptions: Subscriptions,
+    reads: Reads,
+    /// Somebody waits for an answer of the vehicle: a beat is due before its time.
+    pub(crate) wants_beat: bool,
+}
+
+impl Link {
+    pub(crate) fn new(subscriptions: Subscriptions, delay_max: Duration) -> Self {
+        Self {
+            up: false,
+            commands: Commands::default(),
+            heartbeat: Heartbeat::new(delay_max),
+            subscriptions,
+            reads: Reads::default(),
+            wants_beat: false,
+        }
+    }
+
+    pub(crate) const fn is_up(&self) -> bool {
+        self.up
+    }
+
+    /// A new connection: nothing is subscribed on it, nothing under way.
+    pub(crate) fn begin(&mut self, now: Timestamp) {
+        self.up = true;
+        self.commands.clear();
+        self.subscriptions.begin();
+        self.heartbeat.begin(now);
+        self.reads.begin(now);
+    }
+
+    /// The connection is gone: no answer comes.
+    pub(crate) const fn end(&mut self) {
+        self.up = false;
+    }
+
+    /// Something is read.
+    pub(crate) fn read(&mut self, now: Timestamp) {
+        self.reads.read(now);
+    }
+
+    /// The longest that what is read now can have waited.
+    pub(crate) fn waited(&self) -> Duration {
+        self.reads.waited()
+    }
+}

@@ -1,0 +1,172 @@
+//! Which status messages are asked for, and in which order (SPI 7.1).
+
+use crate::monitor::limits::Grant;
+use crate::plugin::Topic;
+use crate::settings::PluginSetup;
+
+/// BFACK: what is sent before this subscription is not acknowledged.
+pub(crate) const ACKNOWLEDGEMENTS: &str = "ACK";
+
+/// BFCTL before all: real vehicles send it only on the transition, and who subscribes late misses the hand-over. The
+/// acknowledgements next, and BFCTL once more, so that it is acknowledged too.
+const ALWAYS: [&str; 8] = ["CTL", ACKNOWLEDGEMENTS, "MIS", "CTL", "NVG", "NVR", "MBS", "MBE"];
+
+/// What a topic needs. Command messages come unasked (SPI 4.3).
+const fn of_topic(topic: Topic) -> &'static [&'static str] {
+    match topic {
+        Topic::MissionCommand | Topic::Behavior | Topic::Logging | Topic::Topside | Topic::Plan => &[],
+        Topic::Ctd => &["CTD"],
+        Topic::Acoustic => &["CMA", "CPR"],
+        Topic::Telemetry => &["TEL"],
+        Topic::SoundVelocity => &["SVS"],
+        Topic::Compass => &["RCM"],
+        Topic::Pressure => &["RDP"],
+        Topic::VehicleSpeed => &["RVL"],
+        Topic::Battery => &["RBS"],
+        Topic::Surfaces => &["ERC"],
+        Topic::Dvl => &["DVL"],
+        Topic::DvlBeams => &["DV2"],
+        Topic::Imu => &["IMU"],
+        Topic::Servo => &["PIT"],
+        Topic::Trim => &["TRM"],
+        Topic::Buoyancy => &["BOY"],
+        Topic::RelativeNavigation => &["RNV", "CNV"],
+    }
+}
+
+/// What a grant needs to be watched over.
+const fn of_grant(grant: Grant) -> &'static [&'static str] {
+    match grant {
+        Grant::Modify
+        | Grant::Insert
+        | Grant::Interrupt
+        | Grant::Message
+        | Grant::Surface
+        | Grant::Topside
+        | Grant::Dvl
+        | Grant::Silent
+        | Grant::Devices => &[],
+        Grant::Trim => &["TRM"],
+        Grant::Buoyancy => &["BOY"],
+        Grant::Acoustic => &["CMA", "CPS", "CPR"],
+        Grant::Hull => &["RNV", "CNV"],
+    }
+}
+
+/// The subscriptions of a run, in the order that they are sent, and how far each is.
+#[derive(Debug)]
+pub(crate) struct Subscriptions {
+    subjects: Vec<&'static str>,
+    /// Which of them the vehicle has acknowledged, or has sent the data of, on this connection.
+    confirmed: Vec<bool>,
+    /// How often each has been sent on this connection without an answer.
+    unanswered: Vec<u32>,
+    /// How many are not confirmed.
+    unconfirmed: usize,
+    /// Acknowledgements have been subscribed on this connection.
+    acknowledged: bool,
+}
+
+impl Subscriptions {
+    /// What is always needed, and what topics and grants of the plugins need.
+    pub(crate) fn new(plugins: &[PluginSetup]) -> Self {
+        let mut subjects = ALWAYS.to_vec();
+        let wanted = plugins.iter().flat_map(|plugin| {
+            let topics = plugin.description.topics.iter().flat_map(|topic| of_topic(*topic));
+            topics.chain(plugin.grants.iter().flat_map(|grant| of_grant(*grant)))
+        });
+        for subject in wanted {
+            if !subjects.contains(subject) {
+                subjects.push(subject);
+            }
+        }
+        Self {
+            confirmed: vec![false; subjects.len()],
+            unanswered: vec![0; subjects.len()],
+            unconfirmed: subjects.len(),
+            acknowledged: false,
+            subjects,
+        }
+    }
+
+    /// The messages, in order.
+    pub(crate) fn subjects(&self) -> &[&'static str] {
+        &self.subjects
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.subjects.len()
+    }
+
+    pub(crate) fn subject(&self, index: usize) -> &'static str {
+        self.subjects[index]
+    }
+
+    /// Whether the vehicle has acknowledged a subscription on this connection, or sent its data.
+    pub(crate) fn is_confirmed(&self, index: usize) -> bool {
+        self.confirmed[index]
+    }
+
+    /// The same of a message, `CTL`.
+    pub(crate) fn has(&self, message: &str) -> bool {
+        let mut both = self.subjects.iter().zip(&self.confirmed);
+        both.any(|(subject, confirmed)| *subject == message && *confirmed)
+    }
+
+    /// A new connection: nothing is subscribed on it.
+    pub(crate) fn begin(&mut self) {
+        self.acknowledged = false;
+        self.doubt_all();
+    }
+
+    /// The vehicle may have none of them.
+    pub(crate) fn doubt_all(&mut self) {
+        self.confirmed.fill(false);
+        self.unanswered.fill(0);
+        self.unconfirmed = self.subjects.len();
+    }
+
+    /// The vehicle may not have the subscription to a message, though it seemed to be answered: the answers to BPLOG do not
+    /// say to which (SPI 7.1). Its place in the list.
+    pub(crate) fn doubt(&mut self, message: &str) -> Option<usize> {
+        let index = self.subjects.iter().position(|known| *known == message)?;
+        self.unanswered[index] = 0;
+        if core::mem::take(&mut self.confirmed[index]) {
+            self.unconfirmed += 1;
+        }
+        Some(index)
+    }
+
+    /// One is about to be sent: its message, and how often it was sent before without an answer; `None` before
+    /// acknowledgements are asked for.
+    pub(crate) fn asked(&mut self, index: usize) -> (&'static str, Option<u32>) {
+        let subject = self.subjects[index];
+        self.acknowledged |= subject == ACKNOWLEDGEMENTS;
+        let unanswered = self.acknowledged.then(|| {
+            let before = self.unanswered[index];
+            self.unanswered[index] += 1;
+            before
+        });
+        (subject, unanswered)
+    }
+
+    /// A message has come, `BFNVG`: its subscription stands, whatever became of the acknowledgement.
+    pub(crate) fn confirm_by_data(&mut self, message: &str) {
+        if self.unconfirmed == 0 {
+            return;
+        }
+        for index in 0..self.subjects.len() {
+            if message.strip_prefix("BF") == Some(self.subjects[index]) {
+                self.confirm(index);
+            }
+        }
+    }
+
+    pub(crate) fn confirm(&mut self, index: usize) {
+        self.unanswered[index] = 0;
+        if !self.confirmed[index] {
+            self.confirmed[index] = true;
+            self.unconfirmed -= 1;
+        }
+    }
+}

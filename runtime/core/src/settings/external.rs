@@ -1,0 +1,82 @@
+//! Configured drivers: the operator's own programs that feed what no plugin may (SPI 7.14, 7.15, 7.21, 8.8, 8.9).
+//!
+//! A driver speaks the sentence that it wants sent, as it would to the vehicle; the runtime checks that the mission lets
+//! it, bounds it, stamps it anew, sends it, and answers with the vehicle's own BFACK.
+
+use backseat_spi::{BearingOffset, PayloadCtd, PositionFix, RelativeReset, ToVehicle, TopsideRelay};
+use serde::{Deserialize, Serialize};
+
+use crate::ledger::RequestKind;
+
+pub(crate) mod bounds;
+
+pub use bounds::{ConductivityUnit, DriverBounds};
+
+/// A sentence that a driver may send.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum DriverSentence {
+    /// Topside message relay.
+    #[serde(rename = "BPTMR")]
+    Relay,
+    /// Raw CTD data.
+    #[serde(rename = "BPCTD")]
+    PayloadCtd,
+    /// Navigation position update.
+    #[serde(rename = "BPNPU")]
+    PositionFix,
+    /// Reset of relative navigation.
+    #[serde(rename = "BPRNS")]
+    RelativeReset,
+    /// Offset of the hull-relative bearing.
+    #[serde(rename = "BPRBO")]
+    BearingOffset,
+}
+
+impl DriverSentence {
+    /// The sentence of a message; `None` for all that are no driver's.
+    pub(crate) fn of(message: &ToVehicle) -> Option<Self> {
+        match message.name() {
+            TopsideRelay::NAME => Some(Self::Relay),
+            PayloadCtd::NAME => Some(Self::PayloadCtd),
+            PositionFix::NAME => Some(Self::PositionFix),
+            RelativeReset::NAME => Some(Self::RelativeReset),
+            BearingOffset::NAME => Some(Self::BearingOffset),
+            _ => None,
+        }
+    }
+
+    /// The three letters that it is acknowledged by.
+    #[must_use]
+    pub const fn letters(self) -> &'static str {
+        match self {
+            Self::Relay => "TMR",
+            Self::PayloadCtd => "CTD",
+            Self::PositionFix => "NPU",
+            Self::RelativeReset => "RNS",
+            Self::BearingOffset => "RBO",
+        }
+    }
+
+    pub(crate) const fn kind(self) -> RequestKind {
+        match self {
+            Self::Relay => RequestKind::Relay,
+            Self::PayloadCtd => RequestKind::PayloadCtd,
+            Self::PositionFix => RequestKind::PositionFix,
+            Self::RelativeReset => RequestKind::RelativeReset,
+            Self::BearingOffset => RequestKind::BearingOffset,
+        }
+    }
+}
+
+/// A driver of the mission: a `[[driver]]` table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DriverSetup {
+    /// Its name in the mission.
+    pub name: String,
+    /// What it may send.
+    pub sends: Vec<DriverSentence>,
+    /// The figures that it may send, and how often.
+    #[serde(default)]
+    pub bounds: DriverBounds,
+}

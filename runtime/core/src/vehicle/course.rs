@@ -1,0 +1,346 @@
+//! The way that the vehicle keeps to: from where a behaviour began to where its path begins.
+//!
+//! A vehicle that has been led off its way, or takes up again what was interrupted, does not head for the nearest of its
+//! ends: it steers to the line itself (line-of-sight steering, Fossen, *Handbook of Marine Craft Hydrodynamics and Motion
+//! Control*, 2011, section 10.3). To know where that may lead to, the places are kept where the behaviours began that it
+//! may fly on. Of one whose begin was not heard nobody knows it: what is flown has to be heard, or to be seen from the lines
+//! that the vehicle keeps to, before anything of ours steers. All that is judged by it belongs to safety requirement 002.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use backseat_spi::BehaviorId;
+use backseat_units::math::hypot;
+use backseat_units::{EastNorth, Timestamp};
+
+/// How often one behaviour can begin until a later begin takes the place of the last.
+const BEGINS_MAX: usize = 4;
+/// A vehicle that neither climbs nor dives by more, metres a second, for so long has settled.
+const LEVEL_MPS: f64 = 0.15;
+const LEVEL_FOR: Duration = Duration::from_secs(5);
+/// The same where a process before this one may have left a modify, that this is over and the way back from its depth
+/// has begun.
+const LEVEL_AFTER_ANOTHER_FOR: Duration = Duration::from_secs(15);
+/// So long on its line it is not merely passing where the line is.
+const ON_LINE_FOR: Duration = Duration::from_secs(10);
+/// On its line a vehicle goes along it to less than this: the cosine of 30 degrees.
+const ALONG: f64 = 0.866;
+
+/// Whose path is flown: an element of the plan by its number, or an insert.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Flown {
+    Planned(u32),
+    Inserted(BehaviorId),
+}
+
+/// Where a behaviour began, as well as navigation knows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Begin {
+    pub(crate) at: EastNorth,
+    pub(crate) within_m: f64,
+}
+
+/// Where the behaviours began that the vehicle may fly on.
+#[derive(Debug, Default)]
+pub(crate) struct Courses {
+    begun: BTreeMap<Flown, Vec<Begin>>,
+    current: Option<Flown>,
+    /// When it was heard that this began, until navigation tells of a time after that.
+    begun_at: Option<Timestamp>,
+    /// No navigation had been heard by then.
+    unplaced: bool,
+    /// Since when it goes along the line of what is flown now.
+    on_line_since: Option<Timestamp>,
+    /// Where nobody heard what is flown, whose lines it goes along, and since when.
+    along: Vec<(Flown, Timestamp)>,
+    /// Where nobody heard what is flown, what it was seen to fly.
+    placed: Vec<Flown>,
+    /// It may have left a behaviour of its plan that is not done: for an insert that interrupts, and no planned behaviour
+    /// has begun since. Other inserts may be flown first (SPI 7.5).
+    left_plan: bool,
+    /// Since when it neither climbs nor dives, while nobody of ours steers.
+    level_since: Option<Timestamp>,
+    /// It has come to the depth of what is flown now.
+    settled: bool,
+    /// The depths that it has settled at in this mission, from and to, metres.
+    depths_m: Option<[f64; 2]>,
+    /// The fastest over ground that it was seen to fly its own plan in this mission, m/s.
+    seen_mps: f64,
+}
+
+impl Courses {
+    /// The vehicle may have been led away from its plan.
+    pub(crate) const fn leave_plan(&mut self) {
+        self.left_plan = true;
+    }
+
+    /// A behaviour has begun, at a place where that is known.
+    pub(crate) fn began(&mut self, now: Timestamp, flown: Flown, here: Option<Begin>) {
+        if matches!(flown, Flown::Planned(_)) {
+            self.begun.retain(|other, _| *other == flown);
+            self.left_plan = false;
+        }
+        let begins = self.begun.entry(flown).or_default();
+        begins.truncate(BEGINS_MAX - 1);
+        begins.extend(here);
+        self.current = Some(flown);
+        self.unplace();
+        self.begun_at = Some(now);
+        self.unplaced = here.is_none();
+        self.on_line_since = None;
+        (self.settled, self.level_since) = (false, None);
+    }
+
+    /// Navigation has come, from here, and from before it jumped. Where what is flown began around that, it began at either.
+    pub(crate) fn navigated(&mut self, before: Option<Begin>, here: Begin, solution: Option<Timestamp>) {
+        let places = match self.current {
+            Some(current) if self.begun_at.is_some() => self.begun.entry(current).or_default(),
+            Some(_) | None => return,
+        };
+        if before.is_some() || self.unplaced {
+            places.extend(before);
+            places.push(here);
+            self.unplaced = false;
+        }
+        self.begun_at = self
+            .begun_at
+            .filter(|begun| solution.is_none_or(|solution| solution <= *begun));
+    }
+
+    /// Somebody of ours leads it elsewhere.
+    pub(crate) const fn is_led(&mut self) {
+        self.level_since = None;
+    }
+
+    /// How fast it goes over ground, m/s.
+    pub(crate) const fn flies_at(&mut self, ground_mps: f64) {
+        if matches!(self.current, Some(Flown::Planned(_))) {
+            self.seen_mps = self.seen_mps.max(ground_mps);
+        }
+    }
+
+    /// Whether the way to the line of what is flown is behind it, or was never known.
+    pub(crate) fn is_placed_on(&self, current: Flown) -> bool {
+        self.begun.get(&current).is_none_or(Vec::is_empty)
+    }
+
+    /// It goes along the line of what is flown, or does not. After a while on it the way to it is behind it.
+    pub(crate) fn is_on_line(&mut self, now: Timestamp, current: Flown, on_line: bool) {
+        let since = self.on_line_since.filter(|_| on_line);
+        self.on_line_since = on_line.then(|| since.unwrap_or(now));
+        if since.is_some_and(|since| now.since(since) >= ON_LINE_FOR) {
+            self.begun.insert(current, Vec::new());
+        }
+    }
+
+    /// An insert will not be flown on.
+    pub(crate) fn ended(&mut self, insert: BehaviorId) {
+        self.begun.remove(&Flown::Inserted(insert));
+    }
+
+    /// What is flown is not known: the link is gone, or it has ended and nothing has begun.
+    pub(crate) fn lose(&mut self) {
+        self.current = None;
+        self.unplace();
+        self.begun_at = None;
+        self.on_line_since = None;
+        (self.settled, self.level_since) = (false, None);
+    }
+
+    fn unplace(&mut self) {
+        self.along.clear();
+        self.placed.clear();
+    }
+
+    /// Nobody heard what is flown, nor steers: it goes along these paths. True where it was seen by now what it flies.
+    pub(crate) fn keeps_to(&mut self, now: Timestamp, paths: &[Flown]) -> bool {
+        let since = |path: &Flown| {
+            let before = self.along.iter().find(|(along, _)| along == path);
+            (*path, before.map_or(now, |(_, since)| *since))
+        };
+        self.along = paths.iter().map(since).collect();
+        let long = |(_, since): &(Flown, Timestamp)| now.since(*since) >= ON_LINE_FOR;
+        let seen = self.along.iter().any(long);
+        if seen {
+            self.placed = paths.to_vec();
+            // It is on their lines: what led there is behind it.
+            for path in paths {
+                self.begun.insert(*path, Vec::new());
+                self.left_plan &= !matches!(path, Flown::Planned(_));
+            }
+        }
+        seen
+    }
+
+    /// Where it is and how fast it dives, while nobody of ours steers.
+    /// Where a process before this one may have left a modify, that must be over.
+    pub(crate) fn levels(&mut self, now: Timestamp, [depth_m, down_mps]: [f64; 2], after_another: bool) {
+        let level_for = if after_another {
+            LEVEL_AFTER_ANOTHER_FOR
+        } else {
+            LEVEL_FOR
+        };
+        // A figure that is none is not level.
+        let level = down_mps.abs() <= LEVEL_MPS;
+        self.level_since = level.then(|| self.level_since.unwrap_or(now));
+        if self.level_since.is_some_and(|since| now.since(since) >= level_for) {
+            // What an insert is flown at is not the plan's depth.
+            if matches!(self.current, Some(Flown::Inserted(_))) {
+                self.settled = self.depths_m.is_some();
+                return;
+            }
+            self.settled = true;
+            let [from_m, to_m] = self.depths_m.unwrap_or([depth_m, depth_m]);
+            self.depths_m = Some([from_m.min(depth_m), to_m.max(depth_m)]);
+        }
+    }
+
+    /// The mission is over.
+    pub(crate) fn forget(&mut self) {
+        self.begun.clear();
+        self.depths_m = None;
+        self.seen_mps = 0.0;
+        self.left_plan = false;
+        self.lose();
+    }
+
+    /// Where what is flown now may have begun.
+    pub(crate) fn of_current(&self) -> Vec<Begin> {
+        match self.current {
+            Some(current) => self.of(current),
+            None => self.begun.values().flatten().copied().collect(),
+        }
+    }
+
+    /// The fastest that it was seen to fly its own plan in this mission, m/s over ground.
+    pub(crate) const fn seen_mps(&self) -> f64 {
+        self.seen_mps
+    }
+
+    /// What is flown now, where that was heard.
+    pub(crate) const fn current(&self) -> Option<Flown> {
+        self.current
+    }
+
+    /// What was seen to be flown, where nobody heard it.
+    pub(crate) fn placed(&self) -> &[Flown] {
+        &self.placed
+    }
+
+    /// Whether it may have left a behaviour of its plan that is not done.
+    pub(crate) const fn has_left_plan(&self) -> bool {
+        self.left_plan
+    }
+
+    /// The depths that it has settled at in this mission, from and to, metres, once it has come to that of what it flies.
+    pub(crate) fn settled_depths_m(&self) -> Option<[f64; 2]> {
+        self.depths_m.filter(|_| self.settled)
+    }
+
+    /// Where the planned behaviours may have begun.
+    pub(crate) fn of_plan(&self) -> Vec<Begin> {
+        let planned = self
+            .begun
+            .iter()
+            .filter(|(flown, _)| matches!(flown, Flown::Planned(_)));
+        planned.flat_map(|(_, begun)| begun.iter().copied()).collect()
+    }
+
+    /// Where the plan is taken up again it is not known where its behaviour began.
+    pub(crate) fn lacks_plan(&self) -> bool {
+        !self.begun.keys().any(|flown| matches!(flown, Flown::Planned(_)))
+    }
+
+    /// Where a behaviour may have begun.
+    pub(crate) fn of(&self, flown: Flown) -> Vec<Begin> {
+        self.begun.get(&flown).cloned().unwrap_or_default()
+    }
+}
+
+/// Whether the vehicle goes along a line that it is on.
+pub(crate) fn is_on((start, end): (EastNorth, EastNorth), here: EastNorth, velocity: EastNorth, within_m: f64) -> bool {
+    let length_m = start.distance_m(end);
+    let along = (end - start) * (1.0 / length_m);
+    let from = here - start;
+    let dot = |a: EastNorth, b: EastNorth| a.east_m * b.east_m + a.north_m * b.north_m;
+    let (along_m, right_m) = (
+        dot(from, along),
+        from.east_m * along.north_m - from.north_m * along.east_m,
+    );
+    let speed_mps = hypot(velocity.east_m, velocity.north_m);
+    // Written so that a figure that is none is not on it, nor one that stands still.
+    (0.0..=length_m).contains(&along_m)
+        && right_m.abs() <= within_m
+        && speed_mps > 0.0
+        && dot(velocity, along) >= ALONG * speed_mps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(east_m: f64, north_m: f64) -> EastNorth {
+        EastNorth::new(east_m, north_m)
+    }
+
+    fn begin(east_m: f64) -> Begin {
+        Begin {
+            at: at(east_m, 0.0),
+            within_m: 3.0,
+        }
+    }
+
+    #[test]
+    fn where_what_is_flown_began_is_known_until_its_line_or_another_behaviour() {
+        let insert = BehaviorId::new(7);
+        let mut courses = Courses::default();
+        let now = Timestamp::default();
+        courses.began(now, Flown::Planned(1), Some(begin(2.0)));
+        assert_eq!(courses.of_current(), [begin(2.0)]);
+        courses.began(now, Flown::Inserted(insert), Some(begin(3.0)));
+        assert_eq!(courses.of_current(), [begin(3.0)]);
+        assert_eq!(courses.of(Flown::Planned(1)), [begin(2.0)]);
+        // Interrupted and taken up again: it may fly on from either place.
+        courses.began(now, Flown::Inserted(insert), Some(begin(4.0)));
+        assert_eq!(courses.of_current(), [begin(3.0), begin(4.0)]);
+        courses.ended(insert);
+        courses.began(now, Flown::Planned(2), Some(begin(5.0)));
+        assert_eq!(courses.of(Flown::Planned(1)), []);
+        courses.lose();
+        assert_eq!(courses.of_current(), [begin(5.0)]);
+    }
+
+    #[test]
+    fn what_was_not_heard_is_seen_once_one_path_was_kept_to_for_ten_seconds() {
+        let (second, third) = (Flown::Planned(2), Flown::Planned(3));
+        let at = |seconds: u64| Timestamp::from_millis(1000 * seconds);
+        let mut courses = Courses::default();
+        // Ten seconds on two paths, but on neither for as long.
+        assert!(!courses.keeps_to(at(0), &[second]));
+        assert!(!courses.keeps_to(at(5), &[second, third]));
+        assert!(!courses.keeps_to(at(8), &[third]));
+        assert!(!courses.keeps_to(at(14), &[second, third]));
+        assert!(courses.keeps_to(at(15), &[second, third]));
+        // Both count, for it may be either.
+        assert_eq!(courses.placed(), [second, third]);
+        courses.lose();
+        assert_eq!(courses.placed(), []);
+        assert!(!courses.keeps_to(at(16), &[third]));
+        assert!(!courses.keeps_to(at(20), &[]));
+        assert!(!courses.keeps_to(at(26), &[third]));
+        courses.began(at(30), third, None);
+        assert!(!courses.keeps_to(at(36), &[third]));
+    }
+
+    #[test]
+    fn a_vehicle_that_crosses_a_line_is_not_on_it() {
+        let line = (at(0.0, 0.0), at(100.0, 0.0));
+        assert!(is_on(line, at(50.0, 4.0), at(1.5, -0.3), 5.0));
+        assert!(!is_on(line, at(50.0, 4.0), at(0.3, -1.5), 5.0));
+        assert!(!is_on(line, at(50.0, 4.0), at(-1.5, 0.0), 5.0));
+        assert!(!is_on(line, at(50.0, 6.0), at(1.5, 0.0), 5.0));
+        assert!(!is_on(line, at(50.0, 4.0), at(0.0, 0.0), 5.0));
+        assert!(!is_on(line, at(-1.0, 0.0), at(1.5, 0.0), 5.0));
+        assert!(!is_on((at(0.0, 0.0), at(0.0, 0.0)), at(0.0, 0.0), at(1.5, 0.0), 5.0));
+    }
+}

@@ -1,0 +1,88 @@
+//! Which dive the vehicle flies: a plan belongs to the file that it was told for (SPI 6.9, 6.11; safety requirement 025).
+
+use backseat_spi::Text;
+
+/// The dive file as the vehicle last named it.
+///
+/// BFMIS and BFMBS may write one file in two ways (with its folder, without its ending), so that each is held against its
+/// own kind alone. An empty name says nothing: it is left out where a behaviour is the payload's, and while no mission is
+/// loaded.
+#[derive(Debug, Default)]
+pub(crate) struct Dive {
+    of_status: Option<Text>,
+    of_behavior: Option<Text>,
+    /// It is another one, and its plan is not whole yet.
+    plan_due: bool,
+}
+
+/// Which message has named a dive file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NamedBy {
+    /// BFMIS.
+    Status,
+    /// BFMBS.
+    Behavior,
+}
+
+impl Dive {
+    /// It is another one: nothing steers until its plan is whole.
+    pub(crate) const fn is_another(&mut self) {
+        self.plan_due = true;
+    }
+
+    /// The vehicle's plan has come whole.
+    pub(crate) const fn planned(&mut self) {
+        self.plan_due = false;
+    }
+
+    /// Why another dive leaves us without control.
+    pub(crate) fn reason(&self) -> Option<&'static str> {
+        self.plan_due.then_some("the plan of this dive is not known yet")
+    }
+
+    /// The vehicle has named its dive file. True where it is another one than the last that this kind of message named.
+    pub(crate) fn named(&mut self, by: NamedBy, file: &Text) -> bool {
+        if file.as_str().trim().is_empty() {
+            return false;
+        }
+        let (known, other) = match by {
+            NamedBy::Status => (&mut self.of_status, &mut self.of_behavior),
+            NamedBy::Behavior => (&mut self.of_behavior, &mut self.of_status),
+        };
+        let known = known.replace(file.clone());
+        let another = known.is_some_and(|known| known.as_str().trim() != file.as_str().trim());
+        if another {
+            // The other kind will name it too, in its own way.
+            *other = None;
+        }
+        another
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(dive: &mut Dive, by: NamedBy, file: &str) -> bool {
+        dive.named(by, &Text::cleaned(file))
+    }
+
+    #[test]
+    fn sr_025_each_message_is_held_against_its_own_kind_and_an_empty_name_says_nothing() {
+        use NamedBy::{Behavior, Status};
+        let mut dive = Dive::default();
+        assert!(!named(&mut dive, Status, "dives/a.dive"));
+        assert!(!named(&mut dive, Behavior, "a"));
+        assert!(!named(&mut dive, Behavior, ""));
+        assert!(!named(&mut dive, Status, " "));
+        assert!(!named(&mut dive, Behavior, "a "));
+        assert!(named(&mut dive, Behavior, "b"));
+        assert!(
+            !named(&mut dive, Status, "dives/b.dive"),
+            "it is the same, named in its own way"
+        );
+        assert!(named(&mut dive, Status, "dives/c.dive"));
+        assert!(!named(&mut dive, Behavior, "c"));
+        assert!(named(&mut dive, Behavior, "a"));
+    }
+}

@@ -1,0 +1,323 @@
+use std::time::Duration;
+
+use backseat_spi::{Navigation, PositionQuality, VelocityAndRates};
+use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
+
+use crate::monitor::envelope::{APART_MAX, BottomLock, bottom_lock};
+use crate::monitor::limits::Limits;
+use crate::plugin::NavigationSample;
+use crate::switches::{Check, is_on};
+use crate::vehicle::clock::{Trip, VehicleClock, elapsed_nanos};
+use crate::vehicle::integrity::{Flaw, Integrity};
+
+/// After a jump, navigation must be steady for this long (safety requirement 021).
+const STEADY_AFTER_JUMP: Duration = Duration::from_secs(10);
+/// On a new connection the first samples may be what was buffered for us, and on the first one they only show how the
+/// clocks lie.
+const STEADY_AFTER_CONNECT: Duration = Duration::from_millis(500);
+/// A jump is more than the vehicle can move, and this.
+const JUMP_ALLOWANCE_M: f64 = 10.0;
+/// BFNVG and BFNVR are of one sample where they were written no further apart than this.
+const OF_ONE_TIME_NANOS: u64 = 500_000_000;
+/// What is wrong where BFNVG comes and no BFNVR.
+pub(crate) const WITHOUT_VELOCITIES: &str = "navigation comes without velocities";
+/// A bottom lock speaks of its place for this long.
+const LOCK_LASTS: Duration = Duration::from_secs(5);
+
+/// What a new solution is to the tracker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Change {
+    /// It follows from the last one.
+    Follows,
+    /// It is further from the last one than the vehicle can have come.
+    Jumped(Jump),
+}
+
+/// How navigation jumped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Jump {
+    pub(crate) metres: f64,
+    /// Where the vehicle was before.
+    pub(crate) from: EastNorth,
+    /// How long that was ago.
+    pub(crate) elapsed_s: f64,
+}
+
+/// Follows the vehicle's navigation: pairs BFNVG with its BFNVR, counts its age, and sees it jump.
+#[derive(Debug)]
+pub(crate) struct Tracker {
+    frame: LocalFrame,
+    age_max: Duration,
+    speed_max_mps: f64,
+    clock: VehicleClock,
+    newest: Option<Newest>,
+    integrity: Integrity,
+    /// What the newest navigation has shown to be untrue, until that is heeded.
+    flaw: Option<Flaw>,
+    /// The solution's time of the last sample whose velocities came.
+    completed: Option<TimeOfDay>,
+    /// When the first sample came that has none since.
+    incomplete_since: Option<Timestamp>,
+    lock: Option<(BottomLock, Timestamp)>,
+    /// Since when it has been steady; `None` before the first sample of this connection.
+    steady_since: Option<Timestamp>,
+    /// Where it was when it was last heard of on the connection before, and when that was.
+    before: Option<(EastNorth, Timestamp)>,
+    jumped_at: Option<Timestamp>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Newest {
+    sample: NavigationSample,
+    /// When it came.
+    received: Timestamp,
+    /// The vehicle's clock was known, so that the solution's time is too.
+    has_age: bool,
+    /// Its velocities have come.
+    complete: bool,
+    written: TimeOfDay,
+    solution: TimeOfDay,
+}
+
+impl Tracker {
+    pub(crate) fn new(frame: LocalFrame, limits: &Limits) -> Self {
+        Self {
+            frame,
+            age_max: limits.navigation_age_max(),
+            speed_max_mps: limits.speed_max_mps.max(3.0) + limits.current_max_mps,
+            clock: VehicleClock::default(),
+            newest: None,
+            integrity: Integrity::new(limits),
+            flaw: None,
+            completed: None,
+            incomplete_since: None,
+            lock: None,
+            steady_since: None,
+            before: None,
+            jumped_at: None,
+        }
+    }
+
+    /// A new connection: nothing of the old one's navigation holds, but the vehicle is not elsewhere for it, and its
+    /// clock is the same. Learnt anew, a link that holds everything up from its first byte on would look like a clock
+    /// that is behind.
+    pub(crate) fn reset(&mut self) {
+        self.leave_newest();
+        self.lock = None;
+        self.steady_since = None;
+    }
+
+    /// The next sample is the first again, but for the place.
+    fn leave_newest(&mut self) {
+        self.forget_window();
+        self.incomplete_since = None;
+        let last = self.newest.take();
+        // The time of its solution hangs on the vehicle's clock, which may have been set.
+        self.before = last.map(|last| (last.sample.local, last.received)).or(self.before);
+    }
+
+    /// Any message's timestamp may name a leap second.
+    pub(crate) fn heard(&mut self, now: Timestamp, utc: Utc, written: TimeOfDay) {
+        self.clock.heard(now, utc, written);
+    }
+
+    /// A round trip tells of the clocks. By how much the vehicle's was set against ours, nanoseconds, where it was: then
+    /// navigation must be steady anew (safety requirement 023).
+    pub(crate) fn measured(&mut self, trip: Trip, utc: Utc, written: TimeOfDay) -> Option<i64> {
+        let step = self.clock.measure(trip, utc, written)?;
+        if !is_on(Check::ClockStep) {
+            return None;
+        }
+        self.jumped_at = Some(trip.received);
+        // The newest solution's time is the old clock's: by the new one it may be yet to come.
+        self.leave_newest();
+        Some(step)
+    }
+
+    /// By how much our clock and the vehicle's differ, where the vehicle's can be believed and that is little enough for
+    /// both to tell the time. Ours may have been set since the start.
+    pub(crate) fn clocks_apart(&self, now: Timestamp, set_nanos: i64) -> Option<Duration> {
+        self.clock.apart(now, set_nanos).filter(|apart| *apart <= APART_MAX)
+    }
+
+    pub(crate) fn clock(&self) -> &VehicleClock {
+        &self.clock
+    }
+
+    /// A BFNVG. Velocities are those of the last sample until its BFNVR comes. Returns `None` where its solution is
+    /// not newer than the last one's.
+    pub(crate) fn position(&mut self, now: Timestamp, utc: Utc, message: &Navigation) -> Option<Change> {
+        self.clock.heard(now, utc, message.created);
+        let age = if is_on(Check::NavigationAge) {
+            self.clock.age(now, utc, message.solution)
+        } else {
+            Some(Duration::ZERO)
+        };
+        let solution = now - age.unwrap_or_default();
+        let local = self.frame.to_local(message.position);
+        let mut jump = None;
+        let mut velocity = (0.0, 0.0, 0.0, 0.0);
+        if let Some(last) = &self.newest {
+            let elapsed_nanos = elapsed_nanos(last.solution, message.solution);
+            if elapsed_nanos <= 0 {
+                return None;
+            }
+            // By our own clock too: the vehicle's may have been set by the fix that moved its position (SPI 2).
+            let elapsed_s = solution.since(last.sample.solution).as_secs_f64();
+            jump = self.jump(last.sample.local, elapsed_s.min(elapsed_nanos as f64 / 1e9), local);
+            let sample = &last.sample;
+            velocity = (sample.east_mps, sample.north_mps, sample.down_mps, sample.yaw_rate_dps);
+        }
+        if let Some((place, at)) = self.before.take() {
+            jump = self.jump(place, now.since(at).as_secs_f64(), local).or(jump);
+        }
+        if jump.is_some() {
+            self.jumped_at = Some(now);
+            self.forget_window();
+        }
+        if self.newest.as_ref().is_none_or(|last| last.complete) {
+            self.incomplete_since = Some(now);
+        }
+        let without = self.incomplete_since.map_or(Duration::ZERO, |since| now.since(since));
+        if without > self.integrity.velocity_gap_max() && is_on(Check::VelocityPresent) {
+            let text = format!("none for {:.1} s", without.as_secs_f64());
+            self.flaw = Some(Flaw {
+                what: WITHOUT_VELOCITIES,
+                text,
+            });
+            self.jumped_at = Some(now);
+        }
+        if self.steady_since.is_none() {
+            self.steady_since = Some(now);
+        }
+        let sample = NavigationSample {
+            solution,
+            position: message.position,
+            local,
+            depth: message.depth,
+            altitude: message.altitude,
+            heading: message.heading.to_true(utm_convergence_deg(message.position)),
+            roll_deg: message.roll_deg,
+            pitch_deg: message.pitch_deg,
+            east_mps: velocity.0,
+            north_mps: velocity.1,
+            down_mps: velocity.2,
+            yaw_rate_dps: velocity.3,
+            gps: message.quality == PositionQuality::Gps,
+        };
+        if let Some(lock) = bottom_lock(&sample) {
+            self.lock = Some((lock, now));
+        }
+        self.newest = Some(Newest {
+            sample,
+            received: now,
+            has_age: age.is_some(),
+            complete: false,
+            written: message.created,
+            solution: message.solution,
+        });
+        Some(jump.map_or(Change::Follows, Change::Jumped))
+    }
+
+    /// A BFNVR. True where it completes the newest BFNVG. One of another time says nothing of that sample.
+    pub(crate) fn velocity(&mut self, now: Timestamp, message: &VelocityAndRates) -> bool {
+        let Some(newest) = &mut self.newest else { return false };
+        let apart = message.created.nanos_since(newest.written).unsigned_abs();
+        if apart > OF_ONE_TIME_NANOS && is_on(Check::VelocityPresent) {
+            return false;
+        }
+        newest.sample.east_mps = message.east_mps;
+        newest.sample.north_mps = message.north_mps;
+        newest.sample.down_mps = message.down_mps;
+        newest.sample.yaw_rate_dps = message.yaw_rate_dps;
+        if !core::mem::replace(&mut newest.complete, true) {
+            let (solution, sample) = (newest.solution, newest.sample);
+            self.complete(now, solution, &sample, message);
+        }
+        apart == 0
+    }
+
+    /// Holds a sample with its velocities against those before it.
+    fn complete(&mut self, now: Timestamp, solution: TimeOfDay, sample: &NavigationSample, message: &VelocityAndRates) {
+        self.incomplete_since = None;
+        let before = self.completed.replace(solution);
+        let elapsed_s = before.map_or(0.0, |before| elapsed_nanos(before, solution) as f64 / 1e9);
+        let flaw = self.integrity.follow(sample, message, elapsed_s);
+        if flaw.is_some() && is_on(Check::NavigationTrue) {
+            self.flaw = flaw;
+            self.jumped_at = Some(now);
+        }
+    }
+
+    /// What navigation has shown to be untrue since this was last asked (safety requirement 024).
+    pub(crate) fn take_flaw(&mut self) -> Option<Flaw> {
+        self.flaw.take()
+    }
+
+    fn forget_window(&mut self) {
+        self.integrity.forget();
+        self.completed = None;
+    }
+
+    /// When the newest sample was written, by the vehicle's clock.
+    pub(crate) fn written(&self) -> Option<TimeOfDay> {
+        self.newest.as_ref().map(|newest| newest.written)
+    }
+
+    /// The newest sample, however old.
+    pub(crate) fn newest(&self) -> Option<&NavigationSample> {
+        self.newest.as_ref().map(|newest| &newest.sample)
+    }
+
+    /// The newest sample while it is fresh (safety requirement 008): its age is known, and not over the mission's limit.
+    pub(crate) fn fresh(&self, now: Timestamp) -> Option<&NavigationSample> {
+        let newest = self.newest.as_ref()?;
+        let fresh = newest.has_age && now.since(newest.sample.solution) <= self.age_max;
+        (fresh || !is_on(Check::NavigationFresh)).then_some(&newest.sample)
+    }
+
+    /// Navigation is stale: what comes after it must be steady again before it counts, or control would come and go
+    /// with every sample of a navigation that is just as old as may be.
+    pub(crate) fn unsettle(&mut self) {
+        self.steady_since = None;
+    }
+
+    /// The vehicle is told where it is, or what its frame is: what it says from now on is another frame's (safety
+    /// requirement 021).
+    pub(crate) fn frame_reset(&mut self, now: Timestamp) {
+        self.forget_window();
+        self.jumped_at = Some(now);
+    }
+
+    /// When the newest sample will have become stale.
+    pub(crate) fn stale_at(&self) -> Option<Timestamp> {
+        self.newest()
+            .map(|sample| sample.solution + self.age_max + Duration::from_nanos(1))
+    }
+
+    /// Whether navigation has been steady for long enough since the connection or its last jump.
+    pub(crate) fn steady(&self, now: Timestamp) -> bool {
+        self.steady_since
+            .is_some_and(|since| now.since(since) >= STEADY_AFTER_CONNECT)
+            && self
+                .jumped_at
+                .is_none_or(|jumped| now.since(jumped) >= STEADY_AFTER_JUMP)
+    }
+
+    /// Whether the vehicle cannot have come from one place to another in that time.
+    fn jump(&self, from: EastNorth, elapsed_s: f64, here: EastNorth) -> Option<Jump> {
+        let metres = here.distance_m(from);
+        let farthest_m = self.speed_max_mps * 1.5 * elapsed_s + JUMP_ALLOWANCE_M;
+        (metres > farthest_m && is_on(Check::Jump)).then_some(Jump {
+            metres,
+            from,
+            elapsed_s,
+        })
+    }
+
+    /// The last bottom lock, while it is young.
+    pub(crate) fn bottom_lock(&self, now: Timestamp) -> Option<BottomLock> {
+        let (lock, at) = self.lock?;
+        (now.since(at) <= LOCK_LASTS).then_some(lock)
+    }
+}

@@ -1,0 +1,415 @@
+use std::collections::BTreeSet;
+
+use backseat_spi::{BehaviorId, PlanElement, PlanElementKind};
+use backseat_units::{EastNorth, LocalFrame, Timestamp};
+
+use crate::vehicle::course::Flown;
+
+/// How many points a plan may have before it is taken for nonsense.
+const POINTS_MAX: usize = 10_000;
+/// So many numbers are remembered that the plan does not have.
+const LACKS_MAX: usize = 64;
+
+/// One behaviour of the vehicle's plan, from a series of BFPLN with one number (SPI 6.20).
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Element {
+    pub(crate) number: Option<u32>,
+    pub(crate) identifier: Option<BehaviorId>,
+    /// In the order that they are passed; never empty.
+    pub(crate) points: Vec<EastNorth>,
+    /// The kinds that its messages bore, each once.
+    pub(crate) kinds: Vec<PlanElementKind>,
+    /// It goes round, however often.
+    pub(crate) circles: bool,
+}
+
+impl Element {
+    fn is_of(&self, message: &PlanElement) -> bool {
+        self.number == message.number && self.identifier == message.identifier
+    }
+
+    /// What it is called.
+    pub(crate) fn kind_name(&self) -> &'static str {
+        match self.kinds.first() {
+            Some(PlanElementKind::Waypoint) if self.points.len() == 1 => "a waypoint",
+            Some(PlanElementKind::Waypoint) => "several waypoints",
+            Some(PlanElementKind::TracklineStart | PlanElementKind::TracklineEnd) => "a trackline",
+            Some(PlanElementKind::Trackcircle) => "a trackcircle",
+            Some(PlanElementKind::Other(_)) => "of another kind",
+            None => "nothing",
+        }
+    }
+
+    /// The first point.
+    pub(crate) fn first(&self) -> EastNorth {
+        self.points[0]
+    }
+
+    /// The last point.
+    pub(crate) fn last(&self) -> EastNorth {
+        self.points[self.points.len() - 1]
+    }
+
+    /// The length of a line, metres; `None` of a circle, and of a single place.
+    pub(crate) fn line_m(&self) -> Option<f64> {
+        if self.circles || self.points.len() < 2 {
+            return None;
+        }
+        Some(self.legs().map(|(start, end)| start.distance_m(end)).sum())
+    }
+
+    /// The legs between its points; a single point is a leg of no length.
+    pub(crate) fn legs(&self) -> impl Iterator<Item = (EastNorth, EastNorth)> + '_ {
+        let single = (self.points.len() == 1).then(|| (self.points[0], self.points[0]));
+        single
+            .into_iter()
+            .chain(self.points.windows(2).map(|pair| (pair[0], pair[1])))
+    }
+}
+
+/// The vehicle's plan as BPRMP last gave it, and where in it the vehicle is.
+#[derive(Debug, Default)]
+pub(crate) struct Plan {
+    elements: Vec<Element>,
+    collecting: Option<Vec<Element>>,
+    points_collected: usize,
+    /// When the vehicle was asked for it.
+    asked_at: Timestamp,
+    /// What had been lost on the link when the series began, and whether any of its own messages could not be read.
+    lost: u64,
+    unreadable: bool,
+    /// What the first message of the series was of, and its index.
+    first: Option<(Option<u32>, Option<BehaviorId>, u32)>,
+    complete: bool,
+    /// Numbers of behaviours that were flown when a whole series came which did not have them: the vehicle does not tell of
+    /// them, and its plan is no worse for that.
+    lacks: BTreeSet<u32>,
+    current: Option<u32>,
+    /// It has ended, and nothing has begun since.
+    between: bool,
+    /// Another may have begun since.
+    unheard: bool,
+    /// What it was seen to fly, where that was not heard.
+    seen: Vec<u32>,
+}
+
+impl Plan {
+    /// Nothing is known.
+    pub(crate) fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The plan no longer holds, but where the vehicle is in it does.
+    pub(crate) fn invalidate(&mut self) {
+        self.complete = false;
+    }
+
+    /// BPRMP has been sent: what comes now is a new plan. So much had been lost on the link until then.
+    pub(crate) fn begin(&mut self, lost: u64) {
+        self.collecting = Some(Vec::new());
+        self.points_collected = 0;
+        self.lost = lost;
+        self.unreadable = false;
+        self.first = None;
+    }
+
+    /// A BFPLN.
+    pub(crate) fn collect(&mut self, frame: &LocalFrame, message: &PlanElement) {
+        let Some(elements) = &mut self.collecting else { return };
+        let of = (message.number, message.identifier, message.index);
+        if *self.first.get_or_insert(of) == of && (of.0.is_some() || of.1.is_some()) {
+            // The series begins anew: it was asked for twice, and both answers come.
+            elements.clear();
+        }
+        let point = frame.to_local(message.position);
+        let circles = message.element == PlanElementKind::Trackcircle;
+        match elements.last_mut() {
+            Some(last) if last.is_of(message) => {
+                last.points.push(point);
+                last.circles |= circles;
+                if !last.kinds.contains(&message.element) {
+                    last.kinds.push(message.element);
+                }
+            }
+            _ => elements.push(Element {
+                number: message.number,
+                identifier: message.identifier,
+                points: vec![point],
+                kinds: vec![message.element],
+                circles,
+            }),
+        }
+        self.points_collected += 1;
+        if self.points_collected > POINTS_MAX {
+            self.collecting = None;
+        }
+    }
+
+    /// BPRMP leaves now.
+    pub(crate) const fn asked(&mut self, now: Timestamp) {
+        self.asked_at = now;
+    }
+
+    pub(crate) const fn asked_at(&self) -> Timestamp {
+        self.asked_at
+    }
+
+    /// A BFPLN that cannot be read.
+    pub(crate) fn unreadable(&mut self) {
+        self.unreadable = true;
+    }
+
+    /// The vehicle has told the whole series, and so much has been lost on the link until now. True where the plan is
+    /// known now: not where anything was lost since the series began, which may have been one of its messages. A series
+    /// does not tell how many it has (SPI 6.20).
+    pub(crate) fn end(&mut self, lost: u64) -> bool {
+        let whole = lost == self.lost && !self.unreadable;
+        let collected = self.collecting.take();
+        let Some(elements) = collected.filter(|elements| whole && !elements.is_empty()) else {
+            return false;
+        };
+        self.elements = elements;
+        self.complete = true;
+        if let Some(number) = self.current.filter(|number| !self.names(*number))
+            && self.lacks.len() < LACKS_MAX
+        {
+            self.lacks.insert(number);
+        }
+        true
+    }
+
+    /// The series has failed.
+    pub(crate) fn fail(&mut self) {
+        self.collecting = None;
+    }
+
+    pub(crate) fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    pub(crate) fn is_collecting(&self) -> bool {
+        self.collecting.is_some()
+    }
+
+    /// A planned behaviour has begun. False where the plan does not have it and was told before it was flown, so that it
+    /// may not be the current plan.
+    pub(crate) fn began(&mut self, number: u32) -> bool {
+        self.current = Some(number);
+        (self.between, self.unheard) = (false, false);
+        self.seen.clear();
+        !self.complete || self.names(number) || self.lacks.contains(&number)
+    }
+
+    /// A planned behaviour has ended: until something begins it is not known which is flown.
+    pub(crate) fn finished(&mut self, number: u32) {
+        if self.current == Some(number) {
+            self.between = true;
+        }
+        self.seen.clear();
+    }
+
+    /// Something was not heard: which planned behaviour is flown is not known until one begins.
+    pub(crate) fn lose(&mut self) {
+        self.unheard = true;
+        self.seen.clear();
+    }
+
+    /// It was not heard what is flown, but the vehicle was seen to keep to the lines of these: one of them is flown. Where
+    /// any is an insert, the place in the plan is not known by it.
+    pub(crate) fn seen_at(&mut self, flown: &[Flown]) {
+        let number = |flown: &Flown| match flown {
+            Flown::Planned(number) => Some(*number),
+            Flown::Inserted(_) => None,
+        };
+        self.seen = flown.iter().map(number).collect::<Option<_>>().unwrap_or_default();
+    }
+
+    /// An insert has begun: what has ended before it is what it was inserted after, and may have been left for it.
+    pub(crate) fn left_for_insert(&mut self) {
+        self.between = false;
+    }
+
+    /// The planned behaviour that is flown, or was when an insert began, where the plan has it; several where it was seen to
+    /// be one of them, none where nobody knows.
+    fn at(&self) -> &[u32] {
+        let heard = |number: &u32| !self.between && !self.unheard && self.names(*number);
+        match &self.current {
+            Some(current) if heard(current) => std::slice::from_ref(current),
+            _ => &self.seen,
+        }
+    }
+
+    fn is_at(&self, element: &Element) -> bool {
+        element.number.is_some_and(|number| self.at().contains(&number))
+    }
+
+    /// Whether the plan names an insert.
+    pub(crate) fn has(&self, identifier: BehaviorId) -> bool {
+        self.elements
+            .iter()
+            .any(|element| element.identifier == Some(identifier))
+    }
+
+    /// Inserts that are in the plan and not known to be ours: an earlier process's, or another payload's.
+    pub(crate) fn others(&self, is_ours: impl Fn(BehaviorId) -> bool) -> impl Iterator<Item = (BehaviorId, &Element)> {
+        self.elements.iter().filter_map(move |element| {
+            let identifier = element.identifier?;
+            (!is_ours(identifier)).then_some((identifier, element))
+        })
+    }
+
+    /// An insert is over: the vehicle will not fly it again.
+    pub(crate) fn ended(&mut self, identifier: BehaviorId) {
+        self.elements.retain(|element| element.identifier != Some(identifier));
+    }
+
+    /// The front seat's own elements.
+    pub(crate) fn planned(&self) -> impl Iterator<Item = &Element> {
+        self.elements.iter().filter(|element| element.identifier.is_none())
+    }
+
+    /// The elements that the vehicle may be on now: the current one, or every one where that is not known.
+    pub(crate) fn current(&self) -> impl Iterator<Item = &Element> {
+        let anywhere = self.at().is_empty();
+        self.planned().filter(move |element| anywhere || self.is_at(element))
+    }
+
+    /// Whether it tells of a planned behaviour.
+    pub(crate) fn names(&self, number: u32) -> bool {
+        self.planned().any(|element| element.number == Some(number))
+    }
+
+    /// The elements of the planned behaviour that is flown; none where that is not known.
+    pub(crate) fn flown(&self) -> impl Iterator<Item = &Element> {
+        self.planned().filter(|element| self.is_at(element))
+    }
+
+    /// The lines of the front seat's own elements, each with the way to it from the element before, and whose they are.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (u32, (EastNorth, EastNorth))> + '_ {
+        let before = std::iter::once(None).chain(self.planned().map(Some));
+        before.zip(self.planned()).flat_map(|(before, element)| {
+            let way = before.map(|before| (before.last(), element.first()));
+            let lines = way.into_iter().chain(element.legs());
+            lines.filter_map(|line| Some((element.number?, line)))
+        })
+    }
+
+    /// Where nobody heard what is flown but it was seen: the ways to what is flown, and what comes before it.
+    pub(crate) fn seen_before(&self) -> impl Iterator<Item = (EastNorth, EastNorth)> + '_ {
+        let pairs = self.planned().zip(self.planned().skip(1));
+        let pairs = pairs.filter(|(_, element)| element.number.is_some_and(|number| self.seen.contains(&number)));
+        pairs.flat_map(|(before, element)| before.legs().chain([(before.last(), element.first())]))
+    }
+
+    /// The first points of what may come after the current element.
+    pub(crate) fn next_points(&self) -> Vec<EastNorth> {
+        if self.at().is_empty() {
+            return self.planned().map(Element::first).collect();
+        }
+        let next = |current: &u32| {
+            let mut after = self.planned().skip_while(|element| element.number != Some(*current));
+            // A number that recurs (several elements of one behaviour) is passed over whole.
+            after
+                .find(|element| element.number != Some(*current))
+                .map(Element::first)
+        };
+        self.at().iter().filter_map(next).collect()
+    }
+
+    /// All elements, the inserts included.
+    pub(crate) fn elements(&self) -> impl Iterator<Item = &Element> {
+        self.elements.iter()
+    }
+
+    /// How many elements there are, the inserts included.
+    pub(crate) fn len(&self) -> usize {
+        self.elements.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use backseat_spi::PlanElementKind;
+    use backseat_units::{Position, TimeOfDay};
+
+    use super::*;
+
+    fn frame() -> LocalFrame {
+        LocalFrame::new(Position::from_deg(42.0, -70.0).unwrap())
+    }
+
+    fn collect(plan: &mut Plan, number: Option<u32>, identifier: Option<u32>, index: u32, east_m: f64) {
+        let frame = frame();
+        plan.collect(
+            &frame,
+            &PlanElement {
+                created: TimeOfDay::MIDNIGHT,
+                number,
+                identifier: identifier.map(BehaviorId::new),
+                index,
+                element: PlanElementKind::Waypoint,
+                position: frame.to_position(EastNorth::new(east_m, 0.0)),
+            },
+        );
+    }
+
+    fn plan() -> Plan {
+        let mut plan = Plan::default();
+        plan.begin(3);
+        collect(&mut plan, Some(1), None, 0, 0.0);
+        collect(&mut plan, Some(2), None, 0, 100.0);
+        collect(&mut plan, Some(2), None, 1, 200.0);
+        collect(&mut plan, None, Some(7), 0, 250.0);
+        collect(&mut plan, Some(3), None, 0, 300.0);
+        plan
+    }
+
+    #[test]
+    fn a_plan_counts_only_when_its_series_is_whole() {
+        let mut whole = plan();
+        assert!(!whole.is_complete());
+        assert!(whole.end(3) && whole.is_complete() && whole.has(BehaviorId::new(7)));
+        let mut cut = plan();
+        cut.fail();
+        assert!(!cut.end(3) && !cut.is_complete());
+        let mut damaged = plan();
+        assert!(!damaged.end(4) && !damaged.is_complete());
+        let mut unreadable = plan();
+        unreadable.unreadable();
+        assert!(!unreadable.end(3) && !unreadable.is_complete());
+    }
+
+    #[test]
+    fn a_series_that_comes_twice_is_one_plan() {
+        let frame = frame();
+        let mut plan = plan();
+        for (number, index, east_m) in [(1, 0, 0.0), (2, 0, 100.0), (2, 1, 200.0), (3, 0, 300.0)] {
+            let message = PlanElement {
+                created: TimeOfDay::MIDNIGHT,
+                number: Some(number),
+                identifier: None,
+                index,
+                element: PlanElementKind::Waypoint,
+                position: frame.to_position(EastNorth::new(east_m, 0.0)),
+            };
+            plan.collect(&frame, &message);
+        }
+        assert!(plan.end(3));
+        let points: Vec<usize> = plan.planned().map(|element| element.points.len()).collect();
+        assert_eq!(points, [1, 2, 1]);
+        assert!(!plan.has(BehaviorId::new(7)), "the newer series counts");
+    }
+
+    #[test]
+    fn what_comes_next_is_the_front_seats_next_element_or_any_where_the_current_is_unknown() {
+        let mut plan = plan();
+        assert!(plan.end(3));
+        assert_eq!(plan.next_points().len(), 3);
+        assert!(plan.began(2));
+        let next = plan.next_points();
+        assert_eq!(next.len(), 1);
+        assert!((next[0].east_m - 300.0).abs() < 1e-3);
+        assert_eq!(plan.current().flat_map(Element::legs).count(), 1);
+        assert!(!plan.began(9), "a behaviour that the plan does not have");
+    }
+}

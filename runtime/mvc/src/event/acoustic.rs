@@ -1,0 +1,68 @@
+use core::fmt;
+
+use backseat_spi::FrameSentStatus;
+
+use super::client::ClientId;
+
+/// What happened on the acoustic modem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AcousticEvent {
+    /// The payload's window began: BFCMA.
+    WindowBegan,
+    /// The payload's window ended.
+    WindowEnded,
+    /// A window was left out: the vehicle is silent.
+    WindowSkipped,
+    /// A payload's packet is queued.
+    Queued(ClientId, u32),
+    /// A payload's packet was ignored: it came outside of a window.
+    Ignored(ClientId, u32),
+    /// A packet was sent, and heard or not by the modem with this address.
+    Sent {
+        /// Its request's identifier.
+        request: u32,
+        /// The modem that it was for.
+        destination: u32,
+        /// Whether that modem has heard it.
+        heard: bool,
+        /// What BFCPS says of its frames.
+        status: FrameSentStatus,
+    },
+    /// A packet was not sent: its window ended or the vehicle is silent.
+    NotSent(u32),
+    /// A packet arrived from the modem with this address.
+    Received(u32),
+    /// A packet of the modem with this address was not heard.
+    NotHeard(u32),
+}
+
+impl fmt::Display for AcousticEvent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::WindowBegan => f.write_str("acoustic window began"),
+            Self::WindowEnded => f.write_str("acoustic window ended"),
+            Self::WindowSkipped => f.write_str("acoustic window left out: the vehicle is silent"),
+            Self::Queued(client, request) => write!(f, "packet {request} of {client} queued"),
+            Self::Ignored(client, request) => write!(f, "packet {request} of {client} ignored: outside of a window"),
+            Self::Sent {
+                request,
+                destination,
+                heard,
+                status,
+            } => {
+                let heard = if *heard { "heard" } else { "not heard" };
+                write!(f, "packet {request} sent to modem {destination}, {heard}")?;
+                match status {
+                    FrameSentStatus::Acked => f.write_str(", acknowledged"),
+                    FrameSentStatus::Unset
+                    | FrameSentStatus::Unacknowledged
+                    | FrameSentStatus::FailedToSend
+                    | FrameSentStatus::Other(_) => Ok(()),
+                }
+            }
+            Self::NotSent(request) => write!(f, "packet {request} was not sent"),
+            Self::Received(source) => write!(f, "packet of modem {source} received"),
+            Self::NotHeard(source) => write!(f, "packet of modem {source} was not heard"),
+        }
+    }
+}

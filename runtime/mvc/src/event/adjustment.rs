@@ -1,0 +1,45 @@
+use core::fmt;
+
+use super::client::ClientId;
+
+/// Which of the two systems.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AdjustmentKind {
+    /// Trim: pitch and roll.
+    Trim,
+    /// Variable buoyancy.
+    Buoyancy,
+}
+
+/// What happened to an adjustment of trim or buoyancy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AdjustmentEvent {
+    /// It began, asked for by a client or by the vehicle itself.
+    Began(AdjustmentKind, Option<ClientId>),
+    /// It ended well.
+    Completed(AdjustmentKind),
+    /// It ended otherwise: why.
+    Failed(AdjustmentKind, &'static str),
+}
+
+impl AdjustmentKind {
+    /// The behavior's type in BFMBS and BFMBE.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Trim => "trim",
+            Self::Buoyancy => "buoyancy",
+        }
+    }
+}
+
+impl fmt::Display for AdjustmentEvent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Began(kind, Some(client)) => write!(f, "{} adjustment of {client} began", kind.name()),
+            Self::Began(kind, None) => write!(f, "{} adjustment of the vehicle's own began", kind.name()),
+            Self::Completed(kind) => write!(f, "{} adjustment completed", kind.name()),
+            Self::Failed(kind, why) => write!(f, "{} adjustment ended: {why}", kind.name()),
+        }
+    }
+}

@@ -1,0 +1,126 @@
+use core::time::Duration;
+
+use backseat_spi::Text;
+use backseat_units::{EastNorth, Timestamp};
+use backseat_world::Stream;
+
+use super::Executive;
+use super::schedule::Schedule;
+use crate::context::Context;
+use crate::event::{ClientId, Status};
+use crate::file::WorldFile;
+use crate::interpretation::Interpretation;
+use crate::plan::{GpsTimes, PlanItem};
+use crate::truth::Activity;
+use crate::vehicle::{Drive, HoverDemand};
+
+/// The mission's side of the interface: it takes the commands of SPI 7.5 to 7.13, 7.16, 7.17, 7.19 and 7.20 to the
+/// executive, and tells the clients what that does (SPI 5.1, 5.3, 5.4, 6.9 to 6.11, 6.20, 6.24).
+#[derive(Debug)]
+pub(crate) struct Mission {
+    pub(super) executive: Executive,
+    pub(super) dive_file: Text,
+    /// BFMIS while the mission runs.
+    pub(super) running: Text,
+    pub(super) empty_allowed: bool,
+    /// How long a GPS hit takes.
+    pub(super) gps: GpsTimes,
+    pub(super) schedule: Schedule,
+}
+
+impl Mission {
+    pub(crate) fn new(
+        file: &WorldFile,
+        plan: Vec<PlanItem>,
+        interpretation: Interpretation,
+        period: Duration,
+        seed: u64,
+    ) -> Self {
+        let config = &file.mission;
+        let running = format!("{} {}", Status::Running.name(), config.log_dir);
+        let fix_s = config.gps_fix_s.draw(&mut Stream::new(seed, "gps fix"));
+        Self {
+            executive: Executive::new(plan, config, &file.vehicle, interpretation, period),
+            dive_file: Text::cleaned(&config.dive_file),
+            running: Text::cleaned(running.trim_end()),
+            empty_allowed: config.empty_allowed,
+            gps: GpsTimes {
+                fix: Duration::from_secs_f64(fix_s),
+                within: Duration::from_secs_f64(config.gps_within_s),
+            },
+            schedule: Schedule::new(&config.commands),
+        }
+    }
+
+    pub(crate) const fn status(&self) -> Status {
+        self.executive.status()
+    }
+
+    /// Whether the payload has control (SPI 6.24).
+    pub(crate) const fn control(&self) -> bool {
+        self.executive.control()
+    }
+
+    pub(crate) fn activity(&self) -> Activity {
+        self.executive.activity()
+    }
+
+    /// One step of the vehicle: what is to move it now.
+    pub(crate) fn step(&mut self, ctx: &Context<'_>) -> Drive {
+        self.executive.tick(ctx.now, &ctx.estimate, ctx.north.frame_deg)
+    }
+
+    /// When a modify or a suspension lapses unless it is refreshed.
+    pub(crate) fn lapses_at(&self) -> Option<Timestamp> {
+        self.executive.lapses_at()
+    }
+
+    pub(crate) fn lapse(&mut self, now: Timestamp) {
+        self.executive.lapse(now);
+    }
+
+    /// Whether control is withheld though the plan allows it; the next step acts on it.
+    pub(crate) const fn deny_control(&mut self, denied: bool) {
+        self.executive.deny_control(denied);
+    }
+
+    /// The vehicle ends the mission that runs, or is to run.
+    pub(crate) fn fail(&mut self, details: &'static str) {
+        self.executive.fail_mission(details);
+    }
+
+    /// See [`Executive::suspend`].
+    pub(crate) fn suspend(&mut self, ctx: &Context<'_>, client: ClientId) -> Result<bool, &'static str> {
+        self.executive.suspend(ctx.now, client, &ctx.estimate)
+    }
+
+    /// See [`Executive::keep_suspended`].
+    pub(crate) fn keep_suspended(&mut self, now: Timestamp) -> bool {
+        self.executive.keep_suspended(now)
+    }
+
+    /// See [`Executive::resume_asked`].
+    pub(crate) fn resume(&mut self, now: Timestamp) -> bool {
+        self.executive.resume_asked(now)
+    }
+
+    pub(crate) fn is_suspended(&self) -> bool {
+        self.executive.is_suspended()
+    }
+
+    /// When the suspension lapses unless it is refreshed.
+    pub(crate) fn suspended_until(&self) -> Option<Timestamp> {
+        self.executive.suspended_until()
+    }
+
+    /// What the payload that has suspended the mission has the vehicle do.
+    pub(crate) fn set_hover(&mut self, hover: HoverDemand) {
+        self.executive.set_hover(hover);
+    }
+
+    /// The points of the plan and of the inserts in it, with the numbers of the planned elements.
+    pub(crate) fn plan_points(&self, at: EastNorth) -> Vec<(Option<u32>, EastNorth)> {
+        let points = self.executive.points(at).into_iter();
+        points.map(|point| (point.number, point.at)).collect()
+    }
+}

@@ -1,0 +1,90 @@
+use backseat_spi::{AckStatus, PayloadCtd, PositionFix};
+use backseat_units::{LocalFrame, TimeOfDay};
+
+use super::{FixOutcome, Sensors};
+use crate::context::Context;
+use crate::event::MvcEventKind;
+use crate::server::answers::Regarding;
+
+/// The error of a fix is at most this, metres: a larger one says nothing.
+const FIX_ERROR_MAX_M: f64 = 100_000.0;
+/// What a CTD in the sea can measure: microsiemens a centimetre, degrees Celsius, kilopascals.
+const CONDUCTIVITY_US_PER_CM: core::ops::RangeInclusive<f64> = 0.0..=100_000.0;
+const TEMPERATURE_C: core::ops::RangeInclusive<f64> = -5.0..=50.0;
+const PRESSURE_KPA: core::ops::RangeInclusive<f64> = 0.0..=150_000.0;
+
+/// What a payload measures for the vehicle: fixes and CTD data (SPI 7.15, 7.21).
+impl Sensors {
+    /// BPNPU: moves the navigation towards the fix, as far as its accuracy and its age let it.
+    ///
+    /// Its depth is not used: the vehicle's own is better.
+    pub(crate) fn position_fix(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &PositionFix) {
+        let error_m = request.error_m;
+        if !(0.0..=FIX_ERROR_MAX_M).contains(&error_m) {
+            let text = format!("circular error probability {error_m}: expected 0 to 100000 m");
+            return ctx.invalid(re, &text);
+        }
+        let place = ctx.frame().to_local(request.position);
+        if place.east_m.abs().max(place.north_m.abs()) > LocalFrame::RADIUS_M {
+            let text = "the fix is over 50 km from the origin";
+            return refuse_fix(ctx, re, text);
+        }
+        // By the payload's own clock, which need not agree with the vehicle's.
+        let age_s = age_s(request.created, request.measured);
+        match self.fix(ctx.now, place, error_m, age_s, request.force) {
+            FixOutcome::Moved(moved_m) => {
+                ctx.note(MvcEventKind::PositionFix(re.client, moved_m));
+                let text = format!("the navigation moved by {moved_m:.2} m");
+                ctx.acknowledge(re, AckStatus::Succeeded, &text);
+            }
+            FixOutcome::TooOld(age_s) => refuse_fix(ctx, re, &format!("the fix is {age_s:.1} s old")),
+            FixOutcome::Outlier { off_m, limit_m } => {
+                let text = format!("the fix is an outlier: {off_m:.1} m off where at most {limit_m:.1} m are likely");
+                refuse_fix(ctx, re, &text);
+            }
+        }
+    }
+
+    /// BPCTD: logged, and used for the speed of sound.
+    pub(crate) fn payload_ctd(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &PayloadCtd) {
+        for (what, value, range, expected) in [
+            (
+                "conductivity",
+                request.conductivity_us_per_cm,
+                CONDUCTIVITY_US_PER_CM,
+                "0 to 100000 uS/cm",
+            ),
+            ("temperature", request.temperature_c, TEMPERATURE_C, "-5 to 50 degC"),
+            ("pressure", request.pressure_kpa, PRESSURE_KPA, "0 to 150000 kPa"),
+        ] {
+            if !range.contains(&value) {
+                return ctx.invalid(re, &format!("{what} {value}: expected {expected}"));
+            }
+        }
+        self.heed_payload_ctd(ctx.now, request);
+        ctx.note(MvcEventKind::PayloadCtd {
+            client: re.client,
+            conductivity_us_per_cm: request.conductivity_us_per_cm,
+            temperature_c: request.temperature_c,
+            pressure_kpa: request.pressure_kpa,
+        });
+        ctx.acknowledge(re, AckStatus::Succeeded, "");
+    }
+}
+
+fn refuse_fix(ctx: &mut Context<'_>, re: Regarding, text: &str) {
+    ctx.note(MvcEventKind::PositionFixRefused(re.client, text.into()));
+    ctx.acknowledge(re, AckStatus::Failed, text);
+}
+
+/// From a measurement to the message that carries it, seconds; over midnight too. A measurement after its message has no
+/// age.
+fn age_s(created: TimeOfDay, measured: TimeOfDay) -> f64 {
+    const DAY_S: f64 = 86_400.0;
+    let age_s = created.nanos_since(measured) as f64 / 1e9;
+    if age_s < -DAY_S / 2.0 {
+        age_s + DAY_S
+    } else {
+        age_s.max(0.0)
+    }
+}

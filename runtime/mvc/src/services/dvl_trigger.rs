@@ -1,0 +1,233 @@
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use backseat_spi::{AckStatus, DvlTriggerRequest, DvlTriggering};
+use backseat_units::Timestamp;
+
+use super::times::times;
+use crate::context::Context;
+use crate::event::{ClientId, DvlTriggerEvent, MvcEventKind};
+use crate::file::{DvlTriggerConfig, WorldFile};
+use crate::server::answers::Regarding;
+
+/// External triggering of the DVL (SPI 5.6, 7.4).
+///
+/// The mock sees no pulses. [`DvlTriggerConfig`] says what it takes the line to do.
+#[derive(Debug)]
+pub(crate) struct DvlTrigger {
+    config: DvlTriggerConfig,
+    stops: VecDeque<Timestamp>,
+    state: State,
+    /// Not before then is it safe to begin.
+    safe_from: Timestamp,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Internal,
+    /// Asked for, not yet safe.
+    Asked {
+        by: ClientId,
+        safe_at: Timestamp,
+    },
+    External(Line),
+    /// BFDVT 0 has been sent; the payload has not yet said that it has stopped.
+    Stopping(Line),
+}
+
+/// The trigger line, while the DVL waits for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Line {
+    by: ClientId,
+    /// The payload has not said that it does not trigger.
+    used: bool,
+    /// Its connection is there.
+    connected: bool,
+    last_pulse: Timestamp,
+}
+
+impl DvlTrigger {
+    pub(crate) fn new(file: &WorldFile) -> Self {
+        Self {
+            config: file.dvl.clone(),
+            stops: times(&file.dvl.stop_at_s),
+            state: State::Internal,
+            safe_from: Timestamp::ZERO,
+        }
+    }
+
+    /// A connection is gone, and with it whoever triggered.
+    pub(crate) fn client_left(&mut self, client: ClientId) {
+        match &mut self.state {
+            State::External(line) | State::Stopping(line) if line.by == client => line.connected = false,
+            State::Asked { by, .. } if *by == client => self.state = State::Internal,
+            State::Internal | State::Asked { .. } | State::External(_) | State::Stopping(_) => {}
+        }
+    }
+
+    fn ask(&self, now: Timestamp, by: ClientId) -> State {
+        let safe_at = (now + Duration::from_secs_f64(self.config.safe_after_s)).max(self.safe_from);
+        State::Asked { by, safe_at }
+    }
+
+    fn pulses(&self, line: Line, now: Timestamp) -> bool {
+        let now_s = now.as_secs_f64();
+        let dead = |fault: &crate::file::LineFault| now_s >= fault.at_s && now_s < fault.at_s + fault.for_s;
+        self.config.payload_triggers && line.used && line.connected && !self.config.line_faults.iter().any(dead)
+    }
+}
+
+/// What a BPDVR comes to: the state after it, what the log says, whether BFDVT 0 is due, how it is acknowledged.
+struct Answer {
+    state: State,
+    event: Option<DvlTriggerEvent>,
+    cease: bool,
+    refused: Option<&'static str>,
+}
+
+impl DvlTrigger {
+    /// BPDVR (SPI 7.4).
+    pub(crate) fn request(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &DvlTriggerRequest) {
+        if !self.config.triggering_equipped {
+            ctx.acknowledge(re, AckStatus::Failed, "no DVL triggering lines are fitted");
+            return;
+        }
+        let answer = self.answer(ctx.now, re.client, request.external, request.triggering);
+        self.state = answer.state;
+        if let Some(event) = answer.event {
+            ctx.note(MvcEventKind::DvlTrigger(event));
+        }
+        match answer.refused {
+            Some(why) => ctx.acknowledge(re, AckStatus::Failed, why),
+            None => ctx.acknowledge(re, AckStatus::Succeeded, ""),
+        }
+        if answer.cease {
+            Self::tell(ctx, false);
+        }
+    }
+
+    /// One step of the vehicle.
+    pub(crate) fn step(&mut self, ctx: &mut Context<'_>) {
+        if self.stops.front().is_some_and(|at| *at <= ctx.now) {
+            self.stops.pop_front();
+            self.stop(ctx);
+        }
+        match self.state {
+            State::Internal => {}
+            State::Asked { by, safe_at } => {
+                if ctx.now >= safe_at {
+                    self.state = State::External(Line {
+                        by,
+                        used: true,
+                        connected: true,
+                        last_pulse: ctx.now,
+                    });
+                    ctx.note(MvcEventKind::DvlTrigger(DvlTriggerEvent::Began));
+                    Self::tell(ctx, true);
+                }
+            }
+            State::External(line) => self.watch_line(ctx, line, State::External),
+            State::Stopping(line) => self.watch_line(ctx, line, State::Stopping),
+        }
+    }
+
+    /// "At any time when in external triggering mode the Bluefin vehicle may initiate a stop triggering command."
+    fn stop(&mut self, ctx: &mut Context<'_>) {
+        let trigger = &mut *self;
+        trigger.safe_from = ctx.now + Duration::from_secs_f64(trigger.config.stop_for_s);
+        match trigger.state {
+            State::External(line) => {
+                trigger.state = State::Stopping(line);
+                ctx.note(MvcEventKind::DvlTrigger(DvlTriggerEvent::StopOrdered));
+                Self::tell(ctx, false);
+            }
+            State::Asked { by, safe_at } => {
+                let safe_at = safe_at.max(trigger.safe_from);
+                trigger.state = State::Asked { by, safe_at };
+            }
+            State::Internal | State::Stopping(_) => {}
+        }
+    }
+
+    fn watch_line(&mut self, ctx: &mut Context<'_>, mut line: Line, state: fn(Line) -> State) {
+        if self.pulses(line, ctx.now) {
+            line.last_pulse = ctx.now;
+            self.state = state(line);
+            return;
+        }
+        if ctx.now.since(line.last_pulse).as_secs_f64() < self.config.timeout_s {
+            return;
+        }
+        let told_to_stop = matches!(self.state, State::Stopping(_));
+        self.state = State::Internal;
+        ctx.note(MvcEventKind::DvlTrigger(DvlTriggerEvent::TimedOut));
+        if ctx.interpretation.dvl_timeout_announced && !told_to_stop {
+            Self::tell(ctx, false);
+        }
+    }
+
+    fn tell(ctx: &mut Context<'_>, begin: bool) {
+        let created = ctx.stamp();
+        ctx.publish(None, &DvlTriggering { created, begin }.into());
+    }
+}
+
+impl DvlTrigger {
+    /// The whole table of SPI 7.4: each state by what the payload wants (`external`) and does (`triggering`).
+    fn answer(&self, now: Timestamp, by: ClientId, external: bool, triggering: bool) -> Answer {
+        let becomes = |state, event| Answer {
+            state,
+            event,
+            cease: false,
+            refused: None,
+        };
+        match (self.state, external, triggering) {
+            (State::Internal, true, false) => becomes(self.ask(now, by), Some(DvlTriggerEvent::Asked(by))),
+            (State::Internal, false, false) | (State::Asked { .. }, true, false) => becomes(self.state, None),
+            // It was never told to begin: it is told to cease, and has to ask anew.
+            (State::Internal | State::Asked { .. }, true, true) => Answer {
+                event: Some(DvlTriggerEvent::WithoutLeave(by)),
+                refused: Some("triggering without leave"),
+                ..becomes_ceasing(State::Internal)
+            },
+            (State::Internal, false, true) => Answer {
+                event: Some(DvlTriggerEvent::StopAsked),
+                ..becomes_ceasing(self.state)
+            },
+            (State::Asked { .. }, false, _) => Answer {
+                cease: triggering,
+                ..becomes(State::Internal, Some(DvlTriggerEvent::Internal))
+            },
+            (State::External(line), true, _) => {
+                let line = Line {
+                    by,
+                    used: triggering,
+                    connected: true,
+                    ..line
+                };
+                becomes(State::External(line), None)
+            }
+            (State::External(line), false, true) => Answer {
+                event: Some(DvlTriggerEvent::StopAsked),
+                ..becomes_ceasing(State::Stopping(line))
+            },
+            (State::External(_) | State::Stopping(_), false, false) => {
+                becomes(State::Internal, Some(DvlTriggerEvent::Internal))
+            }
+            // It has stopped and still wishes: "the vehicle will re-enter external triggering mode as soon as
+            // possible".
+            (State::Stopping(_), true, false) => becomes(self.ask(now, by), Some(DvlTriggerEvent::Asked(by))),
+            // It has been told to stop, and goes on.
+            (State::Stopping(_), _, true) => becomes(self.state, None),
+        }
+    }
+}
+
+const fn becomes_ceasing(state: State) -> Answer {
+    Answer {
+        state,
+        event: None,
+        cease: true,
+        refused: None,
+    }
+}

@@ -1,0 +1,12 @@
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use backseat_units::Timestamp;
+
+/// A list of seconds after the start as points in time.
+pub(super) fn times(seconds: &[f64]) -> VecDeque<Timestamp> {
+    seconds
+        .iter()
+        .map(|s| Timestamp::ZERO + Duration::from_secs_f64(*s))
+        .collect()
+}

@@ -1,0 +1,122 @@
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use backseat_spi::{AckStatus, Text, TopsideMessage, TopsideRelay, TopsideText, Transport};
+use backseat_units::Timestamp;
+
+use crate::context::Context;
+use crate::event::{MvcEventKind, TopsideEvent};
+use crate::file::{TopsideConfig, TopsideEntry, WorldFile};
+use crate::server::answers::Regarding;
+
+/// Above this depth the radio's antenna is out of the water, metres.
+const SURFACED_M: f64 = 0.3;
+
+/// Text to and from the topside (SPI 5.5, 7.3, 7.14).
+#[derive(Debug)]
+pub(crate) struct Topside {
+    config: TopsideConfig,
+    incoming: VecDeque<(Timestamp, TopsideEntry)>,
+    outgoing: VecDeque<Text>,
+    /// When the message at the head of the queue is delivered.
+    delivered_at: Timestamp,
+}
+
+impl Topside {
+    pub(crate) fn new(file: &WorldFile) -> Self {
+        let config = file.topside.clone();
+        let at = |entry: &TopsideEntry| Timestamp::ZERO + Duration::from_secs_f64(entry.at_s);
+        Self {
+            incoming: config.messages.iter().map(|entry| (at(entry), entry.clone())).collect(),
+            outgoing: VecDeque::new(),
+            delivered_at: Timestamp::ZERO,
+            config,
+        }
+    }
+
+    fn delivery(&self) -> Duration {
+        Duration::from_secs_f64(self.config.delivery_s)
+    }
+}
+
+impl Topside {
+    /// BPTOP (SPI 7.3): may be pending. The slowest link that it names is advice, "such that all topside messages will
+    /// be sent using any communications link".
+    pub(crate) fn text(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &TopsideText) {
+        if let Transport::Other(code) = request.slowest {
+            return ctx.invalid(re, &format!("slowest {code}: expected 0 to 3"));
+        }
+        if request.text.is_empty() {
+            return ctx.invalid(re, "text: empty");
+        }
+        if let Some(text) = ctx.server.begin(ctx.now, re, request.text.clone()) {
+            self.decide(ctx, re, text);
+        }
+    }
+
+    /// The outcome of a BPTOP: success is that it is queued, not that it is received.
+    pub(crate) fn decide(&mut self, ctx: &mut Context<'_>, re: Regarding, text: Text) {
+        if self.outgoing.len() >= self.config.queue_max as usize {
+            return ctx.acknowledge(re, AckStatus::Failed, "too many messages wait for the topside");
+        }
+        ctx.note(MvcEventKind::Topside(TopsideEvent::Queued(re.client, text.clone())));
+        if self.outgoing.is_empty() {
+            self.delivered_at = ctx.now + self.delivery();
+        }
+        self.outgoing.push_back(text);
+        ctx.acknowledge(re, AckStatus::Succeeded, "queued");
+    }
+
+    /// BPTMR (SPI 7.14). What a relayed message means is not specified: it is logged, and nothing is done.
+    pub(crate) fn relay(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &TopsideRelay) {
+        if let Transport::Other(code) = request.transport {
+            return ctx.invalid(re, &format!("transport {code}: expected 0 to 3"));
+        }
+        if !self.config.relay {
+            return ctx.acknowledge(re, AckStatus::Failed, "this vehicle takes no relayed messages");
+        }
+        let event = TopsideEvent::Relayed(re.client, request.transport, request.text.clone());
+        ctx.note(MvcEventKind::Topside(event));
+        ctx.acknowledge(re, AckStatus::Succeeded, "");
+    }
+
+    /// One step of the vehicle.
+    pub(crate) fn step(&mut self, ctx: &mut Context<'_>) {
+        while self.incoming.front().is_some_and(|(at, _)| *at <= ctx.now) {
+            if let Some((_, entry)) = self.incoming.pop_front() {
+                self.hear(ctx, entry);
+            }
+        }
+        if self.outgoing.is_empty() || ctx.now < self.delivered_at {
+            return;
+        }
+        let surfaced = ctx.vehicle.motion().depth_m < SURFACED_M;
+        let config = &self.config;
+        let transport = if surfaced { config.surfaced } else { config.submerged };
+        // A silent vehicle's acoustic modem does not send: the messages wait (SPI 7.22).
+        if transport == Transport::AcousticModem && ctx.quiet.silent {
+            return;
+        }
+        if let Some(text) = self.outgoing.pop_front() {
+            self.delivered_at = ctx.now + self.delivery();
+            ctx.note(MvcEventKind::Topside(TopsideEvent::Delivered(transport, text)));
+        }
+    }
+
+    /// BFTOP (SPI 5.5).
+    fn hear(&mut self, ctx: &mut Context<'_>, entry: TopsideEntry) {
+        let text = Text::cleaned(&entry.text);
+        let message = TopsideMessage {
+            created: ctx.stamp(),
+            transport: entry.transport,
+            text: text.clone(),
+        };
+        ctx.server.order(ctx.now, entry.role.as_deref(), &message.into());
+        let role = entry.role.map(String::into_boxed_str);
+        ctx.note(MvcEventKind::Topside(TopsideEvent::Received(
+            entry.transport,
+            role,
+            text,
+        )));
+    }
+}

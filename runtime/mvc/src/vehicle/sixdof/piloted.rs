@@ -1,0 +1,296 @@
+use backseat_units::EastNorth;
+
+use super::autopilot::{
+    Autopilot, Bounds, HEADING_GAIN_PER_S, PITCH_RATE_MAX, Setpoints, Steering, TURN_MAX_DEG_PER_M, Throttle, Vertical,
+};
+use super::coefficients::{FIN_MAX_DEG, PROPELLER_MAX_RPM};
+use super::{Actuators, STEP_MAX_S, SixDof};
+use crate::vehicle::hull::Hull;
+
+/// What moves the vehicle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Helm {
+    /// Held where it is: before its mission.
+    Held,
+    /// Under its autopilot.
+    Under(Orders),
+    /// Nothing: fins amidships, propeller stopped; it drifts and floats up.
+    Adrift,
+}
+
+/// What the autopilot is to hold, as a mission says it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Orders {
+    /// In the horizontal plane.
+    pub(crate) steering: Steering,
+    /// In the vertical plane.
+    pub(crate) trim: Trim,
+    /// Along.
+    pub(crate) throttle: Throttle,
+}
+
+/// The vertical order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Trim {
+    /// Metres below the surface.
+    Depth(f64),
+    /// Metres above the seabed.
+    Altitude(f64),
+    /// Degrees, positive nose up.
+    Pitch(f64),
+    /// The elevator's angle, degrees, positive pitches the nose up; within ±15.
+    Elevator(f64),
+}
+
+/// The sea where the vehicle is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Surroundings {
+    /// Depth of the water, metres; may be infinite.
+    pub(crate) water_depth_m: f64,
+    /// Change of that depth, metres a metre eastward and northward.
+    pub(crate) gradient: EastNorth,
+    /// Velocity of the water, east, north, down, metres a second.
+    pub(crate) current: (f64, f64, f64),
+}
+
+/// How the vehicle is and moves: what sensors and a judge look at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Motion {
+    /// Where it is in the world's frame.
+    pub(crate) at: EastNorth,
+    /// Metres, never negative.
+    pub(crate) depth_m: f64,
+    /// Degrees from the frame's north, in [0, 360).
+    pub(crate) heading_deg: f64,
+    /// Speed through the water, forward, metres a second.
+    pub(crate) surge_mps: f64,
+    /// Speed through the water, to starboard, metres a second.
+    pub(crate) sway_mps: f64,
+    /// Depth rate, metres a second, positive down.
+    pub(crate) heave_mps: f64,
+    /// Rate of the heading, degrees a second.
+    pub(crate) yaw_rate_dps: f64,
+    /// Degrees, positive nose up.
+    pub(crate) pitch_deg: f64,
+    /// Degrees a second.
+    pub(crate) pitch_rate_dps: f64,
+    /// Degrees, positive to starboard.
+    pub(crate) roll_deg: f64,
+    /// Degrees a second.
+    pub(crate) roll_rate_dps: f64,
+    /// Velocity over ground, east and north, metres a second.
+    pub(crate) ground: (f64, f64),
+    /// Whether it lies on the seabed.
+    pub(crate) grounded: bool,
+    /// Fins and propeller, where they are.
+    pub(crate) tail: Actuators,
+    /// Fins and propeller, where they have been told to go.
+    pub(crate) ordered: Actuators,
+}
+
+/// A body, its autopilot, and the limits that it keeps whatever it is asked.
+#[derive(Clone, Debug)]
+pub(crate) struct Piloted {
+    hull: Hull,
+    altitude_min_m: f64,
+    body: SixDof,
+    autopilot: Autopilot,
+    ordered: Actuators,
+    /// As a share of the hull's own.
+    rise_share: f64,
+    held: bool,
+    grounded: bool,
+}
+
+/// The slowest that this body steers and holds its depth, metres a second. Below about 0.7 the stern planes' own force
+/// lifts it more than the pitch that they make brings it down, and its buoyancy comes on top.
+const STEERAGE_MPS: f64 = 1.0;
+/// The fastest that it goes, metres a second: a little less than all the propeller gives in a straight line.
+const FASTEST_MPS: f64 = 2.4;
+/// How far under the speed limit the autopilot stays, metres a second: speed swings a little where the pitch changes.
+const SPEED_RESERVE_MPS: f64 = 0.03;
+/// Turns of its propeller a minute for each metre a second: 2.5 m/s at 1525, as published.
+const RPM_PER_MPS: f64 = PROPELLER_MAX_RPM / 2.5;
+/// How far ahead the seabed's slope is heeded, seconds.
+const LOOK_AHEAD_S: f64 = 10.0;
+/// Depth at which the vehicle is kept off its limits, because a body that dives does not stop at once: metres for each
+/// metre a second of its depth rate.
+const LEVEL_OUT_S: f64 = 1.0;
+
+/// The narrowest turn, metres: hard over from full speed, while the way comes off. It settles at 19 and more.
+const TURN_RADIUS_M: f64 = 13.0;
+
+/// What a hull can do with this body under it: its limits, as far as the body reaches them.
+///
+/// Plans and requests are to be judged by these: slower than 1 m/s it does not hold its depth, and its turns are those
+/// of two thirds of its rudder. A hull that hovers is not for this model.
+#[must_use]
+pub(crate) fn flown(hull: &Hull) -> Hull {
+    let speed_max_mps = hull.speed_max_mps.min(FASTEST_MPS);
+    let speed_min_mps = hull.speed_min_mps.max(STEERAGE_MPS).min(speed_max_mps);
+    Hull {
+        speed_min_mps,
+        speed_max_mps,
+        yaw_rate_max_dps: hull.yaw_rate_max_dps.min(TURN_MAX_DEG_PER_M * speed_max_mps),
+        turn_radius_m: TURN_RADIUS_M,
+        pitch_rate_max_dps: PITCH_RATE_MAX.to_degrees(),
+        yaw_gain_per_s: hull.yaw_gain_per_s.min(HEADING_GAIN_PER_S),
+        yaw_tau_s: hull.yaw_tau_s.max(2.0),
+        rpm_per_mps: RPM_PER_MPS,
+        fin_max_deg: FIN_MAX_DEG,
+        hovers: false,
+        ..*hull
+    }
+}
+
+impl Piloted {
+    /// At rest, with the limits of `hull` as far as the body reaches them ([`flown`]) and its least height over the
+    /// seabed, metres.
+    #[must_use]
+    pub(crate) fn new(hull: &Hull, altitude_min_m: f64, at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
+        let mut body = SixDof::rising_at(at, depth_m, heading_deg, hull.buoyant_rise_mps);
+        body.hold();
+        Self {
+            hull: flown(hull),
+            altitude_min_m,
+            body,
+            autopilot: Autopilot::default(),
+            ordered: Actuators::default(),
+            rise_share: 1.0,
+            held: true,
+            grounded: false,
+        }
+    }
+
+    /// The limits that it flies by.
+    #[cfg(test)]
+    pub(crate) const fn hull(&self) -> &Hull {
+        &self.hull
+    }
+
+    /// Sets how fast it floats up adrift, as a share of the hull's buoyant rise; negative sinks. Its autopilot has to make
+    /// up for it under way.
+    pub(crate) fn float_at(&mut self, rise_share: f64) {
+        if rise_share.to_bits() != self.rise_share.to_bits() {
+            self.rise_share = rise_share;
+            self.body.float_at(self.hull.buoyant_rise_mps * rise_share);
+        }
+    }
+
+    /// Puts it on a seabed at `water_depth_m` if it is below that: whether it is there, and its depth.
+    pub(crate) fn ground_at(&mut self, water_depth_m: f64) -> (bool, f64) {
+        self.grounded = self.body.ground_at(water_depth_m);
+        (self.grounded, self.body.depth_m())
+    }
+
+    /// One step of `dt_s` seconds. The autopilot steers at 50 Hz or more within it; the surroundings are those of its
+    /// begin.
+    pub(crate) fn drive(&mut self, helm: &Helm, around: &Surroundings, dt_s: f64) {
+        if !dt_s.is_finite() || dt_s <= 0.0 {
+            return;
+        }
+        match helm {
+            Helm::Held => {
+                if !self.held {
+                    self.body.hold();
+                    self.autopilot = Autopilot::default();
+                    self.ordered = Actuators::default();
+                }
+                self.held = true;
+                self.grounded = self.body.ground_at(around.water_depth_m);
+            }
+            Helm::Adrift => {
+                self.held = false;
+                self.autopilot = Autopilot::default();
+                self.ordered = Actuators::default();
+                self.body.step(self.ordered, around.current, dt_s);
+                self.grounded = self.body.ground_at(around.water_depth_m);
+            }
+            Helm::Under(orders) => {
+                self.held = false;
+                let steps = (dt_s / STEP_MAX_S - 1e-9).ceil().max(1.0);
+                let part_s = dt_s / steps;
+                for i in 0..steps as u32 {
+                    let water_depth_m = self.water_depth_after(around, f64::from(i) * part_s);
+                    let (setpoints, bounds) = self.within_limits(orders, around, water_depth_m);
+                    let command = self.autopilot.command(&self.body, &setpoints, &bounds, part_s);
+                    self.ordered = command.limited();
+                    self.body.step(command, around.current, part_s);
+                    self.grounded = self.body.ground_at(water_depth_m);
+                }
+            }
+        }
+    }
+
+    /// How it is and moves. While it is held it has no velocity.
+    #[must_use]
+    pub(crate) fn motion(&self) -> Motion {
+        let (east_mps, north_mps, down_mps) = if self.held {
+            (0.0, 0.0, 0.0)
+        } else {
+            self.body.ground_velocity()
+        };
+        let [surge_mps, sway_mps, ..] = self.body.velocity();
+        let (roll_rate_dps, pitch_rate_dps, yaw_rate_dps) = self.body.attitude_rates_dps();
+        Motion {
+            at: self.body.at(),
+            depth_m: self.body.depth_m(),
+            heading_deg: self.body.heading_deg(),
+            surge_mps,
+            sway_mps,
+            heave_mps: down_mps,
+            yaw_rate_dps,
+            pitch_deg: self.body.pitch_deg(),
+            pitch_rate_dps,
+            roll_deg: self.body.roll_deg(),
+            roll_rate_dps,
+            ground: (east_mps, north_mps),
+            grounded: self.grounded,
+            tail: self.body.tail(),
+            ordered: self.ordered,
+        }
+    }
+
+    /// Depth of the water some time into the step, by the slope where it began.
+    fn water_depth_after(&self, around: &Surroundings, seconds: f64) -> f64 {
+        around.water_depth_m + seconds * self.deepening_mps(around)
+    }
+
+    /// How fast the water under it gets deeper.
+    fn deepening_mps(&self, around: &Surroundings) -> f64 {
+        let (east_mps, north_mps, _) = self.body.ground_velocity();
+        east_mps * around.gradient.east_m + north_mps * around.gradient.north_m
+    }
+
+    fn within_limits(&self, orders: &Orders, around: &Surroundings, water_depth_m: f64) -> (Setpoints, Bounds) {
+        let hull = &self.hull;
+        let deepening_mps = self.deepening_mps(around);
+        let floor_m = water_depth_m + (LOOK_AHEAD_S * deepening_mps).min(0.0) - self.altitude_min_m;
+        let deepest_m = hull.depth_max_m.min(floor_m);
+        let sinking_mps = self.body.ground_velocity().2.max(0.0);
+        let bounds = Bounds {
+            depth_max_m: (deepest_m - LEVEL_OUT_S * sinking_mps).max(0.0),
+            speed_max_mps: hull.speed_max_mps - SPEED_RESERVE_MPS,
+            pitch_max_deg: hull.pitch_max_deg,
+            depth_rate_max_mps: hull.depth_rate_max_mps,
+            depth_gain_per_s: hull.depth_gain_per_s,
+            yaw_rate_max_dps: hull.yaw_rate_max_dps,
+        };
+        let vertical = match orders.trim {
+            Trim::Depth(depth_m) => Vertical::Depth(depth_m),
+            Trim::Altitude(altitude_m) => Vertical::MovingDepth(water_depth_m - altitude_m, deepening_mps),
+            Trim::Pitch(pitch_deg) => Vertical::Pitch(pitch_deg),
+            Trim::Elevator(elevator_deg) => Vertical::Elevator(elevator_deg),
+        };
+        let throttle = match orders.throttle {
+            Throttle::Speed(speed_mps) => Throttle::Speed(speed_mps.clamp(hull.speed_min_mps, hull.speed_max_mps)),
+            Throttle::Rpm(rpm) => Throttle::Rpm(rpm),
+        };
+        let setpoints = Setpoints {
+            steering: orders.steering,
+            vertical,
+            throttle,
+        };
+        (setpoints, bounds)
+    }
+}

@@ -1,0 +1,3 @@
+//! The picture of a run.
+
+mod picture;

@@ -1,0 +1,104 @@
+use serde::{Deserialize, Serialize};
+
+/// The vehicle classes that the interface covers (SPI 1).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum HullClass {
+    /// The small torpedo.
+    #[serde(rename = "9-inch")]
+    NineInch,
+    /// The survey torpedo.
+    #[default]
+    #[serde(rename = "12-inch")]
+    TwelveInch,
+    /// The deep torpedo.
+    #[serde(rename = "21-inch")]
+    TwentyOneInch,
+    /// The hull inspector, which stands still at will.
+    #[serde(rename = "hovering")]
+    Hovering,
+}
+
+/// What a vehicle can do, as far as plans and limits are held against it.
+///
+/// The figures of a class are typical of vehicles of its size, put together from public data sheets and common sense. They
+/// are not the maker's, and no vehicle has validated them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VehicleLimits {
+    /// The slowest that it steers and holds depth, metres a second; 0 where it hovers.
+    pub speed_min_mps: f64,
+    /// The fastest through the water, metres a second.
+    pub speed_max_mps: f64,
+    /// The fastest turn, degrees a second.
+    pub yaw_rate_max_dps: f64,
+    /// The deepest, metres.
+    pub depth_max_m: f64,
+    /// The closest to the seabed, metres; 0 where that is the plan's to say.
+    pub altitude_min_m: f64,
+}
+
+impl HullClass {
+    /// Its name in `mission.toml` and `world.toml`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NineInch => "9-inch",
+            Self::TwelveInch => "12-inch",
+            Self::TwentyOneInch => "21-inch",
+            Self::Hovering => "hovering",
+        }
+    }
+
+    /// What a vehicle of this class can do.
+    #[must_use]
+    pub const fn limits(self) -> VehicleLimits {
+        let (speed_min_mps, speed_max_mps, yaw_rate_max_dps, depth_max_m) = match self {
+            Self::NineInch => (0.5, 2.5, 15.0, 200.0),
+            Self::TwelveInch => (0.5, 2.5, 10.0, 200.0),
+            Self::TwentyOneInch => (0.5, 2.3, 6.0, 4500.0),
+            Self::Hovering => (0.0, 0.75, 20.0, 60.0),
+        };
+        VehicleLimits {
+            speed_min_mps,
+            speed_max_mps,
+            yaw_rate_max_dps,
+            depth_max_m,
+            altitude_min_m: 0.0,
+        }
+    }
+}
+
+impl VehicleLimits {
+    /// Of a vehicle whose class nobody has named: what a vehicle of any class can do.
+    #[must_use]
+    pub fn of_any_class() -> Self {
+        let classes = [
+            HullClass::NineInch,
+            HullClass::TwelveInch,
+            HullClass::TwentyOneInch,
+            HullClass::Hovering,
+        ];
+        let widest = |widest: Self, class: HullClass| {
+            let limits = class.limits();
+            Self {
+                speed_min_mps: widest.speed_min_mps.min(limits.speed_min_mps),
+                speed_max_mps: widest.speed_max_mps.max(limits.speed_max_mps),
+                yaw_rate_max_dps: widest.yaw_rate_max_dps.max(limits.yaw_rate_max_dps),
+                depth_max_m: widest.depth_max_m.max(limits.depth_max_m),
+                altitude_min_m: widest.altitude_min_m.min(limits.altitude_min_m),
+            }
+        };
+        classes.into_iter().fold(HullClass::default().limits(), widest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_vehicle_of_no_class_can_do_what_any_can() {
+        let widest = VehicleLimits::of_any_class();
+        assert_eq!((widest.speed_min_mps, widest.speed_max_mps), (0.0, 2.5));
+        assert_eq!((widest.depth_max_m, widest.altitude_min_m), (4500.0, 0.0));
+    }
+}

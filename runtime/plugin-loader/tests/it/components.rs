@@ -1,0 +1,49 @@
+//! Components: what is loaded is started, and what is not is named.
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
+
+use backseat_mission::{Layers, Mission};
+use backseat_plugin_host::Host;
+use backseat_plugin_loader::{Components, LoadError};
+
+const MISSION: &str = r#"
+[limits]
+speed_min_mps = 1.0
+speed_max_mps = 2.0
+turn_rate_dps = 8.0
+current_max_mps = 0.3
+
+[[plugin]]
+name = "pilot"
+component = "faulty"
+grants = ["modify"]
+"#;
+const FENCE: &str = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3},"geometry":{"type":"Polygon","coordinates":[[[-70.9,42.3],[-70.89,42.3],[-70.89,42.31],[-70.9,42.31],[-70.9,42.3]]]}}]}"#;
+
+fn mission() -> Mission {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("mission.toml"), MISSION).unwrap();
+    std::fs::write(folder.path().join("fence.geojson"), FENCE).unwrap();
+    Mission::load(folder.path(), &Layers::default()).unwrap()
+}
+
+#[test]
+fn what_was_not_loaded_is_named_with_what_was() {
+    let mission = mission();
+    let error = Components::new().start(&mission).err().unwrap();
+    assert!(matches!(error, LoadError::Unknown { .. }), "{error}");
+    let mut components = Components::new();
+    let bytes = std::fs::read(backseat_test_support::plugins().join("template.wasm")).unwrap();
+    let host = Host::new().unwrap();
+    components.insert(&host, "template", &bytes).unwrap();
+    let error = components.start(&mission).err().unwrap().to_string();
+    assert_eq!(
+        error,
+        "plugin `pilot`: component `faulty` is not loaded, there are: template"
+    );
+    assert!(components.insert(&host, "nothing", b"").is_err());
+    assert!(
+        components
+            .start_one("faulty", &mission.file.plugins[0], &mission)
+            .is_err()
+    );
+}

@@ -1,0 +1,3 @@
+//! The plugins of missions.
+
+mod components;

@@ -1,0 +1,20 @@
+use std::path::Path;
+
+use backseat_mvc::FaultPlan;
+
+use crate::error::ScenarioError;
+
+/// Reads faults from a file of their own, which take the place of those of `world.toml`.
+///
+/// # Errors
+/// [`ScenarioError`] with the file and the fault's number.
+pub fn read_faults(path: &Path) -> Result<FaultPlan, ScenarioError> {
+    let text = std::fs::read_to_string(path).map_err(|source| ScenarioError::Read {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    FaultPlan::from_toml(&text).map_err(|source| ScenarioError::World {
+        path: path.to_path_buf(),
+        source,
+    })
+}

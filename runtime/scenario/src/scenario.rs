@@ -1,0 +1,100 @@
+use std::path::{Path, PathBuf};
+
+use backseat_mission::{FrontSeatPlan, Mission};
+use backseat_mvc::{Mvc, MvcError, VehicleConfig, WorldFile};
+use backseat_plan::VehicleLimits;
+use backseat_units::{EastNorth, LocalFrame, Position};
+use backseat_world::Grid;
+
+use crate::error::ScenarioError;
+use crate::grid::read_grid;
+
+/// What a mission is simulated in.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// `world.toml`.
+    pub world: WorldFile,
+    /// Where that is.
+    pub path: PathBuf,
+    /// The seabed's grid, where `world.toml` names one; clones share it.
+    pub grid: Option<Grid>,
+}
+
+impl Scenario {
+    /// Reads the scenario of a mission.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] on one line, with file and place, also where there is none.
+    pub fn load(mission: &Mission) -> Result<Self, ScenarioError> {
+        let path = world_path(mission);
+        Self::find(mission)?.ok_or(ScenarioError::NoWorld { path })
+    }
+
+    /// Reads the scenario of a mission that may have none.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] on one line, with file and place.
+    pub fn find(mission: &Mission) -> Result<Option<Self>, ScenarioError> {
+        let path = world_path(mission);
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let text = std::fs::read_to_string(&path).map_err(|source| ScenarioError::Read {
+            path: path.clone(),
+            source,
+        })?;
+        let world = WorldFile::from_toml(&text).map_err(|source| ScenarioError::World {
+            path: path.clone(),
+            source,
+        })?;
+        let grid = match &world.seabed.grid {
+            Some(grid) => Some(read_grid(&mission.folder.join(grid))?),
+            None => None,
+        };
+        Ok(Some(Self { world, path, grid }))
+    }
+
+    /// The mock vehicle in this seed's world, over its grid.
+    ///
+    /// # Errors
+    /// [`MvcError`] where this seed's world or plan cannot be flown: see [`Mvc::with_grid`].
+    pub fn vehicle(&self, seed: u64) -> Result<Mvc, MvcError> {
+        Mvc::with_grid(&self.world, seed, self.grid.clone())
+    }
+
+    /// The vehicle of `world.toml`, but of the class that the mission says where it says one.
+    #[must_use]
+    pub fn vehicle_of(&self, mission: &Mission) -> VehicleConfig {
+        VehicleConfig {
+            class: mission.file.vehicle.class.unwrap_or(self.world.vehicle.class),
+            ..self.world.vehicle
+        }
+    }
+
+    /// The plan that the front seat flies: that of a file, else the mission's `[plan]`, else that of `world.toml`. It is held
+    /// against the vehicle of this scenario, and what counts from no origin of its own counts from this world's.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] with the file, and the line or the element.
+    pub fn plan(&self, mission: &Mission, file: Option<&Path>) -> Result<FrontSeatPlan, ScenarioError> {
+        let named = mission.file.plan.as_ref().map(|plan| mission.folder.join(&plan.file));
+        let path = file.or(named.as_deref()).unwrap_or(&self.path);
+        let limits: VehicleLimits = self.vehicle_of(mission).limits();
+        Ok(FrontSeatPlan::read(path, &limits, self.origin())?)
+    }
+
+    /// Where the vehicle begins; `None` where the origin is no place.
+    #[must_use]
+    pub fn start(&self) -> Option<Position> {
+        let frame = LocalFrame::new(self.origin()?);
+        Some(frame.to_position(EastNorth::new(self.world.start.east_m, self.world.start.north_m)))
+    }
+
+    fn origin(&self) -> Option<Position> {
+        Position::from_deg(self.world.origin.latitude_deg, self.world.origin.longitude_deg).ok()
+    }
+}
+
+fn world_path(mission: &Mission) -> PathBuf {
+    mission.folder.join("world.toml")
+}

@@ -1,0 +1,4 @@
+//! Scenarios of missions as folders.
+
+mod grid;
+mod world;

@@ -86,6 +86,7 @@ impl Map {
         (zone, &zone.polygons[polygon as usize], edge)
     }
 
+    /// A shape that no edge comes near to is on one side of it, all of it: one point of the shape tells which.
     pub(crate) fn judge<P: Probe>(self: &Arc<Self>, probe: &P, question: Question) -> Result<Clearance, Breach> {
         let Some(inside) = self.roomiest_inclusion(probe, question) else {
             return Err(self.outside(probe, question));
@@ -130,7 +131,11 @@ impl Map {
         let least_m = |node: &BvhNode, _| {
             let d2 = probe.box_d2(node.mins(), node.maxs(), f64::INFINITY);
             // Within its box a shape may be far inside of a polygon.
-            if d2 > 0.0 { d2.sqrt() - question.radius_m } else { f64::MIN }
+            if d2 > 0.0 {
+                d2.sqrt() - question.radius_m
+            } else {
+                f64::MIN
+            }
         };
         let room = |leaf, best_m: f64| {
             let (zone, polygon, edge_id) = self.part(leaf);

@@ -12,9 +12,9 @@ use crate::load::VERTICES_MAX;
 use crate::polygon::{GoodRing, Polygon, bounds};
 use crate::question::EDGE_THICKNESS_M;
 
-/// Sharper corners are refused, radians: so near to its corner that the two edges are within a rounding error of each
-/// other, a sharper one would leave no room to tell its inside from its outside.
-pub(crate) const SHARPEST_RAD: f64 = 1e-4;
+/// Sharper corners are refused, radians: a ring that runs back on itself, by mistake or but for the rounding of its
+/// coordinates.
+const SHARPEST_RAD: f64 = 1e-4;
 
 /// How far a straight piece of the plane may be from the straight line in longitude and latitude, metres.
 const SAGITTA_M: f64 = 0.01;

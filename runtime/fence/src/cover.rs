@@ -1,8 +1,9 @@
 //! Inclusion zones that nobody can reach, as an exclusion zone covers them.
 
+use geo::{Area, BooleanOps, Euclidean, Length};
 use parry2d_f64::math::Vector;
 
-use crate::distance::{LegProbe, vector};
+use crate::outline::geometry;
 use crate::polygon::Polygon;
 use crate::zone::{Band, Kind, Zone};
 
@@ -61,36 +62,13 @@ fn always_counts(exclusion: &Zone, inclusion: &Zone) -> bool {
     depths && from && until
 }
 
-/// Whether one polygon lies in another: its corners do, none of its edges crosses one of the other's, and no corner of
-/// the other lies inside it. Edges that lie upon each other cross nowhere. All but for the slack.
+/// Whether one polygon lies in another: nothing is left of it, or slivers about as thin as the slack.
 fn covers(whole: &Polygon, part: &Polygon) -> bool {
     let slack = Vector::splat(SLACK_M);
-    if !(part.min + slack).cmpge(whole.min).all() || !(part.max - slack).cmple(whole.max).all() {
-        return false;
-    }
-    let Some(outer) = part.rings().next() else {
-        return false;
-    };
-    outer.windows(2).all(|ends| {
-        let (a, b) = (vector(ends[0]), vector(ends[1]));
-        whole.outside_m(a).2 <= SLACK_M && whole.outside_m((a + b) * 0.5).2 <= SLACK_M && !crosses(whole, a, b)
-    }) && whole
-        .rings()
-        .flatten()
-        .all(|corner| part.outside_m(vector(*corner)).2 >= -SLACK_M)
-}
-
-/// Whether a straight way leads from one side of an edge to the other, by more than the slack on both.
-fn crosses(whole: &Polygon, a: Vector, b: Vector) -> bool {
-    let mut found = false;
-    whole.edges_near(&LegProbe::new(a, b), f64::MIN_POSITIVE, |edge| {
-        let [c, d] = whole.ends(edge).map(vector);
-        let apart = |line: Vector, from: Vector, p: Vector, q: Vector| {
-            let (p, q) = (line.perp_dot(p - from), line.perp_dot(q - from));
-            let thick = SLACK_M * line.length();
-            (p > thick && q < -thick) || (p < -thick && q > thick)
-        };
-        found |= apart(b - a, a, c, d) && apart(d - c, c, a, b);
-    });
-    found
+    let in_box = (part.min + slack).cmpge(whole.min).all() && (part.max - slack).cmple(whole.max).all();
+    in_box
+        && geometry(part).difference(&geometry(whole)).iter().all(|left| {
+            let around_m = Euclidean.length(left.exterior());
+            left.unsigned_area() <= SLACK_M / 2.0 * around_m
+        })
 }

@@ -2,19 +2,16 @@ use core::fmt;
 use std::sync::Arc;
 
 use backseat_units::{EastNorth, LocalFrame, Utc};
-use parry2d_f64::bounding_volume::Aabb;
-use parry2d_f64::math::Vector;
-use parry2d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhLeafCost, BvhNode};
 
-use crate::distance::{AnyProbe, PointProbe, Probe, east_north, vector};
+use crate::distance::{AnyProbe, HullProbe, vector};
 use crate::error::FenceError;
-use crate::polygon::Polygon;
-use crate::question::{EDGE_THICKNESS_M, LIMIT_M, Question, unusable, unusable_span, unusable_vertical};
+use crate::map::Map;
+use crate::question::{LIMIT_M, Question, unusable, unusable_span, unusable_vertical};
 use crate::sweep::{Sweep, VerticalExtent};
 use crate::terms::Terms;
-use crate::verdict::{Breach, Cause, Clearance, EdgeId, EdgeInfo, Rule};
+use crate::verdict::{Breach, Clearance, EdgeId, EdgeInfo};
 use crate::window::{Span, Window};
-use crate::zone::{Kind, Zone};
+use crate::zone::Zone;
 
 /// Where the vehicle may be. Immutable, cheap to clone, shared between threads.
 #[derive(Clone)]
@@ -30,18 +27,6 @@ impl fmt::Debug for Fence {
             .field("zones", &names)
             .finish()
     }
-}
-
-/// What a fence is made of; breaches keep it, so that their text can be made when it is wanted.
-pub(crate) struct Map {
-    pub(crate) frame: LocalFrame,
-    pub(crate) zones: Vec<Zone>,
-    /// Zone and polygon.
-    inclusions: Vec<(u32, u32)>,
-    /// Zone and polygon.
-    exclusions: Vec<(u32, u32)>,
-    /// Over the exclusions' bounding boxes, each grown by its margin.
-    exclusion_tree: Bvh,
 }
 
 impl Fence {
@@ -187,9 +172,7 @@ impl Fence {
             span,
         };
         match AnyProbe::new(&sweep.shape) {
-            AnyProbe::Point(probe) => self.map.judge(&probe, question),
-            AnyProbe::Leg(probe) => self.map.judge(&probe, question),
-            AnyProbe::Solid(probe) => self.map.judge(&probe, question),
+            AnyProbe::Hull(probe) => self.map.judge(&probe, question),
             AnyProbe::Rim(probe) => self.map.judge(&probe, question),
         }
     }
@@ -210,7 +193,7 @@ impl Fence {
             return Err(self.map.unusable("point"));
         }
         self.map.judge(
-            &PointProbe(vector(point)),
+            &HullProbe::point(vector(point)),
             Question {
                 radius_m: 0.0,
                 vertical: None,
@@ -265,329 +248,6 @@ impl FenceDuring<'_> {
     /// The [`Breach`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
     pub fn contains(&self, point: EastNorth) -> Result<Clearance, Breach> {
         self.fence.holds(point, Some(self.span))
-    }
-}
-
-/// A fault that was found, before it becomes a [`Breach`].
-#[derive(Clone, Copy)]
-struct Fault {
-    rule: Rule,
-    metres: f64,
-    edge: EdgeId,
-    at: Vector,
-}
-
-/// What an exclusion leaves of the clearance, and its edge that does so.
-#[derive(Clone, Copy)]
-struct Room {
-    metres: f64,
-    edge: u32,
-}
-
-impl BvhLeafCost for Room {
-    fn cost(&self) -> f64 {
-        self.metres
-    }
-}
-
-impl Map {
-    pub(crate) fn new(frame: LocalFrame, zones: Vec<Zone>) -> Self {
-        let (mut inclusions, mut exclusions, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
-        for (zone, index) in zones.iter().zip(0..) {
-            for (polygon, part) in zone.polygons.iter().zip(0..) {
-                match zone.kind {
-                    Kind::Inclusion { .. } => inclusions.push((index, part)),
-                    Kind::Exclusion { .. } => {
-                        exclusions.push((index, part));
-                        let margin = Vector::splat(zone.margin_m.max(EDGE_THICKNESS_M));
-                        boxes.push(Aabb::new(polygon.min - margin, polygon.max + margin));
-                    }
-                }
-            }
-        }
-        let exclusion_tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-        Self {
-            frame,
-            zones,
-            inclusions,
-            exclusions,
-            exclusion_tree,
-        }
-    }
-
-    /// An edge that is known to exist.
-    pub(crate) fn describe(&self, edge: EdgeId) -> EdgeInfo<'_> {
-        let zone = &self.zones[edge.zone as usize];
-        let polygon = &zone.polygons[edge.polygon as usize];
-        let (ring, number) = polygon.locate(edge.edge);
-        EdgeInfo {
-            zone: &zone.name,
-            polygon: edge.polygon as usize + 1,
-            hole: (ring > 0).then_some(ring),
-            number,
-            ends: polygon.ends(edge.edge),
-        }
-    }
-
-    fn part(&self, (zone, polygon): (u32, u32)) -> (&Zone, &Polygon) {
-        let zone = &self.zones[zone as usize];
-        (zone, &zone.polygons[polygon as usize])
-    }
-
-    fn judge<P: Probe>(self: &Arc<Self>, probe: &P, question: Question) -> Result<Clearance, Breach> {
-        let mut best: Option<Clearance> = None;
-        for &part in &self.inclusions {
-            let (zone, polygon) = self.part(part);
-            // What leaves the bounding box leaves the polygon, and most zones are told apart by that alone.
-            let in_box = probe.min().cmpge(polygon.min).all() && probe.max().cmple(polygon.max).all();
-            if !in_box || !question.may_hold(zone) || !question.is_open(zone) || question.vertical_fault(zone).is_some()
-            {
-                continue;
-            }
-            let Some((edge, contact)) = polygon.nearest(probe, f64::INFINITY) else {
-                continue;
-            };
-            let reach_m = question.reach_m(zone);
-            let spare_m = contact.distance_m - reach_m;
-            if contact.distance_m >= reach_m
-                && best.is_none_or(|best| spare_m > best.metres)
-                && polygon.is_inside(edge, &contact)
-            {
-                best = Some(Clearance {
-                    metres: spare_m,
-                    edge: EdgeId {
-                        zone: part.0,
-                        polygon: part.1,
-                        edge,
-                    },
-                });
-            }
-        }
-        let Some(inside) = best else {
-            return Err(self.outside(probe, question));
-        };
-        let Some((exclusion, room)) = self.nearest_exclusion(probe, question, inside.metres) else {
-            return Ok(inside);
-        };
-        let part = self.exclusions[exclusion as usize];
-        if room.metres < 0.0 {
-            return Err(self.breach(self.exclusion_fault(probe, question, part)));
-        }
-        Ok(Clearance {
-            metres: room.metres,
-            edge: EdgeId {
-                zone: part.0,
-                polygon: part.1,
-                edge: room.edge,
-            },
-        })
-    }
-
-    /// The exclusion that leaves the least room, where that is less than `below_m`; negative where it is breached.
-    fn nearest_exclusion<P: Probe>(&self, probe: &P, question: Question, below_m: f64) -> Option<(u32, Room)> {
-        if self.exclusions.is_empty() {
-            return None;
-        }
-        self.exclusion_tree.find_best(
-            // Equal room on both sides is told of the inclusion.
-            below_m,
-            |node: &BvhNode, _| {
-                let d2 = probe.box_d2(node.mins(), node.maxs(), f64::INFINITY);
-                if d2 > 0.0 {
-                    d2.sqrt() - question.radius_m
-                } else {
-                    f64::MIN
-                }
-            },
-            |index, best_m| {
-                let (zone, polygon) = self.part(self.exclusions[index as usize]);
-                if !question.meets(zone) {
-                    return None;
-                }
-                let reach_m = question.reach_m(zone);
-                // Around a shape beside the bounding box only edges near enough to matter are looked for; one within
-                // it may lie far inside, with its nearest edge far away.
-                let beside = probe.box_d2(polygon.min, polygon.max, f64::INFINITY) > 0.0;
-                let room_m = best_m + reach_m;
-                let below_m2 = if beside { room_m * room_m } else { f64::INFINITY };
-                let nearest = polygon.nearest(probe, below_m2);
-                let (edge, metres) = match nearest {
-                    Some((edge, contact)) if beside || !polygon.is_inside(edge, &contact) => {
-                        let spare_m = contact.distance_m - reach_m;
-                        (
-                            edge,
-                            if contact.distance_m >= reach_m {
-                                spare_m.max(0.0)
-                            } else {
-                                spare_m
-                            },
-                        )
-                    }
-                    Some((edge, contact)) => (edge, -reach_m - contact.distance_m),
-                    None if beside => return None,
-                    // A distance that is no number never passes.
-                    None => (0, f64::MIN),
-                };
-                Some(Room { metres, edge })
-            },
-        )
-    }
-
-    #[cold]
-    fn outside<P: Probe>(self: &Arc<Self>, probe: &P, question: Question) -> Breach {
-        let (mut least, mut closed): (Option<Fault>, Option<Fault>) = (None, None);
-        for &part in &self.inclusions {
-            let (zone, _) = self.part(part);
-            if !question.may_hold(zone) {
-                continue;
-            }
-            let mut fault = self.inclusion_fault(probe, question, part);
-            if let Some((rule, metres)) = question.vertical_fault(zone)
-                && metres > fault.metres
-            {
-                fault = Fault { rule, metres, ..fault };
-            }
-            let known = if question.is_open(zone) {
-                &mut least
-            } else {
-                &mut closed
-            };
-            if known.is_none_or(|known| fault.metres < known.metres) {
-                *known = Some(fault);
-            }
-        }
-        if let Some(fault) = closed
-            && (fault.metres <= 0.0 || least.is_none())
-        {
-            return Breach {
-                rule: Rule::Closed,
-                metres: f64::INFINITY,
-                cause: Cause::Closed(fault.edge.zone, question.span),
-                ..self.breach(fault)
-            };
-        }
-        match least {
-            Some(fault) => self.breach(fault),
-            // A fence without inclusion zones is refused at load; it has none that allows surfacing.
-            None => Breach {
-                rule: Rule::Surfacing,
-                metres: f64::INFINITY,
-                edge: None,
-                at: None,
-                cause: Cause::NoSurfacing,
-                map: Arc::clone(self),
-            },
-        }
-    }
-
-    /// How far the sweep is from holding in one polygon; metres may be zero or less where it holds.
-    fn inclusion_fault<P: Probe>(&self, probe: &P, question: Question, part: (u32, u32)) -> Fault {
-        let (zone, polygon) = self.part(part);
-        let reach_m = question.reach_m(zone);
-        let mut worst = (0, polygon.min, f64::INFINITY);
-        if let Some((edge, contact)) = polygon.nearest(probe, f64::INFINITY) {
-            let inside = contact.distance_m > 0.0 && polygon.is_inside(edge, &contact);
-            worst = (
-                edge,
-                contact.at,
-                if inside {
-                    -contact.distance_m
-                } else {
-                    contact.distance_m
-                },
-            );
-            if !inside {
-                let (samples, len) = probe.samples();
-                for &sample in &samples[..len] {
-                    let outside = polygon.outside_m(sample);
-                    if outside.2 > worst.2 {
-                        worst = outside;
-                    }
-                }
-            }
-        }
-        let (edge, at, outside_m) = worst;
-        let edge = EdgeId {
-            zone: part.0,
-            polygon: part.1,
-            edge,
-        };
-        Fault {
-            rule: if question.surfacing {
-                Rule::Surfacing
-            } else {
-                Rule::Inclusion
-            },
-            metres: reach_m + outside_m,
-            edge,
-            at,
-        }
-    }
-
-    #[cold]
-    fn exclusion_fault<P: Probe>(&self, probe: &P, question: Question, part: (u32, u32)) -> Fault {
-        let (zone, polygon) = self.part(part);
-        let reach_m = question.reach_m(zone);
-        let mut deepest = (0, polygon.min, f64::INFINITY);
-        if let Some((edge, contact)) = polygon.nearest(probe, f64::INFINITY) {
-            let inside = contact.distance_m > 0.0 && polygon.is_inside(edge, &contact);
-            deepest = (
-                edge,
-                contact.at,
-                if inside {
-                    contact.distance_m
-                } else {
-                    -contact.distance_m
-                },
-            );
-            if contact.distance_m == 0.0 || inside {
-                let (samples, len) = probe.samples();
-                for &sample in &samples[..len] {
-                    let (edge, at, outside_m) = polygon.outside_m(sample);
-                    if -outside_m > deepest.2 {
-                        deepest = (edge, at, -outside_m);
-                    }
-                }
-            }
-        }
-        let (edge, at, inside_m) = deepest;
-        let edge = EdgeId {
-            zone: part.0,
-            polygon: part.1,
-            edge,
-        };
-        Fault {
-            rule: Rule::Exclusion,
-            metres: reach_m + inside_m,
-            edge,
-            at,
-        }
-    }
-
-    fn breach(self: &Arc<Self>, fault: Fault) -> Breach {
-        let Fault { rule, metres, edge, at } = fault;
-        let cause = Cause::Zone(edge.zone);
-        Breach {
-            rule,
-            metres,
-            edge: Some(edge),
-            at: Some(east_north(at)),
-            cause,
-            map: Arc::clone(self),
-        }
-    }
-
-    #[cold]
-    fn unusable(self: &Arc<Self>, number: &'static str) -> Breach {
-        let (rule, cause) = (Rule::NotFinite, Cause::Number(number));
-        Breach {
-            rule,
-            metres: f64::INFINITY,
-            edge: None,
-            at: None,
-            cause,
-            map: Arc::clone(self),
-        }
     }
 }
 

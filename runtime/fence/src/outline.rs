@@ -1,17 +1,20 @@
 //! Rings of the file made into polygons of the plane, or refused.
 
 use backseat_units::{EastNorth, LocalFrame, Position};
+use geo::coordinate_position::{CoordPos, coord_pos_relative_to_ring};
+use geo::{Coord, LineString};
+use parry2d_f64::bounding_volume::BoundingVolume;
 use parry2d_f64::math::Vector;
 
-use crate::distance::{LegProbe, Probe, vector};
+use crate::distance::{HullProbe, Probe, vector};
 use crate::error::{FenceError, Place};
 use crate::load::VERTICES_MAX;
 use crate::polygon::{GoodRing, Polygon, bounds};
 use crate::question::EDGE_THICKNESS_M;
 
-/// Sharper corners are refused, radians: so near to its corner that the two edges are within a rounding error of each
-/// other, a sharper one would leave no room to tell its inside from its outside.
-pub(crate) const SHARPEST_RAD: f64 = 1e-4;
+/// Sharper corners are refused, radians: a ring that runs back on itself, by mistake or but for the rounding of its
+/// coordinates.
+const SHARPEST_RAD: f64 = 1e-4;
 
 /// How far a straight piece of the plane may be from the straight line in longitude and latitude, metres.
 const SAGITTA_M: f64 = 0.01;
@@ -207,19 +210,14 @@ impl Polygon {
     pub(crate) fn crossing(&self) -> Option<(u32, u32, Vector)> {
         for (first, last) in self.ring_edges() {
             for edge in first..=last {
-                let [a, b] = self.ends(edge).map(vector);
-                let probe = LegProbe::new(a, b);
-                let mut found: Option<u32> = None;
-                self.edges_near(&probe, 2.0 * EDGE_THICKNESS_M * EDGE_THICKNESS_M, |other| {
-                    let neighbours = other <= edge + 1 || (edge == first && other == last);
-                    let [c, d] = self.ends(other).map(vector);
-                    if !neighbours && probe.edge_d2(c, d) <= EDGE_THICKNESS_M * EDGE_THICKNESS_M {
-                        found = Some(found.map_or(other, |found| found.min(other)));
-                    }
-                });
-                if let Some(other) = found {
-                    let [c, d] = self.ends(other).map(vector);
-                    return Some((edge, other, probe.contact(c, d).at));
+                let probe = HullProbe::new(&self.ends(edge));
+                let near = self.segment(edge).local_aabb().loosened(EDGE_THICKNESS_M);
+                let touches = |other: &u32| {
+                    let neighbours = *other <= edge + 1 || (edge == first && *other == last);
+                    !neighbours && probe.contact(&self.segment(*other)).distance_m() <= EDGE_THICKNESS_M
+                };
+                if let Some(other) = self.edges_in(near).filter(touches).min() {
+                    return Some((edge, other, probe.contact(&self.segment(other)).at));
                 }
             }
         }
@@ -284,15 +282,16 @@ fn signed_area_m2(vertices: &[EastNorth]) -> f64 {
 
 /// Holes that are outside of the outer ring or inside another hole. No two rings touch, so one vertex decides.
 fn refuse_stray_holes(polygon: &Polygon, place: Placer<'_>) -> Result<(), FenceError> {
-    let rings: Vec<_> = polygon.rings().map(|ring| (ring, bounds(ring))).collect();
+    let rings: Vec<_> = polygon.rings().map(|ring| (line(ring), bounds(ring))).collect();
+    let encloses = |ring: &LineString, vertex: Coord| coord_pos_relative_to_ring(vertex, ring) == CoordPos::Inside;
     for (index, (ring, _)) in rings.iter().enumerate().skip(1) {
-        if !encloses(rings[0].0, ring[0]) {
+        let vertex = ring.0[0];
+        if !encloses(&rings[0].0, vertex) {
             return Err(FenceError::HoleOutside { place: place(index) });
         }
         for (outer, (other, (min, max))) in rings.iter().enumerate().skip(1) {
-            let point = vector(ring[0]);
-            let in_box = point.cmpge(*min).all() && point.cmple(*max).all();
-            if outer != index && in_box && encloses(other, ring[0]) {
+            let in_box = min.x <= vertex.x && vertex.x <= max.x && min.y <= vertex.y && vertex.y <= max.y;
+            if outer != index && in_box && encloses(other, vertex) {
                 return Err(FenceError::HoleInHole {
                     place: place(index),
                     outer,
@@ -303,16 +302,15 @@ fn refuse_stray_holes(polygon: &Polygon, place: Placer<'_>) -> Result<(), FenceE
     Ok(())
 }
 
-/// Whether a closed ring goes round a point: a ray towards the east crosses it an odd number of times.
-fn encloses(ring: &[EastNorth], point: EastNorth) -> bool {
-    let crossed = |ends: &&[EastNorth]| {
-        let (a, b) = (ends[0], ends[1]);
-        (a.north_m > point.north_m) != (b.north_m > point.north_m) && {
-            let t = (point.north_m - a.north_m) / (b.north_m - a.north_m);
-            a.east_m + t * (b.east_m - a.east_m) > point.east_m
-        }
-    };
-    ring.windows(2).filter(crossed).count() % 2 == 1
+/// A polygon as geo has it.
+pub(crate) fn geometry(polygon: &Polygon) -> geo::Polygon {
+    let mut rings = polygon.rings().map(line);
+    let outer = rings.next().unwrap_or_else(LineString::empty);
+    geo::Polygon::new(outer, rings.collect())
+}
+
+fn line(ring: &[EastNorth]) -> LineString {
+    ring.iter().map(|point| (point.east_m, point.north_m)).collect()
 }
 
 /// An upper bound of the diameter of the widest circle inside: the least width in some directions, and the circle of

@@ -1,12 +1,14 @@
-//! One polygon with its holes, indexed: the nearest edge, and from it the side.
+//! One polygon with its holes, indexed: the nearest edge, and whether a point is inside.
 
 use core::fmt;
 
 use backseat_units::EastNorth;
+use parry2d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry2d_f64::math::Vector;
+use parry2d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+use parry2d_f64::shape::Segment;
 
-use crate::distance::{AT_VERTEX_M, Contact, PointProbe, Probe, vector};
-use crate::strips::StripTree;
+use crate::distance::{Contact, HullProbe, Probe, vector};
 
 /// A ring that has been found good.
 #[derive(Clone, Debug)]
@@ -26,7 +28,8 @@ pub(crate) struct Polygon {
     numbers: Vec<u32>,
     /// Where each ring begins, and where the last one ends.
     starts: Vec<u32>,
-    tree: StripTree,
+    /// Over the edges' bounding boxes.
+    tree: Bvh,
     pub(crate) min: Vector,
     pub(crate) max: Vector,
 }
@@ -52,15 +55,18 @@ impl Polygon {
             starts.push(vertices.len() as u32);
         }
         let (min, max) = bounds(&vertices);
-        let tree = StripTree::new(&vertices, in_order(&vertices, &starts));
-        Self {
+        let mut polygon = Self {
             vertices,
             numbers,
             starts,
-            tree,
+            tree: Bvh::new(),
             min,
             max,
-        }
+        };
+        let boxes = polygon.ring_edges().flat_map(|(first, last)| first..=last);
+        let boxes = boxes.map(|edge| (edge as usize, polygon.segment(edge).local_aabb()));
+        polygon.tree = Bvh::from_iter(BvhBuildStrategy::Binned, boxes);
+        polygon
     }
 
     /// The rings, closed, the outer one first.
@@ -92,13 +98,9 @@ impl Polygon {
         (0..self.starts.len() - 1).map(|ring| self.ends_of(ring))
     }
 
-    /// The edges that may be nearer to a shape than the square root of `below_m2`, and others.
-    pub(crate) fn edges_near<P: Probe>(&self, probe: &P, below_m2: f64, mut visit: impl FnMut(u32)) {
-        let bound = |strips: &_| probe.strips_d2(strips);
-        self.tree.search(below_m2, bound, |run, below_m2| {
-            run.edges().for_each(&mut visit);
-            below_m2
-        });
+    /// The edges whose bounding boxes share a point with a box.
+    pub(crate) fn edges_in(&self, around: Aabb) -> impl Iterator<Item = u32> {
+        self.tree.leaves(move |node: &BvhNode| node.aabb().intersects(&around))
     }
 
     fn ends_of(&self, ring: usize) -> (u32, u32) {
@@ -116,76 +118,68 @@ impl Polygon {
         [self.vertices[edge as usize], self.vertices[edge as usize + 1]]
     }
 
-    /// The edge nearest to a shape, where one is nearer than the square root of `below_m2`.
-    pub(crate) fn nearest<P: Probe>(&self, probe: &P, below_m2: f64) -> Option<(u32, Contact)> {
-        let mut nearest = None;
-        let bound = |strips: &_| probe.strips_d2(strips);
-        self.tree.search(below_m2, bound, |run, least_m2| {
-            let (d2, index) = probe.run_d2(run.vertices(&self.vertices));
-            if d2 < least_m2 {
-                nearest = Some(run.first_edge() + index as u32);
-            }
-            least_m2.min(d2)
-        });
-        let edge = nearest?;
-        let [a, b] = self.ends(edge);
-        Some((edge, probe.contact(vector(a), vector(b))))
+    /// The same, for parry.
+    pub(crate) fn segment(&self, edge: u32) -> Segment {
+        let [a, b] = self.ends(edge).map(vector);
+        Segment::new(a, b)
     }
 
-    /// Whether a shape whose nearest edge this is, and which does not touch it, lies inside the polygon.
-    ///
-    /// No edge comes between the shape and the contact, so the shape lies on the side on which it leaves the edge: left
-    /// is inside. Where the contact is a vertex, or as near to one that the neighbouring edge could as well have been
-    /// found, one edge's side is not enough (the point beyond a sharp corner lies left of one of the two edges):
-    /// there the direction must lie in the corner's inner angle, left of both edges where the ring turns left, left of
-    /// either where it turns right. Baerentzen and Aanaes's pseudonormal (IEEE TVCG 11(3), 2005) decides the same in
-    /// three dimensions, where there is no such plain angle.
-    ///
-    /// It is right for distances of a micrometre and more: edges that share no vertex are farther apart than that, and
-    /// sharper corners than [`crate::outline::SHARPEST_RAD`], whose two edges could be mistaken for each other farther
-    /// than [`AT_VERTEX_M`] from the corner, have been refused.
-    pub(crate) fn is_inside(&self, edge: u32, contact: &Contact) -> bool {
-        let [a, b] = self.ends(edge);
-        let near = |vertex: EastNorth| (vector(vertex) - contact.at).length_squared() <= AT_VERTEX_M * AT_VERTEX_M;
-        let ring = self.ring_of(edge);
-        let (first, last) = self.ends_of(ring);
-        let (incoming, outgoing) = if near(a) {
-            (if edge == first { last } else { edge - 1 }, edge)
-        } else if near(b) {
-            (edge, if edge == last { first } else { edge + 1 })
-        } else {
-            return (vector(b) - vector(a)).perp_dot(contact.towards) > 0.0;
-        };
-        let direction = |edge: u32| {
-            let [a, b] = self.ends(edge);
-            vector(b) - vector(a)
-        };
-        let (incoming, outgoing) = (direction(incoming), direction(outgoing));
-        let left_of_incoming = incoming.perp_dot(contact.towards) > 0.0;
-        let left_of_outgoing = outgoing.perp_dot(contact.towards) > 0.0;
-        if incoming.perp_dot(outgoing) > 0.0 {
-            left_of_incoming && left_of_outgoing
-        } else {
-            left_of_incoming || left_of_outgoing
+    /// The edge nearest to a shape, where one is nearer than so much.
+    pub(crate) fn nearest<P: Probe>(&self, probe: &P, below_m: f64) -> Option<(u32, Contact)> {
+        let nearest = self.tree.find_best(
+            below_m * below_m,
+            |node: &BvhNode, least_m2| probe.box_d2(node.mins(), node.maxs(), least_m2),
+            |edge, _| {
+                let contact = probe.contact(&self.segment(edge));
+                Some((contact.d2, contact))
+            },
+        );
+        nearest.map(|(edge, (_, contact))| (self.first_at(edge, contact.at), contact))
+    }
+
+    /// Of the edges that meet in a point of one of them the first, so that it is not the index that decides which is named.
+    fn first_at(&self, edge: u32, point: Vector) -> u32 {
+        let (first, last) = self.ends_of(self.ring_of(edge));
+        let [a, b] = self.ends(edge).map(vector);
+        match edge {
+            _ if point == a && edge > first => edge - 1,
+            _ if point == b && edge == last => first,
+            _ => edge,
         }
+    }
+
+    /// Whether a point that is on no edge lies inside: a ray from it towards the east crosses the edges an odd number of
+    /// times.
+    pub(crate) fn contains(&self, point: Vector) -> bool {
+        let on_ray = |node: &BvhNode| {
+            let (min, max) = (node.mins(), node.maxs());
+            min.y <= point.y && point.y <= max.y && point.x <= max.x
+        };
+        let crossed = |edge: &u32| {
+            let edge = self.segment(*edge);
+            let upward = edge.b.y > point.y;
+            // An edge has its lower end and not its upper one, so that a ray through a vertex crosses one edge of two.
+            let left = edge.scaled_direction().perp_dot(point - edge.a) > 0.0;
+            (edge.a.y > point.y) != upward && left == upward
+        };
+        self.tree.leaves(on_ray).filter(crossed).count() % 2 == 1
     }
 
     /// The nearest edge to a point, where on it, and the distance: positive outside, negative inside.
     pub(crate) fn outside_m(&self, point: Vector) -> (u32, Vector, f64) {
-        let Some((edge, contact)) = self.nearest(&PointProbe(point), f64::INFINITY) else {
+        self.beside_m(&HullProbe::point(point))
+    }
+
+    /// The nearest edge to a shape, where on it, and the distance: positive where the shape is outside, negative where it is
+    /// inside, zero where they touch.
+    pub(crate) fn beside_m<P: Probe>(&self, probe: &P) -> (u32, Vector, f64) {
+        let Some((edge, contact)) = self.nearest(probe, f64::INFINITY) else {
             // Only a distance that is no number finds no edge, and what cannot be measured is far outside.
             return (0, vector(self.vertices[0]), f64::INFINITY);
         };
-        let inside = self.is_inside(edge, &contact);
-        (
-            edge,
-            contact.at,
-            if inside {
-                -contact.distance_m
-            } else {
-                contact.distance_m
-            },
-        )
+        let distance_m = contact.distance_m();
+        let inside = distance_m > 0.0 && self.contains(probe.witness());
+        (edge, contact.at, if inside { -distance_m } else { distance_m })
     }
 
     fn ring_of(&self, edge: u32) -> usize {
@@ -204,27 +198,4 @@ pub(crate) fn bounds(points: &[EastNorth]) -> (Vector, Vector) {
         (Vector::splat(f64::INFINITY), Vector::splat(f64::NEG_INFINITY)),
         |(min, max), point| (min.min(vector(*point)), max.max(vector(*point))),
     )
-}
-
-/// The first edge of each ring and how many it has, neighbours after each other: by the middles of their boxes along
-/// a curve of Z shape (Morton, IBM 1966).
-fn in_order(vertices: &[EastNorth], starts: &[u32]) -> impl Iterator<Item = (u32, u32)> {
-    let (min, max) = bounds(vertices);
-    let across = (max - min).max(Vector::splat(f64::MIN_POSITIVE));
-    let mut rings: Vec<_> = starts
-        .windows(2)
-        .map(|ends| {
-            let (low, high) = bounds(&vertices[ends[0] as usize..ends[1] as usize]);
-            let share = ((low + high) * 0.5 - min) / across * 65_535.0;
-            let place = spread(share.x as u16) | spread(share.y as u16) << 1;
-            (place, ends[0], ends[1] - ends[0] - 1)
-        })
-        .collect();
-    rings.sort_unstable();
-    rings.into_iter().map(|(_, first, edges)| (first, edges))
-}
-
-/// The bits of a number, a zero before each.
-fn spread(number: u16) -> u32 {
-    (0..16).fold(0, |bits, bit| bits | (u32::from(number) >> bit & 1) << (2 * bit))
 }

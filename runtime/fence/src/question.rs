@@ -69,21 +69,19 @@ impl Question {
             .max_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 
-    /// Whether an exclusion zone counts at the time and the depths of this question.
-    pub(crate) fn meets(&self, zone: &Zone) -> bool {
-        zone.window.meets(self.span) && self.meets_depths(zone)
-    }
-
-    fn meets_depths(&self, zone: &Zone) -> bool {
-        match (self.vertical, zone.kind) {
+    /// Whether a zone is an exclusion that counts at the time and the depths of this question.
+    pub(crate) fn forbids(&self, zone: &Zone) -> bool {
+        let at_these_depths = match (self.vertical, zone.kind) {
+            (_, Kind::Inclusion { .. }) => false,
             (
                 Some(_),
                 Kind::Exclusion {
                     depth: Some(Band { min_m, max_m }),
                 },
             ) => self.passed_m[0] <= max_m && self.passed_m[1] >= min_m,
-            (None, _) | (Some(_), Kind::Exclusion { depth: None } | Kind::Inclusion { .. }) => true,
-        }
+            (None, Kind::Exclusion { .. }) | (Some(_), Kind::Exclusion { depth: None }) => true,
+        };
+        at_these_depths && zone.window.meets(self.span)
     }
 }
 

@@ -2,6 +2,7 @@
 //! that does not hold.
 
 use backseat_units::EastNorth;
+use parry2d_f64::shape::Segment;
 
 use crate::distance::{point_d2, vector};
 use crate::fence::{Fence, FenceDuring};
@@ -93,7 +94,8 @@ fn around(shapes: &[Shape], radius_m: f64) -> Option<Sweep> {
     let from = farthest(*points().next()?)?;
     let to = farthest(*from)?;
     let (from, to) = (*from, *to);
-    let off_m2 = points().map(|point| point_d2(vector(*point), vector(from), vector(to)));
+    let leg = Segment::new(vector(from), vector(to));
+    let off_m2 = points().map(|point| point_d2(vector(*point), &leg));
     // The roots' rounding is far below a micrometre.
     let off_m = off_m2.fold(0.0, f64::max).sqrt() + 1e-6;
     Some(Sweep::new(Shape::leg(from, to), radius_m + off_m))

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use backseat_units::EastNorth;
 
-use crate::fence::Map;
+use crate::map::Map;
 use crate::window::Span;
 use crate::zone::Kind;
 
@@ -49,11 +49,11 @@ impl fmt::Display for EdgeInfo<'_> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[must_use]
 pub struct Clearance {
-    /// How many metres the sweep keeps beyond its own radius and the zone's margin, 0 or more. Horizontal; depth and
-    /// altitude bands hold, by how much is not told.
+    /// How many metres the sweep keeps beyond its own radius and the zone's margin, 0 to 1000: 1000 where it is more.
+    /// Horizontal; depth and altitude bands hold, by how much is not told.
     pub metres: f64,
-    /// The edge that is nearest in this sense.
-    pub edge: EdgeId,
+    /// The edge that is nearest in this sense; none where that is more than 1000 m.
+    pub edge: Option<EdgeId>,
 }
 
 /// What a request offends against.

@@ -1,6 +1,5 @@
-//! Prints the speed table of the fence, the plugins and the whole loop.
+//! Prints the speed table of the plugins and the whole loop.
 
-use std::fmt::Write as _;
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Duration;
@@ -8,7 +7,7 @@ use std::time::Duration;
 use backseat_bench::{HEADER, Stages, best_stages, in_turn, row};
 use backseat_core::plugin::{NavigationSample, StepInput};
 use backseat_core::{Envelope, Limits};
-use backseat_fence::{Fence, Shape, Sweep, VerticalExtent};
+use backseat_fence::Fence;
 use backseat_mission::{Layers, Mission};
 use backseat_mvc::ClientId;
 use backseat_plugin_host::{Budget, Host};
@@ -16,7 +15,7 @@ use backseat_plugin_loader::load_plugins;
 use backseat_recorder::{Header, Rate, Recorder};
 use backseat_scenario::Scenario;
 use backseat_sim::Simulation;
-use backseat_units::{Altitude, Depth, EastNorth, Heading, LocalFrame, Position, Timestamp, Utc};
+use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
 
 fn main() {
     // `cargo test --benches` runs this too, and has no time for it.
@@ -24,208 +23,20 @@ fn main() {
         return;
     }
     println!("{HEADER}");
-    fence(100);
-    fence(10_000);
-    reachable();
-    index(10_000);
     step();
     whole_loop();
 }
 
-/// A star-shaped fence with so many vertices, around 42 N 70 W.
-fn star(vertices: usize) -> (String, Vec<EastNorth>) {
-    let frame = LocalFrame::new(Position::from_deg(42.0, -70.0).expect("a position"));
-    let points: Vec<EastNorth> = (0..vertices)
-        .map(|vertex| {
-            let bearing = 360.0 * vertex as f64 / vertices as f64;
-            let radius = 3000.0 + if vertex % 2 == 0 { 0.0 } else { 2.0e3 / vertices as f64 };
-            EastNorth::default().offset(bearing, radius)
-        })
-        .collect();
-    let mut ring = String::new();
-    for point in points.iter().chain(points.first()) {
-        let position = frame.to_position(*point);
-        let comma = if ring.is_empty() { "" } else { "," };
-        write!(
-            ring,
-            "{comma}[{},{}]",
-            position.longitude.as_deg(),
-            position.latitude.as_deg()
-        )
-        .expect("a string");
-    }
-    let text = format!(
-        r#"{{"type":"FeatureCollection","features":[{{"type":"Feature","properties":{{"name":"star","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3}},"geometry":{{"type":"Polygon","coordinates":[[{ring}]]}}}}]}}"#
-    );
-    (text, points)
-}
-
-fn fence(vertices: usize) {
-    let (text, points) = star(vertices);
-    let fence = Fence::from_geojson(&text).expect("a star is a fence");
-    let extent = VerticalExtent {
-        depth_min_m: 10.0,
-        depth_max_m: 20.0,
-        altitude_min_m: 5.0,
-    };
-    let legs: Vec<(EastNorth, EastNorth)> = (0..64)
-        .map(|leg| {
-            let start = EastNorth::default().offset(f64::from(leg) * 37.0, f64::from(leg) * 40.0);
-            (start, start.offset(f64::from(leg) * 101.0, 300.0))
-        })
-        .collect();
-    let (mut ours, mut floor) = (0, 0);
-    let times = in_turn(
-        // All legs some times over in each part.
-        if vertices > 1000 { 16 * 256 } else { 16 * 1024 },
-        || {
-            let (start, end) = legs[ours % legs.len()];
-            ours += 1;
-            black_box(
-                fence
-                    .check(
-                        &Sweep {
-                            shape: Shape::leg(start, end),
-                            radius_m: 20.0,
-                        },
-                        &extent,
-                    )
-                    .is_ok(),
-            );
-        },
-        || {
-            let (start, end) = legs[floor % legs.len()];
-            floor += 1;
-            black_box(scan(&points, start, end));
-        },
-    );
-    let aim = if vertices > 1000 { "2000 ns" } else { "400 ns" };
-    row(
-        &format!("leg + margin against {vertices} vertices"),
-        times,
-        "plain scan of the edges",
-        aim,
-    );
-}
-
-/// What core asks of the fence for a modify: the reachable set with the way back to the planned leg, and with that to
-/// what comes next. The fence is a jagged coast: its radius jumps by up to 20 m from vertex to vertex.
-fn reachable() {
-    let frame = LocalFrame::new(Position::from_deg(42.0, -70.0).expect("a position"));
-    let vertices = 10_000;
-    let points: Vec<EastNorth> = (0..vertices)
-        .map(|vertex| {
-            let jag = f64::from((vertex * 7919) % 101) / 5.0;
-            EastNorth::default().offset(360.0 * f64::from(vertex) / f64::from(vertices), 3000.0 + jag)
-        })
-        .collect();
-    let ring: Vec<String> = points
-        .iter()
-        .chain(points.first())
-        .map(|point| {
-            let position = frame.to_position(*point);
-            format!("[{},{}]", position.longitude.as_deg(), position.latitude.as_deg())
-        })
-        .collect();
-    let fence = Fence::from_geojson(&format!(
-        r#"{{"type":"FeatureCollection","features":[{{"type":"Feature","properties":{{"name":"coast","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3}},"geometry":{{"type":"Polygon","coordinates":[[{}]]}}}}]}}"#,
-        ring.join(",")
-    ))
-    .expect("a coast is a fence");
-    let extent = VerticalExtent {
-        depth_min_m: 10.0,
-        depth_max_m: 20.0,
-        altitude_min_m: 5.0,
-    };
-    let places: Vec<[EastNorth; 5]> = (0..64)
-        .map(|at| {
-            let (at, start) = (
-                f64::from(at),
-                EastNorth::default().offset(f64::from(at) * 37.0, f64::from(at) * 30.0),
-            );
-            let end = start.offset(at * 53.0, 600.0);
-            let here = start + (end - start) * 0.4;
-            [
-                here,
-                here.offset(at * 101.0, 12.0),
-                start,
-                end,
-                end.offset(at * 53.0 + 90.0, 100.0),
-            ]
-        })
-        .collect();
-    let (mut ours, mut floor) = (0, 0);
-    let times = in_turn(
-        5_000,
-        || {
-            let [here, ahead, start, end, next] = places[ours % places.len()];
-            ours += 1;
-            let ways = [
-                Shape::quadrilateral([here, ahead, start, end]),
-                Shape::triangle(here, ahead, next),
-            ];
-            black_box(
-                fence
-                    .check_all(&ways, 55.0, &extent, [extent.depth_min_m, extent.depth_max_m])
-                    .is_ok(),
-            );
-        },
-        || {
-            let [here, ahead, start, end, _] = places[floor % places.len()];
-            floor += 1;
-            black_box(scan(&points, here, ahead).min(scan(&points, start, end)));
-        },
-    );
-    row(
-        "a modify's reachable set against a coast of 10000 vertices",
-        times,
-        "plain scan of the edges for its corners",
-        "5000 ns",
-    );
-}
-
-/// A fence from its file to its first answer: text, projection, all that makes a polygon refused, and the index.
-fn index(vertices: usize) {
-    let (text, _) = star(vertices);
-    let times = in_turn(
-        5,
-        || {
-            black_box(Fence::from_geojson(black_box(&text)).expect("a star is a fence"));
-        },
-        || {
-            black_box(serde_json::from_str::<serde_json::Value>(black_box(&text)).expect("it is JSON"));
-        },
-    );
-    row(
-        &format!("index built, {vertices} vertices, from the file's text"),
-        times,
-        "the text read as JSON",
-        "10000000 ns",
-    );
-}
-
-/// The least distance of a leg's ends from the edges, every edge looked at.
-fn scan(points: &[EastNorth], start: EastNorth, end: EastNorth) -> f64 {
-    let mut least = f64::MAX;
-    for (index, from) in points.iter().enumerate() {
-        let to = points[(index + 1) % points.len()];
-        let along = to - *from;
-        let length = along.east_m * along.east_m + along.north_m * along.north_m;
-        for end in [start, end] {
-            let out = end - *from;
-            let share = ((out.east_m * along.east_m + out.north_m * along.north_m) / length).clamp(0.0, 1.0);
-            let off = out - along * share;
-            least = least.min(off.east_m * off.east_m + off.north_m * off.north_m);
-        }
-    }
-    least.sqrt()
-}
+/// A square of 6 km around 42 N 70 W.
+const SEA: &str = r#"{"type":"FeatureCollection","features":[{"type":"Feature",
+    "properties":{"name":"sea","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3},
+    "geometry":{"type":"Polygon","coordinates":[[[-70.036,41.973],[-69.964,41.973],[-69.964,42.027],[-70.036,42.027],[-70.036,41.973]]]}}]}"#;
 
 fn envelope() -> Envelope {
     let limits: Limits =
         serde_json::from_str(r#"{"speed_min_mps":1.0,"speed_max_mps":2.0,"turn_rate_dps":8.0,"current_max_mps":0.3}"#)
             .expect("these are limits");
-    Envelope::new(Fence::from_geojson(&star(100).0).expect("a star is a fence"), limits)
+    Envelope::new(Fence::from_geojson(SEA).expect("a square is a fence"), limits)
 }
 
 fn navigation() -> NavigationSample {

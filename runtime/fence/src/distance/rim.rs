@@ -1,7 +1,7 @@
 use parry2d_f64::math::Vector;
+use parry2d_f64::shape::Segment;
 
-use super::{Contact, Probe, Samples, gap, point_d2, project};
-use crate::strips::{Strips, WIDTH};
+use super::{Contact, Probe, Samples, gap, project};
 
 /// A circle's line.
 pub(crate) struct RimProbe {
@@ -10,87 +10,41 @@ pub(crate) struct RimProbe {
 }
 
 impl RimProbe {
-    /// How far the rim is from something whose points are `near` to `far` from the centre, all of them in between.
+    /// The squared distance from the rim to something whose points are `near` to `far` from the centre, all of them in
+    /// between.
     #[inline]
-    fn distance_m(&self, near_m2: f64, far_m2: f64) -> f64 {
-        let r2 = self.radius_m * self.radius_m;
-        if near_m2 > r2 {
-            near_m2.sqrt() - self.radius_m
-        } else if far_m2 < r2 {
-            self.radius_m - far_m2.sqrt()
-        } else {
-            0.0
-        }
+    fn d2(&self, near_m: f64, far_m: f64) -> f64 {
+        let distance_m = (near_m - self.radius_m).max(self.radius_m - far_m).max(0.0);
+        distance_m * distance_m
     }
 }
 
 impl Probe for RimProbe {
-    fn min(&self) -> Vector {
-        self.centre - Vector::splat(self.radius_m)
-    }
-
-    fn max(&self) -> Vector {
-        self.centre + Vector::splat(self.radius_m)
+    fn bounds(&self) -> (Vector, Vector) {
+        let radius = Vector::splat(self.radius_m);
+        (self.centre - radius, self.centre + radius)
     }
 
     #[inline]
     fn box_d2(&self, min: Vector, max: Vector, _: f64) -> f64 {
         let near = gap(self.centre, self.centre, min, max);
         let far = (max - self.centre).max(self.centre - min);
-        let distance_m = self.distance_m(near.length_squared(), far.length_squared());
-        distance_m * distance_m
+        self.d2(near.length(), far.length())
     }
 
     #[inline]
-    fn strips_d2(&self, strips: &Strips) -> [f64; WIDTH] {
-        let mut bounds = [0.0; WIDTH];
-        for (lane, bound) in bounds.iter_mut().enumerate() {
-            let (off, half) = (strips.off(lane, self.centre).abs(), strips.half(lane));
-            let near = (off - half).max(Vector::ZERO);
-            let distance_m = self.distance_m(near.length_squared(), (off + half).length_squared());
-            *bound = distance_m * distance_m;
-        }
-        bounds
-    }
-
-    #[inline]
-    fn edge_d2(&self, a: Vector, b: Vector) -> f64 {
-        let far_m2 = (a - self.centre)
-            .length_squared()
-            .max((b - self.centre).length_squared());
-        let distance_m = self.distance_m(point_d2(self.centre, a, b), far_m2);
-        distance_m * distance_m
-    }
-
-    fn contact(&self, a: Vector, b: Vector) -> Contact {
-        let near = project(self.centre, a, b);
-        let far = if (a - self.centre).length_squared() >= (b - self.centre).length_squared() {
-            a
+    fn contact(&self, edge: &Segment) -> Contact {
+        let near = project(edge, self.centre);
+        let far = if edge.a.distance_squared(self.centre) >= edge.b.distance_squared(self.centre) {
+            edge.a
         } else {
-            b
+            edge.b
         };
-        let (near_m, far_m) = ((near - self.centre).length(), (far - self.centre).length());
-        if near_m > self.radius_m {
-            Contact {
-                distance_m: near_m - self.radius_m,
-                at: near,
-                towards: self.centre - near,
-            }
-        } else if far_m < self.radius_m {
-            // An edge within the circle: from its far end outward. One that is no longer than a rounding error at
-            // the very centre has every direction alike.
-            let outward = if far_m > 0.0 { far - self.centre } else { b - a };
-            Contact {
-                distance_m: self.radius_m - far_m,
-                at: far,
-                towards: outward,
-            }
-        } else {
-            Contact {
-                distance_m: 0.0,
-                at: near,
-                towards: Vector::ZERO,
-            }
+        let (near_m, far_m) = (near.distance(self.centre), far.distance(self.centre));
+        Contact {
+            d2: self.d2(near_m, far_m),
+            // An edge within the circle comes nearest with its far end.
+            at: if far_m < self.radius_m { far } else { near },
         }
     }
 

@@ -140,7 +140,8 @@ fn each_polygon_of_a_multipolygon_stands_alone() {
     let east_edge = fence
         .check(&Sweep::new(Shape::point(local(-69.976)), 5.0), &VERTICAL)
         .unwrap()
-        .edge;
+        .edge
+        .unwrap();
     assert_eq!(fence.describe_edge(east_edge).unwrap().to_string(), "polygon 2 edge 2");
 }
 
@@ -167,7 +168,7 @@ fn long_edges_follow_the_straight_line_of_the_file() {
         (60.05, 10.01, 4),
     ] {
         let local = fence.frame().to_local(position(latitude, longitude));
-        let nearest = fence.contains(local).unwrap().edge;
+        let nearest = fence.contains(local).unwrap().edge.unwrap();
         assert_eq!(fence.describe_edge(nearest).unwrap().number, edge);
     }
 }

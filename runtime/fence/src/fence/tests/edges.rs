@@ -115,6 +115,33 @@ fn a_leg_through_a_thin_hole_is_refused() {
 }
 
 #[test]
+fn a_leg_that_crosses_an_edge_almost_along_it_is_refused() {
+    use parry2d_f64::math::{Pose, Vector};
+    use parry2d_f64::query;
+    use parry2d_f64::shape::Segment;
+
+    // parry's query for two segments has them a sixth of a millimetre apart.
+    let edge = [
+        (-20574.405144916982, -3111.4465800436574),
+        (-21382.10248824897, -10502.06597039965),
+    ];
+    let ends = [
+        (-20597.265843415546, -3320.6257879954437),
+        (-21611.731354879594, -12603.225475629079),
+    ];
+    let segment = |[a, b]: [(f64, f64); 2]| Segment::new(Vector::new(a.0, a.1), Vector::new(b.0, b.1));
+    let here = Pose::IDENTITY;
+    let theirs = query::distance(&here, &segment(edge), &here, &segment(ends)).unwrap();
+    assert!(theirs.distance > 1e-4, "parry has mended it: {theirs:?}");
+
+    let ring = vec![edge[0], edge[1], (0.0, -20000.0), (0.0, 0.0)];
+    let sea = fence(vec![zone("sea", INCLUSION, 0.0, &[ring])]);
+    assert_eq!(refused(&sea, leg(ends[0], ends[1]), 0.0).0, Rule::Inclusion);
+    let breach = check(&sea, leg(ends[0], edge[0]), 0.0).unwrap_err();
+    assert_eq!(breach.edge.map(|edge| edge.edge), Some(0), "{breach}");
+}
+
+#[test]
 fn an_exclusion_or_hole_wholly_inside_a_solid_hull_is_touched() {
     let outer = rectangle(-100.0, -100.0, 100.0, 100.0);
     let small = rectangle(-1.0, -1.0, 1.0, 1.0);
@@ -203,7 +230,7 @@ fn of_several_zones_that_hold_the_roomier_one_is_told() {
     ]);
     let clearance = check(&fence, Shape::point(at(0.0, 0.0)), 1.0).unwrap();
     assert_eq!(clearance.metres, 94.0);
-    assert_eq!(fence.describe_edge(clearance.edge).unwrap().zone, "large");
+    assert_eq!(fence.describe_edge(clearance.edge.unwrap()).unwrap().zone, "large");
 }
 
 #[test]
@@ -467,7 +494,7 @@ fn a_fence_is_shared_between_threads() {
 #[test]
 fn edges_that_a_fence_does_not_have_are_not_described() {
     let fence = box_fence(0.0);
-    let mut edge = check(&fence, Shape::point(at(0.0, 99.0)), 0.5).unwrap().edge;
+    let mut edge = check(&fence, Shape::point(at(0.0, 99.0)), 0.5).unwrap().edge.unwrap();
     assert_eq!(fence.describe_edge(edge).unwrap().to_string(), "edge 3");
     for beyond in [4, 5, u32::MAX] {
         edge.edge = beyond;

@@ -1,12 +1,16 @@
-//! Random fences and sweeps against two judges that share nothing with the engine: the `geo` crate, and a plain scan
-//! that measures by searching along the shapes.
+//! Random fences and sweeps against judges that share nothing with the engine's search: the `geo` crate, parry's own queries,
+//! and a plain scan that measures by searching along the shapes.
 
 use geo::{
     Area, Contains, ConvexHull, Distance, Euclidean, Geometry, LineString, MultiPoint, Point, Polygon as GeoPolygon,
 };
+use parry2d_f64::math::{Pose, Vector};
+use parry2d_f64::query;
+use parry2d_f64::shape::{ConvexPolygon, Polyline, Segment, Shape as Shape2};
 use proptest::prelude::*;
 
 use super::*;
+use crate::map::CLEARANCE_MAX_M;
 
 /// Within this of the threshold either verdict is right: the judges' own rounding.
 const TIE_M: f64 = 1e-7;
@@ -133,6 +137,22 @@ fn by_geo(plan: &Plan, shape: &Geometry, witness: EastNorth) -> Measured {
     }
 }
 
+/// The distance by parry's own search and dispatch, and the side by geo.
+fn by_parry(plan: &Plan, shape: &dyn Shape2, witness: EastNorth) -> Measured {
+    let here = Pose::IDENTITY;
+    let rings = plan.rings.iter().map(|ring| {
+        let closed = ring.iter().chain(ring.first());
+        Polyline::new(closed.map(|(east, north)| Vector::new(*east, *north)).collect(), None)
+    });
+    let distance_m = rings
+        .map(|ring| query::distance(&here, &ring, &here, shape).unwrap().distance)
+        .fold(f64::INFINITY, f64::min);
+    Measured {
+        distance_m,
+        inside: geo_polygon(&plan.rings).contains(&Point::new(witness.east_m, witness.north_m)),
+    }
+}
+
 /// Clearance, negative where it does not hold, from the measures of every zone.
 fn verdict(case: &Case, radius_m: f64, measure: impl Fn(&Plan) -> Measured) -> f64 {
     let reach_m = |plan: &Plan| (plan.margin_m + radius_m).max(1e-6);
@@ -155,6 +175,7 @@ fn verdict(case: &Case, radius_m: f64, measure: impl Fn(&Plan) -> Measured) -> f
     inclusion
         .fold(f64::NEG_INFINITY, f64::max)
         .min(exclusion.fold(f64::INFINITY, f64::min))
+        .min(CLEARANCE_MAX_M)
 }
 
 fn agree(answer: &Result<Clearance, Breach>, expected_m: f64) -> Result<(), TestCaseError> {
@@ -262,6 +283,28 @@ proptest! {
             };
             let alone = geo_hull(&points[..1]);
             agree(&fence.contains(points[0]), verdict(&bare, 0.0, |plan| by_geo(plan, &alone, points[0])))?;
+        }
+    }
+
+    #[test]
+    fn legs_and_solids_are_judged_as_parry_judges_them(
+        case in case(),
+        sweeps in prop::collection::vec((prop::collection::vec(whereabouts(), 2..=4), radius()), 12),
+    ) {
+        let fence = case.fence();
+        for (corners, radius_m) in sweeps {
+            let points: Vec<_> = corners.iter().map(|corner| near(&case, *corner)).collect();
+            let places: Vec<_> = points.iter().map(|point| Vector::new(point.east_m, point.north_m)).collect();
+            // Flat ones have no hull of parry's.
+            let solid = || ConvexPolygon::from_convex_hull(&places).map(|hull| Box::new(hull) as Box<dyn Shape2>);
+            let (shape, theirs) = match points[..] {
+                [a, b] => (Shape::leg(a, b), Some(Box::new(Segment::new(places[0], places[1])) as _)),
+                [a, b, c] => (Shape::triangle(a, b, c), solid()),
+                _ => (Shape::quadrilateral([points[0], points[1], points[2], points[3]]), solid()),
+            };
+            let Some(theirs) = theirs else { continue };
+            let expected_m = verdict(&case, radius_m, |plan| by_parry(plan, &*theirs, points[0]));
+            agree(&check(&fence, shape, radius_m), expected_m)?;
         }
     }
 

@@ -1,5 +1,6 @@
 //! Works out the tree hash: which sources of what flies a build was made from.
 
+use std::env;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,9 @@ use sha2::{Digest, Sha256};
 const CRATES: [&str; 6] = ["core", "fence", "mvc", "oracle", "sim", "spi"];
 
 fn main() -> io::Result<()> {
-    let runtime = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../runtime");
+    // Asked when it runs: a build folder may have been taken over from another clone, and this program with it.
+    let here = env::var_os("CARGO_MANIFEST_DIR").ok_or_else(|| io::Error::other("cargo says no folder"))?;
+    let runtime = Path::new(&here).join("../../runtime");
     let mut files = Vec::new();
     for name in CRATES {
         let sources = runtime.join(name).join("src");

@@ -40,8 +40,8 @@ pub(crate) struct Admitted {
 /// The inserts that wait for an answer of the vehicle before they leave, and those that are being taken back.
 #[derive(Debug, Default)]
 pub(crate) struct Inserts {
-    pub(crate) waiting: Vec<Waiting>,
-    pub(crate) recalls: Recalls,
+    waiting: Vec<Waiting>,
+    recalls: Recalls,
 }
 
 /// The grant that an insert needs; one that interrupts needs that of its own beside it.

@@ -106,6 +106,8 @@ pub(crate) struct Entry {
     pub(crate) sent_at: Timestamp,
     /// The vehicle's plan, asked for when it had decided on this insert at the latest, does not name it: it does not wait.
     pub(crate) waits_not: bool,
+    /// The vehicle may have dropped this insert: it flies another dive since, or has refused to take it back.
+    pub(crate) may_be_gone: bool,
 }
 
 impl Entry {
@@ -166,6 +168,7 @@ impl Ledger {
             interrupted: false,
             sent_at: Timestamp::ZERO,
             waits_not: false,
+            may_be_gone: false,
         };
         self.open.insert(self.last, entry);
         self.last
@@ -187,6 +190,10 @@ impl Ledger {
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = (u64, &Entry)> + '_ {
         self.open.iter().map(|(request, entry)| (*request, entry))
+    }
+
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (u64, &mut Entry)> + '_ {
+        self.open.iter_mut().map(|(request, entry)| (*request, entry))
     }
 
     /// The open request that the vehicle knows by an identifier.
@@ -293,9 +300,12 @@ impl Ledger {
         self.doubtful.retain(|_, entry| entry.identifier != Some(identifier));
     }
 
-    /// The vehicle has told a plan that was asked for then: inserts without its word that are not in it do not wait, where
-    /// it had decided on them.
+    /// The vehicle has told a plan that was asked for then: what it names is there; inserts without its word that are not in
+    /// it do not wait, where it had decided on them.
     pub(crate) fn told_plan(&mut self, asked_at: Timestamp, has: impl Fn(BehaviorId) -> bool) {
+        for entry in self.open.values_mut() {
+            entry.may_be_gone &= !entry.identifier.is_some_and(&has);
+        }
         for entry in self.doubtful.values_mut() {
             let named = entry.identifier.is_none_or(&has);
             entry.waits_not = !named && asked_at >= entry.sent_at + SETTLED_WITHIN;
@@ -402,6 +412,8 @@ fn may_follow(from: &RequestState, to: &RequestState, insert: bool) -> bool {
         S::Sent => !matches!(to, S::Rejected(_) | S::Sent),
         S::Pending => !matches!(to, S::Rejected(_) | S::Sent | S::Pending),
         S::Unknown => matches!(to, S::Accepted | S::Started | S::Failed(_) | S::TimedOut | S::Ended(_)),
+        // Another dive leaves an insert that waited in doubt.
+        S::Accepted if insert && *to == S::Unknown => true,
         S::Accepted => matches!(to, S::Started | S::Ended(_) | S::Cancelled | S::Failed(_) | S::TimedOut),
         S::Started => match to {
             S::Ended(_) => true,

@@ -69,10 +69,10 @@ impl<'a> Outlook<'a> {
             || self.ledger.doubtful().next().is_some()
     }
 
-    /// The vehicle has taken it, and it is not being taken back.
+    /// The vehicle has taken it, nothing says that it has dropped it since, and it is not being taken back.
     pub(crate) fn is_surely_flown(&self, request: u64) -> bool {
-        let accepted = |state: &RequestState| *state == RequestState::Accepted;
-        self.ledger.get(request).is_some_and(|entry| accepted(&entry.state))
+        let waits = |entry: &Entry| entry.state == RequestState::Accepted && !entry.may_be_gone;
+        self.ledger.get(request).is_some_and(waits)
             && !self.ledger.is_recalled(request)
             && !self
                 .link

@@ -363,10 +363,28 @@ impl Inserts {
                 }
             }
             Answer::Refused(text) => {
+                // It has begun, or does not wait.
+                if let Some(entry) = cx.ledger.get_mut(insert) {
+                    entry.may_be_gone = true;
+                }
                 if let Some(cancel) = cancel {
                     cx.transition(cancel, RequestState::Failed(text.to_owned()));
                 }
             }
+        }
+    }
+
+    /// The vehicle flies another dive: what waited in the former may be gone. The plan of this one tells.
+    pub(crate) fn another_dive(&mut self, cx: &mut Context) {
+        let mut accepted = Vec::new();
+        for (request, entry) in cx.ledger.iter_mut().filter(|(_, entry)| entry.is_open_insert()) {
+            entry.may_be_gone = true;
+            if entry.state == RequestState::Accepted {
+                accepted.push(request);
+            }
+        }
+        for request in accepted {
+            cx.transition(request, RequestState::Unknown);
         }
     }
 

@@ -171,6 +171,7 @@ impl Core {
         });
         self.capabilities
             .end_leases(&mut self.cx, "the vehicle flies another dive");
+        self.capabilities.inserts.another_dive(&mut self.cx);
         self.cx.vehicle.forget_plan();
         self.cx.link.commands.forget_plan();
         self.cx.vehicle.courses.lose();

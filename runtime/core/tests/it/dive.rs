@@ -4,10 +4,11 @@ use std::time::Duration;
 
 use backseat_core::Note;
 use backseat_core::plugin::Request;
-use backseat_spi::{BehaviorBegin, FromVehicle, MissionCommand, MissionStatus, Text};
+use backseat_spi::{AckStatus, BehaviorBegin, FromVehicle, MissionCommand, MissionStatus, Text};
 use backseat_units::Timestamp;
 
-use crate::course::{good_line, modify};
+use crate::course::{good_line, line, modify};
+use crate::led::refused_for;
 use crate::trial::{Trial, shorts};
 use crate::vehicle::Reply;
 
@@ -187,4 +188,48 @@ fn sr_019_what_is_over_a_plugins_rate_is_counted_and_not_told_one_by_one() {
     assert!(trial.notes().iter().any(counted));
     let rejected = trial.core.request_counts().rejected;
     assert!(rejected > 3000, "all are in the ledger: {rejected}");
+}
+
+#[test]
+fn sr_002_sr_025_inserts_that_waited_in_the_other_dive_are_in_doubt_until_the_plan_tells() {
+    for kept in [true, false] {
+        let mut trial = Trial::under_way();
+        let first = status_of(&trial, "survey.dive");
+        trial.hear_now([first]);
+        trial.ask(0, [good_line(1)]);
+        trial.run_for(0.5);
+        assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
+        if !kept {
+            trial.vehicle.inserted.clear();
+        }
+        let other = status_of(&trial, "other.dive");
+        trial.hear_now([other]);
+        let begun = begin_of(&trial, "other", 1);
+        trial.hear_now([begun]);
+        assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "unknown"]);
+        trial.run_for(5.0);
+        let told = if kept { "accepted" } else { "failed" };
+        assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "unknown", told]);
+    }
+}
+
+#[test]
+fn sr_002_sr_025_an_insert_that_is_answered_after_another_dive_may_have_been_accepted_for_the_former() {
+    let mut trial = Trial::under_way();
+    let first = status_of(&trial, "survey.dive");
+    trial.hear_now([first]);
+    let late = Reply::Late(Duration::from_secs(1), AckStatus::Succeeded);
+    trial.vehicle.replies.insert("RTK", late);
+    trial.ask(0, [Request::Trackline(line(1, (800.0, -300.0), (800.0, -1500.0)))]);
+    trial.run_for(0.2);
+    let other = status_of(&trial, "other.dive");
+    trial.hear_now([other]);
+    let begun = begin_of(&trial, "other", 1);
+    trial.hear_now([begun]);
+    trial.vehicle.replies.remove("RTK");
+    trial.run_for(3.0);
+    assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
+    // From the leg the wreck lies before the start of this one, and from the end of the first it does not.
+    let behind = Request::Trackline(line(2, (0.0, -1500.0), (500.0, -1500.0)));
+    refused_for(&mut trial, behind, 2, "wreck");
 }

@@ -396,3 +396,21 @@ fn sr_002_the_depth_of_another_payloads_insert_nobody_knows() {
     led_to(&mut trial, 1000.0, 600.0);
     refused_for(&mut trial, Request::Modify(modify(9)), 9, "shoals");
 }
+
+#[test]
+fn sr_002_an_insert_that_the_vehicle_would_not_take_back_may_be_gone_from_before_the_next() {
+    // From the leg the wreck lies before the start of the second, and from the end of the first it does not.
+    let first = || Request::Trackline(line(1, (800.0, -300.0), (800.0, -1500.0)));
+    let second = || Request::Trackline(line(2, (0.0, -1500.0), (500.0, -1500.0)));
+    let mut trial = Trial::under_way();
+    accepted(&mut trial, first(), 1);
+    accepted(&mut trial, second(), 2);
+
+    let mut trial = Trial::under_way();
+    accepted(&mut trial, first(), 1);
+    trial.vehicle.replies.insert("RCN", Reply::Refuse);
+    trial.ask(0, [Request::Cancel(1)]);
+    trial.run_for(0.5);
+    assert_eq!(shorts(&trial.cancel_states(1)), ["sent", "failed"]);
+    refused_for(&mut trial, second(), 2, "wreck");
+}

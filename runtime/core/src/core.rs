@@ -1,3 +1,16 @@
+mod answer;
+mod behavior;
+mod connection;
+mod course;
+mod external;
+#[cfg(test)]
+mod gated;
+mod hear;
+mod navigation;
+mod request;
+mod samples;
+mod step;
+
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -26,28 +39,17 @@ const LATE: Duration = Duration::from_millis(500);
 /// Hand it what happens with [`Core::handle`], then drain [`Core::poll_output`] until it is empty, then call again at
 /// [`Core::poll_timeout`] or when something happens, whichever is first.
 pub struct Core {
-    pub(crate) cx: Context,
-    pub(crate) capabilities: Capabilities,
-    pub(crate) orders: Orders,
-    pub(crate) session: Session,
-    pub(crate) late_count: u64,
+    cx: Context,
+    capabilities: Capabilities,
+    orders: Orders,
+    session: Session,
+    late_count: u64,
     /// The flaw of navigation that was last told, and when.
-    pub(crate) flaw_told: Option<(&'static str, Timestamp)>,
-    pub(crate) whereabouts: Whereabouts,
+    flaw_told: Option<(&'static str, Timestamp)>,
+    whereabouts: Whereabouts,
     /// Navigation has come that nothing has been held against.
-    pub(crate) unjudged: bool,
+    unjudged: bool,
 }
-
-mod answer;
-mod connection;
-mod course;
-mod external;
-#[cfg(test)]
-mod gated;
-mod hear;
-mod request;
-mod samples;
-mod step;
 
 impl Core {
     /// A core that has not yet heard of anything. Its first output connects.

@@ -249,6 +249,10 @@ impl Inserts {
         if !is_on(Check::InsertFence) {
             return Ok(f64::MAX);
         }
+        if insert.interrupt && is_on(Check::InsertWayOn) {
+            cx.outlook()
+                .judge_ways_back(cx.monitor.envelope.duration_s(insert, &route.from))?;
+        }
         cx.monitor.envelope.judge_insert(
             insert,
             navigation.depth,

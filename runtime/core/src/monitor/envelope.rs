@@ -370,28 +370,44 @@ impl Envelope {
 
     /// The way from one end to another alone: what remains when an insert between them is cancelled.
     pub(crate) fn judge_way(&self, (from, to): (End, End), passage: &Passage) -> Result<f64, Refusal> {
+        let way = self.passed(passage, to.middle(), farthest_m(from, to))?;
+        self.way_by(passage.surfacing, from, to, &way)
+    }
+
+    /// As [`Envelope::judge_way`], onto what the vehicle takes up again.
+    pub(crate) fn judge_way_onto(&self, (from, onto): (End, &Track), passage: &Passage) -> Result<f64, Refusal> {
+        let farthest_m = onto
+            .points()
+            .map(|to| farthest_m(from, End::At(to)))
+            .fold(0.0, f64::max);
+        // By way of the line at most.
+        let way = self.passed(passage, from.middle(), SQRT_2 * farthest_m)?;
+        self.way_onto(passage.surfacing, from, onto, &way)
+    }
+
+    /// How a way of so many metres is flown, which lies around a point.
+    fn passed(&self, passage: &Passage, around: EastNorth, way_m: f64) -> Result<Way, Refusal> {
         let climb = if passage.surfacing {
             self.climb(deepest(passage.depth, passage.deepest_m)?)
         } else {
             Climb::default()
         };
         let strayed_m = self.strayed_m(self.fastest_mps(passage.seen_mps)) + climb.along_m;
-        let (depth_m, way_m) = (passage.depth.as_m(), farthest_m(from, to));
-        let (shallowest_m, _) = self.water_depths(passage.lock, to.middle(), way_m + strayed_m);
+        let depth_m = passage.depth.as_m();
+        let (shallowest_m, _) = self.water_depths(passage.lock, around, way_m + strayed_m);
         let extent = VerticalExtent {
             depth_min_m: depth_m,
             depth_max_m: depth_m,
             altitude_min_m: shallowest_m.unwrap_or(0.0) - depth_m,
         };
-        let way = Way {
+        Ok(Way {
             strayed_m,
             extent,
             depths_m: passage.depths_m.unwrap_or([depth_m, depth_m]),
             when: passage
                 .clocks
                 .next(passage.before_s + climb.lasts_s + way_m / self.slowest_mps()),
-        };
-        self.way_by(passage.surfacing, from, to, &way)
+        })
     }
 
     /// Where an insert begins and ends: a line with a lead of any length up to the longest.

@@ -6,7 +6,7 @@ use super::{Orders, admit};
 use crate::context::Context;
 use crate::io::Note;
 use crate::ledger::RequestKind;
-use crate::monitor::envelope::{End, Track};
+use crate::monitor::envelope::End;
 use crate::plugin::{Refusal, RequestState};
 use crate::refusal::refused;
 use crate::session::commands::{Answer, Purpose};
@@ -27,7 +27,9 @@ impl Orders {
     }
 
     /// The vehicle's answer to BPRCA. Inserts of ours that it had accepted are cancelled, those that have begun are not. A
-    /// GPS hit stays open: BPRCN does not cover it (7.8), and 7.9 does not say whether BPRCA does.
+    /// GPS hit stays open: BPRCN does not cover it (7.8), and 7.9 does not say whether BPRCA does. What was not answered stays
+    /// in doubt, for it may have begun, and may be what nothing may interrupt (safety requirement 010): the plan that is
+    /// asked for now, and what begins then, settle it.
     ///
     /// True where it has cancelled them: what is left of the plan is then for the vehicle to say.
     pub(crate) fn cancel_all_answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) -> bool {
@@ -53,8 +55,6 @@ impl Orders {
                         cx.transition(insert, RequestState::Cancelled);
                     }
                 }
-                cx.ledger
-                    .settle_doubt_if(|entry| entry.insert.is_some_and(|insert| !insert.surfaces()));
                 return true;
             }
         }
@@ -115,9 +115,11 @@ impl Orders {
         );
         // Or it takes up an insert that this one has interrupted.
         let onto = cx.outlook().taken_up_after(false);
-        to.extend(onto.iter().flat_map(Track::points).map(End::At));
         for to in to.into_iter().filter(|_| is_on(Check::CancelWay)) {
             cx.monitor.envelope.judge_way((here, to), &passage)?;
+        }
+        for track in onto.iter().filter(|_| is_on(Check::CancelWay)) {
+            cx.monitor.envelope.judge_way_onto((here, track), &passage)?;
         }
         Ok(())
     }

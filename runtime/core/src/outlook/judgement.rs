@@ -1,7 +1,7 @@
 //! Ways that are not asked for but follow: to and from an insert that waits, and past one that is taken back.
 
 use super::Outlook;
-use crate::monitor::envelope::{End, Insert, Track};
+use crate::monitor::envelope::{End, Insert};
 use crate::plugin::Refusal;
 use crate::refusal::refused;
 use crate::switches::{Check, is_on};
@@ -32,6 +32,41 @@ impl Outlook<'_> {
         for to in self.vehicle.plan.next_points() {
             self.monitor.envelope.judge_way((from, End::At(to)), &passage)?;
         }
+        for track in self.taken_up_after(false) {
+            self.monitor.envelope.judge_way_onto((from, &track), &passage)?;
+        }
+        Ok(())
+    }
+
+    /// The ways on from inserts that wait, onto what one that interrupts would leave: the vehicle may fly them before it
+    /// takes that up again (SPI 7.5), and when they were asked for nothing was to be taken up.
+    pub(crate) fn judge_ways_back(&self, interrupts_for_s: f64) -> Result<(), Refusal> {
+        let Some(navigation) = self.vehicle.navigation.newest() else {
+            return Ok(());
+        };
+        let mut waiting: Vec<Insert> = self.ledger.doubtful().filter_map(|entry| entry.insert).collect();
+        for (request, insert, begun) in self.chain().into_iter().rev() {
+            if begun {
+                continue;
+            }
+            waiting.push(insert);
+            if self.is_surely_flown(request) {
+                break;
+            }
+        }
+        let tracks = self.taken_up_after(true);
+        let before_s = self.before_insert_s(false) + interrupts_for_s;
+        for insert in waiting {
+            let from = self.monitor.envelope.ends(&insert).1;
+            let passage = self.passage(navigation.depth, insert.surfaces(), before_s);
+            for track in &tracks {
+                let judged = self.monitor.envelope.judge_way_onto((from, track), &passage);
+                judged.map_err(|refusal| Refusal {
+                    text: format!("on the way back from an insert that waits: {}", refusal.text),
+                    ..refusal
+                })?;
+            }
+        }
         Ok(())
     }
 
@@ -49,7 +84,9 @@ impl Outlook<'_> {
             return Err(refused("navigation", "navigation is stale"));
         };
         let before = at.checked_sub(1).and_then(|before| chain.get(before));
-        let after = chain.get(at + 1);
+        // What interrupts comes before all that waits.
+        let waits = |(_, next, begun): &&(u64, Insert, bool)| !begun && !next.interrupt;
+        let after = chain.iter().skip(at + 1).find(waits);
         let surfacing = [before, after]
             .into_iter()
             .flatten()
@@ -57,22 +94,20 @@ impl Outlook<'_> {
         let from = self.comes_from(chain.get(..at).unwrap_or_default());
         let to: Vec<End> = match after {
             Some(after) => vec![self.monitor.envelope.ends(&after.1).0],
-            None => {
-                let tracks = self.taken_up_after(false);
-                let onto = tracks.iter().flat_map(Track::points);
-                self.vehicle
-                    .plan
-                    .next_points()
-                    .into_iter()
-                    .chain(onto)
-                    .map(End::At)
-                    .collect()
-            }
+            None => self.vehicle.plan.next_points().into_iter().map(End::At).collect(),
+        };
+        let onto = if after.is_none() {
+            self.taken_up_after(false)
+        } else {
+            Vec::new()
         };
         let passage = self.passage(navigation.depth, surfacing, self.before_insert_s(false));
         for from in &from {
             for to in &to {
                 self.monitor.envelope.judge_way((*from, *to), &passage)?;
+            }
+            for track in &onto {
+                self.monitor.envelope.judge_way_onto((*from, track), &passage)?;
             }
         }
         Ok(())

@@ -25,7 +25,8 @@ const ANOTHER_AFTER: Duration = Duration::from_millis(250);
 /// So many BPSTS without an answer, and the vehicle is taken for one that does not answer them.
 const BEATS_WITHOUT_ANSWER: u32 = 4;
 /// An acknowledgement of BPLOG echoes no time. No BPLOG leaves as a beat until this has passed since the last answer to
-/// one, so that none that is under way is taken for the answer to another.
+/// one, so that none that is under way is taken for the answer to another. One that leaves sooner all the same, because it
+/// subscribes, measures nothing better than the one before it.
 const LOG_QUIET: Duration = Duration::from_secs(3);
 /// A BPLOG that was not answered for so long will not be.
 const LOG_FORGOTTEN: Duration = Duration::from_secs(30);
@@ -72,14 +73,26 @@ struct Sent {
     at: Timestamp,
 }
 
+/// A BPLOG that is not answered.
+#[derive(Clone, Copy, Debug)]
+struct SentLog {
+    at: Timestamp,
+    /// When the first BPLOG left whose answer may be taken for the answer to this one.
+    since: Timestamp,
+}
+
 /// The round trips of a connection.
 #[derive(Debug)]
 pub(crate) struct Heartbeat {
     delay_max: Duration,
     /// Commands with a time whose first acknowledgement has not come, oldest first.
     sent: VecDeque<Sent>,
-    /// When each BPLOG left that is not answered, oldest first: they are answered in their order.
-    logs: VecDeque<Timestamp>,
+    /// Each BPLOG that is not answered, oldest first: they are answered in their order.
+    logs: VecDeque<SentLog>,
+    /// [`SentLog::since`] of the BPLOG that left last.
+    logs_since: Option<Timestamp>,
+    /// Of the last answer to a BPLOG when the vehicle wrote it, and [`SentLog::since`] of what it was taken to answer.
+    log_answered: Option<(TimeOfDay, Timestamp)>,
     /// The BPLOG that left before acknowledgements were asked for.
     early_log: Option<Timestamp>,
     /// No BPLOG leaves as a beat before.
@@ -105,6 +118,8 @@ impl Heartbeat {
             delay_max,
             sent: VecDeque::new(),
             logs: VecDeque::new(),
+            logs_since: None,
+            log_answered: None,
             early_log: None,
             quiet_until: Timestamp::ZERO,
             good: None,
@@ -151,7 +166,12 @@ impl Heartbeat {
                 if self.logs.len() >= SENT_MAX {
                     self.logs.pop_front();
                 }
-                self.logs.push_back(now);
+                // An answer does not say to which BPLOG it is: one that comes twice is taken for that of the next, and so
+                // are those after it, until none is under way.
+                let alone = self.logs.is_empty() && now >= self.quiet_until;
+                let since = self.logs_since.filter(|_| !alone).unwrap_or(now);
+                self.logs_since = Some(since);
+                self.logs.push_back(SentLog { at: now, since });
             }
             None => {}
         }
@@ -161,7 +181,7 @@ impl Heartbeat {
     /// Where several commands may be meant, the oldest: its trip is the longest, and none is taken for shorter than it was.
     pub(crate) fn acknowledged(&mut self, now: Timestamp, ack: &Acknowledgement) -> Option<Heard> {
         let sent = if ack.command == name("LOG") {
-            self.log_answered(now)?
+            self.log_answered(now, ack.created)?
         } else {
             let index = self
                 .sent
@@ -172,7 +192,10 @@ impl Heartbeat {
                 && let Some(early) = self.early_log.take()
             {
                 // It answers what came before it was asked to answer.
-                self.logs.push_front(early);
+                self.logs.push_front(SentLog {
+                    at: early,
+                    since: early,
+                });
             }
             if sent.name == name("STS") {
                 self.carrier = Carrier::Status;
@@ -192,14 +215,24 @@ impl Heartbeat {
         Some(Heard { trip, good })
     }
 
-    fn log_answered(&mut self, now: Timestamp) -> Option<Timestamp> {
+    fn log_answered(&mut self, now: Timestamp, created: TimeOfDay) -> Option<Timestamp> {
         // It has answered one that was subscribed, and not the one before.
         self.early_log = None;
-        let sent = self.logs.pop_front();
-        if sent.is_none() || self.carrier == Carrier::Status {
+        // What left alone was sent after the last answer had come, and cannot have been answered when that was written.
+        let repeats = |log: &SentLog| {
+            self.log_answered
+                .is_some_and(|(written, since)| written == created && log.since > since)
+        };
+        if self.logs.front().is_some_and(repeats) {
+            return None;
+        }
+        let answered = self.logs.pop_front();
+        if answered.is_none() || self.carrier == Carrier::Status {
             self.quiet_until = now + LOG_QUIET;
         }
-        sent
+        let since = answered?.since;
+        self.log_answered = Some((created, since));
+        Some(since)
     }
 
     /// Whether the vehicle hears us: a good round trip whose command left less than 3 s ago.
@@ -228,7 +261,7 @@ impl Heartbeat {
         let Some(trip) = self.good else { return false };
         let just = now.since(trip.received) <= JUST_NOW && now.since(trip.sent) <= 2 * JUST_NOW;
         let waits = |sent: &Sent| sent.at > trip.sent && self.answers.contains(&sent.name);
-        just && self.logs.iter().all(|sent| *sent <= trip.sent) && !self.sent.iter().any(waits)
+        just && self.logs.iter().all(|log| log.at <= trip.sent) && !self.sent.iter().any(waits)
     }
 
     /// Whether a beat has only just left, so that its answer is as good as another one's.
@@ -236,7 +269,7 @@ impl Heartbeat {
         let recent = |at: Timestamp| now.since(at) < ANOTHER_AFTER;
         match self.carrier {
             Carrier::Status => self.sent.iter().any(|sent| sent.name == name("STS") && recent(sent.at)),
-            Carrier::Logging => self.logs.back().is_some_and(|at| recent(*at)),
+            Carrier::Logging => self.logs.back().is_some_and(|log| recent(log.at)),
         }
     }
 
@@ -254,7 +287,7 @@ impl Heartbeat {
     }
 
     fn forget_logs(&mut self, now: Timestamp) {
-        if self.logs.back().is_some_and(|sent| now.since(*sent) >= LOG_FORGOTTEN) {
+        if self.logs.back().is_some_and(|log| now.since(log.at) >= LOG_FORGOTTEN) {
             self.logs.clear();
         }
     }
@@ -272,7 +305,7 @@ impl Heartbeat {
         // none leaves until all that are under way would have been answered.
         let subscribe = match self.logs.back() {
             Some(last) if self.carrier == Carrier::Logging && self.remedies >= 3 => {
-                subscribe.max(*last + LOG_FORGOTTEN)
+                subscribe.max(last.at + LOG_FORGOTTEN)
             }
             Some(_) | None => subscribe,
         };
@@ -329,6 +362,14 @@ mod tests {
         }
     }
 
+    /// An answer to a BPLOG, written then.
+    fn log_answer(millis: u64) -> Acknowledgement {
+        Acknowledgement {
+            created: stamp(millis),
+            ..ack("LOG", EchoedTime::NONE)
+        }
+    }
+
     fn connected() -> Heartbeat {
         let mut heartbeat = Heartbeat::new(DELAY_MAX);
         heartbeat.begin(at(0));
@@ -381,12 +422,7 @@ mod tests {
     fn sr_023_where_status_is_not_answered_and_other_things_are_a_subscription_serves_one_at_a_time() {
         let mut heartbeat = connected();
         heartbeat.left(at(0), name("LOG"), None, false);
-        assert!(
-            heartbeat
-                .acknowledged(at(10), &ack("LOG", EchoedTime::NONE))
-                .unwrap()
-                .good
-        );
+        assert!(heartbeat.acknowledged(at(10), &log_answer(9)).unwrap().good);
         let mut logs = Vec::new();
         for second in 0..20u64 {
             let now = 20 + second * 1000;
@@ -394,7 +430,7 @@ mod tests {
                 heartbeat.left(at(now), name("LOG"), None, false);
                 logs.push(second);
                 if second < 10 {
-                    let heard = heartbeat.acknowledged(at(now + 5), &ack("LOG", EchoedTime::NONE));
+                    let heard = heartbeat.acknowledged(at(now + 5), &log_answer(now + 4));
                     assert_eq!(heard.unwrap().trip.lasted(), Duration::from_millis(5));
                 }
             }
@@ -404,9 +440,7 @@ mod tests {
         assert_eq!(logs, [4, 5, 6, 7, 8, 9, 10]);
         assert!(!heartbeat.is_heard(at(20_000)));
         // Its answer comes at last, and is its own.
-        let late = heartbeat
-            .acknowledged(at(20_500), &ack("LOG", EchoedTime::NONE))
-            .unwrap();
+        let late = heartbeat.acknowledged(at(20_500), &log_answer(20_400)).unwrap();
         assert!(!late.good && late.trip.lasted() > Duration::from_secs(10));
     }
 
@@ -414,7 +448,7 @@ mod tests {
     fn sr_023_an_answer_to_a_subscription_that_is_lost_costs_a_minute_and_not_the_day() {
         let mut heartbeat = connected();
         heartbeat.left(at(0), name("LOG"), None, false);
-        heartbeat.acknowledged(at(10), &ack("LOG", EchoedTime::NONE));
+        heartbeat.acknowledged(at(10), &log_answer(9));
         let mut heard = Vec::new();
         for second in 0..200u64 {
             let now = 20 + second * 1000;
@@ -424,7 +458,7 @@ mod tests {
                 heartbeat.left(at(now), name("LOG"), None, false);
                 // One of the answers is damaged on its way.
                 if second != 20 {
-                    heartbeat.acknowledged(at(now + 5), &ack("LOG", EchoedTime::NONE));
+                    heartbeat.acknowledged(at(now + 5), &log_answer(now + 4));
                 }
             }
             heartbeat.left(at(now), name("STS"), Some(stamp(now)), false);
@@ -434,6 +468,61 @@ mod tests {
         }
         assert!(heard.contains(&19) && !heard.contains(&30), "{heard:?}");
         assert!((85..200).all(|second| heard.contains(&second)), "{heard:?}");
+    }
+
+    #[test]
+    fn sr_023_an_answer_that_comes_twice_makes_no_round_trip_of_the_next_subscription() {
+        let mut heartbeat = connected();
+        let subscribe = |heartbeat: &mut Heartbeat, millis| {
+            for _ in 0..3 {
+                heartbeat.left(at(millis), name("LOG"), None, false);
+            }
+        };
+        // The vehicle hears us after 2 s, by when all is sent again. One of its answers comes twice, and then the others.
+        subscribe(&mut heartbeat, 0);
+        subscribe(&mut heartbeat, 2000);
+        for (answered, written) in [
+            (2010, 2000),
+            (2010, 2000),
+            (2010, 2000),
+            (2011, 2001),
+            (4010, 4000),
+            (4010, 4000),
+        ] {
+            let heard = heartbeat.acknowledged(at(answered), &log_answer(written)).unwrap();
+            assert_eq!(heard.trip.sent, at(0), "{answered}");
+            assert!(!heartbeat.is_heard(at(answered)));
+        }
+        assert_eq!(
+            heartbeat.acknowledged(at(4011), &log_answer(4000)),
+            None,
+            "the last of them"
+        );
+        // What is under way by now may be a fourth one's.
+        heartbeat.left(at(5000), name("LOG"), None, false);
+        assert!(!heartbeat.acknowledged(at(5010), &log_answer(5005)).unwrap().good);
+        heartbeat.left(at(8010), name("LOG"), None, false);
+        assert!(heartbeat.acknowledged(at(8020), &log_answer(8015)).unwrap().good);
+    }
+
+    #[test]
+    fn sr_023_where_subscriptions_carry_the_beat_an_answer_that_comes_twice_is_one() {
+        let mut heartbeat = connected();
+        heartbeat.left(at(0), name("LOG"), None, false);
+        heartbeat.acknowledged(at(10), &log_answer(9));
+        for millis in [1000, 2000, 3000, 4000] {
+            heartbeat.left(at(millis), name("STS"), Some(stamp(millis)), false);
+        }
+        assert!(heartbeat.needs_log(at(5000)));
+        heartbeat.left(at(5000), name("LOG"), None, false);
+        assert!(!heartbeat.acknowledged(at(8000), &log_answer(6500)).unwrap().good);
+        // The same answer once more, when the next has just left.
+        heartbeat.left(at(8000), name("LOG"), None, false);
+        assert_eq!(heartbeat.acknowledged(at(8001), &log_answer(6500)), None);
+        assert!(!heartbeat.is_heard(at(8001)) && !heartbeat.needs_log(at(9000)));
+        let heard = heartbeat.acknowledged(at(11_000), &log_answer(9500)).unwrap();
+        assert_eq!(heard.trip.sent, at(8000));
+        assert!(!heartbeat.is_heard(at(11_000)));
     }
 
     #[test]
@@ -452,9 +541,9 @@ mod tests {
         heartbeat.left(at(0), name("LOG"), None, true);
         heartbeat.left(at(1000), name("LOG"), None, false);
         heartbeat.acknowledged(at(1500), &ack("VER", EchoedTime::of(stamp(0))));
-        let first = heartbeat.acknowledged(at(1500), &ack("LOG", EchoedTime::NONE)).unwrap();
+        let first = heartbeat.acknowledged(at(1500), &log_answer(1000)).unwrap();
         assert_eq!(first.trip.sent, at(0));
-        let second = heartbeat.acknowledged(at(2500), &ack("LOG", EchoedTime::NONE)).unwrap();
+        let second = heartbeat.acknowledged(at(2500), &log_answer(2000)).unwrap();
         assert_eq!(second.trip.sent, at(1000));
     }
 

@@ -226,6 +226,66 @@ fn sr_002_an_insert_that_waits_is_called_back_where_its_way_on_no_longer_holds()
     assert_eq!(trial.sent("RCN").len(), 1, "it was not called back");
 }
 
+/// From its end what comes next lies to the north, and the leg to the north-west, behind the wreck.
+fn beside_the_wreck(tag: u64) -> Request {
+    Request::Trackline(line(tag, (700.0, -1200.0), (700.0, -1800.0)))
+}
+
+/// Far from the wreck.
+fn by_the_leg(tag: u64) -> Request {
+    at_once(line(tag, (-300.0, 200.0), (0.0, 200.0)))
+}
+
+#[test]
+fn sr_002_what_interrupts_is_refused_where_an_insert_that_waits_has_no_way_back_to_what_is_interrupted() {
+    let mut trial = Trial::under_way();
+    accepted(&mut trial, beside_the_wreck(1), 1);
+    refused_for(&mut trial, by_the_leg(2), 2, "wreck");
+    trial.ask(0, [Request::Cancel(1)]);
+    trial.run_for(1.0);
+    accepted(&mut trial, by_the_leg(3), 3);
+    // Now the leg may be taken up again.
+    refused_for(&mut trial, beside_the_wreck(4), 4, "wreck");
+}
+
+#[test]
+fn sr_002_sr_020_the_way_back_to_the_line_of_an_interrupted_leg_is_judged_before_an_insert_is_cancelled() {
+    let mut trial = Trial::new();
+    // The leg begins at (700, 0).
+    trial.vehicle.moved = Some((1, EastNorth::new(1300.0, 0.0)));
+    trial.vehicle.start = EastNorth::new(800.0, 0.0);
+    trial.run_for(2.0);
+    accepted(
+        &mut trial,
+        Request::Trackline(line(1, (300.0, -1900.0), (50.0, -1900.0))),
+        1,
+    );
+    accepted(
+        &mut trial,
+        Request::Trackline(line(2, (700.0, -1500.0), (700.0, -1000.0))),
+        2,
+    );
+    accepted(&mut trial, at_once(line(3, (900.0, 200.0), (1200.0, 200.0))), 3);
+    ends(&mut trial, Some(1), None);
+    begins(&mut trial, None, Some(3));
+    // From the end of the first the way to the start of the leg is clear, and the one to its line is not.
+    trial.ask(0, [Request::Cancel(2)]);
+    trial.run_for(0.5);
+    let states = format!("{:?}", trial.cancel_states(2));
+    assert!(states.contains("wreck"), "{states}");
+}
+
+#[test]
+fn sr_002_an_insert_that_waits_is_called_back_where_another_payload_interrupts() {
+    let mut trial = Trial::new();
+    trial.vehicle.others = vec![(40, (500.0, 100.0))];
+    trial.run_for(2.0);
+    accepted(&mut trial, beside_the_wreck(1), 1);
+    ends(&mut trial, Some(1), None);
+    begins(&mut trial, None, Some(40));
+    assert_eq!(trial.sent("RCN").len(), 1, "it was not called back");
+}
+
 #[test]
 fn sr_002_the_last_insert_that_stays_is_called_back_for_its_way_on_too() {
     let failing = PluginSetup {

@@ -39,11 +39,9 @@ impl Inserts {
             }
         }
         for open in chain.iter().rev() {
-            if cx.ledger.is_recalled(open.0) {
-                continue;
-            }
+            // What has begun and what interrupts is flown before all that waits.
             if !waits(cx, open) {
-                return;
+                continue;
             }
             let Err(refusal) = cx.outlook().judge_way_on(&open.1) else {
                 return;

@@ -6,6 +6,7 @@ use backseat_spi::AckStatus;
 
 use super::{order, rejection, states, wire};
 use crate::course::{good_line, interrupting, line};
+use crate::led::{begins, refused_for};
 use crate::trial::{Trial, shorts};
 use crate::vehicle::Reply;
 
@@ -53,6 +54,34 @@ fn a_cancel_of_all_that_is_refused_not_answered_or_lost_leaves_the_inserts() {
             assert_eq!(trial.commands("RCA").len(), 1);
         }
     }
+}
+
+#[test]
+fn sr_010_a_cancel_of_all_does_not_end_an_insert_that_was_not_answered_and_may_be_flown() {
+    let mut trial = Trial::under_way();
+    trial.vehicle.replies.insert("RTK", Reply::Silent);
+    // It has begun, and can no longer be cancelled by its identifier (SPI 7.8).
+    trial.vehicle.replies.insert("RCN", Reply::Refuse);
+    trial.ask(0, [interrupting(11)]);
+    trial.run_for(5.0);
+    trial.vehicle.replies.remove("RTK");
+    order(&mut trial, Order::CancelAll);
+    trial.run_for(1.0);
+    assert_eq!(
+        shorts(&states(&trial, RequestKind::CancelAll)),
+        ["sent", "accepted", "ended"]
+    );
+    refused_for(&mut trial, interrupting(12), 12, "interrupt");
+    // It neither waits nor is flown.
+    begins(&mut trial, Some(2), None);
+    trial.ask(0, [interrupting(13)]);
+    trial.run_for(0.5);
+    assert_eq!(
+        shorts(&trial.states(13)),
+        ["sent", "accepted"],
+        "{:?}",
+        trial.states(13)
+    );
 }
 
 #[test]

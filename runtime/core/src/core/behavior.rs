@@ -1,0 +1,177 @@
+//! What the vehicle begins and ends (SPI 6.9, 6.10), and what follows of it.
+
+use backseat_spi::{BehaviorBegin, BehaviorEnd, BehaviorId};
+
+use super::{Core, course};
+use crate::io::Note;
+use crate::owner::Owner;
+use crate::plugin::slots::Plugins;
+use crate::plugin::{Behavior, Event, RequestState, Topic};
+use crate::switches::{Check, is_on};
+use crate::vehicle::dive::NamedBy;
+
+impl Core {
+    pub(super) fn behavior_began(&mut self, message: BehaviorBegin) {
+        // First, for what has begun is of the dive that it names.
+        self.dive_named(NamedBy::Behavior, &message.dive_file);
+        // One of neither number nor identifier (an adjustment) comes beside what is flown and says nothing of it.
+        let is_flown = message.number.is_some() || message.identifier.is_some();
+        if is_flown {
+            let revenant = message
+                .identifier
+                .filter(|identifier| self.cx.identifiers.is_ours(*identifier))
+                .filter(|identifier| self.cx.ledger.by_identifier(*identifier).is_none());
+            self.cx
+                .vehicle
+                .former
+                .heard_begin(message.identifier, message.kind.as_str(), revenant);
+            course::began(&mut self.cx, message.number, message.identifier);
+        }
+        self.cx.heard(message.created);
+        self.cx.note_of_vehicle(Note::Behavior {
+            began: true,
+            number: message.number,
+            identifier: message.identifier.map(|identifier| identifier.get()),
+            kind: message.kind.as_str().to_owned(),
+        });
+        if is_on(Check::LeaseEndsWithBehavior) {
+            // It modified another one (SPI 7.12).
+            self.capabilities.modify.end(&mut self.cx, "a behaviour began under it");
+        }
+        // A suspended mission begins none: the vehicle has taken it up again. An end says nothing of the kind, for the
+        // behaviour that is suspended may be reported so (SPI 8.1 leaves it open), and a hold modifies none.
+        self.capabilities
+            .station
+            .end(&mut self.cx, "a behaviour began: the mission goes on");
+        self.cx.vehicle.mission_goes_on();
+        if is_flown {
+            self.end_overtaken(message.identifier);
+            self.cx.vehicle.named_insert.began(message.identifier);
+        }
+        let mut own = None;
+        match (message.identifier, message.number) {
+            (Some(identifier), _) => {
+                self.cx.vehicle.plan.left_for_insert();
+                if let Some(request) = self.cx.ledger.by_identifier(identifier) {
+                    own = self.cx.ledger.get(request).map(|entry| (entry.owner, entry.tag));
+                    if let Some(entry) = self.cx.ledger.get_mut(request) {
+                        entry.interrupted = false;
+                    }
+                    self.cx.transition(request, RequestState::Started);
+                } else {
+                    if !self.cx.vehicle.plan.has(identifier) {
+                        // Another payload's that came after the plan was asked for, perhaps.
+                        self.session.want_plan(&mut self.cx);
+                    }
+                    // It may have interrupted what was flown, which is then taken up again after all that waits.
+                    self.capabilities.inserts.judge_waiting(&mut self.cx);
+                }
+            }
+            (None, Some(number)) => {
+                if !self.cx.vehicle.plan.began(number) {
+                    self.cx.vehicle.plan.invalidate();
+                    self.session.want_plan(&mut self.cx);
+                }
+                // An insert without the vehicle's word is not flown, and where it does not wait either it is over.
+                self.cx
+                    .ledger
+                    .settle_doubt_if(|entry| entry.waits_not && entry.insert.is_some_and(|insert| !insert.surfaces()));
+                let vehicle = &mut self.cx.vehicle;
+                vehicle.former.plan_goes_on(&vehicle.plan);
+                self.capabilities.inserts.judge_waiting(&mut self.cx);
+            }
+            (None, None) => self
+                .capabilities
+                .adjustments
+                .behavior(&mut self.cx, true, message.kind.as_str()),
+        }
+        tell_of_behavior(&mut self.cx.plugins, true, own, message.kind.as_str());
+    }
+
+    pub(super) fn behavior_ended(&mut self, message: BehaviorEnd) {
+        self.cx.heard(message.created);
+        self.cx.note_of_vehicle(Note::Behavior {
+            began: false,
+            number: message.number,
+            identifier: message.identifier.map(|identifier| identifier.get()),
+            kind: message.kind.as_str().to_owned(),
+        });
+        if is_on(Check::LeaseEndsWithBehavior) {
+            self.capabilities.modify.end(&mut self.cx, "a behaviour ended under it");
+        }
+        self.cx.vehicle.named_insert.finished(message.identifier);
+        self.cx.vehicle.former.heard_end(message.identifier);
+        if let Some(identifier) = message.identifier {
+            self.cx.vehicle.plan.ended(identifier);
+            self.cx.ledger.settle_doubt_of(identifier);
+        } else if let Some(number) = message.number {
+            self.cx.vehicle.plan.finished(number);
+        } else {
+            self.capabilities
+                .adjustments
+                .behavior(&mut self.cx, false, message.kind.as_str());
+        }
+        let mut own = None;
+        if let Some(request) = message
+            .identifier
+            .and_then(|identifier| self.cx.ledger.by_identifier(identifier))
+        {
+            own = self.cx.ledger.get(request).map(|entry| (entry.owner, entry.tag));
+            let interrupted = self.cx.ledger.awaits_interrupter(request);
+            match self.cx.ledger.get_mut(request) {
+                Some(entry) if interrupted && entry.state == RequestState::Started => entry.interrupted = true,
+                _ => self.cx.transition(request, RequestState::Ended("flown".to_owned())),
+            }
+        }
+        course::ended(&mut self.cx, message.number, message.identifier);
+        tell_of_behavior(&mut self.cx.plugins, false, own, message.kind.as_str());
+    }
+
+    /// The vehicle flies one behaviour at a time: an insert that had begun is over where another one begins, though its
+    /// BFMBE was lost with a connection; but where what begins interrupts, it may be taken up again.
+    fn end_overtaken(&mut self, begun: Option<BehaviorId>) {
+        let interrupts = begun
+            .and_then(|begun| self.cx.ledger.get(self.cx.ledger.by_identifier(begun)?)?.insert)
+            .is_some_and(|insert| insert.interrupt);
+        if interrupts {
+            self.cx.ledger.interrupt_all_but(begun);
+            return;
+        }
+        let overtaken: Vec<(u64, &str)> = self
+            .cx
+            .ledger
+            .iter()
+            .filter(|(_, entry)| entry.is_open_insert() && entry.state == RequestState::Started)
+            .filter(|(_, entry)| entry.identifier != begun)
+            .map(|(request, entry)| {
+                let why = if entry.interrupted {
+                    "interrupted, and not taken up again"
+                } else {
+                    "another behaviour has begun"
+                };
+                (request, why)
+            })
+            .collect();
+        for (request, why) in overtaken {
+            self.cx.transition(request, RequestState::Ended(why.to_owned()));
+        }
+    }
+}
+
+/// Those plugins are told that listen to the vehicle's behaviours.
+fn tell_of_behavior(plugins: &mut Plugins, began: bool, own: Option<(Owner, u64)>, kind: &str) {
+    for plugin in plugins.ids() {
+        if plugins.wants(plugin, Topic::Behavior) {
+            let behavior = Behavior {
+                kind: kind.to_owned(),
+                tag: own.filter(|(owner, _)| *owner == plugin).map(|(_, tag)| tag),
+            };
+            let event = if began {
+                Event::BehaviorBegan(behavior)
+            } else {
+                Event::BehaviorEnded(behavior)
+            };
+            plugins.tell(plugin, event);
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! What navigation says (SPI 6.1, 6.2), and what follows of it.
+
+use std::time::Duration;
+
+use backseat_spi::{Navigation, VelocityAndRates};
+
+use super::{Core, course};
+use crate::io::Note;
+use crate::vehicle::integrity::Flaw;
+use crate::vehicle::navigation::{Change, WITHOUT_VELOCITIES};
+
+/// A flaw of navigation that stays is told so often.
+const FLAW_TOLD_EVERY: Duration = Duration::from_secs(10);
+
+impl Core {
+    pub(super) fn navigated(&mut self, message: &Navigation) {
+        let utc = self.cx.utc();
+        let Some(change) = self.cx.vehicle.navigation.position(self.cx.now, utc, message) else {
+            return;
+        };
+        self.session.heard_navigation(&mut self.cx);
+        self.capabilities.inserts.watch_schedules(&mut self.cx);
+        let jump = match change {
+            Change::Follows => None,
+            Change::Jumped(jump) => Some(jump),
+        };
+        if let Some(jump) = jump {
+            // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
+            self.cx.note_of_vehicle(Note::Navigation {
+                text: format!("navigation jumped by {:.1} m", jump.metres),
+            });
+            self.capabilities.modify.end(&mut self.cx, "navigation jumped");
+        }
+        self.heed_flaw();
+        course::navigated(&mut self.cx, jump);
+        self.unjudged = true;
+        self.whereabouts
+            .watch_place(&mut self.cx, &mut self.capabilities, &mut self.orders);
+    }
+
+    /// Safety requirement 024: what cannot be true steers nothing.
+    fn heed_flaw(&mut self) {
+        let Some(Flaw { what, text }) = self.cx.vehicle.navigation.take_flaw() else {
+            return;
+        };
+        if self
+            .flaw_told
+            .is_none_or(|(told, at)| told != what || self.cx.now.since(at) >= FLAW_TOLD_EVERY)
+        {
+            self.flaw_told = Some((what, self.cx.now));
+            self.cx.note_of_vehicle(Note::Navigation {
+                text: format!("{what}: {text}"),
+            });
+            // They may never have been subscribed: an answer to BPLOG does not say to which it is.
+            if what == WITHOUT_VELOCITIES {
+                self.session.subscribe_anew(&mut self.cx, "NVR");
+            }
+        }
+        self.capabilities.end_leases(&mut self.cx, what);
+        self.capabilities.inserts.judge_waiting(&mut self.cx);
+    }
+
+    pub(super) fn velocity(&mut self, message: &VelocityAndRates) {
+        self.unjudged = true;
+        let completes = self.cx.vehicle.navigation.velocity(self.cx.now, message);
+        self.heed_flaw();
+        if completes {
+            self.follow_navigation();
+            // Control may have come with this navigation, and plugins are to know.
+            self.settle_control();
+            self.step_due(true);
+        }
+    }
+
+    /// What stands is held against the newest navigation, once for each BFNVG with its BFNVR, or for what has come of
+    /// them by the end of an input.
+    pub(super) fn follow_navigation(&mut self) {
+        if core::mem::take(&mut self.unjudged) {
+            course::watch(&mut self.cx);
+            self.capabilities.modify.prevent(&mut self.cx);
+            self.capabilities.station.prevent(&mut self.cx);
+        }
+    }
+}

@@ -1,11 +1,8 @@
-#![expect(clippy::needless_range_loop, reason = "matrix formulas read best with their indices")]
-
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::units::math::{exp, hypot};
+use nalgebra::{Matrix6, RowVector6, Vector6};
 use serde::{Deserialize, Serialize};
 
-/// How many coefficients the surface has: depth, its gradient, and its three second derivatives.
-const N: usize = 6;
 /// Coordinates are counted in this length, so that all coefficients are metres and of like size.
 const UNIT_M: f64 = 50.0;
 /// What the slope may differ from the general one, one standard deviation, metres per metre.
@@ -24,9 +21,6 @@ const NOISE_MAX_M: f64 = 0.5;
 /// Weight of the newest sample in the noise.
 const NOISE_GAIN: f64 = 0.02;
 
-type Vector = [f64; N];
-type Matrix = [[f64; N]; N];
-
 /// A surface fitted to the water depth around the vehicle, by recursive least squares in information form.
 ///
 /// The surface is D + g·x + x·Hx/2 around the vehicle, and moves along with it exactly. A straight run along a contour
@@ -41,8 +35,9 @@ pub struct Seabed {
     general: EastNorth,
     /// Where the coefficients are counted from; none before the first sample.
     at: Option<EastNorth>,
-    information: Matrix,
-    vector: Vector,
+    /// Of the six coefficients: depth, its gradient, and its three second derivatives.
+    information: Matrix6<f64>,
+    vector: Vector6<f64>,
     noise_m: f64,
     outliers: u32,
 }
@@ -88,8 +83,8 @@ impl Seabed {
             memory_m,
             general: EastNorth::default().offset(deeper_toward_deg, slope),
             at: None,
-            information: [[0.0; N]; N],
-            vector: [0.0; N],
+            information: Matrix6::zeros(),
+            vector: Vector6::zeros(),
             noise_m: NOISE_FIRST_M,
             outliers: 0,
         }
@@ -118,7 +113,7 @@ impl Seabed {
         self.outliers = 0;
         // At the place itself only the depth coefficient is seen.
         let weight = 1.0 / (self.noise_m * self.noise_m);
-        self.information[0][0] += weight;
+        self.information[(0, 0)] += weight;
         self.vector[0] += weight * water_depth_m;
         true
     }
@@ -139,31 +134,24 @@ impl Seabed {
         self.shift(way.east_m / UNIT_M, way.north_m / UNIT_M);
         let keep = exp(-way_m / self.memory_m);
         let (information, vector) = self.prior();
-        for row in 0..N {
-            for column in 0..N {
-                self.information[row][column] *= keep;
-            }
-            self.information[row][row] += (1.0 - keep) * information[row];
-            self.vector[row] = keep * self.vector[row] + (1.0 - keep) * vector[row];
-        }
+        self.information = self.information * keep + Matrix6::from_diagonal(&information) * (1.0 - keep);
+        self.vector = self.vector * keep + vector * (1.0 - keep);
     }
 
     /// The seabed where the vehicle is; none before a sample, or where the samples do not say.
     #[must_use]
     pub fn estimate(&self) -> Option<Estimate> {
-        if self.information[0][0] < 1e-3 {
+        if self.information[(0, 0)] < 1e-3 {
             return None;
         }
-        let factor = cholesky(&self.information)?;
-        let theta = solve(&factor, &self.vector);
-        let mut unit = [0.0; N];
-        unit[0] = 1.0;
-        let variance = solve(&factor, &unit)[0];
+        let factor = self.information.cholesky()?;
+        let [depth_m, east, north, ee, en, nn] = factor.solve(&self.vector).into();
+        let variance = factor.solve(&Vector6::x())[0];
         let square = UNIT_M * UNIT_M;
         Some(Estimate {
-            depth_m: theta[0],
-            gradient: EastNorth::new(theta[1] / UNIT_M, theta[2] / UNIT_M),
-            bend_per_m: [theta[3] / square, theta[4] / square, theta[5] / square],
+            depth_m,
+            gradient: EastNorth::new(east / UNIT_M, north / UNIT_M),
+            bend_per_m: [ee / square, en / square, nn / square],
             depth_sigma_m: variance.max(0.0).sqrt(),
         })
     }
@@ -176,97 +164,32 @@ impl Seabed {
 
     fn forget_all(&mut self) {
         let (information, vector) = self.prior();
-        self.information = [[0.0; N]; N];
-        for row in 0..N {
-            self.information[row][row] = information[row];
-        }
+        self.information = Matrix6::from_diagonal(&information);
         self.vector = vector;
     }
 
     /// Λ₀ (its diagonal) and Λ₀θ₀.
-    fn prior(&self) -> (Vector, Vector) {
+    fn prior(&self) -> (Vector6<f64>, Vector6<f64>) {
         let slope = 1.0 / (SLOPE_SIGMA * UNIT_M * SLOPE_SIGMA * UNIT_M);
         let bend_sigma = BEND_SIGMA_PER_M * UNIT_M * UNIT_M;
         let bend = 1.0 / (bend_sigma * bend_sigma);
         // The depth itself has no general value; the trace keeps the matrix regular.
-        let information = [1e-6, slope, slope, bend, 2.0 * bend, bend];
+        let information = Vector6::new(1e-6, slope, slope, bend, 2.0 * bend, bend);
         let gradient = self.general * UNIT_M;
-        let vector = [0.0, slope * gradient.east_m, slope * gradient.north_m, 0.0, 0.0, 0.0];
+        let vector = Vector6::new(0.0, slope * gradient.east_m, slope * gradient.north_m, 0.0, 0.0, 0.0);
         (information, vector)
     }
 
     /// Counts the coefficients from a place (e, n) units away: θ' = Tθ, so Λ' = SᵀΛS and η' = Sᵀη with S = T⁻¹, which
     /// is the same shift the other way.
     fn shift(&mut self, e: f64, n: f64) {
-        let mut back = [[0.0; N]; N];
-        for (index, row) in back.iter_mut().enumerate() {
-            row[index] = 1.0;
-        }
-        back[0] = [1.0, -e, -n, 0.5 * e * e, e * n, 0.5 * n * n];
-        back[1][3] = -e;
-        back[1][4] = -n;
-        back[2][4] = -e;
-        back[2][5] = -n;
-        let product = |left: &Matrix, right: &Matrix, transposed: bool| {
-            let mut out = [[0.0; N]; N];
-            for row in 0..N {
-                for column in 0..N {
-                    for inner in 0..N {
-                        let factor = if transposed { left[inner][row] } else { left[row][inner] };
-                        out[row][column] += factor * right[inner][column];
-                    }
-                }
-            }
-            out
-        };
-        self.information = product(&back, &product(&self.information, &back, false), true);
-        let mut vector = [0.0; N];
-        for row in 0..N {
-            for inner in 0..N {
-                vector[row] += back[inner][row] * self.vector[inner];
-            }
-        }
-        self.vector = vector;
+        let mut back = Matrix6::identity();
+        back.set_row(0, &RowVector6::new(1.0, -e, -n, 0.5 * e * e, e * n, 0.5 * n * n));
+        (back[(1, 3)], back[(1, 4)]) = (-e, -n);
+        (back[(2, 4)], back[(2, 5)]) = (-e, -n);
+        self.information = back.transpose() * (self.information * back);
+        self.vector = back.transpose() * self.vector;
     }
-}
-
-/// The lower factor of a symmetric positive definite matrix; none where it is not.
-fn cholesky(matrix: &Matrix) -> Option<Matrix> {
-    let mut factor = [[0.0; N]; N];
-    for row in 0..N {
-        for column in 0..=row {
-            let mut sum = matrix[row][column];
-            for inner in 0..column {
-                sum -= factor[row][inner] * factor[column][inner];
-            }
-            if row == column {
-                if sum.is_nan() || sum <= 0.0 {
-                    return None;
-                }
-                factor[row][row] = sum.sqrt();
-            } else {
-                factor[row][column] = sum / factor[column][column];
-            }
-        }
-    }
-    Some(factor)
-}
-
-fn solve(factor: &Matrix, right: &Vector) -> Vector {
-    let mut x = *right;
-    for row in 0..N {
-        for inner in 0..row {
-            x[row] -= factor[row][inner] * x[inner];
-        }
-        x[row] /= factor[row][row];
-    }
-    for row in (0..N).rev() {
-        for inner in row + 1..N {
-            x[row] -= factor[inner][row] * x[inner];
-        }
-        x[row] /= factor[row][row];
-    }
-    x
 }
 
 #[cfg(test)]

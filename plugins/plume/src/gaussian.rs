@@ -1,7 +1,8 @@
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::units::math::{exp, ln};
+use nalgebra::{Matrix2, Vector2};
 
-use crate::matrix::LeastSquares;
+use crate::least_squares::LeastSquares;
 use crate::samples::Bin;
 
 /// Lengths are counted in this, so that all coefficients are of like size.
@@ -25,8 +26,8 @@ pub struct Gaussian {
     pub centre: EastNorth,
     /// Height over the background at the centre.
     pub amplitude: f64,
-    /// Inverse covariance, per square metre: east-east, east-north, north-north.
-    pub tightness: [f64; 3],
+    /// Inverse covariance of east and north, per square metre.
+    pub tightness: Matrix2<f64>,
     /// Background at the area's middle, and its gradient east and north per metre.
     pub background: [f64; 3],
 }
@@ -35,11 +36,10 @@ impl Gaussian {
     /// A round one, with nothing known of height and background.
     #[must_use]
     pub fn round(centre: EastNorth, sigma_m: f64) -> Self {
-        let tightness = 1.0 / (sigma_m * sigma_m);
         Self {
             centre,
             amplitude: 1.0,
-            tightness: [tightness, 0.0, tightness],
+            tightness: Matrix2::from_diagonal_element(1.0 / (sigma_m * sigma_m)),
             background: [0.0; 3],
         }
     }
@@ -47,10 +47,8 @@ impl Gaussian {
     /// The smaller and the greater standard deviation, metres: of the ellipse's axes.
     #[must_use]
     pub fn sigmas_m(&self) -> (f64, f64) {
-        let [ee, en, nn] = self.tightness;
-        let mean = 0.5 * (ee + nn);
-        let spread = (0.25 * (ee - nn) * (ee - nn) + en * en).sqrt();
-        (1.0 / (mean + spread).sqrt(), 1.0 / (mean - spread).max(1e-12).sqrt())
+        let axes = self.tightness.symmetric_eigenvalues();
+        (1.0 / axes.max().sqrt(), 1.0 / axes.min().max(1e-12).sqrt())
     }
 
     /// The background at a place.
@@ -64,9 +62,8 @@ impl Gaussian {
     #[must_use]
     pub fn shape_at(&self, at: EastNorth) -> f64 {
         let from = at - self.centre;
-        let [ee, en, nn] = self.tightness;
-        let square =
-            ee * from.east_m * from.east_m + 2.0 * en * from.east_m * from.north_m + nn * from.north_m * from.north_m;
+        let from = Vector2::new(from.east_m, from.north_m);
+        let square = from.dot(&(self.tightness * from));
         if square > 100.0 { 0.0 } else { exp(-0.5 * square) }
     }
 
@@ -146,16 +143,12 @@ impl Gaussian {
     /// From the logarithm's linear and quadratic coefficients around the last centre. None where it has no maximum, or
     /// one that is absurdly narrow, wide or far.
     fn with_quadratic(self, x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> Option<Self> {
-        let (ee, en, nn) = (-2.0 * xx, -xy, -2.0 * yy);
-        let determinant = ee * nn - en * en;
-        if ee.is_nan() || ee <= 0.0 || determinant <= 0.0 {
-            return None;
-        }
-        let step = EastNorth::new((nn * x - en * y) / determinant, (ee * y - en * x) / determinant) * UNIT_M;
-        let square = UNIT_M * UNIT_M;
+        let tightness = Matrix2::new(-2.0 * xx, -xy, -xy, -2.0 * yy);
+        let step = tightness.cholesky()?.solve(&Vector2::new(x, y)) * UNIT_M;
+        let step = EastNorth::new(step.x, step.y);
         let fit = Self {
             centre: self.centre + step,
-            tightness: [ee / square, en / square, nn / square],
+            tightness: tightness / (UNIT_M * UNIT_M),
             ..self
         };
         let (least_m, most_m) = fit.sigmas_m();
@@ -181,7 +174,7 @@ mod tests {
             let truth = Gaussian {
                 centre: EastNorth::new(east, north),
                 amplitude: 1.0,
-                tightness: [ee, correlation / (wide * narrow), nn],
+                tightness: Matrix2::new(ee, correlation / (wide * narrow), correlation / (wide * narrow), nn),
                 background: [12.0, slope, -slope],
             };
             let bins: Vec<Bin> = (0..8)

@@ -8,8 +8,8 @@
 mod area;
 mod config;
 mod gaussian;
+mod least_squares;
 mod locate;
-mod matrix;
 mod plugin;
 mod samples;
 mod survey;

@@ -2,7 +2,7 @@ use backseat_sdk::units::EastNorth;
 
 use crate::area::Area;
 use crate::gaussian::Gaussian;
-use crate::matrix::LeastSquares;
+use crate::least_squares::LeastSquares;
 use crate::samples::Bin;
 
 /// A peak lower than so many standard deviations of a single sample is none.

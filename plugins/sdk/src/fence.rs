@@ -5,7 +5,7 @@ pub use crate::bindings::backseat::plugin::fence::Breach;
 use crate::Request;
 
 /// Whether the request's geometry would pass the runtime's check with this step's navigation: by how many metres it
-/// holds.
+/// holds, 1000 where it is more.
 ///
 /// It knows nothing of control, rates, other leases or the vehicle's plan, so its yes is no promise. Each question
 /// costs fuel. On the host, where there is no fence, the answer is always a breach of the rule `limit`.

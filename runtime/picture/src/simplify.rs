@@ -1,46 +1,15 @@
-/// Leaves out the points of a line that are within `tolerance` of what remains: Douglas and Peucker, Cartographica 10,
-/// 112 (1973), without recursion.
-pub(crate) fn simplify(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
-    if points.len() < 3 {
-        return points.to_vec();
-    }
-    let mut keep = vec![false; points.len()];
-    let mut open = vec![(0, points.len() - 1)];
-    keep[0] = true;
-    keep[points.len() - 1] = true;
-    while let Some((from, to)) = open.pop() {
-        let mut farthest = (tolerance * tolerance, None);
-        for index in from + 1..to {
-            let square = distance_squared(points[index], points[from], points[to]);
-            if square > farthest.0 {
-                farthest = (square, Some(index));
-            }
-        }
-        if let Some(index) = farthest.1 {
-            keep[index] = true;
-            open.push((from, index));
-            open.push((index, to));
-        }
-    }
-    let kept = points.iter().zip(keep).filter(|(_, keep)| *keep);
-    kept.map(|(point, _)| *point).collect()
-}
+use geo::{LineString, Simplify};
 
-/// Square of the distance from a point to a segment.
-fn distance_squared(point: (f64, f64), from: (f64, f64), to: (f64, f64)) -> f64 {
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-    let length = dx * dx + dy * dy;
-    let along = if length > 0.0 {
-        (((point.0 - from.0) * dx + (point.1 - from.1) * dy) / length).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    let (x, y) = (from.0 + along * dx - point.0, from.1 + along * dy - point.1);
-    x * x + y * y
+/// Leaves out the points of a line that are within `tolerance` of what remains.
+pub(crate) fn simplify(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
+    let line: LineString = points.iter().copied().collect();
+    let simple = line.simplify(tolerance);
+    simple.into_iter().map(|point| (point.x, point.y)).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use geo::Distance;
     use proptest::prelude::*;
 
     use super::*;
@@ -61,7 +30,8 @@ mod tests {
             prop_assert_eq!(simple.last(), points.last());
             for point in &points {
                 let near = simple.windows(2).any(|pair| {
-                    distance_squared(*point, pair[0], pair[1]) <= tolerance * tolerance * 1.000_001
+                    let piece = geo::Line::new(pair[0], pair[1]);
+                    geo::Euclidean.distance(&geo::Point::from(*point), &piece) <= tolerance * 1.000_001
                 });
                 prop_assert!(near || simple.len() < 2);
             }

@@ -79,7 +79,7 @@ impl Plugin for Echo {
                 for request in every_request() {
                     match fence::check(&request) {
                         Ok(metres) => log::info!("holds by {metres} m"),
-                        Err(breach) => log::info!("{}: {} m, {}", breach.rule, breach.metres, breach.text),
+                        Err(refusal) => log::info!("{:?}: {:?} m, {}", refusal.rule, refusal.missing_m, refusal.text),
                     }
                 }
                 vec![]

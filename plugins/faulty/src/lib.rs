@@ -340,7 +340,7 @@ impl Faulty {
         let line = self.line(navigation.position, navigation.position_of(target));
         match fence::check(&line) {
             Ok(metres) => log::info!("the fence holds by {metres:.1} m"),
-            Err(breach) => log::warn!("the fence says {}: {}", breach.rule, breach.text),
+            Err(refusal) => log::warn!("the fence says {}", refusal.text),
         }
         vec![line, self.modify(bearing_deg, 5 * SECOND_NS)]
     }

@@ -210,9 +210,8 @@ impl Isobath {
                 }
                 return;
             }
-            Fate::Rejected(why) => return self.rejected(why, now_ns, requests),
-            Fate::Failed(why) => why.as_str(),
-            Fate::Ended(why) => why.as_str(),
+            Fate::Rejected(refusal) => return self.rejected(&refusal.text, now_ns, requests),
+            state @ (Fate::Failed(_) | Fate::Ended(_)) => state.reason().unwrap_or_default(),
             Fate::TimedOut => "the vehicle did not answer",
             Fate::Unknown => "the link was lost",
             Fate::Cancelled => "cancelled",

@@ -9,6 +9,7 @@
 mod sea;
 
 use backseat_sdk::{Event, Outcome, Plugin, Request, State, StepInput};
+use backseat_sdk::{Refusal, Rule};
 use isobath::Isobath;
 use sea::{Sea, Trial, config};
 
@@ -91,7 +92,7 @@ fn a_refused_heading_gives_the_helm_back_and_is_tried_again_later() {
     let mut input = trial.input();
     input.events = vec![Event::Outcome(Outcome {
         tag: asked.tag,
-        state: State::Rejected("inclusion 'box' left by 12.0 m".into()),
+        state: State::Rejected(Refusal::new(Rule::Inclusion, "inclusion 'box' left by 12.0 m")),
     })];
     let requests = trial.plugin.step(&input).unwrap();
     assert_eq!(requests, [Request::EndModify]);

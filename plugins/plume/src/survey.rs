@@ -233,15 +233,15 @@ impl Survey {
                     task.standing = Standing::Flown;
                     Turn::Flown
                 } else {
-                    task.fail(&format!("ended too early: {why}"), now_ns)
+                    task.fail(&format!("ended too early: {}", why.text), now_ns)
                 }
             }
-            Fate::Failed(why) => task.fail(why, now_ns),
+            Fate::Failed(_) => task.fail(fate.reason().unwrap_or_default(), now_ns),
             Fate::TimedOut => task.fail("the vehicle did not answer", now_ns),
             Fate::Cancelled => task.fail("cancelled", now_ns),
             Fate::Rejected(why) if !control => {
                 task.wait(now_ns);
-                Turn::Again(why.clone())
+                Turn::Again(why.text.clone())
             }
             Fate::Rejected(why) => {
                 let first = task.refusals == 0;
@@ -252,12 +252,16 @@ impl Survey {
                 // Now and then a smaller one anyway: the judge that a plugin may ask does not know the vehicle's plan.
                 let stuck = others <= 1 && task.refusals.is_multiple_of(REFUSALS_MAX / 5);
                 if misfits() || stuck {
-                    task.shrink(why, now_ns)
+                    task.shrink(&why.text, now_ns)
                 } else if task.refusals < REFUSALS_MAX {
                     task.wait(now_ns);
-                    if first { Turn::Again(why.clone()) } else { Turn::Quiet }
+                    if first {
+                        Turn::Again(why.text.clone())
+                    } else {
+                        Turn::Quiet
+                    }
                 } else {
-                    task.drop(why)
+                    task.drop(&why.text)
                 }
             }
         }
@@ -392,6 +396,8 @@ impl Task {
 
 #[cfg(test)]
 mod tests {
+    use backseat_sdk::{EndKind, Ended, Refusal, Rule};
+
     use super::*;
 
     fn line(index: u32) -> Leg {
@@ -418,7 +424,10 @@ mod tests {
         let asked: Vec<_> = std::iter::from_fn(|| survey.ask(0)).collect();
         assert_eq!(asked, [(0, 1), (1, 2), (2, 3)]);
         assert_eq!(hear(&mut survey, 1, &Fate::Started, 0), Turn::Began);
-        assert_eq!(hear(&mut survey, 1, &Fate::Ended("flown".into()), 200), Turn::Flown);
+        assert_eq!(
+            hear(&mut survey, 1, &Fate::Ended(Ended::new(EndKind::Done, "flown")), 200),
+            Turn::Flown
+        );
         assert_eq!(survey.ask(SECOND_NS), Some((3, 4)));
         assert_eq!(survey.ask(SECOND_NS), None);
     }
@@ -428,7 +437,12 @@ mod tests {
         let mut survey = survey(1);
         survey.ask(0);
         hear(&mut survey, 1, &Fate::Started, 0);
-        let turn = hear(&mut survey, 1, &Fate::Ended("interrupted".into()), 20);
+        let turn = hear(
+            &mut survey,
+            1,
+            &Fate::Ended(Ended::new(EndKind::Behavior, "interrupted")),
+            20,
+        );
         assert!(matches!(turn, Turn::Again(_)), "{turn:?}");
         assert_eq!(survey.ask(21 * SECOND_NS), None, "not at once");
         assert_eq!(survey.ask(26 * SECOND_NS), Some((0, 2)));
@@ -443,7 +457,12 @@ mod tests {
         for attempt in 0..200 {
             let now_s = 10 * attempt;
             let tag = survey.next_tag - 1;
-            hear(&mut survey, tag, &Fate::Rejected("over the cap".into()), now_s);
+            hear(
+                &mut survey,
+                tag,
+                &Fate::Rejected(Refusal::new(Rule::Cap, "over the cap")),
+                now_s,
+            );
             assert_eq!(survey.ask((now_s + 6) * SECOND_NS), Some((2, tag + 1)));
         }
         assert_eq!(survey.tasks[2].leg, line(2), "not made smaller");

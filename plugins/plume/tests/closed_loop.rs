@@ -9,6 +9,7 @@
 mod sea;
 
 use backseat_sdk::{Event, Plugin, Request, Restored, State, StepInput};
+use backseat_sdk::{Failure, Refusal, Rule};
 use plume::Plume;
 use sea::{Field, Trial, config};
 
@@ -91,9 +92,9 @@ fn a_line_that_does_not_fit_is_shortened_and_then_given_up() {
     // Nothing may go beyond 200 m to the east, less than a line's length from its other end.
     trial.plugin = Plume::new(config(trial.field())).unwrap().with_fence(|_| true);
     trial.answer = |request, _| match request {
-        Request::Trackline(line) if line.start.longitude.max(line.end.longitude) > -70.5976 => {
-            Some(State::Rejected("inclusion 'box' left by 31.2 m".into()))
-        }
+        Request::Trackline(line) if line.start.longitude.max(line.end.longitude) > -70.5976 => Some(State::Rejected(
+            Refusal::new(Rule::Inclusion, "inclusion 'box' left by 31.2 m"),
+        )),
         _ => None,
     };
     trial.run();
@@ -107,7 +108,9 @@ fn a_circle_that_does_not_fit_is_made_smaller() {
     let mut trial = Trial::new(12);
     trial.plugin = Plume::new(config(trial.field())).unwrap().with_fence(|_| true);
     trial.answer = |request, _| match request {
-        Request::Trackcircle(circle) if circle.radius > 40.0 => Some(State::Rejected("exclusion".into())),
+        Request::Trackcircle(circle) if circle.radius > 40.0 => {
+            Some(State::Rejected(Refusal::new(Rule::Exclusion, "exclusion")))
+        }
         _ => None,
     };
     trial.run();
@@ -121,9 +124,12 @@ fn failures_and_passing_refusals_are_tried_again_a_bounded_number_of_times() {
     let mut flaky = Trial::new(13);
     flaky.plugin = Plume::new(config(flaky.field())).unwrap().with_fence(|_| false);
     flaky.answer = |_, asked| match asked % 5 {
-        1 => Some(State::Failed("busy".into())),
+        1 => Some(State::Failed(Failure::Vehicle("busy".into()))),
         2 => Some(State::TimedOut),
-        3 => Some(State::Rejected("the vehicle's plan is not known".into())),
+        3 => Some(State::Rejected(Refusal::new(
+            Rule::Plan,
+            "the vehicle's plan is not known",
+        ))),
         _ => None,
     };
     flaky.run();

@@ -4,6 +4,7 @@ use backseat_sdk::{
     Cartesian, Event, Navigation, Outcome, Plugin, Position, Relative, Request, Restored, State, StepInput, Trackline,
     Window,
 };
+use backseat_sdk::{Refusal, Rule};
 
 use crate::{Config, Kind, Prober};
 
@@ -62,7 +63,7 @@ fn dive(prober: &mut Prober, from: u64, to: u64, control: bool) -> Vec<Vec<Reque
         let requests = prober.step(&input).unwrap();
         for request in &requests {
             let state = if leaves(request) {
-                State::Rejected("inclusion".into())
+                State::Rejected(Refusal::new(Rule::Inclusion, "inclusion"))
             } else {
                 State::Accepted
             };

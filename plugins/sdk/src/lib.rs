@@ -97,16 +97,18 @@ mod defaults;
 pub mod exports;
 pub mod fence;
 pub mod log;
+mod outcome;
 mod plugin;
 mod request;
 
 pub use backseat_units as units;
 pub use bindings::backseat::plugin::types::{
     Axes, Battery, Beams, Behavior, BottomPosition, Buoyancy, Camera, Cartesian, Compass, Ctd, Description, Dvl,
-    DvlBeams, DvlTrigger, Event, GpsHit, Hold, HoldTarget, HullPosition, Imu, Light, Modify, Navigation, Outcome,
-    Packet, PlannedElement, PlannedPoint, Position, Pressure, ReceivedFrame, ReceivedPacket, Relative, Request,
-    Restored, Sample, Servo, Silent, SonarAngle, SoundVelocity, State, StepInput, Surfaces, Telemetry, Timer, Topic,
-    Topside, TopsideMessage, Trackcircle, Trackline, Transport, Trim, VehicleSpeed, Vertical, Window,
+    DvlBeams, DvlTrigger, Edge, EndKind, Ended, Event, Failure, FrameOutcome, GpsHit, Hold, HoldTarget, HullPosition,
+    Imu, Light, Modify, Navigation, Outcome, Packet, PlannedElement, PlannedPoint, Position, Pressure, ReceivedFrame,
+    ReceivedPacket, Refusal, Relative, Request, Restored, Rule, Sample, Servo, Silent, SonarAngle, SoundVelocity,
+    State, StepInput, Surfaces, Telemetry, Timer, Topic, Topside, TopsideMessage, Trackcircle, Trackline, Transport,
+    Trim, VehicleSpeed, Vertical, Window,
 };
 pub use plugin::{NoConfig, Plugin};
 pub use request::{FRAME_BYTES, FRAMES, TEXT_BYTES, is_plain};

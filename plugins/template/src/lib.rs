@@ -56,7 +56,8 @@ impl Plugin for HoldHeading {
         for event in &input.events {
             // The runtime says why it refused a request. That is no failure of the plugin: it may ask again.
             if let Event::Outcome(outcome) = event
-                && let State::Rejected(why) | State::Failed(why) = &outcome.state
+                && let State::Rejected(_) | State::Failed(_) = &outcome.state
+                && let Some(why) = outcome.state.reason()
             {
                 log::warn!("request {}: {why}", outcome.tag);
             }

@@ -6,6 +6,7 @@ use std::pin::Pin;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
+use backseat_core::plugin::Rule;
 use backseat_core::{Core, Grant, Input, Note, Operator, Output, Start};
 use backseat_mission::Mission;
 use backseat_plugin_host::Host;
@@ -205,7 +206,8 @@ pub(crate) struct Driver {
     state_asked: Option<Timestamp>,
     /// That was told.
     state_silent: bool,
-    last_refusal: Option<String>,
+    /// The kind of the last refusal.
+    last_refusal: Option<(Rule, String)>,
     /// Why the link is gone, until it is told with what is done about it.
     link_lost: Option<String>,
     recorded_navigation: Option<Timestamp>,
@@ -461,15 +463,17 @@ impl Driver {
                 warn!("{told}");
             }
             Note::Request(transition) => {
-                use backseat_core::plugin::RequestState;
+                use backseat_core::plugin::{EndKind, RequestState};
                 match &transition.state {
                     // A plugin that asks the same again and again is told of once.
-                    RequestState::Rejected(reason) if self.last_refusal.as_ref() == Some(reason) => {}
-                    RequestState::Rejected(reason) => {
-                        self.last_refusal = Some(reason.clone());
-                        warn!("{told}");
+                    RequestState::Rejected(refusal) => {
+                        let kind = Some((refusal.rule(), refusal.summary()));
+                        if self.last_refusal != kind {
+                            self.last_refusal = kind;
+                            warn!("{told}");
+                        }
                     }
-                    RequestState::Ended(reason) if reason == "replaced" => {}
+                    RequestState::Ended(ended) if ended.kind() == EndKind::Replaced => {}
                     RequestState::Sent | RequestState::Pending => {}
                     RequestState::Accepted if transition.identifier.is_none() => {}
                     RequestState::Accepted

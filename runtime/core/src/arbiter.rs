@@ -6,7 +6,7 @@ use std::time::Duration;
 use backseat_units::Timestamp;
 
 use crate::plugin::{PluginId, Refusal};
-use crate::refusal::refused;
+use crate::refusal::{Figure, Reason};
 
 /// A way to steer that lasts only while it is refreshed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,15 +54,15 @@ impl Arbiter {
 
     /// Whether a plugin may have a lease beside those that stand: the first of the mission file has the highest priority.
     pub(crate) fn arbitrate(&self, plugin: PluginId, kind: LeaseKind) -> Result<(), Refusal> {
-        let steers = (self.modify, "a plugin of higher priority steers");
-        let holds = (self.station, "a plugin of higher priority holds the vehicle");
+        let steers = (self.modify, Reason::OtherSteers);
+        let holds = (self.station, Reason::OtherHolds);
         let both = match kind {
             LeaseKind::Modify => [steers, holds],
             LeaseKind::Station => [holds, steers],
         };
-        for (holder, text) in both {
+        for (holder, reason) in both {
             if holder.is_some_and(|holder| holder.plugin < plugin) {
-                return Err(refused("priority", text));
+                return Err(reason.into());
             }
         }
         Ok(())
@@ -106,13 +106,8 @@ impl Arbiter {
         if steered.saturating_add(duration) <= most {
             return Ok(());
         }
-        let text = format!(
-            "it has steered for {:.0} s and would for {:.0} s more, together over {} s",
-            steered.as_secs_f64(),
-            duration.as_secs_f64(),
-            most.as_secs_f64()
-        );
-        Err(refused("cap", &text))
+        let would = steered.saturating_add(duration).as_secs_f64();
+        Err(Figure::Steering.over(would, most.as_secs_f64()))
     }
 
     const fn of(&mut self, kind: LeaseKind) -> &mut Option<Holder> {

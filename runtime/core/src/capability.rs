@@ -23,11 +23,12 @@ use crate::capability::silent::Silent;
 use crate::capability::station::Station;
 use crate::capability::topside::Topside;
 use crate::context::Context;
+use crate::ended::Ended;
 use crate::monitor::envelope::{Hover, Insert, Setpoint};
 use crate::plugin::{
     GpsHitRequest, HoldRequest, ModifyRequest, PluginId, Refusal, Request, TrackcircleRequest, TracklineRequest,
 };
-use crate::refusal::refused;
+use crate::refusal::Reason;
 use crate::session::dispatch::Dispatch;
 use crate::switches::{Check, is_on};
 
@@ -73,15 +74,17 @@ impl Capabilities {
     }
 
     /// Ends what lasts only while it is refreshed: the modify, the station keeping.
-    pub(crate) fn end_leases(&mut self, cx: &mut Context, reason: &str) {
-        self.modify.end(cx, reason);
-        self.station.end(cx, reason);
+    pub(crate) fn end_leases(&mut self, cx: &mut Context, end: impl Into<Ended>) {
+        let end = end.into();
+        self.modify.end(cx, end.clone());
+        self.station.end(cx, end);
     }
 
     /// Ends all that needs control: the leases, and the DVL's triggering.
-    pub(crate) fn end_controlled(&mut self, cx: &mut Context, reason: &str) {
-        self.end_leases(cx, reason);
-        self.dvl.end(cx, reason);
+    pub(crate) fn end_controlled(&mut self, cx: &mut Context, end: impl Into<Ended>) {
+        let end = end.into();
+        self.end_leases(cx, end.clone());
+        self.dvl.end(cx, end);
     }
 
     /// The connection is gone; the leases have ended by it.
@@ -211,5 +214,5 @@ impl Capabilities {
 
 /// What is no request of its own never comes to a check.
 fn not_asked() -> Refusal {
-    refused("state", "it is no request of its own")
+    Reason::NotOfItsOwn.into()
 }

@@ -18,6 +18,7 @@ use backseat_units::Timestamp;
 
 use crate::capability::Capabilities;
 use crate::context::Context;
+use crate::ended::EndCause;
 use crate::io::{Input, Note, Output, Reservation, Start};
 use crate::ledger::RequestCounts;
 use crate::monitor::envelope::Envelope;
@@ -45,7 +46,7 @@ pub struct Core {
     session: Session,
     late_count: u64,
     /// The flaw of navigation that was last told, and when.
-    flaw_told: Option<(&'static str, Timestamp)>,
+    flaw_told: Option<(EndCause, Timestamp)>,
     whereabouts: Whereabouts,
     /// Navigation has come that nothing has been held against.
     unjudged: bool,
@@ -86,7 +87,7 @@ impl Core {
             self.cx.note(Note::Late {
                 seconds: self.cx.now.since(promised).as_secs_f64(),
             });
-            self.capabilities.end_leases(&mut self.cx, "the runtime woke late");
+            self.capabilities.end_leases(&mut self.cx, EndCause::WokeLate);
         }
         match input {
             Input::LinkUp => self.link_up(),
@@ -221,7 +222,7 @@ impl Core {
             if granted {
                 self.capabilities.station.control_granted(&mut self.cx);
             }
-            self.session.tell_of_control(&mut self.cx, lost.unwrap_or(""));
+            self.session.tell_of_control(&mut self.cx, lost);
             self.cx.plugins.tell_all(&Event::Control(granted));
             self.fail_plugins();
         }
@@ -230,7 +231,7 @@ impl Core {
     fn expired(&mut self, timer: Timer) {
         match timer {
             Timer::Refresh => self.capabilities.modify.refresh(&mut self.cx),
-            Timer::Term => self.capabilities.modify.end(&mut self.cx, "its term is over"),
+            Timer::Term => self.capabilities.modify.end(&mut self.cx, EndCause::TermOver),
             // What follows from navigation's age is drawn in `settle`.
             Timer::Navigation => {}
             Timer::Acknowledgement => {
@@ -245,7 +246,7 @@ impl Core {
             Timer::Irrevocable => {}
             // That no round trip speaks for the link any more is drawn in `settle`.
             Timer::Heartbeat => self.session.remedy(&mut self.cx),
-            Timer::HoldTerm => self.capabilities.station.end(&mut self.cx, "its term is over"),
+            Timer::HoldTerm => self.capabilities.station.end(&mut self.cx, EndCause::TermOver),
             Timer::Hold => self.capabilities.station.refresh(&mut self.cx),
             Timer::Relative => self.capabilities.station.timed_out(&mut self.cx),
             Timer::Silent => self.capabilities.silent.timed_out(&mut self.cx),

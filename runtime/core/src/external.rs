@@ -68,10 +68,18 @@ impl Drivers {
         if is_end(&transition.state) {
             port.open.remove(&transition.request);
         }
+        let said;
         let (status, text) = match &transition.state {
             RequestState::Pending => (AckStatus::Pending, ""),
             RequestState::Accepted => (AckStatus::Succeeded, ""),
-            RequestState::Rejected(text) | RequestState::Failed(text) => (AckStatus::Failed, text.as_str()),
+            RequestState::Rejected(refusal) => {
+                said = refusal.to_string();
+                (AckStatus::Failed, said.as_str())
+            }
+            RequestState::Failed(failure) => {
+                said = failure.to_string();
+                (AckStatus::Failed, said.as_str())
+            }
             RequestState::TimedOut => (AckStatus::Failed, "the vehicle has not answered"),
             RequestState::Cancelled => (AckStatus::Failed, "cancelled"),
             // The acknowledgement has been passed on already, or is yet to come.

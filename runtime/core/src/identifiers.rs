@@ -9,7 +9,7 @@ use backseat_units::Timestamp;
 
 use crate::io::{Identifiers as Reserved, Reservation};
 use crate::plugin::Refusal;
-use crate::refusal::refused;
+use crate::refusal::Reason;
 use crate::switches::{Check, is_on};
 
 /// How many identifiers are reserved on disk at a time.
@@ -78,9 +78,9 @@ impl Identifiers {
     /// Where it is not.
     pub(crate) fn next(&self) -> Result<u32, Refusal> {
         match self.reserved {
-            None => Err(refused("identifier", "the identifiers' state on disk is missing")),
+            None => Err(Reason::StateMissing.into()),
             Some(reserved) if reserved.next >= reserved.reserved && is_on(Check::IdentifiersReserved) => {
-                Err(refused("identifier", "no identifier is reserved on disk yet"))
+                Err(Reason::IdentifierNotReserved.into())
             }
             Some(reserved) => Ok(reserved.next),
         }
@@ -108,7 +108,7 @@ impl Identifiers {
             (self.inserts_sent, self.reserved.map_or(0, |reserved| reserved.inserts))
         };
         if sent >= reserved && is_on(Check::IdentifiersReserved) {
-            return Err(refused("identifier", "no insert is reserved on disk yet"));
+            return Err(Reason::InsertNotReserved.into());
         }
         Ok(next)
     }

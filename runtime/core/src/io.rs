@@ -5,10 +5,12 @@ use backseat_spi::FrameCounts;
 use backseat_units::{TimeOfDay, Utc};
 use serde::{Deserialize, Serialize};
 
+use crate::ended::Ended;
 use crate::ledger::Transition;
 use crate::order::Order;
 use crate::owner::{DriverId, Owner};
 use crate::plugin::{LogLine, PluginFault, PluginId, RequestState, Returned, StepInput};
+use crate::refusal::Uncontrolled;
 
 /// What a driver hands to core.
 #[derive(Clone, Debug, PartialEq)]
@@ -126,7 +128,7 @@ pub enum Note {
         /// Whether requests can be sent.
         granted: bool,
         /// Why it was lost.
-        reason: String,
+        reason: Option<Uncontrolled>,
     },
     /// A request has come to another state.
     Request(Transition),
@@ -135,7 +137,7 @@ pub enum Note {
         /// Whose it was.
         plugin: PluginId,
         /// Why.
-        reason: String,
+        reason: Ended,
     },
     /// The vehicle's plan is known.
     Plan {
@@ -253,7 +255,10 @@ impl fmt::Display for Told<'_> {
             }
             N::Mission { status } => write!(f, "mission {status}"),
             N::Control { granted: true, .. } => write!(f, "control granted"),
-            N::Control { granted: false, reason } => write!(f, "no control: {reason}"),
+            N::Control { granted: false, reason } => match reason {
+                Some(reason) => write!(f, "no control: {}", reason.text()),
+                None => write!(f, "no control"),
+            },
             N::Request(transition) => match transition.owner {
                 Owner::Plugin(plugin) => write_transition(f, transition, &who(&plugin)),
                 owner @ (Owner::Operator | Owner::Driver(_)) => write_transition(f, transition, &owner),

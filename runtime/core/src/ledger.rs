@@ -10,6 +10,7 @@ use crate::ledger::schedule::Schedule;
 use crate::monitor::envelope::Insert;
 use crate::owner::Owner;
 use crate::plugin::{PluginId, RequestState};
+use crate::refusal::{Reason, Refusal};
 use crate::session::commands::SETTLED_WITHIN;
 
 /// What kind of request an entry of the ledger is.
@@ -118,7 +119,7 @@ impl Entry {
 }
 
 /// A request has come to another state.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Transition {
     /// The request's number in this run.
     pub request: u64,
@@ -383,7 +384,7 @@ impl Ledger {
 
 /// A proposed request stands as rejected-for-no-reason until something is decided, so that nothing can take an
 /// undecided one for a good one.
-const PROPOSED: RequestState = RequestState::Rejected(String::new());
+const PROPOSED: RequestState = RequestState::Rejected(Refusal::State(Reason::Undecided));
 
 /// Whether a state is an end.
 pub(crate) fn is_end(state: &RequestState) -> bool {
@@ -427,6 +428,7 @@ fn may_follow(from: &RequestState, to: &RequestState, insert: bool) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ended::Failure;
     use backseat_units::{Depth, Position, Speed};
 
     use crate::monitor::envelope::{Flight, InsertPath, Vertical};
@@ -455,7 +457,11 @@ mod tests {
             "not sent yet"
         );
         assert!(ledger.transition(request, RequestState::Sent).is_some());
-        assert!(ledger.transition(request, RequestState::Failed("no".into())).is_some());
+        assert!(
+            ledger
+                .transition(request, RequestState::Failed(Failure::Vehicle("no".to_owned())))
+                .is_some()
+        );
         assert!(ledger.transition(request, RequestState::Accepted).is_none());
         assert_eq!(
             ledger.counts(),
@@ -478,7 +484,7 @@ mod tests {
             ledger.get_mut(request).unwrap().insert = (!fails).then(insert);
             ledger.transition(request, RequestState::Sent);
             ledger.transition(request, RequestState::Started);
-            let failed = ledger.transition(request, RequestState::Failed("no".into()));
+            let failed = ledger.transition(request, RequestState::Failed(Failure::Vehicle("no".to_owned())));
             assert_eq!(
                 (failed.is_some(), ledger.iter().count() == 0),
                 (fails, fails),

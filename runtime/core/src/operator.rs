@@ -12,7 +12,7 @@ use crate::io::{Note, Operator, Output};
 use crate::ledger::RequestKind;
 use crate::order::Order;
 use crate::plugin::Refusal;
-use crate::refusal::refused;
+use crate::refusal::{Reason, Uncontrolled};
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 use crate::vehicle::phase::Phase;
@@ -49,7 +49,7 @@ impl Orders {
             // It beats every plugin (safety requirement 015).
             Operator::Hold => {
                 cx.control.held = is_on(Check::OperatorHold);
-                capabilities.end_controlled(cx, "the operator holds");
+                capabilities.end_controlled(cx, Uncontrolled::OperatorHolds);
                 if is_on(Check::HoldCancels) {
                     capabilities.inserts.take_back_all(cx, None);
                     capabilities.inserts.cancel_former(cx);
@@ -62,7 +62,7 @@ impl Orders {
                 cx.control.mission_ended = false;
             }
             Operator::Stop => {
-                capabilities.end_controlled(cx, "the run is ending");
+                capabilities.end_controlled(cx, Uncontrolled::RunEnding);
                 cx.control.stopping = true;
                 cx.outbox.push(Output::Finish);
             }
@@ -73,14 +73,14 @@ impl Orders {
     /// An order that the operator gave in advance: a policy's, or a plugin's fail action. An abort of what ends already
     /// could disturb the vehicle's wrap-up, and nobody is there who wants it all the same.
     pub(crate) fn order_in_advance(&mut self, cx: &mut Context, capabilities: &mut Capabilities, order: &Order) {
-        let text = match cx.vehicle.phase {
-            Phase::Ending => "the mission is ending already",
-            Phase::Over => "no mission is running",
+        let reason = match cx.vehicle.phase {
+            Phase::Ending => Reason::MissionEnding,
+            Phase::Over => Reason::NoMission,
             Phase::Unknown | Phase::Running => return self.order(cx, capabilities, order),
         };
         if let Order::Abort { .. } = order {
             let request = cx.ledger.propose_order(RequestKind::Abort);
-            cx.reject(request, refused("state", text));
+            cx.reject(request, reason.into());
         } else {
             self.order(cx, capabilities, order);
         }
@@ -150,10 +150,10 @@ impl Orders {
 /// What an order needs that changes the mission that runs: an armed runtime with control.
 fn admit(cx: &Context) -> Result<(), Refusal> {
     if !cx.control.armed {
-        return Err(refused("control", "the runtime is not armed"));
+        return Err(Uncontrolled::NotArmed.into());
     }
     match cx.lost_because() {
-        Some(reason) => Err(refused("control", reason)),
+        Some(reason) => Err(reason.into()),
         None => Ok(()),
     }
 }

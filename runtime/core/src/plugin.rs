@@ -10,6 +10,9 @@ use std::time::Duration;
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
 use serde::{Deserialize, Serialize};
 
+pub use crate::ended::{EndCause, EndKind, Ended, Failure, FrameOutcome};
+pub use crate::refusal::{Refusal, Rule};
+
 mod request;
 mod sample;
 
@@ -122,18 +125,18 @@ pub struct NavigationSample {
 }
 
 /// Where a request stands; the ledger's states as a plugin sees them.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum RequestState {
-    /// Refused before it was sent: the rule, a colon, then place and figures in one line. An end.
-    Rejected(String),
+    /// Refused before it was sent, and why. An end.
+    Rejected(Refusal),
     /// Written to the link.
     Sent,
     /// The vehicle is working on it.
     Pending,
     /// The vehicle has accepted it.
     Accepted,
-    /// The vehicle has refused it; its text. An end.
-    Failed(String),
+    /// The vehicle has refused it, and why. An end.
+    Failed(Failure),
     /// The vehicle has not answered. An end.
     TimedOut,
     /// The link was lost before the answer; resolved later where the vehicle names the behaviour.
@@ -141,7 +144,7 @@ pub enum RequestState {
     /// The vehicle has begun to fly it.
     Started,
     /// It is over, and why. An end.
-    Ended(String),
+    Ended(Ended),
     /// Cancelled before it began. An end.
     Cancelled,
 }
@@ -302,17 +305,4 @@ pub trait Judge: Send + Sync {
     /// # Errors
     /// [`Refusal`] where the request would be rejected for its geometry or its figures.
     fn judge(&self, request: &Request, input: &StepInput) -> Result<f64, Refusal>;
-}
-
-/// Why a request does not hold.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Refusal {
-    /// The rule: `inclusion`, `exclusion`, `depth`, `altitude`, `limit` where it is the geometry or its figures; else
-    /// `control`, `navigation`, `plan`, `priority`, `rate`, `cap`, `tag`, `interrupt`, `identifier`, `doubt`,
-    /// `surfacing`, `hull`, `window`, `text`, `state`.
-    pub rule: &'static str,
-    /// What is missing, metres; 0 where metres are not its measure.
-    pub metres: f64,
-    /// Rule, place and figures in one line.
-    pub text: String,
 }

@@ -18,6 +18,7 @@ use backseat_units::Timestamp;
 
 use crate::capability::Capabilities;
 use crate::context::Context;
+use crate::ended::EndCause;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::monitor::envelope::{Good, MODIFY_TIMEOUT};
@@ -237,7 +238,7 @@ impl Whereabouts {
             if !excursion.ours {
                 let text = format!(
                     "the vehicle is outside: {}; nothing of ours is active, and nothing is done",
-                    refusal.text
+                    refusal.detail()
                 );
                 return note(cx, text);
             }
@@ -246,13 +247,9 @@ impl Whereabouts {
         excursion.step = step.next();
         match step {
             Step::Leases => {
-                note(cx, format!("the vehicle is outside: {}; leases end", refusal.text));
-                capabilities
-                    .modify
-                    .end(cx, "recovery: the vehicle is outside the fence");
-                capabilities
-                    .station
-                    .end(cx, "recovery: the vehicle is outside the fence");
+                note(cx, format!("the vehicle is outside: {}; leases end", refusal.detail()));
+                capabilities.modify.end(cx, EndCause::OutsideFence);
+                capabilities.station.end(cx, EndCause::OutsideFence);
             }
             Step::Inserts => {
                 note(cx, "still outside: inserts are cancelled".to_owned());
@@ -341,7 +338,14 @@ impl Whereabouts {
                 navigation.depth.as_m()
             )
         });
-        Text::cleaned(&format!("outside the fence by {:.1} m ({}){place}", refusal.metres, refusal.rule).to_lowercase())
+        Text::cleaned(
+            &format!(
+                "outside the fence by {:.1} m ({}){place}",
+                refusal.missing_m().unwrap_or(0.0),
+                refusal.rule()
+            )
+            .to_lowercase(),
+        )
     }
 }
 

@@ -18,6 +18,7 @@ use backseat_units::{TimeOfDay, Timestamp};
 use crate::context::Context;
 use crate::io::{Note, Output};
 use crate::quota::LastMinute;
+use crate::refusal::Uncontrolled;
 use crate::session::commands::{Answer, Command, FIRST_WITHIN, PLAN_WITHIN, Purpose};
 use crate::session::heartbeat::{BEAT_EVERY, Remedy};
 use crate::session::subscriptions::ACKNOWLEDGEMENTS;
@@ -217,7 +218,7 @@ impl Session {
 
 impl Session {
     /// Control has changed hands: told at once, unless it does so all the time.
-    pub(crate) fn tell_of_control(&mut self, cx: &mut Context, reason: &str) {
+    pub(crate) fn tell_of_control(&mut self, cx: &mut Context, reason: Option<Uncontrolled>) {
         let granted = cx.control.granted;
         let notes = &mut self.control_notes;
         let every = CONTROL_NOTE_EVERY.as_nanos();
@@ -232,10 +233,7 @@ impl Session {
         }
         notes.left -= 1;
         notes.told = granted;
-        cx.note(Note::Control {
-            granted,
-            reason: reason.to_owned(),
-        });
+        cx.note(Note::Control { granted, reason });
     }
 
     /// What was not told of control when it changed too often.
@@ -257,7 +255,7 @@ impl Session {
         if changed {
             cx.note(Note::Control {
                 granted,
-                reason: cx.lost_because().unwrap_or("").to_owned(),
+                reason: cx.lost_because(),
             });
         }
     }
@@ -298,7 +296,7 @@ impl Session {
         let text = match (cx.arbiter.is_steering(), cx.lost_because()) {
             (true, _) => "steering",
             (false, None) => "has control",
-            (false, Some(reason)) => reason,
+            (false, Some(reason)) => reason.text(),
         };
         let created = cx.stamper.stamp(cx.now, "STS");
         let status = PayloadStatus {

@@ -75,6 +75,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod breach;
 mod cover;
 mod distance;
 mod error;
@@ -92,6 +93,7 @@ mod verdict;
 mod window;
 mod zone;
 
+pub use breach::{EdgePlace, ZoneBreach};
 pub use error::{FenceError, Place};
 pub use fence::{Fence, FenceDuring};
 pub use sweep::{Hull, Shape, Sweep, VerticalExtent};

@@ -2,7 +2,9 @@ use core::fmt;
 use std::sync::Arc;
 
 use backseat_units::EastNorth;
+use serde::{Deserialize, Serialize};
 
+use crate::breach::{EdgePlace, ZoneBreach};
 use crate::map::Map;
 use crate::window::Span;
 use crate::zone::Kind;
@@ -57,7 +59,8 @@ pub struct Clearance {
 }
 
 /// What a request offends against.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Rule {
     /// The sweep lies wholly inside no inclusion zone and its margin.
     Inclusion,
@@ -125,64 +128,64 @@ impl Breach {
     }
 }
 
-impl fmt::Display for Breach {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Breach {
+    /// What is breached, told in the terms of the fence's file and free of the fence.
+    #[must_use]
+    pub fn report(&self) -> ZoneBreach {
+        let mut report = ZoneBreach {
+            rule: self.rule,
+            zone: self.zone().map(str::to_owned),
+            missing_m: self.metres.is_finite().then_some(self.metres),
+            bound_m: None,
+            margin_m: 0.0,
+            edge: None,
+            valid: None,
+            asked: None,
+            number: None,
+        };
         let zone = match self.cause {
             Cause::Zone(zone) => &self.map.zones[zone as usize],
             Cause::Closed(zone, span) => {
-                let zone = &self.map.zones[zone as usize];
-                write!(
-                    f,
-                    "inclusion '{}' is valid {} only, asked for ",
-                    zone.name(),
-                    zone.window()
-                )?;
-                return match span {
-                    Some(span) => write!(f, "{span}"),
-                    None => write!(f, "an unknown time"),
-                };
+                report.valid = Some(self.map.zones[zone as usize].window());
+                report.asked = span;
+                return report;
             }
-            Cause::Number(what) => return write!(f, "not a usable number: {what}"),
-            Cause::NoSurfacing => return write!(f, "no inclusion zone allows surfacing"),
+            Cause::Number(what) => {
+                report.number = Some(what.to_owned());
+                return report;
+            }
+            Cause::NoSurfacing => return report,
         };
-        let (name, metres) = (zone.name(), Metres(self.metres));
-        let limits = match zone.kind() {
-            Kind::Inclusion {
-                depth, altitude_min_m, ..
-            } => Some((depth, altitude_min_m)),
-            Kind::Exclusion { .. } => None,
-        };
-        match (self.rule, limits) {
-            (Rule::DepthMin, Some((depth, _))) => {
-                return write!(f, "{metres} shallower than the {} m of inclusion '{name}'", depth.min_m);
-            }
-            (Rule::DepthMax, Some((depth, _))) => {
-                return write!(f, "{metres} deeper than the {} m of inclusion '{name}'", depth.max_m);
-            }
-            (Rule::AltitudeMin, Some((_, altitude_min_m))) => {
-                return write!(
-                    f,
-                    "{metres} below the altitude of {altitude_min_m} m of inclusion '{name}'"
-                );
-            }
-            (Rule::Exclusion, _) => write!(f, "inside exclusion '{name}'")?,
-            (Rule::Surfacing, _) => write!(f, "outside inclusion '{name}', the nearest that allows surfacing,")?,
-            _ => write!(f, "outside inclusion '{name}'")?,
+        report.margin_m = zone.margin_m();
+        if let Kind::Inclusion {
+            depth, altitude_min_m, ..
+        } = zone.kind()
+        {
+            report.bound_m = match self.rule {
+                Rule::DepthMin => Some(depth.min_m),
+                Rule::DepthMax => Some(depth.max_m),
+                Rule::AltitudeMin => Some(altitude_min_m),
+                Rule::Inclusion | Rule::Exclusion | Rule::Surfacing | Rule::Closed | Rule::NotFinite => None,
+            };
         }
-        if zone.margin_m() > 0.0 {
-            write!(f, " with its margin of {} m", zone.margin_m())?;
-        }
-        write!(f, " by {metres}")?;
         if let (Some(edge), Some(at)) = (self.edge, self.at) {
+            let info = self.map.describe(edge);
             let position = self.map.frame.to_position(at);
-            let (latitude, longitude) = (position.latitude.as_deg(), position.longitude.as_deg());
-            write!(
-                f,
-                " at {} (latitude {latitude:.6} longitude {longitude:.6})",
-                self.map.describe(edge)
-            )?;
+            report.edge = Some(EdgePlace {
+                polygon: info.polygon,
+                hole: info.hole,
+                number: info.number,
+                latitude_deg: position.latitude.as_deg(),
+                longitude_deg: position.longitude.as_deg(),
+            });
         }
-        Ok(())
+        report
+    }
+}
+
+impl fmt::Display for Breach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.report().fmt(f)
     }
 }
 
@@ -206,16 +209,3 @@ impl PartialEq for Breach {
 }
 
 impl core::error::Error for Breach {}
-
-/// A length in a text: to the decimetre, small ones as they are.
-struct Metres(f64);
-
-impl fmt::Display for Metres {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.0 >= 0.1 {
-            write!(f, "{:.1} m", self.0)
-        } else {
-            write!(f, "{:.1e} m", self.0)
-        }
-    }
-}

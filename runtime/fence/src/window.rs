@@ -3,12 +3,13 @@
 use core::fmt;
 
 use backseat_units::Utc;
+use serde::{Deserialize, Serialize};
 
 const NANOS_PER_SECOND: u64 = 1_000_000_000;
 const SECONDS_PER_DAY: u64 = 86_400;
 
 /// The times at which a zone is valid, both ends included; open on the side of an absent one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Window {
     /// From then on; from always where absent.
     pub from: Option<Utc>,
@@ -17,7 +18,7 @@ pub struct Window {
 }
 
 /// A stretch of time, both ends included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Span {
     /// The earliest.
     pub from: Utc,

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use backseat_core::plugin as core;
+use backseat_core::refusal::Reason;
 use backseat_units::Timestamp;
 use wasmtime::StoreContextMut;
 use wasmtime::component::{Linker, WasmStr};
@@ -11,6 +12,7 @@ use crate::instance::{FENCE_FUEL, LOG_FUEL, State, charge, cut};
 
 mod description;
 mod event;
+mod outcome;
 mod request;
 mod sample;
 
@@ -28,7 +30,6 @@ pub(crate) mod bindings {
     wasmtime::component::bindgen!({ path: "../../wit/v0.1.0", world: "plugin" });
 }
 
-use bindings::backseat::plugin::fence::Breach;
 use bindings::backseat::plugin::log::Level;
 use bindings::backseat::plugin::types as wit;
 
@@ -77,25 +78,17 @@ fn write(mut store: StoreContextMut<'_, State>, (level, text): (Level, WasmStr))
 fn check(
     mut store: StoreContextMut<'_, State>,
     (request,): (wit::Request,),
-) -> wasmtime::Result<(Result<f64, Breach>,)> {
+) -> wasmtime::Result<(Result<f64, wit::Refusal>,)> {
     charge(&mut store, FENCE_FUEL)?;
     let state = store.data();
     let Some(step) = state.step() else {
-        let text = "the fence answers only within a step".to_owned();
-        return Ok((Err(Breach {
-            rule: "limit".to_owned(),
-            metres: 0.0,
-            text,
-        }),));
+        let refusal = core::Refusal::State(Reason::NotInStep);
+        return Ok((Err(wit::Refusal::from(&refusal)),));
     };
     Ok((state
         .judge()
         .judge(&core::Request::from(request), step)
-        .map_err(|refusal| Breach {
-            rule: refusal.rule.to_owned(),
-            metres: refusal.metres,
-            text: refusal.text,
-        }),))
+        .map_err(|refusal| wit::Refusal::from(&refusal)),))
 }
 
 /// A step's input as the guest gets it.

@@ -152,7 +152,16 @@ const REQUEST: &str = r#"{
     ]},
     "identifier": {"type": ["integer", "null"], "description": "SPI identifier of an insert."},
     "state": {"enum": ["rejected", "sent", "pending", "accepted", "failed", "timed-out", "unknown", "started", "ended", "cancelled"]},
-    "reason": {"type": ["string", "null"], "description": "Why, where it was rejected, failed or ended."}
+    "reason": {"type": ["string", "null"], "description": "Why, where it was rejected, failed or ended: a line."},
+    "why": {
+      "type": "object",
+      "description": "The same for programs. Beside these, of what was rejected: its zone, edge, figure and range.",
+      "properties": {
+        "rule": {"type": "string", "description": "Which rule of the monitor rejected it."},
+        "kind": {"type": "string", "description": "What kind of end it came to."},
+        "cause": {"type": "string", "description": "The name of what exactly rejected, failed or ended it."}
+      }
+    }
   }
 }"#;
 
@@ -163,7 +172,8 @@ const CONTROL: &str = r#"{
   "properties": {
     "text": {"type": "string"},
     "granted": {"type": "boolean", "description": "Requests can be sent."},
-    "reason": {"type": "string", "description": "Why it was lost."}
+    "reason": {"type": "string", "description": "Why it was lost."},
+    "cause": {"type": "string", "description": "The name of that: vehicle-has-control."}
   }
 }"#;
 

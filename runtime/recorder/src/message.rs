@@ -1,6 +1,6 @@
 //! The shapes of the JSON channels' messages. Their schemas are in [`crate::Channel::schema`].
 
-use backseat_core::plugin::{NavigationSample, PluginId, RequestState, Returned, StepInput};
+use backseat_core::plugin::{EndKind, NavigationSample, PluginId, Refusal, RequestState, Returned, Rule, StepInput};
 use backseat_core::{DriverId, Input, Note, Operator, Owner, RequestKind, Reservation, Restarted, Start, Transition};
 use serde::{Deserialize, Serialize};
 
@@ -171,6 +171,8 @@ pub(crate) struct ControlRef<'a> {
     pub(crate) text: &'a str,
     pub(crate) granted: bool,
     pub(crate) reason: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) cause: Option<&'static str>,
 }
 
 /// What goes into `/requests`.
@@ -187,22 +189,63 @@ pub(crate) struct RequestRef<'a> {
     kind: RequestKind,
     identifier: Option<u32>,
     state: &'static str,
-    reason: Option<&'a str>,
+    reason: Option<String>,
+    /// Why exactly, for programs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<Why<'a>>,
+}
+
+/// Why a request was refused, has failed or is over.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Why<'a> {
+    Refused {
+        rule: Rule,
+        cause: &'static str,
+        #[serde(flatten)]
+        refusal: &'a Refusal,
+    },
+    Failed {
+        cause: &'static str,
+    },
+    Ended {
+        kind: EndKind,
+        cause: &'static str,
+    },
 }
 
 impl<'a> RequestRef<'a> {
     pub(crate) fn new(text: &'a str, transition: &'a Transition) -> Self {
         let (state, reason) = match &transition.state {
-            RequestState::Rejected(reason) => ("rejected", Some(reason.as_str())),
+            RequestState::Rejected(refusal) => ("rejected", Some(refusal.to_string())),
             RequestState::Sent => ("sent", None),
             RequestState::Pending => ("pending", None),
             RequestState::Accepted => ("accepted", None),
-            RequestState::Failed(reason) => ("failed", Some(reason.as_str())),
+            RequestState::Failed(failure) => ("failed", Some(failure.to_string())),
             RequestState::TimedOut => ("timed-out", None),
             RequestState::Unknown => ("unknown", None),
             RequestState::Started => ("started", None),
-            RequestState::Ended(reason) => ("ended", Some(reason.as_str())),
+            RequestState::Ended(ended) => ("ended", Some(ended.to_string())),
             RequestState::Cancelled => ("cancelled", None),
+        };
+        let why = match &transition.state {
+            RequestState::Rejected(refusal) => Some(Why::Refused {
+                rule: refusal.rule(),
+                cause: refusal.cause(),
+                refusal,
+            }),
+            RequestState::Failed(failure) => Some(Why::Failed { cause: failure.name() }),
+            RequestState::Ended(ended) => Some(Why::Ended {
+                kind: ended.kind(),
+                cause: ended.cause(),
+            }),
+            RequestState::Sent
+            | RequestState::Pending
+            | RequestState::Accepted
+            | RequestState::TimedOut
+            | RequestState::Unknown
+            | RequestState::Started
+            | RequestState::Cancelled => None,
         };
         let (owner, plugin, driver) = match transition.owner {
             Owner::Plugin(plugin) => ("plugin", Some(plugin), None),
@@ -220,6 +263,7 @@ impl<'a> RequestRef<'a> {
             identifier: transition.identifier,
             state,
             reason,
+            why,
         }
     }
 }

@@ -237,7 +237,8 @@ impl<W: Write + Seek> Recorder<W> {
                 let message = ControlRef {
                     text: &text,
                     granted: *granted,
-                    reason,
+                    reason: reason.map_or("", |reason| reason.text()),
+                    cause: reason.map(|reason| reason.name()),
                 };
                 self.put_json(Channel::Control, now, &message)
             }

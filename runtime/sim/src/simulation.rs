@@ -10,6 +10,7 @@ use std::io::BufWriter;
 use std::sync::Arc;
 use std::time::Duration;
 
+use backseat_core::plugin::Rule;
 use backseat_core::{Envelope, Identifiers, RequestCounts, Reservation, Settings, Start};
 use backseat_mission::Mission;
 use backseat_mvc::{ClientId, FaultPlan, LinkFaults, Mvc, MvcError, Status};
@@ -105,7 +106,7 @@ pub struct Simulation {
     /// What went wrong where it could not be told.
     failed: Option<SimError>,
     scratch: Vec<u8>,
-    reasons: BTreeMap<String, (u64, String)>,
+    reasons: BTreeMap<(Rule, String), (u64, String)>,
     names: Vec<String>,
     plugin_failures: BTreeMap<String, u64>,
     mission: String,

@@ -1,4 +1,4 @@
-use backseat_core::plugin::{PositionRequest, Request};
+use backseat_core::plugin::{PositionRequest, Request, Rule};
 use backseat_fence::Kind;
 use backseat_mission::Mission;
 use backseat_mvc::Mvc;
@@ -196,11 +196,17 @@ fn insert_shape(insert: &ToVehicle, frame: &LocalFrame) -> Option<Shape> {
 }
 
 /// Rules that speak of a place; what was rejected for want of control or by a cap has none.
-const OF_PLACE: [&str; 6] = ["inclusion", "exclusion", "depth", "altitude", "limit", "surfacing"];
+const OF_PLACE: [Rule; 6] = [
+    Rule::Inclusion,
+    Rule::Exclusion,
+    Rule::Depth,
+    Rule::Altitude,
+    Rule::Limit,
+    Rule::Surfacing,
+];
 
 fn rejected_shape(rejected: &crate::trace::Rejected, frame: &LocalFrame, extent: Extent) -> Option<Rejected> {
-    let (rule, reason) = rejected.reason.split_once(": ")?;
-    if !OF_PLACE.contains(&rule) {
+    if !OF_PLACE.contains(&rejected.refusal.rule()) {
         return None;
     }
     let local = |position: PositionRequest| {
@@ -245,7 +251,7 @@ fn rejected_shape(rejected: &crate::trace::Rejected, frame: &LocalFrame, extent:
     };
     in_view.then(|| Rejected {
         shape,
-        reason: short(reason),
+        reason: rejected.refusal.summary(),
     })
 }
 
@@ -275,15 +281,6 @@ fn within(extent: Extent, start: EastNorth, end: EastNorth) -> Option<(EastNorth
         }
     }
     (first <= last).then(|| (start + along * first, start + along * last))
-}
-
-/// A reason without its figures, which differ from one rejection to the next.
-fn short(reason: &str) -> String {
-    let cut = [" with its margin", " by ", " ("]
-        .iter()
-        .filter_map(|mark| reason.find(mark))
-        .min();
-    reason[..cut.unwrap_or(reason.len())].chars().take(60).collect()
 }
 
 /// Where modifies began, or ended.

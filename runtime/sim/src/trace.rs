@@ -1,4 +1,4 @@
-use backseat_core::plugin::{Request, RequestState};
+use backseat_core::plugin::{Refusal, Request, RequestState};
 use backseat_core::{Note, RequestKind};
 use backseat_mvc::{Activity, Truth};
 use backseat_spi::{Framer, Policy, ToVehicle};
@@ -48,7 +48,7 @@ pub struct Rejected {
     /// What it was.
     pub kind: RequestKind,
     /// Why it was refused.
-    pub reason: String,
+    pub refusal: Refusal,
 }
 
 /// What a run leaves for its picture and its expectations: the vehicle's true way once a second, what was sent, what
@@ -150,7 +150,7 @@ impl Trace {
         }
         let Note::Request(transition) = note else { return };
         self.ending_ordered |= matches!(transition.kind, RequestKind::Abort | RequestKind::Kill);
-        let RequestState::Rejected(reason) = &transition.state else {
+        let RequestState::Rejected(refusal) = &transition.state else {
             return;
         };
         if self.rejected.len() < REJECTED_MAX {
@@ -163,7 +163,7 @@ impl Trace {
                     .find(|(tag, _)| *tag == transition.tag)
                     .map(|(_, request)| request.clone()),
                 kind: transition.kind,
-                reason: reason.clone(),
+                refusal: refusal.clone(),
             });
         }
     }

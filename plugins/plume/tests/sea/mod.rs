@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use backseat_sdk::units::math::{TAU, exp, ln, sin_cos};
 use backseat_sdk::units::{EastNorth, LocalFrame, Position};
 use backseat_sdk::{Ctd, Event, Navigation, Outcome, Plugin, Request, State, StepInput, Trackcircle};
+use backseat_sdk::{EndKind, Ended};
 use plume::{Config, Plume};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng as _, SeedableRng as _};
@@ -266,7 +267,7 @@ impl Trial {
                 let tag = insert.tag;
                 self.flying = None;
                 self.flown.push(tag);
-                self.tell(tag, State::Ended("flown".into()));
+                self.tell(tag, State::Ended(Ended::new(EndKind::Done, "flown")));
                 continue;
             };
             // It navigates by what it believes to be its position.

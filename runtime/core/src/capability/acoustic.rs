@@ -12,11 +12,11 @@ use backseat_spi::{
 use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::context::Context;
+use crate::ended::{Ended, Failure, FrameOutcome};
 use crate::io::Note;
-use crate::monitor::envelope::limit;
 use crate::plugin::{Event, PacketRequest, ReceivedFrame, ReceivedPacket, Refusal, RequestState, Topic, Window};
 use crate::quota::LastMinute;
-use crate::refusal::refused;
+use crate::refusal::{Figure, Reason};
 use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
 use crate::switches::{Check, is_on};
@@ -47,6 +47,12 @@ struct Unreported {
     overdue: Timestamp,
 }
 
+/// What a packet needs to be subscribed, and what refuses it where it is not.
+const SUBSCRIBED: [(&str, Reason); 2] = [
+    ("CMA", Reason::WindowsUnsubscribed),
+    ("CPS", Reason::ReportsUnsubscribed),
+];
+
 impl Acoustic {
     /// What a request sends, where it can be sent.
     pub(crate) fn check(&mut self, cx: &mut Context, request: u64, asked: &PacketRequest) -> Result<Dispatch, Refusal> {
@@ -73,26 +79,24 @@ impl Acoustic {
     }
 
     fn packet(&mut self, cx: &mut Context, asked: &PacketRequest) -> Result<Packet, Refusal> {
-        for message in ["CMA", "CPS"] {
+        for (message, unsubscribed) in SUBSCRIBED {
             if !cx.link.subscriptions.has(message) {
-                let text = format!("the vehicle has not acknowledged the subscription to BF{message}");
-                return Err(refused("window", &text));
+                return Err(unsubscribed.into());
             }
         }
         self.narrow_window(cx);
         if !cx.monitor.permits.window_is_open(cx.now) && is_on(Check::ModemWindow) {
-            return Err(refused("window", "no window is open, or it ends too soon (SPI 9.1)"));
+            return Err(Reason::NoWindow.into());
         }
         if cx.vehicle.silent {
-            return Err(refused("state", "the vehicle is in silent mode (SPI 7.22)"));
+            return Err(Reason::VehicleSilent.into());
         }
         let most = cx.monitor.limits().packets_per_min;
         if !self.sent.has_room(cx.now, most) {
-            let text = format!("{most} packets have been sent in the last minute, the most there may be");
-            return Err(refused("rate", &text));
+            return Err(Figure::Packets.one_over(most));
         }
         if asked.mode < 0 {
-            return Err(limit(format!("telemetry mode {} is none (SPI 9.3)", asked.mode)));
+            return Err(Figure::TelemetryMode.under(asked.mode as f64, 0.0));
         }
         let bytes = asked
             .frames
@@ -100,9 +104,9 @@ impl Acoustic {
             .fold(0usize, |all, frame| all.saturating_add(frame.len()));
         // Two digits a byte; what else is in the line is seen when it is encoded.
         if bytes > MAX_LINE / 2 {
-            return Err(limit(format!("frames of {bytes} bytes do not fit into a line")));
+            return Err(Figure::FrameBytes.over(bytes as f64, (MAX_LINE / 2) as f64));
         }
-        let frames = FrameData::new(asked.frames.clone()).map_err(|error| limit(error.to_string()))?;
+        let frames = FrameData::new(asked.frames.clone()).map_err(|error| Refusal::Unwritable(error.to_string()))?;
         let packet = Packet {
             created: cx.stamper.stamp(cx.now, "CPD"),
             // From the numbers of the inserts: unique for the whole mission, whatever restarts.
@@ -115,7 +119,7 @@ impl Acoustic {
         // An identifier is for what can be said.
         match ToVehicle::Packet(packet.clone()).encode(&mut Vec::new()) {
             Ok(()) => Ok(packet),
-            Err(error) => Err(limit(error.to_string())),
+            Err(error) => Err(Refusal::Unwritable(error.to_string())),
         }
     }
 
@@ -126,7 +130,7 @@ impl Acoustic {
             Answer::Refused(text) => {
                 self.packets.retain(|packet| packet.request != request);
                 self.set_timer(cx);
-                cx.transition(request, RequestState::Failed(text.to_owned()));
+                cx.transition(request, RequestState::Failed(Failure::Vehicle(text.to_owned())));
             }
             // The report says more than the acknowledgement would have, and may come yet.
             Answer::Missing => {}
@@ -198,7 +202,7 @@ impl Acoustic {
         let Some(index) = own else { return };
         let request = packets.remove(index).request;
         self.set_timer(cx);
-        cx.transition(request, RequestState::Ended(report(message)));
+        cx.transition(request, RequestState::Ended(Ended::Frames(frames_of(message))));
     }
 
     /// BFCPR: as many frames as it says, good or not; places that it left empty count as not good.
@@ -258,32 +262,16 @@ impl Acoustic {
 }
 
 /// What became of a packet, frame by frame.
-fn report(message: &PacketSent) -> String {
+fn frames_of(message: &PacketSent) -> Vec<FrameOutcome> {
     let count = usize::try_from(message.frames).unwrap_or(usize::MAX);
-    let statuses: Vec<FrameSentStatus> = message.statuses.into_iter().take(count).collect();
-    let failed = statuses
-        .iter()
-        .filter(|status| **status == FrameSentStatus::FailedToSend)
-        .count();
-    let mut text = match statuses.len() {
-        0 => return "no frame was sent".to_owned(),
-        1 => "1 frame".to_owned(),
-        count => format!("{count} frames"),
+    let outcome = |status| match status {
+        FrameSentStatus::Unset => FrameOutcome::Unset,
+        FrameSentStatus::Unacknowledged => FrameOutcome::Unacknowledged,
+        FrameSentStatus::Acked => FrameOutcome::Acked,
+        FrameSentStatus::FailedToSend => FrameOutcome::FailedToSend,
+        FrameSentStatus::Other(code) => FrameOutcome::Other(code.into()),
     };
-    if failed > 0 {
-        text.push_str(&format!(", {failed} not sent"));
-    }
-    for (index, status) in statuses.into_iter().enumerate() {
-        text.push_str(if index == 0 { ": " } else { ", " });
-        match status {
-            FrameSentStatus::Unset => text.push_str("unset"),
-            FrameSentStatus::Unacknowledged => text.push_str("unacknowledged"),
-            FrameSentStatus::Acked => text.push_str("acked"),
-            FrameSentStatus::FailedToSend => text.push_str("failed to send"),
-            FrameSentStatus::Other(code) => text.push_str(&format!("status {code}")),
-        }
-    }
-    text
+    message.statuses.into_iter().take(count).map(outcome).collect()
 }
 
 /// How long a window lasts; nothing where it ends before it begins.

@@ -16,8 +16,9 @@ use backseat_spi::{
 use backseat_units::Timestamp;
 
 use crate::context::Context;
+use crate::ended::{EndCause, Ended, Failure};
 use crate::plugin::{BuoyancySample, Event, Refusal, RequestState, Sample, Topic, TrimSample};
-use crate::refusal::refused;
+use crate::refusal::{Figure, Reason};
 use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
 use crate::switches::{Check, is_on};
@@ -46,6 +47,14 @@ impl Adjusts {
         match self {
             Self::Trim => "TRM",
             Self::Buoyancy => "BOY",
+        }
+    }
+
+    /// Refused where its status is not subscribed.
+    const fn unsubscribed(self) -> Reason {
+        match self {
+            Self::Trim => Reason::TrimUnsubscribed,
+            Self::Buoyancy => Reason::BuoyancyUnsubscribed,
         }
     }
 
@@ -119,16 +128,14 @@ impl Adjustments {
 
     fn may_ask(&mut self, cx: &Context, what: Adjusts) -> Result<(), Refusal> {
         if !cx.link.subscriptions.has(what.letters()) {
-            let text = format!("the vehicle has not confirmed the subscription to BF{}", what.letters());
-            return Err(refused("state", &text));
+            return Err(what.unsubscribed().into());
         }
         if self.of(what).is_some() {
-            return Err(refused("state", "an adjustment of this kind is under way"));
+            return Err(Reason::AdjustmentUnderWay.into());
         }
         let most = cx.monitor.limits().adjustments_total_max;
         if self.sent >= most && is_on(Check::AdjustmentsTotal) {
-            let text = format!("{most} adjustments have been sent, the most of a mission");
-            return Err(refused("cap", &text));
+            return Err(Figure::Adjustments.one_over(most));
         }
         Ok(())
     }
@@ -137,7 +144,7 @@ impl Adjustments {
     pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) {
         match answer {
             Answer::Pending => cx.transition(request, RequestState::Pending),
-            Answer::Refused(text) => self.end(cx, request, RequestState::Failed(text.to_owned())),
+            Answer::Refused(text) => self.end(cx, request, RequestState::Failed(Failure::Vehicle(text.to_owned()))),
             Answer::Missing => self.end(cx, request, RequestState::TimedOut),
             Answer::Done => {
                 cx.transition(request, RequestState::Accepted);
@@ -206,7 +213,7 @@ impl Adjustments {
         match status {
             AdjustmentStatus::InProgress => self.begun(cx, what),
             AdjustmentStatus::Idle => {
-                let idle = || RequestState::Ended(format!("the vehicle is idle: {text}"));
+                let idle = || RequestState::Ended(Ended::Said(EndCause::Idle, text.to_owned()));
                 match cx.ledger.get(request).map(|entry| &entry.state) {
                     Some(RequestState::Started | RequestState::Unknown) => self.end(cx, request, idle()),
                     // Said at once, it may have been on its way when the adjustment began.
@@ -227,10 +234,18 @@ impl Adjustments {
                 }
             }
             AdjustmentStatus::Completed => {
-                self.over(cx, what, RequestState::Ended(format!("completed: {text}")));
+                self.over(
+                    cx,
+                    what,
+                    RequestState::Ended(Ended::Said(EndCause::Completed, text.to_owned())),
+                );
             }
             AdjustmentStatus::Failed => {
-                self.over(cx, what, RequestState::Failed(format!("{}: {text}", name_of(error))));
+                self.over(
+                    cx,
+                    what,
+                    RequestState::Failed(Failure::Vehicle(format!("{}: {text}", name_of(error)))),
+                );
             }
             AdjustmentStatus::Other(_) => {}
         }
@@ -318,11 +333,15 @@ impl Adjustments {
     }
 
     /// The mission is over, and what it was doing.
-    pub(crate) fn mission_over(&mut self, cx: &mut Context, reason: &str) {
+    pub(crate) fn mission_over(&mut self, cx: &mut Context) {
         let open: Vec<Adjustment> = self.open().collect();
         // One that is not acknowledged yet ends by its answer, or by the lack of one.
         for adjustment in open.into_iter().filter(|adjustment| adjustment.deadline.is_some()) {
-            self.end(cx, adjustment.request, RequestState::Ended(reason.to_owned()));
+            self.end(
+                cx,
+                adjustment.request,
+                RequestState::Ended(EndCause::MissionOver.into()),
+            );
         }
     }
 

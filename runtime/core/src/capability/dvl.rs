@@ -21,9 +21,10 @@ use backseat_spi::{DvlTriggerRequest as Said, DvlTriggering, ToVehicle};
 use backseat_units::Timestamp;
 
 use crate::context::Context;
+use crate::ended::{EndCause, Ended, Failure};
 use crate::io::Note;
 use crate::plugin::{DvlTriggerRequest, Event, PluginId, Refusal, RequestState};
-use crate::refusal::refused;
+use crate::refusal::{Reason, Uncontrolled};
 use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
 use crate::switches::{Check, is_on};
@@ -117,13 +118,10 @@ impl DvlTrigger {
 
     fn may_begin(&self, plugin: PluginId, asked: &DvlTriggerRequest) -> Result<(), Refusal> {
         match self.open {
-            Some(open) if open.plugin == plugin => Err(refused(
-                "tag",
-                &format!("this plugin's request with tag {} is still open", open.tag),
-            )),
-            Some(_) => Err(refused("priority", "another plugin has asked for the DVL's trigger")),
+            Some(open) if open.plugin == plugin => Err(Reason::TriggerOpen.into()),
+            Some(_) => Err(Reason::OtherTriggers.into()),
             None if asked.triggering => Err(not_allowed()),
-            None if !asked.external => Err(refused("state", "no request is open that this could end")),
+            None if !asked.external => Err(Reason::NothingToEnd.into()),
             None => Ok(()),
         }
     }
@@ -131,8 +129,8 @@ impl DvlTrigger {
     /// The plugin of the open request ends it. Neither rate nor control holds that back: BPDVR 0,0 may always be said.
     pub(crate) fn asked_end(&mut self, cx: &mut Context) {
         let reason = match self.open.map(|open| open.phase) {
-            Some(Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending) | None => "its plugin ended it",
-            Some(Phase::Ceasing) => "the vehicle stopped it",
+            Some(Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending) | None => EndCause::PluginEnded,
+            Some(Phase::Ceasing) => EndCause::VehicleStopped,
         };
         self.end(cx, reason);
     }
@@ -145,7 +143,7 @@ impl DvlTrigger {
                 Phase::Requested | Phase::Allowed => {}
                 Phase::Triggering => self.say(cx, open, asked, Phase::Allowed, TRIGGER_WITHIN),
                 Phase::Ceasing => self.say(cx, open, asked, Phase::Requested, ALLOW_WITHIN),
-                Phase::Ending => return Err(refused("state", "its plugin is ending it")),
+                Phase::Ending => return Err(Reason::TriggerEnding.into()),
             },
             (true, true) => match open.phase {
                 Phase::Allowed => {
@@ -175,7 +173,7 @@ impl DvlTrigger {
         if cx.transmit_for(open.plugin.into(), &message, Some(command)) {
             self.enter(cx, open, phase, within);
         } else {
-            self.end(cx, "it could not be sent");
+            self.end(cx, EndCause::NotSent);
         }
     }
 
@@ -204,16 +202,16 @@ impl DvlTrigger {
             Answer::Refused(text) => self.close(
                 cx,
                 if self.has_started(cx, request) {
-                    RequestState::Ended(format!("the vehicle refused it: {text}"))
+                    RequestState::Ended(Ended::Said(EndCause::VehicleRefused, text.to_owned()))
                 } else {
-                    RequestState::Failed(text.to_owned())
+                    RequestState::Failed(Failure::Vehicle(text.to_owned()))
                 },
             ),
             Answer::Missing => match open.phase {
                 Phase::Requested | Phase::Triggering | Phase::Ending => self.close(
                     cx,
                     if self.has_started(cx, request) {
-                        RequestState::Ended("the vehicle did not acknowledge it".to_owned())
+                        RequestState::Ended(EndCause::NotAcknowledged.into())
                     } else {
                         RequestState::TimedOut
                     },
@@ -284,18 +282,18 @@ impl DvlTrigger {
         self.end(
             cx,
             match open.phase {
-                Phase::Requested => "the vehicle did not allow it within 300 s",
-                Phase::Allowed => "not triggered within 5 s",
-                Phase::Triggering => "its plugin did not say within 5 s that it goes on",
-                Phase::Ending => "the vehicle did not stop it within 5 s",
-                Phase::Ceasing => "the vehicle stopped it, and its plugin did not answer within 1 s",
+                Phase::Requested => EndCause::NotAllowed,
+                Phase::Allowed => EndCause::NotTriggered,
+                Phase::Triggering => EndCause::NotGoingOn,
+                Phase::Ending => EndCause::NotStopped,
+                Phase::Ceasing => EndCause::NotCeased,
             },
         );
     }
 
     /// Ends the open request, if there is one: BPDVR 0,0 where the link is up.
-    pub(crate) fn end(&mut self, cx: &mut Context, reason: &str) {
-        self.close(cx, RequestState::Ended(reason.to_owned()));
+    pub(crate) fn end(&mut self, cx: &mut Context, end: impl Into<Ended>) {
+        self.close(cx, RequestState::Ended(end.into()));
     }
 
     fn close(&mut self, cx: &mut Context, state: RequestState) {
@@ -317,14 +315,14 @@ impl DvlTrigger {
             if self.open.is_some_and(unanswered) {
                 RequestState::TimedOut
             } else {
-                RequestState::Ended("the link is down".to_owned())
+                RequestState::Ended(Uncontrolled::LinkDown.into())
             },
         );
     }
 
     pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
         if self.open.is_some_and(|open| open.plugin == plugin) {
-            self.end(cx, "its plugin failed");
+            self.end(cx, EndCause::PluginFailed);
         }
     }
 
@@ -335,5 +333,5 @@ impl DvlTrigger {
 }
 
 fn not_allowed() -> Refusal {
-    refused("state", "the vehicle does not allow triggering now (BFDVT, SPI 7.4)")
+    Reason::TriggeringNotAllowed.into()
 }

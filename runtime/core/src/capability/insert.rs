@@ -19,11 +19,12 @@ use backseat_units::Timestamp;
 use crate::capability::insert::irrevocable::Waiting;
 use crate::capability::insert::recall::Recalls;
 use crate::context::Context;
+use crate::ended::{EndCause, Failure};
 use crate::ledger::schedule::Schedule;
 use crate::monitor::envelope::{Flight, Insert, InsertPath, Route, Vertical};
 use crate::monitor::limits::Grant;
 use crate::plugin::{PluginId, Refusal, Request, RequestState, TrackcircleRequest};
-use crate::refusal::refused;
+use crate::refusal::{Figure, Reason, Uncontrolled};
 use crate::session::commands::{Answer, Purpose, SETTLED_WITHIN};
 use crate::session::dispatch::Dispatch;
 use crate::switches::{Check, is_on};
@@ -111,17 +112,12 @@ impl Inserts {
     /// the vehicle reads, a circle leaves only if both read it alike: after what is flown, entered anywhere.
     fn admit_layout(&self, cx: &Context, circle: &TrackcircleRequest) -> Result<(), Refusal> {
         let layout = cx.settings.trackcircle_entry_angle;
-        let text = match layout {
-            Some(true) => return Ok(()),
-            _ if circle.entry_angle_deg.is_some() => {
-                "the mission does not say that the vehicle reads a circle's entry angle (vehicle.trackcircle_entry_angle)"
-            }
-            None if circle.interrupt => {
-                "the mission does not say where the vehicle reads a circle's interrupt code (vehicle.trackcircle_entry_angle)"
-            }
-            Some(false) | None => return Ok(()),
-        };
-        Err(refused("layout", text))
+        match layout {
+            Some(true) => Ok(()),
+            _ if circle.entry_angle_deg.is_some() => Err(Reason::EntryAngleUnread.into()),
+            None if circle.interrupt => Err(Reason::InterruptCodeUnplaced.into()),
+            Some(false) | None => Ok(()),
+        }
     }
 
     /// All that does not hang on the geometry: grants, the plan, doubt, caps of number, identifiers. The insert's route.
@@ -134,80 +130,48 @@ impl Inserts {
     ) -> Result<Route, Refusal> {
         let surfaces = insert.surfaces();
         if !cx.vehicle.plan.is_complete() && is_on(Check::PlanKnown) {
-            return Err(refused(
-                "plan",
-                "the vehicle's plan is not known, nor so where the insert would begin",
-            ));
+            return Err(Reason::PlanUnknownForInsert.into());
         }
         if cx.ledger.in_doubt() && is_on(Check::InsertInDoubt) {
-            return Err(refused(
-                "doubt",
-                "the vehicle has not answered for an earlier insert since the link was lost",
-            ));
+            return Err(Reason::InsertInDoubt.into());
         }
         if cx.outlook().open_insert(plugin, tag).is_some() || self.is_waiting(plugin, tag) {
-            return Err(refused("tag", "an insert with this tag is still open"));
+            return Err(Reason::TagOpen.into());
         }
         if insert.interrupt {
             cx.outlook().admit_beside_gps_hit()?;
         }
         if insert.interrupt && cx.ledger.interrupts() && is_on(Check::InterruptOfInterrupt) {
-            return Err(refused(
-                "interrupt",
-                "an insert that interrupts is open, and none may interrupt it (SPI 7.5)",
-            ));
+            return Err(Reason::InterruptOpen.into());
         }
         if insert.interrupt && cx.outlook().former_may_fly() && is_on(Check::InterruptOfInterrupt) {
-            return Err(refused(
-                "interrupt",
-                "an insert of an earlier process may be flown, and may be one that none may interrupt (SPI 7.5)",
-            ));
+            return Err(Reason::InterruptFormer.into());
         }
         let current = cx.vehicle.named_insert.current();
         if insert.interrupt
             && current.is_some_and(|current| !cx.identifiers.is_ours(current))
             && is_on(Check::InterruptOfInterrupt)
         {
-            return Err(refused(
-                "interrupt",
-                "an insert that is not ours is flown, and may be one that none may interrupt (SPI 7.5)",
-            ));
+            return Err(Reason::InterruptForeign.into());
         }
         let limits = cx.monitor.limits();
         if cx.ledger.open_inserts() + cx.outlook().inherited() >= limits.inserts_open_max && is_on(Check::InsertsOpen) {
-            return Err(refused(
-                "cap",
-                &format!("{} inserts are open, the most there may be", limits.inserts_open_max),
-            ));
+            return Err(Figure::OpenInserts.one_over(limits.inserts_open_max));
         }
         if surfaces && cx.identifiers.gps_hits_sent() >= limits.gps_hits_total_max && is_on(Check::GpsHitsTotal) {
-            return Err(refused(
-                "cap",
-                &format!(
-                    "{} GPS hits have been sent, the most of a mission",
-                    limits.gps_hits_total_max
-                ),
-            ));
+            return Err(Figure::GpsHits.one_over(limits.gps_hits_total_max));
         }
         if !surfaces && cx.identifiers.inserts_sent() >= limits.inserts_total_max && is_on(Check::InsertsTotal) {
-            return Err(refused(
-                "cap",
-                &format!(
-                    "{} inserts have been sent, the most of a mission",
-                    limits.inserts_total_max
-                ),
-            ));
+            return Err(Figure::Inserts.one_over(limits.inserts_total_max));
         }
         let own = cx.plugins.limits(plugin);
         let open = cx.ledger.open_inserts_of(plugin);
         if let Some(most) = own.inserts_open_max.filter(|most| open >= *most) {
-            let text = format!("{open} inserts of its own are open, and {most} may be");
-            return Err(refused("cap", &text));
+            return Err(Figure::OwnOpenInserts.one_over(most));
         }
         let sent = cx.plugins.inserts_sent(plugin);
         if let Some(most) = own.inserts_total_max.filter(|most| !surfaces && sent >= *most) {
-            let text = format!("it has sent {sent} inserts, and may send {most}");
-            return Err(refused("cap", &text));
+            return Err(Figure::OwnInserts.one_over(most));
         }
         if is_on(Check::PlanKnown) {
             cx.outlook().heard_what_is_flown(insert.interrupt)?;
@@ -224,27 +188,19 @@ impl Inserts {
         let open_s = cx.ledger.open_duration_s();
         let most_s = cx.monitor.limits().inserts_duration_max_s;
         if open_s + duration_s > most_s && is_on(Check::InsertsDuration) {
-            return Err(refused(
-                "cap",
-                &format!(
-                    "it may fly for {duration_s:.0} s and the open inserts for {open_s:.0} s, together over {most_s} s"
-                ),
-            ));
+            return Err(Figure::InsertsDuration.over(open_s + duration_s, most_s));
         }
         let own_s = cx.ledger.open_duration_of_s(plugin);
         let own_max_s = cx.plugins.limits(plugin).inserts_duration_max_s;
         if let Some(most_s) = own_max_s.filter(|most_s| own_s + duration_s > *most_s) {
-            let text = format!(
-                "it may fly for {duration_s:.0} s and its plugin's open inserts for {own_s:.0} s, together over {most_s} s"
-            );
-            return Err(refused("cap", &text));
+            return Err(Figure::OwnInsertsDuration.over(own_s + duration_s, most_s));
         }
         Ok(duration_s)
     }
 
     fn judge_insert(&self, cx: &Context, insert: &Insert, route: &Route) -> Result<f64, Refusal> {
         let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
-            return Err(refused("navigation", "navigation is stale"));
+            return Err(Reason::NavigationIsStale.into());
         };
         if !is_on(Check::InsertFence) {
             return Ok(f64::MAX);
@@ -293,7 +249,7 @@ impl Inserts {
     ) -> Result<Dispatch, Refusal> {
         let insert = self.may_cancel(cx, plugin, tag)?;
         let Some(identifier) = cx.ledger.get(insert).and_then(|entry| entry.identifier) else {
-            return Err(refused("control", "it could not be sent"));
+            return Err(Uncontrolled::NotSent.into());
         };
         let purpose = Purpose::Cancel {
             cancel: Some(request),
@@ -306,23 +262,17 @@ impl Inserts {
 
     fn may_cancel(&self, cx: &Context, plugin: PluginId, tag: u64) -> Result<u64, Refusal> {
         let Some(insert) = cx.outlook().open_insert(plugin, tag) else {
-            return Err(refused("tag", "no insert with this tag is open"));
+            return Err(Reason::TagUnknown.into());
         };
         if cx
             .ledger
             .get(insert)
             .is_some_and(|entry| entry.state == RequestState::Started)
         {
-            return Err(refused(
-                "tag",
-                "the insert has begun and can no longer be cancelled (SPI 7.8)",
-            ));
+            return Err(Reason::TagBegun.into());
         }
         if cx.ledger.is_gps_hit(Some(insert)) {
-            return Err(refused(
-                "tag",
-                "a GPS hit cannot be cancelled: BPRCN covers tracklines and trackcircles only (SPI 7.8)",
-            ));
+            return Err(Reason::TagIsGpsHit.into());
         }
         // Without it the vehicle goes from what was before it to what comes after it.
         cx.outlook().judge_cancel(&cx.outlook().chain(), insert)?;
@@ -334,7 +284,7 @@ impl Inserts {
         match answer {
             Answer::Pending => cx.transition(request, RequestState::Pending),
             Answer::Done => cx.transition(request, RequestState::Accepted),
-            Answer::Refused(text) => cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Refused(text) => cx.transition(request, RequestState::Failed(Failure::Vehicle(text.to_owned()))),
             Answer::Missing => self.unanswered(cx, request),
         }
     }
@@ -359,7 +309,7 @@ impl Inserts {
                 cx.ledger.settle_doubt(insert);
                 if let Some(cancel) = cancel {
                     cx.transition(cancel, RequestState::Accepted);
-                    cx.transition(cancel, RequestState::Ended("done".to_owned()));
+                    cx.transition(cancel, RequestState::Ended(EndCause::Done.into()));
                 }
             }
             Answer::Refused(text) => {
@@ -368,7 +318,7 @@ impl Inserts {
                     entry.may_be_gone = true;
                 }
                 if let Some(cancel) = cancel {
-                    cx.transition(cancel, RequestState::Failed(text.to_owned()));
+                    cx.transition(cancel, RequestState::Failed(Failure::Vehicle(text.to_owned())));
                 }
             }
         }
@@ -412,8 +362,7 @@ impl Inserts {
                 // The vehicle may not have decided on it yet.
                 cx.timers.set(Timer::Plan, decided_at.max(cx.now));
             } else if cx.vehicle.courses.current().is_some() && !cx.ledger.is_gps_hit(Some(request)) {
-                let text = "it is not in the vehicle's plan".to_owned();
-                cx.transition(request, RequestState::Failed(text));
+                cx.transition(request, RequestState::Failed(Failure::NotInPlan));
             } else {
                 // It may be flown; and BFPLN has no code for a GPS hit (6.20), so that a plan without it proves nothing. It
                 // stays under the caps.
@@ -425,7 +374,7 @@ impl Inserts {
     }
 
     /// The mission no longer runs: what it held is over.
-    pub(crate) fn mission_over(&mut self, cx: &mut Context, reason: &str) {
+    pub(crate) fn mission_over(&mut self, cx: &mut Context) {
         let open: Vec<u64> = cx
             .ledger
             .iter()
@@ -433,7 +382,7 @@ impl Inserts {
             .map(|(request, _)| request)
             .collect();
         for request in open {
-            cx.transition(request, RequestState::Ended(reason.to_owned()));
+            cx.transition(request, RequestState::Ended(EndCause::MissionOver.into()));
         }
         cx.ledger.settle_all_doubt();
     }

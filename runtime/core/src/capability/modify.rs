@@ -7,11 +7,12 @@ use backseat_units::{Timestamp, utm_convergence_deg};
 
 use crate::arbiter::LeaseKind;
 use crate::context::Context;
+use crate::ended::{EndCause, Ended, Failure};
 use crate::io::Note;
 use crate::monitor::envelope::{Setpoint, Vertical};
 use crate::monitor::limits::HeadingFrame;
 use crate::plugin::{ModifyRequest, PluginId, Refusal, RequestState};
-use crate::refusal::refused;
+use crate::refusal::Reason;
 use crate::session::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::session::name;
 use crate::switches::{Check, is_on};
@@ -97,11 +98,10 @@ impl Modify {
         let Some(left) = self.pause.left(cx.now).filter(|_| is_on(Check::LeasePause)) else {
             return Ok(());
         };
-        let text = format!(
-            "the vehicle refused or did not answer the last BPRMB: none leaves for {:.1} s more",
-            left.as_secs_f64()
-        );
-        Err(refused("pause", &text))
+        Err(Refusal::Until {
+            reason: Reason::ModifyPause,
+            left_s: left.as_secs_f64(),
+        })
     }
 
     /// What a request sends with each refresh, where that may stand.
@@ -131,10 +131,9 @@ impl Modify {
             sent = lease.sent;
             changed = lease.setpoint != setpoint;
             if lease.plugin == plugin && lease.tag == asked.tag {
-                cx.transition_quietly(lease.request, RequestState::Ended("replaced".to_owned()));
+                cx.transition_quietly(lease.request, RequestState::Ended(EndCause::Replaced.into()));
             } else {
-                let reason = "another modify took its place";
-                cx.transition(lease.request, RequestState::Ended(reason.to_owned()));
+                cx.transition(lease.request, RequestState::Ended(EndCause::OtherModify.into()));
             }
         }
         self.lease = Some(Lease {
@@ -166,13 +165,10 @@ impl Modify {
     /// The whole judgement of a setpoint, with what is known at this moment.
     fn judge(&self, cx: &Context, setpoint: &Setpoint) -> Result<(), Refusal> {
         let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
-            return Err(refused("navigation", "navigation is stale"));
+            return Err(Reason::NavigationIsStale.into());
         };
         if cx.monitor.limits().modify_needs_plan && !cx.vehicle.plan.is_complete() && is_on(Check::PlanKnown) {
-            return Err(refused(
-                "plan",
-                "the vehicle's plan is not known, nor so the way back to it",
-            ));
+            return Err(Reason::PlanUnknown.into());
         }
         let route = cx.outlook().route_of_modify();
         let lock = cx.vehicle.navigation.bottom_lock(cx.now);
@@ -195,7 +191,7 @@ impl Modify {
                     lease.judged = cx.now;
                 }
             }
-            Err(refusal) => self.end(cx, &told(&refusal)),
+            Err(refusal) => self.end(cx, refusal),
         }
     }
 
@@ -207,7 +203,7 @@ impl Modify {
             && is_on(Check::LateWake)
             && is_on(Check::RefreshCadence)
         {
-            return self.end(cx, "it was not refreshed in time");
+            return self.end(cx, EndCause::NotRefreshed);
         }
         if lease.judged < cx.now && is_on(Check::RefreshJudged) {
             match self.judge(cx, &lease.setpoint) {
@@ -216,11 +212,11 @@ impl Modify {
                         lease.judged = cx.now;
                     }
                 }
-                Err(refusal) => return self.end(cx, &told(&refusal)),
+                Err(refusal) => return self.end(cx, refusal),
             }
         }
         let Some(navigation) = cx.vehicle.navigation.fresh(cx.now).copied() else {
-            return self.end(cx, "navigation is stale");
+            return self.end(cx, EndCause::NavigationStale);
         };
         let Setpoint {
             heading,
@@ -254,7 +250,7 @@ impl Modify {
             pending: false,
         };
         if !cx.transmit(&message, Some(command)) {
-            return self.end(cx, "it could not be sent");
+            return self.end(cx, EndCause::NotSent);
         }
         if let Some(lease) = &mut self.lease {
             lease.sent = Some(cx.now);
@@ -265,12 +261,13 @@ impl Modify {
     }
 
     /// Ends the lease, if there is one: one BPEMB where the link is up, then silence.
-    pub(crate) fn end(&mut self, cx: &mut Context, reason: &str) {
-        self.close(cx, reason, |reason| RequestState::Ended(reason.to_owned()));
+    pub(crate) fn end(&mut self, cx: &mut Context, end: impl Into<Ended>) {
+        let end = end.into();
+        self.close(cx, end.clone(), RequestState::Ended(end));
     }
 
     /// As [`Self::end`], with the state that the lease's request comes to.
-    pub(crate) fn close(&mut self, cx: &mut Context, reason: &str, state: impl FnOnce(&str) -> RequestState) {
+    pub(crate) fn close(&mut self, cx: &mut Context, end: Ended, state: RequestState) {
         let Some(lease) = self.lease.take() else { return };
         cx.arbiter.release(cx.now, LeaseKind::Modify);
         cx.timers.stop(Timer::Refresh);
@@ -281,23 +278,23 @@ impl Modify {
             let command = cx.courtesy("EMB", Some(created));
             cx.transmit(&ToVehicle::EndModify(EndModify { created }), Some(command));
         }
-        cx.transition(lease.request, state(reason));
+        cx.transition(lease.request, state);
         cx.note(Note::LeaseEnded {
             plugin: lease.plugin,
-            reason: reason.to_owned(),
+            reason: end,
         });
     }
 
     /// The plugin ends its own lease.
     pub(crate) fn asked_end(&mut self, cx: &mut Context, plugin: PluginId) {
         if self.lease.is_some_and(|lease| lease.plugin == plugin) {
-            self.end(cx, "its plugin ended it");
+            self.end(cx, EndCause::PluginEnded);
         }
     }
 
     pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
         if self.lease.is_some_and(|lease| lease.plugin == plugin) {
-            self.end(cx, "its plugin failed");
+            self.end(cx, EndCause::PluginFailed);
         }
     }
 
@@ -314,14 +311,14 @@ impl Modify {
             }
             Answer::Refused(text) if live => {
                 self.pause.failed(cx.now);
-                let reason = format!("the vehicle refused it: {text}");
-                self.close(cx, &reason, |_| RequestState::Failed(text.to_owned()));
+                let end = Ended::Said(EndCause::VehicleRefused, text.to_owned());
+                self.close(cx, end, RequestState::Failed(Failure::Vehicle(text.to_owned())));
             }
             // The refused one was replaced meanwhile. A plugin that asks anew in every step always has: waiting for the
             // answer to the newest one would wait for ever.
             Answer::Refused(text) => {
                 self.pause.failed(cx.now);
-                self.end(cx, &format!("the vehicle refused it: {text}"));
+                self.end(cx, Ended::Said(EndCause::VehicleRefused, text.to_owned()));
             }
         }
     }
@@ -340,10 +337,10 @@ impl Modify {
     fn unanswered(&mut self, cx: &mut Context, request: u64) {
         self.pause.failed(cx.now);
         if self.lease.is_some_and(|lease| lease.request == request) {
-            self.close(cx, "the vehicle did not acknowledge it", |_| RequestState::TimedOut);
+            self.close(cx, EndCause::NotAcknowledged.into(), RequestState::TimedOut);
         } else if self.lease.is_some() {
             // An older request of a lease that goes on: the vehicle has been silent for as long.
-            self.end(cx, "the vehicle did not acknowledge it");
+            self.end(cx, EndCause::NotAcknowledged);
         }
     }
 
@@ -354,11 +351,6 @@ impl Modify {
             self.pause.failed(cx.now);
         }
     }
-}
-
-/// A refusal as the end of what was refused: rule, then place and metres.
-fn told(refusal: &Refusal) -> String {
-    format!("{}: {}", refusal.rule, refusal.text)
 }
 
 /// How long after a refresh the next is due.

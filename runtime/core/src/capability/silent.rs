@@ -13,8 +13,9 @@ use backseat_spi::{SilentMode, ToVehicle};
 use backseat_units::Timestamp;
 
 use crate::context::Context;
+use crate::ended::{EndCause, Ended, Failure};
 use crate::plugin::{PluginId, Refusal, RequestState, SilentRequest};
-use crate::refusal::refused;
+use crate::refusal::{Figure, Reason};
 use crate::session::commands::{Answer, Purpose, SILENT_WITHIN};
 use crate::session::dispatch::Dispatch;
 use crate::switches::{Check, is_on};
@@ -104,25 +105,18 @@ impl Silent {
 
     fn may_ask(&self, cx: &Context, plugin: PluginId, silent: bool) -> Result<(), Refusal> {
         if !cx.link.subscriptions.has("ACK") {
-            return Err(refused("state", "the vehicle's acknowledgements are not on (SPI 7.22)"));
+            return Err(Reason::AcknowledgementsOff.into());
         }
         match self.state {
-            State::Entering(_) | State::Leaving(..) => {
-                Err(refused("state", "the vehicle has not answered for the last one"))
-            }
+            State::Entering(_) | State::Leaving(..) => Err(Reason::SilenceUnanswered.into()),
             State::Normal if silent => self.may_enter(cx),
-            State::Normal => Err(refused("state", "the vehicle is not silent")),
+            State::Normal => Err(Reason::VehicleNotSilent.into()),
             State::Silent(_) if silent && !is_on(Check::SilentTerm) => self.may_enter(cx),
-            State::Silent(silence) if silent => Err(refused(
-                "state",
-                &format!(
-                    "the vehicle may be silent for another {:.0} s, and entering anew would not extend it (SPI 7.22)",
-                    silence.over.since(cx.now).as_secs_f64()
-                ),
-            )),
-            State::Silent(silence) if silence.plugin != plugin => {
-                Err(refused("priority", "another plugin has asked for the silence"))
-            }
+            State::Silent(silence) if silent => Err(Refusal::Until {
+                reason: Reason::AlreadySilent,
+                left_s: silence.over.since(cx.now).as_secs_f64(),
+            }),
+            State::Silent(silence) if silence.plugin != plugin => Err(Reason::OtherSilences.into()),
             State::Silent(_) => Ok(()),
         }
     }
@@ -130,8 +124,7 @@ impl Silent {
     fn may_enter(&self, cx: &Context) -> Result<(), Refusal> {
         let most = cx.monitor.limits().silences_total_max;
         if self.entered >= most && is_on(Check::SilencesTotal) {
-            let text = format!("silent mode has been asked for {most} times, the most of a mission");
-            return Err(refused("cap", &text));
+            return Err(Figure::Silences.one_over(most));
         }
         Ok(())
     }
@@ -165,7 +158,7 @@ impl Silent {
             }
             Answer::Refused(text) => {
                 self.become_silent(cx, State::Normal);
-                cx.transition(request, RequestState::Failed(text.to_owned()));
+                cx.transition(request, RequestState::Failed(Failure::Vehicle(text.to_owned())));
             }
             Answer::Missing => self.entry_unanswered(cx, entry),
         }
@@ -192,13 +185,13 @@ impl Silent {
             Answer::Pending => cx.transition(leave, RequestState::Pending),
             Answer::Done => {
                 self.become_silent(cx, State::Normal);
-                self.end_entry(cx, silence, "normal again");
+                self.end_entry(cx, silence, EndCause::NormalAgain.into());
                 cx.transition(leave, RequestState::Accepted);
-                cx.transition(leave, RequestState::Ended("normal again".to_owned()));
+                cx.transition(leave, RequestState::Ended(EndCause::NormalAgain.into()));
             }
             Answer::Refused(text) => {
                 self.become_silent(cx, State::Silent(silence));
-                cx.transition(leave, RequestState::Failed(text.to_owned()));
+                cx.transition(leave, RequestState::Failed(Failure::Vehicle(text.to_owned())));
             }
             Answer::Missing => self.leave_unanswered(cx, silence, leave),
         }
@@ -207,13 +200,13 @@ impl Silent {
     /// The vehicle may be silent or not: nobody can count on it any more.
     fn leave_unanswered(&mut self, cx: &mut Context, silence: Silence, leave: u64) {
         self.become_silent(cx, State::Silent(Silence { entry: None, ..silence }));
-        self.end_entry(cx, silence, "the vehicle has not said whether it is normal again");
+        self.end_entry(cx, silence, EndCause::NotNormal.into());
         cx.transition(leave, RequestState::TimedOut);
     }
 
-    fn end_entry(&mut self, cx: &mut Context, silence: Silence, reason: &str) {
+    fn end_entry(&mut self, cx: &mut Context, silence: Silence, end: Ended) {
         if let Some(entry) = silence.entry {
-            cx.transition(entry, RequestState::Ended(reason.to_owned()));
+            cx.transition(entry, RequestState::Ended(end));
         }
     }
 
@@ -245,7 +238,7 @@ impl Silent {
         };
         self.become_silent(cx, next);
         let term_s = cx.monitor.limits().silent_term_s;
-        self.end_entry(cx, silence, &format!("lapsed after {term_s} s"));
+        self.end_entry(cx, silence, Ended::Said(EndCause::Lapsed, format!("after {term_s} s")));
     }
 
     /// Silence outlives the link; what was not answered never will be.

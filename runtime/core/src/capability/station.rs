@@ -13,10 +13,11 @@ use backseat_units::Timestamp;
 
 use crate::arbiter::LeaseKind;
 use crate::context::Context;
+use crate::ended::{EndCause, Ended, Failure};
 use crate::io::Note;
 use crate::monitor::envelope::{Aim, Hover, Surroundings, Suspended, Vertical, aim_at_here};
 use crate::plugin::{HoldRequest, HoldTarget, PluginId, Refusal, RequestState};
-use crate::refusal::refused;
+use crate::refusal::{Figure, Reason};
 use crate::session::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::session::name;
 use crate::switches::{Check, is_on};
@@ -155,10 +156,9 @@ impl Station {
         if let Some(before) = before {
             let same = |hold: Hold| before.plugin == hold.plugin && before.tag == hold.tag;
             if self.hold.is_some_and(same) {
-                cx.transition_quietly(before.request, RequestState::Ended("replaced".to_owned()));
+                cx.transition_quietly(before.request, RequestState::Ended(EndCause::Replaced.into()));
             } else {
-                let reason = "another hold took its place";
-                cx.transition(before.request, RequestState::Ended(reason.to_owned()));
+                cx.transition(before.request, RequestState::Ended(EndCause::OtherStation.into()));
             }
         }
         self.watch_relative(cx);
@@ -169,8 +169,7 @@ impl Station {
     pub(crate) fn check(&self, cx: &Context, plugin: PluginId, asked: &HoldRequest) -> Result<Hover, Refusal> {
         cx.outlook().admit_beside_gps_hit()?;
         if cx.vehicle.suspended.len() >= LEFT_MAX {
-            let text = format!("the mission may stand suspended at {LEFT_MAX} places, the most that are kept");
-            return Err(refused("cap", &text));
+            return Err(Figure::Suspensions.over(LEFT_MAX as f64 + 1.0, LEFT_MAX as f64));
         }
         let mut hover = cx.monitor.envelope.admit_hold(asked)?;
         cx.cap_steering(plugin, asked.duration)?;
@@ -204,7 +203,7 @@ impl Station {
         ask: impl FnOnce(&Surroundings<'_>) -> Result<T, Refusal>,
     ) -> Result<T, Refusal> {
         let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
-            return Err(refused("navigation", "navigation is stale"));
+            return Err(Reason::NavigationIsStale.into());
         };
         let (relative, cartesian) = (cx.vehicle.relative.steady(cx.now), cx.vehicle.cartesian.steady(cx.now));
         let suspended: Vec<Suspended> = cx
@@ -231,7 +230,7 @@ impl Station {
             && is_on(Check::LateWake)
             && is_on(Check::HoldCadence)
         {
-            return self.end(cx, "it was not refreshed in time");
+            return self.end(cx, EndCause::NotRefreshed);
         }
         if !self.is_sound(cx) {
             return;
@@ -265,7 +264,7 @@ impl Station {
         if is_on(Check::HoldJudged)
             && let Err(refusal) = self.judge_hover(cx, &hold.hover)
         {
-            self.end(cx, &refusal.text);
+            self.end(cx, refusal);
             return false;
         }
         if let Some(hold) = &mut self.hold {
@@ -361,7 +360,7 @@ impl Station {
             pending: false,
         };
         if !cx.transmit_for(hold.plugin.into(), message, Some(command)) {
-            self.end(cx, "it could not be sent");
+            self.end(cx, EndCause::NotSent);
             return false;
         }
         let refreshes = letters != "SPD";
@@ -399,7 +398,7 @@ impl Station {
     /// The plugin ends its own hold.
     pub(crate) fn asked_end(&mut self, cx: &mut Context, plugin: PluginId) {
         if self.holder() == Some(plugin) {
-            self.end(cx, "its plugin ended it");
+            self.end(cx, EndCause::PluginEnded);
         }
     }
 
@@ -420,11 +419,12 @@ impl Station {
     }
 
     /// Ends the hold, if there is one: the vehicle's own speed limit and BPRES where the link is up, then silence.
-    pub(crate) fn end(&mut self, cx: &mut Context, reason: &str) {
-        self.close(cx, reason, RequestState::Ended(reason.to_owned()));
+    pub(crate) fn end(&mut self, cx: &mut Context, end: impl Into<Ended>) {
+        let end = end.into();
+        self.close(cx, end.clone(), RequestState::Ended(end));
     }
 
-    fn close(&mut self, cx: &mut Context, reason: &str, state: RequestState) {
+    fn close(&mut self, cx: &mut Context, end: Ended, state: RequestState) {
         let Some(hold) = self.hold.take() else { return };
         cx.vehicle.suspended.extend(hold.suspended);
         cx.arbiter.release(cx.now, LeaseKind::Station);
@@ -449,14 +449,14 @@ impl Station {
             .is_some_and(|entry| matches!(entry.state, RequestState::Rejected(_)));
         // What has not been sent cannot have been refused or left unanswered.
         let state = if proposed {
-            RequestState::Ended(reason.to_owned())
+            RequestState::Ended(end.clone())
         } else {
             state
         };
         cx.transition(hold.request, state);
         cx.note(Note::LeaseEnded {
             plugin: hold.plugin,
-            reason: reason.to_owned(),
+            reason: end,
         });
     }
 
@@ -464,12 +464,12 @@ impl Station {
     pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, command: CommandName, answer: Answer<'_>) {
         let Some(hold) = self.hold else { return };
         let newest = hold.request == request;
-        let end = |reason: &str, state: RequestState| {
+        let state_for = |end: &Ended, state: RequestState| {
             if newest {
                 state
             } else {
                 // An older request of a hold that goes on: what it says of the vehicle counts all the same.
-                RequestState::Ended(reason.to_owned())
+                RequestState::Ended(end.clone())
             }
         };
         match answer {
@@ -477,13 +477,14 @@ impl Station {
             Answer::Pending => {}
             Answer::Done => self.acknowledged(cx, request, command.as_str(), hold.stage),
             Answer::Refused(text) => {
-                let reason = format!("the vehicle refused it: {text}");
-                let state = end(&reason, RequestState::Failed(text.to_owned()));
-                self.close(cx, &reason, state);
+                let end = Ended::Said(EndCause::VehicleRefused, text.to_owned());
+                let state = state_for(&end, RequestState::Failed(Failure::Vehicle(text.to_owned())));
+                self.close(cx, end, state);
             }
             Answer::Missing => {
-                let reason = "the vehicle did not acknowledge it";
-                self.close(cx, reason, end(reason, RequestState::TimedOut));
+                let end = Ended::By(EndCause::NotAcknowledged);
+                let state = state_for(&end, RequestState::TimedOut);
+                self.close(cx, end, state);
             }
         }
     }
@@ -522,7 +523,7 @@ impl Station {
 
     pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
         if self.holder() == Some(plugin) {
-            self.end(cx, "its plugin failed");
+            self.end(cx, EndCause::PluginFailed);
         }
     }
 }

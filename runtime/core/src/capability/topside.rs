@@ -4,10 +4,11 @@ use backseat_spi::{Direction, Text, ToVehicle, TopsideMessage, TopsideText, Tran
 use backseat_units::Timestamp;
 
 use crate::context::Context;
+use crate::ended::{EndCause, Failure};
 use crate::io::Note;
 use crate::plugin::{Event, Refusal, RequestState, Topic, TopsideRequest, Transport};
 use crate::quota::LastMinute;
-use crate::refusal::refused;
+use crate::refusal::{Figure, Reason};
 use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
 
@@ -38,10 +39,7 @@ impl Topside {
         let text = admit_text(&asked.text)?;
         let most = cx.monitor.limits().topside_per_min;
         if !self.sent.has_room(cx.now, most) {
-            return Err(refused(
-                "rate",
-                &format!("{most} messages have been sent to the topside in the last minute, the most there may be"),
-            ));
+            return Err(Figure::TopsideMessages.one_over(most));
         }
         let message = ToVehicle::TopsideText(TopsideText {
             created: cx.stamper.stamp(cx.now, "TOP"),
@@ -57,9 +55,9 @@ impl Topside {
             Answer::Pending => cx.transition(request, RequestState::Pending),
             Answer::Done => {
                 cx.transition(request, RequestState::Accepted);
-                cx.transition(request, RequestState::Ended("queued".to_owned()));
+                cx.transition(request, RequestState::Ended(EndCause::Queued.into()));
             }
-            Answer::Refused(text) => cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Refused(text) => cx.transition(request, RequestState::Failed(Failure::Vehicle(text.to_owned()))),
             Answer::Missing => cx.transition(request, RequestState::TimedOut),
         }
     }
@@ -91,27 +89,22 @@ impl Topside {
 /// case-sensitive (4.2), and no name consists of hexadecimal digits, which vehicles send as binary data (7.3).
 fn admit_text(text: &str) -> Result<Text, Refusal> {
     if text.trim().is_empty() {
-        return Err(refused("text", "it is empty"));
+        return Err(Reason::TextEmpty.into());
     }
     if text.len() > TEXT_BYTES_MAX {
-        return Err(refused(
-            "text",
-            &format!("it has {} bytes, more than {TEXT_BYTES_MAX}", text.len()),
-        ));
+        return Err(Figure::TextBytes.over(text.len() as f64, TEXT_BYTES_MAX as f64));
     }
-    let text = Text::new(text).map_err(|error| refused("text", &error.to_string()))?;
+    let text = Text::new(text).map_err(|error| Refusal::Unwritable(error.to_string()))?;
     let commands = catalogue()
         .iter()
         .filter(|entry| entry.direction == Direction::ToVehicle)
         .filter_map(|entry| entry.name.strip_prefix("BP"));
     for letters in commands {
         if let Some(at) = text.as_str().find(letters) {
-            return Err(refused(
-                "text",
-                &format!(
-                    "{letters} at byte {at} is a command's name, which some vehicles act on: write it in lower case"
-                ),
-            ));
+            return Err(Refusal::CommandInText {
+                letters: letters.to_owned(),
+                at,
+            });
         }
     }
     Ok(text)
@@ -144,10 +137,7 @@ mod tests {
     fn names_of_commands_are_refused_in_upper_case_only_and_hexadecimal_digits_never() {
         for bad in ["at RMB", "STOP", "BPKIL", "all CONtacts lost", "xRTKx"] {
             let refusal = admit_text(bad).unwrap_err();
-            assert!(
-                refusal.rule == "text" && refusal.text.contains("command"),
-                "{refusal:?}"
-            );
+            assert!(matches!(refusal, Refusal::CommandInText { .. }), "{refusal:?}");
         }
         for good in [
             "at rmb",

@@ -3,14 +3,10 @@
 use std::time::Duration;
 
 use super::Context;
-use crate::monitor::envelope::limit;
 use crate::monitor::limits::Grant;
 use crate::plugin::{PluginId, Refusal, RequestState};
-use crate::refusal::refused;
+use crate::refusal::{Figure, Reason, Uncontrolled};
 use crate::switches::{Check, is_on};
-
-/// The rule by which a plugin's request is rejected that comes too soon.
-const OVER_RATE: &str = "rate";
 
 impl Context {
     /// Whether a plugin may ask for something now: by its grants, its rate, and who has control.
@@ -22,10 +18,10 @@ impl Context {
         let own = self.plugins.limits(plugin).requests_per_s;
         let per_second = f64::from(own.map_or(most, |own| own.min(most)));
         if !self.plugins.grants(plugin).contains(&grant) {
-            return Err(limit(format!("the mission does not grant it {grant:?}")));
+            return Err(Refusal::NotGranted(grant));
         }
         if !self.plugins.take_request(self.now, plugin, per_second) && is_on(Check::RequestRate) {
-            return Err(refused(OVER_RATE, &format!("more than {per_second} requests a second")));
+            return Err(Figure::Requests.over(per_second + 1.0, per_second));
         }
         self.admit_standing(grant)
     }
@@ -35,7 +31,7 @@ impl Context {
         if self.plugins.grants(plugin).contains(&Grant::Interrupt) {
             Ok(())
         } else {
-            Err(refused("grant", "the mission does not grant it Interrupt"))
+            Err(Refusal::NotGranted(Grant::Interrupt))
         }
     }
 
@@ -48,13 +44,13 @@ impl Context {
         if let Some(reason) = self.lost_because()
             && (steers || is_on(Check::ListWithoutControl))
         {
-            return Err(refused("control", reason));
+            return Err(reason.into());
         }
         if !self.control.armed {
-            return Err(refused("control", "the runtime is not armed"));
+            return Err(Uncontrolled::NotArmed.into());
         }
         if self.control.recovering {
-            return Err(refused("recovery", "the vehicle is outside the fence"));
+            return Err(Reason::OutsideFence.into());
         }
         Ok(())
     }
@@ -67,14 +63,15 @@ impl Context {
 
     /// A request does not leave. One that was over its plugin's rate is told now and then.
     pub(crate) fn reject(&mut self, request: u64, refusal: Refusal) {
-        let reason = format!("{}: {}", refusal.rule, refusal.text);
         let owner = self.ledger.get(request).and_then(|entry| entry.owner.plugin());
-        let counted =
-            owner.is_some_and(|plugin| refusal.rule == OVER_RATE && !self.plugins.tells_over_rate(self.now, plugin));
+        let over_rate = refusal
+            .figure_breach()
+            .is_some_and(|breach| breach.figure == Figure::Requests);
+        let counted = owner.is_some_and(|plugin| over_rate && !self.plugins.tells_over_rate(self.now, plugin));
         if counted {
-            self.transition_unnoted(request, RequestState::Rejected(reason));
+            self.transition_unnoted(request, RequestState::Rejected(refusal));
         } else {
-            self.transition(request, RequestState::Rejected(reason));
+            self.transition(request, RequestState::Rejected(refusal));
         }
     }
 }

@@ -1,28 +1,29 @@
 //! Whether control is ours.
 
 use super::Context;
+use crate::refusal::Uncontrolled;
 use crate::switches::{Check, is_on};
 
 impl Context {
     /// Why we have no control; `None` where it is ours.
-    pub(crate) fn lost_because(&self) -> Option<&'static str> {
+    pub(crate) fn lost_because(&self) -> Option<Uncontrolled> {
         let expects_plan = self.settings.expected_plan.is_some();
         let reason = if !self.link.is_up() {
-            "the link is down"
+            Uncontrolled::LinkDown
         } else if self.control.stopping {
-            "the run is ending"
+            Uncontrolled::RunEnding
         } else if self.control.held {
-            "the operator holds"
+            Uncontrolled::OperatorHolds
         } else if self.control.mission_ended {
-            "the operator has ended the mission"
+            Uncontrolled::OperatorEnded
         } else if self.control.handed_over.is_none() && is_on(Check::ControlKnown) {
-            "the vehicle has not said who has control"
+            Uncontrolled::ControlUnknown
         } else if self.control.handed_over == Some(false) && is_on(Check::ControlGiven) {
-            "the vehicle has control"
+            Uncontrolled::VehicleHasControl
         } else if self.control.running.is_none() && is_on(Check::ControlKnown) {
-            "the vehicle has not said whether its mission runs"
+            Uncontrolled::MissionUnknown
         } else if self.control.running == Some(false) && is_on(Check::MissionRuns) {
-            "the mission is not running"
+            Uncontrolled::MissionNotRunning
         } else if let Some(reason) = self.vehicle.compared.reason().filter(|_| expects_plan) {
             reason
         } else if let Some(reason) = self.vehicle.dive.reason() {
@@ -30,9 +31,9 @@ impl Context {
         } else if let Some(reason) = self.unheard() {
             reason
         } else if self.vehicle.navigation.fresh(self.now).is_none() {
-            "navigation is stale"
+            Uncontrolled::NavigationStale
         } else if !self.vehicle.navigation.steady(self.now) {
-            "navigation has not been steady for long enough"
+            Uncontrolled::NavigationUnsteady
         } else {
             return None;
         };
@@ -40,13 +41,13 @@ impl Context {
     }
 
     /// Why the vehicle does not hear us; `None` where it does (safety requirement 023).
-    pub(crate) fn unheard(&self) -> Option<&'static str> {
+    pub(crate) fn unheard(&self) -> Option<Uncontrolled> {
         if self.link.heartbeat.is_heard(self.now) || !is_on(Check::Heard) {
             None
         } else if self.link.heartbeat.has_answered() {
-            Some("the vehicle does not answer in time")
+            Some(Uncontrolled::NotAnsweredInTime)
         } else {
-            Some("the vehicle has not answered yet")
+            Some(Uncontrolled::NotAnsweredYet)
         }
     }
 }

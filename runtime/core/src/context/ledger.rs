@@ -1,6 +1,7 @@
 //! A request comes to another state: its owner and the log are told.
 
 use super::Context;
+use crate::ended::{EndCause, Failure};
 use crate::io::Note;
 use crate::ledger::Transition;
 use crate::owner::Owner;
@@ -45,9 +46,9 @@ impl Context {
             Answer::Pending => self.transition(request, RequestState::Pending),
             Answer::Done => {
                 self.transition(request, RequestState::Accepted);
-                self.transition(request, RequestState::Ended("done".to_owned()));
+                self.transition(request, RequestState::Ended(EndCause::Done.into()));
             }
-            Answer::Refused(text) => self.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Refused(text) => self.transition(request, RequestState::Failed(Failure::Vehicle(text.to_owned()))),
             Answer::Missing => self.transition(request, RequestState::TimedOut),
         }
     }

@@ -8,7 +8,7 @@ use crate::io::{Note, Output};
 use crate::monitor::limits::Grant;
 use crate::owner::Owner;
 use crate::plugin::RequestState;
-use crate::refusal::refused;
+use crate::refusal::Uncontrolled;
 use crate::session::commands::{Command, FIRST_WITHIN, Purpose};
 use crate::session::dispatch::Dispatch;
 use crate::session::name;
@@ -30,7 +30,7 @@ impl Context {
         let command = dispatch.command(self.now);
         let sent = owner.is_some_and(|owner| self.pass(Some(owner), dispatch.message(), Some(command)));
         if !sent {
-            self.reject(request, refused("control", "it could not be sent"));
+            self.reject(request, Uncontrolled::NotSent.into());
         }
         sent
     }

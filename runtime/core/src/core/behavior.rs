@@ -3,6 +3,7 @@
 use backseat_spi::{BehaviorBegin, BehaviorEnd, BehaviorId};
 
 use super::{Core, course};
+use crate::ended::EndCause;
 use crate::io::Note;
 use crate::owner::Owner;
 use crate::plugin::slots::Plugins;
@@ -36,13 +37,11 @@ impl Core {
         });
         if is_on(Check::LeaseEndsWithBehavior) {
             // It modified another one (SPI 7.12).
-            self.capabilities.modify.end(&mut self.cx, "a behaviour began under it");
+            self.capabilities.modify.end(&mut self.cx, EndCause::BehaviorBegan);
         }
         // A suspended mission begins none: the vehicle has taken it up again. An end says nothing of the kind, for the
         // behaviour that is suspended may be reported so (SPI 8.1 leaves it open), and a hold modifies none.
-        self.capabilities
-            .station
-            .end(&mut self.cx, "a behaviour began: the mission goes on");
+        self.capabilities.station.end(&mut self.cx, EndCause::MissionGoesOn);
         self.cx.vehicle.mission_goes_on();
         if is_flown {
             self.end_overtaken(message.identifier);
@@ -97,7 +96,7 @@ impl Core {
             kind: message.kind.as_str().to_owned(),
         });
         if is_on(Check::LeaseEndsWithBehavior) {
-            self.capabilities.modify.end(&mut self.cx, "a behaviour ended under it");
+            self.capabilities.modify.end(&mut self.cx, EndCause::BehaviorEnded);
         }
         self.cx.vehicle.named_insert.finished(message.identifier);
         self.cx.vehicle.former.heard_end(message.identifier);
@@ -120,7 +119,7 @@ impl Core {
             let interrupted = self.cx.ledger.awaits_interrupter(request);
             match self.cx.ledger.get_mut(request) {
                 Some(entry) if interrupted && entry.state == RequestState::Started => entry.interrupted = true,
-                _ => self.cx.transition(request, RequestState::Ended("flown".to_owned())),
+                _ => self.cx.transition(request, RequestState::Ended(EndCause::Flown.into())),
             }
         }
         course::ended(&mut self.cx, message.number, message.identifier);
@@ -137,7 +136,7 @@ impl Core {
             self.cx.ledger.interrupt_all_but(begun);
             return;
         }
-        let overtaken: Vec<(u64, &str)> = self
+        let overtaken: Vec<(u64, EndCause)> = self
             .cx
             .ledger
             .iter()
@@ -145,15 +144,15 @@ impl Core {
             .filter(|(_, entry)| entry.identifier != begun)
             .map(|(request, entry)| {
                 let why = if entry.interrupted {
-                    "interrupted, and not taken up again"
+                    EndCause::Interrupted
                 } else {
-                    "another behaviour has begun"
+                    EndCause::Overtaken
                 };
                 (request, why)
             })
             .collect();
         for (request, why) in overtaken {
-            self.cx.transition(request, RequestState::Ended(why.to_owned()));
+            self.cx.transition(request, RequestState::Ended(why.into()));
         }
     }
 }

@@ -5,7 +5,9 @@ use backseat_spi::Acknowledgement;
 use super::Core;
 use super::samples::tell_of_plan;
 use crate::context::Context;
+use crate::ended::EndCause;
 use crate::io::Note;
+use crate::refusal::Uncontrolled;
 use crate::session::commands::Answer;
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
@@ -52,7 +54,7 @@ impl Core {
             cx.vehicle.courses.leave_plan();
         }
         cx.vehicle.courses.lose();
-        capabilities.end_leases(cx, "the link is down");
+        capabilities.end_leases(cx, Uncontrolled::LinkDown);
         cx.control.forget();
         cx.link.commands.clear();
         cx.vehicle.reset();
@@ -104,7 +106,7 @@ impl Core {
         if let Some(step) = cx.vehicle.navigation.measured(heard.trip, utc, ack.created) {
             let text = format!("the vehicle's clock was set by {:+.3} s", -(step as f64) / 1e9);
             cx.note(Note::Navigation { text });
-            self.capabilities.end_leases(cx, "the vehicle's clock was set");
+            self.capabilities.end_leases(cx, EndCause::ClockSet);
         }
         if heard.good {
             self.session.is_heard(cx, ack.created);

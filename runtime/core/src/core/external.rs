@@ -5,11 +5,12 @@ use backseat_units::TimeOfDay;
 
 use crate::capability::Capabilities;
 use crate::context::Context;
+use crate::ended::EndCause;
 use crate::external::acknowledge;
 use crate::io::Note;
 use crate::owner::DriverId;
 use crate::plugin::Refusal;
-use crate::refusal::refused;
+use crate::refusal::{Figure, Reason, Uncontrolled};
 use crate::session::commands::Purpose;
 use crate::session::dispatch::Dispatch;
 use crate::session::is_told;
@@ -112,8 +113,7 @@ fn ask_for_driver(
             let moves = bounds::moves_frame(&message) && is_on(Check::FrameReset);
             if moves {
                 // What a lease or a hold stands on is about to be another place (safety requirement 021).
-                let reason = "a driver resets the vehicle's navigation";
-                capabilities.end_leases(cx, reason);
+                capabilities.end_leases(cx, EndCause::NavigationReset);
             }
             let resets = bounds::resets_relative(&message) && is_on(Check::FrameReset);
             let dispatch = Dispatch::new(sentence.letters(), message, Purpose::Request(request));
@@ -139,20 +139,20 @@ fn admit_driver(
 ) -> Result<ToVehicle, Refusal> {
     let port = &mut cx.drivers.ports[driver.0];
     if !port.take(cx.now) {
-        let text = format!("more than {} sentences a second", port.setup.bounds.rate_max_hz);
-        return Err(refused("rate", &text));
+        let most_hz = port.setup.bounds.rate_max_hz;
+        return Err(Figure::Sentences.over(most_hz + 1.0, most_hz));
     }
     // What is relayed is the topside's word, which is no wish of ours: it passes without control (014).
     if sentence != DriverSentence::Relay
         && let Some(reason) = cx.lost_because()
     {
-        return Err(refused("control", reason));
+        return Err(reason.into());
     }
     if !cx.link.is_up() {
-        return Err(refused("control", "the link is down"));
+        return Err(Uncontrolled::LinkDown.into());
     }
     if !cx.control.armed {
-        return Err(refused("control", "the runtime is not armed"));
+        return Err(Uncontrolled::NotArmed.into());
     }
     let message = bounded(cx, driver, message)?;
     let created = cx.stamper.stamp(cx.now, sentence.letters());
@@ -165,15 +165,12 @@ fn bounded(cx: &Context, driver: DriverId, message: ToVehicle) -> Result<ToVehic
     let utc = cx.utc().time_of_day();
     #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is a driver's")]
     match message {
-        ToVehicle::TopsideRelay(relay) if relay.text.holds_command() => Err(refused(
-            "text",
-            "the text holds $BP, and a vehicle that looks for sentences could take what follows for a command",
-        )),
+        ToVehicle::TopsideRelay(relay) if relay.text.holds_command() => Err(Reason::TextHoldsSentence.into()),
         ToVehicle::TopsideRelay(relay) => Ok(relay.into()),
         ToVehicle::PayloadCtd(ctd) => bounds.ctd(ctd, utc).map(ToVehicle::from),
         ToVehicle::PositionFix(fix) => {
             let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
-                return Err(refused("navigation", "navigation is stale"));
+                return Err(Reason::NavigationIsStale.into());
             };
             let frame = cx.monitor.envelope.fence().frame();
             bounds.fix(&fix, utc, frame, navigation)?;
@@ -187,7 +184,7 @@ fn bounded(cx: &Context, driver: DriverId, message: ToVehicle) -> Result<ToVehic
             bounds.bearing(&offset)?;
             Ok(offset.into())
         }
-        other => Err(refused("limit", &format!("{} is no driver's", other.name()))),
+        _ => Err(Reason::NotExternal.into()),
     }
 }
 

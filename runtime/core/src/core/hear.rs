@@ -6,6 +6,7 @@ use backseat_spi::{Ctd, DecodeError, FromVehicle, MissionCommand, MissionStatus,
 
 use super::Core;
 use super::samples::sampled;
+use crate::ended::EndCause;
 use crate::io::{Note, Operator};
 use crate::vehicle::dive::NamedBy;
 
@@ -91,7 +92,7 @@ impl Core {
                 self.cx.note(Note::Text {
                     text: "the vehicle shuts our power off in a minute".to_owned(),
                 });
-                self.capabilities.end_controlled(&mut self.cx, "power goes");
+                self.capabilities.end_controlled(&mut self.cx, EndCause::PowerGoes);
                 self.cx.control.stopping = true;
                 self.cx.plugins.tell_all(&Event::Shutdown);
                 self.cx.timers.set(Timer::Shutdown, self.cx.now + CLOSE_AFTER_SHUTDOWN);
@@ -169,8 +170,7 @@ impl Core {
         self.cx.note_of_vehicle(Note::Text {
             text: format!("another dive: {}", file.as_str().trim()),
         });
-        self.capabilities
-            .end_leases(&mut self.cx, "the vehicle flies another dive");
+        self.capabilities.end_leases(&mut self.cx, EndCause::OtherDive);
         self.capabilities.inserts.another_dive(&mut self.cx);
         self.cx.vehicle.forget_plan();
         self.cx.link.commands.forget_plan();
@@ -194,19 +194,15 @@ impl Core {
                 self.cx.link.commands.forget_plan();
                 self.session.want_plan(&mut self.cx);
             } else if is_on(Check::MissionRuns) && is_on(Check::ControlLossEndsLease) {
-                self.capabilities.modify.end(&mut self.cx, "the mission is not running");
+                self.capabilities.modify.end(&mut self.cx, EndCause::MissionNotRunning);
             }
         }
         self.orders.heard_mission_status(&mut self.cx, message.status.as_str());
         if is_over(message.status.as_str()) {
-            self.capabilities
-                .inserts
-                .mission_over(&mut self.cx, "the mission is over");
+            self.capabilities.inserts.mission_over(&mut self.cx);
             self.cx.vehicle.courses.forget();
             self.cx.vehicle.former.mission_over();
-            self.capabilities
-                .adjustments
-                .mission_over(&mut self.cx, "the mission is over");
+            self.capabilities.adjustments.mission_over(&mut self.cx);
             self.cx.vehicle.mission_goes_on();
         }
         if self.cx.settings.control == ControlHook::Running {

@@ -5,9 +5,10 @@ use std::time::Duration;
 use backseat_spi::{Navigation, VelocityAndRates};
 
 use super::{Core, course};
+use crate::ended::EndCause;
 use crate::io::Note;
 use crate::vehicle::integrity::Flaw;
-use crate::vehicle::navigation::{Change, WITHOUT_VELOCITIES};
+use crate::vehicle::navigation::Change;
 
 /// A flaw of navigation that stays is told so often.
 const FLAW_TOLD_EVERY: Duration = Duration::from_secs(10);
@@ -29,7 +30,7 @@ impl Core {
             self.cx.note_of_vehicle(Note::Navigation {
                 text: format!("navigation jumped by {:.1} m", jump.metres),
             });
-            self.capabilities.modify.end(&mut self.cx, "navigation jumped");
+            self.capabilities.modify.end(&mut self.cx, EndCause::NavigationJumped);
         }
         self.heed_flaw();
         course::navigated(&mut self.cx, jump);
@@ -49,10 +50,10 @@ impl Core {
         {
             self.flaw_told = Some((what, self.cx.now));
             self.cx.note_of_vehicle(Note::Navigation {
-                text: format!("{what}: {text}"),
+                text: format!("{}: {text}", what.text()),
             });
             // They may never have been subscribed: an answer to BPLOG does not say to which it is.
-            if what == WITHOUT_VELOCITIES {
+            if what == EndCause::VelocitiesMissing {
                 self.session.subscribe_anew(&mut self.cx, "NVR");
             }
         }

@@ -6,6 +6,7 @@ use super::Core;
 use crate::capability::Checked;
 use crate::capability::insert::irrevocable::Waiting;
 use crate::capability::insert::{Admitted, grant_of};
+use crate::ended::EndCause;
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::monitor::envelope::Insert;
@@ -90,13 +91,13 @@ impl Core {
             Checked::Modify(asked, setpoint) => {
                 let changed = capabilities.modify.adopt(cx, plugin, number, asked, setpoint);
                 // BPRES comes before BPRMB.
-                capabilities.station.end(cx, "a modify took its place");
+                capabilities.station.end(cx, EndCause::ModifyBegan);
                 capabilities.modify.begin(cx, changed);
             }
             Checked::Station(asked, hover) => {
                 let before = capabilities.station.adopt(cx, plugin, number, asked, hover);
                 // BPEMB comes before BPSUS.
-                capabilities.modify.end(cx, "a hold took its place");
+                capabilities.modify.end(cx, EndCause::StationBegan);
                 capabilities.station.begin(cx, before);
             }
             Checked::Waits(tag, insert) => capabilities.inserts.wait_for_answer(cx, number, plugin, tag, insert),

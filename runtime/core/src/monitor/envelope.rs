@@ -3,14 +3,15 @@
 
 use std::time::Duration;
 
-use backseat_fence::{Breach, Fence, Rule, Shape, Span, Sweep, VerticalExtent, Window};
+use backseat_fence::{Fence, Shape, Span, Sweep, VerticalExtent, Window};
 use backseat_units::math::{PI, SQRT_2};
-use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Speed};
+use backseat_units::{Altitude, Depth, EastNorth, Heading, Latitude, Longitude, Position, Speed};
 
 use crate::monitor::limits::Limits;
 use crate::plugin::{
     ModifyRequest, NavigationSample, PositionRequest, Refusal, TrackcircleRequest, TracklineRequest, VerticalRequest,
 };
+use crate::refusal::{Figure, Reason};
 use crate::switches::{Check, is_on};
 
 mod boxes;
@@ -223,14 +224,14 @@ impl Envelope {
 
     pub(crate) fn admit_modify(&self, request: &ModifyRequest) -> Result<Setpoint, Refusal> {
         if request.duration.is_zero() || request.duration > self.limits.modify_term_max() {
-            return Err(limit(format!(
-                "a modify may stand for more than 0 and at most {} s, not {} s",
+            return Err(Figure::ModifyTerm.not_within(
+                request.duration.as_secs_f64(),
+                0.0,
                 self.limits.modify_term_max_s,
-                request.duration.as_secs_f64()
-            )));
+            ));
         }
         Ok(Setpoint {
-            heading: Heading::from_deg(request.heading_deg).map_err(|error| limit(error.to_string()))?,
+            heading: Heading::from_deg(request.heading_deg).map_err(Figure::Heading.out_of_range())?,
             vertical: vertical(request.vertical)?,
             speed: self.speed(request.speed_mps)?,
         })
@@ -240,9 +241,7 @@ impl Envelope {
         let (start, end) = (position(request.start)?, position(request.end)?);
         let frame = self.fence.frame();
         if frame.to_local(start).distance_m(frame.to_local(end)) < 1.0 {
-            return Err(limit(
-                "a trackline's start and end are less than a metre apart".to_owned(),
-            ));
+            return Err(Figure::TracklineLength.under(frame.to_local(start).distance_m(frame.to_local(end)), 1.0));
         }
         Ok(Insert {
             path: InsertPath::Line {
@@ -261,21 +260,15 @@ impl Envelope {
         let speed = self.speed(request.speed_mps)?;
         let least = turn_radius_m(speed.as_mps(), self.limits.turn_rate_dps);
         if !(request.radius_m >= least && request.radius_m <= 10_000.0) {
-            return Err(limit(format!(
-                "a circle's radius must be within {least:.1} (the vehicle's turn) to 10000 m, not {} m",
-                request.radius_m
-            )));
+            return Err(Figure::CircleRadius.not_within(request.radius_m, least, 10_000.0));
         }
         if !(request.orbits.abs() > 0.0 && request.orbits.abs() <= 100.0) {
-            return Err(limit(format!(
-                "a circle has more than 0 and at most 100 orbits, not {}",
-                request.orbits
-            )));
+            return Err(Figure::CircleOrbits.not_within(request.orbits.abs(), 0.0, 100.0));
         }
         let entry_angle_deg = match request.entry_angle_deg {
             Some(deg) => Some(
                 Heading::from_deg(deg)
-                    .map_err(|error| limit(error.to_string()))?
+                    .map_err(Figure::EntryAngle.out_of_range())?
                     .as_deg(),
             ),
             None => None,
@@ -515,14 +508,14 @@ impl Envelope {
     fn sweep_way(&self, sweep: &Sweep, way: &Way) -> Result<f64, Refusal> {
         match self.check_passing(sweep, &way.extent, (way.depths_m, way.when)) {
             Ok(clearance) => Ok(clearance.metres),
-            Err(breach) => Err(refusal(&breach)),
+            Err(breach) => Err(breach.into()),
         }
     }
 
     fn sweep(&self, shape: Shape, radius_m: f64, extent: &VerticalExtent, when: Option<Span>) -> Result<f64, Refusal> {
         match self.check(&Sweep { shape, radius_m }, extent, when) {
             Ok(clearance) => Ok(clearance.metres),
-            Err(breach) => Err(refusal(&breach)),
+            Err(breach) => Err(breach.into()),
         }
     }
 
@@ -536,11 +529,7 @@ impl Envelope {
         let allowed = self.limits.speed_min_mps..=self.limits.speed_max_mps;
         match Speed::from_mps(mps) {
             Ok(speed) if allowed.contains(&mps) || !is_on(Check::SpeedLimits) => Ok(speed),
-            _ => Err(limit(format!(
-                "speed must be within {} to {} m/s, not {mps} m/s",
-                allowed.start(),
-                allowed.end()
-            ))),
+            _ => Err(Figure::Speed.not_within(mps, *allowed.start(), *allowed.end())),
         }
     }
 
@@ -566,11 +555,7 @@ impl Envelope {
             Vertical::Altitude(set) => {
                 let unknown_m = (!is_on(Check::BottomKnown)).then_some(now_m);
                 let Some(deepest_m) = deepest_m.or(unknown_m) else {
-                    return Err(Refusal {
-                        rule: "altitude",
-                        metres: 0.0,
-                        text: "an altitude setpoint needs bottom lock or the mission's water_depth_max_m".to_owned(),
-                    });
+                    return Err(Reason::WaterDepthUnknown.into());
                 };
                 VerticalExtent {
                     depth_min_m: now_m.min(shallowest_m - set.as_m() - error_m).max(0.0),
@@ -614,40 +599,18 @@ pub(crate) fn bottom_lock(navigation: &NavigationSample) -> Option<BottomLock> {
 }
 
 fn vertical(request: VerticalRequest) -> Result<Vertical, Refusal> {
-    let refused = |error: backseat_units::OutOfRange| limit(error.to_string());
     match request {
-        VerticalRequest::DepthM(m) if m < 0.0 => Err(limit(format!("depth must be 0 m or more, not {m} m"))),
-        VerticalRequest::DepthM(m) => Ok(Vertical::Depth(Depth::from_m(m).map_err(refused)?)),
-        VerticalRequest::AltitudeM(m) => Ok(Vertical::Altitude(Altitude::from_m(m).map_err(refused)?)),
+        VerticalRequest::DepthM(m) if m < 0.0 => Err(Figure::Depth.under(m, 0.0)),
+        VerticalRequest::DepthM(m) => Ok(Vertical::Depth(Depth::from_m(m).map_err(Figure::Depth.out_of_range())?)),
+        VerticalRequest::AltitudeM(m) => Ok(Vertical::Altitude(
+            Altitude::from_m(m).map_err(Figure::Altitude.out_of_range())?,
+        )),
     }
 }
 
 fn position(request: PositionRequest) -> Result<Position, Refusal> {
-    Position::from_deg(request.latitude_deg, request.longitude_deg).map_err(|error| limit(error.to_string()))
-}
-
-/// A figure that is no such quantity, or beyond the operator's limits.
-pub(crate) fn limit(text: String) -> Refusal {
-    Refusal {
-        rule: "limit",
-        metres: 0.0,
-        text,
-    }
-}
-
-fn refusal(breach: &Breach) -> Refusal {
-    let rule = match breach.rule {
-        Rule::Inclusion => "inclusion",
-        Rule::Exclusion => "exclusion",
-        Rule::DepthMin | Rule::DepthMax => "depth",
-        Rule::AltitudeMin => "altitude",
-        Rule::Surfacing => "surfacing",
-        Rule::Closed => "time",
-        Rule::NotFinite => "limit",
-    };
-    Refusal {
-        rule,
-        metres: breach.metres,
-        text: breach.to_string(),
-    }
+    Ok(Position {
+        latitude: Latitude::from_deg(request.latitude_deg).map_err(Figure::Latitude.out_of_range())?,
+        longitude: Longitude::from_deg(request.longitude_deg).map_err(Figure::Longitude.out_of_range())?,
+    })
 }

@@ -354,6 +354,28 @@ pub enum Grant {
     Devices,
 }
 
+impl Grant {
+    /// As the mission names it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Modify => "modify",
+            Self::Insert => "insert",
+            Self::Interrupt => "interrupt",
+            Self::Message => "message",
+            Self::Surface => "surface",
+            Self::Topside => "topside",
+            Self::Dvl => "dvl",
+            Self::Silent => "silent",
+            Self::Trim => "trim",
+            Self::Buoyancy => "buoyancy",
+            Self::Acoustic => "acoustic",
+            Self::Hull => "hull",
+            Self::Devices => "devices",
+        }
+    }
+}
+
 /// What is done with a plugin's affairs when it fails.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -4,11 +4,12 @@ use backseat_spi::{CancelAll, CancelCurrent, CancelElement, ToVehicle};
 
 use super::{Orders, admit};
 use crate::context::Context;
+use crate::ended::{EndCause, Failure};
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::monitor::envelope::End;
 use crate::plugin::{Refusal, RequestState};
-use crate::refusal::refused;
+use crate::refusal::Reason;
 use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
 use crate::switches::{Check, is_on};
@@ -36,10 +37,10 @@ impl Orders {
         match answer {
             Answer::Pending => cx.transition(request, RequestState::Pending),
             Answer::Missing => cx.transition(request, RequestState::TimedOut),
-            Answer::Refused(text) => cx.transition(request, RequestState::Failed(text.to_owned())),
+            Answer::Refused(text) => cx.transition(request, RequestState::Failed(Failure::Vehicle(text.to_owned()))),
             Answer::Done => {
                 cx.transition(request, RequestState::Accepted);
-                cx.transition(request, RequestState::Ended("done".to_owned()));
+                cx.transition(request, RequestState::Ended(EndCause::Done.into()));
                 let accepted: Vec<(u64, bool)> = cx
                     .ledger
                     .iter()
@@ -75,22 +76,16 @@ impl Orders {
     /// Safety requirements 002 and 020: the way from here to what comes next is the order's consequence.
     fn judge_cancel_current(&self, cx: &mut Context) -> Result<(), Refusal> {
         let Some(current) = cx.vehicle.named_insert.current() else {
-            return Err(refused(
-                "state",
-                "the current behaviour is not known to be an insert of ours",
-            ));
+            return Err(Reason::CurrentUnknown.into());
         };
         if !cx.identifiers.is_ours(current) {
-            return Err(refused("state", "the current behaviour is an insert that is not ours"));
+            return Err(Reason::CurrentForeign.into());
         }
         if !cx.vehicle.plan.is_complete() {
-            return Err(refused(
-                "plan",
-                "the vehicle's plan is not known, nor so what comes next",
-            ));
+            return Err(Reason::PlanUnknownNext.into());
         }
         let Some(navigation) = cx.vehicle.navigation.fresh(cx.now) else {
-            return Err(refused("navigation", "navigation is stale"));
+            return Err(Reason::NavigationIsStale.into());
         };
         let chain = cx.outlook().chain();
         let own = cx.ledger.by_identifier(current);

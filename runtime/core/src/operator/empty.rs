@@ -8,9 +8,10 @@ use backseat_units::Timestamp;
 use super::Orders;
 use crate::capability::Capabilities;
 use crate::context::Context;
+use crate::ended::{EndCause, Failure};
 use crate::ledger::RequestKind;
 use crate::plugin::{Refusal, RequestState};
-use crate::refusal::refused;
+use crate::refusal::{Figure, Reason, Uncontrolled};
 use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
 use crate::vehicle::phase::Phase;
@@ -38,7 +39,7 @@ impl Orders {
         if let Err(refusal) = self.admit_empty_mission(cx, duration_s) {
             return cx.reject(request, refusal);
         }
-        capabilities.end_leases(cx, "the operator starts an empty mission");
+        capabilities.end_leases(cx, EndCause::EmptyMission);
         let (duration, unit) = in_units(duration_s);
         let created = cx.stamper.stamp(cx.now, "SEM");
         let message = ToVehicle::StartEmptyMission(StartEmptyMission {
@@ -56,28 +57,28 @@ impl Orders {
 
     fn admit_empty_mission(&self, cx: &mut Context, duration_s: u32) -> Result<(), Refusal> {
         if !cx.control.armed {
-            return Err(refused("control", "the runtime is not armed"));
+            return Err(Uncontrolled::NotArmed.into());
         }
         if !cx.link.is_up() {
-            return Err(refused("control", "the link is down"));
+            return Err(Uncontrolled::LinkDown.into());
         }
         if cx.control.held {
-            return Err(refused("control", "the operator holds"));
+            return Err(Uncontrolled::OperatorHolds.into());
         }
         if cx.control.stopping {
-            return Err(refused("control", "the run is ending"));
+            return Err(Uncontrolled::RunEnding.into());
         }
         if duration_s == 0 {
-            return Err(refused("limit", "an empty mission lasts for more than 0 s"));
+            return Err(Figure::EmptyMission.under(0.0, 1.0));
         }
         if self.empty.is_some() {
-            return Err(refused("state", "one is being started already"));
+            return Err(Reason::EmptyMissionStarting.into());
         }
         match cx.vehicle.phase {
             Phase::Over => Ok(()),
-            Phase::Running => Err(refused("state", "a mission is running")),
-            Phase::Ending => Err(refused("state", "a mission is ending")),
-            Phase::Unknown => Err(refused("state", "the vehicle has not said whether a mission runs")),
+            Phase::Running => Err(Reason::MissionRunning.into()),
+            Phase::Ending => Err(Reason::MissionEnding.into()),
+            Phase::Unknown => Err(Reason::MissionStateUnknown.into()),
         }
     }
 
@@ -92,7 +93,9 @@ impl Orders {
                     self.set_timer(cx);
                 }
             }
-            Answer::Refused(text) => self.end_empty_mission(cx, request, RequestState::Failed(text.to_owned())),
+            Answer::Refused(text) => {
+                self.end_empty_mission(cx, request, RequestState::Failed(Failure::Vehicle(text.to_owned())))
+            }
             Answer::Missing => self.end_empty_mission(cx, request, RequestState::TimedOut),
         }
     }
@@ -108,7 +111,7 @@ impl Orders {
     pub(super) fn empty_mission_runs(&mut self, cx: &mut Context) {
         if let Some(empty) = self.empty.take() {
             cx.transition(empty.request, RequestState::Started);
-            cx.transition(empty.request, RequestState::Ended("it runs".to_owned()));
+            cx.transition(empty.request, RequestState::Ended(EndCause::Runs.into()));
         }
     }
 

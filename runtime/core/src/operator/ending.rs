@@ -13,12 +13,13 @@ use backseat_units::Timestamp;
 use super::Orders;
 use crate::capability::Capabilities;
 use crate::context::Context;
+use crate::ended::{EndCause, Ended, Failure};
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::order::Order;
 use crate::owner::Owner;
 use crate::plugin::RequestState;
-use crate::refusal::refused;
+use crate::refusal::{Reason, Uncontrolled};
 use crate::session::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::session::name;
 use crate::vehicle::phase::Phase;
@@ -70,10 +71,10 @@ impl Orders {
         };
         let request = cx.ledger.propose_order(kind);
         if !cx.control.armed {
-            return cx.reject(request, refused("control", "the runtime is not armed"));
+            return cx.reject(request, Uncontrolled::NotArmed.into());
         }
         if self.endings.iter().any(|ending| ending.kind == kind) {
-            return cx.reject(request, refused("state", "one is under way already"));
+            return cx.reject(request, Reason::EndingUnderWay.into());
         }
         if kind == RequestKind::Kill {
             for ending in &mut self.endings {
@@ -112,7 +113,7 @@ impl Orders {
         };
         let (text, reason, kill) = (ending.text.clone(), ending.reason, ending.is_kill());
         // Nothing that steers stands when it leaves.
-        capabilities.end_leases(cx, "the operator ends the mission");
+        capabilities.end_leases(cx, EndCause::OperatorEndsMission);
         let letters = if kill { "KIL" } else { "ABT" };
         let created = cx.stamper.stamp(cx.now, letters);
         let message = if kill {
@@ -130,7 +131,7 @@ impl Orders {
         };
         if !cx.transmit_for(Owner::Operator, &message, Some(command)) {
             self.endings.retain(|ending| ending.request != request);
-            return cx.reject(request, refused("control", "it could not be sent"));
+            return cx.reject(request, Uncontrolled::NotSent.into());
         }
         for ending in &mut self.endings {
             if ending.request == request {
@@ -152,9 +153,11 @@ impl Orders {
             Answer::Pending => cx.transition(request, RequestState::Pending),
             Answer::Done => {
                 cx.transition(request, RequestState::Accepted);
-                self.end_ending(cx, request, RequestState::Ended("done".to_owned()));
+                self.end_ending(cx, request, RequestState::Ended(EndCause::Done.into()));
             }
-            Answer::Refused(text) => self.end_ending(cx, request, RequestState::Failed(text.to_owned())),
+            Answer::Refused(text) => {
+                self.end_ending(cx, request, RequestState::Failed(Failure::Vehicle(text.to_owned())))
+            }
             Answer::Missing => {
                 let ending = self.endings.iter().find(|ending| ending.request == request);
                 let Some((kind, sent, superseded)) = ending.map(|ending| (ending.kind, ending.sent, ending.superseded))
@@ -209,8 +212,7 @@ impl Orders {
             .collect();
         for (request, superseded) in kept {
             if superseded {
-                let text = "a kill took its place before it could be sent".to_owned();
-                self.end_ending(cx, request, RequestState::Ended(text));
+                self.end_ending(cx, request, RequestState::Ended(EndCause::KillOrdered.into()));
             } else {
                 self.send_ending(cx, capabilities, request);
             }
@@ -231,8 +233,7 @@ impl Orders {
             if unknown == Some(RequestState::Unknown) {
                 cx.transition(request, RequestState::TimedOut);
             } else {
-                let text = format!("the link was down for {} s: order it again", KEPT_FOR.as_secs());
-                cx.reject(request, refused("control", &text));
+                cx.reject(request, Uncontrolled::LinkDownTooLong.into());
             }
         }
     }
@@ -253,7 +254,7 @@ impl Orders {
             self.end_ending(
                 cx,
                 request,
-                RequestState::Ended(format!("the mission is {}", status.trim())),
+                RequestState::Ended(Ended::Said(EndCause::MissionIs, status.trim().to_owned())),
             );
         }
     }

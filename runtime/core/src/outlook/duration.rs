@@ -13,7 +13,6 @@ use crate::ledger::schedule::Schedule;
 use crate::monitor::envelope::{APART_MAX, Insert, Route};
 use crate::monitor::limits::seconds;
 use crate::plugin::{Refusal, RequestState};
-use crate::refusal::refused;
 
 /// An insert is taken up so long after it was asked for at the latest, where nothing is flown before it: its way there,
 /// the vehicle's pending answer (SPI 7.5), and the change of the behaviour.
@@ -104,10 +103,7 @@ impl Outlook<'_> {
                 .schedule
                 .filter(|schedule| self.changes_between(schedule.ends_by, schedule.ends_by + seconds(delay_s)));
             if delayed.is_some() {
-                return Err(refused(
-                    "time",
-                    &format!("it would delay insert {request} into a time for which that was not judged"),
-                ));
+                return Err(Refusal::Delays { request });
             }
         }
         Ok(())

@@ -8,7 +8,7 @@ use backseat_units::EastNorth;
 use super::Outlook;
 use crate::ledger::Entry;
 use crate::plugin::{Refusal, RequestState};
-use crate::refusal::refused;
+use crate::refusal::Reason;
 use crate::switches::{Check, is_on};
 use crate::vehicle::course::{Begin, Flown};
 use crate::vehicle::plan::Element;
@@ -35,12 +35,13 @@ impl Outlook<'_> {
             Some(Flown::Inserted(identifier)) => self.ledger.by_identifier(identifier).is_some(),
         };
         if !known {
-            let text = if self.vehicle.courses.current().is_none() {
-                "it was not heard what the vehicle flies, nor has it kept to a line of its plan for 10 s"
+            let unheard = self.vehicle.courses.current().is_none();
+            let reason = if unheard {
+                Reason::FlownUnheard
             } else {
-                "what the vehicle flies is not in its plan, nor so the way back to it"
+                Reason::FlownNotPlanned
             };
-            return Err(refused("plan", text));
+            return Err(reason.into());
         }
         self.knows_what_is_taken_up(false)
     }
@@ -58,8 +59,7 @@ impl Outlook<'_> {
     /// Whether it was heard what the vehicle flies, so that an insert's way to it can be judged.
     pub(crate) fn heard_what_is_flown(&self, interrupts: bool) -> Result<(), Refusal> {
         if self.vehicle.courses.current().is_none() {
-            let text = "it was not heard what the vehicle flies, nor so where the insert would begin";
-            return Err(refused("plan", text));
+            return Err(Reason::BeginUnheard.into());
         }
         self.knows_what_is_taken_up(interrupts)
     }
@@ -67,9 +67,7 @@ impl Outlook<'_> {
     /// Whether it is known where the planned behaviour began that the vehicle may take up again.
     pub(crate) fn knows_what_is_taken_up(&self, interrupts: bool) -> Result<(), Refusal> {
         if self.takes_up_plan(interrupts) && self.vehicle.courses.lacks_plan() {
-            let text =
-                "it was not heard what the vehicle takes up again after what it flies, nor so the way back to it";
-            return Err(refused("plan", text));
+            return Err(Reason::TakenUpUnheard.into());
         }
         Ok(())
     }
@@ -156,8 +154,7 @@ impl Outlook<'_> {
         // Where it was not heard what is flown, one that waited may be.
         let unheard = self.vehicle.courses.current().is_none() && self.ledger.surfaces();
         if (flown || unheard || self.former_may_surface()) && is_on(Check::Surfacing) {
-            let text = "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
-            return Err(refused("surface", text));
+            return Err(Reason::GpsHitFlown.into());
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use super::Outlook;
 use crate::monitor::envelope::{End, Insert};
 use crate::plugin::Refusal;
-use crate::refusal::refused;
+use crate::refusal::Reason;
 use crate::switches::{Check, is_on};
 
 impl Outlook<'_> {
@@ -61,10 +61,7 @@ impl Outlook<'_> {
             let passage = self.passage(navigation.depth, insert.surfaces(), before_s);
             for track in &tracks {
                 let judged = self.monitor.envelope.judge_way_onto((from, track), &passage);
-                judged.map_err(|refusal| Refusal {
-                    text: format!("on the way back from an insert that waits: {}", refusal.text),
-                    ..refusal
-                })?;
+                judged.map_err(|refusal| Refusal::WayBack(Box::new(refusal)))?;
             }
         }
         Ok(())
@@ -81,7 +78,7 @@ impl Outlook<'_> {
             return Ok(());
         }
         let Some(navigation) = self.vehicle.navigation.fresh(self.now) else {
-            return Err(refused("navigation", "navigation is stale"));
+            return Err(Reason::NavigationIsStale.into());
         };
         let before = at.checked_sub(1).and_then(|before| chain.get(before));
         // What interrupts comes before all that waits.

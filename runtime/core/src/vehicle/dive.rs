@@ -1,5 +1,6 @@
 //! Which dive the vehicle flies: a plan belongs to the file that it was told for (SPI 6.9, 6.11; safety requirement 025).
 
+use crate::refusal::Uncontrolled;
 use backseat_spi::Text;
 
 /// The dive file as the vehicle last named it.
@@ -36,8 +37,8 @@ impl Dive {
     }
 
     /// Why another dive leaves us without control.
-    pub(crate) fn reason(&self) -> Option<&'static str> {
-        self.plan_due.then_some("the plan of this dive is not known yet")
+    pub(crate) fn reason(&self) -> Option<Uncontrolled> {
+        self.plan_due.then_some(Uncontrolled::DivePlanUnknown)
     }
 
     /// The vehicle has named its dive file. True where it is another one than the last that this kind of message named.

@@ -7,6 +7,7 @@
 use backseat_spi::PlanElementKind;
 use backseat_units::{LocalFrame, Position};
 
+use crate::refusal::Uncontrolled;
 use crate::vehicle::plan::{Element, Plan};
 
 /// A front seat's plan as it was checked.
@@ -55,11 +56,11 @@ pub(crate) enum Compared {
 
 impl Compared {
     /// Why this leaves us without control, where a plan is expected.
-    pub(crate) const fn reason(self) -> Option<&'static str> {
+    pub(crate) const fn reason(self) -> Option<Uncontrolled> {
         match self {
             Self::Same => None,
-            Self::NotYet => Some("the vehicle's plan has not been compared with the one that was checked"),
-            Self::Differs => Some("the vehicle's plan is not the one that was checked"),
+            Self::NotYet => Some(Uncontrolled::PlanNotCompared),
+            Self::Differs => Some(Uncontrolled::PlanDiffers),
         }
     }
 }

@@ -12,6 +12,7 @@ use std::time::Duration;
 use backseat_spi::VelocityAndRates;
 use backseat_units::EastNorth;
 
+use crate::ended::EndCause;
 use crate::monitor::limits::Limits;
 use crate::monitor::limits::integrity::IntegrityLimits;
 use crate::plugin::NavigationSample;
@@ -32,7 +33,7 @@ const GAP_S: f64 = 3.0;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Flaw {
     /// In a few words, for whoever loses control by it.
-    pub(crate) what: &'static str,
+    pub(crate) what: EndCause,
     /// With figures.
     pub(crate) text: String,
 }
@@ -166,11 +167,11 @@ impl Integrity {
         let speed_mps = rates.speed_mps();
         if exceeds(speed_mps, limits.speed_max_mps()) {
             let text = format!("{speed_mps:.1} m/s, over {:.1}", limits.speed_max_mps());
-            return Some(flaw("the velocity is more than any vehicle's", text));
+            return Some(flaw(EndCause::VelocityTooHigh, text));
         }
         if exceeds(rates.down_mps.abs(), limits.depth_rate_max_mps) {
             let text = format!("{:.1} m/s, over {:.1}", rates.down_mps, limits.depth_rate_max_mps);
-            return Some(flaw("the vertical velocity is more than any vehicle's", text));
+            return Some(flaw(EndCause::VerticalVelocityTooHigh, text));
         }
         if let Some(frozen) = self.frozen(mark, speed_mps) {
             return Some(frozen);
@@ -191,7 +192,7 @@ impl Integrity {
         let for_s = mark.at_s - since_s;
         (for_s >= self.limits.frozen_s).then(|| {
             let text = format!("the same for {for_s:.1} s at {speed_mps:.1} m/s");
-            flaw("the position is frozen", text)
+            flaw(EndCause::PositionFrozen, text)
         })
     }
 
@@ -202,34 +203,34 @@ impl Integrity {
         let off_m = mark.off.distance_m(before.off);
         if exceeds(off_m, limits.position_step_m + limits.position_drift_mps * span_s) {
             let text = format!("{off_m:.1} m apart within {span_s:.1} s");
-            return Some(flaw("position and velocity disagree", text));
+            return Some(flaw(EndCause::PositionAgainstVelocity, text));
         }
         let moved_m = mark.place.distance_m(before.place);
         if exceeds(moved_m, limits.position_step_m + limits.speed_max_mps() * span_s) {
             let text = format!("{moved_m:.1} m within {span_s:.1} s");
-            return Some(flaw("the position moves faster than any vehicle", text));
+            return Some(flaw(EndCause::PositionTooFast, text));
         }
         let dived_m = (mark.depth_m - before.depth_m).abs();
         if exceeds(dived_m, limits.depth_step_m + limits.depth_rate_max_mps * span_s) {
             let text = format!("{dived_m:.1} m within {span_s:.1} s");
-            return Some(flaw("the depth changes faster than any vehicle's", text));
+            return Some(flaw(EndCause::DepthTooFast, text));
         }
         let depth_off_m = (mark.depth_off_m - before.depth_off_m).abs();
         if exceeds(depth_off_m, limits.depth_step_m + limits.depth_drift_mps * span_s) {
             let text = format!("{depth_off_m:.1} m apart within {span_s:.1} s");
-            return Some(flaw("depth and vertical velocity disagree", text));
+            return Some(flaw(EndCause::DepthAgainstVelocity, text));
         }
         let turned_deg = within_half_a_circle(mark.heading_off_deg - before.heading_off_deg).abs();
         if exceeds(turned_deg, limits.heading_step_deg + limits.heading_drift_dps * span_s) {
             let text = format!("{turned_deg:.0} degrees apart within {span_s:.1} s");
-            return Some(flaw("heading and yaw rate disagree", text));
+            return Some(flaw(EndCause::HeadingAgainstYawRate, text));
         }
         if let (Some(there_m), Some(here_m)) = (before.seabed_m, mark.seabed_m) {
             let rises_m = (here_m - there_m).abs();
             let allowed_m = limits.seabed_step_m + self.slope_max * moved_m;
             if exceeds(rises_m, allowed_m) {
                 let text = format!("{rises_m:.1} m within {moved_m:.1} m of way");
-                return Some(flaw("depth and altitude tell of another seabed", text));
+                return Some(flaw(EndCause::SeabedJumps, text));
             }
         }
         None
@@ -264,7 +265,7 @@ impl Sum {
     }
 }
 
-fn flaw(what: &'static str, text: String) -> Flaw {
+fn flaw(what: EndCause, text: String) -> Flaw {
     Flaw { what, text }
 }
 

@@ -3,6 +3,7 @@ use std::time::Duration;
 use backseat_spi::{Navigation, PositionQuality, VelocityAndRates};
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_convergence_deg};
 
+use crate::ended::EndCause;
 use crate::monitor::envelope::{APART_MAX, BottomLock, bottom_lock};
 use crate::monitor::limits::Limits;
 use crate::plugin::NavigationSample;
@@ -20,7 +21,6 @@ const JUMP_ALLOWANCE_M: f64 = 10.0;
 /// BFNVG and BFNVR are of one sample where they were written no further apart than this.
 const OF_ONE_TIME_NANOS: u64 = 500_000_000;
 /// What is wrong where BFNVG comes and no BFNVR.
-pub(crate) const WITHOUT_VELOCITIES: &str = "navigation comes without velocities";
 /// A bottom lock speaks of its place for this long.
 const LOCK_LASTS: Duration = Duration::from_secs(5);
 
@@ -182,7 +182,7 @@ impl Tracker {
         if without > self.integrity.velocity_gap_max() && is_on(Check::VelocityPresent) {
             let text = format!("none for {:.1} s", without.as_secs_f64());
             self.flaw = Some(Flaw {
-                what: WITHOUT_VELOCITIES,
+                what: EndCause::VelocitiesMissing,
                 text,
             });
             self.jumped_at = Some(now);

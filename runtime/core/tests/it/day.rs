@@ -7,7 +7,9 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::time::Duration;
 
+use backseat_core::plugin::{EndCause, Ended, Rule};
 use backseat_core::plugin::{Event, Request, RequestState, Sample, StepInput, Topic, VerticalRequest};
+use backseat_core::refusal::Uncontrolled;
 use backseat_core::{Limits, Note, RequestKind};
 use backseat_spi::{Direction, FrameCounts, MAX_LINE, catalogue};
 use backseat_units::{EastNorth, TimeOfDay, Timestamp, Utc};
@@ -202,7 +204,7 @@ fn traffic(time: TimeOfDay) -> Vec<(&'static str, Vec<u8>)> {
 struct Books {
     ends: BTreeMap<u64, u32>,
     kinds: BTreeMap<&'static str, u64>,
-    lost: BTreeMap<String, u64>,
+    lost: BTreeMap<Option<Uncontrolled>, u64>,
     connections: u64,
     resets: u64,
     counts: FrameCounts,
@@ -218,8 +220,8 @@ impl Books {
                 Seen::Note(Note::Request(transition)) => {
                     let ends = self.ends.entry(transition.request).or_default();
                     let (kind, over) = match transition.state {
-                        RequestState::Rejected(text) => {
-                            assert!(!text.starts_with("limit"), "{text} at {at}");
+                        RequestState::Rejected(refusal) => {
+                            assert_ne!(refusal.rule(), Rule::Limit, "{refusal} at {at}");
                             ("rejected", true)
                         }
                         RequestState::Sent if transition.kind == RequestKind::Modify => ("modify sent", false),
@@ -237,7 +239,9 @@ impl Books {
                     *self.kinds.entry(kind).or_default() += 1;
                     *ends += u32::from(over);
                 }
-                Seen::Note(Note::Control { granted: false, reason }) => *self.lost.entry(reason).or_default() += 1,
+                Seen::Note(Note::Control { granted: false, reason }) => {
+                    *self.lost.entry(reason).or_default() += 1;
+                }
                 Seen::Note(Note::LinkUp) => self.connections += 1,
                 Seen::Note(Note::LinkDown { counts, .. }) => self.counts = counts,
                 Seen::Note(Note::Late { .. }) => panic!("late at {at}"),
@@ -513,7 +517,7 @@ fn settle(trial: &mut Trial, books: &mut Books, midnight: Timestamp, ours: Times
             Seen::Note(Note::Control { .. } | Note::Navigation { .. } | Note::LinkDown { .. }) | Seen::Reset => true,
             Seen::Note(Note::Request(transition)) => transition.state == RequestState::TimedOut,
             Seen::Note(Note::LeaseEnded { reason, .. }) => {
-                reason != "its term is over" && reason != "its plugin ended it"
+                !matches!(reason, Ended::By(EndCause::TermOver | EndCause::PluginEnded))
             }
             _ => false,
         };

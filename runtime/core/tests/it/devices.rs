@@ -98,16 +98,16 @@ fn a_link_lost_before_the_answer_leaves_it_unanswered_and_it_is_not_sent_again()
 fn figures_beyond_the_limits_are_rejected_and_never_clamped() {
     let mut trial = hovering();
     let bad = [
-        (sonar(1, 45.1), "within -45 to 45 degrees, not 45.1"),
-        (sonar(2, f64::NAN), "not NaN"),
-        (sonar(3, f64::NEG_INFINITY), "not -inf"),
+        (sonar(1, 45.1), "angle of the sonar is 45.1; expected -45 to 45 deg"),
+        (sonar(2, f64::NAN), "is no finite number"),
+        (sonar(3, f64::NEG_INFINITY), "is no finite number"),
         (
             camera(4, 10, 0, 0),
-            "the camera's pan must be within -9 to 9 tenths of a second, not 10",
+            "pan of the camera is 10; expected -9 to 9 tenths of a second",
         ),
         (camera(5, 0, -10, 0), "tilt"),
         (camera(6, 0, 0, i32::MAX), "zoom"),
-        (light(7, -1, true), "a light's number is 0 or more"),
+        (light(7, -1, true), "number of a light is -1; expected at least 0"),
     ];
     for (tag, (request, text)) in (1..).zip(bad) {
         trial.ask(0, [request]);
@@ -133,7 +133,7 @@ fn sr_001_devices_need_a_table_a_grant_and_control() {
     no_control.operator(Operator::Hold);
     for (trial, text) in [
         (&mut no_table, "the mission has no [limits.hull]"),
-        (&mut no_grant, "does not grant it Devices"),
+        (&mut no_grant, "does not grant `devices`"),
         (&mut no_control, "control: the operator holds"),
     ] {
         for (name, request) in all() {

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use backseat_core::Note;
-use backseat_core::plugin::Request;
+use backseat_core::plugin::{Request, RequestState, Rule};
 use backseat_spi::{AckStatus, BehaviorBegin, FromVehicle, MissionCommand, MissionStatus, Text};
 use backseat_units::Timestamp;
 
@@ -176,7 +176,9 @@ fn sr_019_what_is_over_a_plugins_rate_is_counted_and_not_told_one_by_one() {
     });
     trial.run_for(10.0);
     let over = |(_, note): &(Timestamp, Note)| match note {
-        Note::Request(transition) => format!("{:?}", transition.state).contains("requests a second"),
+        Note::Request(transition) => {
+            matches!(&transition.state, RequestState::Rejected(refusal) if refusal.rule() == Rule::Rate)
+        }
         _ => false,
     };
     let told = trial.notes().iter().filter(|note| over(note)).count();

@@ -16,20 +16,29 @@ fn figures_beyond_the_bounds_are_rejected_and_never_clamped() {
     let ctd = |figures: &str| format!("BPCTD,081025.987,{figures},{recent}");
     let (old, ahead) = (clock(&trial, -11.0), clock(&trial, 3.0));
     for (body, rule) in [
-        (ctd("-1,10,300"), "conductivity is -1.000 uS/cm"),
-        (ctd("100001,10,300"), "conductivity is 100001.000"),
-        (ctd("40000,51,300"), "temperature is 51.000 degC"),
-        (ctd("40000,-6,300"), "temperature is -6.000"),
-        (ctd("40000,10,-1"), "pressure is -1.000 kPa"),
-        (ctd("40000,10,130000"), "pressure is 130000.000"),
-        (format!("BPCTD,081025.987,40000,10,300,{old}"), "measured"),
-        (format!("BPCTD,081025.987,40000,10,300,{ahead}"), "measured"),
-        ("BPCTD,081025.987,40000,10,300,101010.000".to_owned(), "measured"),
-        ("BPRNS,081025.987,51,0,0".to_owned(), "x is 51.000 m"),
-        ("BPRNS,081025.987,0,-51,0".to_owned(), "y is -51.000 m"),
-        ("BPRNS,081025.987,0,0,361".to_owned(), "the bearing is 361.000"),
-        ("BPRBO,081025.987,46".to_owned(), "the offset is 46.000 degrees"),
-        ("BPRBO,081025.987,-46".to_owned(), "the offset is -46.000"),
+        (ctd("-1,10,300"), "conductivity is -1;"),
+        (ctd("100001,10,300"), "conductivity is 100001"),
+        (ctd("40000,51,300"), "temperature is 51; expected -5 to 50 degC"),
+        (ctd("40000,-6,300"), "temperature is -6"),
+        (ctd("40000,10,-1"), "pressure is -1; expected 0 to"),
+        (ctd("40000,10,130000"), "pressure is 130000"),
+        (format!("BPCTD,081025.987,40000,10,300,{old}"), "age of the measurement"),
+        (
+            format!("BPCTD,081025.987,40000,10,300,{ahead}"),
+            "age of the measurement",
+        ),
+        (
+            "BPCTD,081025.987,40000,10,300,101010.000".to_owned(),
+            "age of the measurement",
+        ),
+        ("BPRNS,081025.987,51,0,0".to_owned(), "x is 51; expected -50 to 50 m"),
+        ("BPRNS,081025.987,0,-51,0".to_owned(), "y is -51"),
+        ("BPRNS,081025.987,0,0,361".to_owned(), "bearing is 361"),
+        (
+            "BPRBO,081025.987,46".to_owned(),
+            "offset of the bearing is 46; expected -45 to 45 deg",
+        ),
+        ("BPRBO,081025.987,-46".to_owned(), "offset of the bearing is -46"),
     ] {
         say(&mut trial, &body);
         let last = told(&trial).pop().unwrap();
@@ -57,46 +66,46 @@ fn figures_beyond_the_bounds_are_rejected_and_never_clamped() {
                 error_m: 0.0,
                 ..good.clone()
             },
-            "error is 0 m",
+            "error of the fix (more than 0) is 0",
         ),
         (
             PositionFix {
                 error_m: -1.0,
                 ..good.clone()
             },
-            "error is -1.000 m",
+            "error of the fix (more than 0) is -1",
         ),
         (
             PositionFix {
                 error_m: 101.0,
                 ..good.clone()
             },
-            "error is 101.000 m",
+            "error of the fix (more than 0) is 101",
         ),
         (
             PositionFix {
                 depth_m: -1.0,
                 ..good.clone()
             },
-            "depth is -1.000 m",
+            "depth of the fix is -1",
         ),
         (
             PositionFix {
                 depth_m: 71.0,
                 ..good.clone()
             },
-            "depth is 71.000 m",
+            "depth of the fix is 71;",
         ),
         (
             PositionFix {
                 position: far,
                 ..good.clone()
             },
-            "way from navigation is 50",
+            "way of the fix from navigation is 50",
         ),
         (
             PositionFix { position: away, ..good },
-            "way from the fence's middle is 111",
+            "way of the fix from the fence's middle is 111",
         ),
     ] {
         say_fix(&mut trial, fix);

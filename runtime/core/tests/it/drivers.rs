@@ -468,7 +468,7 @@ fn sr_019_a_drivers_rate_is_bounded_each_for_itself() {
     assert!(
         told(&trial)
             .iter()
-            .any(|ack| ack.3.starts_with("rate: more than 2 sentences"))
+            .any(|ack| ack.3.starts_with("rate: sentences in a second is 3"))
     );
     assert!(
         told_to(&trial, 1).iter().all(|ack| ack.1 == "08:10:26.987"),

@@ -1,6 +1,7 @@
 use std::time::Duration;
 
 use backseat_core::plugin::{DvlTriggerRequest, Event, FaultKind, Request, RequestState};
+use backseat_core::plugin::{EndCause, Failure};
 use backseat_core::{Grant, Operator};
 use backseat_spi::{AckStatus, DvlTriggering, FromVehicle, Shutdown, ToVehicle};
 use backseat_units::Timestamp;
@@ -111,7 +112,7 @@ fn told(trial: &Trial, plugin: usize) -> Vec<bool> {
 
 fn ended(trial: &Trial, why: &str) {
     match trial.states(1).last() {
-        Some(RequestState::Ended(text)) => assert_eq!(text, why),
+        Some(RequestState::Ended(ended)) => assert_eq!(ended.to_string(), why),
         other => panic!("{why}: {other:?}"),
     }
     assert_eq!(trial.core.open_requests(), 0, "{why}");
@@ -234,7 +235,7 @@ fn sr_017_a_sign_of_life_that_is_handled_after_its_time_is_too_late() {
     trial.stalled_until = last + Duration::from_millis(5300);
     trial.run_for(0.6);
     assert!(trial.core.has_control() && trial.core.late_count() == 0);
-    let over = RequestState::Ended("its plugin did not say within 5 s that it goes on".to_owned());
+    let over = RequestState::Ended(EndCause::NotGoingOn.into());
     assert!(trial.states(1).contains(&over), "{:?}", trial.states(1));
     assert_eq!(said(&trial), [(1, 0), (1, 1), (0, 0)]);
 }
@@ -310,11 +311,14 @@ fn sr_009_a_request_that_the_vehicle_never_allows_ends() {
 #[test]
 fn sr_009_a_refused_request_has_failed_and_an_unanswered_one_has_timed_out() {
     for (reply, end) in [
-        (Reply::Refuse, RequestState::Failed("as told".to_owned())),
-        (Reply::Nak, RequestState::Failed("as told".to_owned())),
+        (
+            Reply::Refuse,
+            RequestState::Failed(Failure::Vehicle("as told".to_owned())),
+        ),
+        (Reply::Nak, RequestState::Failed(Failure::Vehicle("as told".to_owned()))),
         (
             Reply::Pending(Duration::from_secs(1), AckStatus::Failed),
-            RequestState::Failed("as told".to_owned()),
+            RequestState::Failed(Failure::Vehicle("as told".to_owned())),
         ),
         (Reply::Silent, RequestState::TimedOut),
         (Reply::PendingForEver, RequestState::TimedOut),
@@ -457,7 +461,7 @@ fn one_plugin_has_it_at_a_time_and_under_one_tag() {
     trial.ask(0, [want(2)]);
     trial.ask(1, [want(3), end(1), trigger(1)]);
     trial.run_for(0.3);
-    assert!(trial.rejection(2).contains("tag 1 is still open"));
+    assert!(trial.rejection(2).contains("the trigger is still open"));
     assert!(trial.rejection(3).starts_with("priority: "));
     assert!(trial.rejection(1).starts_with("priority: "));
     assert_eq!(said(&trial), [(1, 0), (1, 1)]);
@@ -509,7 +513,7 @@ fn sr_017_a_permission_that_was_held_up_on_its_way_is_as_old_as_it_is() {
 fn sr_001_the_handshake_needs_the_grant_and_an_armed_runtime() {
     let mut trial = Trial::under_way();
     ask(&mut trial, want(1));
-    assert!(trial.rejection(1).contains("does not grant it Dvl"));
+    assert!(trial.rejection(1).contains("does not grant `dvl`"));
     let mut setup = setup();
     setup.start.armed = false;
     let mut trial = Trial::with_under_way(setup);

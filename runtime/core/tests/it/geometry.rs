@@ -1,3 +1,4 @@
+use backseat_core::plugin::Rule;
 use backseat_core::plugin::{ModifyRequest, Request, TrackcircleRequest, TracklineRequest, VerticalRequest};
 use backseat_core::{Limits, Start, plugin::Judge};
 use backseat_units::EastNorth;
@@ -406,11 +407,11 @@ fn the_answer_that_plugins_get_for_their_question_is_the_judgement_of_the_geomet
     let refusal = envelope
         .judge(&Request::Trackline(line(1, (0.0, 500.0), (2500.0, 500.0))), &input)
         .unwrap_err();
-    assert_eq!(refusal.rule, "inclusion");
+    assert_eq!(refusal.rule(), Rule::Inclusion);
     let text = rejected(
         &mut trial,
         Request::Trackline(line(1, (0.0, 500.0), (2500.0, 500.0))),
         1,
     );
-    assert_eq!(text, format!("inclusion: {}", refusal.text));
+    assert_eq!(text, refusal.to_string());
 }

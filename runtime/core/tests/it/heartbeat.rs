@@ -305,7 +305,7 @@ fn sr_023_an_insert_that_interrupts_needs_a_grant_of_its_own() {
     trial.ask(0, [interrupting(1), good_line(2)]);
     trial.run_for(0.5);
     assert!(
-        trial.rejection(1).contains("does not grant it Interrupt"),
+        trial.rejection(1).contains("does not grant `interrupt`"),
         "{:?}",
         trial.states(1)
     );

@@ -1,5 +1,6 @@
 use std::time::Duration;
 
+use backseat_core::plugin::EndCause;
 use backseat_core::plugin::{Event, FaultKind, HoldRequest, HoldTarget, Request, RequestState, VerticalRequest};
 use backseat_core::{BottomBox, Grant, HullBox, HullLimits, Limits, Operator};
 use backseat_spi::AckStatus;
@@ -193,7 +194,7 @@ fn sr_005_a_move_suspends_limits_the_speed_moves_and_is_refreshed_each_half_seco
     assert_eq!(trial.sent("RES")[0].since(trial.sent("SUS")[0]), duration);
     assert_eq!(
         trial.states(1).last(),
-        Some(&RequestState::Ended("its term is over".into()))
+        Some(&RequestState::Ended(EndCause::TermOver.into()))
     );
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "ended"]);
     let told = |event: &Event| {
@@ -353,7 +354,7 @@ fn a_move_without_a_speed_never_inherits_one() {
     trial.ask(0, [Request::Hold(plain(1))]);
     trial.run_for(0.5);
     assert!(
-        trial.rejection(1).contains("1.5 m/s, over 0.5 m/s"),
+        trial.rejection(1).contains("is 1.5; expected at most 0.5 m/s"),
         "{}",
         trial.rejection(1)
     );
@@ -396,16 +397,16 @@ fn sr_005_a_hold_ends_with_one_bpres_whatever_ends_it() {
         ("navigation has not been steady", |trial| {
             trial.vehicle.jump = EastNorth::new(100.0, 0.0);
         }),
-        ("BFRNV jumped by 4.0 m", |trial| {
+        ("navigation jumped: BFRNV by 4.0 m", |trial| {
             trial.vehicle.hull_m = Some([4.0, 5.0, 5.0]);
         }),
-        ("BFCNV jumped by 4.0 m", |trial| {
+        ("navigation jumped: BFCNV by 4.0 m", |trial| {
             trial.vehicle.bottom_m = Some([0.0, 4.0]);
         }),
-        ("a move on the hull needs fresh BFRNV", |trial| {
+        ("navigation: a move on the hull needs fresh BFRNV", |trial| {
             trial.vehicle.hull_m = None;
         }),
-        ("a move on the hull needs fresh BFRNV", |trial| {
+        ("navigation: a move on the hull needs fresh BFRNV", |trial| {
             trial.vehicle.hull_frozen = Some(trial.now);
         }),
         ("the runtime woke late", |trial| {

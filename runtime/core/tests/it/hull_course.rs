@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use backseat_core::plugin::{HoldRequest, Request, RequestState, VerticalRequest};
+use backseat_core::refusal::Uncontrolled;
 use backseat_core::{Grant, Operator};
 use backseat_units::Timestamp;
 
@@ -19,7 +20,7 @@ fn sr_007_a_cut_link_ends_the_hold_and_the_speed_limit_is_restored_once_when_con
     trial.cut();
     assert_eq!(
         trial.states(1).last(),
-        Some(&RequestState::Ended("the link is down".into()))
+        Some(&RequestState::Ended(Uncontrolled::LinkDown.into()))
     );
     trial.run_for(5.0);
     assert!(sentences(&trial, cut).is_empty(), "without control nothing is said");
@@ -199,28 +200,28 @@ fn sr_005_holds_need_a_grant_arms_a_table_and_figures_within_the_limits() {
                 duration: Duration::ZERO,
                 ..hold(1)
             },
-            "at most 60 s",
+            "is 0; expected 0 to 60 s",
         ),
         (
             HoldRequest {
                 duration: Duration::from_secs(61),
                 ..hold(2)
             },
-            "at most 60 s, not 61 s",
+            "is 61; expected 0 to 60 s",
         ),
         (
             HoldRequest {
                 speed_mps: Some(0.6),
                 ..hold(3)
             },
-            "0.01 to 0.5 m/s, not 0.6",
+            "speed of a hold is 0.6; expected 0.01 to 0.5 m/s",
         ),
         (
             HoldRequest {
                 speed_mps: Some(f64::NAN),
                 ..hold(4)
             },
-            "not NaN m/s",
+            "speed of a hold is no finite number",
         ),
         (
             HoldRequest {
@@ -229,16 +230,22 @@ fn sr_005_holds_need_a_grant_arms_a_table_and_figures_within_the_limits() {
             },
             "0.01 to 0.5 m/s",
         ),
-        (to_bottom(6, 0.0, 0.0, VerticalRequest::DepthM(f64::NAN)), "NaN"),
+        (
+            to_bottom(6, 0.0, 0.0, VerticalRequest::DepthM(f64::NAN)),
+            "depth is no finite number",
+        ),
         (
             to_bottom(7, 0.0, 0.0, VerticalRequest::DepthM(-1.0)),
-            "depth must be 0 m or more",
+            "depth is -1; expected at least 0 m",
         ),
         (
             to_bottom(8, f64::NAN, 0.0, VerticalRequest::DepthM(20.0)),
-            "x may come to NaN",
+            "x is no finite number",
         ),
-        (to_hull(9, 0.0, f64::INFINITY, 5.0), "vertical position may come to inf"),
+        (
+            to_hull(9, 0.0, f64::INFINITY, 5.0),
+            "vertical position is no finite number",
+        ),
         (to_hull(10, 1e300, 5.0, 5.0), "beyond hull_box's horizontal_max_m 50"),
     ];
     for (request, text) in bad {
@@ -259,7 +266,7 @@ fn sr_005_holds_need_a_grant_arms_a_table_and_figures_within_the_limits() {
     let mut trial = Trial::with_under_way(ungranted);
     trial.ask(0, [Request::Hold(hold(1))]);
     trial.run_for(0.5);
-    assert!(trial.rejection(1).contains("does not grant it Hull"));
+    assert!(trial.rejection(1).contains("does not grant `hull`"));
 
     let mut unarmed = setup(Some(hull_limits()));
     unarmed.start.armed = false;

@@ -238,7 +238,7 @@ fn sr_004_each_refresh_is_checked_anew_and_the_fence_ends_the_lease() {
     let here = trial.core.navigation().unwrap().local.east_m;
     assert!(here > -1990.0, "{here}");
     assert!(trial.sent("RMB").len() > 10, "it stood at first");
-    assert!(matches!(trial.states(1).last(), Some(RequestState::Ended(text)) if text.contains("outside")));
+    assert!(matches!(trial.states(1).last(), Some(RequestState::Ended(text)) if text.cause() == "inclusion"));
 }
 
 #[test]

@@ -35,6 +35,7 @@ mod led;
 mod ledger;
 mod operator;
 mod orders;
+mod outcomes;
 mod plugins;
 mod random;
 mod recovery;

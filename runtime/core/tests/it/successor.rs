@@ -156,7 +156,7 @@ fn sr_002_what_a_killed_process_may_have_sent_to_the_surface_nobody_modifies() {
         trial.ask(0, [turn(tag, 90.0)]);
         trial.run_for(0.5);
         let states = trial.states(tag);
-        states.iter().any(|state| short(state) == "rejected") && trial.rejection(tag).starts_with("surface: ")
+        states.iter().any(|state| short(state) == "rejected") && trial.rejection(tag).starts_with("gps-hit: ")
     };
     let begins = |trial: &mut Trial, identifier, kind| {
         let created = trial.vehicle.clock(trial.now);
@@ -223,7 +223,7 @@ fn sr_019_the_inserts_of_a_killed_process_count_among_those_of_the_mission() {
     }
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
     assert!(
-        trial.rejection(2).contains("10 inserts have been sent"),
+        trial.rejection(2).contains("inserts of the mission is 11"),
         "{}",
         trial.rejection(2)
     );

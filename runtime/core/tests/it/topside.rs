@@ -1,5 +1,6 @@
 use std::time::Duration;
 
+use backseat_core::plugin::{EndCause, Failure};
 use backseat_core::plugin::{Event, FaultKind, Request, RequestState, Topic, TopsideRequest, Transport};
 use backseat_core::{Grant, Note, Operator, Start};
 use backseat_spi::{AckStatus, Text, TopsideMessage, Transport as Way};
@@ -39,7 +40,10 @@ fn a_text_is_sent_as_it_stands_and_has_ended_once_the_vehicle_has_queued_it() {
         trial.run_for(3.0);
         assert_eq!(last_written(&trial, "BPTOP"), ["3", "contact 3: 12.5 m (good)", "0"]);
         assert_eq!(shorts(&trial.states(1)), states);
-        assert_eq!(trial.states(1).last(), Some(&RequestState::Ended("queued".to_owned())));
+        assert_eq!(
+            trial.states(1).last(),
+            Some(&RequestState::Ended(EndCause::Queued.into()))
+        );
         assert_eq!(trial.core.open_requests(), 0);
     }
 }
@@ -47,12 +51,15 @@ fn a_text_is_sent_as_it_stands_and_has_ended_once_the_vehicle_has_queued_it() {
 #[test]
 fn sr_009_a_refused_text_has_failed_and_an_unanswered_one_has_timed_out() {
     let ends = [
-        (Reply::Refuse, RequestState::Failed("as told".to_owned())),
+        (
+            Reply::Refuse,
+            RequestState::Failed(Failure::Vehicle("as told".to_owned())),
+        ),
         (
             Reply::Pending(Duration::from_secs(1), AckStatus::Failed),
-            RequestState::Failed("as told".to_owned()),
+            RequestState::Failed(Failure::Vehicle("as told".to_owned())),
         ),
-        (Reply::Nak, RequestState::Failed("as told".to_owned())),
+        (Reply::Nak, RequestState::Failed(Failure::Vehicle("as told".to_owned()))),
         (Reply::Silent, RequestState::TimedOut),
         (Reply::PendingForEver, RequestState::TimedOut),
         // Late: it changes nothing.
@@ -114,7 +121,7 @@ fn a_text_that_cannot_be_sent_as_it_stands_is_refused_and_not_mended() {
         ("a\u{0}b", "not allowed"),
         ("", "empty"),
         ("  ", "empty"),
-        (&long, "201 bytes"),
+        (&long, "text is 201; expected at most 200 bytes"),
         ("do RMB now", "RMB at byte 3"),
         ("BPABT", "ABT"),
     ];
@@ -155,7 +162,7 @@ fn sr_001_a_text_needs_the_grant_control_and_an_armed_runtime() {
     let mut plain = Trial::under_way();
     plain.ask(0, [text(1, "hello")]);
     plain.run_for(0.3);
-    assert!(plain.rejection(1).contains("does not grant it Topside"));
+    assert!(plain.rejection(1).contains("does not grant `topside`"));
 
     let start = Start {
         armed: false,

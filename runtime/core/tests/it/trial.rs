@@ -513,7 +513,7 @@ impl Trial {
 
     pub(crate) fn rejection(&self, tag: u64) -> String {
         match self.states(tag).last() {
-            Some(RequestState::Rejected(text)) => text.clone(),
+            Some(RequestState::Rejected(refusal)) => refusal.to_string(),
             other => panic!("request {tag} was not rejected: {other:?}"),
         }
     }
@@ -532,7 +532,7 @@ impl Trial {
 
     pub(crate) fn lease_ends(&self) -> Vec<(Timestamp, String)> {
         let end = |(at, note)| match note {
-            Note::LeaseEnded { reason, .. } => Some((at, reason)),
+            Note::LeaseEnded { reason, .. } => Some((at, reason.to_string())),
             _ => None,
         };
         self.notes().into_iter().filter_map(end).collect()

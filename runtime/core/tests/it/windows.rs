@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use backseat_core::plugin::Rule;
 use backseat_core::plugin::{Judge, Request};
 use backseat_core::{Envelope, Input, Note};
 use backseat_fence::Fence;
@@ -264,15 +265,15 @@ fn a_plugin_that_asks_the_fence_gets_the_answer_of_the_hour() {
         ..step.clone()
     };
     assert_eq!(
-        envelope.judge(&interrupting(1), &yesterday).unwrap_err().rule,
-        "exclusion"
+        envelope.judge(&interrupting(1), &yesterday).unwrap_err().rule(),
+        Rule::Exclusion
     );
     let unknown = backseat_core::plugin::StepInput {
         clocks_apart: None,
         ..step
     };
     assert_eq!(
-        envelope.judge(&interrupting(1), &unknown).unwrap_err().rule,
-        "exclusion"
+        envelope.judge(&interrupting(1), &unknown).unwrap_err().rule(),
+        Rule::Exclusion
     );
 }

@@ -82,15 +82,15 @@ impl From<core::Transport> for wit::Transport {
 impl From<&core::RequestState> for wit::State {
     fn from(state: &core::RequestState) -> Self {
         match state {
-            core::RequestState::Rejected(text) => Self::Rejected(text.clone()),
+            core::RequestState::Rejected(refusal) => Self::Rejected(refusal.into()),
             core::RequestState::Sent => Self::Sent,
             core::RequestState::Pending => Self::Pending,
             core::RequestState::Accepted => Self::Accepted,
-            core::RequestState::Failed(text) => Self::Failed(text.clone()),
+            core::RequestState::Failed(failure) => Self::Failed(failure.into()),
             core::RequestState::TimedOut => Self::TimedOut,
             core::RequestState::Unknown => Self::Unknown,
             core::RequestState::Started => Self::Started,
-            core::RequestState::Ended(text) => Self::Ended(text.clone()),
+            core::RequestState::Ended(ended) => Self::Ended(ended.into()),
             core::RequestState::Cancelled => Self::Cancelled,
         }
     }

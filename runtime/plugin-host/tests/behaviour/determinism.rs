@@ -2,9 +2,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use backseat_core::plugin::{Behavior, CtdSample, Event, Request, RequestState, Returned, StepInput};
+use backseat_core::plugin::{EndCause, Failure};
+use backseat_core::refusal::ZoneRule;
 use backseat_plugin_host::{Budget, Host};
 
-use crate::fixture::{Latitude, components, faulty, input, template};
+use crate::fixture::{Latitude, breach, components, faulty, input, template};
 
 /// All events there are, in one input.
 fn eventful(second: u64) -> StepInput {
@@ -14,15 +16,15 @@ fn eventful(second: u64) -> StepInput {
         tag: Some(3),
     };
     let states = [
-        RequestState::Rejected("inclusion: 12 m over the edge".into()),
+        RequestState::Rejected(breach(ZoneRule::Inclusion, 12.0)),
         RequestState::Sent,
         RequestState::Pending,
         RequestState::Accepted,
-        RequestState::Failed("no".into()),
+        RequestState::Failed(Failure::Vehicle("no".into())),
         RequestState::TimedOut,
         RequestState::Unknown,
         RequestState::Started,
-        RequestState::Ended("term".into()),
+        RequestState::Ended(EndCause::TermOver.into()),
         RequestState::Cancelled,
     ];
     let mut events = vec![
@@ -73,7 +75,14 @@ fn two_runs_return_the_same_with_the_same_fuel() {
     assert!(first.iter().all(|returned| returned.fuel > 0));
     // What the guest saw of the events: it logs the two outcomes that it is to log.
     let lines: Vec<&str> = first[3].log.iter().map(|line| &*line.text).collect();
-    assert_eq!(lines, ["request 3: inclusion: 12 m over the edge", "request 3: no"]);
+    assert_eq!(
+        lines,
+        [
+            "request 3: inclusion: outside inclusion 'box' with its margin of 5 m by 12.0 m at polygon 3 hole 2 edge 1 \
+             (latitude 42.500000 longitude -70.250000)",
+            "request 3: no"
+        ]
+    );
 }
 
 #[test]

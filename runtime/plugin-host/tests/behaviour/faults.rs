@@ -217,7 +217,11 @@ fn a_bound_that_is_broken_is_named() {
 #[test]
 fn the_fence_answers_from_the_judge_with_this_steps_input() {
     let returned = faulty("cross_fence", 0, Budget::default()).step(&input(0));
-    assert_eq!(returned.log[0].text, "the fence says inclusion: the end is out");
+    assert_eq!(
+        returned.log[0].text,
+        "the fence says inclusion: outside inclusion 'box' with its margin of 5 m by 12.5 m at polygon 3 hole 2 edge 1 \
+             (latitude 42.500000 longitude -70.250000)"
+    );
     let requests = returned.result.unwrap();
     let [Request::Trackline(line), Request::Modify(modify)] = &requests[..] else {
         panic!("{requests:?}")

@@ -1,6 +1,8 @@
 use std::sync::{Arc, OnceLock};
 
 use backseat_core::plugin::{FaultKind, Judge, ModifyRequest, NavigationSample, Refusal, Request, Returned, StepInput};
+use backseat_core::refusal::ZoneRule;
+use backseat_core::refusal::{EdgePlace, ZoneBreach};
 use backseat_plugin_host::{Budget, Component, Host, Plugin};
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
 
@@ -35,17 +37,34 @@ pub(crate) fn components() -> &'static Components {
 /// A fence that refuses what goes beyond latitude 42.01.
 pub(crate) struct Latitude;
 
+/// A breach of a zone, at the first edge of its second hole.
+pub(crate) fn breach(rule: ZoneRule, missing_m: f64) -> Refusal {
+    Refusal::Zone(Box::new(ZoneBreach {
+        rule,
+        zone: Some("box".to_owned()),
+        missing_m: Some(missing_m),
+        bound_m: None,
+        margin_m: 5.0,
+        edge: Some(EdgePlace {
+            polygon: 3,
+            hole: Some(2),
+            number: 1,
+            latitude_deg: 42.5,
+            longitude_deg: -70.25,
+        }),
+        valid: None,
+        asked: None,
+        number: None,
+    }))
+}
+
 impl Judge for Latitude {
     fn judge(&self, request: &Request, input: &StepInput) -> Result<f64, Refusal> {
         assert!(input.navigation.is_some(), "the judge needs the step's navigation");
         if let Request::Trackline(line) = request
             && line.end.latitude_deg > 42.01
         {
-            return Err(Refusal {
-                rule: "inclusion",
-                metres: 12.5,
-                text: "the end is out".into(),
-            });
+            return Err(breach(ZoneRule::Inclusion, 12.5));
         }
         Ok(3.5)
     }

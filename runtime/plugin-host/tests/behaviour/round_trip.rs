@@ -4,10 +4,11 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use backseat_core::plugin::{CartesianSample, Event, Judge, Refusal, RelativeSample, Request, StepInput, Topic};
+use backseat_core::refusal::ZoneRule;
 use backseat_plugin_host::{Budget, Started};
 use backseat_sdk as sdk;
 
-use crate::fixture::{Latitude, components, input};
+use crate::fixture::{Latitude, breach, components, input};
 
 mod events;
 mod requests;
@@ -212,11 +213,7 @@ impl Judge for Listening {
         let mut asked = self.0.lock().unwrap();
         asked.push(request.clone());
         if let Request::GpsHit(_) = request {
-            return Err(Refusal {
-                rule: "surfacing",
-                metres: 0.5,
-                text: "nowhere here".into(),
-            });
+            return Err(breach(ZoneRule::Surfacing, 0.5));
         }
         Ok(asked.len() as f64)
     }
@@ -232,7 +229,11 @@ fn the_fence_is_asked_of_every_request_as_it_is() {
     let lines: Vec<&str> = returned.log.iter().map(|line| line.text.as_str()).collect();
     assert_eq!(lines.len(), asked.len());
     assert_eq!(lines[0], "holds by 1 m");
-    assert_eq!(lines[7], "surfacing: 0.5 m, nowhere here");
+    assert_eq!(
+        lines[7],
+        "Rule::Surfacing: Some(0.5) m, surfacing: outside inclusion 'box', the nearest that allows surfacing, with its margin of \
+         5 m by 0.5 m at polygon 3 hole 2 edge 1 (latitude 42.500000 longitude -70.250000)"
+    );
 }
 
 #[test]

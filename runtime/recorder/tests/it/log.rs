@@ -11,6 +11,7 @@ use backseat_core::plugin::{
     RequestState, Returned, SilentRequest, SonarAngleRequest, StepInput, TopsideRequest, TrackcircleRequest,
     TracklineRequest, Transport, VerticalRequest,
 };
+use backseat_core::refusal::{Reason, Uncontrolled};
 use backseat_core::{
     DriverId, Identifiers, Input, Note, Operator, Order, Output, Owner, RequestKind, Reservation, Restarted, Start,
     Transition,
@@ -408,11 +409,11 @@ fn outputs_go_to_their_channels() {
         transition(Owner::Operator, RequestState::Sent),
         transition(
             Owner::Plugin(PluginId(3)),
-            RequestState::Rejected("exclusion: wreck, 12.0 m".into()),
+            RequestState::Rejected(Reason::TagOpen.into()),
         ),
         Output::Note(Note::Control {
             granted: false,
-            reason: "link lost".into(),
+            reason: Some(Uncontrolled::LinkDown),
         }),
         transition(Owner::Driver(DriverId(1)), RequestState::Accepted),
         Output::Driver(DriverId(1), b"$BFACK\r\n".to_vec()),
@@ -450,7 +451,11 @@ fn outputs_go_to_their_channels() {
     assert_eq!(whose(9), [json!("plugin"), json!(3), json!(null)]);
     assert_eq!(whose(11), [json!("driver"), json!(null), json!(1)]);
     assert_eq!(json(9)["state"], "rejected");
-    assert_eq!(json(9)["reason"], "exclusion: wreck, 12.0 m");
+    assert_eq!(json(9)["reason"], "tag: an insert with this tag is still open");
+    assert_eq!(
+        json(9)["why"],
+        json!({"rule": "tag", "cause": "tag-open", "state": "tag-open"})
+    );
     assert_eq!(json(9)["kind"], "trackline");
     assert!(matches!(records[10], Record::Control(_)));
     assert_eq!(

@@ -108,16 +108,16 @@ impl Simulation {
             *self.plugin_failures.entry(name.clone()).or_default() += 1;
         }
         if let Note::Request(transition) = note
-            && let RequestState::Rejected(reason) = &transition.state
+            && let RequestState::Rejected(refusal) = &transition.state
         {
             // Reasons that differ in their figures alone are one; the first of them is told.
-            let kind: String = reason.chars().filter(|char| !char.is_ascii_digit()).collect();
+            let kind = (refusal.rule(), refusal.summary());
             let full = self.reasons.len() >= REASONS_MAX;
             match self.reasons.get_mut(&kind) {
                 Some((count, _)) => *count += 1,
                 None if full => {}
                 None => {
-                    self.reasons.insert(kind, (1, reason.clone()));
+                    self.reasons.insert(kind, (1, refusal.to_string()));
                 }
             }
         }

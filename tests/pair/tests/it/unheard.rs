@@ -35,10 +35,10 @@ fn steers_after_s(dive: &mut Dive) -> Option<f64> {
 fn rejection(dive: &Dive, tag: u64) -> String {
     let of_tag = |(_, note): &(_, Note)| {
         let Note::Request(transition) = note else { return None };
-        let RequestState::Rejected(text) = &transition.state else {
+        let RequestState::Rejected(refusal) = &transition.state else {
             return None;
         };
-        (transition.tag == tag).then(|| text.clone())
+        (transition.tag == tag).then(|| refusal.to_string())
     };
     dive.notes.iter().find_map(of_tag).unwrap_or_default()
 }

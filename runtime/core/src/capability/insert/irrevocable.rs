@@ -11,7 +11,7 @@ use crate::capability::insert::Inserts;
 use crate::context::Context;
 use crate::monitor::envelope::Insert;
 use crate::plugin::PluginId;
-use crate::refusal::refused;
+use crate::refusal::{Figure, Reason};
 use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
@@ -48,8 +48,8 @@ impl Inserts {
         insert: Insert,
     ) {
         if self.waiting.len() >= WAITING_MAX {
-            let text = format!("{WAITING_MAX} requests wait for the vehicle to answer");
-            return cx.reject(request, refused("heard", &text));
+            let most = WAITING_MAX as f64;
+            return cx.reject(request, Figure::WaitingInserts.over(most + 1.0, most));
         }
         self.waiting.push(Waiting {
             request,
@@ -76,10 +76,7 @@ impl Inserts {
         self.waiting = others;
         let failed: Vec<Waiting> = failed;
         for waiting in failed {
-            cx.reject(
-                waiting.request,
-                refused("plugin", "its plugin failed before it was sent"),
-            );
+            cx.reject(waiting.request, Reason::PluginFailed.into());
         }
     }
 
@@ -95,8 +92,7 @@ impl Inserts {
         let over = |waiting: &Waiting| waiting.until <= now;
         while let Some(index) = self.waiting.iter().position(over) {
             let waiting = self.waiting.remove(index);
-            let text = "the vehicle did not answer within 1 s, and nothing takes this back once it is sent (SPI 7.8)";
-            cx.reject(waiting.request, refused("heard", text));
+            cx.reject(waiting.request, Reason::NotAnswered.into());
         }
         let next = self.waiting.iter().map(|waiting| waiting.until).min();
         cx.timers.set_or_stop(Timer::Irrevocable, next);

@@ -67,7 +67,7 @@ impl Inserts {
                 cx.note(Note::Text {
                     text: format!(
                         "insert {insert} is not cancelled, what would remain is worse: {}",
-                        refusal.text
+                        refusal.detail()
                     ),
                 });
                 continue;

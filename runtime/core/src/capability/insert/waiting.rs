@@ -33,7 +33,7 @@ impl Inserts {
                 // The rest comes after it.
                 break;
             };
-            self.call_back(cx, *request, &format!("its way no longer holds: {}", refusal.text));
+            self.call_back(cx, *request, &format!("its way no longer holds: {}", refusal.detail()));
             if insert.surfaces() {
                 return;
             }
@@ -46,7 +46,7 @@ impl Inserts {
             let Err(refusal) = cx.outlook().judge_way_on(&open.1) else {
                 return;
             };
-            let text = format!("its way on no longer holds: {}", refusal.text);
+            let text = format!("its way on no longer holds: {}", refusal.detail());
             self.call_back(cx, open.0, &text);
         }
     }

@@ -4,6 +4,7 @@ use backseat_spi::{CartesianNavigation, RelativeNavigation};
 
 use super::Station;
 use crate::context::Context;
+use crate::ended::{EndCause, Ended};
 use crate::io::Note;
 use crate::plugin::{CartesianSample, RelativeSample};
 use crate::timer::Timer;
@@ -51,7 +52,10 @@ impl Station {
         if let Some(metres) = jumped_m {
             // Safety requirement 021: what the monitor knows of the vehicle's place cannot be trusted for a while.
             let text = format!("{message} jumped by {metres:.1} m");
-            self.end(cx, &text);
+            self.end(
+                cx,
+                Ended::Said(EndCause::NavigationJumped, format!("{message} by {metres:.1} m")),
+            );
             cx.note(Note::Navigation { text });
         }
         self.watch_return(cx);

@@ -1,15 +1,8 @@
 //! Boxes with edges parallel to the axes: one in another, and one clear of another.
 
 use crate::monitor::limits::hull::{BottomBox, HullBox};
-use crate::plugin::Refusal;
+use crate::refusal::{BoxBreach, BoxEdge, Refusal, Stretch};
 use crate::switches::{Check, is_on};
-
-/// Where a check is made: for the text of a rejection.
-#[derive(Clone, Copy)]
-pub(super) enum Stretch {
-    Here,
-    Way,
-}
 
 /// One axis: what it is called, the keys of its bounds, the bounds, and what the vehicle may come to.
 pub(super) struct Axis {
@@ -17,15 +10,6 @@ pub(super) struct Axis {
     keys: [&'static str; 2],
     bounds_m: [f64; 2],
     span_m: [f64; 2],
-}
-
-impl Stretch {
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Here => "where it is",
-            Self::Way => "on its way",
-        }
-    }
 }
 
 pub(super) fn hull_axes(bounds: &HullBox, spans_m: [[f64; 2]; 3]) -> [Axis; 3] {
@@ -94,16 +78,15 @@ pub(super) fn contain(stretch: Stretch, key: &str, axes: &[Axis; 3]) -> Result<f
         for (edge, room_m) in room_m.into_iter().enumerate() {
             // A figure that is none is in no box.
             if (room_m.is_nan() || room_m < 0.0) && is_on(Check::HoldBox) {
-                let text = format!(
-                    "{}: {} may come to {:.2} m, {:.2} m beyond {key}'s {} {}",
-                    stretch.name(),
-                    axis.name,
-                    axis.span_m[edge],
-                    -room_m,
-                    axis.keys[edge],
-                    axis.bounds_m[edge]
-                );
-                return Err(breach(-room_m, text));
+                return Err(left(Left {
+                    stretch,
+                    name: key,
+                    axis: axis.name,
+                    key: axis.keys[edge],
+                    reached_m: axis.span_m[edge],
+                    bound_m: axis.bounds_m[edge],
+                    missing_m: -room_m,
+                }));
             }
             least_m = least_m.min(room_m);
         }
@@ -126,18 +109,42 @@ pub(super) fn avoid(stretch: Stretch, key: &str, name: &str, axes: &[Axis; 3]) -
     if clear_m > 0.0 || !is_on(Check::HoldBox) {
         return Ok(clear_m);
     }
-    let text = format!(
-        "{}: it may come {:.2} m into {key} '{name}', over its {edge}",
-        stretch.name(),
-        -clear_m
-    );
-    Err(breach(-clear_m, text))
+    Err(Refusal::from(BoxBreach {
+        name: name.to_owned(),
+        stretch,
+        missing_m: finite(-clear_m),
+        edge: BoxEdge::Entered {
+            list: key.to_owned(),
+            key: edge.to_owned(),
+        },
+    }))
 }
 
-pub(super) fn breach(metres: f64, text: String) -> Refusal {
-    Refusal {
-        rule: "hull",
-        metres,
-        text,
-    }
+/// What is to be kept within is left over one of its bounds.
+pub(super) struct Left<'a> {
+    pub(super) stretch: Stretch,
+    pub(super) name: &'a str,
+    pub(super) axis: &'a str,
+    pub(super) key: &'a str,
+    pub(super) reached_m: f64,
+    pub(super) bound_m: f64,
+    pub(super) missing_m: f64,
+}
+
+pub(super) fn left(left: Left<'_>) -> Refusal {
+    Refusal::from(BoxBreach {
+        name: left.name.to_owned(),
+        stretch: left.stretch,
+        missing_m: finite(left.missing_m),
+        edge: BoxEdge::Kept {
+            axis: left.axis.to_owned(),
+            key: left.key.to_owned(),
+            reached_m: finite(left.reached_m),
+            bound_m: left.bound_m,
+        },
+    })
+}
+
+fn finite(metres: f64) -> Option<f64> {
+    metres.is_finite().then_some(metres)
 }

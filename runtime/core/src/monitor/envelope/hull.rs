@@ -10,13 +10,14 @@ use std::time::Duration;
 use backseat_units::math::hypot;
 use backseat_units::{Depth, EastNorth, Timestamp};
 
-use super::boxes::{Stretch, avoid, bottom_axes, breach, contain, hull_axes, span};
-use super::{BottomLock, Envelope, Vertical, limit, vertical};
+use super::boxes::{Left, avoid, bottom_axes, contain, hull_axes, left, span};
+use super::{BottomLock, Envelope, Vertical, vertical};
 use crate::monitor::limits::hull::HullLimits;
 use crate::plugin::{
     CameraRequest, CartesianSample, HoldRequest, HoldTarget, LightRequest, NavigationSample, Refusal, RelativeSample,
     SonarAngleRequest,
 };
+use crate::refusal::{Figure, Reason, Stretch};
 use crate::switches::{Check, is_on};
 
 /// The vehicle stays suspended for this long after the last BPSUS, BPCON, BPGHP or BPGBP that it received (SPI 8.1).
@@ -104,25 +105,18 @@ impl Envelope {
     /// The operator's limits for hovering vehicles.
     pub(crate) fn hull(&self) -> Result<&HullLimits, Refusal> {
         let limits = self.limits.hull.as_ref();
-        limits.ok_or_else(|| limit("the mission has no [limits.hull]".to_owned()))
+        limits.ok_or(Refusal::State(Reason::NoHullLimits))
     }
 
     pub(crate) fn admit_hold(&self, request: &HoldRequest) -> Result<Hover, Refusal> {
         let limits = self.hull()?;
         if request.duration.is_zero() || request.duration > limits.hold_term_max() {
-            return Err(limit(format!(
-                "a hold may stand for more than 0 and at most {} s, not {} s",
-                limits.hold_term_max_s,
-                request.duration.as_secs_f64()
-            )));
+            return Err(Figure::StationTerm.not_within(request.duration.as_secs_f64(), 0.0, limits.hold_term_max_s));
         }
         if let Some(mps) = request.speed_mps
             && !(SPEED_MIN_MPS..=limits.speed_max_mps).contains(&mps)
         {
-            return Err(limit(format!(
-                "a hold's speed must be within {SPEED_MIN_MPS} to {} m/s, not {mps} m/s",
-                limits.speed_max_mps
-            )));
+            return Err(Figure::StationSpeed.not_within(mps, SPEED_MIN_MPS, limits.speed_max_mps));
         }
         let speed_mps = request.speed_mps.unwrap_or(limits.speed_default_mps);
         let aim = match request.target {
@@ -147,10 +141,7 @@ impl Envelope {
             }),
         };
         if aim.is_some() && speed_mps > limits.speed_max_mps {
-            return Err(limit(format!(
-                "a move without a speed of its own goes at the vehicle's {speed_mps} m/s, over {} m/s",
-                limits.speed_max_mps
-            )));
+            return Err(Figure::DefaultSpeed.over(speed_mps, limits.speed_max_mps));
         }
         Ok(Hover { aim, speed_mps })
     }
@@ -171,8 +162,7 @@ impl Envelope {
             least_m = least_m.min(self.judge_bottom(Stretch::Here, &[place], None, around.speed_mps(), around)?);
         }
         if !known {
-            let text = "neither BFRNV in a hull_box nor BFCNV in a bottom_box is fresh and steady";
-            return Err(stale(text));
+            return Err(Reason::BoxesUnknown.into());
         }
         let speed_mps = hover.speed_mps.max(around.speed_mps());
         let way_m = match hover.aim {
@@ -183,22 +173,18 @@ impl Envelope {
                 distance_m,
             }) => {
                 let mut places = vec![
-                    here.hull_m
-                        .ok_or_else(|| stale("a move on the hull needs fresh BFRNV"))?,
+                    here.hull_m.ok_or(Refusal::State(Reason::HullPlaceUnknown))?,
                     [horizontal_m, vertical_m, distance_m],
                 ];
                 for suspended in around.suspended.iter().filter(|_| is_on(Check::HoldReturn)) {
-                    places.push(suspended.hull_m.ok_or_else(unknown_suspension)?);
+                    places.push(suspended.hull_m.ok_or(unknown_suspension())?);
                 }
                 self.judge_hull(Stretch::Way, &places, speed_mps, around)?
             }
             Some(Aim::Bottom { x_m, y_m, vertical }) => {
-                let mut places = vec![
-                    here.bottom_m
-                        .ok_or_else(|| stale("a move over the bottom needs fresh BFCNV"))?,
-                ];
+                let mut places = vec![here.bottom_m.ok_or(Refusal::State(Reason::BottomPlaceUnknown))?];
                 for suspended in around.suspended.iter().filter(|_| is_on(Check::HoldReturn)) {
-                    places.push(suspended.bottom_m.ok_or_else(unknown_suspension)?);
+                    places.push(suspended.bottom_m.ok_or(unknown_suspension())?);
                 }
                 let target = Some((x_m, y_m, vertical));
                 self.judge_bottom(Stretch::Way, &places, target, speed_mps, around)?
@@ -216,7 +202,7 @@ impl Envelope {
     ) -> Result<f64, Refusal> {
         let limits = self.hull()?;
         let Some(allowed) = &limits.hull_box else {
-            return Err(breach(0.0, "the mission has no [limits.hull.hull_box]".to_owned()));
+            return Err(Reason::NoHullBox.into());
         };
         let stray_m = self.stray_m(speed_mps, around.relative.map(|sample| sample.measured), around.now)?;
         let spans_m = [0, 1, 2].map(|axis| span(places_m.iter().map(|place| place[axis]), stray_m));
@@ -237,7 +223,7 @@ impl Envelope {
     ) -> Result<f64, Refusal> {
         let limits = self.hull()?;
         let Some(allowed) = &limits.bottom_box else {
-            return Err(breach(0.0, "the mission has no [limits.hull.bottom_box]".to_owned()));
+            return Err(Reason::NoBottomBox.into());
         };
         let stray_m = self.stray_m(speed_mps, around.cartesian.map(|sample| sample.measured), around.now)?;
         let all = |axis: usize, more: Option<f64>| {
@@ -249,8 +235,7 @@ impl Envelope {
         let reach_m = hypot(x_m[1] - x_m[0], y_m[1] - y_m[0]);
         let (shallowest_m, deepest_m) = self.water_depths(around.lock, around.navigation.local, reach_m);
         let Some(shallowest_m) = shallowest_m else {
-            let text = "no height above the bottom can be told without bottom lock or water_depth_min_m";
-            return Err(breach(0.0, text.to_owned()));
+            return Err(Reason::BottomUnknown.into());
         };
         // Where it goes by depth, and how near to the bottom it goes by altitude.
         let mut depths_m: Vec<f64> = places_m.iter().map(|place| place[2]).collect();
@@ -264,8 +249,7 @@ impl Envelope {
         let altitude_m = altitude_m.min(shallowest_m - deepest_way_m) - stray_m;
         if let Some((_, _, Vertical::Altitude(set))) = target {
             let Some(deepest_m) = deepest_m else {
-                let text = "an altitude needs bottom lock or the mission's water_depth_max_m";
-                return Err(breach(0.0, text.to_owned()));
+                return Err(Reason::WaterDepthUnknown.into());
             };
             depths_m.extend([shallowest_m - set.as_m(), deepest_m - set.as_m()]);
         }
@@ -274,13 +258,15 @@ impl Envelope {
         let above_m = altitude_m - limits.altitude_min_m;
         // A figure that is none is no clearance either.
         if (above_m.is_nan() || above_m < 0.0) && is_on(Check::HoldBox) {
-            let text = format!(
-                "{}: altitude may come to {altitude_m:.2} m, {:.2} m beyond altitude_min_m {}",
-                stretch.name(),
-                -above_m,
-                limits.altitude_min_m
-            );
-            return Err(breach(-above_m, text));
+            return Err(left(Left {
+                stretch,
+                name: "limits.hull",
+                axis: "altitude",
+                key: "altitude_min_m",
+                reached_m: altitude_m,
+                bound_m: limits.altitude_min_m,
+                missing_m: -above_m,
+            }));
         }
         least_m = least_m.min(above_m);
         for kept in &limits.keep_out_bottom {
@@ -297,7 +283,7 @@ impl Envelope {
     /// How far the vehicle may be from what the samples and the setpoint say: the errors, and what it runs on before it
     /// has noticed our silence.
     fn stray_m(&self, speed_mps: f64, measured: Option<Timestamp>, now: Timestamp) -> Result<f64, Refusal> {
-        let measured = measured.ok_or_else(|| stale("relative navigation is stale"))?;
+        let measured = measured.ok_or(Refusal::State(Reason::RelativeStale))?;
         let runs_on_s = HOLD_TIMEOUT.as_secs_f64() + now.since(measured).as_secs_f64() + self.limits.link_delay_max_s;
         Ok(self.hull()?.position_error_m + speed_mps * runs_on_s)
     }
@@ -305,25 +291,23 @@ impl Envelope {
     pub(crate) fn admit_sonar_angle(&self, request: &SonarAngleRequest) -> Result<(), Refusal> {
         let limits = self.hull()?;
         let (Some(min_deg), Some(max_deg)) = (limits.sonar_angle_min_deg, limits.sonar_angle_max_deg) else {
-            let text = "[limits.hull] has no sonar_angle_min_deg and sonar_angle_max_deg";
-            return Err(limit(text.to_owned()));
+            return Err(Reason::NoSonarAngle.into());
         };
         if (min_deg..=max_deg).contains(&request.angle_deg) {
             return Ok(());
         }
-        Err(limit(format!(
-            "the sonar's angle must be within {min_deg} to {max_deg} degrees, not {}",
-            request.angle_deg
-        )))
+        Err(Figure::SonarAngle.not_within(request.angle_deg, min_deg, max_deg))
     }
 
     pub(crate) fn admit_camera(&self, request: &CameraRequest) -> Result<(), Refusal> {
         self.hull()?;
-        for (name, tenths) in [("pan", request.pan), ("tilt", request.tilt), ("zoom", request.zoom)] {
+        for (figure, tenths) in [
+            (Figure::CameraPan, request.pan),
+            (Figure::CameraTilt, request.tilt),
+            (Figure::CameraZoom, request.zoom),
+        ] {
             if !(-CAMERA_MAX..=CAMERA_MAX).contains(&tenths) {
-                return Err(limit(format!(
-                    "the camera's {name} must be within -{CAMERA_MAX} to {CAMERA_MAX} tenths of a second, not {tenths}"
-                )));
+                return Err(figure.not_within(tenths as f64, -CAMERA_MAX as f64, CAMERA_MAX as f64));
             }
         }
         Ok(())
@@ -332,7 +316,7 @@ impl Envelope {
     pub(crate) fn admit_light(&self, request: &LightRequest) -> Result<(), Refusal> {
         self.hull()?;
         if request.light < 0 {
-            return Err(limit(format!("a light's number is 0 or more, not {}", request.light)));
+            return Err(Figure::Light.under(request.light as f64, 0.0));
         }
         Ok(())
     }
@@ -352,9 +336,7 @@ pub(crate) fn bottom_place(sample: &CartesianSample, navigation: &NavigationSamp
 pub(crate) fn aim_at_here(other: &Aim, here: Suspended) -> Result<Aim, Refusal> {
     match other {
         Aim::Hull { .. } => {
-            let place = here
-                .hull_m
-                .ok_or_else(|| stale("to stop on the hull needs fresh BFRNV"))?;
+            let place = here.hull_m.ok_or(Refusal::State(Reason::HullStopUnknown))?;
             Ok(Aim::Hull {
                 horizontal_m: place[0],
                 vertical_m: place[1],
@@ -362,10 +344,8 @@ pub(crate) fn aim_at_here(other: &Aim, here: Suspended) -> Result<Aim, Refusal> 
             })
         }
         Aim::Bottom { .. } => {
-            let place = here
-                .bottom_m
-                .ok_or_else(|| stale("to stop over the bottom needs fresh BFCNV"))?;
-            let depth = Depth::from_m(place[2]).map_err(|error| limit(error.to_string()))?;
+            let place = here.bottom_m.ok_or(Refusal::State(Reason::BottomStopUnknown))?;
+            let depth = Depth::from_m(place[2]).map_err(Figure::Depth.out_of_range())?;
             Ok(Aim::Bottom {
                 x_m: place[0],
                 y_m: place[1],
@@ -375,15 +355,6 @@ pub(crate) fn aim_at_here(other: &Aim, here: Suspended) -> Result<Aim, Refusal> 
     }
 }
 
-fn stale(text: &str) -> Refusal {
-    Refusal {
-        rule: "navigation",
-        metres: 0.0,
-        text: text.to_owned(),
-    }
-}
-
-fn unknown_suspension() -> Refusal {
-    let text = "where the mission was suspended, and BPRES may lead back to, is not known in this frame";
-    breach(0.0, text.to_owned())
+const fn unknown_suspension() -> Refusal {
+    Refusal::State(Reason::SuspensionUnknown)
 }

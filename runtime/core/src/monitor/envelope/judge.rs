@@ -1,13 +1,14 @@
 //! What a plugin that asks is told.
 
-use super::{Clocks, End, Envelope, Insert, Route, Surroundings, bottom_lock, limit};
+use super::{Clocks, End, Envelope, Insert, Route, Surroundings, bottom_lock};
 use crate::plugin::{Judge, Refusal, Request, StepInput};
+use crate::refusal::Reason;
 use crate::switches::whole;
 
 impl Judge for Envelope {
     fn judge(&self, request: &Request, input: &StepInput) -> Result<f64, Refusal> {
         let Some(navigation) = &input.navigation else {
-            return Err(limit("no navigation".to_owned()));
+            return Err(Reason::NavigationMissing.into());
         };
         let lock = bottom_lock(navigation);
         let clocks = Clocks {

@@ -5,7 +5,7 @@ use backseat_units::math::{SQRT_2, cos, hypot};
 use backseat_units::{EastNorth, Timestamp, utm_convergence_deg};
 
 use super::ends::{End, farthest_m};
-use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, Track, refusal, turn_radius_m};
+use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, Track, turn_radius_m};
 use crate::plugin::{NavigationSample, Refusal};
 use crate::switches::{Check, is_on};
 
@@ -140,6 +140,6 @@ impl Envelope {
         let within_m = route.legs.iter().map(Track::within_m).fold(0.0, f64::max);
         self.check_all(&ways, radius_m + within_m, extent, (route.passed_m(extent), when))
             .map(|clearance| clearance.metres)
-            .map_err(|breach| straight().err().unwrap_or_else(|| refusal(&breach)))
+            .map_err(|breach| straight().err().unwrap_or_else(|| breach.into()))
     }
 }

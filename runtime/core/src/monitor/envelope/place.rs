@@ -3,7 +3,7 @@
 use backseat_fence::{Shape, Span, Sweep, VerticalExtent};
 use backseat_units::{EastNorth, Utc};
 
-use super::{Envelope, refusal};
+use super::Envelope;
 use crate::plugin::{NavigationSample, Refusal};
 
 /// A vehicle whose height is not known is as high as it likes: what needs it does not stand without it.
@@ -75,7 +75,7 @@ impl Envelope {
             // Where it may surface it may be at any depth above the deepest.
             Err(breach) => match fence.check_surfacing(&sweep, extent) {
                 Ok(clearance) => Ok(clearance.metres),
-                Err(_) => Err(refusal(&breach)),
+                Err(_) => Err(breach.into()),
             },
         }
     }

@@ -4,8 +4,9 @@ use backseat_fence::{Shape, Span, Sweep, VerticalExtent};
 use backseat_units::Depth;
 use backseat_units::math::sin_cos;
 
-use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Track, Way, limit, position, refusal, ways};
+use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Track, Way, position, ways};
 use crate::plugin::{GpsHitRequest, Refusal};
+use crate::refusal::Figure;
 use crate::switches::{Check, is_on};
 
 /// A way up to the surface.
@@ -19,7 +20,7 @@ pub(super) struct Climb {
 
 /// The deeper of where the vehicle is and where it may be by then, metres.
 pub(super) fn deepest(now: Depth, then_m: f64) -> Result<Depth, Refusal> {
-    Depth::from_m(now.as_m().max(then_m).max(0.0)).map_err(|error| limit(error.to_string()))
+    Depth::from_m(now.as_m().max(then_m).max(0.0)).map_err(Figure::Depth.out_of_range())
 }
 
 impl Envelope {
@@ -62,7 +63,7 @@ impl Envelope {
         };
         let mut least_m = match self.check_surfacing(&adrift, extent, when) {
             Ok(clearance) => clearance.metres,
-            Err(breach) if is_on(Check::Surfacing) => return Err(refusal(&breach)),
+            Err(breach) if is_on(Check::Surfacing) => return Err(breach.into()),
             Err(_) => f64::MAX,
         };
         let way = Way {
@@ -145,7 +146,7 @@ impl Envelope {
             .or_else(|breach| self.check_surfacing(sweep, &way.extent, way.when).map_err(|_| breach));
         match checked {
             Ok(clearance) => Ok(clearance.metres),
-            Err(breach) => Err(refusal(&breach)),
+            Err(breach) => Err(breach.into()),
         }
     }
 }

@@ -4,9 +4,9 @@ use backseat_spi::{BearingOffset, PayloadCtd, PositionFix, RelativeReset, ToVehi
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay};
 use serde::{Deserialize, Serialize};
 
-use crate::monitor::envelope::limit;
 use crate::monitor::limits::LimitError;
 use crate::plugin::{NavigationSample, Refusal};
+use crate::refusal::{Figure, Reason};
 
 /// Measurements may be this much ahead of our clock, seconds: that of the driver's instrument is another one.
 const AHEAD_MAX_S: f64 = 0.5;
@@ -134,15 +134,14 @@ impl DriverBounds {
     pub(crate) fn ctd(&self, ctd: PayloadCtd, utc: TimeOfDay) -> Result<PayloadCtd, Refusal> {
         self.recent(ctd.measured, utc)?;
         let us_per_cm = ctd.conductivity_us_per_cm * self.conductivity_in.us_per_cm();
-        within("conductivity", us_per_cm, 0.0, CONDUCTIVITY_MAX_US_PER_CM, "uS/cm")?;
+        within(Figure::Conductivity, us_per_cm, 0.0, CONDUCTIVITY_MAX_US_PER_CM)?;
         within(
-            "temperature",
+            Figure::Temperature,
             ctd.temperature_c,
             TEMPERATURE_MIN_C,
             TEMPERATURE_MAX_C,
-            "degC",
         )?;
-        within("pressure", ctd.pressure_kpa, 0.0, PRESSURE_MAX_KPA, "kPa")?;
+        within(Figure::Pressure, ctd.pressure_kpa, 0.0, PRESSURE_MAX_KPA)?;
         Ok(PayloadCtd {
             conductivity_us_per_cm: us_per_cm / self.conductivity_out.us_per_cm(),
             ..ctd
@@ -158,52 +157,38 @@ impl DriverBounds {
     ) -> Result<(), Refusal> {
         self.recent(fix.measured, utc)?;
         if fix.force && !self.fix_force {
-            return Err(limit("the mission lets this driver force no fix".to_owned()));
+            return Err(Reason::FixForced.into());
         }
         if fix.error_m == 0.0 {
-            return Err(limit("the fix's error is 0 m, expected above 0".to_owned()));
+            return Err(Figure::FixError.not_within(0.0, 0.0, self.fix_error_max_m));
         }
-        within("the fix's error", fix.error_m, 0.0, self.fix_error_max_m, "m")?;
+        within(Figure::FixError, fix.error_m, 0.0, self.fix_error_max_m)?;
         let (depth_m, off_m) = (navigation.depth.as_m(), self.fix_depth_difference_max_m);
         within(
-            "the fix's depth",
+            Figure::FixDepth,
             fix.depth_m,
             (depth_m - off_m).max(0.0),
             depth_m + off_m,
-            "m",
         )?;
         let local = frame.to_local(fix.position);
         let out_m = local.distance_m(EastNorth::default());
-        within(
-            "the fix's way from the fence's middle",
-            out_m,
-            0.0,
-            LocalFrame::RADIUS_M,
-            "m",
-        )?;
+        within(Figure::FixFromFence, out_m, 0.0, LocalFrame::RADIUS_M)?;
         let way_m = local.distance_m(navigation.local);
-        within(
-            "the fix's way from navigation",
-            way_m,
-            0.0,
-            self.fix_distance_max_m,
-            "m",
-        )
+        within(Figure::FixFromNavigation, way_m, 0.0, self.fix_distance_max_m)
     }
 
     pub(crate) fn reset(&self, reset: &RelativeReset) -> Result<(), Refusal> {
-        within("x", reset.x_m, -self.reset_max_m, self.reset_max_m, "m")?;
-        within("y", reset.y_m, -self.reset_max_m, self.reset_max_m, "m")?;
-        within("the bearing", reset.bearing_deg, -180.0, 360.0, "degrees")
+        within(Figure::ResetX, reset.x_m, -self.reset_max_m, self.reset_max_m)?;
+        within(Figure::ResetY, reset.y_m, -self.reset_max_m, self.reset_max_m)?;
+        within(Figure::ResetBearing, reset.bearing_deg, -180.0, 360.0)
     }
 
     pub(crate) fn bearing(&self, offset: &BearingOffset) -> Result<(), Refusal> {
         within(
-            "the offset",
+            Figure::BearingOffset,
             offset.offset_deg,
             -self.offset_max_deg,
             self.offset_max_deg,
-            "degrees",
         )
     }
 
@@ -214,20 +199,15 @@ impl DriverBounds {
         if (-AHEAD_MAX_S..=self.measured_age_max_s).contains(&age_s) {
             return Ok(());
         }
-        Err(limit(format!(
-            "it was measured at {measured}, {age_s:.1} s before now, expected at most {} s",
-            self.measured_age_max_s
-        )))
+        Err(Figure::MeasuredAge.not_within(age_s, -AHEAD_MAX_S, self.measured_age_max_s))
     }
 }
 
-fn within(what: &str, value: f64, least: f64, most: f64, unit: &str) -> Result<(), Refusal> {
+fn within(figure: Figure, value: f64, least: f64, most: f64) -> Result<(), Refusal> {
     if (least..=most).contains(&value) {
         return Ok(());
     }
-    Err(limit(format!(
-        "{what} is {value:.3} {unit}, expected {least} to {most:.3}"
-    )))
+    Err(figure.not_within(value, least, most))
 }
 
 /// Whether a message moves the frame that the monitor judges in: the vehicle has to take it.

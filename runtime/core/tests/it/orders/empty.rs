@@ -80,7 +80,7 @@ fn an_empty_mission_needs_that_none_runs_a_link_a_duration_and_no_hold() {
         rejection(trial, RequestKind::StartEmptyMission)
     };
     assert!(rejected(&mut Trial::under_way(), 60).contains("a mission is running"));
-    assert!(rejected(&mut ready(), 0).contains("more than 0 s"));
+    assert!(rejected(&mut ready(), 0).contains("duration of the empty mission is 0; expected at least 1 s"));
     assert!(rejected(&mut Trial::new(), 60).contains("the link is down"));
     let mut held = ready();
     held.operator(Operator::Hold);

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use backseat_core::plugin::{EndCause, Ended};
 use backseat_core::plugin::{Request, RequestState};
 use backseat_core::{Operator, Order, RequestKind};
 use backseat_spi::AckStatus;
@@ -137,7 +138,10 @@ fn an_abort_is_not_sent_again_once_the_vehicle_shows_that_it_ends_its_mission() 
     trial.run_for(0.2);
     assert_eq!(
         states(&trial, RequestKind::Abort).last(),
-        Some(&RequestState::Ended("the mission is Aborting".to_owned()))
+        Some(&RequestState::Ended(Ended::Said(
+            EndCause::MissionIs,
+            "Aborting".to_owned()
+        )))
     );
     // What wraps up moves: a kill goes on until the vehicle has stopped.
     order(&mut trial, kill());

@@ -172,10 +172,7 @@ fn a_policy_on_quarantine_and_a_plugins_fail_action_abort_once() {
     trial.run_for(5.0);
     trial.fail(0, FaultKind::Trap);
     trial.run_for(0.5);
-    assert_eq!(
-        rejection(&trial, RequestKind::Abort),
-        "state: the mission is ending already"
-    );
+    assert_eq!(rejection(&trial, RequestKind::Abort), "state: a mission is ending");
     assert_eq!(trial.commands("ABT").len(), 1);
     order(&mut trial, abort());
     trial.run_for(0.5);

@@ -1,8 +1,12 @@
 use std::time::Duration;
 
+use crate::fixture::breach;
 use backseat_core::plugin::{
     Behavior, CtdSample, Event, PlannedElement, ReceivedFrame, ReceivedPacket, RequestState, Transport, Window,
 };
+use backseat_core::plugin::{EndCause, Ended, Failure, FrameOutcome, Refusal};
+use backseat_core::refusal::ZoneRule;
+use backseat_core::refusal::{Figure, FigureBreach};
 use backseat_sdk as sdk;
 use backseat_units::{EastNorth, Position, Timestamp};
 
@@ -29,17 +33,74 @@ pub(super) fn events(now: Timestamp) -> Vec<(Event, sdk::Event)> {
         (Event::Control(true), sdk::Event::Control(true)),
         (Event::Control(false), sdk::Event::Control(false)),
         outcome(
-            RequestState::Rejected("surfacing: no".into()),
-            sdk::State::Rejected("surfacing: no".into()),
+            RequestState::Rejected(breach(ZoneRule::Exclusion, 12.5)),
+            sdk::State::Rejected(sdk::Refusal {
+                zone: Some("box".into()),
+                edge: Some(sdk::Edge {
+                    polygon: 3,
+                    hole: Some(2),
+                    number: 1,
+                    at: sdk::Position {
+                        latitude: 42.5,
+                        longitude: -70.25,
+                    },
+                }),
+                missing_m: Some(12.5),
+                cause: "exclusion".into(),
+                ..sdk::Refusal::new(
+                    sdk::Rule::Exclusion,
+                    "exclusion: inside exclusion 'box' with its margin of 5 m by 12.5 m at polygon 3 hole 2 edge 1 \
+                     (latitude 42.500000 longitude -70.250000)",
+                )
+            }),
+        ),
+        outcome(
+            RequestState::Rejected(Refusal::Figure(FigureBreach {
+                figure: Figure::Speed,
+                value: Some(3.0),
+                least: Some(1.0),
+                most: Some(2.0),
+            })),
+            sdk::State::Rejected(sdk::Refusal {
+                cause: "speed".into(),
+                value: Some(3.0),
+                least: Some(1.0),
+                most: Some(2.0),
+                ..sdk::Refusal::new(
+                    sdk::Rule::Limit,
+                    "limit: speed is 3; expected 1 to 2 m/s (limits.speed_min_mps, limits.speed_max_mps)",
+                )
+            }),
         ),
         outcome(RequestState::Sent, sdk::State::Sent),
         outcome(RequestState::Pending, sdk::State::Pending),
         outcome(RequestState::Accepted, sdk::State::Accepted),
-        outcome(RequestState::Failed("busy".into()), sdk::State::Failed("busy".into())),
+        outcome(
+            RequestState::Failed(Failure::Vehicle("busy".into())),
+            sdk::State::Failed(sdk::Failure::Vehicle("busy".into())),
+        ),
+        outcome(
+            RequestState::Failed(Failure::NotInPlan),
+            sdk::State::Failed(sdk::Failure::NotInPlan),
+        ),
         outcome(RequestState::TimedOut, sdk::State::TimedOut),
         outcome(RequestState::Unknown, sdk::State::Unknown),
         outcome(RequestState::Started, sdk::State::Started),
-        outcome(RequestState::Ended("done".into()), sdk::State::Ended("done".into())),
+        outcome(
+            RequestState::Ended(EndCause::TermOver.into()),
+            sdk::State::Ended(sdk::Ended {
+                cause: "term-over".into(),
+                ..sdk::Ended::new(sdk::EndKind::Term, "its term is over")
+            }),
+        ),
+        outcome(
+            RequestState::Ended(Ended::Frames(vec![FrameOutcome::Acked, FrameOutcome::Other(7)])),
+            sdk::State::Ended(sdk::Ended {
+                cause: "reported".into(),
+                frames: vec![sdk::FrameOutcome::Acked, sdk::FrameOutcome::Other(7)],
+                ..sdk::Ended::new(sdk::EndKind::Done, "2 frames: acked, status 7")
+            }),
+        ),
         outcome(RequestState::Cancelled, sdk::State::Cancelled),
         (
             Event::Ctd(CtdSample {

@@ -1,0 +1,310 @@
+//! Why a request is over that had been sent: data that ledger, log and plugins carry whole.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::refusal::{Refusal, Uncontrolled};
+
+/// A row for each cause: its name in logs, its kind, its text.
+macro_rules! causes {
+    ($($cause:ident $name:literal $kind:ident $text:literal;)*) => {
+        /// What has ended a request.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum EndCause {
+            $(#[doc = $text] $cause,)*
+        }
+
+        impl EndCause {
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$cause),*];
+
+            /// As logs and plugins name it, in lower case with hyphens.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$cause => $name,)* }
+            }
+
+            /// What kind of end it is.
+            #[must_use]
+            pub const fn kind(self) -> EndKind {
+                match self { $(Self::$cause => EndKind::$kind,)* }
+            }
+
+            /// In one line.
+            #[must_use]
+            pub const fn text(self) -> &'static str {
+                match self { $(Self::$cause => $text,)* }
+            }
+        }
+    };
+}
+
+causes! {
+    Done "done" Done "done";
+    Flown "flown" Done "flown";
+    Queued "queued" Done "queued";
+    Runs "runs" Done "it runs";
+    NormalAgain "normal-again" Done "normal again";
+    Completed "completed" Done "completed";
+    Idle "idle" Done "the vehicle is idle";
+    Reported "reported" Done "reported";
+    PluginEnded "plugin-ended" Asked "its plugin ended it";
+    Replaced "replaced" Replaced "replaced";
+    OtherModify "other-modify" Replaced "another modify took its place";
+    OtherStation "other-station" Replaced "another hold took its place";
+    ModifyBegan "modify-began" Replaced "a modify took its place";
+    StationBegan "station-began" Replaced "a hold took its place";
+    KillOrdered "kill-ordered" Replaced "a kill took its place before it could be sent";
+    TermOver "term-over" Term "its term is over";
+    Lapsed "lapsed" Term "lapsed";
+    VehicleRefused "vehicle-refused" Refused "the vehicle refused it";
+    VehicleStopped "vehicle-stopped" Refused "the vehicle stopped it";
+    NotAcknowledged "not-acknowledged" NotAnswered "the vehicle did not acknowledge it";
+    NotAllowed "not-allowed" NotAnswered "the vehicle did not allow it within 300 s";
+    NotStopped "not-stopped" NotAnswered "the vehicle did not stop it within 5 s";
+    NotNormal "not-normal" NotAnswered "the vehicle has not said whether it is normal again";
+    NotRefreshed "not-refreshed" Late "it was not refreshed in time";
+    NotTriggered "not-triggered" Late "not triggered within 5 s";
+    NotGoingOn "not-going-on" Late "its plugin did not say within 5 s that it goes on";
+    NotCeased "not-ceased" Late "the vehicle stopped it, and its plugin did not answer within 1 s";
+    WokeLate "woke-late" Late "the runtime woke late";
+    NotSent "not-sent" Link "it could not be sent";
+    PluginFailed "plugin-failed" Plugin "its plugin failed";
+    NavigationJumped "navigation-jumped" Navigation "navigation jumped";
+    NavigationStale "navigation-stale" Navigation "navigation is stale";
+    VelocityTooHigh "velocity-too-high" Navigation "the velocity is more than any vehicle's";
+    VerticalVelocityTooHigh "vertical-velocity-too-high" Navigation "the vertical velocity is more than any vehicle's";
+    PositionFrozen "position-frozen" Navigation "the position is frozen";
+    PositionAgainstVelocity "position-against-velocity" Navigation "position and velocity disagree";
+    PositionTooFast "position-too-fast" Navigation "the position moves faster than any vehicle";
+    DepthTooFast "depth-too-fast" Navigation "the depth changes faster than any vehicle's";
+    DepthAgainstVelocity "depth-against-velocity" Navigation "depth and vertical velocity disagree";
+    HeadingAgainstYawRate "heading-against-yaw-rate" Navigation "heading and yaw rate disagree";
+    SeabedJumps "seabed-jumps" Navigation "depth and altitude tell of another seabed";
+    VelocitiesMissing "velocities-missing" Navigation "navigation comes without velocities";
+    NavigationReset "navigation-reset" Navigation "a driver resets the vehicle's navigation";
+    ClockSet "clock-set" Navigation "the vehicle's clock was set";
+    OutsideFence "outside-fence" Fence "recovery: the vehicle is outside the fence";
+    BehaviorBegan "behavior-began" Behavior "a behaviour began under it";
+    BehaviorEnded "behavior-ended" Behavior "a behaviour ended under it";
+    MissionGoesOn "mission-goes-on" Behavior "a behaviour began: the mission goes on";
+    Overtaken "overtaken" Behavior "another behaviour has begun";
+    Interrupted "interrupted" Behavior "interrupted, and not taken up again";
+    OtherDive "other-dive" Mission "the vehicle flies another dive";
+    MissionNotRunning "mission-not-running" Mission "the mission is not running";
+    MissionOver "mission-over" Mission "the mission is over";
+    MissionIs "mission-is" Mission "the mission is";
+    OperatorEndsMission "operator-ends-mission" Mission "the operator ends the mission";
+    EmptyMission "empty-mission" Mission "the operator starts an empty mission";
+    PowerGoes "power-goes" Mission "power goes";
+}
+
+/// What kind of end it is: what a plugin branches on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EndKind {
+    /// It has done what it was asked for.
+    Done,
+    /// Its plugin ended it.
+    Asked,
+    /// Another request took its place.
+    Replaced,
+    /// Its term is over.
+    Term,
+    /// The vehicle refused it, or stopped it.
+    Refused,
+    /// The vehicle did not answer.
+    NotAnswered,
+    /// Somebody came too late: the runtime, or the plugin.
+    Late,
+    /// It could not be sent.
+    Link,
+    /// There is no control any more.
+    Control,
+    /// What it asks for no longer holds against the fence, the limits or the state of things.
+    Refusal,
+    /// The vehicle is outside the fence.
+    Fence,
+    /// Navigation is stale, has jumped, or cannot be true.
+    Navigation,
+    /// The vehicle went on to another behavior.
+    Behavior,
+    /// The mission is over, or is another one.
+    Mission,
+    /// Its plugin failed.
+    Plugin,
+}
+
+/// Why a request is over.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ended {
+    /// By this.
+    By(EndCause),
+    /// By this, and what the vehicle said, or a figure in words.
+    Said(EndCause, String),
+    /// What it asks for no longer holds.
+    Refusal(Box<Refusal>),
+    /// There is no control any more.
+    Uncontrolled(Uncontrolled),
+    /// The vehicle has reported what became of a packet's frames (BFCPS, SPI 9.4).
+    Frames(Vec<FrameOutcome>),
+}
+
+/// What became of a frame of a packet (SPI 9.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FrameOutcome {
+    /// The vehicle does not say.
+    Unset,
+    /// Sent, and not acknowledged.
+    Unacknowledged,
+    /// Sent and acknowledged by its receiver.
+    Acked,
+    /// Not sent.
+    FailedToSend,
+    /// A status that the specification does not define.
+    Other(i64),
+}
+
+impl Ended {
+    /// What kind of end it is.
+    #[must_use]
+    pub const fn kind(&self) -> EndKind {
+        match self {
+            Self::By(cause) | Self::Said(cause, _) => cause.kind(),
+            Self::Refusal(_) => EndKind::Refusal,
+            Self::Uncontrolled(_) => EndKind::Control,
+            Self::Frames(_) => EndKind::Done,
+        }
+    }
+
+    /// The name of what exactly has ended it: a cause's (`term-over`), or what refuses it now (`exclusion`, `link-down`).
+    #[must_use]
+    pub fn cause(&self) -> &'static str {
+        match self {
+            Self::By(cause) | Self::Said(cause, _) => cause.name(),
+            Self::Refusal(refusal) => refusal.cause(),
+            Self::Uncontrolled(reason) => reason.name(),
+            Self::Frames(_) => EndCause::Reported.name(),
+        }
+    }
+
+    /// What became of a packet's frames.
+    #[must_use]
+    pub fn frames(&self) -> &[FrameOutcome] {
+        match self {
+            Self::Frames(frames) => frames,
+            Self::By(_) | Self::Said(..) | Self::Refusal(_) | Self::Uncontrolled(_) => &[],
+        }
+    }
+}
+
+impl From<EndCause> for Ended {
+    fn from(cause: EndCause) -> Self {
+        Self::By(cause)
+    }
+}
+
+impl From<Uncontrolled> for Ended {
+    fn from(reason: Uncontrolled) -> Self {
+        Self::Uncontrolled(reason)
+    }
+}
+
+impl From<Refusal> for Ended {
+    fn from(refusal: Refusal) -> Self {
+        Self::Refusal(Box::new(refusal))
+    }
+}
+
+impl fmt::Display for Ended {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::By(cause) => f.write_str(cause.text()),
+            Self::Said(cause @ (EndCause::Lapsed | EndCause::MissionIs), text) => write!(f, "{} {text}", cause.text()),
+            Self::Said(cause, text) => write!(f, "{}: {text}", cause.text()),
+            Self::Refusal(refusal) => refusal.fmt(f),
+            Self::Uncontrolled(reason) => f.write_str(reason.text()),
+            Self::Frames(frames) => write_frames(f, frames),
+        }
+    }
+}
+
+fn write_frames(f: &mut fmt::Formatter<'_>, frames: &[FrameOutcome]) -> fmt::Result {
+    match frames.len() {
+        0 => return f.write_str("no frame was sent"),
+        1 => f.write_str("1 frame")?,
+        count => write!(f, "{count} frames")?,
+    }
+    let failed = frames
+        .iter()
+        .filter(|frame| **frame == FrameOutcome::FailedToSend)
+        .count();
+    if failed > 0 {
+        write!(f, ", {failed} not sent")?;
+    }
+    for (index, frame) in frames.iter().enumerate() {
+        f.write_str(if index == 0 { ": " } else { ", " })?;
+        fmt::Display::fmt(frame, f)?;
+    }
+    Ok(())
+}
+
+impl fmt::Display for FrameOutcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unset => f.write_str("unset"),
+            Self::Unacknowledged => f.write_str("unacknowledged"),
+            Self::Acked => f.write_str("acked"),
+            Self::FailedToSend => f.write_str("failed to send"),
+            Self::Other(code) => write!(f, "status {code}"),
+        }
+    }
+}
+
+/// Why a request failed that had been sent.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Failure {
+    /// The vehicle has refused it, or has said that it failed; its words.
+    Vehicle(String),
+    /// The vehicle's plan, asked for when it had decided on it, does not name it.
+    NotInPlan,
+}
+
+impl Failure {
+    /// As logs and plugins name it.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Vehicle(_) => "vehicle",
+            Self::NotInPlan => "not-in-plan",
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Vehicle(text) => f.write_str(text),
+            Self::NotInPlan => f.write_str("it is not in the vehicle's plan"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_those_of_the_log() {
+        for cause in EndCause::ALL {
+            assert_eq!(serde_json::to_value(cause).unwrap(), cause.name());
+            let same = EndCause::ALL.iter().filter(|other| other.name() == cause.name());
+            assert_eq!(same.count(), 1);
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! Figures that have a range, and what is told of one that is out of it.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Refusal, Rule};
+
+/// A row for each figure: what it is, its name in logs, its name in a text, its unit, the rule, and the key of the mission
+/// that sets its range, where one does.
+macro_rules! figures {
+    ($($(#[$doc:meta])* $figure:ident $name:literal $spoken:literal $unit:literal $rule:ident $key:literal;)*) => {
+        /// A figure that a request, or what has been sent before it, must keep within a range.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum Figure {
+            $($(#[$doc])* $figure,)*
+        }
+
+        impl Figure {
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$figure),*];
+
+            /// As logs and plugins name it: `modify-term`.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$figure => $name,)* }
+            }
+
+            /// As a text names it: `term of a modify`.
+            #[must_use]
+            pub const fn spoken(self) -> &'static str {
+                match self { $(Self::$figure => $spoken,)* }
+            }
+
+            /// Its unit; empty for a number of things.
+            #[must_use]
+            pub const fn unit(self) -> &'static str {
+                match self { $(Self::$figure => $unit,)* }
+            }
+
+            /// The rule that bounds it.
+            #[must_use]
+            pub const fn rule(self) -> Rule {
+                match self { $(Self::$figure => Rule::$rule,)* }
+            }
+
+            /// The mission's key that sets its range; empty where the range is fixed.
+            #[must_use]
+            pub const fn key(self) -> &'static str {
+                match self { $(Self::$figure => $key,)* }
+            }
+        }
+    };
+}
+
+figures! {
+    /// A request's latitude.
+    Latitude "latitude" "latitude" "deg" Limit "";
+    /// A request's longitude.
+    Longitude "longitude" "longitude" "deg" Limit "";
+    /// A request's depth.
+    Depth "depth" "depth" "m" Limit "";
+    /// A request's altitude.
+    Altitude "altitude" "altitude" "m" Limit "";
+    /// A modify's heading.
+    Heading "heading" "heading" "deg" Limit "";
+    /// A request's speed.
+    Speed "speed" "speed" "m/s" Limit "limits.speed_min_mps, limits.speed_max_mps";
+    /// How long a modify may stand.
+    ModifyTerm "modify-term" "term of a modify (more than 0)" "s" Limit "limits.modify_term_max_s";
+    /// How far apart a trackline's ends are.
+    TracklineLength "trackline-length" "length of a trackline" "m" Limit "";
+    /// A circle's radius: no tighter than the vehicle turns.
+    CircleRadius "circle-radius" "radius of a circle" "m" Limit "limits.turn_rate_dps";
+    /// A circle's orbits; their sign is the way around.
+    CircleOrbits "circle-orbits" "number of orbits (more than 0 either way)" "" Limit "";
+    /// The angle at which a circle is entered.
+    EntryAngle "entry-angle" "entry angle of a circle" "deg" Limit "";
+    /// How long station keeping may stand.
+    StationTerm "station-term" "term of a hold (more than 0)" "s" Limit "limits.hull.hold_term_max_s";
+    /// The speed of a vehicle that hovers.
+    StationSpeed "station-speed" "speed of a hold" "m/s" Limit "limits.hull.speed_max_mps";
+    /// The vehicle's own speed, at which a move without one goes.
+    DefaultSpeed "default-speed" "the vehicle's own speed (of a move without one)" "m/s" Limit "limits.hull.speed_default_mps";
+    /// How many places the mission may stand suspended at.
+    Suspensions "suspensions" "places where the mission stands suspended" "" Cap "";
+    /// A sonar's angle.
+    SonarAngle "sonar-angle" "angle of the sonar" "deg" Limit "limits.hull.sonar_angle_min_deg, limits.hull.sonar_angle_max_deg";
+    /// A camera's pan.
+    CameraPan "camera-pan" "pan of the camera" "tenths of a second" Limit "";
+    /// A camera's tilt.
+    CameraTilt "camera-tilt" "tilt of the camera" "tenths of a second" Limit "";
+    /// A camera's zoom.
+    CameraZoom "camera-zoom" "zoom of the camera" "tenths of a second" Limit "";
+    /// A light's number.
+    Light "light" "number of a light" "" Limit "";
+    /// A packet's telemetry mode (SPI 9.3).
+    TelemetryMode "telemetry-mode" "telemetry mode" "" Limit "";
+    /// The bytes of a packet's frames.
+    FrameBytes "frame-bytes" "frames of a packet" "bytes" Limit "";
+    /// The bytes of a message to the topside.
+    TextBytes "text-bytes" "text" "bytes" Text "";
+    /// A plugin's requests in a second.
+    Requests "requests" "requests in a second" "" Rate "limits.requests_per_s";
+    /// Packets in a minute.
+    Packets "packets" "packets in a minute" "" Rate "limits.packets_per_min";
+    /// Messages to the topside in a minute.
+    TopsideMessages "topside-messages" "messages to the topside in a minute" "" Rate "limits.topside_per_min";
+    /// An external source's sentences in a second.
+    Sentences "sentences" "sentences in a second" "" Rate "driver.rate_max_hz";
+    /// How long a plugin steers in the whole run.
+    Steering "steering" "time that the plugin steers" "s" Cap "plugin.limits.steering_max_s";
+    /// Open inserts of all plugins.
+    OpenInserts "open-inserts" "open inserts" "" Cap "limits.inserts_open_max";
+    /// Inserts of the whole mission.
+    Inserts "inserts" "inserts of the mission" "" Cap "limits.inserts_total_max";
+    /// GPS hits of the whole mission.
+    GpsHits "gps-hits" "GPS hits of the mission" "" Cap "limits.gps_hits_total_max";
+    /// How long the open inserts may fly.
+    InsertsDuration "inserts-duration" "time that the open inserts may fly" "s" Cap "limits.inserts_duration_max_s";
+    /// A plugin's own open inserts.
+    OwnOpenInserts "own-open-inserts" "open inserts of the plugin" "" Cap "plugin.limits.inserts_open_max";
+    /// A plugin's own inserts of the whole run.
+    OwnInserts "own-inserts" "inserts of the plugin" "" Cap "plugin.limits.inserts_total_max";
+    /// How long a plugin's own open inserts may fly.
+    OwnInsertsDuration "own-inserts-duration" "time that the plugin's open inserts may fly" "s" Cap "plugin.limits.inserts_duration_max_s";
+    /// Inserts that wait for the vehicle to answer.
+    WaitingInserts "waiting-inserts" "inserts that wait for the vehicle to answer" "" Heard "";
+    /// Silences of the whole mission.
+    Silences "silences" "silences of the mission" "" Cap "limits.silences_total_max";
+    /// Trims and adjustments of the buoyancy of the whole mission.
+    Adjustments "adjustments" "adjustments of the mission" "" Cap "limits.adjustments_total_max";
+    /// How long an empty mission lasts.
+    EmptyMission "empty-mission" "duration of the empty mission" "s" Limit "";
+    /// The error of an external source's fix.
+    FixError "fix-error" "error of the fix (more than 0)" "m" Limit "driver.fix_error_max_m";
+    /// How old an external source's measurement is.
+    MeasuredAge "measured-age" "age of the measurement" "s" Limit "driver.measured_age_max_s";
+    /// An external source's conductivity.
+    Conductivity "conductivity" "conductivity" "uS/cm" Limit "";
+    /// An external source's temperature.
+    Temperature "temperature" "temperature" "degC" Limit "";
+    /// An external source's pressure.
+    Pressure "pressure" "pressure" "kPa" Limit "";
+    /// The depth of an external source's fix.
+    FixDepth "fix-depth" "depth of the fix" "m" Limit "driver.fix_depth_difference_max_m";
+    /// How far an external source's fix is from the fence's middle.
+    FixFromFence "fix-from-fence" "way of the fix from the fence's middle" "m" Limit "";
+    /// How far an external source's fix is from navigation.
+    FixFromNavigation "fix-from-navigation" "way of the fix from navigation" "m" Limit "driver.fix_distance_max_m";
+    /// The x that relative navigation is to be set to.
+    ResetX "reset-x" "x" "m" Limit "driver.reset_max_m";
+    /// The y that relative navigation is to be set to.
+    ResetY "reset-y" "y" "m" Limit "driver.reset_max_m";
+    /// The bearing that relative navigation is to be set to.
+    ResetBearing "reset-bearing" "bearing" "deg" Limit "";
+    /// The offset of the heading.
+    BearingOffset "bearing-offset" "offset of the bearing" "deg" Limit "driver.offset_max_deg";
+}
+
+/// A figure out of its range.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FigureBreach {
+    /// Which figure.
+    pub figure: Figure,
+    /// What it is, or would be; `None` for what is no number.
+    pub value: Option<f64>,
+    /// The least that is allowed, where there is one.
+    pub least: Option<f64>,
+    /// The most that is allowed, where there is one.
+    pub most: Option<f64>,
+}
+
+impl Figure {
+    /// The figure is out of a range with two ends.
+    pub(crate) fn not_within(self, value: f64, least: f64, most: f64) -> Refusal {
+        self.breach(value, Some(least), Some(most))
+    }
+
+    /// The figure is, or would be, over the most.
+    pub(crate) fn over(self, value: f64, most: f64) -> Refusal {
+        self.breach(value, None, Some(most))
+    }
+
+    /// The figure is under the least.
+    pub(crate) fn under(self, value: f64, least: f64) -> Refusal {
+        self.breach(value, Some(least), None)
+    }
+
+    /// One thing more would be over the most.
+    pub(crate) fn one_over(self, most: u32) -> Refusal {
+        self.over(f64::from(most) + 1.0, f64::from(most))
+    }
+
+    /// The figure is not one of its quantity.
+    pub(crate) fn out_of_range(self) -> impl Fn(backseat_units::OutOfRange) -> Refusal {
+        move |error| self.not_within(error.value, error.min, error.max)
+    }
+
+    fn breach(self, value: f64, least: Option<f64>, most: Option<f64>) -> Refusal {
+        let finite = |value: f64| value.is_finite().then_some(value);
+        Refusal::Figure(FigureBreach {
+            figure: self,
+            value: finite(value),
+            least: least.and_then(finite),
+            most: most.and_then(finite),
+        })
+    }
+}
+
+impl fmt::Display for FigureBreach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            figure,
+            value,
+            least,
+            most,
+        } = self;
+        write!(f, "{} is ", figure.spoken())?;
+        match value {
+            Some(value) => Decimal(*value).fmt(f)?,
+            None => f.write_str("no finite number")?,
+        }
+        match (least, most) {
+            (Some(least), Some(most)) => write!(f, "; expected {} to {}", Decimal(*least), Decimal(*most))?,
+            (Some(least), None) => write!(f, "; expected at least {}", Decimal(*least))?,
+            (None, Some(most)) => write!(f, "; expected at most {}", Decimal(*most))?,
+            (None, None) => {}
+        }
+        if !figure.unit().is_empty() {
+            write!(f, " {}", figure.unit())?;
+        }
+        if !figure.key().is_empty() {
+            write!(f, " ({})", figure.key())?;
+        }
+        Ok(())
+    }
+}
+
+/// A figure in a text: three decimals at most.
+struct Decimal(f64);
+
+impl fmt::Display for Decimal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = format!("{:.3}", self.0);
+        f.write_str(text.trim_end_matches('0').trim_end_matches('.'))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_figure_is_told_with_its_range_its_unit_and_its_key() {
+        let told = |refusal: Refusal| refusal.to_string();
+        assert_eq!(
+            told(Figure::Speed.not_within(3.0, 1.0, 2.25)),
+            "limit: speed is 3; expected 1 to 2.25 m/s (limits.speed_min_mps, limits.speed_max_mps)"
+        );
+        assert_eq!(
+            told(Figure::OpenInserts.one_over(3)),
+            "cap: open inserts is 4; expected at most 3 (limits.inserts_open_max)"
+        );
+        assert_eq!(
+            told(Figure::Depth.under(f64::NAN, 0.0)),
+            "limit: depth is no finite number; expected at least 0 m"
+        );
+    }
+
+    #[test]
+    fn names_are_unique_and_those_of_the_log() {
+        for figure in Figure::ALL {
+            assert_eq!(serde_json::to_value(figure).unwrap(), figure.name());
+            let same = Figure::ALL.iter().filter(|other| other.name() == figure.name());
+            assert_eq!(same.count(), 1);
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! The page on outcomes tells of every rule, cause and end of the code.
+
+use backseat_core::ended::EndCause;
+use backseat_core::refusal::{Figure, Reason, Rule, Uncontrolled};
+
+#[test]
+fn the_page_tells_of_every_rule_figure_state_and_end() {
+    let page = include_str!("../../../docs/outcomes.md");
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
+    let mut expected: Vec<String> = Vec::new();
+    expected.extend(Figure::ALL.iter().map(|figure| {
+        let (name, spoken, unit, rule) = (figure.name(), figure.spoken(), figure.unit(), figure.rule());
+        format!("| `{name}` | {spoken} | {unit} | `{rule}` |")
+    }));
+    let state = |name: &str, rule: Rule, text: &str| format!("| `{name}` | `{rule}` | {text} |");
+    expected.extend(
+        Uncontrolled::ALL
+            .iter()
+            .map(|of| state(of.name(), of.rule(), of.text())),
+    );
+    expected.extend(Reason::ALL.iter().map(|of| state(of.name(), of.rule(), of.text())));
+    expected.extend(EndCause::ALL.iter().map(|cause| {
+        let kind = serde_json::to_value(cause.kind()).unwrap();
+        format!(
+            "| `{}` | `{}` | {} |",
+            cause.name(),
+            kind.as_str().unwrap(),
+            cause.text()
+        )
+    }));
+    expected.extend(Rule::ALL.iter().map(|rule| format!("| `{rule}` | ")));
+    for start in &expected {
+        assert!(
+            rows.iter().any(|row| row.starts_with(start)),
+            "no row begins with: {start}"
+        );
+    }
+    // Beside them: five ends and the fifteen kinds of an end.
+    assert_eq!(rows.len(), expected.len() + 5 + 15);
+}

@@ -64,6 +64,9 @@ enum Task {
         /// So many times the default limits of integrity
         #[arg(long, default_value_t = 1.0)]
         times: f64,
+        /// Write the plans of missions with an alarm or a broken rule into this folder, for `replay`
+        #[arg(long, value_name = "DIR")]
+        save: Option<PathBuf>,
     },
     /// Print digests of many runs, a line a seed: those of a refactoring are the same before and after
     Digests(Seeds),
@@ -174,7 +177,11 @@ fn run() -> Result<bool> {
             first,
             workers,
             times,
-        } => alarms(&cli.plugins, first..first.saturating_add(runs), workers, times),
+            save,
+        } => {
+            let seeds = first..first.saturating_add(runs);
+            alarms(&cli.plugins, seeds, workers, times, save.as_deref())
+        }
         Task::Digests(seeds) => digests(&cli.plugins, &seeds),
         Task::Tree => {
             println!("{TREE}");
@@ -299,32 +306,51 @@ fn digests(plugins: &Path, seeds: &Seeds) -> Result<bool> {
 }
 
 /// Flies clean missions and tells each alarm. Whether there was none.
-fn alarms(plugins: &Path, seeds: std::ops::Range<u64>, workers: Option<usize>, times: f64) -> Result<bool> {
+fn alarms(
+    plugins: &Path,
+    seeds: std::ops::Range<u64>,
+    workers: Option<usize>,
+    times: f64,
+    save: Option<&Path>,
+) -> Result<bool> {
     let all = Range::new(plugins)?;
     let ranges = (0..workers.unwrap_or_else(cores).max(1))
         .map(|_| all.another())
         .collect::<Result<Vec<_>>>()?;
     let flown = each_seed(seeds, ranges, |range, seed| range.fly(&Plan::draw_clean(seed, times)))?;
     let (mut missions, mut kinds) = (0, BTreeMap::<String, u64>::new());
-    let (mut leases, mut hours, mut fixes, mut failed) = (0, 0.0, 0, 0);
+    let (mut leases, mut hours, mut fixes, mut failed, mut astray) = (0, 0.0, 0, 0, 0);
     for (seed, flight) in &flown {
         leases += flight.report.seen.leases;
         hours += flight.report.sim_seconds / 3600.0;
         let alarms: Vec<Alarm> = flight.alarms().collect();
         fixes += flight.navigation.len() - alarms.len();
         missions += u64::from(!alarms.is_empty());
+        if let Some(folder) = save
+            && !(alarms.is_empty() && flight.failures.is_empty())
+        {
+            let path = folder.join(format!("clean-{seed}.toml"));
+            fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+            fs::write(&path, Plan::draw_clean(*seed, times).to_toml()).with_context(|| path.display().to_string())?;
+        }
         for alarm in alarms {
             println!("seed {seed}: {:.3} s {}", alarm.at.as_secs_f64(), alarm.text);
             let what = alarm.text.split(':').next().unwrap_or_default().to_owned();
             *kinds.entry(what).or_default() += 1;
         }
-        failed += u64::from(!flight.failures.is_empty());
-        for failure in &flight.failures {
+        // Without bottom lock for hours a vehicle may believe that it makes no way, and never come to the end of a line.
+        let (lost, broken): (Vec<_>, Vec<_>) = flight.failures.iter().partition(|of| of.rule == "never-ends");
+        astray += lost.len();
+        failed += u64::from(!broken.is_empty());
+        for failure in broken {
             println!("seed {seed}: broken: {}", failure.text);
         }
     }
     for (what, count) in &kinds {
         println!("{count} x {what}");
+    }
+    if astray > 0 {
+        println!("{astray} x led astray by its drifting navigation: the mission did not end in its time");
     }
     println!(
         "{missions} of {} missions with an alarm, {failed} with a broken rule; {hours:.0} h, {leases} leases, {fixes} jumps by GPS",

@@ -73,13 +73,16 @@ impl<'a> Outliner<'a> {
         self.refuse_spikes(&polygon, place)?;
         self.refuse_crossings(&polygon, place)?;
         refuse_stray_holes(&polygon, place)?;
-        let width_m = width_bound_m(&polygon);
-        if 2.0 * margin_m >= width_m {
-            return Err(FenceError::NothingReachable {
-                place: place(0),
-                margin_m,
-                width_m,
-            });
+        let surely_fits = 2.0 * margin_m < least_width_m(&polygon);
+        if !surely_fits {
+            let width_m = width_bound_m(&polygon);
+            if 2.0 * margin_m >= width_m {
+                return Err(FenceError::NothingReachable {
+                    place: place(0),
+                    margin_m,
+                    width_m,
+                });
+            }
         }
         Ok(polygon)
     }
@@ -313,11 +316,19 @@ fn line(ring: &[EastNorth]) -> LineString {
     ring.iter().map(|point| (point.east_m, point.north_m)).collect()
 }
 
+/// No direction has less width, and [`width_bound_m`] is no less: a shape's area is at most its width times its length.
+fn least_width_m(polygon: &Polygon) -> f64 {
+    area_m2(polygon) / (polygon.max - polygon.min).length()
+}
+
+fn area_m2(polygon: &Polygon) -> f64 {
+    polygon.rings().map(signed_area_m2).sum()
+}
+
 /// An upper bound of the diameter of the widest circle inside: the least width in some directions, and the circle of
 /// the same area. Cheap rather than exact: it finds the margin that was typed in the wrong unit.
 fn width_bound_m(polygon: &Polygon) -> f64 {
-    let area_m2: f64 = polygon.rings().map(signed_area_m2).sum();
-    let round_m = 2.0 * (area_m2.max(0.0) / core::f64::consts::PI).sqrt();
+    let round_m = 2.0 * (area_m2(polygon).max(0.0) / core::f64::consts::PI).sqrt();
     let outer = polygon.rings().next().unwrap_or_default();
     let mut narrowest = (f64::INFINITY, 90.0);
     // All directions in steps of 10 degrees, then finer and finer about the best one: a long strip is wide already a

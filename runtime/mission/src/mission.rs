@@ -8,8 +8,8 @@ use config::{Config, Environment, File, FileFormat};
 use sha2::{Digest, Sha256};
 
 use crate::component::find_component;
-use crate::drivers::{DriverTable, check_drivers};
 use crate::error::MissionError;
+use crate::external::{ExternalTable, check_externals};
 use crate::fence;
 use crate::file::{MissionFile, PluginTable, VehicleTable};
 use crate::plan::{self, FrontSeatPlan};
@@ -70,8 +70,8 @@ impl Mission {
         // Alone first: the layers would lose the line.
         toml::from_str::<MissionFile>(&text).map_err(|error| toml_error(&path, &text, &error))?;
         let mut file = layered(&path, &text, layers)?;
-        check_drivers(&file.drivers).map_err(|fault| value(&path, fault))?;
-        file.session.drivers = file.drivers.iter().map(DriverTable::setup).collect();
+        check_externals(&file.externals).map_err(|fault| value(&path, fault))?;
+        file.session.externals = file.externals.iter().map(ExternalTable::setup).collect();
         file.limits
             .validate()
             .map_err(|error| value(&path, format!("limits.{error}")))?;

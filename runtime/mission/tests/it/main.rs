@@ -1,4 +1,4 @@
 //! Missions as folders.
 
-mod hull;
 mod plan;
+mod station;

@@ -16,6 +16,7 @@ mod json;
 mod kml;
 mod plan;
 mod properties;
+mod renamed;
 mod round;
 mod xml;
 

@@ -14,6 +14,7 @@ mod file;
 mod mission;
 mod plan;
 mod predive;
+mod renamed;
 
 pub use component::find_component;
 pub use error::MissionError;

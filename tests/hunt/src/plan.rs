@@ -1,3 +1,5 @@
+mod renamed;
+
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
@@ -133,7 +135,7 @@ impl Plan {
             let place = error
                 .span()
                 .map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            anyhow::anyhow!("line {place}: {}", error.message())
+            anyhow::anyhow!("line {place}: {}", renamed::with_new_name(error.message()))
         })?;
         let mut faults = Vec::new();
         for (index, entry) in file.fault.into_iter().enumerate() {
@@ -279,6 +281,9 @@ impl Entry {
             (None, Some(name)) => {
                 let state = State::ALL.into_iter().find(|state| state.name() == name);
                 let Some(state) = state else {
+                    if let Some(now) = renamed::state(&name) {
+                        bail!("state is {name:?}, which is called {now:?} now");
+                    }
                     let names: Vec<&str> = State::ALL.iter().map(|state| state.name()).collect();
                     bail!("state is {name:?}: expected one of {}", names.join(", "));
                 };

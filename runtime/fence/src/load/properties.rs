@@ -3,6 +3,7 @@
 use backseat_units::{Depth, Utc};
 use serde_json::{Map, Value};
 
+use super::renamed;
 use crate::error::FenceError;
 use crate::window::{self, Window};
 use crate::zone::{Band, Kind};
@@ -76,7 +77,7 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str, round: Round) -> Res
     let keep_in = match kind.as_str() {
         Some("keep-in") => true,
         Some("keep-out") => false,
-        _ => return Err(source.bad("kind", kind, KIND)),
+        other => return Err(source.bad("kind", kind, other.and_then(renamed::kind).unwrap_or(KIND))),
     };
     for (key, value) in map {
         let known = match key.as_str() {

@@ -1,4 +1,5 @@
 //! Missions as folders.
 
 mod plan;
+mod renamed;
 mod station;

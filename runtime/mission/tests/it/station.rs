@@ -61,12 +61,12 @@ fn load(mission: &str) -> Result<Mission, MissionError> {
 #[test]
 fn a_mission_says_its_boxes_and_the_rest_has_defaults() {
     let mission = load(MISSION).unwrap();
-    let hull = mission.envelope.limits().station.clone().unwrap();
-    assert_eq!((hull.speed_default_mps, hull.relative_age_max_s), (1.5, 1.0));
-    assert_eq!(hull.hull_box.unwrap().distance_min_m, 1.5);
-    assert_eq!(hull.keep_out_hull[0].name, "screw");
-    assert_eq!(hull.bottom_box.unwrap().depth_max_m, 15.0);
-    assert!(hull.keep_out_bottom.is_empty());
+    let station = mission.envelope.limits().station.clone().unwrap();
+    assert_eq!((station.speed_default_mps, station.relative_age_max_s), (1.5, 1.0));
+    assert_eq!(station.hull_box.unwrap().distance_min_m, 1.5);
+    assert_eq!(station.keep_out_hull[0].name, "screw");
+    assert_eq!(station.bottom_box.unwrap().depth_max_m, 15.0);
+    assert!(station.keep_out_bottom.is_empty());
 }
 
 #[test]

@@ -39,7 +39,7 @@ def judge(name, fence, legs):
     # GEOS takes a line without length for invalid, a point for what it is.
     places = (legs[:, 0] == legs[:, 2]) & (legs[:, 1] == legs[:, 3])
     lines[places] = shapely.points(legs[places, :2])
-    zones = [(zone["inclusion"], zone["margin_m"], shapely.from_wkt(zone["wkt"])) for zone in fence["zones"]]
+    zones = [(zone["keep_in"], zone["margin_m"], shapely.from_wkt(zone["wkt"])) for zone in fence["zones"]]
     assert all(polygon.is_valid for _, _, polygon in zones)
 
     expected_m = distances(zones, lines, radius_m)
@@ -67,13 +67,13 @@ def judge(name, fence, legs):
 def distances(zones, lines, radius_m):
     """What each leg has to spare, negative where it does not hold, by distances and with nothing prepared."""
     spare_m = np.full(len(lines), -np.inf)
-    for inclusion, margin_m, polygon in zones:
-        if inclusion:
+    for keep_in, margin_m, polygon in zones:
+        if keep_in:
             inside = shapely.covers(polygon, lines)
             from_edge_m = shapely.distance(polygon.boundary, lines) - reach(margin_m, radius_m)
             spare_m = np.maximum(spare_m, np.where(inside, from_edge_m, -np.inf))
-    for inclusion, margin_m, polygon in zones:
-        if not inclusion:
+    for keep_in, margin_m, polygon in zones:
+        if not keep_in:
             spare_m = np.minimum(spare_m, shapely.distance(polygon, lines) - reach(margin_m, radius_m))
     return spare_m
 
@@ -86,15 +86,15 @@ def reach(margin_m, radius_m):
 def prepared(zones, lines, radius_m):
     """The quickest way that is exact: prepared containment, and prepared `dwithin` of the boundary."""
     holds = np.zeros(len(lines), bool)
-    for inclusion, margin_m, polygon in zones:
-        if inclusion:
+    for keep_in, margin_m, polygon in zones:
+        if keep_in:
             boundary = polygon.boundary
             shapely.prepare([polygon, boundary])
             inside = shapely.contains_properly(polygon, lines)
             inside[inside] = ~shapely.dwithin(boundary, lines[inside], radius_m[inside] + margin_m)
             holds |= inside
-    for inclusion, margin_m, polygon in zones:
-        if not inclusion:
+    for keep_in, margin_m, polygon in zones:
+        if not keep_in:
             shapely.prepare(polygon)
             holds[holds] = ~shapely.dwithin(polygon, lines[holds], radius_m[holds] + margin_m)
     return holds
@@ -108,12 +108,12 @@ def prepared_buffer(zones, lines, radius_m):
 def buffer(zones, lines, radius_m, prepare=shapely.destroy_prepared):
     """The way of most scripts."""
     holds = np.zeros(len(lines), bool)
-    for inclusion, margin_m, polygon in zones:
-        if inclusion:
+    for keep_in, margin_m, polygon in zones:
+        if keep_in:
             prepare(polygon)
             holds |= shapely.contains(polygon, shapely.buffer(lines, radius_m + margin_m, quad_segs=8))
-    for inclusion, margin_m, polygon in zones:
-        if not inclusion:
+    for keep_in, margin_m, polygon in zones:
+        if not keep_in:
             prepare(polygon)
             holds &= ~shapely.intersects(polygon, shapely.buffer(lines, radius_m + margin_m, quad_segs=8))
     return holds

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use backseat_sdk::{
-    BottomPosition, Camera, Description, DvlTrigger, FRAME_BYTES, FRAMES, GpsHit, Hold, HoldTarget, HullPosition,
-    Light, Modify, Packet, Plugin, Position, Request, Silent, SonarAngle, StepInput, Timer, Topic, Topside,
+    BottomPosition, Camera, Description, DvlTrigger, FRAME_BYTES, FRAMES, GpsHit, HullPosition, Light, Modify, Packet,
+    Plugin, Position, Request, Silent, SonarAngle, Station, StationTarget, StepInput, Timer, Topic, Topside,
     Trackcircle, Trackline, Transport, Vertical, fence, log,
 };
 use serde::Deserialize;
@@ -112,8 +112,8 @@ pub fn every_request() -> Vec<Request> {
             text: text.into(),
         })
     };
-    let hold = |tag, target, speed, duration_ns| {
-        Request::Hold(Hold {
+    let station = |tag, target, speed, duration_ns| {
+        Request::Station(Station {
             tag,
             target,
             speed,
@@ -195,10 +195,10 @@ pub fn every_request() -> Vec<Request> {
             acknowledge: false,
             frames: (0..8).map(|frame| vec![frame]).collect(),
         }),
-        hold(19, HoldTarget::Here, None, 121),
-        hold(
+        station(19, StationTarget::Here, None, 121),
+        station(
             20,
-            HoldTarget::Hull(HullPosition {
+            StationTarget::Hull(HullPosition {
                 horizontal: 122.5,
                 vertical: -123.5,
                 distance: 124.5,
@@ -206,9 +206,9 @@ pub fn every_request() -> Vec<Request> {
             Some(125.5),
             126,
         ),
-        hold(
+        station(
             21,
-            HoldTarget::Bottom(BottomPosition {
+            StationTarget::Bottom(BottomPosition {
                 x: 127.5,
                 y: -128.5,
                 vertical: Vertical::Altitude(129.5),
@@ -216,9 +216,9 @@ pub fn every_request() -> Vec<Request> {
             Some(130.5),
             131,
         ),
-        hold(
+        station(
             22,
-            HoldTarget::Bottom(BottomPosition {
+            StationTarget::Bottom(BottomPosition {
                 x: -0.0,
                 y: f64::INFINITY,
                 vertical: Vertical::Depth(132.5),
@@ -226,7 +226,7 @@ pub fn every_request() -> Vec<Request> {
             None,
             u64::MAX,
         ),
-        Request::EndHold,
+        Request::EndStation,
         Request::SonarAngle(SonarAngle { tag: 23, angle: -133.5 }),
         Request::Camera(Camera {
             tag: 24,

@@ -1,11 +1,11 @@
 //! Plugins that misbehave, for tests: one component whose configuration picks the fault.
 //!
-//! Until its fault comes it is a good plugin: it asks each second for a modify of 5 s, or for a hold of 5 s.
+//! Until its fault comes it is a good plugin: it asks each second for a modify of 5 s, or to keep station for 5 s.
 
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::{
-    Description, FRAME_BYTES, FRAMES, HoldTarget, Modify, Plugin, Position, Request, StepInput, TEXT_BYTES, Trackline,
-    Vertical, fence, log,
+    Description, FRAME_BYTES, FRAMES, Modify, Plugin, Position, Request, StationTarget, StepInput, TEXT_BYTES,
+    Trackline, Vertical, fence, log,
 };
 use serde::Deserialize;
 use serde::de::IntoDeserializer as _;
@@ -25,9 +25,9 @@ pub struct Config {
     /// When it does, seconds since the plugin's first step.
     #[serde(default)]
     pub after_s: f64,
-    /// While it is good it asks for holds, as of a hovering vehicle, instead of modifies.
+    /// While it is good it asks a hovering vehicle to keep station, instead of modifies.
     #[serde(default)]
-    pub hold: bool,
+    pub station: bool,
     /// True heading of the modify, degrees.
     #[serde(default)]
     pub heading_deg: f64,
@@ -119,8 +119,8 @@ pub enum Fault {
     /// It moves the camera by 1000.
     #[serde(rename = "camera_1000")]
     Camera1000,
-    /// It asks for what needs the vehicle's leave, without it: packets, the DVL's trigger, silence under way, a hold of
-    /// a vehicle that does not hover.
+    /// It asks for what needs the vehicle's leave, without it: packets, the DVL's trigger, silence under way, station
+    /// keeping of a vehicle that does not hover.
     Uninvited,
 }
 
@@ -271,8 +271,8 @@ impl Faulty {
     }
 
     fn steady(&mut self) -> Request {
-        if self.config.hold {
-            return requests::hold(self.next_tag(), HoldTarget::Here, None);
+        if self.config.station {
+            return requests::station(self.next_tag(), StationTarget::Here, None);
         }
         self.modify(self.config.heading_deg, 5 * SECOND_NS)
     }
@@ -367,7 +367,7 @@ mod tests {
         let config = Config {
             fault: Fault::Error,
             after_s: 2.0,
-            hold: false,
+            station: false,
             heading_deg: 45.0,
             depth_m: 10.0,
             speed_mps: 1.5,

@@ -1,6 +1,6 @@
 use backseat_sdk::{
-    BottomPosition, Camera, DvlTrigger, GpsHit, Hold, HoldTarget, HullPosition, Light, Modify, Packet, Position,
-    Request, Silent, SonarAngle, Topside, Trackline, Transport, Vertical,
+    BottomPosition, Camera, DvlTrigger, GpsHit, HullPosition, Light, Modify, Packet, Position, Request, Silent,
+    SonarAngle, Station, StationTarget, Topside, Trackline, Transport, Vertical,
 };
 
 /// Where latitude and longitude begin.
@@ -66,8 +66,8 @@ pub(crate) fn uninvited(mut tag: impl FnMut() -> u64) -> Vec<Request> {
             tag: tag(),
             silent: true,
         }),
-        hold(tag(), HoldTarget::Here, None),
-        Request::EndHold,
+        station(tag(), StationTarget::Here, None),
+        Request::EndStation,
     ]
 }
 
@@ -78,12 +78,12 @@ pub(crate) fn with_figure(value: f64, mut tag: impl FnMut() -> u64) -> Vec<Reque
         latitude: value,
         longitude: value,
     };
-    let hull = HoldTarget::Hull(HullPosition {
+    let hull = StationTarget::Hull(HullPosition {
         horizontal: value,
         vertical: value,
         distance: value,
     });
-    let bottom = HoldTarget::Bottom(BottomPosition {
+    let bottom = StationTarget::Bottom(BottomPosition {
         x: value,
         y: value,
         vertical: Vertical::Altitude(value),
@@ -105,8 +105,8 @@ pub(crate) fn with_figure(value: f64, mut tag: impl FnMut() -> u64) -> Vec<Reque
             interrupt: true,
         }),
         gps_hit(tag(), position),
-        hold(tag(), hull, Some(value)),
-        hold(tag(), bottom, Some(value)),
+        station(tag(), hull, Some(value)),
+        station(tag(), bottom, Some(value)),
         Request::SonarAngle(SonarAngle {
             tag: tag(),
             angle: value,
@@ -114,8 +114,8 @@ pub(crate) fn with_figure(value: f64, mut tag: impl FnMut() -> u64) -> Vec<Reque
     ]
 }
 
-pub(crate) fn hold(tag: u64, target: HoldTarget, speed: Option<f64>) -> Request {
-    Request::Hold(Hold {
+pub(crate) fn station(tag: u64, target: StationTarget, speed: Option<f64>) -> Request {
+    Request::Station(Station {
         tag,
         target,
         speed,

@@ -92,7 +92,7 @@ fn a_refused_heading_gives_the_helm_back_and_is_tried_again_later() {
     let mut input = trial.input();
     input.events = vec![Event::Outcome(Outcome {
         tag: asked.tag,
-        state: State::Rejected(Refusal::new(Rule::Inclusion, "inclusion 'box' left by 12.0 m")),
+        state: State::Rejected(Refusal::new(Rule::KeepIn, "keep-in zone 'box' left by 12.0 m")),
     })];
     let requests = trial.plugin.step(&input).unwrap();
     assert_eq!(requests, [Request::EndModify]);

@@ -93,7 +93,7 @@ fn a_line_that_does_not_fit_is_shortened_and_then_given_up() {
     trial.plugin = Plume::new(config(trial.field())).unwrap().with_fence(|_| true);
     trial.answer = |request, _| match request {
         Request::Trackline(line) if line.start.longitude.max(line.end.longitude) > -70.5976 => Some(State::Rejected(
-            Refusal::new(Rule::Inclusion, "inclusion 'box' left by 31.2 m"),
+            Refusal::new(Rule::KeepIn, "keep-in zone 'box' left by 31.2 m"),
         )),
         _ => None,
     };
@@ -109,7 +109,7 @@ fn a_circle_that_does_not_fit_is_made_smaller() {
     trial.plugin = Plume::new(config(trial.field())).unwrap().with_fence(|_| true);
     trial.answer = |request, _| match request {
         Request::Trackcircle(circle) if circle.radius > 40.0 => {
-            Some(State::Rejected(Refusal::new(Rule::Exclusion, "exclusion")))
+            Some(State::Rejected(Refusal::new(Rule::KeepOut, "keep-out")))
         }
         _ => None,
     };

@@ -6,7 +6,7 @@ use serde::Deserialize;
 pub struct Config {
     /// What all draws come from.
     pub seed: u64,
-    /// The vehicle hovers: holds and its devices are asked for too.
+    /// The vehicle hovers: station keeping and its devices are asked for too.
     #[serde(default)]
     pub hovering: bool,
     /// The box that holds the fence and some of what is outside, in the mission's local frame: its west edge, metres.
@@ -66,8 +66,8 @@ pub enum Kind {
     Buoyancy,
     /// Acoustic packets.
     Packet,
-    /// Holds and moves of a hovering vehicle, and their end.
-    Hold,
+    /// Station keeping and moves of a hovering vehicle, and their end.
+    Station,
     /// Sonar angle, camera and light of a hovering vehicle.
     Devices,
 }
@@ -134,7 +134,7 @@ impl Config {
     pub fn asks_for(&self, kind: Kind) -> bool {
         match &self.kinds {
             Some(kinds) => kinds.contains(&kind),
-            None => self.hovering || !matches!(kind, Kind::Hold | Kind::Devices),
+            None => self.hovering || !matches!(kind, Kind::Station | Kind::Devices),
         }
     }
 }

@@ -159,7 +159,7 @@ impl Errands {
             }
             Kind::Devices => device(bold, asking),
             // They have rhythms of their own.
-            Kind::Modify | Kind::Trackline | Kind::Trackcircle | Kind::Dvl | Kind::Hold => return None,
+            Kind::Modify | Kind::Trackline | Kind::Trackcircle | Kind::Dvl | Kind::Station => return None,
         })
     }
 

@@ -11,18 +11,18 @@ use serde::{Deserialize, Serialize};
 mod asking;
 mod config;
 mod errands;
-mod holding;
 mod inserts;
 mod random;
+mod station;
 mod steering;
 
 pub use config::{Config, ConfigError, Kind};
 
 use asking::{Asking, Fix};
 use errands::Errands;
-use holding::Holding;
 use inserts::Inserts;
 use random::Random;
+use station::Keeping;
 use steering::Steering;
 
 const PERIOD_NS: u64 = 500_000_000;
@@ -47,7 +47,7 @@ struct State {
     control: bool,
     shut_down: bool,
     steering: Steering,
-    holding: Holding,
+    station: Keeping,
     inserts: Inserts,
     errands: Errands,
 }
@@ -73,7 +73,7 @@ impl Plugin for Prober {
             control: false,
             shut_down: false,
             steering: Steering::default(),
-            holding: Holding::default(),
+            station: Keeping::default(),
             inserts: Inserts::default(),
             errands: Errands::default(),
         };
@@ -111,7 +111,7 @@ impl Plugin for Prober {
                 Event::Outcome(outcome) => {
                     let (tag, fate) = (outcome.tag, &outcome.state);
                     state.steering.hear(tag, fate, &mut asking);
-                    state.holding.hear(tag, fate, &mut asking);
+                    state.station.hear(tag, fate, &mut asking);
                     state.inserts.hear(tag, fate, &mut asking);
                     state.errands.hear(tag, fate);
                 }
@@ -119,7 +119,7 @@ impl Plugin for Prober {
                 Event::Window(window) => state.errands.hear_window(window.until_ns, input.now_ns),
                 Event::Restored(restored) => {
                     state.steering.restart();
-                    state.holding.restart();
+                    state.station.restart();
                     state.inserts.restart(&restored.open);
                     state.errands.restart();
                 }
@@ -146,7 +146,7 @@ impl Plugin for Prober {
         if !blind || asking.dares(BLIND_SHARE) {
             let (flying, settled) = (state.inserts.is_flying(), state.inserts.is_accepted());
             state.steering.step(flying, settled, &mut asking);
-            state.holding.step(&mut asking);
+            state.station.step(&mut asking);
             state.inserts.step(&mut asking);
             state.errands.step(&state.inserts, &mut asking);
         }

@@ -63,7 +63,7 @@ fn dive(prober: &mut Prober, from: u64, to: u64, control: bool) -> Vec<Vec<Reque
         let requests = prober.step(&input).unwrap();
         for request in &requests {
             let state = if leaves(request) {
-                State::Rejected(Refusal::new(Rule::Inclusion, "inclusion"))
+                State::Rejected(Refusal::new(Rule::KeepIn, "keep-in"))
             } else {
                 State::Accepted
             };
@@ -90,7 +90,7 @@ fn kind(request: &Request) -> Option<Kind> {
         Request::Trim(_) => Kind::Trim,
         Request::Buoyancy(_) => Kind::Buoyancy,
         Request::Packet(_) => Kind::Packet,
-        Request::Hold(_) | Request::EndHold => Kind::Hold,
+        Request::Station(_) | Request::EndStation => Kind::Station,
         Request::SonarAngle(_) | Request::Camera(_) | Request::Light(_) => Kind::Devices,
         Request::Timer(_) => return None,
     })
@@ -115,7 +115,7 @@ fn it_asks_for_every_kind_in_one_dive() {
     assert_eq!(kinds(&asked).len(), 14, "{:?}", kinds(&asked));
     let mut cruising = prober(config());
     let asked = kinds(&dive(&mut cruising, 0, DIVE, true));
-    assert!(!asked.contains(&Kind::Hold) && !asked.contains(&Kind::Devices));
+    assert!(!asked.contains(&Kind::Station) && !asked.contains(&Kind::Devices));
 }
 
 #[test]

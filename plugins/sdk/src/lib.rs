@@ -56,7 +56,7 @@
 //!
 //! # Requests and outcomes
 //! Every request that can come to an end carries a `tag` of the plugin's choosing, which returns in
-//! [`Event::Outcome`]: use a new one for each request whose fate matters. A [`Modify`], or a [`Hold`] of a hovering
+//! [`Event::Outcome`]: use a new one for each request whose fate matters. A [`Modify`], or a [`Station`] of a hovering
 //! vehicle, stands for its duration and the runtime refreshes it, so ask again before it runs out, or whenever the
 //! setpoint changes. A [`Trackline`] or [`Trackcircle`] is flown by the vehicle by itself once it has accepted it, and so
 //! is a [`GpsHit`], which nobody can cancel. All others end when the vehicle has said whether it has done them.
@@ -84,7 +84,7 @@
 //! | `trim` | [`Request::Trim`] |
 //! | `buoyancy` | [`Request::Buoyancy`] |
 //! | `acoustic` | [`Request::Packet`] |
-//! | `hull` | [`Request::Hold`], [`Request::EndHold`] |
+//! | `station` | [`Request::Station`], [`Request::EndStation`] |
 //! | `devices` | [`Request::SonarAngle`], [`Request::Camera`], [`Request::Light`] |
 //!
 //! [`Request::Timer`] needs none. What a plugin hears needs none either, but a [`Topic`] of its [`Description`], except
@@ -104,11 +104,11 @@ mod request;
 pub use backseat_units as units;
 pub use bindings::backseat::plugin::types::{
     Axes, Battery, Beams, Behavior, BottomPosition, Buoyancy, Camera, Cartesian, Compass, Ctd, Description, Dvl,
-    DvlBeams, DvlTrigger, Edge, EndKind, Ended, Event, Failure, FrameOutcome, GpsHit, Hold, HoldTarget, HullPosition,
-    Imu, Light, Modify, Navigation, Outcome, Packet, PlannedElement, PlannedPoint, Position, Pressure, ReceivedFrame,
-    ReceivedPacket, Refusal, Relative, Request, Restored, Rule, Sample, Servo, Silent, SonarAngle, SoundVelocity,
-    State, StepInput, Surfaces, Telemetry, Timer, Topic, Topside, TopsideMessage, Trackcircle, Trackline, Transport,
-    Trim, VehicleSpeed, Vertical, Window,
+    DvlBeams, DvlTrigger, Edge, EndKind, Ended, Event, Failure, FrameOutcome, GpsHit, HullPosition, Imu, Light, Modify,
+    Navigation, Outcome, Packet, PlannedElement, PlannedPoint, Position, Pressure, ReceivedFrame, ReceivedPacket,
+    Refusal, Relative, Request, Restored, Rule, Sample, Servo, Silent, SonarAngle, SoundVelocity, State, Station,
+    StationTarget, StepInput, Surfaces, Telemetry, Timer, Topic, Topside, TopsideMessage, Trackcircle, Trackline,
+    Transport, Trim, VehicleSpeed, Vertical, Window,
 };
 pub use plugin::{NoConfig, Plugin};
 pub use request::{FRAME_BYTES, FRAMES, TEXT_BYTES, is_plain};

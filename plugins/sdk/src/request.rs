@@ -33,11 +33,11 @@ impl Request {
             Self::Silent(asked) => Some(asked.tag),
             Self::Trim(tag) | Self::Buoyancy(tag) => Some(*tag),
             Self::Packet(asked) => Some(asked.tag),
-            Self::Hold(asked) => Some(asked.tag),
+            Self::Station(asked) => Some(asked.tag),
             Self::SonarAngle(asked) => Some(asked.tag),
             Self::Camera(asked) => Some(asked.tag),
             Self::Light(asked) => Some(asked.tag),
-            Self::EndModify | Self::Cancel(_) | Self::Message(_) | Self::EndHold | Self::Timer(_) => None,
+            Self::EndModify | Self::Cancel(_) | Self::Message(_) | Self::EndStation | Self::Timer(_) => None,
         }
     }
 }

@@ -70,7 +70,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             .map(|topic| match topic {
                 Topic::Ctd => "CTD",
                 Topic::MissionCommand => "mission commands",
-                Topic::Behavior => "behaviours",
+                Topic::Behavior => "behaviors",
                 Topic::Logging => "data logging",
                 Topic::Topside => "topside messages",
                 Topic::Acoustic => "acoustic packets",
@@ -125,13 +125,13 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     for policy in &mission.file.policies {
         say!("policy: when {:?}: {:?}", policy.when, policy.order);
     }
-    for driver in &mission.file.drivers {
-        let sends: Vec<&str> = driver.sends.iter().map(|sentence| sentence.letters()).collect();
+    for source in &mission.file.externals {
+        let sends: Vec<&str> = source.sends.iter().map(|sentence| sentence.letters()).collect();
         say!(
-            "driver {}: may send BP{}, heard on {}",
-            driver.name,
+            "external source {}: may send BP{}, heard on {}",
+            source.name,
             sends.join(", BP"),
-            driver.listen
+            source.listen
         );
     }
     let mut findings = front_seat.findings(&mission, arguments.at, clock.utc_at_start())?;
@@ -165,20 +165,20 @@ fn print_fence(mission: &Mission) -> Result<()> {
     for zone in mission.envelope.fence().zones() {
         let vertices: usize = zone.rings().map(|ring| ring.points.len()).sum();
         let what = match zone.kind() {
-            Kind::Inclusion {
+            Kind::KeepIn {
                 depth,
                 altitude_min_m,
                 surfacing,
             } => {
                 format!(
-                    "inclusion, depth {} to {} m, altitude at least {altitude_min_m} m, {}",
+                    "keep-in, depth {} to {} m, altitude at least {altitude_min_m} m, {}",
                     depth.min_m,
                     depth.max_m,
                     if surfacing { "surfacing allowed" } else { "no surfacing" }
                 )
             }
-            Kind::Exclusion { depth: None } => "exclusion at all depths".to_owned(),
-            Kind::Exclusion { depth: Some(band) } => format!("exclusion from {} to {} m", band.min_m, band.max_m),
+            Kind::KeepOut { depth: None } => "keep-out at all depths".to_owned(),
+            Kind::KeepOut { depth: Some(band) } => format!("keep-out from {} to {} m", band.min_m, band.max_m),
         };
         say!(
             "  {}: {what}, margin {} m, {vertices} vertices{}",

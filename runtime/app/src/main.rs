@@ -7,7 +7,7 @@
 mod check;
 mod cli;
 mod clock;
-mod drivers;
+mod external;
 mod keeper;
 mod link;
 mod log;

@@ -14,7 +14,7 @@ use rustix::process::{getpid, kill_process};
 use tokio::sync::mpsc::unbounded_channel;
 
 use crate::clock::Clock;
-use crate::drivers::Ports;
+use crate::external::Ports;
 use crate::keeper::Keeper;
 use crate::operator::Signals;
 use crate::plugins::{Crew, Steps};

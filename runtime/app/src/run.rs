@@ -20,7 +20,7 @@ use tracing::{error, info, warn};
 
 use crate::cli::MissionArguments;
 use crate::clock::Clock;
-use crate::drivers::{Heard, Ports};
+use crate::external::{Heard, Ports};
 use crate::keeper::{Keeper, Kept};
 use crate::link::{Link, Ready, connect};
 use crate::operator::Signals;
@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     };
     let (ports, heard) = {
         let _within = runtime.enter();
-        Ports::open(&mission.file.drivers)?
+        Ports::open(&mission.file.externals)?
     };
     let host = Host::new()?;
     let loaded = load_plugins(&host, &mission, arguments.mission.plugins.as_deref())?;
@@ -291,7 +291,7 @@ impl Driver {
                     Ready::Closed => self.lose_link("the vehicle closed the connection".to_owned()),
                 },
                 // Last: whatever the operator's programs say waits for all else.
-                Some((driver, bytes)) = heard.recv() => self.feed(Input::Driver(driver, &bytes)),
+                Some((source, bytes)) = heard.recv() => self.feed(Input::External(source, &bytes)),
             }
             let now = self.clock.now();
             slips.woke(wake, now);
@@ -437,7 +437,7 @@ impl Driver {
             Output::ResetLink => self.reset = true,
             Output::Invoke(plugin, input) => self.crew.step(plugin, input),
             Output::Restart(plugin) => self.crew.restart(plugin),
-            Output::Driver(driver, line) => self.ports.tell(driver, line),
+            Output::External(source, line) => self.ports.tell(source, line),
             Output::Reserve(reservation) => {
                 self.ask_state();
                 self.keeper.reserve(reservation);
@@ -453,7 +453,7 @@ impl Driver {
     }
 
     fn tell(&mut self, note: &Note) {
-        let told = note.told(&self.names);
+        let told = note.describe(&self.names);
         match note {
             Note::LinkDown { retry_s, .. } => match self.link_lost.take() {
                 Some(why) => warn!("{why}; next attempt in {retry_s:.1} s"),

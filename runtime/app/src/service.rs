@@ -120,7 +120,7 @@ impl Slips {
         }
         if now >= self.tell_at {
             self.tell_at = now + TELL_EVERY;
-            if let Some(told) = std::mem::take(&mut self.minute).told() {
+            if let Some(told) = std::mem::take(&mut self.minute).describe() {
                 info!("slips in the last minute: {told}");
             }
         }
@@ -128,7 +128,7 @@ impl Slips {
 
     /// Tells of the whole run.
     pub(crate) fn end(&self) {
-        match self.all.told() {
+        match self.all.describe() {
             Some(told) => info!("slips: {told}"),
             None => info!("slips: none"),
         }
@@ -142,7 +142,7 @@ impl Count {
         self.worst = self.worst.max(late);
     }
 
-    fn told(&self) -> Option<String> {
+    fn describe(&self) -> Option<String> {
         (self.slips > 0).then(|| {
             format!(
                 "{} wake-ups over 50 ms late, {} of them over 500 ms, the worst {:.3} s",
@@ -164,17 +164,17 @@ mod tests {
         let mut slips = Slips::default();
         slips.woke(at(1000), at(900));
         slips.woke(at(1000), at(1050));
-        assert_eq!(slips.all.told(), None, "in time");
+        assert_eq!(slips.all.describe(), None, "in time");
         slips.woke(at(2000), at(2051));
         slips.woke(at(3000), at(3700));
-        let told = slips.all.told().unwrap();
+        let told = slips.all.describe().unwrap();
         assert_eq!(
             told,
             "2 wake-ups over 50 ms late, 1 of them over 500 ms, the worst 0.700 s"
         );
         slips.woke(at(70_000), at(70_000));
-        assert_eq!(slips.minute.told(), None, "a minute begins anew");
-        assert!(slips.all.told().is_some());
+        assert_eq!(slips.minute.describe(), None, "a minute begins anew");
+        assert!(slips.all.describe().is_some());
     }
 
     #[test]

@@ -72,10 +72,10 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
     }
 
-    if let [first, ..] = &mission.file.drivers[..] {
-        let all = mission.file.drivers.len();
+    if let [first, ..] = &mission.file.externals[..] {
+        let all = mission.file.externals.len();
         info!(
-            "drivers are not simulated: {} and {} more are not listened for",
+            "external sources are not simulated: {} and {} more are not listened for",
             first.name,
             all - 1
         );

@@ -19,7 +19,7 @@ pub(crate) enum LeaseKind {
 
 /// Who has a lease, and since when without a pause.
 #[derive(Clone, Copy, Debug)]
-struct Holder {
+struct Helm {
     plugin: PluginId,
     since: Timestamp,
 }
@@ -27,8 +27,8 @@ struct Holder {
 /// Who steers, and how long each plugin has.
 #[derive(Debug)]
 pub(crate) struct Arbiter {
-    modify: Option<Holder>,
-    station: Option<Holder>,
+    modify: Option<Helm>,
+    station: Option<Helm>,
     /// How long each plugin has steered, the lease that stands left out.
     steered: Vec<Duration>,
 }
@@ -55,13 +55,13 @@ impl Arbiter {
     /// Whether a plugin may have a lease beside those that stand: the first of the mission file has the highest priority.
     pub(crate) fn arbitrate(&self, plugin: PluginId, kind: LeaseKind) -> Result<(), Refusal> {
         let steers = (self.modify, Reason::OtherSteers);
-        let holds = (self.station, Reason::OtherHolds);
+        let keeps = (self.station, Reason::OtherKeepsStation);
         let both = match kind {
-            LeaseKind::Modify => [steers, holds],
-            LeaseKind::Station => [holds, steers],
+            LeaseKind::Modify => [steers, keeps],
+            LeaseKind::Station => [keeps, steers],
         };
-        for (holder, reason) in both {
-            if holder.is_some_and(|holder| holder.plugin < plugin) {
+        for (helm, reason) in both {
+            if helm.is_some_and(|helm| helm.plugin < plugin) {
                 return Err(reason.into());
             }
         }
@@ -72,19 +72,19 @@ impl Arbiter {
     pub(crate) fn take(&mut self, now: Timestamp, plugin: PluginId, kind: LeaseKind) {
         let before = *self.of(kind);
         let since = match before {
-            Some(holder) if holder.plugin == plugin => holder.since,
+            Some(helm) if helm.plugin == plugin => helm.since,
             Some(_) | None => {
                 self.release(now, kind);
                 now
             }
         };
-        *self.of(kind) = Some(Holder { plugin, since });
+        *self.of(kind) = Some(Helm { plugin, since });
     }
 
     /// A lease is over.
     pub(crate) fn release(&mut self, now: Timestamp, kind: LeaseKind) {
-        if let Some(holder) = self.of(kind).take() {
-            self.steered[holder.plugin.0] += now.since(holder.since);
+        if let Some(helm) = self.of(kind).take() {
+            self.steered[helm.plugin.0] += now.since(helm.since);
         }
     }
 
@@ -100,8 +100,8 @@ impl Arbiter {
         let standing = self
             .modify
             .or(self.station)
-            .filter(|holder| holder.plugin == plugin)
-            .map_or(Duration::ZERO, |holder| now.since(holder.since));
+            .filter(|helm| helm.plugin == plugin)
+            .map_or(Duration::ZERO, |helm| now.since(helm.since));
         let steered = self.steered[plugin.0] + standing;
         if steered.saturating_add(duration) <= most {
             return Ok(());
@@ -110,7 +110,7 @@ impl Arbiter {
         Err(Figure::Steering.over(would, most.as_secs_f64()))
     }
 
-    const fn of(&mut self, kind: LeaseKind) -> &mut Option<Holder> {
+    const fn of(&mut self, kind: LeaseKind) -> &mut Option<Helm> {
         match kind {
             LeaseKind::Modify => &mut self.modify,
             LeaseKind::Station => &mut self.station,

@@ -25,12 +25,12 @@ use crate::capability::topside::Topside;
 use crate::context::Context;
 use crate::ended::Ended;
 use crate::monitor::envelope::{Hover, Insert, Setpoint};
+use crate::mutations::{Check, is_on};
 use crate::plugin::{
-    GpsHitRequest, HoldRequest, ModifyRequest, PluginId, Refusal, Request, TrackcircleRequest, TracklineRequest,
+    GpsHitRequest, ModifyRequest, PluginId, Refusal, Request, StationRequest, TrackcircleRequest, TracklineRequest,
 };
 use crate::refusal::Reason;
 use crate::session::dispatch::Dispatch;
-use crate::switches::{Check, is_on};
 
 /// A request that has passed every check.
 #[derive(Debug)]
@@ -38,7 +38,7 @@ pub(crate) enum Checked<'a> {
     /// A modify may stand.
     Modify(&'a ModifyRequest, Setpoint),
     /// Station keeping may stand.
-    Station(&'a HoldRequest, Hover),
+    Station(&'a StationRequest, Hover),
     /// An insert may leave.
     Insert(Dispatch, Insert, Admitted),
     /// An insert with this tag may leave once the vehicle has answered.
@@ -116,7 +116,7 @@ impl Capabilities {
                 self.modify.may_begin(cx)?;
                 LeaseKind::Modify
             }
-            Request::Hold(_) => LeaseKind::Station,
+            Request::Station(_) => LeaseKind::Station,
             Request::EndModify
             | Request::Trackline(_)
             | Request::Trackcircle(_)
@@ -129,7 +129,7 @@ impl Capabilities {
             | Request::Trim(_)
             | Request::Buoyancy(_)
             | Request::Packet(_)
-            | Request::EndHold
+            | Request::EndStation
             | Request::SonarAngle(_)
             | Request::Camera(_)
             | Request::Light(_)
@@ -152,7 +152,7 @@ impl Capabilities {
     ) -> Result<Checked<'a>, Refusal> {
         let dispatch = match asked {
             Request::Modify(asked) => return Ok(Checked::Modify(asked, self.modify.check(cx, plugin, asked)?)),
-            Request::Hold(asked) => return Ok(Checked::Station(asked, self.station.check(cx, plugin, asked)?)),
+            Request::Station(asked) => return Ok(Checked::Station(asked, self.station.check(cx, plugin, asked)?)),
             Request::Trackline(TracklineRequest { tag, .. })
             | Request::Trackcircle(TrackcircleRequest { tag, .. })
             | Request::GpsHit(GpsHitRequest { tag, .. }) => {
@@ -169,7 +169,7 @@ impl Capabilities {
             Request::SonarAngle(asked) => device::sonar_angle(cx, request, asked),
             Request::Camera(asked) => device::camera(cx, request, asked),
             Request::Light(asked) => device::light(cx, request, asked),
-            Request::EndModify | Request::EndHold | Request::Message(_) | Request::Timer { .. } => Err(not_asked()),
+            Request::EndModify | Request::EndStation | Request::Message(_) | Request::Timer { .. } => Err(not_asked()),
         };
         dispatch.map(Checked::Command)
     }

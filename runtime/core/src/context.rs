@@ -10,13 +10,14 @@ use backseat_units::{TimeOfDay, Timestamp, Utc};
 
 use crate::arbiter::Arbiter;
 use crate::control::Control;
-use crate::external::Drivers;
+use crate::external::Externals;
 use crate::identifiers::Identifiers;
 use crate::io::{Note, Start};
 use crate::ledger::Ledger;
 use crate::monitor::Monitor;
 use crate::monitor::envelope::Envelope;
 use crate::monitor::gate::Gate;
+use crate::mutations::{Check, is_on};
 use crate::outbox::Outbox;
 use crate::outlook::Outlook;
 use crate::plugin::slots::Plugins;
@@ -24,7 +25,6 @@ use crate::session::link::Link;
 use crate::session::subscriptions::Subscriptions;
 use crate::settings::{PluginSetup, Settings};
 use crate::stamp::Stamper;
-use crate::switches::{Check, is_on};
 use crate::timer::Timers;
 use crate::vehicle::Vehicle;
 use crate::vehicle::phase::Phase;
@@ -45,7 +45,7 @@ pub(crate) struct Context {
     pub(crate) outbox: Outbox,
     pub(crate) timers: Timers,
     pub(crate) plugins: Plugins,
-    pub(crate) drivers: Drivers,
+    pub(crate) externals: Externals,
 }
 
 impl Context {
@@ -67,7 +67,7 @@ impl Context {
             outbox: Outbox::default(),
             timers: Timers::default(),
             plugins: Plugins::new(plugins),
-            drivers: Drivers::new(&settings.drivers),
+            externals: Externals::new(&settings.externals),
             monitor: Monitor::new(envelope),
             settings,
         }
@@ -119,7 +119,8 @@ impl Context {
 
     /// What the gate is asked with when a message is about to leave.
     fn gate(&self, message: &ToVehicle) -> Gate<'_> {
-        let is_own = |identifier| self.identifiers.is_ours(identifier) || self.vehicle.former.includes(identifier);
+        let is_own =
+            |identifier| self.identifiers.is_ours(identifier) || self.vehicle.previous_run.includes(identifier);
         Gate {
             now: self.now,
             is_up: self.link.is_up(),

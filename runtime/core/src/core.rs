@@ -22,13 +22,13 @@ use crate::ended::EndCause;
 use crate::io::{Input, Note, Output, Reservation, Start};
 use crate::ledger::RequestCounts;
 use crate::monitor::envelope::Envelope;
+use crate::mutations::{Check, is_on};
 use crate::operator::Orders;
 use crate::plugin::Event;
 use crate::recovery::Whereabouts;
 use crate::session::Session;
 use crate::session::commands::Answer;
 use crate::settings::{PluginSetup, Settings};
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// Called later than this after the promised time, every lease ends before anything else is done: what we know of the
@@ -66,7 +66,7 @@ impl Core {
             whereabouts: Whereabouts::default(),
             unjudged: false,
         };
-        if !core.cx.vehicle.former.is_none() {
+        if !core.cx.vehicle.previous_run.is_none() {
             core.cx.vehicle.courses.leave_plan();
         }
         core.cx.outbox.push(Output::Connect { after: Duration::ZERO });
@@ -96,7 +96,7 @@ impl Core {
             Input::Returned(plugin, returned) => self.returned(plugin, returned),
             Input::Restarted(plugin, restarted) => self.restarted(plugin, restarted),
             Input::Operator(act) => self.orders.act(&mut self.cx, &mut self.capabilities, act),
-            Input::Driver(driver, bytes) => external::received(&mut self.cx, &mut self.capabilities, driver, bytes),
+            Input::External(source, bytes) => external::received(&mut self.cx, &mut self.capabilities, source, bytes),
             Input::Reserved(reservation) => self.cx.identifiers.reserved(reservation),
             Input::UtcSet(by_nanos) => self.utc_set(by_nanos),
             Input::Timeout => {}
@@ -139,7 +139,7 @@ impl Core {
         self.cx.vehicle.navigation.newest()
     }
 
-    /// Whether a lease stands, a modify or a hold.
+    /// Whether a lease stands, a modify or station keeping.
     #[must_use]
     pub fn is_steering(&self) -> bool {
         self.cx.arbiter.is_steering()
@@ -246,8 +246,8 @@ impl Core {
             Timer::Irrevocable => {}
             // That no round trip speaks for the link any more is drawn in `settle`.
             Timer::Heartbeat => self.session.remedy(&mut self.cx),
-            Timer::HoldTerm => self.capabilities.station.end(&mut self.cx, EndCause::TermOver),
-            Timer::Hold => self.capabilities.station.refresh(&mut self.cx),
+            Timer::StationTerm => self.capabilities.station.end(&mut self.cx, EndCause::TermOver),
+            Timer::Station => self.capabilities.station.refresh(&mut self.cx),
             Timer::Relative => self.capabilities.station.timed_out(&mut self.cx),
             Timer::Silent => self.capabilities.silent.timed_out(&mut self.cx),
             Timer::Adjustment => self.capabilities.adjustments.timed_out(&mut self.cx),

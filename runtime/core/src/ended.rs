@@ -53,9 +53,9 @@ causes! {
     PluginEnded "plugin-ended" Asked "its plugin ended it";
     Replaced "replaced" Replaced "replaced";
     OtherModify "other-modify" Replaced "another modify took its place";
-    OtherStation "other-station" Replaced "another hold took its place";
+    OtherStation "other-station" Replaced "other station keeping took its place";
     ModifyBegan "modify-began" Replaced "a modify took its place";
-    StationBegan "station-began" Replaced "a hold took its place";
+    StationBegan "station-began" Replaced "station keeping took its place";
     KillOrdered "kill-ordered" Replaced "a kill took its place before it could be sent";
     TermOver "term-over" Term "its term is over";
     Lapsed "lapsed" Term "lapsed";
@@ -84,13 +84,13 @@ causes! {
     HeadingAgainstYawRate "heading-against-yaw-rate" Navigation "heading and yaw rate disagree";
     SeabedJumps "seabed-jumps" Navigation "depth and altitude tell of another seabed";
     VelocitiesMissing "velocities-missing" Navigation "navigation comes without velocities";
-    NavigationReset "navigation-reset" Navigation "a driver resets the vehicle's navigation";
+    NavigationReset "navigation-reset" Navigation "an external source resets the vehicle's navigation";
     ClockSet "clock-set" Navigation "the vehicle's clock was set";
     OutsideFence "outside-fence" Fence "recovery: the vehicle is outside the fence";
-    BehaviorBegan "behavior-began" Behavior "a behaviour began under it";
-    BehaviorEnded "behavior-ended" Behavior "a behaviour ended under it";
-    MissionGoesOn "mission-goes-on" Behavior "a behaviour began: the mission goes on";
-    Overtaken "overtaken" Behavior "another behaviour has begun";
+    BehaviorBegan "behavior-began" Behavior "a behavior began under it";
+    BehaviorEnded "behavior-ended" Behavior "a behavior ended under it";
+    MissionGoesOn "mission-goes-on" Behavior "a behavior began: the mission goes on";
+    Overtaken "overtaken" Behavior "another behavior has begun";
     Interrupted "interrupted" Behavior "interrupted, and not taken up again";
     OtherDive "other-dive" Mission "the vehicle flies another dive";
     MissionNotRunning "mission-not-running" Mission "the mission is not running";
@@ -181,7 +181,8 @@ impl Ended {
         }
     }
 
-    /// The name of what exactly has ended it: a cause's (`term-over`), or what refuses it now (`exclusion`, `link-down`).
+    /// The name of what exactly has ended it: a cause's (`term-over`), or what refuses it now (`keep-out`,
+    /// `link-down`).
     #[must_use]
     pub fn cause(&self) -> &'static str {
         match self {

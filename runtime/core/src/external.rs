@@ -1,4 +1,4 @@
-//! What core keeps of each driver, and what each is told.
+//! What core keeps of each external source, and what each is told.
 
 use std::collections::BTreeMap;
 
@@ -10,22 +10,22 @@ use backseat_units::{TimeOfDay, Timestamp, Utc};
 use crate::io::Output;
 use crate::ledger::{Transition, is_end};
 use crate::outbox::Outbox;
-use crate::owner::DriverId;
+use crate::owner::ExternalId;
 use crate::plugin::RequestState;
-use crate::settings::external::DriverSetup;
+use crate::settings::external::ExternalSetup;
 
 /// An answer's text is cut to this, characters.
 const TEXT_BYTES_MAX: usize = 200;
 
-/// What core knows of its drivers.
+/// What core knows of its external sources.
 #[derive(Debug)]
-pub(crate) struct Drivers {
+pub(crate) struct Externals {
     pub(crate) ports: Vec<Port>,
 }
 
 #[derive(Debug)]
 pub(crate) struct Port {
-    pub(crate) setup: DriverSetup,
+    pub(crate) setup: ExternalSetup,
     pub(crate) framer: Framer,
     /// What of `framer`'s counts has been dealt with.
     pub(crate) dropped: u64,
@@ -34,15 +34,15 @@ pub(crate) struct Port {
     /// How many sentences are left of its rate, and when that was so.
     pub(crate) left: f64,
     pub(crate) at: Timestamp,
-    /// Requests that are not at their end: the name and the time under which the driver knows them.
+    /// Requests that are not at their end: the name and the time under which the external source knows them.
     pub(crate) open: BTreeMap<u64, (CommandName, TimeOfDay)>,
     /// Counts its requests: the tags of its ledger entries.
     pub(crate) tag: u64,
 }
 
-impl Drivers {
-    pub(crate) fn new(setups: &[DriverSetup]) -> Self {
-        let port = |setup: &DriverSetup| Port {
+impl Externals {
+    pub(crate) fn new(setups: &[ExternalSetup]) -> Self {
+        let port = |setup: &ExternalSetup| Port {
             left: setup.bounds.burst(),
             setup: setup.clone(),
             framer: Framer::new(Policy::FromPayload),
@@ -57,9 +57,10 @@ impl Drivers {
         }
     }
 
-    /// A driver's request has come to another state: its end, or that it is pending, is said to it as the vehicle would.
-    pub(crate) fn tell(&mut self, outbox: &mut Outbox, utc: Utc, driver: DriverId, transition: &Transition) {
-        let Some(port) = self.ports.get_mut(driver.0) else {
+    /// An external source's request has come to another state: its end, or that it is pending, is said to it as the
+    /// vehicle would.
+    pub(crate) fn tell(&mut self, outbox: &mut Outbox, utc: Utc, source: ExternalId, transition: &Transition) {
+        let Some(port) = self.ports.get_mut(source.0) else {
             return;
         };
         let Some((name, echoed)) = port.open.get(&transition.request).copied() else {
@@ -85,7 +86,7 @@ impl Drivers {
             // The acknowledgement has been passed on already, or is yet to come.
             RequestState::Sent | RequestState::Unknown | RequestState::Started | RequestState::Ended(_) => return,
         };
-        acknowledge(outbox, utc, driver, (name, echoed), (status, text));
+        acknowledge(outbox, utc, source, (name, echoed), (status, text));
     }
 }
 
@@ -122,11 +123,11 @@ impl Port {
     }
 }
 
-/// Says to a driver what has become of a command, as the vehicle would.
+/// Says to an external source what has become of a command, as the vehicle would.
 pub(crate) fn acknowledge(
     outbox: &mut Outbox,
     utc: Utc,
-    driver: DriverId,
+    source: ExternalId,
     (command, command_created): (CommandName, TimeOfDay),
     (status, text): (AckStatus, &str),
 ) {
@@ -141,6 +142,6 @@ pub(crate) fn acknowledge(
     });
     let mut bytes = Vec::with_capacity(96);
     if ack.encode(&mut bytes).is_ok() {
-        outbox.push(Output::Driver(driver, bytes));
+        outbox.push(Output::External(source, bytes));
     }
 }

@@ -8,9 +8,9 @@ use backseat_spi::BehaviorId;
 use backseat_units::Timestamp;
 
 use crate::io::{Identifiers as Reserved, Reservation};
+use crate::mutations::{Check, is_on};
 use crate::plugin::Refusal;
 use crate::refusal::Reason;
-use crate::switches::{Check, is_on};
 
 /// How many identifiers are reserved on disk at a time.
 const RESERVE: u32 = 32;

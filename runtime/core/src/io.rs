@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::ended::Ended;
 use crate::ledger::Transition;
 use crate::order::Order;
-use crate::owner::{DriverId, Owner};
+use crate::owner::{ExternalId, Owner};
 use crate::plugin::{LogLine, PluginFault, PluginId, RequestState, Returned, StepInput};
 use crate::refusal::Uncontrolled;
 
@@ -27,8 +27,8 @@ pub enum Input<'a> {
     Restarted(PluginId, Restarted),
     /// The operator.
     Operator(Operator),
-    /// Bytes from a configured driver, in any split.
-    Driver(DriverId, &'a [u8]),
+    /// Bytes from an external source, in any split.
+    External(ExternalId, &'a [u8]),
     /// What is written on disk of identifiers and inserts.
     Reserved(Reservation),
     /// Our computer's clock was set since the start, in all by so many nanoseconds.
@@ -80,8 +80,8 @@ pub enum Output {
     ResetLink,
     /// Run a step of a plugin and return it.
     Invoke(PluginId, StepInput),
-    /// Write this to a driver.
-    Driver(DriverId, Vec<u8>),
+    /// Write this to an external source.
+    External(ExternalId, Vec<u8>),
     /// Make a new instance of a plugin from its last snapshot.
     Restart(PluginId),
     /// Write on disk what may be used of identifiers and inserts, so that a process that follows this one knows.
@@ -144,7 +144,7 @@ pub enum Note {
         /// How many elements it has.
         elements: usize,
     },
-    /// The vehicle's behaviour (BFMBS, BFMBE).
+    /// The vehicle's behavior (BFMBS, BFMBE).
     Behavior {
         /// It began, or it ended.
         began: bool,
@@ -213,7 +213,7 @@ pub enum Note {
 impl Note {
     /// The note with the plugins' names, in priority order, where [`Display`](fmt::Display) has their numbers.
     #[must_use]
-    pub fn told<'a>(&'a self, names: &'a [String]) -> impl fmt::Display + 'a {
+    pub fn describe<'a>(&'a self, names: &'a [String]) -> impl fmt::Display + 'a {
         Told { note: self, names }
     }
 }
@@ -261,7 +261,7 @@ impl fmt::Display for Told<'_> {
             },
             N::Request(transition) => match transition.owner {
                 Owner::Plugin(plugin) => write_transition(f, transition, &who(&plugin)),
-                owner @ (Owner::Operator | Owner::Driver(_)) => write_transition(f, transition, &owner),
+                owner @ (Owner::Operator | Owner::External(_)) => write_transition(f, transition, &owner),
             },
             N::LeaseEnded { plugin, reason } => write!(f, "{} no longer steers: {reason}", who(plugin)),
             N::Plan { elements } => write!(f, "the vehicle's plan has {elements} elements"),
@@ -320,20 +320,20 @@ fn write_transition(f: &mut fmt::Formatter<'_>, transition: &Transition, who: &d
     }
 }
 
-/// The SPI identifiers that this run may use, and what earlier processes of the same vehicle mission have sent.
+/// The SPI identifiers that this run may use, and what previous runs of the same vehicle mission have sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identifiers {
     /// The first that has not been used.
     pub next: u32,
     /// All below this are reserved on disk.
     pub reserved: u32,
-    /// The first of the vehicle's mission: those from here to `next` are of earlier processes.
+    /// The first of the vehicle's mission: those from here to `next` are of previous runs.
     #[serde(default)]
     pub first: u32,
-    /// How many inserts earlier processes have sent at most.
+    /// How many inserts previous runs have sent at most.
     #[serde(default)]
     pub inserts: u32,
-    /// How many GPS hits earlier processes have sent at most.
+    /// How many GPS hits previous runs have sent at most.
     #[serde(default)]
     pub gps_hits: u32,
 }

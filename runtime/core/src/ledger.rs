@@ -54,7 +54,7 @@ pub enum RequestKind {
     /// BPCPD.
     Packet,
     /// BPSUS, BPCON, BPGHP, BPGBP, BPRES: one lease.
-    Hold,
+    Station,
     /// BPSAN.
     SonarAngle,
     /// BPPTZ.
@@ -74,7 +74,7 @@ pub enum RequestKind {
 /// How many requests have come how far. A request counts once in `proposed`, and once in each state that it reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RequestCounts {
-    /// Asked for by plugins, the operator, policies and drivers.
+    /// Asked for by plugins, the operator, policies and external sources.
     pub proposed: u64,
     /// Refused before they were sent.
     pub rejected: u64,
@@ -106,7 +106,7 @@ pub(crate) struct Entry {
     /// When an insert was sent.
     pub(crate) sent_at: Timestamp,
     /// The vehicle's plan, asked for when it had decided on this insert at the latest, does not name it: it does not wait.
-    pub(crate) waits_not: bool,
+    pub(crate) not_queued: bool,
     /// The vehicle may have dropped this insert: it flies another dive since, or has refused to take it back.
     pub(crate) may_be_gone: bool,
 }
@@ -168,7 +168,7 @@ impl Ledger {
             schedule: None,
             interrupted: false,
             sent_at: Timestamp::ZERO,
-            waits_not: false,
+            not_queued: false,
             may_be_gone: false,
         };
         self.open.insert(self.last, entry);
@@ -296,20 +296,20 @@ impl Ledger {
         self.doubtful.remove(&request);
     }
 
-    /// The vehicle has said that a behaviour with this identifier has ended.
+    /// The vehicle has said that a behavior with this identifier has ended.
     pub(crate) fn settle_doubt_of(&mut self, identifier: BehaviorId) {
         self.doubtful.retain(|_, entry| entry.identifier != Some(identifier));
     }
 
     /// The vehicle has told a plan that was asked for then: what it names is there; inserts without its word that are not in
     /// it do not wait, where it had decided on them.
-    pub(crate) fn told_plan(&mut self, asked_at: Timestamp, has: impl Fn(BehaviorId) -> bool) {
+    pub(crate) fn heard_plan(&mut self, asked_at: Timestamp, has: impl Fn(BehaviorId) -> bool) {
         for entry in self.open.values_mut() {
             entry.may_be_gone &= !entry.identifier.is_some_and(&has);
         }
         for entry in self.doubtful.values_mut() {
             let named = entry.identifier.is_none_or(&has);
-            entry.waits_not = !named && asked_at >= entry.sent_at + SETTLED_WITHIN;
+            entry.not_queued = !named && asked_at >= entry.sent_at + SETTLED_WITHIN;
         }
     }
 

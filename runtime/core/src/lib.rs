@@ -28,6 +28,10 @@ mod identifiers;
 mod io;
 mod ledger;
 mod monitor;
+#[cfg(feature = "mutations")]
+pub mod mutations;
+#[cfg(not(feature = "mutations"))]
+mod mutations;
 mod operator;
 mod order;
 mod outbox;
@@ -40,10 +44,6 @@ pub mod refusal;
 mod session;
 mod settings;
 mod stamp;
-#[cfg(feature = "switches")]
-pub mod switches;
-#[cfg(not(feature = "switches"))]
-mod switches;
 mod timer;
 mod vehicle;
 
@@ -51,13 +51,13 @@ pub use core::Core;
 pub use io::{Identifiers, Input, Note, Operator, Output, Reservation, Restarted, Start};
 pub use ledger::{RequestCounts, RequestKind, Transition};
 pub use monitor::envelope::Envelope;
-pub use monitor::limits::hull::{BottomBox, HullBox, HullLimits};
 pub use monitor::limits::integrity::IntegrityLimits;
 pub use monitor::limits::plugin::PluginLimits;
+pub use monitor::limits::station::{BottomBox, HullBox, StationLimits};
 pub use monitor::limits::{FailAction, Grant, HeadingFrame, LimitError, Limits};
 pub use order::{Condition, Order, Policy};
-pub use owner::{DriverId, Owner};
-pub use settings::external::{ConductivityUnit, DriverBounds, DriverSentence, DriverSetup};
+pub use owner::{ExternalId, Owner};
+pub use settings::external::{ConductivityUnit, ExternalBounds, ExternalSentence, ExternalSetup};
 pub use settings::recovery::Recovery;
 pub use settings::{ControlHook, PluginSetup, Settings, StatusCondition};
 pub use vehicle::expected::{ExpectedElement, ExpectedPath, ExpectedPlan};

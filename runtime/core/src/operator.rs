@@ -10,10 +10,10 @@ use crate::capability::Capabilities;
 use crate::context::Context;
 use crate::io::{Note, Operator, Output};
 use crate::ledger::RequestKind;
+use crate::mutations::{Check, is_on};
 use crate::order::Order;
 use crate::plugin::Refusal;
 use crate::refusal::{Reason, Uncontrolled};
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 use crate::vehicle::phase::Phase;
 
@@ -52,7 +52,7 @@ impl Orders {
                 capabilities.end_controlled(cx, Uncontrolled::OperatorHolds);
                 if is_on(Check::HoldCancels) {
                     capabilities.inserts.take_back_all(cx, None);
-                    capabilities.inserts.cancel_former(cx);
+                    capabilities.inserts.cancel_previous_run(cx);
                 }
                 // Last: who keeps it waits for a disk, and what ends by it does not wait for that.
                 cx.note(Note::Operator { act: Operator::Hold });
@@ -102,7 +102,7 @@ impl Orders {
     /// The link is gone. An abort or kill is kept to be sent again, a started mission may yet show itself; the cancels are
     /// not: what they would take back may be another thing by then.
     pub(crate) fn link_lost(&mut self, cx: &mut Context) {
-        cx.vehicle.named_insert.lose();
+        cx.vehicle.named_insert.invalidate_after_loss();
         cx.vehicle.phase = Phase::Unknown;
         self.endings_link_lost(cx);
         self.empty_mission_link_lost(cx);

@@ -14,7 +14,7 @@ pub enum Order {
     Release,
     /// Cancel all inserts, other payloads' too (BPRCA).
     CancelAll,
-    /// End the current behaviour, where it is an insert of ours (BPRCB).
+    /// End the current behavior, where it is an insert of ours (BPRCB).
     CancelCurrent,
     /// End the current element of the mission (BPRCE).
     CancelElement,
@@ -48,7 +48,7 @@ impl fmt::Display for Order {
             Self::Hold => f.write_str("hold"),
             Self::Release => f.write_str("release"),
             Self::CancelAll => f.write_str("cancel all inserts"),
-            Self::CancelCurrent => f.write_str("cancel the current behaviour"),
+            Self::CancelCurrent => f.write_str("cancel the current behavior"),
             Self::CancelElement => f.write_str("cancel the current element of the mission"),
             Self::Abort { text, .. } => write!(f, "abort: {text}"),
             Self::Kill { text } => write!(f, "kill: {text}"),

@@ -36,7 +36,7 @@ impl Outbox {
     }
 
     /// How many lines about the vehicle were counted and not noted since this was last asked.
-    pub(crate) fn take_untold(&mut self) -> u64 {
-        self.vehicle_lines.take_untold()
+    pub(crate) fn take_dropped(&mut self) -> u64 {
+        self.vehicle_lines.take_dropped()
     }
 }

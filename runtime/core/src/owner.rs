@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::plugin::PluginId;
 
-/// Which driver of the mission: its place in the mission file, 0 first.
+/// Which external source of the mission: its place in the mission file, 0 first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct DriverId(pub usize);
+pub struct ExternalId(pub usize);
 
 /// Whose a request is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -16,8 +16,8 @@ pub enum Owner {
     Plugin(PluginId),
     /// The operator's, by word or by a policy of the mission.
     Operator,
-    /// A configured driver's.
-    Driver(DriverId),
+    /// An external source's.
+    External(ExternalId),
 }
 
 impl Owner {
@@ -26,7 +26,7 @@ impl Owner {
     pub const fn plugin(self) -> Option<PluginId> {
         match self {
             Self::Plugin(plugin) => Some(plugin),
-            Self::Operator | Self::Driver(_) => None,
+            Self::Operator | Self::External(_) => None,
         }
     }
 }
@@ -37,9 +37,9 @@ impl From<PluginId> for Owner {
     }
 }
 
-impl From<DriverId> for Owner {
-    fn from(driver: DriverId) -> Self {
-        Self::Driver(driver)
+impl From<ExternalId> for Owner {
+    fn from(source: ExternalId) -> Self {
+        Self::External(source)
     }
 }
 
@@ -54,7 +54,7 @@ impl fmt::Display for Owner {
         match self {
             Self::Plugin(plugin) => write!(f, "plugin {}", plugin.0),
             Self::Operator => f.write_str("operator"),
-            Self::Driver(driver) => write!(f, "driver {}", driver.0),
+            Self::External(source) => write!(f, "external source {}", source.0),
         }
     }
 }

@@ -17,8 +17,8 @@ mod request;
 mod sample;
 
 pub use request::{
-    CameraRequest, DvlTriggerRequest, GpsHitRequest, HoldRequest, HoldTarget, LightRequest, ModifyRequest,
-    PacketRequest, PositionRequest, Request, SilentRequest, SonarAngleRequest, TopsideRequest, TrackcircleRequest,
+    CameraRequest, DvlTriggerRequest, GpsHitRequest, LightRequest, ModifyRequest, PacketRequest, PositionRequest,
+    Request, SilentRequest, SonarAngleRequest, StationRequest, StationTarget, TopsideRequest, TrackcircleRequest,
     TracklineRequest, Transport, VerticalRequest,
 };
 pub use sample::{
@@ -139,7 +139,7 @@ pub enum RequestState {
     Failed(Failure),
     /// The vehicle has not answered. An end.
     TimedOut,
-    /// The link was lost before the answer; resolved later where the vehicle names the behaviour.
+    /// The link was lost before the answer; resolved later where the vehicle names the behavior.
     Unknown,
     /// The vehicle has begun to fly it.
     Started,
@@ -165,9 +165,9 @@ pub enum Event {
     Ctd(CtdSample),
     /// A mission command (BFMSC, SPI 5.1).
     MissionCommand(String),
-    /// A behaviour began (BFMBS, SPI 6.9).
+    /// A behavior began (BFMBS, SPI 6.9).
     BehaviorBegan(Behavior),
-    /// A behaviour ended (BFMBE, SPI 6.10).
+    /// A behavior ended (BFMBE, SPI 6.10).
     BehaviorEnded(Behavior),
     /// A timer that the plugin had set.
     Timer(u64),
@@ -203,7 +203,7 @@ pub enum Event {
     Sample(Sample),
 }
 
-/// A behaviour of the vehicle's mission.
+/// A behavior of the vehicle's mission.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Behavior {
     /// "trackline", "waypoint", "setpoint" and others.

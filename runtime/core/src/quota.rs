@@ -3,7 +3,7 @@ use std::time::Duration;
 
 use backseat_units::Timestamp;
 
-use crate::switches::{Check, is_on};
+use crate::mutations::{Check, is_on};
 
 const MINUTE: Duration = Duration::from_secs(60);
 

@@ -61,20 +61,20 @@ pub enum Refusal {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rule {
-    /// It would leave the fence's inclusion zones.
-    Inclusion,
-    /// It would come into an exclusion zone.
-    Exclusion,
-    /// It would be shallower or deeper than an inclusion zone allows.
+    /// It would leave the fence's keep-in zones.
+    KeepIn,
+    /// It would come into a keep-out zone.
+    KeepOut,
+    /// It would be shallower or deeper than a keep-in zone allows.
     Depth,
-    /// It would be nearer to the bottom than an inclusion zone allows.
+    /// It would be nearer to the bottom than a keep-in zone allows.
     Altitude,
     /// The vehicle would surface where no zone allows it.
     Surfacing,
     /// A zone is not valid for the whole of the time.
     Time,
     /// It would leave the box of a vehicle that hovers, or come into one to be kept out of.
-    Hull,
+    Station,
     /// A figure is out of its range.
     Limit,
     /// The mission does not grant it.
@@ -122,13 +122,13 @@ pub enum Rule {
 impl Rule {
     /// All of them.
     pub const ALL: &[Self] = &[
-        Self::Inclusion,
-        Self::Exclusion,
+        Self::KeepIn,
+        Self::KeepOut,
         Self::Depth,
         Self::Altitude,
         Self::Surfacing,
         Self::Time,
-        Self::Hull,
+        Self::Station,
         Self::Limit,
         Self::Grant,
         Self::Control,
@@ -156,13 +156,13 @@ impl Rule {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Inclusion => "inclusion",
-            Self::Exclusion => "exclusion",
+            Self::KeepIn => "keep-in",
+            Self::KeepOut => "keep-out",
             Self::Depth => "depth",
             Self::Altitude => "altitude",
             Self::Surfacing => "surfacing",
             Self::Time => "time",
-            Self::Hull => "hull",
+            Self::Station => "station",
             Self::Limit => "limit",
             Self::Grant => "grant",
             Self::Control => "control",
@@ -200,15 +200,15 @@ impl Refusal {
     pub fn rule(&self) -> Rule {
         match self {
             Self::Zone(breach) => match breach.rule {
-                ZoneRule::Inclusion => Rule::Inclusion,
-                ZoneRule::Exclusion => Rule::Exclusion,
+                ZoneRule::KeepIn => Rule::KeepIn,
+                ZoneRule::KeepOut => Rule::KeepOut,
                 ZoneRule::DepthMin | ZoneRule::DepthMax => Rule::Depth,
                 ZoneRule::AltitudeMin => Rule::Altitude,
                 ZoneRule::Surfacing => Rule::Surfacing,
                 ZoneRule::Closed => Rule::Time,
                 ZoneRule::NotFinite => Rule::Limit,
             },
-            Self::Box(_) => Rule::Hull,
+            Self::Box(_) => Rule::Station,
             Self::Figure(breach) => breach.figure.rule(),
             Self::Uncontrolled(_) => Rule::Control,
             Self::NotGranted(_) => Rule::Grant,

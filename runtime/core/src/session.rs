@@ -273,13 +273,13 @@ impl Session {
 
     /// Tells what was counted and not told.
     fn tell_what_was_counted(&self, cx: &mut Context) {
-        let untold = cx.outbox.take_untold();
+        let untold = cx.outbox.take_dropped();
         if untold > 0 {
             let text = format!("{untold} lines more of what the vehicle said were left out");
             cx.note(Note::Text { text });
         }
         for plugin in cx.plugins.ids() {
-            let untold = cx.plugins.take_untold(plugin);
+            let untold = cx.plugins.take_dropped(plugin);
             if untold > 0 {
                 let name = cx.plugins.name(plugin);
                 let text = format!("{untold} requests more of {name} were over its rate and rejected");

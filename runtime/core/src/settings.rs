@@ -7,7 +7,7 @@ use crate::monitor::limits::plugin::PluginLimits;
 use crate::monitor::limits::{FailAction, Grant, HeadingFrame};
 use crate::order::Policy;
 use crate::plugin::Description;
-use crate::settings::external::DriverSetup;
+use crate::settings::external::ExternalSetup;
 use crate::settings::recovery::Recovery;
 use crate::vehicle::expected::ExpectedPlan;
 
@@ -56,9 +56,9 @@ pub struct Settings {
     /// What is done for the operator when something happens: the mission's `[[policy]]` tables.
     #[serde(skip)]
     pub policies: Vec<Policy>,
-    /// Who may send what moves the vehicle's idea of where it is: the mission's `[[driver]]` tables.
+    /// Who may send what moves the vehicle's idea of where it is: the mission's `[[external]]` tables.
     #[serde(skip)]
-    pub drivers: Vec<DriverSetup>,
+    pub externals: Vec<ExternalSetup>,
     /// The plan that the operator had checked: nothing that steers is sent until the vehicle's own has been found to be
     /// the same on this connection. Where there is none, nothing is compared.
     #[serde(skip)]

@@ -7,17 +7,17 @@ pub(crate) enum Timer {
     Shutdown,
     /// The lease's term is over. What ends a lease comes before what refreshes it.
     Term,
-    /// A hold's term is over.
-    HoldTerm,
+    /// The term of station keeping is over.
+    StationTerm,
     /// The oldest command without an acknowledgement is late.
     Acknowledgement,
     /// The lease is due for its next BPRMB.
     Refresh,
-    /// A hold is due for its next BPCON.
-    Hold,
+    /// Station keeping is due for its next BPCON.
+    Station,
     /// Navigation becomes stale, or steady.
     Navigation,
-    /// Relative navigation becomes stale under a hold.
+    /// Relative navigation becomes stale under station keeping.
     Relative,
     /// Navigation has not come since the link came up or since it stopped.
     Silence,
@@ -53,10 +53,10 @@ impl Timer {
     const ALL: [Self; 22] = [
         Self::Shutdown,
         Self::Term,
-        Self::HoldTerm,
+        Self::StationTerm,
         Self::Acknowledgement,
         Self::Refresh,
-        Self::Hold,
+        Self::Station,
         Self::Navigation,
         Self::Relative,
         Self::Silence,

@@ -2,12 +2,12 @@ pub(crate) mod clock;
 pub(crate) mod course;
 pub(crate) mod dive;
 pub(crate) mod expected;
-pub(crate) mod former;
 pub(crate) mod integrity;
 pub(crate) mod named_insert;
 pub(crate) mod navigation;
 pub(crate) mod phase;
 pub(crate) mod plan;
+pub(crate) mod previous_run;
 pub(crate) mod relative;
 
 use backseat_units::LocalFrame;
@@ -19,11 +19,11 @@ use crate::plugin::{CartesianSample, RelativeSample};
 use crate::vehicle::course::Courses;
 use crate::vehicle::dive::Dive;
 use crate::vehicle::expected::Compared;
-use crate::vehicle::former::Former;
 use crate::vehicle::named_insert::NamedInsert;
 use crate::vehicle::navigation::Tracker;
 use crate::vehicle::phase::Phase;
 use crate::vehicle::plan::Plan;
+use crate::vehicle::previous_run::PreviousRun;
 use crate::vehicle::relative::Track;
 
 /// What is believed of the vehicle. Each part follows what the vehicle says of one thing.
@@ -39,7 +39,7 @@ pub(crate) struct Vehicle {
     pub(crate) phase: Phase,
     pub(crate) courses: Courses,
     pub(crate) named_insert: NamedInsert,
-    pub(crate) former: Former,
+    pub(crate) previous_run: PreviousRun,
     /// Where its mission was suspended by station keeping that is over: it may not have gone on yet, for the vehicle may
     /// return there first, and one that is suspended meanwhile stands where it stood (8.3).
     pub(crate) suspended: Vec<Suspended>,
@@ -49,18 +49,18 @@ pub(crate) struct Vehicle {
 
 impl Vehicle {
     pub(crate) fn new(frame: LocalFrame, limits: &Limits, identifiers: Option<Identifiers>) -> Self {
-        let hull = limits.hull.as_ref();
+        let station = limits.station.as_ref();
         Self {
             navigation: Tracker::new(frame, limits),
-            relative: Track::new(limits, hull.is_some_and(|hull| hull.hull_box.is_some())),
-            cartesian: Track::new(limits, hull.is_some_and(|hull| hull.bottom_box.is_some())),
+            relative: Track::new(limits, station.is_some_and(|station| station.hull_box.is_some())),
+            cartesian: Track::new(limits, station.is_some_and(|station| station.bottom_box.is_some())),
             dive: Dive::default(),
             plan: Plan::default(),
             compared: Compared::default(),
             phase: Phase::default(),
             courses: Courses::default(),
             named_insert: NamedInsert::default(),
-            former: Former::new(identifiers),
+            previous_run: PreviousRun::new(identifiers),
             suspended: Vec::new(),
             silent: false,
         }
@@ -86,10 +86,10 @@ impl Vehicle {
     }
 
     /// Something was not heard, which may have been a begin or an end of what is flown.
-    pub(crate) fn lose(&mut self) {
-        self.plan.lose();
-        self.courses.lose();
-        self.former.lose();
-        self.named_insert.lose();
+    pub(crate) fn invalidate_after_loss(&mut self) {
+        self.plan.invalidate_after_loss();
+        self.courses.invalidate_after_loss();
+        self.previous_run.invalidate_after_loss();
+        self.named_insert.invalidate_after_loss();
     }
 }

@@ -53,14 +53,14 @@ impl ZoneBreach {
         let name = self.zone.as_deref().unwrap_or_default();
         match self.rule {
             Rule::NotFinite => "not a usable number".to_owned(),
-            Rule::Closed => format!("inclusion '{name}' is not valid then"),
-            Rule::Surfacing if self.zone.is_none() => "no inclusion zone allows surfacing".to_owned(),
-            Rule::Surfacing => format!("outside inclusion '{name}', which allows surfacing"),
-            Rule::DepthMin => format!("shallower than inclusion '{name}' allows"),
-            Rule::DepthMax => format!("deeper than inclusion '{name}' allows"),
-            Rule::AltitudeMin => format!("below the altitude of inclusion '{name}'"),
-            Rule::Exclusion => format!("inside exclusion '{name}'"),
-            Rule::Inclusion => format!("outside inclusion '{name}'"),
+            Rule::Closed => format!("keep-in zone '{name}' is not valid then"),
+            Rule::Surfacing if self.zone.is_none() => "no keep-in zone allows surfacing".to_owned(),
+            Rule::Surfacing => format!("outside keep-in zone '{name}', which allows surfacing"),
+            Rule::DepthMin => format!("shallower than keep-in zone '{name}' allows"),
+            Rule::DepthMax => format!("deeper than keep-in zone '{name}' allows"),
+            Rule::AltitudeMin => format!("below the altitude of keep-in zone '{name}'"),
+            Rule::KeepOut => format!("inside keep-out zone '{name}'"),
+            Rule::KeepIn => format!("outside keep-in zone '{name}'"),
         }
     }
 }
@@ -77,19 +77,21 @@ impl fmt::Display for ZoneBreach {
             }
             Rule::Closed => {
                 let valid = self.valid.unwrap_or_default();
-                write!(f, "inclusion '{name}' is valid {valid} only, asked for ")?;
+                write!(f, "keep-in zone '{name}' is valid {valid} only, asked for ")?;
                 return match self.asked {
                     Some(span) => write!(f, "{span}"),
                     None => write!(f, "an unknown time"),
                 };
             }
-            Rule::Surfacing if self.zone.is_none() => return write!(f, "no inclusion zone allows surfacing"),
-            Rule::DepthMin => return write!(f, "{metres} shallower than the {bound_m} m of inclusion '{name}'"),
-            Rule::DepthMax => return write!(f, "{metres} deeper than the {bound_m} m of inclusion '{name}'"),
-            Rule::AltitudeMin => return write!(f, "{metres} below the altitude of {bound_m} m of inclusion '{name}'"),
-            Rule::Exclusion => write!(f, "inside exclusion '{name}'")?,
-            Rule::Surfacing => write!(f, "outside inclusion '{name}', the nearest that allows surfacing,")?,
-            Rule::Inclusion => write!(f, "outside inclusion '{name}'")?,
+            Rule::Surfacing if self.zone.is_none() => return write!(f, "no keep-in zone allows surfacing"),
+            Rule::DepthMin => return write!(f, "{metres} shallower than the {bound_m} m of keep-in zone '{name}'"),
+            Rule::DepthMax => return write!(f, "{metres} deeper than the {bound_m} m of keep-in zone '{name}'"),
+            Rule::AltitudeMin => {
+                return write!(f, "{metres} below the altitude of {bound_m} m of keep-in zone '{name}'");
+            }
+            Rule::KeepOut => write!(f, "inside keep-out zone '{name}'")?,
+            Rule::Surfacing => write!(f, "outside keep-in zone '{name}', the nearest that allows surfacing,")?,
+            Rule::KeepIn => write!(f, "outside keep-in zone '{name}'")?,
         }
         if self.margin_m > 0.0 {
             write!(f, " with its margin of {} m", self.margin_m)?;

@@ -1,4 +1,4 @@
-//! Inclusion zones that nobody can reach, as an exclusion zone covers them.
+//! Keep-in zones that nobody can reach, as a keep-out zone covers them.
 
 use geo::{Area, BooleanOps, Euclidean, Length};
 use parry2d_f64::math::Vector;
@@ -11,27 +11,27 @@ use crate::zone::{Band, Kind, Zone};
 /// centimetre, so that two along one line may lie twice that apart.
 const SLACK_M: f64 = 0.02;
 
-/// Which polygon lies in which exclusion zone, counted from 0.
+/// Which polygon lies in which keep-out zone, counted from 0.
 pub(crate) struct Covered {
-    pub(crate) inclusion: usize,
+    pub(crate) keep_in: usize,
     pub(crate) polygon: usize,
-    pub(crate) exclusion: usize,
+    pub(crate) keep_out: usize,
 }
 
-/// The first inclusion polygon that lies wholly inside one exclusion polygon, whose zone counts wherever and whenever
-/// the inclusion holds.
+/// The first keep-in polygon that lies wholly inside one keep-out polygon, whose zone counts wherever and whenever
+/// the keep-in zone holds.
 pub(crate) fn find(zones: &[Zone]) -> Option<Covered> {
-    for (inclusion, zone) in zones.iter().enumerate() {
-        for (exclusion, other) in zones.iter().enumerate() {
+    for (keep_in, zone) in zones.iter().enumerate() {
+        for (keep_out, other) in zones.iter().enumerate() {
             if !always_counts(other, zone) {
                 continue;
             }
             for (polygon, part) in zone.polygons.iter().enumerate() {
                 if other.polygons.iter().any(|whole| covers(whole, part)) {
                     return Some(Covered {
-                        inclusion,
+                        keep_in,
                         polygon,
-                        exclusion,
+                        keep_out,
                     });
                 }
             }
@@ -40,19 +40,19 @@ pub(crate) fn find(zones: &[Zone]) -> Option<Covered> {
     None
 }
 
-/// Whether an exclusion zone counts at all depths and times of an inclusion zone.
-fn always_counts(exclusion: &Zone, inclusion: &Zone) -> bool {
-    let depths = match (exclusion.kind, inclusion.kind) {
-        (Kind::Exclusion { depth: None }, Kind::Inclusion { .. }) => true,
+/// Whether a keep-out zone counts at all depths and times of a keep-in zone.
+fn always_counts(keep_out: &Zone, keep_in: &Zone) -> bool {
+    let depths = match (keep_out.kind, keep_in.kind) {
+        (Kind::KeepOut { depth: None }, Kind::KeepIn { .. }) => true,
         (
-            Kind::Exclusion {
+            Kind::KeepOut {
                 depth: Some(Band { min_m, max_m }),
             },
-            Kind::Inclusion { depth, .. },
+            Kind::KeepIn { depth, .. },
         ) => min_m <= depth.min_m && max_m >= depth.max_m,
-        (Kind::Inclusion { .. }, _) | (_, Kind::Exclusion { .. }) => false,
+        (Kind::KeepIn { .. }, _) | (_, Kind::KeepOut { .. }) => false,
     };
-    let (ours, theirs) = (exclusion.window, inclusion.window);
+    let (ours, theirs) = (keep_out.window, keep_in.window);
     let from = ours
         .from
         .is_none_or(|from| theirs.from.is_some_and(|other| from <= other));

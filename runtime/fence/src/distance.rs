@@ -12,10 +12,10 @@ use parry2d_f64::shape::Segment;
 
 use crate::sweep::Shape;
 
-mod hull;
+mod convex;
 mod rim;
 
-pub(crate) use hull::{HullProbe, chain_of};
+pub(crate) use convex::{ConvexProbe, chain_of};
 pub(crate) use rim::RimProbe;
 
 /// Where a shape and an edge are nearest to each other.
@@ -43,7 +43,7 @@ pub(crate) trait Probe {
     fn box_d2(&self, min: Vector, max: Vector, enough_m2: f64) -> f64;
     /// Where the shape and an edge are nearest to each other.
     fn contact(&self, edge: &Segment) -> Contact;
-    /// Points of the shape from which its worst one is taken: the corners of a hull, eight of a rim.
+    /// Points of the shape from which its worst one is taken: the corners of a convex hull, eight of a rim.
     fn samples(&self) -> Samples;
     /// A point of the shape.
     fn witness(&self) -> Vector {
@@ -64,7 +64,7 @@ pub(crate) fn east_north(v: Vector) -> EastNorth {
 
 /// The probe of any shape.
 pub(crate) enum AnyProbe {
-    Hull(HullProbe),
+    Convex(ConvexProbe),
     Rim(RimProbe),
 }
 
@@ -72,7 +72,7 @@ impl AnyProbe {
     /// The shape's coordinates are finite, and so are their squares.
     pub(crate) fn new(shape: &Shape) -> Self {
         match shape {
-            Shape::Hull(hull) => Self::Hull(HullProbe::new(hull.points())),
+            Shape::Convex(convex) => Self::Convex(ConvexProbe::new(convex.points())),
             Shape::Rim { centre, radius_m } => Self::Rim(RimProbe {
                 centre: vector(*centre),
                 radius_m: *radius_m,

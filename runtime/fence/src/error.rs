@@ -74,11 +74,11 @@ pub enum FenceError {
         second: usize,
     },
     /// A collection without features.
-    #[error("no features, expected at least one inclusion zone")]
+    #[error("no features, expected at least one keep-in zone")]
     Empty,
-    /// Exclusions only: the vehicle could be nowhere.
-    #[error("no inclusion zone among {features} features, expected at least one")]
-    NoInclusion {
+    /// Keep-out zones only: the vehicle could be nowhere.
+    #[error("no keep-in zone among {features} features, expected at least one")]
+    NoKeepIn {
         /// How many features there are.
         features: usize,
     },
@@ -102,7 +102,7 @@ pub enum FenceError {
         /// What should be.
         expected: &'static str,
     },
-    /// An inclusion corridor whose line turns so tightly that its sides would cross.
+    /// A keep-in corridor whose line turns so tightly that its sides would cross.
     #[error(
         "{feature}: turns too tightly at vertex {vertex} for its `half_width_m` of {half_width_m}, expected longer legs, a smaller width, or a polygon"
     )]
@@ -202,16 +202,16 @@ pub enum FenceError {
         /// What is taken.
         limit_km: f64,
     },
-    /// An inclusion zone that lies wholly inside an exclusion zone which counts at all its depths and times: two that
+    /// A keep-in zone that lies wholly inside a keep-out zone which counts at all its depths and times: two that
     /// were mistaken for each other, or one that was drawn too large.
-    #[error("{place}: lies wholly inside exclusion '{exclusion}', expected a part that can be reached")]
+    #[error("{place}: lies wholly inside keep-out zone '{keep_out}', expected a part that can be reached")]
     Excluded {
-        /// The polygon of the inclusion zone, by its outer ring.
+        /// The polygon of the keep-in zone, by its outer ring.
         place: Place,
-        /// The name of the exclusion zone.
-        exclusion: String,
+        /// The name of the keep-out zone.
+        keep_out: String,
     },
-    /// An inclusion zone in which no point keeps the margin.
+    /// A keep-in zone in which no point keeps the margin.
     #[error("{place}: `margin_m` of {margin_m} leaves nothing inside, expected under {:.3}, half of its width", width_m / 2.0)]
     NothingReachable {
         /// The polygon, by its outer ring.

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use backseat_units::{EastNorth, LocalFrame, Utc};
 
-use crate::distance::{AnyProbe, HullProbe, vector};
+use crate::distance::{AnyProbe, ConvexProbe, vector};
 use crate::error::FenceError;
 use crate::map::Map;
 use crate::question::{LIMIT_M, Question, unusable, unusable_span, unusable_vertical};
@@ -64,7 +64,7 @@ impl Fence {
         }
     }
 
-    /// The plane of all shapes that this fence checks, around the centroid of its inclusion zones.
+    /// The plane of all shapes that this fence checks, around the centroid of its keep-in zones.
     #[must_use]
     pub fn frame(&self) -> &LocalFrame {
         &self.map.frame
@@ -90,7 +90,7 @@ impl Fence {
     /// Judges everything that the vehicle may touch.
     ///
     /// # Errors
-    /// The [`Breach`]: what does not hold, by how many metres, and where. Where no inclusion zone holds, it is told of
+    /// The [`Breach`]: what does not hold, by how many metres, and where. Where no keep-in zone holds, it is told of
     /// the one whose worst fault is the smallest.
     pub fn check(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
         self.ask(sweep, vertical, None, false, None)
@@ -117,8 +117,8 @@ impl Fence {
         FenceDuring { fence: self, span }
     }
 
-    /// Judges a place where the vehicle comes up to the surface: as [`Fence::check`], but only inclusion zones with
-    /// `surfacing` can hold it, their `depth_min_m` does not count, and exclusion zones count from the surface down to
+    /// Judges a place where the vehicle comes up to the surface: as [`Fence::check`], but only keep-in zones with
+    /// `surfacing` can hold it, their `depth_min_m` does not count, and keep-out zones count from the surface down to
     /// the extent's deepest, whatever its shallowest is.
     ///
     /// # Errors
@@ -128,7 +128,7 @@ impl Fence {
     }
 
     /// As [`Fence::check`], of a way on which the vehicle may come to other depths than those of the extent, which are not
-    /// the asker's affair: from and to, metres. Exclusion zones count at all of them, inclusion zones by the extent alone.
+    /// the asker's affair: from and to, metres. Keep-out zones count at all of them, keep-in zones by the extent alone.
     ///
     /// # Errors
     /// As [`Fence::check`]; [`Rule::NotFinite`] too where a depth is no number.
@@ -172,15 +172,15 @@ impl Fence {
             span,
         };
         match AnyProbe::new(&sweep.shape) {
-            AnyProbe::Hull(probe) => self.map.judge(&probe, question),
+            AnyProbe::Convex(probe) => self.map.judge(&probe, question),
             AnyProbe::Rim(probe) => self.map.judge(&probe, question),
         }
     }
 
-    /// Judges a bare position: no radius, no margins, no depth. Exclusion zones count at whatever depth they have.
+    /// Judges a bare position: no radius, no margins, no depth. Keep-out zones count at whatever depth they have.
     ///
     /// # Errors
-    /// [`Rule::Inclusion`], [`Rule::Exclusion`] or [`Rule::NotFinite`]; an edge itself is outside of what it bounds.
+    /// [`Rule::KeepIn`], [`Rule::KeepOut`] or [`Rule::NotFinite`]; an edge itself is outside of what it bounds.
     pub fn contains(&self, point: EastNorth) -> Result<Clearance, Breach> {
         self.holds(point, None)
     }
@@ -193,7 +193,7 @@ impl Fence {
             return Err(self.map.unusable("point"));
         }
         self.map.judge(
-            &HullProbe::point(vector(point)),
+            &ConvexProbe::point(vector(point)),
             Question {
                 radius_m: 0.0,
                 vertical: None,

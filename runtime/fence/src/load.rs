@@ -16,6 +16,7 @@ mod json;
 mod kml;
 mod plan;
 mod properties;
+mod renamed;
 mod round;
 mod xml;
 
@@ -71,7 +72,7 @@ impl RawZone {
                 east: longitude + reach_deg,
             });
         }
-        let polygons = vec![round::circle(centre, radius_m, properties.is_inclusion())];
+        let polygons = vec![round::circle(centre, radius_m, properties.is_keep_in())];
         Ok(Self {
             label,
             properties,
@@ -100,7 +101,7 @@ impl RawZone {
                 "a LineString of at least two positions",
             ));
         };
-        let polygons = round::corridor(line, middle, half_width_m, properties.is_inclusion(), &label)?;
+        let polygons = round::corridor(line, middle, half_width_m, properties.is_keep_in(), &label)?;
         Ok(Self {
             label,
             properties,
@@ -133,8 +134,8 @@ fn judged(raw: Vec<RawZone>) -> Result<Loaded, FenceError> {
         for (index, polygon) in zone.polygons.iter().enumerate() {
             let place = |hole: usize| zone.place(index, hole);
             let margin_m = match zone.properties.kind {
-                Kind::Inclusion { .. } => zone.properties.margin_m,
-                Kind::Exclusion { .. } => 0.0,
+                Kind::KeepIn { .. } => zone.properties.margin_m,
+                Kind::KeepOut { .. } => 0.0,
             };
             let polygon = outliner.polygon(polygon, margin_m, &place);
             polygons.push(polygon.map_err(|fault| within(&zone.label, fault))?);
@@ -149,8 +150,8 @@ fn judged(raw: Vec<RawZone>) -> Result<Loaded, FenceError> {
     }
     if let Some(covered) = cover::find(&zones) {
         return Err(FenceError::Excluded {
-            place: raw[covered.inclusion].place(covered.polygon, 0),
-            exclusion: zones[covered.exclusion].name.clone(),
+            place: raw[covered.keep_in].place(covered.polygon, 0),
+            keep_out: zones[covered.keep_out].name.clone(),
         });
     }
     let across_m = outliner.across_m();
@@ -182,8 +183,8 @@ fn refuse_collection(zones: &[RawZone]) -> Result<(), FenceError> {
             return Err(within(&zone.label, FenceError::TooManyVertices { found, limit }));
         }
     }
-    if !zones.iter().any(|zone| zone.properties.is_inclusion()) {
-        return Err(FenceError::NoInclusion { features: zones.len() });
+    if !zones.iter().any(|zone| zone.properties.is_keep_in()) {
+        return Err(FenceError::NoKeepIn { features: zones.len() });
     }
     Ok(())
 }
@@ -258,7 +259,7 @@ impl Bounds {
     }
 }
 
-/// The frame around the centroid of the inclusion zones' outer rings, where the fence is small enough for one.
+/// The frame around the centroid of the keep-in zones' outer rings, where the fence is small enough for one.
 fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
     let (mut middle_east, mut middle_north) = ((bounds.west + bounds.east) / 2.0, (bounds.south + bounds.north) / 2.0);
     if !(middle_east.is_finite() && middle_north.is_finite()) {
@@ -269,7 +270,7 @@ fn frame(zones: &[RawZone], bounds: &Bounds) -> Result<LocalFrame, FenceError> {
     let (mut area, mut east, mut north) = (0.0, 0.0, 0.0);
     for zone in zones
         .iter()
-        .filter(|zone| matches!(zone.properties.kind, Kind::Inclusion { .. }))
+        .filter(|zone| matches!(zone.properties.kind, Kind::KeepIn { .. }))
     {
         for ring in zone.polygons.iter().map(|rings| &rings[0]) {
             let moments = ring

@@ -88,19 +88,19 @@ impl Map {
 
     /// A shape that no edge comes near to is on one side of it, all of it: one point of the shape tells which.
     pub(crate) fn judge<P: Probe>(self: &Arc<Self>, probe: &P, question: Question) -> Result<Clearance, Breach> {
-        let Some(inside) = self.roomiest_inclusion(probe, question) else {
+        let Some(inside) = self.roomiest_keep_in(probe, question) else {
             return Err(self.outside(probe, question));
         };
-        // Equal room on both sides is told of the inclusion.
-        match self.nearest_exclusion(probe, question, inside.metres) {
+        // Equal room on both sides is told of the keep-in zone.
+        match self.nearest_keep_out(probe, question, inside.metres) {
             None => Ok(inside),
             Some((_, clearance)) if clearance.metres >= 0.0 => Ok(clearance),
             Some((leaf, _)) => Err(self.breach(self.fault(probe, question, leaf))),
         }
     }
 
-    /// Of the inclusion polygons that hold the sweep the one that leaves the most room.
-    fn roomiest_inclusion<P: Probe>(&self, probe: &P, question: Question) -> Option<Clearance> {
+    /// Of the keep-in polygons that hold the sweep the one that leaves the most room.
+    fn roomiest_keep_in<P: Probe>(&self, probe: &P, question: Question) -> Option<Clearance> {
         let (min, max) = probe.bounds();
         // What leaves the bounding box leaves the polygon.
         let around = |node: &BvhNode| min.cmpge(node.mins()).all() && max.cmple(node.maxs()).all();
@@ -126,8 +126,8 @@ impl Map {
         roomiest
     }
 
-    /// The exclusion that leaves the least room, where that is less than `below_m`; negative where it is breached.
-    fn nearest_exclusion<P: Probe>(&self, probe: &P, question: Question, below_m: f64) -> Option<(u32, Clearance)> {
+    /// The keep-out zone that leaves the least room, where that is less than `below_m`; negative where it is breached.
+    fn nearest_keep_out<P: Probe>(&self, probe: &P, question: Question, below_m: f64) -> Option<(u32, Clearance)> {
         let least_m = |node: &BvhNode, _| {
             let d2 = probe.box_d2(node.mins(), node.maxs(), f64::INFINITY);
             // Within its box a shape may be far inside of a polygon.
@@ -160,7 +160,7 @@ impl Map {
         self.tree.find_best(below_m, least_m, room)
     }
 
-    /// Of the inclusion zones that do not hold the one that comes nearest to it.
+    /// Of the keep-in zones that do not hold the one that comes nearest to it.
     #[cold]
     fn outside<P: Probe>(self: &Arc<Self>, probe: &P, question: Question) -> Breach {
         let (mut least, mut closed): (Option<Fault>, Option<Fault>) = (None, None);
@@ -196,7 +196,7 @@ impl Map {
         }
         match least {
             Some(fault) => self.breach(fault),
-            // A fence without inclusion zones is refused at load; it has none that allows surfacing.
+            // A fence without keep-in zones is refused at load; it has none that allows surfacing.
             None => Breach {
                 rule: Rule::Surfacing,
                 metres: f64::INFINITY,
@@ -213,9 +213,9 @@ impl Map {
     fn fault<P: Probe>(&self, probe: &P, question: Question, leaf: u32) -> Fault {
         let (zone, polygon, edge_id) = self.part(leaf);
         let (rule, sign) = match zone.kind {
-            Kind::Exclusion { .. } => (Rule::Exclusion, -1.0),
-            Kind::Inclusion { .. } if question.surfacing => (Rule::Surfacing, 1.0),
-            Kind::Inclusion { .. } => (Rule::Inclusion, 1.0),
+            Kind::KeepOut { .. } => (Rule::KeepOut, -1.0),
+            Kind::KeepIn { .. } if question.surfacing => (Rule::Surfacing, 1.0),
+            Kind::KeepIn { .. } => (Rule::KeepIn, 1.0),
         };
         let (mut edge, mut at, outside_m) = polygon.beside_m(probe);
         let mut wrong_m = sign * outside_m;

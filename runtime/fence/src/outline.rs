@@ -6,7 +6,7 @@ use geo::{Coord, LineString};
 use parry2d_f64::bounding_volume::BoundingVolume;
 use parry2d_f64::math::Vector;
 
-use crate::distance::{HullProbe, Probe, vector};
+use crate::distance::{ConvexProbe, Probe, vector};
 use crate::error::{FenceError, Place};
 use crate::load::VERTICES_MAX;
 use crate::polygon::{GoodRing, Polygon, bounds};
@@ -213,7 +213,7 @@ impl Polygon {
     pub(crate) fn crossing(&self) -> Option<(u32, u32, Vector)> {
         for (first, last) in self.ring_edges() {
             for edge in first..=last {
-                let probe = HullProbe::new(&self.ends(edge));
+                let probe = ConvexProbe::new(&self.ends(edge));
                 let near = self.segment(edge).local_aabb().loosened(EDGE_THICKNESS_M);
                 let touches = |other: &u32| {
                     let neighbours = *other <= edge + 1 || (edge == first && *other == last);

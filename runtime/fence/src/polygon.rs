@@ -8,7 +8,7 @@ use parry2d_f64::math::Vector;
 use parry2d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry2d_f64::shape::Segment;
 
-use crate::distance::{Contact, HullProbe, Probe, vector};
+use crate::distance::{Contact, ConvexProbe, Probe, vector};
 
 /// A ring that has been found good.
 #[derive(Clone, Debug)]
@@ -167,7 +167,7 @@ impl Polygon {
 
     /// The nearest edge to a point, where on it, and the distance: positive outside, negative inside.
     pub(crate) fn outside_m(&self, point: Vector) -> (u32, Vector, f64) {
-        self.beside_m(&HullProbe::point(point))
+        self.beside_m(&ConvexProbe::point(point))
     }
 
     /// The nearest edge to a shape, where on it, and the distance: positive where the shape is outside, negative where it is

@@ -19,7 +19,7 @@ pub(crate) const LIMIT_M: f64 = 1e9;
 pub(crate) struct Question {
     pub(crate) radius_m: f64,
     pub(crate) vertical: Option<VerticalExtent>,
-    /// The depths that may be passed, from and to, metres: those at which exclusions count.
+    /// The depths that may be passed, from and to, metres: those at which keep-out zones count.
     pub(crate) passed_m: [f64; 2],
     /// The vehicle surfaces: only zones that allow it count, and there the shallowest depth does not.
     pub(crate) surfacing: bool,
@@ -28,15 +28,15 @@ pub(crate) struct Question {
 }
 
 impl Question {
-    /// Whether an inclusion zone can hold this question at all.
+    /// Whether a keep-in zone can hold this question at all.
     pub(crate) fn may_hold(&self, zone: &Zone) -> bool {
         match zone.kind {
-            Kind::Inclusion { surfacing, .. } => surfacing || !self.surfacing,
-            Kind::Exclusion { .. } => false,
+            Kind::KeepIn { surfacing, .. } => surfacing || !self.surfacing,
+            Kind::KeepOut { .. } => false,
         }
     }
 
-    /// Whether an inclusion zone is valid for the whole time of this question.
+    /// Whether a keep-in zone is valid for the whole time of this question.
     pub(crate) fn is_open(&self, zone: &Zone) -> bool {
         zone.window.covers(self.span)
     }
@@ -47,16 +47,16 @@ impl Question {
         (margin_m + self.radius_m).max(EDGE_THICKNESS_M)
     }
 
-    /// The worst fault against the vertical limits of an inclusion zone.
+    /// The worst fault against the vertical limits of a keep-in zone.
     pub(crate) fn vertical_fault(&self, zone: &Zone) -> Option<(Rule, f64)> {
         let (vertical, depth, altitude_min_m) = match (self.vertical, zone.kind) {
             (
                 Some(vertical),
-                Kind::Inclusion {
+                Kind::KeepIn {
                     depth, altitude_min_m, ..
                 },
             ) => (vertical, depth, altitude_min_m),
-            (None, _) | (Some(_), Kind::Exclusion { .. }) => return None,
+            (None, _) | (Some(_), Kind::KeepOut { .. }) => return None,
         };
         let faults = [
             (Rule::DepthMin, depth.min_m - vertical.depth_min_m),
@@ -69,17 +69,17 @@ impl Question {
             .max_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 
-    /// Whether a zone is an exclusion that counts at the time and the depths of this question.
+    /// Whether a zone is a keep-out zone that counts at the time and the depths of this question.
     pub(crate) fn forbids(&self, zone: &Zone) -> bool {
         let at_these_depths = match (self.vertical, zone.kind) {
-            (_, Kind::Inclusion { .. }) => false,
+            (_, Kind::KeepIn { .. }) => false,
             (
                 Some(_),
-                Kind::Exclusion {
+                Kind::KeepOut {
                     depth: Some(Band { min_m, max_m }),
                 },
             ) => self.passed_m[0] <= max_m && self.passed_m[1] >= min_m,
-            (None, Kind::Exclusion { .. }) | (Some(_), Kind::Exclusion { depth: None }) => true,
+            (None, Kind::KeepOut { .. }) | (Some(_), Kind::KeepOut { depth: None }) => true,
         };
         at_these_depths && zone.window.meets(self.span)
     }
@@ -94,7 +94,7 @@ pub(crate) fn unusable(sweep: &Sweep) -> Option<&'static str> {
         return Some("radius_m of the sweep");
     }
     match &sweep.shape {
-        Shape::Hull(hull) => (!hull.points().iter().all(point)).then_some("point of the hull"),
+        Shape::Convex(convex) => (!convex.points().iter().all(point)).then_some("point of the convex hull"),
         Shape::Rim { centre, radius_m } => match (point(centre), length(*radius_m)) {
             (false, _) => Some("centre of the rim"),
             (true, false) => Some("radius_m of the rim"),

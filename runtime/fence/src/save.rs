@@ -46,19 +46,19 @@ fn properties(zone: &Zone) -> Map<String, Value> {
     add("name", zone.name().into());
     add("margin_m", zone.margin_m().into());
     match zone.kind() {
-        Kind::Inclusion {
+        Kind::KeepIn {
             depth,
             altitude_min_m,
             surfacing,
         } => {
-            add("kind", "inclusion".into());
+            add("kind", "keep-in".into());
             add("depth_min_m", depth.min_m.into());
             add("depth_max_m", depth.max_m.into());
             add("altitude_min_m", altitude_min_m.into());
             add("surfacing", surfacing.into());
         }
-        Kind::Exclusion { depth } => {
-            add("kind", "exclusion".into());
+        Kind::KeepOut { depth } => {
+            add("kind", "keep-out".into());
             // An end that is open is no number, and absent.
             if let Some(Band { min_m, max_m }) = depth {
                 for (key, value) in [("depth_min_m", min_m), ("depth_max_m", max_m)] {

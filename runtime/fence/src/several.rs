@@ -68,21 +68,21 @@ fn each(
 }
 
 /// The leg between two points that are about as far apart as any, with a radius within which all the others lie: a convex
-/// shape, so that it has the hulls of them in it too. None for a single leg or point, which it would not be cheaper than,
-/// and where a rim or what is no number is among them.
+/// shape, so that it has the convex hulls of them in it too. None for a single leg or point, which it would not be
+/// cheaper than, and where a rim or what is no number is among them.
 fn around(shapes: &[Shape], radius_m: f64) -> Option<Sweep> {
     let points = || {
         shapes.iter().flat_map(|shape| match shape {
-            Shape::Hull(hull) => hull.points(),
+            Shape::Convex(convex) => convex.points(),
             Shape::Rim { .. } => &[],
         })
     };
-    let hulls = shapes.iter().all(|shape| match shape {
-        Shape::Hull(_) => true,
+    let convex = shapes.iter().all(|shape| match shape {
+        Shape::Convex(_) => true,
         Shape::Rim { .. } => false,
     });
     let usable = |point: &EastNorth| point.east_m.abs() <= LIMIT_M && point.north_m.abs() <= LIMIT_M;
-    if !hulls || points().count() < 3 || !points().all(usable) {
+    if !convex || points().count() < 3 || !points().all(usable) {
         return None;
     }
     // The farthest from any point, and the farthest from that: seldom much nearer to each other than the two that are

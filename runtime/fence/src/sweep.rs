@@ -23,7 +23,7 @@ impl Sweep {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// The convex hull of one to four points, solid: a fence edge wholly inside it is touched.
-    Hull(Hull),
+    Convex(ConvexHull),
     /// A circle's line, not its disc: a fence edge wholly inside the circle is not touched.
     Rim {
         /// The circle's centre.
@@ -35,12 +35,12 @@ pub enum Shape {
 
 /// One to four points that stand for their convex hull. In any order; points may repeat or lie on one line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hull {
+pub struct ConvexHull {
     points: [EastNorth; 4],
     len: u8,
 }
 
-impl Hull {
+impl ConvexHull {
     /// The points, in the order in which they were given.
     #[must_use]
     pub fn points(&self) -> &[EastNorth] {
@@ -52,7 +52,7 @@ impl Shape {
     /// One point.
     #[must_use]
     pub const fn point(a: EastNorth) -> Self {
-        Self::Hull(Hull {
+        Self::Convex(ConvexHull {
             points: [a, a, a, a],
             len: 1,
         })
@@ -61,7 +61,7 @@ impl Shape {
     /// The straight way from one point to another, which may be the same.
     #[must_use]
     pub const fn leg(a: EastNorth, b: EastNorth) -> Self {
-        Self::Hull(Hull {
+        Self::Convex(ConvexHull {
             points: [a, b, b, b],
             len: 2,
         })
@@ -70,7 +70,7 @@ impl Shape {
     /// A solid triangle.
     #[must_use]
     pub const fn triangle(a: EastNorth, b: EastNorth, c: EastNorth) -> Self {
-        Self::Hull(Hull {
+        Self::Convex(ConvexHull {
             points: [a, b, c, c],
             len: 3,
         })
@@ -79,12 +79,12 @@ impl Shape {
     /// The solid convex hull of four points.
     #[must_use]
     pub const fn quadrilateral(points: [EastNorth; 4]) -> Self {
-        Self::Hull(Hull { points, len: 4 })
+        Self::Convex(ConvexHull { points, len: 4 })
     }
 
     /// Solids that together are the convex hull of any number of points, and nothing else.
     #[must_use]
-    pub fn hulls(points: &[EastNorth]) -> Vec<Self> {
+    pub fn convex_hulls(points: &[EastNorth]) -> Vec<Self> {
         let mut given: Vec<_> = points.iter().map(|point| vector(*point)).collect();
         // What is no number turns no way, and then nothing is left out.
         let mut chain = vec![vector(EastNorth::default()); 2 * points.len() + 2];

@@ -6,25 +6,25 @@ use serde_json::{Map, Value};
 pub struct Terms {
     /// Kept from the edges of all zones, metres.
     pub margin_m: f64,
-    /// Shallowest depth of inclusion zones, metres.
+    /// Shallowest depth of keep-in zones, metres.
     pub depth_min_m: f64,
-    /// Deepest depth of inclusion zones, metres.
+    /// Deepest depth of keep-in zones, metres.
     pub depth_max_m: f64,
-    /// Least height above the bottom of inclusion zones, metres.
+    /// Least height above the bottom of keep-in zones, metres.
     pub altitude_min_m: f64,
-    /// Whether the vehicle may surface in inclusion zones.
+    /// Whether the vehicle may surface in keep-in zones.
     pub surfacing: bool,
 }
 
 impl Terms {
-    /// As the properties of a zone: an exclusion zone takes the margin only, and forbids all depths.
+    /// As the properties of a zone: a keep-out zone takes the margin only, and forbids all depths.
     pub(crate) fn complete(&self, properties: &mut Map<String, Value>) {
-        let inclusion = properties.get("kind").and_then(Value::as_str) == Some("inclusion");
+        let keep_in = properties.get("kind").and_then(Value::as_str) == Some("keep-in");
         let mut add = |key: &str, value: Value| {
             properties.entry(key).or_insert(value);
         };
         add("margin_m", self.margin_m.into());
-        if inclusion {
+        if keep_in {
             add("depth_min_m", self.depth_min_m.into());
             add("depth_max_m", self.depth_max_m.into());
             add("altitude_min_m", self.altitude_min_m.into());

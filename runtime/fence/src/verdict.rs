@@ -62,19 +62,19 @@ pub struct Clearance {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rule {
-    /// The sweep lies wholly inside no inclusion zone and its margin.
-    Inclusion,
-    /// The sweep comes into an exclusion zone or its margin.
-    Exclusion,
-    /// The sweep may come shallower than the inclusion zone allows.
+    /// The sweep lies wholly inside no keep-in zone and its margin.
+    KeepIn,
+    /// The sweep comes into a keep-out zone or its margin.
+    KeepOut,
+    /// The sweep may come shallower than the keep-in zone allows.
     DepthMin,
-    /// The sweep may come deeper than the inclusion zone allows.
+    /// The sweep may come deeper than the keep-in zone allows.
     DepthMax,
-    /// The sweep may come nearer to the bottom than the inclusion zone allows.
+    /// The sweep may come nearer to the bottom than the keep-in zone allows.
     AltitudeMin,
-    /// The vehicle would surface where no inclusion zone that allows it holds the sweep.
+    /// The vehicle would surface where no keep-in zone that allows it holds the sweep.
     Surfacing,
-    /// The only inclusion zones that could hold the sweep are not valid for the whole time of the question.
+    /// The only keep-in zones that could hold the sweep are not valid for the whole time of the question.
     Closed,
     /// A number of the request is unusable: not finite, beyond ±1e9, a negative radius, or a depth range or
     /// a time that is the wrong way round.
@@ -90,11 +90,12 @@ pub struct Breach {
     /// How many metres are missing, over 0; infinite for [`Rule::NotFinite`] and [`Rule::Closed`], and for [`Rule::Surfacing`] where no zone of
     /// the fence allows it.
     ///
-    /// For [`Rule::Inclusion`] and [`Rule::Surfacing`]: how far the worst point would have to come in, margin and radius included. Exact for a
-    /// point, for a sweep that lies inside and only too near, and for a hull in a convex zone without holes; else a
-    /// lower bound, taken from the hull's corners, or from eight points of a rim, and where the sweep is nearest.
+    /// For [`Rule::KeepIn`] and [`Rule::Surfacing`]: how far the worst point would have to come in, margin and radius
+    /// included. Exact for a point, for a sweep that lies inside and only too near, and for a convex hull in a convex
+    /// zone without holes; else a lower bound, taken from the convex hull's corners, or from eight points of a rim, and
+    /// where the sweep is nearest.
     ///
-    /// For [`Rule::Exclusion`]: margin and radius less the distance, or, where the sweep touches the zone, margin and
+    /// For [`Rule::KeepOut`]: margin and radius less the distance, or, where the sweep touches the zone, margin and
     /// radius plus the depth of its deepest corner inside: a lower bound of what it would have to move.
     pub metres: f64,
     /// The nearest edge of the zone; none where no zone is named.
@@ -157,7 +158,7 @@ impl Breach {
             Cause::NoSurfacing => return report,
         };
         report.margin_m = zone.margin_m();
-        if let Kind::Inclusion {
+        if let Kind::KeepIn {
             depth, altitude_min_m, ..
         } = zone.kind()
         {
@@ -165,7 +166,7 @@ impl Breach {
                 Rule::DepthMin => Some(depth.min_m),
                 Rule::DepthMax => Some(depth.max_m),
                 Rule::AltitudeMin => Some(altitude_min_m),
-                Rule::Inclusion | Rule::Exclusion | Rule::Surfacing | Rule::Closed | Rule::NotFinite => None,
+                Rule::KeepIn | Rule::KeepOut | Rule::Surfacing | Rule::Closed | Rule::NotFinite => None,
             };
         }
         if let (Some(edge), Some(at)) = (self.edge, self.at) {

@@ -17,7 +17,7 @@ pub struct Zone {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// Inside.
-    Inclusion {
+    KeepIn {
         /// The depths that are allowed.
         depth: Band,
         /// The least height above the bottom, metres.
@@ -26,13 +26,14 @@ pub enum Kind {
         surfacing: bool,
     },
     /// Outside, at the depths of the band; at all depths where there is none.
-    Exclusion {
+    KeepOut {
         /// The depths that are forbidden.
         depth: Option<Band>,
     },
 }
 
-/// A range of depths, metres below the surface, both ends included. An exclusion's may be open on one side: infinite.
+/// A range of depths, metres below the surface, both ends included. A keep-out zone's may be open on one side:
+/// infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
     /// The shallowest.
@@ -60,7 +61,7 @@ impl Zone {
         &self.name
     }
 
-    /// Inclusion or exclusion, and its limits.
+    /// Keep-in or keep-out zone, and its limits.
     #[must_use]
     pub const fn kind(&self) -> Kind {
         self.kind

@@ -19,14 +19,14 @@ const FILES: [&str; 3] = ["fence.geojson", "fence.plan", "fence.kml"];
 pub struct FenceTable {
     /// Kept from the edges of all zones, metres, 0 or more.
     pub margin_m: f64,
-    /// Shallowest depth of inclusion zones, metres; 0 where absent.
+    /// Shallowest depth of keep-in zones, metres; 0 where absent.
     #[serde(default)]
     pub depth_min_m: f64,
-    /// Deepest depth of inclusion zones, metres.
+    /// Deepest depth of keep-in zones, metres.
     pub depth_max_m: f64,
-    /// Least height above the bottom of inclusion zones, metres, 0 or more.
+    /// Least height above the bottom of keep-in zones, metres, 0 or more.
     pub altitude_min_m: f64,
-    /// Whether the vehicle may surface in inclusion zones; false where absent.
+    /// Whether the vehicle may surface in keep-in zones; false where absent.
     #[serde(default)]
     pub surfacing: bool,
 }

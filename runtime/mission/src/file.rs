@@ -1,8 +1,8 @@
 use backseat_core::{FailAction, Grant, Limits, PluginLimits, Policy, Recovery, Settings};
-use backseat_plan::HullClass;
+use backseat_plan::VehicleClass;
 use serde::{Deserialize, Serialize};
 
-use crate::drivers::DriverTable;
+use crate::external::ExternalTable;
 use crate::fence::FenceTable;
 
 /// `mission.toml` as it is written.
@@ -55,8 +55,8 @@ pub struct MissionFile {
     #[serde(default, rename = "policy")]
     pub policies: Vec<Policy>,
     /// Who may send what moves the vehicle's idea of where it is.
-    #[serde(default, rename = "driver")]
-    pub drivers: Vec<DriverTable>,
+    #[serde(default, rename = "external")]
+    pub externals: Vec<ExternalTable>,
 }
 
 /// The `[vehicle]` table.
@@ -69,10 +69,10 @@ pub struct VehicleTable {
     /// identifiers, the operator's hold), so that no other mission of the same vehicle uses an identifier twice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Which hull it is: `9-inch`, `12-inch`, `21-inch` or `hovering`. What it can do is held against the limits and the
-    /// plan before a dive; where absent, a check that looks at `world.toml` takes its class.
+    /// Which class it is of: `9-inch`, `12-inch`, `21-inch` or `hovering`. What it can do is held against the limits
+    /// and the plan before a dive; where absent, a check that looks at `world.toml` takes its class.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub class: Option<HullClass>,
+    pub class: Option<VehicleClass>,
     /// Whether it reads the entry angle of a trackcircle (BPRTC): SPI 7.6 has it in the table and not in the header. Where
     /// absent, circles are requested only so that both read them alike: without an entry angle, and after what is flown.
     #[serde(skip_serializing_if = "Option::is_none")]

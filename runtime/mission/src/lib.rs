@@ -7,17 +7,18 @@
 //! The whole that results can be printed, and its hash is in every log.
 
 mod component;
-mod drivers;
 mod error;
+mod external;
 mod fence;
 mod file;
 mod mission;
 mod plan;
 mod predive;
+mod renamed;
 
 pub use component::find_component;
-pub use drivers::DriverTable;
 pub use error::MissionError;
+pub use external::ExternalTable;
 pub use fence::FenceTable;
 pub use file::{BudgetTable, MissionFile, PlanTable, PluginTable, VehicleTable};
 pub use mission::{Layers, Mission};

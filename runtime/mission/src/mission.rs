@@ -8,11 +8,12 @@ use config::{Config, Environment, File, FileFormat};
 use sha2::{Digest, Sha256};
 
 use crate::component::find_component;
-use crate::drivers::{DriverTable, check_drivers};
 use crate::error::MissionError;
+use crate::external::{ExternalTable, check_externals};
 use crate::fence;
 use crate::file::{MissionFile, PluginTable, VehicleTable};
 use crate::plan::{self, FrontSeatPlan};
+use crate::renamed::with_new_name;
 
 /// What lies over `mission.toml`.
 #[derive(Clone, Debug, Default)]
@@ -70,8 +71,8 @@ impl Mission {
         // Alone first: the layers would lose the line.
         toml::from_str::<MissionFile>(&text).map_err(|error| toml_error(&path, &text, &error))?;
         let mut file = layered(&path, &text, layers)?;
-        check_drivers(&file.drivers).map_err(|fault| value(&path, fault))?;
-        file.session.drivers = file.drivers.iter().map(DriverTable::setup).collect();
+        check_externals(&file.externals).map_err(|fault| value(&path, fault))?;
+        file.session.externals = file.externals.iter().map(ExternalTable::setup).collect();
         file.limits
             .validate()
             .map_err(|error| value(&path, format!("limits.{error}")))?;
@@ -178,7 +179,7 @@ fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, Miss
     }
     let over = |error: config::ConfigError| MissionError::Layer {
         layer: names.join(" with "),
-        message: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
+        message: with_new_name(&one_line(&error.to_string())),
     };
     builder.build().map_err(over)?.try_deserialize().map_err(over)
 }
@@ -342,12 +343,16 @@ pub(crate) fn value(path: &Path, message: String) -> MissionError {
 pub(crate) fn toml_error(path: &Path, text: &str, error: &toml::de::Error) -> MissionError {
     let start = error.span().map_or(0, |span| span.start).min(text.len());
     let line = text.get(..start).unwrap_or("").matches('\n').count() + 1;
-    let message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+    let message = with_new_name(&one_line(error.message()));
     MissionError::Toml {
         path: path.to_path_buf(),
         line,
         message,
     }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

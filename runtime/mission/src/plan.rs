@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use backseat_core::{ExpectedElement, ExpectedPath, ExpectedPlan};
-use backseat_plan::{HullClass, PlanEntry, PlannedBehavior, PlannedPath, VehicleLimits, planned_behaviors};
+use backseat_plan::{PlanEntry, PlannedBehavior, PlannedPath, VehicleClass, VehicleLimits, planned_behaviors};
 use backseat_units::Position;
 use serde::Deserialize;
 
@@ -143,7 +143,11 @@ fn near_by(plan: &[PlanEntry]) -> Origin {
 }
 
 /// The plan that a mission names.
-pub(crate) fn load(folder: &Path, table: &PlanTable, class: Option<HullClass>) -> Result<FrontSeatPlan, MissionError> {
+pub(crate) fn load(
+    folder: &Path,
+    table: &PlanTable,
+    class: Option<VehicleClass>,
+) -> Result<FrontSeatPlan, MissionError> {
     if !(table.tolerance_m > 0.0 && table.tolerance_m <= TOLERANCE_MAX_M) {
         let message = format!(
             "plan.tolerance_m is {}: expected metres above 0 and at most {TOLERANCE_MAX_M}",
@@ -151,7 +155,7 @@ pub(crate) fn load(folder: &Path, table: &PlanTable, class: Option<HullClass>) -
         );
         return Err(value(&folder.join("mission.toml"), message));
     }
-    let vehicle = class.map_or_else(VehicleLimits::of_any_class, HullClass::limits);
+    let vehicle = class.map_or_else(VehicleLimits::of_any_class, VehicleClass::limits);
     let plan = FrontSeatPlan::read(&folder.join(&table.file), &vehicle, None)?;
     Ok(FrontSeatPlan {
         tolerance_m: table.tolerance_m,

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use backseat_core::Limits;
 use backseat_fence::{Breach, Clearance, Fence, Kind, Shape, Span, Sweep, VerticalExtent};
-use backseat_plan::{HullClass, PlannedBehavior, PlannedPath, PlannedVertical, VehicleLimits};
+use backseat_plan::{PlannedBehavior, PlannedPath, PlannedVertical, VehicleClass, VehicleLimits};
 use backseat_units::{EastNorth, LocalFrame, Position, Utc};
 
 mod reach;
@@ -39,7 +39,7 @@ pub struct Dive<'a> {
 
 /// Where the vehicle is on its way through the plan.
 struct Way {
-    /// It is in their hull: at one place, or wherever a time limit may have ended an element.
+    /// It is in their convex hull: at one place, or wherever a time limit may have ended an element.
     places: Vec<EastNorth>,
     /// It may be so far from there, metres.
     spread_m: f64,
@@ -113,8 +113,8 @@ impl Dive<'_> {
             PlannedVertical::Altitude(_) => false,
         };
         let over_bottom = self.fence.zones().any(|zone| match zone.kind() {
-            Kind::Inclusion { altitude_min_m, .. } => altitude_min_m > 0.0,
-            Kind::Exclusion { .. } => false,
+            Kind::KeepIn { altitude_min_m, .. } => altitude_min_m > 0.0,
+            Kind::KeepOut { .. } => false,
         });
         self.limits.water_depth_min_m.is_none() && over_bottom && self.plan.iter().any(at_depth)
     }
@@ -245,7 +245,7 @@ impl Dive<'_> {
         if room_m > 0.0 {
             parts.push(Part {
                 what: TURN,
-                shapes: Shape::hulls(&from),
+                shapes: Shape::convex_hulls(&from),
                 radius_m: radius_m + room_m,
                 length_m: [0.0, turn_m * std::f64::consts::TAU],
             });
@@ -259,7 +259,7 @@ impl Dive<'_> {
         let both: Vec<EastNorth> = from.iter().chain(&way.places).copied().collect();
         parts.push(Part {
             what: if from.len() == 1 { WAY } else { WAY_CUT_SHORT },
-            shapes: Shape::hulls(&both),
+            shapes: Shape::convex_hulls(&both),
             radius_m,
             length_m: [
                 if from.len() == 1 {
@@ -362,17 +362,17 @@ impl Dive<'_> {
         }
     }
 
-    /// Inclusion zones that hold at no time of the dive.
+    /// Keep-in zones that hold at no time of the dive.
     fn closed(&self, lasts_s: f64) -> Vec<String> {
         let span = self.span([0.0, lasts_s]);
         let zones = self.fence.zones().filter(|zone| match zone.kind() {
-            Kind::Inclusion { .. } => !zone.window().meets(span),
-            Kind::Exclusion { .. } => false,
+            Kind::KeepIn { .. } => !zone.window().meets(span),
+            Kind::KeepOut { .. } => false,
         });
         let told = |zone: &backseat_fence::Zone| {
             let dive = span.map_or_else(|| "at a time that nobody knows".to_owned(), |span| span.to_string());
             format!(
-                "inclusion '{}': valid {}, expected some of the dive in it ({dive})",
+                "keep-in zone '{}': valid {}, expected some of the dive in it ({dive})",
                 zone.name(),
                 zone.window()
             )
@@ -416,40 +416,40 @@ fn square(centre: EastNorth, radius_m: f64) -> Vec<EastNorth> {
     vec![corner(45.0), corner(135.0), corner(225.0), corner(315.0)]
 }
 
-/// What the limits and the fence allow and a vehicle of the class, which can do what `hull` says, cannot do.
+/// What the limits and the fence allow and a vehicle of the class, which can do what `able` says, cannot do.
 #[must_use]
-pub fn beyond_class(limits: &Limits, fence: &Fence, class: HullClass, hull: &VehicleLimits) -> Vec<String> {
+pub fn beyond_class(limits: &Limits, fence: &Fence, class: VehicleClass, able: &VehicleLimits) -> Vec<String> {
     let name = class.name();
     let mut findings = Vec::new();
     let mut over = |key: &str, value: f64, most: f64, unit: &str| {
         if value > most {
             findings.push(format!(
-                "limits.{key} is {value}: expected at most the {most} {unit} of a {name} hull"
+                "limits.{key} is {value}: expected at most the {most} {unit} of a {name} vehicle"
             ));
         }
     };
-    over("speed_max_mps", limits.speed_max_mps, hull.speed_max_mps, "m/s");
+    over("speed_max_mps", limits.speed_max_mps, able.speed_max_mps, "m/s");
     over(
         "turn_rate_dps",
         limits.turn_rate_dps,
-        hull.yaw_rate_max_dps,
+        able.yaw_rate_max_dps,
         "degrees a second",
     );
-    if limits.speed_min_mps < hull.speed_min_mps {
+    if limits.speed_min_mps < able.speed_min_mps {
         findings.push(format!(
-            "limits.speed_min_mps is {}: expected at least the {} m/s at which a {name} hull steers",
-            limits.speed_min_mps, hull.speed_min_mps
+            "limits.speed_min_mps is {}: expected at least the {} m/s at which a {name} vehicle steers",
+            limits.speed_min_mps, able.speed_min_mps
         ));
     }
     for zone in fence.zones() {
-        if let Kind::Inclusion { depth, .. } = zone.kind()
-            && depth.max_m > hull.depth_max_m
+        if let Kind::KeepIn { depth, .. } = zone.kind()
+            && depth.max_m > able.depth_max_m
         {
             findings.push(format!(
-                "inclusion '{}': depth_max_m is {}: expected at most the {} m of a {name} hull",
+                "keep-in zone '{}': depth_max_m is {}: expected at most the {} m of a {name} vehicle",
                 zone.name(),
                 depth.max_m,
-                hull.depth_max_m
+                able.depth_max_m
             ));
         }
     }

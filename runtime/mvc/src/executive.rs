@@ -27,7 +27,7 @@ use crate::plan::insert::Insert;
 use crate::plan::{PayloadText, PlanItem};
 use crate::truth::Activity;
 use crate::vehicle::Vertical;
-use crate::vehicle::hull::Hull;
+use crate::vehicle::performance::Performance;
 use crate::vehicle::{Demand, Drive, Throttle, Turn};
 
 /// How many identifiers a mission may use up.
@@ -41,7 +41,7 @@ pub(crate) struct Executive {
     log: Vec<MvcEventKind>,
     plan: Vec<PlanItem>,
     interpretation: Interpretation,
-    hull: Hull,
+    performance: Performance,
     altitude_min_m: f64,
     limits: Limits,
     starts_at: Timestamp,
@@ -110,13 +110,13 @@ impl Executive {
         interpretation: Interpretation,
         tick: Duration,
     ) -> Self {
-        let hull = vehicle.hull();
+        let performance = vehicle.performance();
         let starts_at = Timestamp::ZERO + Duration::from_secs_f64(config.starts_after_s);
         Self {
             log: Vec::new(),
             plan,
             interpretation,
-            hull,
+            performance,
             altitude_min_m: vehicle.altitude_min_m,
             limits: Limits {
                 tick,
@@ -136,7 +136,7 @@ impl Executive {
             empty: false,
             index: 0,
             element: 0,
-            cruise: (Vertical::Depth(0.0), hull.speed_max_mps / 2.0),
+            cruise: (Vertical::Depth(0.0), performance.speed_max_mps / 2.0),
             element_began: Timestamp::ZERO,
             running: None,
             queue: VecDeque::new(),
@@ -302,7 +302,7 @@ impl Executive {
         Drive::Under(Demand {
             turn: Turn::Heading(estimate.heading_deg),
             vertical: Vertical::Depth(0.0),
-            throttle: Throttle::Speed(self.hull.speed_min_mps.max(0.3) * 2.0),
+            throttle: Throttle::Speed(self.performance.speed_min_mps.max(0.3) * 2.0),
         })
     }
 

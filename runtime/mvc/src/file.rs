@@ -205,7 +205,7 @@ pub struct WorldFile {
     /// What lies on the seabed.
     #[serde(default)]
     pub targets: Vec<TargetConfig>,
-    /// The vehicle's hull and its own limits.
+    /// The vehicle's class and its own limits.
     #[serde(default)]
     pub vehicle: VehicleConfig,
     /// What only a hovering vehicle has, and the ship that it inspects.

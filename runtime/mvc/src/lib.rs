@@ -35,7 +35,7 @@ mod truth;
 mod vehicle;
 
 // The plan is written alike in `world.toml` and for a mission.
-pub use backseat_plan::{HullClass, PlaceConfig, PlanEntry, PlanKind};
+pub use backseat_plan::{PlaceConfig, PlanEntry, PlanKind, VehicleClass};
 
 pub use error::MvcError;
 pub use event::{
@@ -62,4 +62,4 @@ pub use interpretation::{Interpretation, ResumeFrom};
 pub use link::{Chunk, Direction, FaultyLink, LinkFaults};
 pub use mvc::Mvc;
 pub use truth::{Activity, HoveringTruth, Truth};
-pub use vehicle::hull::Hull;
+pub use vehicle::performance::Performance;

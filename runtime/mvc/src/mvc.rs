@@ -83,8 +83,8 @@ impl Mvc {
             MotionModel::SixDof => Vehicle::with_body,
         };
         let heading_deg = file.start.heading_deg - north.frame_deg;
-        let (hull, altitude_min_m) = (file.vehicle.hull(), file.vehicle.altitude_min_m);
-        let mut vehicle = made(hull, altitude_min_m, start, file.start.depth_m, heading_deg);
+        let (performance, altitude_min_m) = (file.vehicle.performance(), file.vehicle.altitude_min_m);
+        let mut vehicle = made(performance, altitude_min_m, start, file.start.depth_m, heading_deg);
         vehicle.sense(&world, Timestamp::ZERO);
         let services = Services::new(file, &world, &mut vehicle, seed);
         Ok(Self {

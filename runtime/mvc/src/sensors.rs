@@ -98,7 +98,7 @@ impl Sensors {
             motion: Noise::new(seed, "dead reckoning"),
             report: Noise::new(seed, "navigation"),
             solution: Solution::new(&config, dt_s, vehicle, seed),
-            dvl: Dvl::new(&config, 3600.0 / dt_s, vehicle.hull().hovers, seed),
+            dvl: Dvl::new(&config, 3600.0 / dt_s, vehicle.performance().hovers, seed),
             compasses: Compasses::new(&config.compass, seed),
             imu: Imu::new(&config.imu, seed),
             tailcone: Tailcone::new(&config.tailcone, seed),

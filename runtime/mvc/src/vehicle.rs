@@ -1,9 +1,9 @@
 mod body;
 mod demand;
 mod hover;
-pub(crate) mod hull;
 mod lags;
 mod motion;
+pub(crate) mod performance;
 pub(crate) mod ship;
 pub(crate) mod sixdof;
 
@@ -11,8 +11,8 @@ use backseat_units::math::{asin, sin, sin_cos, wrap_180, wrap_360};
 use backseat_units::{EastNorth, Timestamp};
 use backseat_world::World;
 
-use self::hull::Hull;
 use self::lags::Lags;
+use self::performance::Performance;
 use self::sixdof::Piloted;
 
 pub(crate) use self::demand::{Demand, Drive, HoverDemand, Turn, Vertical};
@@ -31,7 +31,7 @@ const AT_REST: f64 = 1e-30;
 /// rates before and after, so that the rates which are told add up to the way that was made, at any rate of steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Vehicle {
-    hull: Hull,
+    performance: Performance,
     altitude_min_m: f64,
     /// Of the steepest climb.
     pitch_max_sin: f64,
@@ -45,20 +45,26 @@ pub(crate) struct Vehicle {
     carried_by: (f64, f64),
     /// Sine and cosine of the heading.
     axis: (f64, f64),
-    /// How fast it floats up adrift, as a share of the hull's buoyant rise: its buoyancy may be adjusted (SPI 7.24).
+    /// How fast it floats up adrift, as a share of the class's buoyant rise: its buoyancy may be adjusted (SPI 7.24).
     rise_share: f64,
     /// The body that moves it in place of the first-order model.
     piloted: Option<Box<Piloted>>,
 }
 
 impl Vehicle {
-    pub(crate) fn new(hull: Hull, altitude_min_m: f64, at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
+    pub(crate) fn new(
+        performance: Performance,
+        altitude_min_m: f64,
+        at: EastNorth,
+        depth_m: f64,
+        heading_deg: f64,
+    ) -> Self {
         let heading_deg = wrap_360(heading_deg);
         Self {
-            hull,
+            performance,
             altitude_min_m,
-            pitch_max_sin: sin(hull.pitch_max_deg.to_radians()),
-            lags: Lags::of(&hull, 1.0),
+            pitch_max_sin: sin(performance.pitch_max_deg.to_radians()),
+            lags: Lags::of(&performance, 1.0),
             obstacle: None,
             motion: Motion::at_rest(at, depth_m, heading_deg),
             float_mps: 0.0,
@@ -69,17 +75,24 @@ impl Vehicle {
         }
     }
 
-    /// As [`Vehicle::new`], with six degrees of freedom. `hull` is what [`crate::vehicle::sixdof::flown`] makes of one.
-    pub(crate) fn with_body(hull: Hull, altitude_min_m: f64, at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
-        let piloted = Piloted::new(&hull, altitude_min_m, at, depth_m, heading_deg);
+    /// As [`Vehicle::new`], with six degrees of freedom. `performance` is what [`crate::vehicle::sixdof::flown`] makes
+    /// of one.
+    pub(crate) fn with_body(
+        performance: Performance,
+        altitude_min_m: f64,
+        at: EastNorth,
+        depth_m: f64,
+        heading_deg: f64,
+    ) -> Self {
+        let piloted = Piloted::new(&performance, altitude_min_m, at, depth_m, heading_deg);
         Self {
             piloted: Some(Box::new(piloted)),
-            ..Self::new(hull, altitude_min_m, at, depth_m, heading_deg)
+            ..Self::new(performance, altitude_min_m, at, depth_m, heading_deg)
         }
     }
 
-    pub(crate) const fn hull(&self) -> &Hull {
-        &self.hull
+    pub(crate) const fn performance(&self) -> &Performance {
+        &self.performance
     }
 
     pub(crate) const fn altitude_min_m(&self) -> f64 {
@@ -101,7 +114,7 @@ impl Vehicle {
         self.obstacle.as_ref()
     }
 
-    /// Floats it up adrift at this share of its hull's buoyant rise.
+    /// Floats it up adrift at this share of its class's buoyant rise.
     pub(crate) const fn float_with(&mut self, rise_share: f64) {
         self.rise_share = rise_share;
     }
@@ -127,7 +140,7 @@ impl Vehicle {
             return self.pilot(drive, dt_s);
         }
         if dt_s.to_bits() != self.lags.dt_s.to_bits() {
-            self.lags = Lags::of(&self.hull, dt_s);
+            self.lags = Lags::of(&self.performance, dt_s);
         }
         let (ground, heave_mps) = (self.motion.ground, self.motion.heave_mps);
         let yaw_rate_dps = self.motion.yaw_rate_dps;
@@ -205,11 +218,11 @@ impl Vehicle {
     fn drift(&mut self, dt_s: f64) {
         self.surge(0.0, dt_s);
         self.settle_sway();
-        let most_dps = self.hull.turn_max_dps(self.motion.surge_mps);
+        let most_dps = self.performance.turn_max_dps(self.motion.surge_mps);
         self.motion.yaw_rate_dps -= self.motion.yaw_rate_dps * self.lags.yaw;
         self.motion.yaw_rate_dps = self.motion.yaw_rate_dps.clamp(-most_dps, most_dps);
-        let rise_mps = self.hull.buoyant_rise_mps * self.rise_share;
-        if self.hull.hovers {
+        let rise_mps = self.performance.buoyant_rise_mps * self.rise_share;
+        if self.performance.hovers {
             self.heave(-rise_mps);
         } else {
             self.float(-rise_mps);
@@ -218,18 +231,18 @@ impl Vehicle {
     }
 
     fn rates(&mut self, demand: &Demand, dt_s: f64) {
-        let hull = self.hull;
+        let performance = self.performance;
         let speed_mps = match demand.throttle {
             Throttle::Speed(mps) => mps,
-            Throttle::Rpm(rpm) => hull.speed_mps(rpm),
+            Throttle::Rpm(rpm) => performance.speed_mps(rpm),
         };
-        let speed_mps = speed_mps.clamp(hull.speed_min_mps, hull.speed_max_mps);
+        let speed_mps = speed_mps.clamp(performance.speed_min_mps, performance.speed_max_mps);
         let before_mps = self.motion.surge_mps;
         self.surge(speed_mps, dt_s);
         self.settle_sway();
         self.yaw(demand.turn);
         let wanted_mps = self.wanted_heave_mps(demand.vertical);
-        if hull.hovers {
+        if performance.hovers {
             self.heave(wanted_mps);
             return;
         }
@@ -242,28 +255,30 @@ impl Vehicle {
     }
 
     fn yaw(&mut self, turn: Turn) {
-        let hull = self.hull;
+        let performance = self.performance;
         // A rudder needs way on.
-        let rate_max_dps = hull.turn_max_dps(self.motion.surge_mps);
+        let rate_max_dps = performance.turn_max_dps(self.motion.surge_mps);
         let rate_dps = match turn {
             Turn::Heading(heading_deg) => {
                 let error_deg = wrap_180(heading_deg - self.motion.heading_deg);
-                (hull.yaw_gain_per_s * error_deg).clamp(-rate_max_dps, rate_max_dps)
+                (performance.yaw_gain_per_s * error_deg).clamp(-rate_max_dps, rate_max_dps)
             }
-            Turn::Rudder(rudder_deg) => hull.rudder_dps(rudder_deg) * rate_max_dps / hull.yaw_rate_max_dps,
+            Turn::Rudder(rudder_deg) => {
+                performance.rudder_dps(rudder_deg) * rate_max_dps / performance.yaw_rate_max_dps
+            }
         };
         self.motion.yaw_rate_dps += (rate_dps - self.motion.yaw_rate_dps) * self.lags.yaw;
         self.motion.yaw_rate_dps = self.motion.yaw_rate_dps.clamp(-rate_max_dps, rate_max_dps);
     }
 
     fn wanted_heave_mps(&self, vertical: Vertical) -> f64 {
-        let hull = self.hull;
+        let performance = self.performance;
         let rate_max_mps = self.depth_rate_max_mps();
         let wanted_mps = match vertical {
             Vertical::Depth(depth_m) => self.towards_mps(depth_m),
             Vertical::Altitude(altitude_m) => self.towards_mps(self.motion.water_depth_m - altitude_m),
             Vertical::Pitch(pitch_deg) => self.by_pitch_mps(pitch_deg),
-            Vertical::Elevator(elevator_deg) => self.by_pitch_mps(hull.elevator_pitch_deg(elevator_deg)),
+            Vertical::Elevator(elevator_deg) => self.by_pitch_mps(performance.elevator_pitch_deg(elevator_deg)),
         };
         // Over a slope the depth to hold moves with the vehicle.
         let follow_mps = match vertical {
@@ -275,7 +290,7 @@ impl Vehicle {
 
     /// Depth rate that a pitch makes, within the same safe limits.
     fn by_pitch_mps(&self, pitch_deg: f64) -> f64 {
-        let pitch_deg = pitch_deg.clamp(-self.hull.pitch_max_deg, self.hull.pitch_max_deg);
+        let pitch_deg = pitch_deg.clamp(-self.performance.pitch_max_deg, self.performance.pitch_max_deg);
         let by_pitch_mps = -self.motion.surge_mps * sin(pitch_deg.to_radians());
         by_pitch_mps
             .max(self.towards_mps(0.0).min(0.0))
@@ -292,21 +307,21 @@ impl Vehicle {
     fn towards_mps(&self, depth_m: f64) -> f64 {
         let ahead_m = 10.0 * self.deepening_mps();
         let floor_m = self.motion.water_depth_m + ahead_m.min(0.0) - self.altitude_min_m;
-        let depth_m = depth_m.min(self.hull.depth_max_m).min(floor_m).max(0.0);
-        self.hull.depth_gain_per_s * (depth_m - self.motion.depth_m)
+        let depth_m = depth_m.min(self.performance.depth_max_m).min(floor_m).max(0.0);
+        self.performance.depth_gain_per_s * (depth_m - self.motion.depth_m)
     }
 
     fn depth_rate_max_mps(&self) -> f64 {
-        if self.hull.hovers {
-            return self.hull.depth_rate_max_mps;
+        if self.performance.hovers {
+            return self.performance.depth_rate_max_mps;
         }
         let by_pitch_mps = self.motion.surge_mps * self.pitch_max_sin;
-        by_pitch_mps.clamp(0.02, self.hull.depth_rate_max_mps)
+        by_pitch_mps.clamp(0.02, self.performance.depth_rate_max_mps)
     }
 
     fn surge(&mut self, speed_mps: f64, dt_s: f64) {
         let change = (speed_mps - self.motion.surge_mps) * self.lags.surge;
-        let most = self.hull.surge_accel_mps2 * dt_s;
+        let most = self.performance.surge_accel_mps2 * dt_s;
         self.motion.surge_mps += change.clamp(-most, most);
     }
 
@@ -323,7 +338,7 @@ impl Vehicle {
     }
 
     fn pitch(&mut self, wanted_deg: f64, dt_s: f64) {
-        let most_dps = self.hull.pitch_rate_max_dps;
+        let most_dps = self.performance.pitch_rate_max_dps;
         let left_deg = wanted_deg - self.motion.pitch_deg - 0.5 * self.motion.pitch_rate_dps * dt_s;
         let wanted_dps = (left_deg * self.lags.pitch_per_s).clamp(-most_dps, most_dps);
         let rate_dps = self.motion.pitch_rate_dps + (wanted_dps - self.motion.pitch_rate_dps) * self.lags.attitude;
@@ -344,7 +359,7 @@ impl Vehicle {
 
     /// Sets the depth rate of a torpedo by its pitch. Its speed through the water ahead in the plane.
     fn make_way(&mut self) -> f64 {
-        if self.hull.hovers {
+        if self.performance.hovers {
             return self.motion.surge_mps;
         }
         let sin = sin(self.motion.pitch_deg.to_radians());
@@ -377,7 +392,7 @@ const AFLOAT_M: f64 = 0.001;
 
 #[cfg(test)]
 mod tests {
-    use backseat_plan::HullClass;
+    use backseat_plan::VehicleClass;
     use backseat_world::{CurrentConfig, FieldConfig, OriginConfig, SeabedConfig, Span, TideLevelConfig, WorldConfig};
 
     use super::*;
@@ -400,9 +415,9 @@ mod tests {
         World::new(&config, 4).unwrap()
     }
 
-    fn fly(class: HullClass, demand: Demand, seconds: u32) -> Vehicle {
+    fn fly(class: VehicleClass, demand: Demand, seconds: u32) -> Vehicle {
         let world = world();
-        let mut vehicle = Vehicle::new(*Hull::of(class), 2.0, EastNorth::default(), 0.0, 0.0);
+        let mut vehicle = Vehicle::new(*Performance::of(class), 2.0, EastNorth::default(), 0.0, 0.0);
         for _ in 0..seconds * 10 {
             vehicle.sense(&world, Timestamp::ZERO);
             vehicle.step(Drive::Under(demand), 0.1);
@@ -411,15 +426,15 @@ mod tests {
         vehicle
     }
 
-    const CLASSES: [HullClass; 4] = [
-        HullClass::NineInch,
-        HullClass::TwelveInch,
-        HullClass::TwentyOneInch,
-        HullClass::Hovering,
+    const CLASSES: [VehicleClass; 4] = [
+        VehicleClass::NineInch,
+        VehicleClass::TwelveInch,
+        VehicleClass::TwentyOneInch,
+        VehicleClass::Hovering,
     ];
 
     #[test]
-    fn every_hull_reaches_heading_depth_and_speed() {
+    fn every_class_reaches_heading_depth_and_speed() {
         for class in CLASSES {
             let demand = Demand {
                 turn: Turn::Heading(180.0),
@@ -445,7 +460,7 @@ mod tests {
             vertical: Vertical::Altitude(10.0),
             throttle: Throttle::Speed(1.5),
         };
-        let vehicle = fly(HullClass::TwelveInch, demand, 400);
+        let vehicle = fly(VehicleClass::TwelveInch, demand, 400);
         let altitude = vehicle.motion().water_depth_m - vehicle.motion().depth_m;
         assert!((altitude - 10.0).abs() < 0.6, "{altitude}");
     }
@@ -460,16 +475,16 @@ mod tests {
                     throttle: Throttle::Speed(99.0),
                 };
                 let world = world();
-                let hull = *Hull::of(class);
-                let mut vehicle = Vehicle::new(hull, 2.0, EastNorth::default(), 0.0, 0.0);
+                let performance = *Performance::of(class);
+                let mut vehicle = Vehicle::new(performance, 2.0, EastNorth::default(), 0.0, 0.0);
                 for _ in 0..5000 {
                     vehicle.sense(&world, Timestamp::ZERO);
                     let altitude = vehicle.motion().water_depth_m - vehicle.motion().depth_m;
                     assert!(
-                        altitude > 0.5 && vehicle.motion().depth_m <= hull.depth_max_m + 0.5,
+                        altitude > 0.5 && vehicle.motion().depth_m <= performance.depth_max_m + 0.5,
                         "{class:?} {altitude}"
                     );
-                    assert!(vehicle.motion().surge_mps <= hull.speed_max_mps);
+                    assert!(vehicle.motion().surge_mps <= performance.speed_max_mps);
                     vehicle.step(Drive::Under(demand), 0.1);
                 }
             }
@@ -483,7 +498,7 @@ mod tests {
             vertical: Vertical::Elevator(-4.0),
             throttle: Throttle::Speed(1.5),
         };
-        let vehicle = fly(HullClass::TwelveInch, demand, 20);
+        let vehicle = fly(VehicleClass::TwelveInch, demand, 20);
         // Half of the greatest rudder is half of the fastest turn.
         assert!(
             (vehicle.motion().yaw_rate_dps - 5.0).abs() < 0.1,
@@ -499,7 +514,7 @@ mod tests {
             turn: Turn::Rudder(-90.0),
             ..demand
         };
-        let vehicle = fly(HullClass::TwelveInch, demand, 20);
+        let vehicle = fly(VehicleClass::TwelveInch, demand, 20);
         assert!(
             (vehicle.motion().yaw_rate_dps + 10.0).abs() < 0.1,
             "{}",
@@ -514,7 +529,7 @@ mod tests {
             vertical: Vertical::Depth(5.0),
             throttle: Throttle::Speed(1.5),
         };
-        let mut vehicle = fly(HullClass::NineInch, demand, 100);
+        let mut vehicle = fly(VehicleClass::NineInch, demand, 100);
         for _ in 0..1200 {
             vehicle.step(Drive::Adrift, 0.1);
         }

@@ -71,22 +71,22 @@ impl Area {
         self.zones.iter().fold(0.0, |most, zone| zone.margin_m.max(most))
     }
 
-    /// Which zone's margin a place of the plane is in by more than a slack: that of an exclusion which holds at all of the
-    /// depths, or that of every inclusion, of which it is the last one. Nothing where it keeps them.
+    /// Which zone's margin a place of the plane is in by more than a slack: that of a keep-out zone which holds at all
+    /// of the depths, or that of every keep-in zone, of which it is the last one. Nothing where it keeps them.
     pub(crate) fn margin_broken(&self, plane: &Plane, place: Vector, depths_m: &[f64], slack_m: f64) -> Option<&Zone> {
         let mut nearest = None;
         let mut kept = false;
         for zone in &self.zones {
             let within_m = zone.margin_m - slack_m;
             match zone.kind {
-                Kind::Inclusion if !kept => {
+                Kind::KeepIn if !kept => {
                     kept = zone.is_inside_by(plane, place, within_m);
                     nearest = Some(zone);
                 }
-                Kind::Exclusion if zone.surely_holds(depths_m) && zone.is_inside_by(plane, place, -within_m) => {
+                Kind::KeepOut if zone.surely_holds(depths_m) && zone.is_inside_by(plane, place, -within_m) => {
                     return Some(zone);
                 }
-                Kind::Inclusion | Kind::Exclusion => {}
+                Kind::KeepIn | Kind::KeepOut => {}
             }
         }
         nearest.filter(|_| !kept)
@@ -98,7 +98,7 @@ impl Area {
         zones.extend((0..self.zones.len()).filter(|index| self.zones[*index].contains(point)));
     }
 
-    /// Whether a straight leg and its setpoint keep inside one inclusion zone and clear of exclusions.
+    /// Whether a straight leg and its setpoint keep inside one keep-in zone and clear of keep-out zones.
     pub(crate) fn judge_leg(&self, from: Position, to: Position, setpoint: Setpoint) -> Result<(), Fault> {
         let line = Line::between(from, to);
         let length_m = line.length_m();
@@ -121,7 +121,7 @@ impl Area {
         self.judge(&Shape::Leg(&pieces), setpoint)
     }
 
-    /// Whether a circle's rim and its setpoint keep inside one inclusion zone and clear of exclusions.
+    /// Whether a circle's rim and its setpoint keep inside one keep-in zone and clear of keep-out zones.
     pub(crate) fn judge_circle(&self, centre: Position, radius_m: f64, setpoint: Setpoint) -> Result<(), Fault> {
         if !(0.0..=LEG_MAX_M).contains(&radius_m) {
             return Err(Fault::Horizontal(format!("a circle of radius {radius_m:.0} m")));
@@ -133,24 +133,24 @@ impl Area {
     /// Whether a zone that lets the vehicle surface holds a position.
     pub(crate) fn may_surface(&self, position: Position) -> bool {
         let point = self.point(position);
-        let surfacing = |zone: &&Zone| zone.kind == Kind::Inclusion && zone.surfacing;
+        let surfacing = |zone: &&Zone| zone.kind == Kind::KeepIn && zone.surfacing;
         self.zones.iter().filter(surfacing).any(|zone| zone.contains(point))
     }
 
-    /// Whether a setpoint is within the bands of any inclusion zone.
+    /// Whether a setpoint is within the bands of any keep-in zone.
     pub(crate) fn judge_setpoint(&self, setpoint: Setpoint) -> Result<(), Fault> {
-        let mut inclusions = self.zones.iter().filter(|zone| zone.kind == Kind::Inclusion);
-        if inclusions.any(|zone| zone.allows(setpoint)) {
+        let mut keep_ins = self.zones.iter().filter(|zone| zone.kind == Kind::KeepIn);
+        if keep_ins.any(|zone| zone.allows(setpoint)) {
             return Ok(());
         }
-        Err(Fault::Vertical(format!("{setpoint} is allowed in no inclusion zone")))
+        Err(Fault::Vertical(format!("{setpoint} is allowed in no keep-in zone")))
     }
 
     fn judge(&self, shape: &Shape<'_>, setpoint: Setpoint) -> Result<(), Fault> {
         let mut fault = None;
         let mut vertical = None;
         let mut inside = false;
-        for zone in self.zones.iter().filter(|zone| zone.kind == Kind::Inclusion) {
+        for zone in self.zones.iter().filter(|zone| zone.kind == Kind::KeepIn) {
             match zone.clearance(shape) {
                 (true, clear_m) if clear_m >= zone.margin_m - shape.slack_m(zone.margin_m) => {
                     if zone.allows(setpoint) {
@@ -170,22 +170,22 @@ impl Area {
                     zone.name, zone.depth_min_m, zone.depth_max_m, zone.altitude_min_m
                 )),
                 (None, Some((zone, clear_m))) => Fault::Horizontal(format!(
-                    "{clear_m:.2} m from the edge of inclusion zone {}, its margin is {} m",
+                    "{clear_m:.2} m from the edge of keep-in zone {}, its margin is {} m",
                     zone.name, zone.margin_m
                 )),
-                (None, None) => Fault::Horizontal("begins in no inclusion zone".to_owned()),
+                (None, None) => Fault::Horizontal("begins in no keep-in zone".to_owned()),
             });
         }
-        let exclusions = self
+        let keep_outs = self
             .zones
             .iter()
-            .filter(|zone| zone.kind == Kind::Exclusion && !zone.timed);
-        for zone in exclusions.filter(|zone| zone.forbids(setpoint)) {
+            .filter(|zone| zone.kind == Kind::KeepOut && !zone.timed);
+        for zone in keep_outs.filter(|zone| zone.forbids(setpoint)) {
             let (inside, clear_m) = zone.clearance(shape);
             if inside || clear_m < zone.margin_m - shape.slack_m(zone.margin_m) {
                 let clear_m = if inside { 0.0 } else { clear_m };
                 return Err(Fault::Horizontal(format!(
-                    "{clear_m:.2} m from exclusion zone {}, its margin is {} m",
+                    "{clear_m:.2} m from keep-out zone {}, its margin is {} m",
                     zone.name, zone.margin_m
                 )));
             }
@@ -202,10 +202,10 @@ mod tests {
     use super::*;
 
     const FENCE: &str = r#"{ "type": "FeatureCollection", "features": [
-        { "type": "Feature", "properties": { "name": "a", "kind": "inclusion", "margin_m": 15 },
+        { "type": "Feature", "properties": { "name": "a", "kind": "keep-in", "margin_m": 15 },
           "geometry": { "type": "Polygon", "coordinates": [
             [[5.0, 60.0], [5.2, 60.0], [5.3, 60.1], [5.1, 60.05], [5.0, 60.2], [5.0, 60.0]] ] } },
-        { "type": "Feature", "properties": { "name": "b", "kind": "exclusion", "margin_m": 40 },
+        { "type": "Feature", "properties": { "name": "b", "kind": "keep-out", "margin_m": 40 },
           "geometry": { "type": "Polygon", "coordinates": [
             [[5.08, 60.02], [5.12, 60.03], [5.1, 60.01], [5.08, 60.02]] ] } } ] }"#;
 
@@ -218,7 +218,7 @@ mod tests {
                 .edges()
                 .map(|edge| to_segment_m([0.0, 0.0], edge.map(|end| plane.vector(end))));
             let clear_m = edges.fold(f64::INFINITY, f64::min);
-            zone.contains(point) == (zone.kind == Kind::Inclusion) && clear_m >= zone.margin_m + spare_m
+            zone.contains(point) == (zone.kind == Kind::KeepIn) && clear_m >= zone.margin_m + spare_m
         })
     }
 

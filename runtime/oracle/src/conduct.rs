@@ -28,7 +28,7 @@ const CANCEL_CONSEQUENCE: Duration = Duration::from_secs(60);
 /// When the vehicle must have forgotten a modify (SPI 7.12), and 100 ms.
 const LAPSE: Duration = Duration::from_millis(5100);
 /// When the vehicle must have taken its suspended mission up (SPI 8.1), and 100 ms.
-const HOLD_LAPSE: Duration = Duration::from_millis(2100);
+const STATION_LAPSE: Duration = Duration::from_millis(2100);
 /// A vehicle that has believed itself elsewhere is back where it should be as fast as this, m/s.
 const CORRECTION_MPS: f64 = 0.5;
 
@@ -54,7 +54,7 @@ pub(crate) struct Conduct {
     margin: Excursion,
     margin_judged: Option<Moment>,
     outlived: Excursion,
-    hold_outlived: Excursion,
+    station_outlived: Excursion,
     reports: u64,
     judged: u64,
     insert: Duration,
@@ -165,7 +165,7 @@ impl Conduct {
         };
         match truth.activity {
             Activity::Modified => findings.judge(Rule::ModifyOutlives),
-            Activity::Suspended => findings.judge(Rule::HoldOutlives),
+            Activity::Suspended => findings.judge(Rule::StationOutlives),
             Activity::Plan | Activity::Insert(_) | Activity::Other => {}
         }
         let last = context.delivery.last_modify();
@@ -175,10 +175,10 @@ impl Conduct {
                 Some(last) => format!("still modified though the last BPRMB was of {last}"),
                 None => "modified without any BPRMB".to_owned(),
             });
-        let last = context.delivery.last_hold();
-        let outlived = truth.activity == Activity::Suspended && over(last, HOLD_LAPSE);
-        self.hold_outlived
-            .tell(outlived, findings, at, Rule::HoldOutlives, || match last {
+        let last = context.delivery.last_station();
+        let outlived = truth.activity == Activity::Suspended && over(last, STATION_LAPSE);
+        self.station_outlived
+            .tell(outlived, findings, at, Rule::StationOutlives, || match last {
                 Some(last) => format!("still suspended though the last sentence that keeps it was of {last}"),
                 None => "suspended without any BPSUS".to_owned(),
             });
@@ -229,12 +229,12 @@ impl Conduct {
         }
         let excluded = excluded.and_then(|index| context.area.zone(index));
         self.outside.tell(out, findings, at, rule, || match excluded {
-            Some(zone) => format!("in exclusion zone {} at {}", zone.name, place()),
-            None => format!("in no inclusion zone at {}, about {edge_m:.1} m from an edge", place()),
+            Some(zone) => format!("in keep-out zone {} at {}", zone.name, place()),
+            None => format!("in no keep-in zone at {}, about {edge_m:.1} m from an edge", place()),
         });
         let depth = inside && !depth_allowed && !excused;
         self.depth.tell(depth, findings, at, Rule::TruthDepth, || {
-            format!("out of the depths of every inclusion zone at {}", place())
+            format!("out of the depths of every keep-in zone at {}", place())
         });
         // An altitude which is no number is no clearance.
         let grounded = commanded && (truth.altitude_m <= 0.0 || truth.altitude_m.is_nan());
@@ -271,20 +271,21 @@ impl Conduct {
         });
     }
 
-    /// Whether any inclusion zone holds the vehicle, whether one of those allows its depth, and which exclusion holds it.
+    /// Whether any keep-in zone holds the vehicle, whether one of those allows its depth, and which keep-out zone holds
+    /// it.
     fn where_it_is(&self, truth: &Truth, commanded: bool, area: &Area) -> (bool, bool, Option<usize>) {
         let slack_m = DEPTH_SLACK_M + self.depth_astray_m;
         let (mut inside, mut depth_allowed, mut excluded) = (false, false, None);
         for index in &self.survey.surroundings().zones {
             let Some(zone) = area.zone(*index) else { continue };
             match zone.kind {
-                Kind::Inclusion => {
+                Kind::KeepIn => {
                     inside = true;
                     // What its own plan does with its depth is the vehicle's; only what is too deep can be our doing.
                     let too_shallow = commanded && truth.depth_m < zone.depth_min_m - slack_m;
                     depth_allowed |= !too_shallow && truth.depth_m <= zone.depth_max_m + slack_m;
                 }
-                Kind::Exclusion => {
+                Kind::KeepOut => {
                     let band = zone.depth_min_m + slack_m..=zone.depth_max_m - slack_m;
                     if !zone.timed && band.contains(&truth.depth_m) {
                         excluded = Some(*index);

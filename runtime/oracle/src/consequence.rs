@@ -117,14 +117,15 @@ fn way(to_deg: f64, from_deg: f64, turns: bool, way_m: f64) -> impl Iterator<Ite
     })
 }
 
-/// Whether a place in these zones is out of the fence: in no inclusion, or in an exclusion that holds at its depths.
+/// Whether a place in these zones is out of the fence: in no keep-in zone, or in a keep-out zone that holds at its
+/// depths.
 fn is_out(zones: &[usize], depths_m: &[f64], area: &Area) -> bool {
     let mut inside = false;
     for zone in zones.iter().filter_map(|index| area.zone(*index)) {
         match zone.kind {
-            Kind::Inclusion => inside = true,
-            Kind::Exclusion if zone.surely_holds(depths_m) => return true,
-            Kind::Exclusion => {}
+            Kind::KeepIn => inside = true,
+            Kind::KeepOut if zone.surely_holds(depths_m) => return true,
+            Kind::KeepOut => {}
         }
     }
     !inside

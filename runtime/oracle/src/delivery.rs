@@ -24,7 +24,7 @@ pub(crate) struct Delivery {
 #[derive(Clone, Copy, Debug, Default)]
 struct Newest {
     modify: Option<Moment>,
-    hold: Option<Moment>,
+    station: Option<Moment>,
 }
 
 impl Delivery {
@@ -41,8 +41,8 @@ impl Delivery {
         self.modifies.push_back((created.to_the_millisecond(), at));
     }
 
-    pub(crate) fn sent_hold(&mut self, at: Moment) {
-        self.sent.hold = Some(at);
+    pub(crate) fn sent_station(&mut self, at: Moment) {
+        self.sent.station = Some(at);
     }
 
     /// Whether arrivals are told.
@@ -79,7 +79,7 @@ impl Delivery {
         let newest = self.arrived.get_or_insert_default();
         match &name {
             b"BPRMB" => newest.modify = Some(at),
-            b"BPSUS" | b"BPCON" | b"BPGHP" | b"BPGBP" => newest.hold = Some(at),
+            b"BPSUS" | b"BPCON" | b"BPGHP" | b"BPGBP" => newest.station = Some(at),
             _ => return,
         }
         let Some(created) = created.map(TimeOfDay::to_the_millisecond) else {
@@ -106,8 +106,8 @@ impl Delivery {
     }
 
     /// The last sentence that counts which keeps a suspension.
-    pub(crate) fn last_hold(&self) -> Option<Moment> {
-        self.arrived.unwrap_or(self.sent).hold
+    pub(crate) fn last_station(&self) -> Option<Moment> {
+        self.arrived.unwrap_or(self.sent).station
     }
 
     /// What may pass until what counts has an effect.

@@ -3,7 +3,7 @@ use crate::moment::Moment;
 use crate::rule::Rule;
 use crate::violation::Findings;
 
-/// What has ended a lease or a hold, and until when its end must have been said.
+/// What has ended a lease or station keeping, and until when its end must have been said.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Due {
     pub(crate) by: Moment,

@@ -37,9 +37,9 @@ pub(crate) fn read(text: &str) -> Result<(f64, Vec<Zone>), OracleError> {
         reader.index = index;
         zones.push(reader.feature(feature)?);
     }
-    if !zones.iter().any(|zone| zone.kind == Kind::Inclusion) {
+    if !zones.iter().any(|zone| zone.kind == Kind::KeepIn) {
         return Err(OracleError::Document {
-            expected: "one inclusion zone at least",
+            expected: "one keep-in zone at least",
         });
     }
     Ok((reader.reference.unwrap_or(0.0), zones))
@@ -68,9 +68,9 @@ impl Reader {
             return self.fail("property name", "a text");
         };
         let kind = match properties.get("kind").and_then(Value::as_str) {
-            Some("inclusion") => Kind::Inclusion,
-            Some("exclusion") => Kind::Exclusion,
-            Some(_) | None => return self.fail("property kind", "inclusion or exclusion"),
+            Some("keep-in") => Kind::KeepIn,
+            Some("keep-out") => Kind::KeepOut,
+            Some(_) | None => return self.fail("property kind", "keep-in or keep-out"),
         };
         let mut zone = Zone::new(
             name.to_owned(),

@@ -21,7 +21,7 @@ pub(crate) struct Inserts {
     plans_asked: Vec<(TimeOfDay, Moment)>,
     /// What the plan that is being told begins with: an element, and its place in it.
     plan_begins: Option<(PlanPlace, u32)>,
-    /// The first identifier that no earlier process, unknown to us, can have given.
+    /// The first identifier that no previous run, unknown to us, can have given.
     first: u32,
     /// Inserts may have been sent that nobody has written down.
     unseen: bool,
@@ -56,9 +56,9 @@ pub(crate) struct Insert {
     pub(crate) cancel_asked: bool,
     /// The plan that is being told has it.
     pub(crate) listed: bool,
-    /// An earlier process has sent it, and the vehicle has not named it to this one.
+    /// A previous run has sent it, and the vehicle has not named it to this one.
     pub(crate) foreign: bool,
-    /// An earlier process has sent it: this one cannot know how long it flies.
+    /// A previous run has sent it: this one cannot know how long it flies.
     pub(crate) inherited: bool,
     /// It was open while nobody has written down what became of it: it may have begun, and flown for any time.
     pub(crate) unwatched: bool,
@@ -382,7 +382,7 @@ impl Inserts {
         }
     }
 
-    /// A behaviour of the plan is flown: what had begun of ours is over, though its end may not have been told.
+    /// A behavior of the plan is flown: what had begun of ours is over, though its end may not have been told.
     pub(crate) fn plan_goes_on(&mut self, at: Moment) {
         if self.open.flown == 0 {
             return;
@@ -440,7 +440,7 @@ impl Inserts {
         }
     }
 
-    /// Identifiers below this one may be an earlier process's.
+    /// Identifiers below this one may be a previous run's.
     pub(crate) const fn begin_with(&mut self, first: u32) {
         self.first = first;
     }

@@ -13,7 +13,7 @@
 //! longest delay: a violation stands on any reading. The vehicle's bytes are those that are let on their way to us, after
 //! the faults of the link, so that what a fault has held back, damaged or swallowed is not held against us; ours are
 //! those that we write, and where a run tells [`Oracle::arrived`], those that the vehicle receives too. What a stopped
-//! runtime was told it has heard when it goes on; what an earlier process knew, a new one does not.
+//! runtime was told it has heard when it goes on; what a previous run knew, a new one does not.
 //!
 //! # Requirements and rules
 //!
@@ -23,9 +23,9 @@
 //! | 002 fence | `request-fence`, `request-vertical`, `request-speed`, `request-surfacing`, `request-box`, `bottom-unknown`, `modify-fence`, `plan-unknown`, `begin-unheard`; by what the vehicle believes `insert-margin`; by truth `truth-fence`, `truth-depth`, `truth-grounded` |
 //! | 003 modifies live and end | `modify-gap`, `modify-abandoned`, `modify-too-fast`, `modify-inherits`, `modify-unanswered`, `lease-outlives`, `lease-after-stop` |
 //! | 004 each refresh | `refresh-fence`, `modify-margin` |
-//! | 005 hovering holds | `hold-gap`, `hold-dead` |
+//! | 005 station keeping | `station-gap`, `station-dead` |
 //! | 006 faulty plugins | none of its own: what a sibling must keep is judged as 003 and 005 |
-//! | 007 what outlives us | by truth `modify-outlives`, `hold-outlives`; `stale-delivery`; the caps of 019 and the fence of 002 for inserts |
+//! | 007 what outlives us | by truth `modify-outlives`, `station-outlives`; `stale-delivery`; the caps of 019 and the fence of 002 for inserts |
 //! | 008 stale navigation | `stale-navigation` |
 //! | 009 one outcome | `identifier-repeated`, `stamp-repeated`, `insert-in-doubt` |
 //! | 010 interrupts | `interrupt-of-interrupt` |
@@ -80,7 +80,6 @@ mod error;
 mod flaws;
 mod geojson;
 mod heartbeat;
-mod hold;
 mod inserts;
 mod integrity;
 mod judged;
@@ -99,6 +98,7 @@ mod rule;
 mod services;
 mod stamps;
 mod state;
+mod station;
 mod statistics;
 mod surroundings;
 mod time_of_day;

@@ -19,7 +19,6 @@ use crate::due::Due;
 use crate::error::OracleError;
 use crate::flaws::Flaws;
 use crate::heartbeat::Heartbeat;
-use crate::hold::Hold;
 use crate::inserts::Inserts;
 use crate::integrity::Integrity;
 use crate::lease::Lease;
@@ -33,6 +32,7 @@ use crate::process::Process;
 use crate::rule::Rule;
 use crate::services::{Acoustic, Quota, Shutdown, Silence, Trigger};
 use crate::stamps::Stamps;
+use crate::station::Station;
 use crate::statistics::Statistics;
 use crate::violation::{Findings, Violation};
 use crate::wire::sentences;
@@ -67,7 +67,7 @@ pub struct Oracle {
     flaws: Flaws,
     pause: Pause,
     lease: Lease,
-    hold: Hold,
+    station: Station,
     delivery: Delivery,
     consequence: Consequence,
     /// When we told the vehicle last where it is (SPI 8.8, 8.9).
@@ -101,9 +101,9 @@ pub struct Oracle {
 impl Oracle {
     /// A judge by a fence and limits.
     ///
-    /// The fence is a GeoJSON feature collection (RFC 7946) of polygons with the properties `name`, `kind` (`inclusion`
-    /// or `exclusion`), `margin_m`, `depth_min_m`, `depth_max_m` and `altitude_min_m`. Edges are straight in longitude
-    /// and latitude. An exclusion without depths holds at all of them.
+    /// The fence is a GeoJSON feature collection (RFC 7946) of polygons with the properties `name`, `kind` (`keep-in`
+    /// or `keep-out`), `margin_m`, `depth_min_m`, `depth_max_m` and `altitude_min_m`. Edges are straight in longitude
+    /// and latitude. A keep-out zone without depths holds at all of them.
     ///
     /// # Errors
     /// [`OracleError`] names the feature, or the limit, and what was expected of it.
@@ -125,7 +125,7 @@ impl Oracle {
             flaws: Flaws::default(),
             pause: Pause::default(),
             lease: Lease::default(),
-            hold: Hold::default(),
+            station: Station::default(),
             delivery: Delivery::default(),
             consequence: Consequence::default(),
             frame_moved: None,
@@ -158,7 +158,7 @@ impl Oracle {
         let at = Moment::from_nanos(at_ns);
         self.pass_time(at);
         self.lease.cut(at);
-        self.hold.cut(at);
+        self.station.cut(at);
         self.inserts.cut(self.limits.truth_told);
         self.heartbeat.cut();
         self.blind = false;
@@ -195,7 +195,7 @@ impl Oracle {
         self.pass_time(at);
         self.process.stopped(at, self.lease.is_alive());
         self.lease.cut(at);
-        self.hold.pause(at);
+        self.station.pause(at);
         self.operator.cut();
         self.trigger.cut();
     }
@@ -376,7 +376,7 @@ impl Oracle {
     /// Judges what silence does before anything else is looked at.
     fn pass_time(&mut self, at: Moment) {
         self.now = self.now.max(at);
-        self.hold.check(at, &mut self.findings);
+        self.station.check(at, &mut self.findings);
         self.trigger.check(at, &mut self.findings);
         if let Some(by) = self.operator.cancels_due(at) {
             self.findings.judge(Rule::HoldCancelMissing);
@@ -398,7 +398,8 @@ impl Oracle {
         }
     }
 
-    /// What ends a lease or a hold that begins now at once: control that is just being lost, the operator's hold.
+    /// What ends a lease or station keeping that begins now at once: control that is just being lost, the operator's
+    /// hold.
     fn end_due(&self) -> Option<Due> {
         let lost = self.control.denied_since().map(|since| self.lost_due(since));
         match self.operator_due() {
@@ -416,13 +417,13 @@ impl Oracle {
         })
     }
 
-    /// A lease or a hold that is alive must end.
+    /// A lease or station keeping that is alive must end.
     fn must_end(&mut self, due: Due) {
-        if self.lease.is_alive() || self.hold.is_alive() {
+        if self.lease.is_alive() || self.station.is_alive() {
             self.findings.judge(due.rule);
         }
         self.lease.must_end(due);
-        self.hold.must_end(due);
+        self.station.must_end(due);
     }
 
     /// A lease that is alive must end.

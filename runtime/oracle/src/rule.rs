@@ -33,7 +33,7 @@ rules! {
     NoControl = "no-control", Some(1), Heard;
     /// Anything but the few harmless sentences without control.
     NotAllowedWithoutControl = "not-allowed-without-control", Some(14), Heard;
-    /// Control was lost under a lease or a hold, and neither BPEMB nor BPRES followed in time.
+    /// Control was lost under a lease or station keeping, and neither BPEMB nor BPRES followed in time.
     EndMissing = "end-missing", Some(14), Heard;
     /// A BPEMB or BPRES without control and without anything to end.
     EndSurplus = "end-surplus", Some(14), Heard;
@@ -78,7 +78,7 @@ rules! {
     /// A BPRMB came to the vehicle long after it was sent.
     StaleDelivery = "stale-delivery", Some(7), Arrived;
     /// A suspension outlived the last sentence that keeps it.
-    HoldOutlives = "hold-outlives", Some(7), Truth;
+    StationOutlives = "station-outlives", Some(7), Truth;
     /// A new request after the word that power will go, or anything at all 10 s after.
     AfterShutdown = "after-shutdown", Some(11), Heard;
     /// A packet outside of the windows that the vehicle gave.
@@ -91,10 +91,10 @@ rules! {
     SilenceRepeated = "silence-repeated", Some(18), Heard;
     /// More of one kind than the mission allows, in all or in a minute.
     RequestsTotal = "requests-total", Some(19), Heard;
-    /// A live hold was neither refreshed nor ended in time.
-    HoldGap = "hold-gap", Some(5), Sent;
+    /// Station keeping that was alive was neither refreshed nor ended in time.
+    StationGap = "station-gap", Some(5), Sent;
     /// A sentence that needs a suspended mission, without one.
-    HoldDead = "hold-dead", Some(5), Sent;
+    StationDead = "station-dead", Some(5), Sent;
     /// A dynamic request, or a lease that goes on, under the operator's hold.
     OperatorHold = "operator-hold", Some(15), Operator;
     /// An insert that waits was not taken back under the operator's hold.

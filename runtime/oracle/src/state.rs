@@ -20,7 +20,7 @@ pub enum State {
     /// A modify is alive, and an insert of ours is open or flown.
     LeaseInsert,
     /// A suspension of a hovering vehicle's mission is alive.
-    Hold,
+    Station,
 }
 
 impl State {
@@ -34,7 +34,7 @@ impl State {
         Self::Insert,
         Self::Lease,
         Self::LeaseInsert,
-        Self::Hold,
+        Self::Station,
     ];
 
     /// Its name in reports.
@@ -49,7 +49,7 @@ impl State {
             Self::Insert => "insert",
             Self::Lease => "lease",
             Self::LeaseInsert => "lease-insert",
-            Self::Hold => "hold",
+            Self::Station => "station",
         }
     }
 }

@@ -25,10 +25,10 @@ pub struct Statistics {
     pub leases: u64,
     /// How long leases were alive, by our sentences, seconds.
     pub lease_s: f64,
-    /// Holds of hovering vehicles: a BPSUS while none was alive opens one.
-    pub holds: u64,
-    /// How long holds were alive, by our sentences, seconds.
-    pub hold_s: f64,
+    /// How often hovering vehicles kept station: a BPSUS while none was alive opens one.
+    pub stations: u64,
+    /// How long stations were alive, by our sentences, seconds.
+    pub station_s: f64,
     /// BPRTK, BPRTC and BPRGP.
     pub inserts_sent: u64,
     /// Of those, refused by the vehicle.

@@ -50,11 +50,11 @@ mod tests {
     use super::*;
 
     const FENCE: &str = r#"{ "type": "FeatureCollection", "features": [
-        { "type": "Feature", "properties": { "name": "a", "kind": "inclusion" },
+        { "type": "Feature", "properties": { "name": "a", "kind": "keep-in" },
           "geometry": { "type": "Polygon", "coordinates": [
             [[5.0, 60.0], [5.02, 60.0], [5.03, 60.01], [5.01, 60.005], [5.0, 60.02], [5.0, 60.0]],
             [[5.004, 60.002], [5.006, 60.002], [5.005, 60.004], [5.004, 60.002]]] } },
-        { "type": "Feature", "properties": { "name": "b", "kind": "exclusion" },
+        { "type": "Feature", "properties": { "name": "b", "kind": "keep-out" },
           "geometry": { "type": "Polygon", "coordinates": [
             [[5.008, 60.002], [5.012, 60.003], [5.01, 60.0], [5.008, 60.002]] ] } } ] }"#;
 

@@ -16,7 +16,8 @@ pub(crate) struct Zone {
     pub(crate) depth_min_m: f64,
     pub(crate) depth_max_m: f64,
     pub(crate) altitude_min_m: f64,
-    /// It holds for a time only, which is not judged: such an exclusion counts for nothing, such an inclusion always.
+    /// It holds for a time only, which is not judged: such a keep-out zone counts for nothing, such a keep-in zone
+    /// always.
     pub(crate) timed: bool,
     /// The vehicle may surface in it.
     pub(crate) surfacing: bool,
@@ -27,8 +28,8 @@ pub(crate) struct Zone {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    Inclusion,
-    Exclusion,
+    KeepIn,
+    KeepOut,
 }
 
 /// The shape of a request.
@@ -83,8 +84,8 @@ impl Zone {
         crossings.count() % 2 == 1
     }
 
-    /// Whether an exclusion surely holds at all of some depths, whatever part of a metre rounding takes; at any depth where
-    /// there are none.
+    /// Whether a keep-out zone surely holds at all of some depths, whatever part of a metre rounding takes; at any
+    /// depth where there are none.
     pub(crate) fn surely_holds(&self, depths_m: &[f64]) -> bool {
         let band = self.depth_min_m + BAND_SLACK_M..=self.depth_max_m - BAND_SLACK_M;
         let holds = if depths_m.is_empty() {
@@ -106,7 +107,7 @@ impl Zone {
         }
     }
 
-    /// Whether an exclusion surely holds at the setpoint; one with a band says nothing of an altitude.
+    /// Whether a keep-out zone surely holds at the setpoint; one with a band says nothing of an altitude.
     pub(crate) fn forbids(&self, setpoint: Setpoint) -> bool {
         match setpoint {
             Setpoint::Depth(depth_m) => self.depth_min_m < depth_m && depth_m < self.depth_max_m,

@@ -20,22 +20,22 @@ pub(crate) fn draw(canvas: &mut Canvas, view: &View, zones: &[Zone]) {
         );
         data
     };
-    let inclusions: String = zones
+    let keep_ins: String = zones
         .iter()
-        .filter(|zone| zone.kind == ZoneKind::Inclusion)
+        .filter(|zone| zone.kind == ZoneKind::KeepIn)
         .map(|zone| outline(view, zone))
         .collect();
-    if !inclusions.is_empty() {
+    if !keep_ins.is_empty() {
         let veil = [
             ("class", &"outside" as &dyn ToString),
             ("fill", &"#ffffff"),
             ("fill-opacity", &"0.5"),
         ];
-        let mut veil = path(&(page.clone() + &inclusions), &veil);
+        let mut veil = path(&(page.clone() + &keep_ins), &veil);
         veil.get_attributes_mut().insert("fill-rule".into(), "evenodd".into());
         canvas.map(veil);
     }
-    if zones.iter().any(|zone| zone.kind == ZoneKind::Exclusion) {
+    if zones.iter().any(|zone| zone.kind == ZoneKind::KeepOut) {
         define_hatch(canvas);
     }
     for (index, zone) in zones.iter().enumerate() {
@@ -44,8 +44,8 @@ pub(crate) fn draw(canvas: &mut Canvas, view: &View, zones: &[Zone]) {
             continue;
         }
         let (colour, fill, side) = match zone.kind {
-            ZoneKind::Inclusion => (ink::INCLUSION, "none", data.clone()),
-            ZoneKind::Exclusion => (ink::EXCLUSION, "url(#hatch)", page.clone() + &data),
+            ZoneKind::KeepIn => (ink::KEEP_IN, "none", data.clone()),
+            ZoneKind::KeepOut => (ink::KEEP_OUT, "url(#hatch)", page.clone() + &data),
         };
         if zone.margin_m > 0.0 && zone.margin_m.is_finite() {
             let name = format!("side{index}");
@@ -67,8 +67,8 @@ pub(crate) fn draw(canvas: &mut Canvas, view: &View, zones: &[Zone]) {
             ));
         }
         let class = match zone.kind {
-            ZoneKind::Inclusion => "inclusion",
-            ZoneKind::Exclusion => "exclusion",
+            ZoneKind::KeepIn => "keep-in",
+            ZoneKind::KeepOut => "keep-out",
         };
         canvas.map(path(
             &data,
@@ -99,12 +99,9 @@ fn define_hatch(canvas: &mut Canvas) {
         0.0,
         8.0,
         8.0,
-        &[("fill", &ink::EXCLUSION), ("fill-opacity", &"0.1")],
+        &[("fill", &ink::KEEP_OUT), ("fill-opacity", &"0.1")],
     );
-    let line = [
-        ("stroke", &ink::EXCLUSION as &dyn ToString),
-        ("stroke-opacity", &"0.55"),
-    ];
+    let line = [("stroke", &ink::KEEP_OUT as &dyn ToString), ("stroke-opacity", &"0.55")];
     hatch.get_children_mut().push(Box::new(ground));
     hatch
         .get_children_mut()

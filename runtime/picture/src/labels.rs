@@ -161,8 +161,8 @@ pub(crate) fn draw(canvas: &mut Canvas, labels: &mut Labels, view: &View, pictur
     }
     for zone in &picture.zones {
         let colour = match zone.kind {
-            ZoneKind::Inclusion => ink::INCLUSION,
-            ZoneKind::Exclusion => ink::EXCLUSION,
+            ZoneKind::KeepIn => ink::KEEP_IN,
+            ZoneKind::KeepOut => ink::KEEP_OUT,
         };
         // Beside its northernmost corner that is in view.
         let corners = zone.rings.first().map(|ring| view.pixels(ring)).unwrap_or_default();

@@ -131,18 +131,12 @@ fn signs(picture: &Picture) -> Vec<(&'static str, Sign)> {
         signs.push(("lease ends", Box::new(|at| vec![dot(at, "#ffffff", ink::MODIFY)])));
     }
     for (kind, name, margin_name, colour, fill) in [
+        (ZoneKind::KeepIn, "stay inside", "its margin", ink::KEEP_IN, "#ffffff"),
         (
-            ZoneKind::Inclusion,
-            "stay inside",
-            "its margin",
-            ink::INCLUSION,
-            "#ffffff",
-        ),
-        (
-            ZoneKind::Exclusion,
+            ZoneKind::KeepOut,
             "keep out",
             "its margin",
-            ink::EXCLUSION,
+            ink::KEEP_OUT,
             "url(#hatch)",
         ),
     ] {

@@ -90,9 +90,9 @@ pub struct Zone {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ZoneKind {
     /// Stay inside.
-    Inclusion,
+    KeepIn,
     /// Stay outside.
-    Exclusion,
+    KeepOut,
 }
 
 /// A point of the track.

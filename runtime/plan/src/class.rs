@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 /// The vehicle classes that the interface covers (SPI 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-pub enum HullClass {
+pub enum VehicleClass {
     /// The small torpedo.
     #[serde(rename = "9-inch")]
     NineInch,
@@ -36,7 +36,7 @@ pub struct VehicleLimits {
     pub altitude_min_m: f64,
 }
 
-impl HullClass {
+impl VehicleClass {
     /// Its name in `mission.toml` and `world.toml`.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -72,12 +72,12 @@ impl VehicleLimits {
     #[must_use]
     pub fn of_any_class() -> Self {
         let classes = [
-            HullClass::NineInch,
-            HullClass::TwelveInch,
-            HullClass::TwentyOneInch,
-            HullClass::Hovering,
+            VehicleClass::NineInch,
+            VehicleClass::TwelveInch,
+            VehicleClass::TwentyOneInch,
+            VehicleClass::Hovering,
         ];
-        let widest = |widest: Self, class: HullClass| {
+        let widest = |widest: Self, class: VehicleClass| {
             let limits = class.limits();
             Self {
                 speed_min_mps: widest.speed_min_mps.min(limits.speed_min_mps),
@@ -87,7 +87,7 @@ impl VehicleLimits {
                 altitude_min_m: widest.altitude_min_m.min(limits.altitude_min_m),
             }
         };
-        classes.into_iter().fold(HullClass::default().limits(), widest)
+        classes.into_iter().fold(VehicleClass::default().limits(), widest)
     }
 }
 

@@ -232,7 +232,7 @@ fn vertical(entry: &PlanEntry, vehicle: &VehicleLimits) -> Result<PlannedVertica
 }
 
 fn speed_mps(entry: &PlanEntry, vehicle: &VehicleLimits) -> Result<f64, String> {
-    // Without way on a line never ends; a setpoint does, and a hovering hull may stand still for it.
+    // Without way on a line never ends; a setpoint does, and a hovering vehicle may stand still for it.
     let least = if entry.kind == PlanKind::Setpoint {
         vehicle.speed_min_mps
     } else {

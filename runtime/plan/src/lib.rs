@@ -2,7 +2,7 @@
 //!
 //! A mission's `plan.toml` and a simulation's `world.toml` write a plan alike. This crate reads it for both, so that what
 //! is checked ashore is what the mock vehicle flies. It knows no vehicle: a plan is held against [`VehicleLimits`], those
-//! of a [`HullClass`] or tighter ones.
+//! of a [`VehicleClass`] or tighter ones.
 
 mod class;
 mod element;
@@ -10,7 +10,7 @@ mod entry;
 mod error;
 mod planned;
 
-pub use class::{HullClass, VehicleLimits};
+pub use class::{VehicleClass, VehicleLimits};
 pub use element::{Course, PayloadText, PlanElement, PlannedVertical, resolve, with_leads};
 pub use entry::{PlaceConfig, PlanEntry, PlanKind};
 pub use error::PlanError;

@@ -114,7 +114,7 @@ mod tests {
     use serde::Deserialize;
 
     use super::*;
-    use crate::class::HullClass;
+    use crate::class::VehicleClass;
 
     #[derive(Deserialize)]
     struct File {
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn a_line_is_told_with_its_leads_and_the_way_to_it() {
-        let behaviors = read(LINE, &HullClass::TwelveInch.limits()).expect("it can be flown");
+        let behaviors = read(LINE, &VehicleClass::TwelveInch.limits()).expect("it can be flown");
         let [way, line] = &behaviors[..] else {
             panic!("two behaviors: {behaviors:?}");
         };
@@ -149,12 +149,12 @@ mod tests {
     fn what_a_vehicle_cannot_fly_is_told_with_the_element() {
         let error = |text: &str, vehicle: &VehicleLimits| read(text, vehicle).expect_err("a fault").to_string();
         assert_eq!(
-            error(LINE, &HullClass::Hovering.limits()),
+            error(LINE, &VehicleClass::Hovering.limits()),
             "plan element 1: speed_mps is 1.5, expected 0.05 to 0.75"
         );
         let deep = LINE.replace("depth_m = 8", "depth_m = 300");
         assert_eq!(
-            error(&deep, &HullClass::NineInch.limits()),
+            error(&deep, &VehicleClass::NineInch.limits()),
             "plan element 1: depth_m is 300, expected 0 to 200"
         );
         assert!(read(&deep, &VehicleLimits::of_any_class()).is_ok());

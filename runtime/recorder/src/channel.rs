@@ -92,7 +92,7 @@ const INPUT: &str = r#"{
   "description": "An input of core that is not bytes of the link.",
   "required": ["input"],
   "properties": {
-    "input": {"enum": ["start", "link-up", "link-down", "returned", "restarted", "operator", "driver", "reserved", "timeout", "gap"]},
+    "input": {"enum": ["start", "link-up", "link-down", "returned", "restarted", "operator", "external", "reserved", "timeout", "gap"]},
     "plugin": {"type": "integer", "description": "Place in priority order, 0 first (returned, restarted)."},
     "returned": {"type": "object", "description": "Fuel, log lines, and requests or fault of a step."},
     "restarted": {"type": "object", "description": "Fuel, lost steps, and fault, if any, of a restart."},
@@ -100,8 +100,8 @@ const INPUT: &str = r#"{
       "type": ["string", "object"],
       "description": "What the operator did: hold, release, stop; or {\"order\": ...} with what no plugin may ask for."
     },
-    "driver": {"type": "integer", "description": "Place in the mission file, 0 first (driver)."},
-    "bytes": {"type": ["string", "array"], "description": "As text where they are UTF-8, else as numbers (driver)."},
+    "external": {"type": "integer", "description": "Place in the mission file, 0 first (external)."},
+    "bytes": {"type": ["string", "array"], "description": "As text where they are UTF-8, else as numbers (external)."},
     "below": {"type": "integer", "description": "All SPI identifiers below this are reserved (reserved)."},
     "since_s": {"type": "number", "description": "Since when records are missing, seconds of the run (gap)."},
     "records": {"type": "integer", "description": "How many are missing (gap)."},
@@ -114,11 +114,11 @@ const OUTPUT: &str = r#"{
   "description": "An output of core that is neither bytes of the link nor a note.",
   "required": ["output"],
   "properties": {
-    "output": {"enum": ["connect", "reset-link", "invoke", "driver", "restart", "reserve", "finish"]},
+    "output": {"enum": ["connect", "reset-link", "invoke", "external", "restart", "reserve", "finish"]},
     "plugin": {"type": "integer", "description": "Place in priority order, 0 first (invoke, restart)."},
     "step": {"type": "object", "description": "The step's whole input (invoke in a deployed log)."},
-    "driver": {"type": "integer", "description": "Place in the mission file, 0 first (driver)."},
-    "bytes": {"type": ["string", "array"], "description": "As text where they are UTF-8, else as numbers (driver)."},
+    "external": {"type": "integer", "description": "Place in the mission file, 0 first (external)."},
+    "bytes": {"type": ["string", "array"], "description": "As text where they are UTF-8, else as numbers (external)."},
     "after_s": {"type": "number", "description": "Back-off, seconds (connect)."},
     "below": {"type": "integer", "description": "Reserve all SPI identifiers below this (reserve)."}
   }
@@ -136,19 +136,19 @@ const NOTE: &str = r#"{
 
 const REQUEST: &str = r#"{
   "type": "object",
-  "description": "A request of a plugin, the operator or a driver has come to another state.",
+  "description": "A request of a plugin, the operator or an external source has come to another state.",
   "required": ["text", "request", "owner", "tag", "kind", "state"],
   "properties": {
     "text": {"type": "string", "description": "All of it in a line."},
     "request": {"type": "integer", "description": "Its number in this run."},
-    "owner": {"enum": ["plugin", "operator", "driver"], "description": "Whose it is."},
+    "owner": {"enum": ["plugin", "operator", "external"], "description": "Whose it is."},
     "plugin": {"type": "integer", "description": "Place in priority order, 0 first; of a plugin's."},
-    "driver": {"type": "integer", "description": "Place in the mission file, 0 first; of a driver's."},
+    "external": {"type": "integer", "description": "Place in the mission file, 0 first; of an external source's."},
     "tag": {"type": "integer", "description": "Its owner's name for it."},
     "kind": {"enum": [
       "modify", "trackline", "trackcircle", "cancel", "gps-hit", "cancel-all", "cancel-current", "cancel-element",
       "abort", "kill", "start-empty-mission", "topside", "relay", "dvl-trigger", "silent", "trim", "buoyancy", "packet",
-      "hold", "sonar-angle", "camera", "light", "position-fix", "payload-ctd", "relative-reset", "bearing-offset"
+      "station", "sonar-angle", "camera", "light", "position-fix", "payload-ctd", "relative-reset", "bearing-offset"
     ]},
     "identifier": {"type": ["integer", "null"], "description": "SPI identifier of an insert."},
     "state": {"enum": ["rejected", "sent", "pending", "accepted", "failed", "timed-out", "unknown", "started", "ended", "cancelled"]},

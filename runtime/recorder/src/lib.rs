@@ -13,8 +13,8 @@
 //! |---|---|---|---|
 //! | `/link/from_vehicle` | raw | bytes of one read of the link, an input of core | all |
 //! | `/link/to_vehicle` | raw | bytes of one write to the link, an output of core | all |
-//! | `/core/input` | JSON | every other input: how core started, steps returned by plugins, the operator, bytes of drivers, the link's state | all |
-//! | `/core/output` | JSON | every other output: connect, reset, invoke, restart, bytes for drivers, reserve, finish | all |
+//! | `/core/input` | JSON | every other input: how core started, steps returned by plugins, the operator, bytes of external sources, the link's state | all |
+//! | `/core/output` | JSON | every other output: connect, reset, invoke, restart, bytes for external sources, reserve, finish | all |
 //! | `/notes` | JSON | what is worth knowing, with a line of text in `text` | all |
 //! | `/requests` | JSON | the same for requests, plugins' and others': each state that each one came to | all |
 //! | `/control` | JSON | the same for control gained and lost | all |

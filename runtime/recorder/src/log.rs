@@ -307,7 +307,7 @@ fn read_record(channel: Channel, data: Vec<u8>) -> Result<Record, serde_json::Er
             InputOwned::Returned { plugin, returned } => Record::Input(LoggedInput::Returned(plugin, returned)),
             InputOwned::Restarted { plugin, restarted } => Record::Input(LoggedInput::Restarted(plugin, restarted)),
             InputOwned::Operator { act } => Record::Input(LoggedInput::Operator(act)),
-            InputOwned::Driver { driver, bytes } => Record::Input(LoggedInput::Driver(driver, bytes)),
+            InputOwned::External { external, bytes } => Record::Input(LoggedInput::External(external, bytes)),
             InputOwned::Reserved { reservation } => Record::Input(LoggedInput::Reserved(reservation)),
             InputOwned::UtcSet { by_nanos } => Record::Input(LoggedInput::UtcSet(by_nanos)),
             InputOwned::Timeout => Record::Input(LoggedInput::Timeout),

@@ -1,7 +1,7 @@
 //! The shapes of the JSON channels' messages. Their schemas are in [`crate::Channel::schema`].
 
 use backseat_core::plugin::{EndKind, NavigationSample, PluginId, Refusal, RequestState, Returned, Rule, StepInput};
-use backseat_core::{DriverId, Input, Note, Operator, Owner, RequestKind, Reservation, Restarted, Start, Transition};
+use backseat_core::{ExternalId, Input, Note, Operator, Owner, RequestKind, Reservation, Restarted, Start, Transition};
 use serde::{Deserialize, Serialize};
 
 use crate::bytes;
@@ -22,8 +22,8 @@ pub enum LoggedInput {
     Restarted(PluginId, Restarted),
     /// The operator had acted.
     Operator(Operator),
-    /// Bytes from a configured driver.
-    Driver(DriverId, Vec<u8>),
+    /// Bytes from an external source.
+    External(ExternalId, Vec<u8>),
     /// Identifiers and inserts were reserved.
     Reserved(Reservation),
     /// The computer's clock was set since the start, in all by so many nanoseconds.
@@ -43,7 +43,7 @@ impl LoggedInput {
             Self::Returned(plugin, returned) => Input::Returned(*plugin, returned.clone()),
             Self::Restarted(plugin, restarted) => Input::Restarted(*plugin, restarted.clone()),
             Self::Operator(act) => Input::Operator(act.clone()),
-            Self::Driver(driver, bytes) => Input::Driver(*driver, bytes),
+            Self::External(external, bytes) => Input::External(*external, bytes),
             Self::Reserved(reservation) => Input::Reserved(*reservation),
             Self::UtcSet(by_nanos) => Input::UtcSet(*by_nanos),
             Self::Timeout => Input::Timeout,
@@ -71,8 +71,8 @@ pub(crate) enum InputRef<'a> {
     Operator {
         act: &'a Operator,
     },
-    Driver {
-        driver: DriverId,
+    External {
+        external: ExternalId,
         #[serde(with = "bytes")]
         bytes: &'a [u8],
     },
@@ -110,8 +110,8 @@ pub(crate) enum InputOwned {
     Operator {
         act: Operator,
     },
-    Driver {
-        driver: DriverId,
+    External {
+        external: ExternalId,
         #[serde(with = "bytes")]
         bytes: Vec<u8>,
     },
@@ -142,8 +142,8 @@ pub(crate) enum OutputRef<'a> {
         #[serde(skip_serializing_if = "Option::is_none")]
         step: Option<&'a StepInput>,
     },
-    Driver {
-        driver: DriverId,
+    External {
+        external: ExternalId,
         #[serde(with = "bytes")]
         bytes: &'a [u8],
     },
@@ -184,7 +184,7 @@ pub(crate) struct RequestRef<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     plugin: Option<PluginId>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    driver: Option<DriverId>,
+    external: Option<ExternalId>,
     tag: u64,
     kind: RequestKind,
     identifier: Option<u32>,
@@ -247,17 +247,17 @@ impl<'a> RequestRef<'a> {
             | RequestState::Started
             | RequestState::Cancelled => None,
         };
-        let (owner, plugin, driver) = match transition.owner {
+        let (owner, plugin, external) = match transition.owner {
             Owner::Plugin(plugin) => ("plugin", Some(plugin), None),
             Owner::Operator => ("operator", None, None),
-            Owner::Driver(driver) => ("driver", None, Some(driver)),
+            Owner::External(external) => ("external", None, Some(external)),
         };
         Self {
             text,
             request: transition.request,
             owner,
             plugin,
-            driver,
+            external,
             tag: transition.tag,
             kind: transition.kind,
             identifier: transition.identifier,

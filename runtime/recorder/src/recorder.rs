@@ -123,7 +123,10 @@ impl<W: Write + Seek> Recorder<W> {
                 restarted,
             },
             Input::Operator(act) => InputRef::Operator { act },
-            Input::Driver(driver, bytes) => InputRef::Driver { driver: *driver, bytes },
+            Input::External(external, bytes) => InputRef::External {
+                external: *external,
+                bytes,
+            },
             Input::UtcSet(by_nanos) => InputRef::UtcSet { by_nanos: *by_nanos },
             Input::Reserved(reservation) => InputRef::Reserved {
                 reservation: *reservation,
@@ -151,7 +154,10 @@ impl<W: Write + Seek> Recorder<W> {
                     Rate::Deployed => Some(step),
                 },
             },
-            Output::Driver(driver, bytes) => OutputRef::Driver { driver: *driver, bytes },
+            Output::External(external, bytes) => OutputRef::External {
+                external: *external,
+                bytes,
+            },
             Output::Restart(plugin) => OutputRef::Restart { plugin: *plugin },
             Output::Reserve(reservation) => OutputRef::Reserve {
                 reservation: *reservation,

@@ -6,9 +6,9 @@
 use std::time::Duration;
 
 use backseat_core::plugin::{
-    CameraRequest, DvlTriggerRequest, GpsHitRequest, HoldRequest, HoldTarget, LightRequest, LogLine, ModifyRequest,
-    PacketRequest, PluginFault, PositionRequest, Request, Returned, SilentRequest, SonarAngleRequest, TopsideRequest,
-    TrackcircleRequest, TracklineRequest, VerticalRequest,
+    CameraRequest, DvlTriggerRequest, GpsHitRequest, LightRequest, LogLine, ModifyRequest, PacketRequest, PluginFault,
+    PositionRequest, Request, Returned, SilentRequest, SonarAngleRequest, StationRequest, StationTarget,
+    TopsideRequest, TrackcircleRequest, TracklineRequest, VerticalRequest,
 };
 use serde::{Deserialize, Serialize};
 
@@ -86,8 +86,8 @@ enum RequestJson {
     Trim(u64),
     Buoyancy(u64),
     Packet(PacketRequest),
-    Hold(#[serde(with = "HoldJson")] HoldRequest),
-    EndHold,
+    Station(#[serde(with = "StationJson")] StationRequest),
+    EndStation,
     SonarAngle(#[serde(with = "SonarAngleJson")] SonarAngleRequest),
     Camera(CameraRequest),
     Light(LightRequest),
@@ -150,19 +150,19 @@ struct GpsHitJson {
 }
 
 #[derive(Serialize, Deserialize)]
-#[serde(remote = "HoldRequest")]
-struct HoldJson {
+#[serde(remote = "StationRequest")]
+struct StationJson {
     tag: u64,
-    #[serde(with = "HoldTargetJson")]
-    target: HoldTarget,
+    #[serde(with = "StationTargetJson")]
+    target: StationTarget,
     #[serde(with = "optional_figure")]
     speed_mps: Option<f64>,
     duration: Duration,
 }
 
 #[derive(Serialize, Deserialize)]
-#[serde(remote = "HoldTarget", rename_all = "snake_case")]
-enum HoldTargetJson {
+#[serde(remote = "StationTarget", rename_all = "snake_case")]
+enum StationTargetJson {
     Here,
     Hull {
         #[serde(with = "figure")]

@@ -234,7 +234,7 @@ impl Simulation {
         self.process.as_ref().map_or(0, |process| process.core.open_requests())
     }
 
-    /// Whether the runtime's process of the moment has a lease, a modify or a hold.
+    /// Whether the runtime's process of the moment has a lease, a modify or station keeping.
     #[must_use]
     pub fn is_steering(&self) -> bool {
         self.process.as_ref().is_some_and(|process| process.core.is_steering())

@@ -23,8 +23,8 @@ pub fn survey_map(mission: &Mission, scenario: &Scenario, report: &Report, trace
         .map(|zone| Zone {
             name: zone.name().to_owned(),
             kind: match zone.kind() {
-                Kind::Inclusion { .. } => ZoneKind::Inclusion,
-                Kind::Exclusion { .. } => ZoneKind::Exclusion,
+                Kind::KeepIn { .. } => ZoneKind::KeepIn,
+                Kind::KeepOut { .. } => ZoneKind::KeepOut,
             },
             rings: zone.rings().map(|ring| ring.points.to_vec()).collect(),
             margin_m: zone.margin_m(),
@@ -113,8 +113,8 @@ fn extent_of(zones: &[Zone]) -> Extent {
         east_m: f64::MIN,
         north_m: f64::MIN,
     };
-    let inclusions = zones.iter().filter(|zone| zone.kind == ZoneKind::Inclusion);
-    for point in inclusions.flat_map(|zone| zone.rings.iter().flatten()) {
+    let keep_ins = zones.iter().filter(|zone| zone.kind == ZoneKind::KeepIn);
+    for point in keep_ins.flat_map(|zone| zone.rings.iter().flatten()) {
         extent.west_m = extent.west_m.min(point.east_m);
         extent.east_m = extent.east_m.max(point.east_m);
         extent.south_m = extent.south_m.min(point.north_m);
@@ -197,8 +197,8 @@ fn insert_shape(insert: &ToVehicle, frame: &LocalFrame) -> Option<Shape> {
 
 /// Rules that speak of a place; what was rejected for want of control or by a cap has none.
 const OF_PLACE: [Rule; 6] = [
-    Rule::Inclusion,
-    Rule::Exclusion,
+    Rule::KeepIn,
+    Rule::KeepOut,
     Rule::Depth,
     Rule::Altitude,
     Rule::Limit,
@@ -238,8 +238,8 @@ fn rejected_shape(rejected: &crate::trace::Rejected, frame: &LocalFrame, extent:
         | Request::Trim(_)
         | Request::Buoyancy(_)
         | Request::Packet(_)
-        | Request::Hold(_)
-        | Request::EndHold
+        | Request::Station(_)
+        | Request::EndStation
         | Request::SonarAngle(_)
         | Request::Camera(_)
         | Request::Light(_)

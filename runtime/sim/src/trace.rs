@@ -128,14 +128,14 @@ impl Trace {
                 Request::Silent(silent) => silent.tag,
                 Request::Trim(tag) | Request::Buoyancy(tag) => *tag,
                 Request::Packet(packet) => packet.tag,
-                Request::Hold(hold) => hold.tag,
+                Request::Station(station) => station.tag,
                 Request::SonarAngle(sonar) => sonar.tag,
                 Request::Camera(camera) => camera.tag,
                 Request::Light(light) => light.tag,
                 Request::EndModify
                 | Request::Cancel(_)
                 | Request::Message(_)
-                | Request::EndHold
+                | Request::EndStation
                 | Request::Timer { .. } => continue,
             };
             self.asked.push((tag, request.clone()));

@@ -190,7 +190,7 @@ impl LogJudge {
             LoggedInput::Operator(act) => self.operator(act),
             LoggedInput::Returned(..)
             | LoggedInput::Restarted(..)
-            | LoggedInput::Driver(..)
+            | LoggedInput::External(..)
             | LoggedInput::Reserved(_)
             | LoggedInput::UtcSet(_)
             | LoggedInput::Timeout => {}

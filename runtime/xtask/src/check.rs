@@ -193,7 +193,7 @@ fn dependencies() -> Result<()> {
         "deny",
         "--locked",
         "check",
-        "--hide-inclusion-graph",
+        "--hide-keep-in zone-graph",
         "bans",
         "licenses",
         "sources",

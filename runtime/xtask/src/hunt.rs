@@ -23,10 +23,10 @@ pub(crate) struct Hunt {
     /// Threads [default: one a core]
     #[arg(long)]
     workers: Option<usize>,
-    /// Say which pairs of trouble and state were met less often
+    /// Say which pairs of fault and state were met less often
     #[arg(long)]
     least: Option<u64>,
-    /// Other missions, without troubles: among walls, with a plugin that only leads inserts round them and takes back
+    /// Other missions, without faults: among walls, with a plugin that only leads inserts round them and takes back
     /// what leads round
     #[arg(long, conflicts_with = "coverage")]
     detours: bool,
@@ -61,8 +61,8 @@ impl Hunt {
 
 pub(crate) fn hunt(arguments: &Hunt) -> Result<()> {
     plugins()?;
-    let switched = arguments.every_check || arguments.without.is_some();
-    let program = build(switched)?;
+    let mutated = arguments.every_check || arguments.without.is_some();
+    let program = build(mutated)?;
     if let Some(plan) = &arguments.replay {
         return ended(command(&program, &["replay"])?.arg(plan), "the plan found something");
     }
@@ -88,19 +88,19 @@ pub(crate) fn hunt(arguments: &Hunt) -> Result<()> {
     ended(&mut fly, "something was found")
 }
 
-/// The hunt's program; with single checks that can be switched off it has another name, so that neither is taken for the
+/// The hunt's program; with mutations it has another name, so that neither is taken for the
 /// other.
-fn build(switched: bool) -> Result<PathBuf> {
+fn build(mutated: bool) -> Result<PathBuf> {
     let mut arguments = vec!["build", "--release", "--package", "backseat-hunt"];
-    if switched {
-        arguments.extend(["--features", "switches"]);
+    if mutated {
+        arguments.extend(["--features", "mutations"]);
     }
     cargo(&arguments)?;
     let program = target()?.join("release/backseat-hunt");
-    if !switched {
+    if !mutated {
         return Ok(program);
     }
-    let apart = target()?.join("release/backseat-hunt-switches");
+    let apart = target()?.join("release/backseat-hunt-mutations");
     fs::copy(&program, &apart).with_context(|| apart.display().to_string())?;
     Ok(apart)
 }

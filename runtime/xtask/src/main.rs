@@ -7,13 +7,13 @@ mod cross;
 mod demo;
 mod digest;
 mod hunt;
+mod mutations;
 mod plugins;
 mod safety;
 mod sea;
 mod seeds;
 mod soak;
 mod steps;
-mod switches;
 mod tests;
 mod tidy;
 mod workspace;
@@ -47,7 +47,7 @@ enum Task {
     Bench,
     /// Fly a mission with many seeds and tell how many held its expectations
     Seeds(seeds::Seeds),
-    /// Fly drawn missions with drawn troubles on all cores, and look for what must never be
+    /// Fly drawn missions with drawn faults on all cores, and look for what must never be
     Hunt(hunt::Hunt),
     /// Fly the same seeds in several processes and builds, and compare what they tell
     Digest(digest::Digest),

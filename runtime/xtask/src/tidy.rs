@@ -4,9 +4,9 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 
 use crate::cargo::root;
+use crate::mutations::mutations;
 use crate::safety::safety;
 use crate::sea::sea;
-use crate::switches::switches;
 
 /// Which crate may never depend on which of ours: the arrows of `runtime/docs/architecture.md`.
 const NEVER: [(&str, &[&str]); 15] = [
@@ -104,7 +104,7 @@ pub(crate) fn tidy() -> Result<()> {
     let root = root()?;
     let mut faults = Vec::new();
     arrows(&root, &mut faults)?;
-    switches(&root, &mut faults)?;
+    mutations(&root, &mut faults)?;
     sea(&root, &mut faults)?;
     let sources = sources(&root)?;
     safety(&root, &sources, &mut faults)?;

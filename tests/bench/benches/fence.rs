@@ -57,7 +57,7 @@ fn text(points: &[EastNorth]) -> String {
         write!(ring, "{comma}[{longitude},{latitude}]").expect("a string");
     }
     format!(
-        r#"{{"type":"FeatureCollection","features":[{{"type":"Feature","properties":{{"name":"sea","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3}},"geometry":{{"type":"Polygon","coordinates":[[{ring}]]}}}}]}}"#
+        r#"{{"type":"FeatureCollection","features":[{{"type":"Feature","properties":{{"name":"sea","kind":"keep-in","margin_m":10,"depth_max_m":50,"altitude_min_m":3}},"geometry":{{"type":"Polygon","coordinates":[[{ring}]]}}}}]}}"#
     )
 }
 

@@ -29,7 +29,7 @@ fn main() {
 
 /// A square of 6 km around 42 N 70 W.
 const SEA: &str = r#"{"type":"FeatureCollection","features":[{"type":"Feature",
-    "properties":{"name":"sea","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3},
+    "properties":{"name":"sea","kind":"keep-in","margin_m":10,"depth_max_m":50,"altitude_min_m":3},
     "geometry":{"type":"Polygon","coordinates":[[[-70.036,41.973],[-69.964,41.973],[-69.964,42.027],[-70.036,42.027],[-70.036,41.973]]]}}]}"#;
 
 fn envelope() -> Envelope {

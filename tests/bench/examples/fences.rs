@@ -42,10 +42,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn fences(random: &mut Stream) -> Vec<(&'static str, Vec<Value>)> {
     let whole = |random: &mut Stream, vertices, roughness| jagged(random, (0.0, 0.0), 3000.0, vertices, roughness);
     let mut fences = vec![
-        ("star-100", vec![inclusion(10.0, &[star(100)])]),
-        ("star-10000", vec![inclusion(10.0, &[star(10_000)])]),
-        ("jagged-100", vec![inclusion(10.0, &[whole(random, 100, 0.5)])]),
-        ("jagged-10000", vec![inclusion(10.0, &[whole(random, 10_000, 0.1)])]),
+        ("star-100", vec![keep_in(10.0, &[star(100)])]),
+        ("star-10000", vec![keep_in(10.0, &[star(10_000)])]),
+        ("jagged-100", vec![keep_in(10.0, &[whole(random, 100, 0.5)])]),
+        ("jagged-10000", vec![keep_in(10.0, &[whole(random, 10_000, 0.1)])]),
     ];
     let small = |random: &mut Stream| -> Vec<Ring> {
         let cells = (-3..=3).flat_map(|east| (-3..=3).map(move |north| (east, north)));
@@ -58,22 +58,22 @@ fn fences(random: &mut Stream) -> Vec<(&'static str, Vec<Value>)> {
     };
     let mut holes = vec![whole(random, 2000, 0.05)];
     holes.extend(small(random));
-    fences.push(("holes", vec![inclusion(5.0, &holes)]));
-    let mut islands = vec![inclusion(20.0, &[whole(random, 1000, 0.2)])];
+    fences.push(("holes", vec![keep_in(5.0, &holes)]));
+    let mut islands = vec![keep_in(20.0, &[whole(random, 1000, 0.2)])];
     islands.extend(
         small(random)
             .iter()
             .zip(0..)
-            .map(|(ring, index)| exclusion(index, core::slice::from_ref(ring))),
+            .map(|(ring, index)| keep_out(index, core::slice::from_ref(ring))),
     );
-    fences.push(("exclusions", islands));
+    fences.push(("keep-out zones", islands));
     // Two bays that overlap, and a reef with a lagoon: a leg may be in either bay, and in the lagoon.
     let reef = jagged(random, (-1000.0, 0.0), 800.0, 300, 0.3);
     let lagoon = scaled(&reef, (-1000.0, 0.0), 0.5);
     let bays = vec![
-        inclusion(0.0, &[jagged(random, (-1200.0, 0.0), 2500.0, 500, 0.2)]),
-        inclusion(30.0, &[jagged(random, (1200.0, 300.0), 2500.0, 500, 0.4)]),
-        exclusion(0, &[reef, lagoon]),
+        keep_in(0.0, &[jagged(random, (-1200.0, 0.0), 2500.0, 500, 0.2)]),
+        keep_in(30.0, &[jagged(random, (1200.0, 300.0), 2500.0, 500, 0.4)]),
+        keep_out(0, &[reef, lagoon]),
     ];
     fences.push(("bays", bays));
     fences
@@ -108,17 +108,17 @@ fn scaled(ring: &[EastNorth], middle: (f64, f64), scale: f64) -> Ring {
     ring.iter().map(|point| middle + (*point - middle) * scale).collect()
 }
 
-fn inclusion(margin_m: f64, rings: &[Ring]) -> Value {
-    let name = format!("inclusion with {margin_m} m");
+fn keep_in(margin_m: f64, rings: &[Ring]) -> Value {
+    let name = format!("keep-in with {margin_m} m");
     let properties = json!({
-        "name": name, "kind": "inclusion", "margin_m": margin_m, "depth_max_m": 50, "altitude_min_m": 3
+        "name": name, "kind": "keep-in", "margin_m": margin_m, "depth_max_m": 50, "altitude_min_m": 3
     });
     feature(&properties, rings)
 }
 
-fn exclusion(index: u32, rings: &[Ring]) -> Value {
+fn keep_out(index: u32, rings: &[Ring]) -> Value {
     let properties = json!({
-        "name": format!("exclusion {index}"), "kind": "exclusion", "margin_m": f64::from(index % 5) * 7.0
+        "name": format!("keep-out {index}"), "kind": "keep-out", "margin_m": f64::from(index % 5) * 7.0
     });
     feature(&properties, rings)
 }
@@ -181,7 +181,7 @@ fn zone(zone: &Zone) -> Value {
     }
     wkt.push(')');
     json!({
-        "inclusion": matches!(zone.kind(), Kind::Inclusion { .. }),
+        "keep_in": matches!(zone.kind(), Kind::KeepIn { .. }),
         "margin_m": zone.margin_m(),
         "wkt": wkt,
     })

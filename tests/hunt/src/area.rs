@@ -8,7 +8,7 @@ pub(crate) struct Area {
     pub(crate) origin: Position,
     ring: Vec<EastNorth>,
     hole: Option<Vec<EastNorth>>,
-    exclusions: Vec<Exclusion>,
+    keep_outs: Vec<KeepOut>,
     surfacing: bool,
     pub(crate) depth_max_m: f64,
     pub(crate) altitude_min_m: f64,
@@ -20,7 +20,7 @@ pub(crate) struct Area {
     pub(crate) speed_mps: f64,
 }
 
-struct Exclusion {
+struct KeepOut {
     ring: Vec<EastNorth>,
     /// Its depths, where it is not at all of them.
     depths_m: Option<(f64, f64)>,
@@ -73,10 +73,10 @@ impl Area {
             })
             .collect();
         let margin_m = dice.figure(2.0, 20.0);
-        let exclusions = (0..kept_out)
+        let keep_outs = (0..kept_out)
             .filter_map(|_| {
                 if dice.chance(walls) {
-                    return Some(Exclusion {
+                    return Some(KeepOut {
                         ring: wall(dice, &points, margin_m + ASIDE_M)?,
                         depths_m: None,
                     });
@@ -88,7 +88,7 @@ impl Area {
                     beside(dice, &points, 1.7 * size_m + margin_m + ASIDE_M)?
                 };
                 let corners = dice.one(&[3, 5, 12]);
-                Some(Exclusion {
+                Some(KeepOut {
                     ring: star(dice, at, corners, size_m, 0.2),
                     depths_m: dice
                         .chance(0.3)
@@ -100,7 +100,7 @@ impl Area {
             origin,
             ring,
             hole,
-            exclusions,
+            keep_outs,
             surfacing: dice.chance(0.5),
             depth_max_m: dice.figure(28.0, 45.0),
             altitude_min_m: dice.figure(2.0, 6.0),
@@ -125,7 +125,7 @@ impl Area {
         rings.extend(self.hole.iter().map(|hole| self.coordinates(hole)));
         let mut properties = json!({
             "name": "area",
-            "kind": "inclusion",
+            "kind": "keep-in",
             "margin_m": self.margin_m,
             "depth_max_m": self.depth_max_m,
             "altitude_min_m": self.altitude_min_m,
@@ -134,17 +134,17 @@ impl Area {
             properties["surfacing"] = json!(true);
         }
         let mut features = vec![feature(&properties, rings)];
-        for (index, exclusion) in self.exclusions.iter().enumerate() {
+        for (index, keep_out) in self.keep_outs.iter().enumerate() {
             let mut properties = json!({
                 "name": format!("keep out {}", index + 1),
-                "kind": "exclusion",
+                "kind": "keep-out",
                 "margin_m": self.margin_m,
             });
-            if let Some((min_m, max_m)) = exclusion.depths_m {
+            if let Some((min_m, max_m)) = keep_out.depths_m {
                 properties["depth_min_m"] = json!(min_m);
                 properties["depth_max_m"] = json!(max_m);
             }
-            features.push(feature(&properties, vec![self.coordinates(&exclusion.ring)]));
+            features.push(feature(&properties, vec![self.coordinates(&keep_out.ring)]));
         }
         format!("{}", json!({ "type": "FeatureCollection", "features": features }))
     }

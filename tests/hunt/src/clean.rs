@@ -26,8 +26,8 @@ pub struct Alarm {
 impl Plan {
     /// A mission in which nothing goes wrong, of a vehicle whose navigation is as drawn: with the mock's own errors or three
     /// times as much, GPS that is up to 200 m off what was reckoned, bottom lock that is lost often or never there, 1 to 10
-    /// steps a second, any hull, a fifth of the torpedoes as a body with six degrees of freedom. The limits of integrity are
-    /// `times` the default ones: with less than 1 it shows how near to them a vehicle comes that is well.
+    /// steps a second, any class, a fifth of the torpedoes as a body with six degrees of freedom. The limits of
+    /// integrity are `times` the default ones: with less than 1 it shows how near to them a vehicle comes that is well.
     #[must_use]
     pub fn draw_clean(seed: u64, times: f64) -> Self {
         let mut scenario = Scenario::draw(seed);
@@ -56,7 +56,7 @@ impl Plan {
         Self {
             seed,
             scenario,
-            troubles: Vec::new(),
+            faults: Vec::new(),
             until: None,
         }
     }

@@ -4,8 +4,8 @@ use std::fmt::{self, Display, Formatter};
 use backseat_oracle::State;
 use serde::{Deserialize, Serialize};
 
+use crate::fault::Fault;
 use crate::flight::Flight;
-use crate::trouble::Trouble;
 
 /// What a hunt has exercised, so that an empty victory is seen.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -21,8 +21,8 @@ pub struct Coverage {
     pub long: u64,
     /// Virtual seconds.
     pub sim_seconds: f64,
-    /// Troubles that came.
-    pub troubles: u64,
+    /// Faults that came.
+    pub faults: u64,
     /// Leases, inserts accepted, inserts begun, BPRMB, connections, seconds of control, positions judged.
     pub sums: Sums,
     /// Failures by their rule.
@@ -37,7 +37,7 @@ pub struct Coverage {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Sums {
     leases: u64,
-    holds: u64,
+    stations: u64,
     inserts_accepted: u64,
     inserts_begun: u64,
     modifies: u64,
@@ -50,7 +50,7 @@ impl Coverage {
     pub(crate) fn add(&mut self, flight: &Flight) {
         self.flights += 1;
         let seen = &flight.report.seen;
-        let both = seen.leases + seen.holds > 0 && seen.inserts_accepted > 0;
+        let both = seen.leases + seen.stations > 0 && seen.inserts_accepted > 0;
         self.with_both += u64::from(both);
         if flight.resolved.scenario.hovering {
             self.hovering[0] += 1;
@@ -59,11 +59,11 @@ impl Coverage {
         self.long += u64::from(flight.report.sim_seconds >= 1200.0);
         self.sim_seconds += flight.report.sim_seconds;
         for (kind, state) in &flight.met {
-            self.troubles += 1;
+            self.faults += 1;
             self.met.entry(kind.clone()).or_default()[*state as usize] += 1;
         }
         self.sums.leases += seen.leases;
-        self.sums.holds += seen.holds;
+        self.sums.stations += seen.stations;
         self.sums.inserts_accepted += seen.inserts_accepted;
         self.sums.inserts_begun += seen.inserts_begun;
         self.sums.modifies += seen.modifies;
@@ -91,10 +91,10 @@ impl Coverage {
         self.hovering[1] += other.hovering[1];
         self.long += other.long;
         self.sim_seconds += other.sim_seconds;
-        self.troubles += other.troubles;
+        self.faults += other.faults;
         self.failed += other.failed;
         self.sums.leases += other.sums.leases;
-        self.sums.holds += other.sums.holds;
+        self.sums.stations += other.sums.stations;
         self.sums.inserts_accepted += other.sums.inserts_accepted;
         self.sums.inserts_begun += other.sums.inserts_begun;
         self.sums.modifies += other.sums.modifies;
@@ -109,7 +109,7 @@ impl Coverage {
         }
     }
 
-    /// How often a kind of trouble came in a state.
+    /// How often a kind of fault came in a state.
     #[must_use]
     pub fn count(&self, kind: &str, state: State) -> u64 {
         self.met.get(kind).map_or(0, |row| row[state as usize])
@@ -139,7 +139,7 @@ impl Coverage {
     #[must_use]
     pub fn rare(&self, least: u64) -> Vec<(String, State, u64)> {
         let mut rare = Vec::new();
-        for kind in Trouble::kinds() {
+        for kind in Fault::kinds() {
             for state in State::ALL {
                 let count = self.count(&kind, state);
                 if count < least {
@@ -165,7 +165,7 @@ impl Display for Coverage {
         let [hovering, hovering_both] = self.hovering;
         writeln!(
             f,
-            "{:.2} % with a lease or a hold and an accepted insert; {hovering} of hovering vehicles, {hovering_both} of them \
+            "{:.2} % with a lease or station keeping and an accepted insert; {hovering} of hovering vehicles, {hovering_both} of them \
              with both",
             part(self.with_both)
         )?;
@@ -177,7 +177,7 @@ impl Display for Coverage {
         writeln!(f, "ended: {}", ended.join(", "))?;
         let Sums {
             leases,
-            holds,
+            stations,
             inserts_accepted,
             inserts_begun,
             modifies,
@@ -187,17 +187,17 @@ impl Display for Coverage {
         } = &self.sums;
         writeln!(
             f,
-            "{leases} leases ({modifies} BPRMB), {holds} holds, {inserts_accepted} inserts accepted and {inserts_begun} begun, \
+            "{leases} leases ({modifies} BPRMB), station kept {stations} times, {inserts_accepted} inserts accepted and {inserts_begun} begun, \
              {connections} connections, {:.0} h of control, {judged} positions judged",
             control_s / 3600.0
         )?;
-        writeln!(f, "{} troubles; how often each met each state:", self.troubles)?;
+        writeln!(f, "{} faults; how often each met each state:", self.faults)?;
         write!(f, "{:32}", "")?;
         for state in State::ALL {
             write!(f, "{:>13}", state.name())?;
         }
         writeln!(f)?;
-        for kind in Trouble::kinds() {
+        for kind in Fault::kinds() {
             write!(f, "{kind:32}")?;
             for state in State::ALL {
                 write!(f, "{:>13}", self.count(&kind, state))?;

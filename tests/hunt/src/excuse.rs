@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::fault::Fault;
 use crate::plan::Planned;
-use crate::trouble::Trouble;
 
 /// The faults of [`crate::PLUGIN_FAULTS`] by which a plugin fails at each step. By the others it asks for what it is refused, or
 /// for nothing, and is itself again when they are over.
@@ -26,20 +26,20 @@ const FAILURES_MAX: u64 = 5;
 /// names in the order of their slots.
 pub(crate) fn none_is_left<'a>(
     plugins: impl IntoIterator<Item = &'a str>,
-    troubles: &[Planned],
+    faults: &[Planned],
     failures: &BTreeMap<String, u64>,
 ) -> bool {
     plugins.into_iter().enumerate().all(|(slot, name)| {
-        let fails = |planned: &Planned| match &planned.trouble {
-            Trouble::Plugin { slot: at, fault, .. } => *at == slot && FAILING.contains(&fault.as_str()),
-            Trouble::AllTrap { .. } => true,
-            Trouble::Vehicle(_)
-            | Trouble::Kill { .. }
-            | Trouble::Stop { .. }
-            | Trouble::Hold { .. }
-            | Trouble::DiskFull { .. } => false,
+        let fails = |planned: &Planned| match &planned.fault {
+            Fault::Plugin { slot: at, fault, .. } => *at == slot && FAILING.contains(&fault.as_str()),
+            Fault::AllTrap { .. } => true,
+            Fault::Vehicle(_)
+            | Fault::Kill { .. }
+            | Fault::Stop { .. }
+            | Fault::Hold { .. }
+            | Fault::DiskFull { .. } => false,
         };
-        troubles.iter().any(fails) && failures.get(name).is_some_and(|count| *count > FAILURES_MAX)
+        faults.iter().any(fails) && failures.get(name).is_some_and(|count| *count > FAILURES_MAX)
     })
 }
 
@@ -50,41 +50,41 @@ mod tests {
     use backseat_units::Timestamp;
 
     use super::*;
+    use crate::fault::PLUGIN_FAULTS;
     use crate::plan::Come;
-    use crate::trouble::PLUGIN_FAULTS;
 
     const LASTS: Duration = Duration::from_secs(60);
 
-    fn planned(trouble: Trouble) -> Planned {
+    fn planned(fault: Fault) -> Planned {
         Planned {
             come: Come::At(Timestamp::from_secs(100)),
-            trouble,
+            fault,
         }
     }
 
     fn fault(slot: usize, fault: &str) -> Planned {
-        planned(Trouble::Plugin {
+        planned(Fault::Plugin {
             slot,
             fault: fault.to_owned(),
             lasts: LASTS,
         })
     }
 
-    fn left(troubles: &[Planned], [first, second]: [u64; 2]) -> bool {
+    fn left(faults: &[Planned], [first, second]: [u64; 2]) -> bool {
         let failures = BTreeMap::from([("first".to_owned(), first), ("second".to_owned(), second)]);
-        !none_is_left(["first", "second"], troubles, &failures)
+        !none_is_left(["first", "second"], faults, &failures)
     }
 
     #[test]
     fn only_plugins_that_are_all_quarantined_by_a_fault_that_can_do_it_excuse_silence() {
-        assert!(!left(&[planned(Trouble::AllTrap { lasts: LASTS })], [6, 6]));
+        assert!(!left(&[planned(Fault::AllTrap { lasts: LASTS })], [6, 6]));
         assert!(!left(&[fault(0, "trap"), fault(1, "grow")], [6, 7]));
         // One of them is there still.
-        assert!(left(&[planned(Trouble::AllTrap { lasts: LASTS })], [6, 5]));
+        assert!(left(&[planned(Fault::AllTrap { lasts: LASTS })], [6, 5]));
         assert!(left(&[fault(0, "trap"), fault(0, "grow")], [6, 6]));
         // Whatever it was, it was not this.
         assert!(left(&[fault(0, "trap"), fault(1, "nan")], [6, 6]));
-        assert!(left(&[planned(Trouble::Stop { lasts: LASTS })], [6, 6]));
+        assert!(left(&[planned(Fault::Stop { lasts: LASTS })], [6, 6]));
         assert!(left(&[], [0, 0]));
     }
 

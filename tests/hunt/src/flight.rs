@@ -19,9 +19,9 @@ use backseat_units::Timestamp;
 use tempfile::TempDir;
 
 use crate::excuse::none_is_left;
+use crate::fault::Fault;
 use crate::phase::{CALM_S, CHANCE_S, HAND_BACK_S, LEAST_S, LINK_WITHIN, LONGEST_S, LOOK_EVERY, NONE_WITHIN};
 use crate::plan::{Come, Plan, Planned, until_calm};
-use crate::trouble::Trouble;
 
 /// The components that every mission of the hunt flies.
 const COMPONENTS: [&str; 2] = ["prober", "faulty"];
@@ -34,9 +34,9 @@ pub struct Range {
 
 /// What a flight came to.
 pub struct Flight {
-    /// The plan with the times at which its troubles came; those that did not come are left away.
+    /// The plan with the times at which its faults came; those that did not come are left away.
     pub resolved: Plan,
-    /// What kind of trouble came in what state.
+    /// What kind of fault came in what state.
     pub met: Vec<(String, State)>,
     /// The run's own report.
     pub report: Report,
@@ -61,7 +61,7 @@ pub struct Failure {
 
 /// What is due in a flight.
 enum Act {
-    Begin(Trouble),
+    Begin(Fault),
     /// A plugin is itself again.
     Own(usize),
     /// Nobody has been there to steer for long enough.
@@ -181,7 +181,7 @@ struct Flown<'a> {
     power_goes: bool,
     /// At the begin of the liveness phase: requests sent so far, and seconds of control.
     at_calm: Option<(u64, f64)>,
-    /// How long we had control after the last trouble, where nothing was sent in it, seconds.
+    /// How long we had control after the last fault, where nothing was sent in it, seconds.
     silent_s: Option<f64>,
     /// The helm is back, and nothing of ours is open.
     converged: bool,
@@ -235,9 +235,9 @@ impl<'a> Flown<'a> {
             none_since: Timestamp::ZERO,
             away_until: Timestamp::ZERO,
         };
-        for planned in &plan.troubles {
+        for planned in &plan.faults {
             if let Come::At(at) = planned.come {
-                flown.later(at, Act::Begin(planned.trouble.clone()));
+                flown.later(at, Act::Begin(planned.fault.clone()));
             }
         }
         Ok(flown)
@@ -289,19 +289,19 @@ impl<'a> Flown<'a> {
         *entries += 1;
         let entries = *entries;
         let now = self.simulation.now();
-        for planned in &self.plan.troubles {
+        for planned in &self.plan.faults {
             if let Come::In { state: at, nth, after } = planned.come
                 && at == state
                 && nth == entries
             {
-                self.later(now + after, Act::Begin(planned.trouble.clone()));
+                self.later(now + after, Act::Begin(planned.fault.clone()));
             }
         }
     }
 
     fn act(&mut self, act: Act) -> Result<()> {
         match act {
-            Act::Begin(trouble) => self.begin(trouble)?,
+            Act::Begin(fault) => self.begin(fault)?,
             Act::Own(slot) => {
                 self.simulation.substitute(PluginId(slot), None);
                 self.none_since = self.simulation.now();
@@ -328,34 +328,34 @@ impl<'a> Flown<'a> {
         Ok(())
     }
 
-    fn begin(&mut self, trouble: Trouble) -> Result<()> {
+    fn begin(&mut self, fault: Fault) -> Result<()> {
         let now = self.simulation.now();
         let left = until_calm(now);
         if left.is_zero() {
             return Ok(());
         }
-        let trouble = trouble.at_most(left);
-        if matches!(trouble, Trouble::Kill { .. } | Trouble::Stop { .. }) || is_of_link(&trouble) {
-            self.away_until = self.away_until.max(now + trouble.lasts() + LINK_WITHIN);
+        let fault = fault.at_most(left);
+        if matches!(fault, Fault::Kill { .. } | Fault::Stop { .. }) || is_of_link(&fault) {
+            self.away_until = self.away_until.max(now + fault.lasts() + LINK_WITHIN);
         }
-        self.met.push((trouble.kind(), self.simulation.state()));
+        self.met.push((fault.kind(), self.simulation.state()));
         self.resolved.push(Planned {
             come: Come::At(now),
-            trouble: trouble.clone(),
+            fault: fault.clone(),
         });
-        match trouble {
-            Trouble::Vehicle(fault) => {
+        match fault {
+            Fault::Vehicle(fault) => {
                 self.power_goes |= matches!(fault.kind, FaultKind::Shutdown);
                 self.simulation.inject(fault);
             }
-            Trouble::Plugin { slot, fault, lasts } => {
+            Fault::Plugin { slot, fault, lasts } => {
                 let table = self.bad(slot, &fault)?;
                 let understudy = self.components.start_one("faulty", &table, self.mission)?;
                 self.simulation.substitute(PluginId(slot), Some(understudy));
                 self.later(now + lasts, Act::Own(slot));
                 self.none_since = now;
             }
-            Trouble::AllTrap { lasts } => {
+            Fault::AllTrap { lasts } => {
                 for slot in 0..self.mission.file.plugins.len() {
                     let table = self.bad(slot, "trap")?;
                     let understudy = self.components.start_one("faulty", &table, self.mission)?;
@@ -367,16 +367,16 @@ impl<'a> Flown<'a> {
                 }
                 self.none_since = now;
             }
-            Trouble::Kill { away, clock_s } => {
+            Fault::Kill { away, clock_s } => {
                 let loaded = self.components.start(self.mission)?;
                 self.simulation.kill(away, loaded, (clock_s * 1e9) as i64);
             }
-            Trouble::Stop { lasts } => self.simulation.stop_for(lasts),
-            Trouble::Hold { lasts } => {
+            Fault::Stop { lasts } => self.simulation.stop_for(lasts),
+            Fault::Hold { lasts } => {
                 self.simulation.operate(Operator::Hold);
                 self.later(now + lasts, Act::Release);
             }
-            Trouble::DiskFull { lasts } => {
+            Fault::DiskFull { lasts } => {
                 self.simulation.reserve_fails(true);
                 self.later(now + lasts, Act::DiskHasRoom);
             }
@@ -402,12 +402,15 @@ impl<'a> Flown<'a> {
     /// A plugin that is gone steers no more (safety requirement 006). Where one of them was itself again meanwhile, or the
     /// runtime was away, nothing can be said.
     fn judge_none(&mut self) {
-        let steered = matches!(self.simulation.state(), State::Lease | State::LeaseInsert | State::Hold);
+        let steered = matches!(
+            self.simulation.state(),
+            State::Lease | State::LeaseInsert | State::Station
+        );
         if steered && self.simulation.now() > self.away_until && self.none_since + NONE_WITHIN <= self.simulation.now()
         {
             self.fail("dead-plugin-steers", || {
                 format!(
-                    "a lease or a hold lives {} s after all plugins have trapped",
+                    "a lease or station keeping lives {} s after all plugins have trapped",
                     NONE_WITHIN.as_secs()
                 )
             });
@@ -418,17 +421,17 @@ impl<'a> Flown<'a> {
         let runs = self.simulation.mission_status() == Status::Running;
         if runs && !self.power_goes && self.simulation.state() == State::Down {
             self.fail("link-stays-down", || {
-                format!("no link {} s after the last trouble", LINK_WITHIN.as_secs())
+                format!("no link {} s after the last fault", LINK_WITHIN.as_secs())
             });
         }
     }
 
-    /// Whoever had control for long enough after the last trouble has asked and been heard, unless no trouble was planned: it
-    /// has nothing to come back from. Whether any plugin is left to ask is known at the end.
+    /// Whoever had control for long enough after the last fault has asked and been heard, unless no fault was planned:
+    /// it has nothing to come back from. Whether any plugin is left to ask is known at the end.
     fn judge_sending(&mut self) {
         let seen = self.simulation.statistics();
         if let Some((sent, control_s)) = self.at_calm
-            && !self.plan.troubles.is_empty()
+            && !self.plan.faults.is_empty()
             && self.simulation.request_counts().sent == sent
             && seen.control_s - control_s > CHANCE_S
         {
@@ -469,7 +472,7 @@ impl<'a> Flown<'a> {
         {
             self.failures.push(Failure {
                 rule: "never-sends-again".to_owned(),
-                text: format!("{had_s:.0} s of control after the last trouble, and nothing was sent"),
+                text: format!("{had_s:.0} s of control after the last fault, and nothing was sent"),
                 at: None,
             });
         }
@@ -485,7 +488,7 @@ impl<'a> Flown<'a> {
         }
         Ok(Flight {
             resolved: Plan {
-                troubles: self.resolved,
+                faults: self.resolved,
                 ..self.plan.clone()
             },
             met: self.met,
@@ -498,8 +501,8 @@ impl<'a> Flown<'a> {
 }
 
 /// Whether the runtime may not hear the vehicle for it.
-fn is_of_link(trouble: &Trouble) -> bool {
-    matches!(trouble, Trouble::Vehicle(fault) if matches!(fault.kind, FaultKind::Link(_)))
+fn is_of_link(fault: &Fault) -> bool {
+    matches!(fault, Fault::Vehicle(fault) if matches!(fault.kind, FaultKind::Link(_)))
 }
 
 fn seconds(seconds: f64) -> Timestamp {

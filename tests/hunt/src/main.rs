@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use backseat_hunt::{
-    Alarm, Campaign, Coverage, Digests, Flight, Order, Plan, Range, each_seed, of_mission, of_plans, shrink,
+    Alarm, Coverage, Digests, Flight, Hunt, Order, Plan, Range, each_seed, of_mission, of_plans, shrink,
 };
 use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -37,7 +37,7 @@ enum Task {
         /// Write the whole log of the flight here
         #[arg(long)]
         log: Option<PathBuf>,
-        /// Switch a check of the monitor off: in a build with the feature `switches`
+        /// A mutation: leave a check of the monitor out, in a build with the feature `mutations`
         #[arg(long)]
         without: Option<String>,
     },
@@ -46,7 +46,7 @@ enum Task {
         /// The files
         #[arg(required = true)]
         files: Vec<PathBuf>,
-        /// Say which pairs of trouble and state were met less often
+        /// Say which pairs of fault and state were met less often
         #[arg(long, default_value_t = 0)]
         least: u64,
     },
@@ -72,7 +72,7 @@ enum Task {
     Digests(Seeds),
     /// Print the tree hash alone
     Tree,
-    /// The checks of the monitor that this build can switch off, one a line
+    /// The mutations of this build: the checks of the monitor that it can leave out, one a line
     Checks,
     /// Print the plan that a seed draws, whole
     Show {
@@ -120,11 +120,11 @@ struct Fly {
     /// Threads [default: one a core]
     #[arg(long)]
     workers: Option<usize>,
-    /// Other missions, without troubles: among walls, with a plugin that only leads inserts round them and takes back
+    /// Other missions, without faults: among walls, with a plugin that only leads inserts round them and takes back
     /// what leads round
     #[arg(long, conflicts_with_all = ["coverage", "both"])]
     detours: bool,
-    /// Say which pairs of trouble and state were met less often
+    /// Say which pairs of fault and state were met less often
     #[arg(long, default_value_t = 0)]
     least: u64,
     /// Fail where a smaller share of the missions had a lease and an accepted insert, percent
@@ -145,7 +145,8 @@ struct Fly {
     /// Tell in a few lines
     #[arg(long)]
     brief: bool,
-    /// Switch a check of the monitor off, to see that the hunt finds it: in a build with the feature `switches`
+    /// A mutation: leave a check of the monitor out, to see that the hunt finds it, in a build with the feature
+    /// `mutations`
     #[arg(long)]
     without: Option<String>,
 }
@@ -167,7 +168,7 @@ fn run() -> Result<bool> {
         Task::Fly(arguments) => fly(&cli.plugins, &arguments),
         Task::Replay { plan, log, without } => {
             if let Some(check) = &without {
-                switch_off(check)?;
+                leave_out(check)?;
             }
             replay(&cli.plugins, &plan, log.as_deref())
         }
@@ -221,7 +222,7 @@ const fn drawn(detours: bool) -> fn(u64) -> Plan {
 
 fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
     if let Some(check) = &arguments.without {
-        switch_off(check)?;
+        leave_out(check)?;
     }
     let begun = now();
     let bar = ProgressBar::new(arguments.runs);
@@ -237,7 +238,7 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
         workers: arguments.workers.unwrap_or_else(cores),
         stop_at_failure: arguments.stop,
     };
-    let campaign = Campaign::fly(&order, |done| {
+    let hunt = Hunt::fly(&order, |done| {
         bar.set_position(done.flown);
         if done.failed > 0 {
             bar.set_message(format!("{} failed", done.failed));
@@ -250,7 +251,7 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
     })?;
     bar.finish_and_clear();
     let wall_s = now().duration_since(begun).as_secs_f64();
-    let coverage = &campaign.coverage;
+    let coverage = &hunt.coverage;
     if let Some(path) = &arguments.coverage {
         let flown = Flights {
             first: arguments.first,
@@ -262,7 +263,7 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
     if arguments.brief {
         println!("{}", coverage.brief());
         println!("{}", tree_line(Some(TREE)));
-        return Ok(campaign.failed.is_empty());
+        return Ok(hunt.failed.is_empty());
     }
     println!("{coverage}");
     println!("{}", tree_line(Some(TREE)));
@@ -272,7 +273,7 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
         coverage.sim_seconds / wall_s / order.workers as f64
     );
     tell_rare(coverage, arguments.least);
-    if campaign.failed.is_empty() {
+    if hunt.failed.is_empty() {
         let share = 100.0 * coverage.with_both as f64 / coverage.flights.max(1) as f64;
         let empty = share < arguments.both;
         if empty {
@@ -283,7 +284,7 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
         }
         return Ok(!empty);
     }
-    keep(plugins, arguments, &campaign)?;
+    keep(plugins, arguments, &hunt)?;
     Ok(false)
 }
 
@@ -410,11 +411,11 @@ fn sum(files: &[PathBuf], least: u64) -> Result<bool> {
 }
 
 /// Shrinks a failure of each rule and keeps its plan.
-fn keep(plugins: &Path, arguments: &Fly, campaign: &Campaign) -> Result<()> {
+fn keep(plugins: &Path, arguments: &Fly, hunt: &Hunt) -> Result<()> {
     let range = Range::new(plugins)?;
     let folder = &arguments.save;
     fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    for (rule, plans) in &campaign.failed {
+    for (rule, plans) in &hunt.failed {
         for (plan, failure) in plans {
             println!("seed {}: {}", plan.seed, failure.text);
         }
@@ -426,7 +427,7 @@ fn keep(plugins: &Path, arguments: &Fly, campaign: &Campaign) -> Result<()> {
         };
         let path = folder.join(format!("{rule}-{}.toml", plan.seed));
         fs::write(&path, small.to_toml()).with_context(|| path.display().to_string())?;
-        println!("  {rule}, {} troubles:", small.troubles.len());
+        println!("  {rule}, {} faults:", small.faults.len());
         for line in small.lines() {
             println!("    {line}");
         }
@@ -462,19 +463,19 @@ fn replay(plugins: &Path, path: &Path, log: Option<&Path>) -> Result<bool> {
     Ok(failures.is_empty())
 }
 
-#[cfg(feature = "switches")]
+#[cfg(feature = "mutations")]
 fn checks() {
-    for check in backseat_core::switches::Check::ALL {
+    for check in backseat_core::mutations::Check::ALL {
         println!("{}\t{:03} {}", check.name(), check.requirement(), check.what());
     }
 }
 
-#[cfg(not(feature = "switches"))]
+#[cfg(not(feature = "mutations"))]
 const fn checks() {}
 
-#[cfg(feature = "switches")]
-fn switch_off(name: &str) -> Result<()> {
-    use backseat_core::switches::{Check, switch_off};
+#[cfg(feature = "mutations")]
+fn leave_out(name: &str) -> Result<()> {
+    use backseat_core::mutations::{Check, leave_out};
     let Some(check) = Check::ALL.iter().find(|check| check.name() == name) else {
         let names: Vec<&str> = Check::ALL.iter().map(|check| check.name()).collect();
         bail!("no check is called {name}: expected one of {}", names.join(", "));
@@ -485,11 +486,11 @@ fn switch_off(name: &str) -> Result<()> {
         check.requirement(),
         check.what()
     );
-    switch_off(*check);
+    leave_out(*check);
     Ok(())
 }
 
-#[cfg(not(feature = "switches"))]
-fn switch_off(name: &str) -> Result<()> {
-    bail!("{name} cannot be switched off in this build: only a test build with the feature `switches` can")
+#[cfg(not(feature = "mutations"))]
+fn leave_out(name: &str) -> Result<()> {
+    bail!("{name} cannot be left out in this build: only a test build with the feature `mutations` can")
 }

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-/// Troubles come from here on: the session stands.
+/// Faults come from here on: the session stands.
 pub(crate) const FIRST_S: f64 = 30.0;
-/// Until here troubles come.
+/// Until here faults come.
 pub(crate) const SAFETY_S: f64 = 800.0;
-/// Here the last trouble is over, and the liveness phase begins.
+/// Here the last fault is over, and the liveness phase begins.
 pub(crate) const CALM_S: f64 = 900.0;
 /// So long after that the link must be up again: the longest back-off with its chance, and a refused attempt.
 pub(crate) const LINK_WITHIN: Duration = Duration::from_secs(90);

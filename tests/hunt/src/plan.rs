@@ -1,39 +1,41 @@
+mod renamed;
+
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use backseat_mvc::{Fault, FaultPlan};
+use backseat_mvc::{Fault as VehicleFault, FaultPlan};
 use backseat_oracle::State;
 use backseat_units::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use crate::dice::Dice;
+use crate::fault::{Fault, Written};
 use crate::phase::{CALM_S, FIRST_S, SAFETY_S};
 use crate::scenario::Scenario;
-use crate::trouble::{Trouble, Written};
 
 /// A mission and what goes wrong in it: all that a flight is made from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// The seed of the world, the links and what troubles leave open.
+    /// The seed of the world, the links and what faults leave open.
     pub seed: u64,
     /// Fence, limits, plan, world.
     pub scenario: Scenario,
     /// What goes wrong.
-    pub troubles: Vec<Planned>,
+    pub faults: Vec<Planned>,
     /// The flight ends here, where that is before the mission's own end.
     pub until: Option<Timestamp>,
 }
 
-/// A trouble and when it comes.
+/// A fault and when it comes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
     /// When.
     pub come: Come,
     /// What.
-    pub trouble: Trouble,
+    pub fault: Fault,
 }
 
-/// When a trouble comes.
+/// When a fault comes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Come {
     /// At a time.
@@ -49,8 +51,8 @@ pub enum Come {
     },
 }
 
-/// The least and the most troubles of a drawn plan.
-const TROUBLES: (usize, usize) = (3, 9);
+/// The least and the most faults of a drawn plan.
+const FAULTS: (usize, usize) = (3, 9);
 /// One mission in so many is ended from outside.
 const FATAL_SHARE: f64 = 0.04;
 /// How often what waits for a state waits for an insert to be asked for.
@@ -64,51 +66,51 @@ impl Plan {
     pub fn draw(seed: u64) -> Self {
         let scenario = Scenario::draw(seed);
         let mut dice = Dice::new(seed, "troubles");
-        let count = TROUBLES.0 + dice.below(TROUBLES.1 - TROUBLES.0 + 1);
+        let count = FAULTS.0 + dice.below(FAULTS.1 - FAULTS.0 + 1);
         let states = scenario.states();
-        let mut troubles: Vec<Planned> = (0..count)
+        let mut faults: Vec<Planned> = (0..count)
             .map(|_| {
-                let trouble = Trouble::draw(&mut dice, SAFETY_S / 4.0);
+                let fault = Fault::draw(&mut dice, SAFETY_S / 4.0);
                 let come = draw_come(&mut dice, states);
-                Planned { come, trouble }
+                Planned { come, fault }
             })
             .collect();
         let fatal_share = if scenario.hovering { 3.0 } else { 1.0 } * FATAL_SHARE;
         if dice.chance(fatal_share) {
-            let trouble = Trouble::draw_fatal(&mut dice);
+            let fault = Fault::draw_fatal(&mut dice);
             let come = draw_come(&mut dice, states);
-            if trouble.ends_mission() && dice.chance(0.5) {
+            if fault.ends_mission() && dice.chance(0.5) {
                 // And some of what is said of it is not heard.
                 let lasts = Duration::from_secs(2);
-                troubles.push(Planned {
+                faults.push(Planned {
                     come,
-                    trouble: Trouble::dropping(&mut dice).at_most(lasts),
+                    fault: Fault::dropping(&mut dice).at_most(lasts),
                 });
             }
-            troubles.push(Planned { come, trouble });
+            faults.push(Planned { come, fault });
         }
         if dice.chance(SLOW_SHARE) {
-            troubles.push(Planned {
+            faults.push(Planned {
                 come: Come::At(Timestamp::ZERO),
-                trouble: Trouble::draw_slow_link(&mut dice),
+                fault: Fault::draw_slow_link(&mut dice),
             });
         }
-        // A trouble while the link is down needs one that takes it down.
-        if troubles
+        // A fault while the link is down needs one that takes it down.
+        if faults
             .iter()
             .any(|planned| matches!(planned.come, Come::In { state: State::Down, .. }))
         {
             let away = dice.millis(0.1, 30.0);
             let at = Timestamp::ZERO + dice.millis(2.0 * FIRST_S, SAFETY_S);
-            troubles.push(Planned {
+            faults.push(Planned {
                 come: Come::At(at),
-                trouble: Trouble::Kill { away, clock_s: 0.0 },
+                fault: Fault::Kill { away, clock_s: 0.0 },
             });
         }
         Self {
             seed,
             scenario,
-            troubles,
+            faults,
             until: None,
         }
     }
@@ -119,7 +121,7 @@ impl Plan {
         Self {
             seed,
             scenario: Scenario::draw_detours(seed),
-            troubles: Vec::new(),
+            faults: Vec::new(),
             until: None,
         }
     }
@@ -133,17 +135,17 @@ impl Plan {
             let place = error
                 .span()
                 .map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            anyhow::anyhow!("line {place}: {}", error.message())
+            anyhow::anyhow!("line {place}: {}", renamed::with_new_name(error.message()))
         })?;
-        let mut troubles = Vec::new();
-        for (index, entry) in file.trouble.into_iter().enumerate() {
-            let of = || format!("trouble {}", index + 1);
-            troubles.push(entry.planned().with_context(of)?);
+        let mut faults = Vec::new();
+        for (index, entry) in file.fault.into_iter().enumerate() {
+            let of = || format!("fault {}", index + 1);
+            faults.push(entry.planned().with_context(of)?);
         }
         Ok(Self {
             seed: file.seed,
             scenario: file.scenario,
-            troubles,
+            faults,
             until: match file.until_s {
                 Some(s) => Some(Timestamp::ZERO + span(s, "until_s")?),
                 None => None,
@@ -157,15 +159,15 @@ impl Plan {
         let file = File {
             seed: self.seed,
             until_s: self.until.map(Timestamp::as_secs_f64),
-            trouble: self.troubles.iter().map(Entry::of).collect(),
+            fault: self.faults.iter().map(Entry::of).collect(),
             scenario: self.scenario.clone(),
         };
         toml::to_string_pretty(&file).expect("a plan has only numbers, strings and tables")
     }
 
-    /// The troubles in a line each.
+    /// The faults in a line each.
     pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
-        self.troubles.iter().map(|planned| {
+        self.faults.iter().map(|planned| {
             let when = match planned.come {
                 Come::At(at) => format!("at {:.3} s", at.as_secs_f64()),
                 Come::In { state, nth, after } => {
@@ -174,8 +176,8 @@ impl Plan {
             };
             format!(
                 "{when}: {} for {:.3} s",
-                planned.trouble.kind(),
-                planned.trouble.lasts().as_secs_f64()
+                planned.fault.kind(),
+                planned.fault.lasts().as_secs_f64()
             )
         })
     }
@@ -198,7 +200,7 @@ fn draw_come(dice: &mut Dice, states: &[State]) -> Come {
         State::Asked => 0.05,
         State::Down => 1.0,
         State::NoControl | State::Idle | State::Queued | State::Lease | State::LeaseInsert => 8.0,
-        State::Insert | State::Hold => 15.0,
+        State::Insert | State::Station => 15.0,
     };
     let share = dice.between(0.0, 1.0);
     Come::In {
@@ -208,7 +210,7 @@ fn draw_come(dice: &mut Dice, states: &[State]) -> Come {
     }
 }
 
-/// How long a trouble that comes now may last, so that it is over when the liveness phase begins.
+/// How long a fault that comes now may last, so that it is over when the liveness phase begins.
 pub(crate) fn until_calm(now: Timestamp) -> Duration {
     (Timestamp::ZERO + Duration::from_secs_f64(CALM_S)).since(now)
 }
@@ -220,11 +222,11 @@ struct File {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     until_s: Option<f64>,
     #[serde(default)]
-    trouble: Vec<Entry>,
+    fault: Vec<Entry>,
     scenario: Scenario,
 }
 
-/// A `[[trouble]]` table: `at_s`, or `state`, `nth` and `after_s`; and either a `vehicle` table, as the mock's own
+/// A `[[fault]]` table: `at_s`, or `state`, `nth` and `after_s`; and either a `vehicle` table, as the mock's own
 /// files of faults have them, or an `ours` table.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -245,14 +247,14 @@ struct Entry {
 
 impl Entry {
     fn of(planned: &Planned) -> Self {
-        let vehicle = match &planned.trouble {
-            Trouble::Vehicle(fault) => Some(fault_table(fault)),
-            Trouble::Plugin { .. }
-            | Trouble::Kill { .. }
-            | Trouble::Stop { .. }
-            | Trouble::Hold { .. }
-            | Trouble::AllTrap { .. }
-            | Trouble::DiskFull { .. } => None,
+        let vehicle = match &planned.fault {
+            Fault::Vehicle(fault) => Some(fault_table(fault)),
+            Fault::Plugin { .. }
+            | Fault::Kill { .. }
+            | Fault::Stop { .. }
+            | Fault::Hold { .. }
+            | Fault::AllTrap { .. }
+            | Fault::DiskFull { .. } => None,
         };
         let mut entry = Self {
             at_s: None,
@@ -260,7 +262,7 @@ impl Entry {
             nth: None,
             after_s: None,
             vehicle,
-            ours: Written::of(&planned.trouble),
+            ours: Written::of(&planned.fault),
         };
         match planned.come {
             Come::At(at) => entry.at_s = Some(at.as_secs_f64()),
@@ -279,6 +281,9 @@ impl Entry {
             (None, Some(name)) => {
                 let state = State::ALL.into_iter().find(|state| state.name() == name);
                 let Some(state) = state else {
+                    if let Some(now) = renamed::state(&name) {
+                        bail!("state is {name:?}, which is called {now:?} now");
+                    }
                     let names: Vec<&str> = State::ALL.iter().map(|state| state.name()).collect();
                     bail!("state is {name:?}: expected one of {}", names.join(", "));
                 };
@@ -290,12 +295,12 @@ impl Entry {
             }
             (Some(_), Some(_)) | (None, None) => bail!("expected either at_s or state"),
         };
-        let trouble = match (self.vehicle, self.ours) {
-            (Some(table), None) => Trouble::Vehicle(fault_of(table)?),
-            (None, Some(written)) => written.trouble().map_err(anyhow::Error::msg)?,
+        let fault = match (self.vehicle, self.ours) {
+            (Some(table), None) => Fault::Vehicle(fault_of(table)?),
+            (None, Some(written)) => written.fault().map_err(anyhow::Error::msg)?,
             (Some(_), Some(_)) | (None, None) => bail!("expected either a vehicle table or an ours table"),
         };
-        Ok(Planned { come, trouble })
+        Ok(Planned { come, fault })
     }
 }
 
@@ -307,7 +312,7 @@ fn span(s: f64, key: &str) -> Result<Duration> {
 }
 
 /// A fault as the mock's own files have it.
-fn fault_table(fault: &Fault) -> toml::Table {
+fn fault_table(fault: &VehicleFault) -> toml::Table {
     let plan = FaultPlan {
         faults: vec![fault.clone()],
     };
@@ -315,7 +320,7 @@ fn fault_table(fault: &Fault) -> toml::Table {
     match file.remove("fault") {
         Some(toml::Value::Array(mut faults)) => match faults.pop() {
             Some(toml::Value::Table(mut table)) => {
-                // Its time is the trouble's.
+                // Its time is the fault's.
                 table.remove("at_s");
                 table
             }
@@ -325,7 +330,7 @@ fn fault_table(fault: &Fault) -> toml::Table {
     }
 }
 
-fn fault_of(mut table: toml::Table) -> Result<Fault> {
+fn fault_of(mut table: toml::Table) -> Result<VehicleFault> {
     table.insert("at_s".to_owned(), toml::Value::Float(0.0));
     let mut file = toml::Table::new();
     file.insert("fault".to_owned(), toml::Value::Array(vec![toml::Value::Table(table)]));
@@ -357,7 +362,7 @@ mod tests {
                 "seed = 7\nuntil_s = -1",
                 "until_s is -1: expected 0 to 86400",
             ),
-            ("[[trouble]]", "[[trouble]]\nwhat = 1", "unknown field"),
+            ("[[fault]]", "[[fault]]\nwhat = 1", "unknown field"),
         ] {
             assert!(text.contains(from));
             let error = format!("{:#}", Plan::from_toml(&text.replacen(from, to, 1)).unwrap_err());

@@ -54,13 +54,13 @@ silences_total_max = 3
 silent_term_s = 300.0
 adjustments_total_max = 1
 ";
-const HULL_LIMITS: &str = "
-[limits.hull]
+const STATION_LIMITS: &str = "
+[limits.station]
 speed_max_mps = 0.5
 sonar_angle_min_deg = -30.0
 sonar_angle_max_deg = 30.0
 
-[limits.hull.hull_box]
+[limits.station.hull_box]
 horizontal_min_m = -20.0
 horizontal_max_m = 20.0
 vertical_min_m = -8.0
@@ -68,7 +68,7 @@ vertical_max_m = 8.0
 distance_min_m = 1.5
 distance_max_m = 12.0
 
-[limits.hull.bottom_box]
+[limits.station.bottom_box]
 x_min_m = -60.0
 x_max_m = 60.0
 y_min_m = -60.0
@@ -139,7 +139,7 @@ impl Scenario {
         }
     }
 
-    /// The states that a mission of this kind comes to, each as often as troubles are to come in it.
+    /// The states that a mission of this kind comes to, each as often as faults are to come in it.
     pub(crate) const fn states(&self) -> &'static [State] {
         use State as S;
         if self.hovering {
@@ -152,12 +152,12 @@ impl Scenario {
                 S::Insert,
                 S::Lease,
                 S::LeaseInsert,
-                S::Hold,
-                S::Hold,
-                S::Hold,
-                S::Hold,
-                S::Hold,
-                S::Hold,
+                S::Station,
+                S::Station,
+                S::Station,
+                S::Station,
+                S::Station,
+                S::Station,
             ]
         } else {
             &[
@@ -271,12 +271,12 @@ fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area, layout:
     }
     text += &format!("requests_per_s = {}\n", dice.one(&[5, 10, 20]));
     if hovering {
-        text += HULL_LIMITS;
+        text += STATION_LIMITS;
     }
     let grants = if ship {
-        r#"["message", "topside", "hull", "devices", "silent"]"#
+        r#"["message", "topside", "station", "devices", "silent"]"#
     } else if hovering {
-        r#"["modify", "insert", "interrupt", "message", "topside", "hull", "devices", "silent", "trim", "buoyancy"]"#
+        r#"["modify", "insert", "interrupt", "message", "topside", "station", "devices", "silent", "trim", "buoyancy"]"#
     } else {
         r#"["modify", "insert", "interrupt", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy", "acoustic"]"#
     };

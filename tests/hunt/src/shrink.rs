@@ -8,7 +8,7 @@ use crate::plan::Plan;
 /// How many flights a shrinking may take.
 const FLIGHTS: usize = 300;
 
-/// The smallest plan that was found to fail by the same rule: fewer troubles, shorter ones.
+/// The smallest plan that was found to fail by the same rule: fewer faults, shorter ones.
 ///
 /// # Errors
 /// Where a plan cannot be flown.
@@ -33,14 +33,14 @@ fn smallest(plan: &Plan, mut fails: impl FnMut(&Plan) -> Result<bool>) -> Result
         return Ok(best);
     }
     // Away with halves, quarters, and so on down to single ones, until no single one can go.
-    let mut size = best.troubles.len().div_ceil(2);
+    let mut size = best.faults.len().div_ceil(2);
     while size > 0 {
         let mut start = 0;
         let mut went = false;
-        while start < best.troubles.len() {
+        while start < best.faults.len() {
             let mut smaller = best.clone();
-            let end = (start + size).min(smaller.troubles.len());
-            smaller.troubles.drain(start..end);
+            let end = (start + size).min(smaller.faults.len());
+            smaller.faults.drain(start..end);
             if fails(&smaller)? {
                 best = smaller;
                 went = true;
@@ -52,18 +52,18 @@ fn smallest(plan: &Plan, mut fails: impl FnMut(&Plan) -> Result<bool>) -> Result
             size /= 2;
         }
     }
-    for index in 0..best.troubles.len() {
+    for index in 0..best.faults.len() {
         loop {
-            let lasts = best.troubles[index].trouble.lasts();
+            let lasts = best.faults[index].fault.lasts();
             if lasts < Duration::from_millis(200) {
                 break;
             }
             let mut shorter = best.clone();
-            let trouble = shorter.troubles[index].trouble.clone().at_most(lasts / 2);
-            if trouble.lasts() == lasts {
+            let fault = shorter.faults[index].fault.clone().at_most(lasts / 2);
+            if fault.lasts() == lasts {
                 break;
             }
-            shorter.troubles[index].trouble = trouble;
+            shorter.faults[index].fault = fault;
             if !fails(&shorter)? {
                 break;
             }
@@ -76,24 +76,25 @@ fn smallest(plan: &Plan, mut fails: impl FnMut(&Plan) -> Result<bool>) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fault::Fault;
     use crate::plan::{Come, Planned};
-    use crate::trouble::Trouble;
 
     #[test]
     fn only_what_makes_it_fail_is_left_and_that_short() {
         let needed = |plan: &Plan| {
-            let stops = |planned: &Planned| matches!(planned.trouble, Trouble::Stop { lasts } if lasts > Duration::from_secs(3));
-            let kills = |planned: &Planned| matches!(planned.trouble, Trouble::Kill { .. });
-            plan.troubles.iter().any(stops) && plan.troubles.iter().any(kills)
+            let stops =
+                |planned: &Planned| matches!(planned.fault, Fault::Stop { lasts } if lasts > Duration::from_secs(3));
+            let kills = |planned: &Planned| matches!(planned.fault, Fault::Kill { .. });
+            plan.faults.iter().any(stops) && plan.faults.iter().any(kills)
         };
         let mut shrunk = 0;
         for seed in 0..200 {
             let mut plan = Plan::draw(seed);
             let lasts = Duration::from_secs(20);
             let come = Come::At(backseat_units::Timestamp::from_secs(100));
-            let trouble = Trouble::Stop { lasts };
-            plan.troubles.insert(0, Planned { come, trouble });
-            let whole = plan.troubles.len();
+            let fault = Fault::Stop { lasts };
+            plan.faults.insert(0, Planned { come, fault });
+            let whole = plan.faults.len();
             let small = smallest(&plan, |plan| Ok(needed(plan))).unwrap();
             if !needed(&plan) {
                 assert_eq!(small, plan);
@@ -101,12 +102,12 @@ mod tests {
             }
             shrunk += 1;
             assert!(needed(&small) && whole > 2);
-            assert_eq!(small.troubles.len(), 2, "seed {seed}");
+            assert_eq!(small.faults.len(), 2, "seed {seed}");
             let stop = small
-                .troubles
+                .faults
                 .iter()
-                .find(|planned| matches!(planned.trouble, Trouble::Stop { .. }));
-            assert!(stop.unwrap().trouble.lasts() < Duration::from_secs(6));
+                .find(|planned| matches!(planned.fault, Fault::Stop { .. }));
+            assert!(stop.unwrap().fault.lasts() < Duration::from_secs(6));
         }
         assert!(shrunk > 20, "{shrunk}");
     }

@@ -9,9 +9,9 @@ use backseat_units::EastNorth;
 
 /// Some four by four kilometres about 42 N 70 W, a harbour in the middle where the vehicle may surface.
 const FENCE: &str = r#"{"type":"FeatureCollection","features":[
-{"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":60,"altitude_min_m":2},
+{"type":"Feature","properties":{"name":"box","kind":"keep-in","margin_m":10,"depth_max_m":60,"altitude_min_m":2},
  "geometry":{"type":"Polygon","coordinates":[[[-70.024,41.982],[-69.976,41.982],[-69.976,42.018],[-70.024,42.018],[-70.024,41.982]]]}},
-{"type":"Feature","properties":{"name":"harbour","kind":"inclusion","margin_m":10,"depth_max_m":60,"altitude_min_m":2,"surfacing":true},
+{"type":"Feature","properties":{"name":"harbour","kind":"keep-in","margin_m":10,"depth_max_m":60,"altitude_min_m":2,"surfacing":true},
  "geometry":{"type":"Polygon","coordinates":[[[-70.0218,41.9919],[-69.9782,41.9919],[-69.9782,42.0081],[-70.0218,42.0081],[-70.0218,41.9919]]]}}
 ]}"#;
 
@@ -95,7 +95,7 @@ pub fn limits() -> Limits {
         topside_per_min: 6,
         packets_per_min: 12,
         modify_needs_plan: true,
-        hull: None,
+        station: None,
     }
 }
 

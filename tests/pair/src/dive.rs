@@ -360,7 +360,7 @@ impl Dive {
                         .push_back((self.now + STEP, plugin, Answer::Restarted(restarted)));
                 }
                 Output::Reserve(reservation) => self.feed(Input::Reserved(reservation)),
-                Output::Driver(..) | Output::Finish => {}
+                Output::External(..) | Output::Finish => {}
                 Output::Note(note) => self.notes.push((self.now, note)),
             }
         }

@@ -21,7 +21,7 @@ const AFTER_S: f64 = 2.0;
 /// The heading that the good plugin alone asks for.
 const HEADING: &str = "90";
 const EVERY_GRANT: &str = r#"["modify", "insert", "interrupt", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy",
-    "acoustic", "hull", "devices"]"#;
+    "acoustic", "station", "devices"]"#;
 
 /// What to try.
 #[derive(Clone, Debug, Args)]

@@ -1,9 +1,9 @@
 //! The runtime killed, stopped, suspended, cut off and told to end at random instants while it steers, as a program of
 //! its own beside the mock vehicle, over TCP (safety requirement 007).
 //!
-//! The vehicle's log decides, by the vehicle's own clock: however loaded the machine is, a modify ends within 5 s, and a
-//! hold within 2 s, of the last message that the vehicle received for it; a runtime that is not there is not heard; what
-//! was judged before a suspension is not sent after it; no identifier is used twice.
+//! The vehicle's log decides, by the vehicle's own clock: however loaded the machine is, a modify ends within 5 s, and
+//! station keeping within 2 s, of the last message that the vehicle received for it; a runtime that is not there is not
+//! heard; what was judged before a suspension is not sent after it; no identifier is used twice.
 
 mod judge;
 mod plan;

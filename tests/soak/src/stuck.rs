@@ -49,7 +49,7 @@ pub struct Stuck {
 
 /// What is wrong around the runtime.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Trouble {
+enum Fault {
     Nothing,
     ErrorsTalkative,
     ErrorsSlow,
@@ -62,17 +62,17 @@ enum Trouble {
     StateHangs,
 }
 
-const TROUBLES: [(Trouble, &str); 10] = [
-    (Trouble::Nothing, "nothing"),
-    (Trouble::ErrorsTalkative, "standard error: much of it, to a file"),
-    (Trouble::ErrorsSlow, "standard error: read at 11 KB/s"),
-    (Trouble::ErrorsStuck, "standard error: read by nobody"),
-    (Trouble::ErrorsFull, "standard error: full"),
-    (Trouble::ErrorsGone, "standard error: its reader is gone"),
-    (Trouble::LogFull, "log: disk full"),
-    (Trouble::LogHangs, "log: disk hangs"),
-    (Trouble::StateFull, "state: disk full"),
-    (Trouble::StateHangs, "state: disk hangs"),
+const FAULTS: [(Fault, &str); 10] = [
+    (Fault::Nothing, "nothing"),
+    (Fault::ErrorsTalkative, "standard error: much of it, to a file"),
+    (Fault::ErrorsSlow, "standard error: read at 11 KB/s"),
+    (Fault::ErrorsStuck, "standard error: read by nobody"),
+    (Fault::ErrorsFull, "standard error: full"),
+    (Fault::ErrorsGone, "standard error: its reader is gone"),
+    (Fault::LogFull, "log: disk full"),
+    (Fault::LogHangs, "log: disk hangs"),
+    (Fault::StateFull, "state: disk full"),
+    (Fault::StateHangs, "state: disk hangs"),
 ];
 
 /// What came of it.
@@ -88,15 +88,15 @@ pub struct StuckReport {
 /// Where nothing has such a name.
 pub fn run(arguments: &Stuck) -> Result<StuckReport> {
     let chosen = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only.as_str()));
-    if !TROUBLES.iter().any(|(_, name)| chosen(name)) {
-        let names: Vec<&str> = TROUBLES.iter().map(|(_, name)| *name).collect();
+    if !FAULTS.iter().any(|(_, name)| chosen(name)) {
+        let names: Vec<&str> = FAULTS.iter().map(|(_, name)| *name).collect();
         bail!("--only: nothing has this in its name; there are: {}", names.join("; "));
     }
     let mut report = StuckReport::default();
-    for (trouble, name) in TROUBLES.into_iter().filter(|(_, name)| chosen(name)) {
+    for (fault, name) in FAULTS.into_iter().filter(|(_, name)| chosen(name)) {
         let mut worst: Option<Figures> = None;
         for _ in 0..arguments.flights.max(1) {
-            match catch_unwind(AssertUnwindSafe(|| fly(trouble, arguments.seconds))) {
+            match catch_unwind(AssertUnwindSafe(|| fly(fault, arguments.seconds))) {
                 Ok(Ok(figures)) => worst = Some(worst.map_or(figures, |worst| worst.worst(figures))),
                 Ok(Err(why)) => report.misses.push(format!("{name}: {why}")),
                 Err(panic) => {
@@ -111,8 +111,8 @@ pub fn run(arguments: &Stuck) -> Result<StuckReport> {
 }
 
 /// One flight. What is wrong from the start is wrong from the start; a disk hangs once the vehicle is steered.
-fn fly(trouble: Trouble, seconds: f64) -> Result<Figures> {
-    let (mission, stall) = (mission(trouble), Stall::new());
+fn fly(fault: Fault, seconds: f64) -> Result<Figures> {
+    let (mission, stall) = (mission(fault), Stall::new());
     let vehicle = Scripted::start(Behavior::default());
     let (logs, state) = (mission.beside("logs"), mission.beside("state"));
     let mut program = Backseat::new()
@@ -123,35 +123,35 @@ fn fly(trouble: Trouble, seconds: f64) -> Result<Figures> {
         .mission(&mission);
     // Kept to the end of the flight.
     let (mut unread, mut slow) = (None, None);
-    match trouble {
-        Trouble::Nothing => {}
-        Trouble::ErrorsTalkative => program = program.env("BACKSEAT_LOG", "trace"),
-        Trouble::ErrorsSlow => {
+    match fault {
+        Fault::Nothing => {}
+        Fault::ErrorsTalkative => program = program.env("BACKSEAT_LOG", "trace"),
+        Fault::ErrorsSlow => {
             let (reader, writer) = pipe()?;
             slow = Some(SlowReader::start(reader));
             program = program.env("BACKSEAT_LOG", "trace").stderr_to(writer);
         }
-        Trouble::ErrorsStuck => {
+        Fault::ErrorsStuck => {
             let (reader, mut writer) = pipe()?;
             // It takes 64 KiB, of which a page is left.
             writer.write_all(&[b'\n'; 15 << 12])?;
             unread = Some(reader);
             program = program.env("BACKSEAT_LOG", "trace").stderr_to(writer);
         }
-        Trouble::ErrorsFull => {
+        Fault::ErrorsFull => {
             let full = File::options().write(true).open("/dev/full")?;
             program = program.env("BACKSEAT_LOG", "trace").stderr_to(full);
         }
-        Trouble::ErrorsGone => {
+        Fault::ErrorsGone => {
             let (_, writer) = pipe()?;
             program = program.env("BACKSEAT_LOG", "trace").stderr_to(writer);
         }
-        Trouble::LogFull => {
+        Fault::LogFull => {
             // The plugin is attached to the log, and then there is room for some seconds.
             let attached = fs::metadata(backseat_test_support::plugins().join("faulty.wasm"))?.len();
             program = program.file_max_kib(attached / 1024 + 40);
         }
-        Trouble::StateFull => {
+        Fault::StateFull => {
             fs::create_dir(&state)?;
             fs::write(state.join("vehicle"), "steady")?;
             fs::write(state.join("identifiers"), "70")?;
@@ -159,12 +159,12 @@ fn fly(trouble: Trouble, seconds: f64) -> Result<Figures> {
                 symlink("/dev/full", state.join(name))?;
             }
         }
-        Trouble::LogHangs => program = program.stalled(&stall, &[&logs]),
-        Trouble::StateHangs => program = program.stalled(&stall, &[&state]),
+        Fault::LogHangs => program = program.stalled(&stall, &[&logs]),
+        Fault::StateHangs => program = program.stalled(&stall, &[&state]),
     }
     let mut runtime = program.spawn();
     flight::begin(&vehicle);
-    let hangs = matches!(trouble, Trouble::LogHangs | Trouble::StateHangs);
+    let hangs = matches!(fault, Fault::LogHangs | Fault::StateHangs);
     if hangs {
         stall.begin();
     }
@@ -175,13 +175,13 @@ fn fly(trouble: Trouble, seconds: f64) -> Result<Figures> {
     if code != Some(0) {
         bail!("it ended with {code:?}\n{}", last_lines(&said));
     }
-    let happened = match trouble {
-        Trouble::LogFull => said.contains("the log ends here"),
-        Trouble::StateFull => said.contains("identifiers cannot be reserved"),
-        Trouble::LogHangs | Trouble::StateHangs => !stall.held().is_empty(),
-        Trouble::ErrorsTalkative => said.len() > 100_000,
-        Trouble::ErrorsSlow => slow.is_some_and(SlowReader::missed_some),
-        Trouble::Nothing | Trouble::ErrorsStuck | Trouble::ErrorsFull | Trouble::ErrorsGone => true,
+    let happened = match fault {
+        Fault::LogFull => said.contains("the log ends here"),
+        Fault::StateFull => said.contains("identifiers cannot be reserved"),
+        Fault::LogHangs | Fault::StateHangs => !stall.held().is_empty(),
+        Fault::ErrorsTalkative => said.len() > 100_000,
+        Fault::ErrorsSlow => slow.is_some_and(SlowReader::missed_some),
+        Fault::Nothing | Fault::ErrorsStuck | Fault::ErrorsFull | Fault::ErrorsGone => true,
     };
     if !happened {
         bail!("it did not come to it\n{}", last_lines(&said));
@@ -194,15 +194,13 @@ fn fly(trouble: Trouble, seconds: f64) -> Result<Figures> {
     })
 }
 
-fn mission(trouble: Trouble) -> Mission {
-    match trouble {
-        Trouble::Nothing | Trouble::LogFull | Trouble::LogHangs | Trouble::StateHangs => Mission::steady(),
-        Trouble::ErrorsTalkative
-        | Trouble::ErrorsSlow
-        | Trouble::ErrorsStuck
-        | Trouble::ErrorsFull
-        | Trouble::ErrorsGone => talkative(),
-        Trouble::StateFull => Mission::steady().append(
+fn mission(fault: Fault) -> Mission {
+    match fault {
+        Fault::Nothing | Fault::LogFull | Fault::LogHangs | Fault::StateHangs => Mission::steady(),
+        Fault::ErrorsTalkative | Fault::ErrorsSlow | Fault::ErrorsStuck | Fault::ErrorsFull | Fault::ErrorsGone => {
+            talkative()
+        }
+        Fault::StateFull => Mission::steady().append(
             "mission.toml",
             "[[plugin]]\nname = \"inserter\"\ncomponent = \"faulty\"\ngrants = [\"insert\", \"interrupt\"]\n\
              [plugin.config]\nfault = \"cross_fence\"\ntarget_east_m = -500.0\ntarget_north_m = 0.0\n\
@@ -307,7 +305,7 @@ fn heading() -> String {
     let (modifies, gap, held, ended, gone) = ("modifies", "worst gap", "USR1>BPEMB", "TERM>BPEMB", "TERM>end");
     format!(
         "{:<40}{modifies:>9}{gap:>11}{held:>12}{ended:>12}{gone:>10}{:>8}",
-        "trouble", "slip"
+        "fault", "slip"
     )
 }
 

@@ -1,5 +1,5 @@
-//! Behaviour tests of the program, at the level where users meet it: a command line, exit codes, two streams, files,
-//! signals and a TCP port. Here is the harness; the tests are in `tests/it`, a file a behaviour.
+//! Behavior tests of the program, at the level where users meet it: a command line, exit codes, two streams, files,
+//! signals and a TCP port. Here is the harness; the tests are in `tests/it`, a file a behavior.
 //!
 //! The program is built once a process by [`backseat_test_support::program`], the plugins by
 //! [`backseat_test_support::plugins`], so nothing has to be done by hand before `cargo test`.

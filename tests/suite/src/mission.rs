@@ -24,8 +24,8 @@ impl Mission {
         Self::own("steady")
     }
 
-    /// The suite's own mission of a hovering vehicle: `faulty` without a fault holds it beside a ship, from two seconds
-    /// after the start on.
+    /// The suite's own mission of a hovering vehicle: `faulty` without a fault keeps it at its station beside a ship,
+    /// from two seconds after the start on.
     #[must_use]
     pub fn hovering() -> Self {
         Self::own("hovering")

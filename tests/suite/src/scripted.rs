@@ -35,7 +35,7 @@ pub struct Behavior {
     pub velocities: bool,
     /// BFMSC a second.
     pub commands_per_s: u32,
-    /// BFMBS of behaviours that its plan does not have, a second.
+    /// BFMBS of behaviors that its plan does not have, a second.
     pub begins_per_s: u32,
     /// Sentences that nobody knows, KiB a second, as far as the other side reads them.
     pub noise_kib_per_s: u32,

@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::Result;
 use backseat_fence::{Fence, Rfc3339};
 use backseat_mission::{Dive, FrontSeatPlan, Mission, beyond_class};
-use backseat_plan::{HullClass, VehicleLimits};
+use backseat_plan::{VehicleClass, VehicleLimits};
 use backseat_units::{Position, Utc};
 
 use crate::output::say;
@@ -14,7 +14,7 @@ use crate::output::say;
 /// What is known ashore of the vehicle and of what it will do by itself.
 pub(super) struct FrontSeat {
     /// What it can do, where its class is known.
-    pub(super) vehicle: Option<(HullClass, VehicleLimits)>,
+    pub(super) vehicle: Option<(VehicleClass, VehicleLimits)>,
     pub(super) plan: Option<FrontSeatPlan>,
     /// Where it begins.
     pub(super) start: Option<Position>,
@@ -102,7 +102,7 @@ impl FrontSeat {
                 "its first place"
             };
             say!(
-                "plan: {whence} and all {} behaviours, with the ways between them, lie inside the fence",
+                "plan: {whence} and all {} behaviors, with the ways between them, lie inside the fence",
                 plan.behaviors.len()
             );
         }

@@ -76,9 +76,9 @@ pub(super) fn kept(mission: &Mission, folder: &Path) -> Result<Vec<String>> {
             folder.display()
         );
     }
-    for driver in &mission.file.drivers {
-        if let Err(error) = TcpListener::bind(&driver.listen) {
-            findings.push(format!("driver {}: {}: {error}", driver.name, driver.listen));
+    for source in &mission.file.externals {
+        if let Err(error) = TcpListener::bind(&source.listen) {
+            findings.push(format!("external source {}: {}: {error}", source.name, source.listen));
         }
     }
     Ok(findings)

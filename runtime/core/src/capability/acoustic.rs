@@ -14,12 +14,12 @@ use backseat_units::{TimeOfDay, Timestamp};
 use crate::context::Context;
 use crate::ended::{Ended, Failure, FrameOutcome};
 use crate::io::Note;
+use crate::mutations::{Check, is_on};
 use crate::plugin::{Event, PacketRequest, ReceivedFrame, ReceivedPacket, Refusal, RequestState, Topic, Window};
 use crate::quota::LastMinute;
 use crate::refusal::{Figure, Reason};
 use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 use crate::vehicle::clock::elapsed_nanos;
 

@@ -17,17 +17,17 @@ use backseat_units::Timestamp;
 
 use crate::context::Context;
 use crate::ended::{EndCause, Ended, Failure};
+use crate::mutations::{Check, is_on};
 use crate::plugin::{BuoyancySample, Event, Refusal, RequestState, Sample, Topic, TrimSample};
 use crate::refusal::{Figure, Reason};
 use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// The vehicle gives an adjustment up after typically 20 minutes (7.23, 7.24), and says so; this long after the
 /// acknowledgement nothing more is expected.
 const OVER_WITHIN: Duration = Duration::from_secs(25 * 60);
-/// The final status comes within this of the behaviour's end.
+/// The final status comes within this of the behavior's end.
 const SAID_WITHIN: Duration = Duration::from_secs(30);
 /// A vehicle that says that it is idle so long after the acknowledgement has ended what it had begun.
 const IDLE_AFTER: Duration = Duration::from_secs(10);
@@ -58,7 +58,7 @@ impl Adjusts {
         }
     }
 
-    /// Whether a behaviour of this type is one of these adjustments: the types are not listed (6.9).
+    /// Whether a behavior of this type is one of these adjustments: the types are not listed (6.9).
     fn is_type(self, kind: &str) -> bool {
         let start = match self {
             Self::Trim => "trim",
@@ -299,7 +299,7 @@ impl Adjustments {
         }
     }
 
-    /// A behaviour that is neither the plan's nor an identified insert has begun or ended.
+    /// A behavior that is neither the plan's nor an identified insert has begun or ended.
     pub(crate) fn behavior(&mut self, cx: &mut Context, began: bool, kind: &str) {
         let until = cx.now + SAID_WITHIN;
         for what in Adjusts::ALL {

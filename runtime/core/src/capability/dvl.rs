@@ -23,11 +23,11 @@ use backseat_units::Timestamp;
 use crate::context::Context;
 use crate::ended::{EndCause, Ended, Failure};
 use crate::io::Note;
+use crate::mutations::{Check, is_on};
 use crate::plugin::{DvlTriggerRequest, Event, PluginId, Refusal, RequestState};
 use crate::refusal::{Reason, Uncontrolled};
 use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// The vehicle takes the DVL back when it has not been triggered for this long (7.4).

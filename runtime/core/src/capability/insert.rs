@@ -1,12 +1,12 @@
 //! Inserts: tracklines, trackcircles and GPS hits that the vehicle flies by itself once it has accepted them (SPI 7.5 to
 //! 7.7), and their cancelling (7.8). Safety requirements 002, 009, 010 and 019.
 //!
-//! A GPS hit is an insert that runs after the current behaviour and that nothing takes back: BPRCN covers tracklines and
+//! A GPS hit is an insert that runs after the current behavior and that nothing takes back: BPRCN covers tracklines and
 //! trackcircles alone.
 
-pub(crate) mod former;
 pub(crate) mod irrevocable;
 pub(crate) mod late;
+pub(crate) mod previous_run;
 pub(crate) mod recall;
 pub(crate) mod waiting;
 
@@ -23,11 +23,11 @@ use crate::ended::{EndCause, Failure};
 use crate::ledger::schedule::Schedule;
 use crate::monitor::envelope::{Flight, Insert, InsertPath, Route, Vertical};
 use crate::monitor::limits::Grant;
+use crate::mutations::{Check, is_on};
 use crate::plugin::{PluginId, Refusal, Request, RequestState, TrackcircleRequest};
 use crate::refusal::{Figure, Reason, Uncontrolled};
 use crate::session::commands::{Answer, Purpose, SETTLED_WITHIN};
 use crate::session::dispatch::Dispatch;
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// What the judgement of an insert found that is kept with it.
@@ -73,8 +73,8 @@ impl Inserts {
             | Request::Trim(_)
             | Request::Buoyancy(_)
             | Request::Packet(_)
-            | Request::Hold(_)
-            | Request::EndHold
+            | Request::Station(_)
+            | Request::EndStation
             | Request::SonarAngle(_)
             | Request::Camera(_)
             | Request::Light(_)
@@ -144,8 +144,8 @@ impl Inserts {
         if insert.interrupt && cx.ledger.interrupts() && is_on(Check::InterruptOfInterrupt) {
             return Err(Reason::InterruptOpen.into());
         }
-        if insert.interrupt && cx.outlook().former_may_fly() && is_on(Check::InterruptOfInterrupt) {
-            return Err(Reason::InterruptFormer.into());
+        if insert.interrupt && cx.outlook().previous_run_may_fly() && is_on(Check::InterruptOfInterrupt) {
+            return Err(Reason::InterruptPreviousRun.into());
         }
         let current = cx.vehicle.named_insert.current();
         if insert.interrupt
@@ -324,7 +324,7 @@ impl Inserts {
         }
     }
 
-    /// The vehicle flies another dive: what waited in the former may be gone. The plan of this one tells.
+    /// The vehicle flies another dive: what waited in the one before may be gone. The plan of this one tells.
     pub(crate) fn another_dive(&mut self, cx: &mut Context) {
         let mut accepted = Vec::new();
         for (request, entry) in cx.ledger.iter_mut().filter(|(_, entry)| entry.is_open_insert()) {
@@ -370,7 +370,7 @@ impl Inserts {
             }
         }
         let plan = &cx.vehicle.plan;
-        cx.ledger.told_plan(asked_at, |identifier| plan.has(identifier));
+        cx.ledger.heard_plan(asked_at, |identifier| plan.has(identifier));
     }
 
     /// The mission no longer runs: what it held is over.

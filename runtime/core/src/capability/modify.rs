@@ -11,11 +11,11 @@ use crate::ended::{EndCause, Ended, Failure};
 use crate::io::Note;
 use crate::monitor::envelope::{Setpoint, Vertical};
 use crate::monitor::limits::HeadingFrame;
+use crate::mutations::{Check, is_on};
 use crate::plugin::{ModifyRequest, PluginId, Refusal, RequestState};
 use crate::refusal::Reason;
 use crate::session::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::session::name;
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// The vehicle forgets a modify after 5 s (7.12).

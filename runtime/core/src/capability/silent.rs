@@ -14,11 +14,11 @@ use backseat_units::Timestamp;
 
 use crate::context::Context;
 use crate::ended::{EndCause, Ended, Failure};
+use crate::mutations::{Check, is_on};
 use crate::plugin::{PluginId, Refusal, RequestState, SilentRequest};
 use crate::refusal::{Figure, Reason};
 use crate::session::commands::{Answer, Purpose, SILENT_WITHIN};
 use crate::session::dispatch::Dispatch;
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// What is known of the vehicle's silence.

@@ -1,8 +1,8 @@
 //! Leases of a hovering vehicle: its mission suspended, the vehicle held or moved (SPI 8; safety requirement 005).
 //!
-//! A hold goes out as BPSUS, then BPSPD where it moves, then BPGHP or BPGBP, each after the acknowledgement of the one
-//! before, and is kept alive by BPCON. The speed limit of a move is always known: one that somebody left is not
-//! inherited. Whatever ends the hold, the vehicle gets its own speed limit back, then BPRES, then silence.
+//! Station keeping goes out as BPSUS, then BPSPD where it moves, then BPGHP or BPGBP, each after the acknowledgement of
+//! the one before, and is kept alive by BPCON. The speed limit of a move is always known: one that somebody left is not
+//! inherited. Whatever ends station keeping, the vehicle gets its own speed limit back, then BPRES, then silence.
 
 use std::time::Duration;
 
@@ -16,11 +16,11 @@ use crate::context::Context;
 use crate::ended::{EndCause, Ended, Failure};
 use crate::io::Note;
 use crate::monitor::envelope::{Aim, Hover, Surroundings, Suspended, Vertical, aim_at_here};
-use crate::plugin::{HoldRequest, HoldTarget, PluginId, Refusal, RequestState};
+use crate::mutations::{Check, is_on};
+use crate::plugin::{PluginId, Refusal, RequestState, StationRequest, StationTarget};
 use crate::refusal::{Figure, Reason};
 use crate::session::commands::{Answer, Command, FIRST_WITHIN, Purpose};
 use crate::session::name;
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 mod relative;
@@ -30,30 +30,30 @@ use speed::SpeedLimit;
 
 /// The vehicle takes its mission up again after 2 s (8.1).
 const REFRESH_EVERY: Duration = Duration::from_millis(500);
-/// Past this since the last one it is too late to refresh: the hold ends.
+/// Past this since the last one it is too late to refresh: station keeping ends.
 const REFRESH_AT_MOST: Duration = Duration::from_secs(1);
-/// A hold that begins or changes is sent at once, at 5 Hz at most.
+/// Station keeping that begins or changes is sent at once, at 5 Hz at most.
 const REFRESH_AT_LEAST: Duration = Duration::from_millis(200);
 
 /// So many places are kept where the mission may stand suspended.
 const LEFT_MAX: usize = 16;
 
-/// Where the hold stands, and where the vehicle is relative to its target.
+/// Where station keeping stands, and where the vehicle is relative to its target.
 #[derive(Debug)]
 pub(crate) struct Station {
-    hold: Option<Hold>,
+    keeping: Option<Keeping>,
     limit: SpeedLimit,
-    /// When the last BPSUS, or the last BPSPD, BPGHP or BPGBP of a hold left, of any hold.
+    /// When the last BPSUS, or the last BPSPD, BPGHP or BPGBP left, whatever request it was for.
     steered: Option<Timestamp>,
 }
 
-/// Who holds the vehicle, and how.
+/// For whom the vehicle keeps its station, and how.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Hold {
+pub(crate) struct Keeping {
     plugin: PluginId,
     request: u64,
     tag: u64,
-    target: HoldTarget,
+    target: StationTarget,
     speed_mps: Option<f64>,
     hover: Hover,
     stage: Stage,
@@ -63,11 +63,11 @@ pub(crate) struct Hold {
     sent_aim: Option<Aim>,
     /// When the last BPSUS, BPCON, BPGHP or BPGBP left.
     sent: Option<Timestamp>,
-    /// When the hold was last judged.
+    /// When station keeping was last judged.
     judged: Timestamp,
 }
 
-/// How far the newest request of the hold has come.
+/// How far the newest request of station keeping has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     /// Its first message is due.
@@ -85,15 +85,15 @@ enum Stage {
 impl Station {
     pub(crate) fn new() -> Self {
         Self {
-            hold: None,
+            keeping: None,
             limit: SpeedLimit::default(),
             steered: None,
         }
     }
 
-    /// Who holds the vehicle.
-    pub(crate) fn holder(&self) -> Option<PluginId> {
-        self.hold.map(|hold| hold.plugin)
+    /// For whom the vehicle keeps its station.
+    pub(crate) fn kept_for(&self) -> Option<PluginId> {
+        self.keeping.map(|keeping| keeping.plugin)
     }
 
     /// The connection is new or gone: its samples and answers are.
@@ -102,7 +102,7 @@ impl Station {
         self.limit.known_mps = None;
     }
 
-    /// When the next message that begins or changes a hold may leave.
+    /// When the next message that begins or changes station keeping may leave.
     fn free_at(&self) -> Timestamp {
         self.steered
             .map_or(Timestamp::ZERO, |steered| steered + REFRESH_AT_LEAST)
@@ -110,18 +110,18 @@ impl Station {
 }
 
 impl Station {
-    /// A request takes the place of the hold that stands, if there is one, which is returned.
+    /// A request takes the place of the one that stands, if there is one, which is returned.
     pub(crate) fn adopt(
         &mut self,
         cx: &mut Context,
         plugin: PluginId,
         request: u64,
-        asked: &HoldRequest,
+        asked: &StationRequest,
         hover: Hover,
-    ) -> Option<Hold> {
-        let before = self.hold;
+    ) -> Option<Keeping> {
+        let before = self.keeping;
         cx.arbiter.take(cx.now, plugin, LeaseKind::Station);
-        let mut hold = Hold {
+        let mut keeping = Keeping {
             plugin,
             request,
             tag: asked.tag,
@@ -136,26 +136,26 @@ impl Station {
         };
         if let Some(before) = before {
             let changed = before.target != asked.target || before.speed_mps != asked.speed_mps;
-            hold.stage = match before.stage {
+            keeping.stage = match before.stage {
                 // What has changed meanwhile follows the acknowledgement.
                 Stage::Suspending => Stage::Suspending,
                 Stage::Due | Stage::Limiting(_) | Stage::Moving(_) | Stage::Standing if changed => Stage::Due,
                 stage @ (Stage::Due | Stage::Limiting(_) | Stage::Moving(_) | Stage::Standing) => stage,
             };
-            hold.suspended = before.suspended;
-            hold.sent_aim = before.sent_aim;
-            hold.sent = before.sent;
+            keeping.suspended = before.suspended;
+            keeping.sent_aim = before.sent_aim;
+            keeping.sent = before.sent;
         }
-        self.hold = Some(hold);
-        cx.timers.set(Timer::HoldTerm, cx.now + asked.duration);
+        self.keeping = Some(keeping);
+        cx.timers.set(Timer::StationTerm, cx.now + asked.duration);
         before
     }
 
     /// Sends the first message of station keeping that has been adopted, or what has changed.
-    pub(crate) fn begin(&mut self, cx: &mut Context, before: Option<Hold>) {
+    pub(crate) fn begin(&mut self, cx: &mut Context, before: Option<Keeping>) {
         if let Some(before) = before {
-            let same = |hold: Hold| before.plugin == hold.plugin && before.tag == hold.tag;
-            if self.hold.is_some_and(same) {
+            let same = |keeping: Keeping| before.plugin == keeping.plugin && before.tag == keeping.tag;
+            if self.keeping.is_some_and(same) {
                 cx.transition_quietly(before.request, RequestState::Ended(EndCause::Replaced.into()));
             } else {
                 cx.transition(before.request, RequestState::Ended(EndCause::OtherStation.into()));
@@ -166,31 +166,31 @@ impl Station {
     }
 
     /// What a request sends, where that may stand.
-    pub(crate) fn check(&self, cx: &Context, plugin: PluginId, asked: &HoldRequest) -> Result<Hover, Refusal> {
+    pub(crate) fn check(&self, cx: &Context, plugin: PluginId, asked: &StationRequest) -> Result<Hover, Refusal> {
         cx.outlook().admit_beside_gps_hit()?;
         if cx.vehicle.suspended.len() >= LEFT_MAX {
             return Err(Figure::Suspensions.over(LEFT_MAX as f64 + 1.0, LEFT_MAX as f64));
         }
-        let mut hover = cx.monitor.envelope.admit_hold(asked)?;
+        let mut hover = cx.monitor.envelope.admit_station(asked)?;
         cx.cap_steering(plugin, asked.duration)?;
         // There is no command to stop: a vehicle that has been sent somewhere is sent to where it is.
         if hover.aim.is_none()
-            && let Some(hold) = &self.hold
-            && let Some(last) = &hold.sent_aim
+            && let Some(keeping) = &self.keeping
+            && let Some(last) = &keeping.sent_aim
         {
-            hover.aim = match hold.target {
-                HoldTarget::Here => hold.hover.aim,
-                HoldTarget::Hull { .. } | HoldTarget::Bottom { .. } => Some(aim_at_here(last, self.here(cx)?)?),
+            hover.aim = match keeping.target {
+                StationTarget::Here => keeping.hover.aim,
+                StationTarget::Hull { .. } | StationTarget::Bottom { .. } => Some(aim_at_here(last, self.here(cx)?)?),
             };
-            hover.speed_mps = asked.speed_mps.unwrap_or(hold.hover.speed_mps);
+            hover.speed_mps = asked.speed_mps.unwrap_or(keeping.hover.speed_mps);
         }
         self.judge_hover(cx, &hover)?;
         Ok(hover)
     }
 
-    /// The whole judgement of a hold, with what is known at this moment.
+    /// The whole judgement of station keeping, with what is known at this moment.
     fn judge_hover(&self, cx: &Context, hover: &Hover) -> Result<f64, Refusal> {
-        self.with_surroundings(cx, |around| cx.monitor.envelope.judge_hold(hover, around))
+        self.with_surroundings(cx, |around| cx.monitor.envelope.judge_station(hover, around))
     }
 
     fn here(&self, cx: &Context) -> Result<Suspended, Refusal> {
@@ -211,7 +211,7 @@ impl Station {
             .suspended
             .iter()
             .copied()
-            .chain(self.hold.and_then(|hold| hold.suspended))
+            .chain(self.keeping.and_then(|keeping| keeping.suspended))
             .collect();
         ask(&Surroundings {
             relative: relative.as_ref(),
@@ -223,76 +223,76 @@ impl Station {
         })
     }
 
-    /// Sends what is due of the hold, and sets when to come back.
+    /// Sends what is due of station keeping, and sets when to come back.
     fn drive(&mut self, cx: &mut Context) {
-        let Some(hold) = self.hold else { return };
-        if hold.sent.is_some_and(|sent| cx.now.since(sent) > REFRESH_AT_MOST)
+        let Some(keeping) = self.keeping else { return };
+        if keeping.sent.is_some_and(|sent| cx.now.since(sent) > REFRESH_AT_MOST)
             && is_on(Check::LateWake)
-            && is_on(Check::HoldCadence)
+            && is_on(Check::StationCadence)
         {
             return self.end(cx, EndCause::NotRefreshed);
         }
         if !self.is_sound(cx) {
             return;
         }
-        if hold.stage == Stage::Due && cx.now >= self.free_at() {
+        if keeping.stage == Stage::Due && cx.now >= self.free_at() {
             self.advance(cx);
         }
-        if let Some(hold) = self.hold
-            && hold.sent.is_some_and(|sent| cx.now.since(sent) >= refresh_every())
+        if let Some(keeping) = self.keeping
+            && keeping.sent.is_some_and(|sent| cx.now.since(sent) >= refresh_every())
         {
             let created = cx.stamper.stamp(cx.now, "CON");
             self.send(cx, "CON", &ToVehicle::Continue(Continue { created }));
         }
-        let Some(hold) = self.hold else { return };
-        let refresh = hold.sent.map(|sent| sent + refresh_every());
-        let due = (hold.stage == Stage::Due).then(|| self.free_at().max(cx.now));
+        let Some(keeping) = self.keeping else { return };
+        let refresh = keeping.sent.map(|sent| sent + refresh_every());
+        let due = (keeping.stage == Stage::Due).then(|| self.free_at().max(cx.now));
         let next = refresh.into_iter().chain(due).min();
-        cx.timers.set_or_stop(Timer::Hold, next);
+        cx.timers.set_or_stop(Timer::Station, next);
     }
 
-    /// Judges the hold anew where that is older than this moment; ends it where it does not hold.
+    /// Judges station keeping anew where that is older than this moment; ends it where that fails.
     fn is_sound(&mut self, cx: &mut Context) -> bool {
-        let Some(hold) = self.hold else { return false };
-        hold.judged == cx.now || self.prevent(cx)
+        let Some(keeping) = self.keeping else { return false };
+        keeping.judged == cx.now || self.prevent(cx)
     }
 
-    /// A sample is new, or time has passed: the hold is judged in full, and ends where it does not hold. Its checks are
-    /// a few comparisons, so that each sample is worth one. False where no hold stands after it.
+    /// A sample is new, or time has passed: station keeping is judged in full, and ends where that fails. Its checks
+    /// are a few comparisons, so that each sample is worth one. False where no station keeping stands after it.
     pub(crate) fn prevent(&mut self, cx: &mut Context) -> bool {
-        let Some(hold) = self.hold else { return false };
-        if is_on(Check::HoldJudged)
-            && let Err(refusal) = self.judge_hover(cx, &hold.hover)
+        let Some(keeping) = self.keeping else { return false };
+        if is_on(Check::StationJudged)
+            && let Err(refusal) = self.judge_hover(cx, &keeping.hover)
         {
             self.end(cx, refusal);
             return false;
         }
-        if let Some(hold) = &mut self.hold {
-            hold.judged = cx.now;
+        if let Some(keeping) = &mut self.keeping {
+            keeping.judged = cx.now;
         }
         true
     }
 
-    /// Sends the next message on the way to what is asked; the hold has been judged at this moment.
+    /// Sends the next message on the way to what is asked; station keeping has been judged at this moment.
     fn advance(&mut self, cx: &mut Context) {
-        let Some(hold) = self.hold else { return };
-        if hold.suspended.is_none() {
+        let Some(keeping) = self.keeping else { return };
+        if keeping.suspended.is_none() {
             let here = self.here(cx).unwrap_or_default();
             let created = cx.stamper.stamp(cx.now, "SUS");
             if self.send(cx, "SUS", &ToVehicle::Suspend(Suspend { created })) {
                 self.set_stage(Stage::Suspending);
-                if let Some(hold) = &mut self.hold {
-                    hold.suspended = Some(here);
+                if let Some(keeping) = &mut self.keeping {
+                    keeping.suspended = Some(here);
                 }
             }
             return;
         }
-        let Some(aim) = hold.hover.aim else {
-            return self.stands(cx, hold.request);
+        let Some(aim) = keeping.hover.aim else {
+            return self.stands(cx, keeping.request);
         };
-        if self.limit.known_mps != Some(hold.hover.speed_mps) {
+        if self.limit.known_mps != Some(keeping.hover.speed_mps) {
             let created = cx.stamper.stamp(cx.now, "SPD");
-            let speed_mps = hold.hover.speed_mps;
+            let speed_mps = keeping.hover.speed_mps;
             // Before it is sent: what is sent may have come through.
             self.limit = SpeedLimit {
                 known_mps: None,
@@ -301,15 +301,15 @@ impl Station {
             };
             let limit = ToVehicle::HullSpeedLimit(HullSpeedLimit { created, speed_mps });
             if self.send(cx, "SPD", &limit) {
-                self.set_stage(Stage::Limiting(hold.request));
+                self.set_stage(Stage::Limiting(keeping.request));
             }
             return;
         }
         let (letters, message) = self.move_to(cx, aim);
         if self.send(cx, letters, &message) {
-            self.set_stage(Stage::Moving(hold.request));
-            if let Some(hold) = &mut self.hold {
-                hold.sent_aim = Some(aim);
+            self.set_stage(Stage::Moving(keeping.request));
+            if let Some(keeping) = &mut self.keeping {
+                keeping.sent_aim = Some(aim);
             }
         }
     }
@@ -348,18 +348,18 @@ impl Station {
         }
     }
 
-    /// Sends a message of the hold. False where the hold is over for it.
+    /// Sends a message of station keeping. False where that ended it.
     fn send(&mut self, cx: &mut Context, letters: &'static str, message: &ToVehicle) -> bool {
-        let Some(hold) = self.hold else { return false };
+        let Some(keeping) = self.keeping else { return false };
         let command = Command {
             name: name(letters),
             created: message.created(),
             identifier: None,
-            purpose: Purpose::Hold(hold.request),
+            purpose: Purpose::Station(keeping.request),
             deadline: cx.now + FIRST_WITHIN,
             pending: false,
         };
-        if !cx.transmit_for(hold.plugin.into(), message, Some(command)) {
+        if !cx.transmit_for(keeping.plugin.into(), message, Some(command)) {
             self.end(cx, EndCause::NotSent);
             return false;
         }
@@ -368,46 +368,46 @@ impl Station {
         if steers {
             self.steered = Some(cx.now);
         }
-        if let Some(hold) = &mut self.hold
+        if let Some(keeping) = &mut self.keeping
             && refreshes
         {
-            hold.sent = Some(cx.now);
+            keeping.sent = Some(cx.now);
         }
         // A request that changes nothing goes out with the next BPCON; one whose own message waits does not.
-        if steers || hold.stage == Stage::Standing {
-            cx.transition(hold.request, RequestState::Sent);
+        if steers || keeping.stage == Stage::Standing {
+            cx.transition(keeping.request, RequestState::Sent);
         }
         // Its plugin may have failed of the event.
-        self.hold.is_some_and(|now| now.request == hold.request)
+        self.keeping.is_some_and(|now| now.request == keeping.request)
     }
 
     fn set_stage(&mut self, stage: Stage) {
-        if let Some(hold) = &mut self.hold {
-            hold.stage = stage;
+        if let Some(keeping) = &mut self.keeping {
+            keeping.stage = stage;
         }
     }
 
-    /// All that a request of the hold needs is acknowledged.
+    /// All that a request of station keeping needs is acknowledged.
     fn stands(&mut self, cx: &mut Context, request: u64) {
         self.set_stage(Stage::Standing);
-        if self.hold.is_some_and(|hold| hold.request == request) {
+        if self.keeping.is_some_and(|keeping| keeping.request == request) {
             cx.transition(request, RequestState::Accepted);
         }
     }
 
-    /// The plugin ends its own hold.
+    /// The plugin ends its own station keeping.
     pub(crate) fn asked_end(&mut self, cx: &mut Context, plugin: PluginId) {
-        if self.holder() == Some(plugin) {
+        if self.kept_for() == Some(plugin) {
             self.end(cx, EndCause::PluginEnded);
         }
     }
 
-    /// The vehicle is where it may have returned to. One without a hold is.
+    /// The vehicle is where it may have returned to. One without station keeping is.
     fn watch_return(&mut self, cx: &mut Context) {
-        if self.hold.is_some() || cx.vehicle.suspended.is_empty() {
+        if self.keeping.is_some() || cx.vehicle.suspended.is_empty() {
             return;
         }
-        let Some(limits) = &cx.monitor.limits().hull else {
+        let Some(limits) = &cx.monitor.limits().station else {
             return;
         };
         let within_m = 2.0 * limits.position_error_m;
@@ -418,34 +418,35 @@ impl Station {
         }
     }
 
-    /// Ends the hold, if there is one: the vehicle's own speed limit and BPRES where the link is up, then silence.
+    /// Ends station keeping, if there is one: the vehicle's own speed limit and BPRES where the link is up, then
+    /// silence.
     pub(crate) fn end(&mut self, cx: &mut Context, end: impl Into<Ended>) {
         let end = end.into();
         self.close(cx, end.clone(), RequestState::Ended(end));
     }
 
     fn close(&mut self, cx: &mut Context, end: Ended, state: RequestState) {
-        let Some(hold) = self.hold.take() else { return };
-        cx.vehicle.suspended.extend(hold.suspended);
+        let Some(keeping) = self.keeping.take() else { return };
+        cx.vehicle.suspended.extend(keeping.suspended);
         cx.arbiter.release(cx.now, LeaseKind::Station);
-        for timer in [Timer::Hold, Timer::HoldTerm, Timer::Relative] {
+        for timer in [Timer::Station, Timer::StationTerm, Timer::Relative] {
             cx.timers.stop(timer);
         }
-        cx.link.commands.forget_hold();
-        if hold.sent.is_some() {
+        cx.link.commands.forget_station();
+        if keeping.sent.is_some() {
             cx.monitor.permits.station_ends = true;
-            self.restore_speed(cx, hold.request);
+            self.restore_speed(cx, keeping.request);
             // One that is not answered needs no second: the vehicle takes its mission up by itself after 2 s (8.1).
             let created = cx.stamper.stamp(cx.now, "RES");
             let command = cx.courtesy("RES", Some(created));
-            if is_on(Check::HoldEndSaid) {
+            if is_on(Check::StationEndSaid) {
                 cx.transmit(&ToVehicle::Resume(Resume { created }), Some(command));
             }
             cx.monitor.permits.station_ends = false;
         }
         let proposed = cx
             .ledger
-            .get(hold.request)
+            .get(keeping.request)
             .is_some_and(|entry| matches!(entry.state, RequestState::Rejected(_)));
         // What has not been sent cannot have been refused or left unanswered.
         let state = if proposed {
@@ -453,29 +454,29 @@ impl Station {
         } else {
             state
         };
-        cx.transition(hold.request, state);
+        cx.transition(keeping.request, state);
         cx.note(Note::LeaseEnded {
-            plugin: hold.plugin,
+            plugin: keeping.plugin,
             reason: end,
         });
     }
 
-    /// An answer to a message of the hold that stands.
+    /// An answer to a message of station keeping that stands.
     pub(crate) fn answered(&mut self, cx: &mut Context, request: u64, command: CommandName, answer: Answer<'_>) {
-        let Some(hold) = self.hold else { return };
-        let newest = hold.request == request;
+        let Some(keeping) = self.keeping else { return };
+        let newest = keeping.request == request;
         let state_for = |end: &Ended, state: RequestState| {
             if newest {
                 state
             } else {
-                // An older request of a hold that goes on: what it says of the vehicle counts all the same.
+                // An older request of station keeping that goes on: what it says of the vehicle counts all the same.
                 RequestState::Ended(end.clone())
             }
         };
         match answer {
             Answer::Pending if newest => cx.transition(request, RequestState::Pending),
             Answer::Pending => {}
-            Answer::Done => self.acknowledged(cx, request, command.as_str(), hold.stage),
+            Answer::Done => self.acknowledged(cx, request, command.as_str(), keeping.stage),
             Answer::Refused(text) => {
                 let end = Ended::Said(EndCause::VehicleRefused, text.to_owned());
                 let state = state_for(&end, RequestState::Failed(Failure::Vehicle(text.to_owned())));
@@ -493,7 +494,7 @@ impl Station {
         match (command, stage) {
             ("SUS", Stage::Suspending) => self.goes_on(cx),
             ("SPD", Stage::Limiting(of)) if of == request => {
-                let speed_mps = self.hold.map(|hold| hold.hover.speed_mps);
+                let speed_mps = self.keeping.map(|keeping| keeping.hover.speed_mps);
                 self.limit = SpeedLimit {
                     known_mps: speed_mps,
                     changed: speed_mps != cx.monitor.limits().speed_default_mps(),
@@ -508,7 +509,7 @@ impl Station {
         }
     }
 
-    /// The next message of the hold may leave; the vehicle has moved on meanwhile.
+    /// The next message of station keeping may leave; the vehicle has moved on meanwhile.
     fn goes_on(&mut self, cx: &mut Context) {
         if self.is_sound(cx) {
             self.advance(cx);
@@ -522,7 +523,7 @@ impl Station {
     }
 
     pub(crate) fn plugin_failed(&mut self, cx: &mut Context, plugin: PluginId) {
-        if self.holder() == Some(plugin) {
+        if self.kept_for() == Some(plugin) {
             self.end(cx, EndCause::PluginFailed);
         }
     }
@@ -530,7 +531,7 @@ impl Station {
 
 /// How long after a refresh the next is due.
 fn refresh_every() -> Duration {
-    if is_on(Check::HoldCadence) {
+    if is_on(Check::StationCadence) {
         REFRESH_EVERY
     } else {
         3 * REFRESH_EVERY

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use super::Context;
 use crate::monitor::limits::Grant;
+use crate::mutations::{Check, is_on};
 use crate::plugin::{PluginId, Refusal, RequestState};
 use crate::refusal::{Figure, Reason, Uncontrolled};
-use crate::switches::{Check, is_on};
 
 impl Context {
     /// Whether a plugin may ask for something now: by its grants, its rate, and who has control.
@@ -39,7 +39,7 @@ impl Context {
     pub(crate) fn admit_standing(&self, grant: Grant) -> Result<(), Refusal> {
         let steers = matches!(
             grant,
-            Grant::Modify | Grant::Insert | Grant::Interrupt | Grant::Surface | Grant::Hull
+            Grant::Modify | Grant::Insert | Grant::Interrupt | Grant::Surface | Grant::Station
         );
         if let Some(reason) = self.lost_because()
             && (steers || is_on(Check::ListWithoutControl))

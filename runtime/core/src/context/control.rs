@@ -1,8 +1,8 @@
 //! Whether control is ours.
 
 use super::Context;
+use crate::mutations::{Check, is_on};
 use crate::refusal::Uncontrolled;
-use crate::switches::{Check, is_on};
 
 impl Context {
     /// Why we have no control; `None` where it is ours.

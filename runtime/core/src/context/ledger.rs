@@ -24,9 +24,9 @@ impl Context {
                 let (tag, state) = (transition.tag, transition.state.clone());
                 self.plugins.tell(plugin, Event::Outcome { tag, state });
             }
-            Owner::Driver(driver) => {
+            Owner::External(source) => {
                 let utc = self.stamper.utc(self.now);
-                self.drivers.tell(&mut self.outbox, utc, driver, &transition);
+                self.externals.tell(&mut self.outbox, utc, source, &transition);
             }
             Owner::Operator => {}
         }

@@ -54,10 +54,11 @@ impl Core {
             Purpose::Adjustment(request) => self.capabilities.adjustments.answered(&mut self.cx, request, answer),
             Purpose::Packet(request) => self.capabilities.acoustic.answered(&mut self.cx, request, answer),
             Purpose::DvlTrigger(request) => self.capabilities.dvl.answered(&mut self.cx, request, answer),
-            Purpose::Hold(request) => self
-                .capabilities
-                .station
-                .answered(&mut self.cx, request, command.name, answer),
+            Purpose::Station(request) => {
+                self.capabilities
+                    .station
+                    .answered(&mut self.cx, request, command.name, answer)
+            }
             Purpose::CancelAll(request) => {
                 if self.orders.cancel_all_answered(&mut self.cx, request, answer) {
                     self.session.ask_for_plan(&mut self.cx);

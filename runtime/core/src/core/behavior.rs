@@ -5,10 +5,10 @@ use backseat_spi::{BehaviorBegin, BehaviorEnd, BehaviorId};
 use super::{Core, course};
 use crate::ended::EndCause;
 use crate::io::Note;
+use crate::mutations::{Check, is_on};
 use crate::owner::Owner;
 use crate::plugin::slots::Plugins;
 use crate::plugin::{Behavior, Event, RequestState, Topic};
-use crate::switches::{Check, is_on};
 use crate::vehicle::dive::NamedBy;
 
 impl Core {
@@ -18,14 +18,14 @@ impl Core {
         // One of neither number nor identifier (an adjustment) comes beside what is flown and says nothing of it.
         let is_flown = message.number.is_some() || message.identifier.is_some();
         if is_flown {
-            let revenant = message
+            let still_flown_after_end = message
                 .identifier
                 .filter(|identifier| self.cx.identifiers.is_ours(*identifier))
                 .filter(|identifier| self.cx.ledger.by_identifier(*identifier).is_none());
             self.cx
                 .vehicle
-                .former
-                .heard_begin(message.identifier, message.kind.as_str(), revenant);
+                .previous_run
+                .heard_begin(message.identifier, message.kind.as_str(), still_flown_after_end);
             course::began(&mut self.cx, message.number, message.identifier);
         }
         self.cx.heard(message.created);
@@ -40,7 +40,7 @@ impl Core {
             self.capabilities.modify.end(&mut self.cx, EndCause::BehaviorBegan);
         }
         // A suspended mission begins none: the vehicle has taken it up again. An end says nothing of the kind, for the
-        // behaviour that is suspended may be reported so (SPI 8.1 leaves it open), and a hold modifies none.
+        // behavior that is suspended may be reported so (SPI 8.1 leaves it open), and station keeping modifies none.
         self.capabilities.station.end(&mut self.cx, EndCause::MissionGoesOn);
         self.cx.vehicle.mission_goes_on();
         if is_flown {
@@ -74,9 +74,9 @@ impl Core {
                 // An insert without the vehicle's word is not flown, and where it does not wait either it is over.
                 self.cx
                     .ledger
-                    .settle_doubt_if(|entry| entry.waits_not && entry.insert.is_some_and(|insert| !insert.surfaces()));
+                    .settle_doubt_if(|entry| entry.not_queued && entry.insert.is_some_and(|insert| !insert.surfaces()));
                 let vehicle = &mut self.cx.vehicle;
-                vehicle.former.plan_goes_on(&vehicle.plan);
+                vehicle.previous_run.plan_goes_on(&vehicle.plan);
                 self.capabilities.inserts.judge_waiting(&mut self.cx);
             }
             (None, None) => self
@@ -99,7 +99,7 @@ impl Core {
             self.capabilities.modify.end(&mut self.cx, EndCause::BehaviorEnded);
         }
         self.cx.vehicle.named_insert.finished(message.identifier);
-        self.cx.vehicle.former.heard_end(message.identifier);
+        self.cx.vehicle.previous_run.heard_end(message.identifier);
         if let Some(identifier) = message.identifier {
             self.cx.vehicle.plan.ended(identifier);
             self.cx.ledger.settle_doubt_of(identifier);
@@ -126,7 +126,7 @@ impl Core {
         tell_of_behavior(&mut self.cx.plugins, false, own, message.kind.as_str());
     }
 
-    /// The vehicle flies one behaviour at a time: an insert that had begun is over where another one begins, though its
+    /// The vehicle flies one behavior at a time: an insert that had begun is over where another one begins, though its
     /// BFMBE was lost with a connection; but where what begins interrupts, it may be taken up again.
     fn end_overtaken(&mut self, begun: Option<BehaviorId>) {
         let interrupts = begun
@@ -157,7 +157,7 @@ impl Core {
     }
 }
 
-/// Those plugins are told that listen to the vehicle's behaviours.
+/// Those plugins are told that listen to the vehicle's behaviors.
 fn tell_of_behavior(plugins: &mut Plugins, began: bool, own: Option<(Owner, u64)>, kind: &str) {
     for plugin in plugins.ids() {
         if plugins.wants(plugin, Topic::Behavior) {

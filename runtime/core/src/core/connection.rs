@@ -7,9 +7,9 @@ use super::samples::tell_of_plan;
 use crate::context::Context;
 use crate::ended::EndCause;
 use crate::io::Note;
+use crate::mutations::{Check, is_on};
 use crate::refusal::Uncontrolled;
 use crate::session::commands::Answer;
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 use crate::vehicle::expected::Compared;
 
@@ -33,7 +33,7 @@ impl Core {
         if cx.control.held && is_on(Check::HoldCancels) {
             // The operator may have taken the helm while nothing could be sent.
             capabilities.inserts.take_back_all(cx, None);
-            capabilities.inserts.cancel_former(cx);
+            capabilities.inserts.cancel_previous_run(cx);
         }
         session.watch_silence(cx);
         session.beat(cx);
@@ -49,11 +49,11 @@ impl Core {
         } = self;
         // No BPEMB reaches the vehicle: its own clock ends the modify (safety requirement 007).
         cx.link.end();
-        cx.vehicle.former.link_lost();
+        cx.vehicle.previous_run.link_lost();
         if cx.ledger.interrupts() {
             cx.vehicle.courses.leave_plan();
         }
-        cx.vehicle.courses.lose();
+        cx.vehicle.courses.invalidate_after_loss();
         capabilities.end_leases(cx, Uncontrolled::LinkDown);
         cx.control.forget();
         cx.link.commands.clear();
@@ -88,11 +88,11 @@ impl Core {
         }
         capabilities.inserts.resolve_by_plan(cx);
         let vehicle = &mut cx.vehicle;
-        vehicle.former.told_plan(&vehicle.plan);
+        vehicle.previous_run.heard_plan(&vehicle.plan);
         tell_of_plan(cx);
         capabilities.inserts.judge_waiting(cx);
         if cx.control.held && is_on(Check::HoldCancels) {
-            capabilities.inserts.cancel_former(cx);
+            capabilities.inserts.cancel_previous_run(cx);
         }
     }
 

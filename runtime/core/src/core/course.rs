@@ -8,7 +8,7 @@ use crate::context::Context;
 use crate::vehicle::course::{Begin, Flown, is_on};
 use crate::vehicle::navigation::Jump;
 
-/// A behaviour has begun here.
+/// A behavior has begun here.
 pub(super) fn began(cx: &mut Context, number: Option<u32>, identifier: Option<BehaviorId>) {
     let planned = number.map(Flown::Planned);
     let Some(flown) = identifier.map(Flown::Inserted).or(planned) else {
@@ -38,13 +38,13 @@ pub(super) fn navigated(cx: &mut Context, jump: Option<Jump>) {
     cx.vehicle.courses.navigated(before, here, solution);
 }
 
-/// A behaviour has ended, for good or for one that interrupts it. Until another begins what is flown is not known.
+/// A behavior has ended, for good or for one that interrupts it. Until another begins what is flown is not known.
 pub(super) fn ended(cx: &mut Context, number: Option<u32>, identifier: Option<BehaviorId>) {
     let ended = identifier.map(Flown::Inserted).or(number.map(Flown::Planned));
     let current = cx.vehicle.courses.current();
     // Where it was seen what is flown, whatever ends makes that another.
     if ended.is_some() && (current.is_none() || ended == current) {
-        cx.vehicle.courses.lose();
+        cx.vehicle.courses.invalidate_after_loss();
     }
     let Some(identifier) = identifier else { return };
     let entry = cx.ledger.by_identifier(identifier);
@@ -56,7 +56,7 @@ pub(super) fn ended(cx: &mut Context, number: Option<u32>, identifier: Option<Be
 /// Where the vehicle is while nobody of ours steers: on its line, from where on the way to it is behind it.
 pub(super) fn watch(cx: &mut Context) {
     if cx.arbiter.modifies() {
-        return cx.vehicle.courses.is_led();
+        return cx.vehicle.courses.led_away();
     }
     let Some(navigation) = cx.vehicle.navigation.newest().copied() else {
         return;
@@ -65,7 +65,7 @@ pub(super) fn watch(cx: &mut Context) {
         .courses
         .flies_at(hypot(navigation.east_mps, navigation.north_mps));
     let vertical = [navigation.depth.as_m(), navigation.down_mps];
-    let after_another = !cx.vehicle.former.is_none();
+    let after_another = !cx.vehicle.previous_run.is_none();
     cx.vehicle.courses.levels(cx.now, vertical, after_another);
     let velocity = EastNorth::new(navigation.east_mps, navigation.north_mps);
     let within_m = cx.monitor.limits().tracking_error_m;

@@ -1,4 +1,4 @@
-//! The way of a driver's sentence: read, admitted, bounded, stamped anew, sent through the gate; or refused.
+//! The way of an external source's sentence: read, admitted, bounded, stamped anew, sent through the gate; or refused.
 
 use backseat_spi::{AckStatus, CommandName, DecodeError, Sentence, ToVehicle};
 use backseat_units::TimeOfDay;
@@ -8,20 +8,20 @@ use crate::context::Context;
 use crate::ended::EndCause;
 use crate::external::acknowledge;
 use crate::io::Note;
-use crate::owner::DriverId;
+use crate::mutations::{Check, is_on};
+use crate::owner::ExternalId;
 use crate::plugin::Refusal;
 use crate::refusal::{Figure, Reason, Uncontrolled};
 use crate::session::commands::Purpose;
 use crate::session::dispatch::Dispatch;
 use crate::session::is_told;
 use crate::session::subscriptions::ACKNOWLEDGEMENTS;
-use crate::settings::external::{DriverSentence, bounds};
-use crate::switches::{Check, is_on};
+use crate::settings::external::{ExternalSentence, bounds};
 
-/// So many lines of one read are answered; what a driver sends beyond them in one go is dropped and counted.
+/// So many lines of one read are answered; what an external source sends beyond them in one go is dropped and counted.
 const LINES_MAX: usize = 32;
 
-/// What a driver's line says.
+/// What an external source's line says.
 enum Said {
     Message(ToVehicle),
     Unreadable(DecodeError),
@@ -34,20 +34,20 @@ fn read(sentence: &Sentence<'_>) -> Said {
     }
 }
 
-/// Bytes from a driver.
-pub(super) fn received(cx: &mut Context, capabilities: &mut Capabilities, driver: DriverId, bytes: &[u8]) {
-    let Some(port) = cx.drivers.ports.get_mut(driver.0) else {
+/// Bytes from an external source.
+pub(super) fn received(cx: &mut Context, capabilities: &mut Capabilities, source: ExternalId, bytes: &[u8]) {
+    let Some(port) = cx.externals.ports.get_mut(source.0) else {
         return;
     };
     port.framer.push(bytes);
     let mut lines = 0;
-    while let Some(port) = cx.drivers.ports.get_mut(driver.0) {
+    while let Some(port) = cx.externals.ports.get_mut(source.0) {
         let said = port.framer.next_sentence().map(|sentence| read(&sentence));
         for _ in 0..port.dropped() {
             lines += 1;
             refuse_line(
                 cx,
-                driver,
+                source,
                 lines,
                 CommandName::NAK,
                 TimeOfDay::MIDNIGHT,
@@ -57,26 +57,32 @@ pub(super) fn received(cx: &mut Context, capabilities: &mut Capabilities, driver
         let Some(said) = said else { break };
         lines += 1;
         match said {
-            Said::Message(message) => driver_said(cx, capabilities, driver, lines, message),
+            Said::Message(message) => external_said(cx, capabilities, source, lines, message),
             Said::Unreadable(error) => {
                 let name = name_of(error.message);
-                refuse_line(cx, driver, lines, name, TimeOfDay::MIDNIGHT, &error.to_string());
+                refuse_line(cx, source, lines, name, TimeOfDay::MIDNIGHT, &error.to_string());
             }
         }
     }
 }
 
-fn driver_said(cx: &mut Context, capabilities: &mut Capabilities, driver: DriverId, lines: usize, message: ToVehicle) {
+fn external_said(
+    cx: &mut Context,
+    capabilities: &mut Capabilities,
+    source: ExternalId,
+    lines: usize,
+    message: ToVehicle,
+) {
     let echoed = message.created().unwrap_or(TimeOfDay::MIDNIGHT);
     let name = name_of(message.name());
-    let sends = &cx.drivers.ports[driver.0].setup.sends;
+    let sends = &cx.externals.ports[source.0].setup.sends;
     let sentence =
-        DriverSentence::of(&message).filter(|sentence| sends.contains(sentence) || !is_on(Check::DriverSends));
+        ExternalSentence::of(&message).filter(|sentence| sends.contains(sentence) || !is_on(Check::ExternalSends));
     if let Some(sentence) = sentence {
         if lines > LINES_MAX {
-            count_refused(cx, driver);
+            count_refused(cx, source);
         } else {
-            ask_for_driver(cx, capabilities, driver, sentence, name, echoed, message);
+            ask_for_external(cx, capabilities, source, sentence, name, echoed, message);
         }
         return;
     }
@@ -85,34 +91,34 @@ fn driver_said(cx: &mut Context, capabilities: &mut Capabilities, driver: Driver
         return acknowledge(
             &mut cx.outbox,
             cx.stamper.utc(cx.now),
-            driver,
+            source,
             (name, echoed),
             (AckStatus::Succeeded, ""),
         );
     }
-    let text = "the mission does not let this driver send it";
-    refuse_line(cx, driver, lines, name, echoed, text);
+    let text = "the mission does not let this external source send it";
+    refuse_line(cx, source, lines, name, echoed, text);
 }
 
-/// A sentence that the driver may send becomes a request.
-fn ask_for_driver(
+/// A sentence that the external source may send becomes a request.
+fn ask_for_external(
     cx: &mut Context,
     capabilities: &mut Capabilities,
-    driver: DriverId,
-    sentence: DriverSentence,
+    source: ExternalId,
+    sentence: ExternalSentence,
     name: CommandName,
     echoed: TimeOfDay,
     message: ToVehicle,
 ) {
-    let port = &mut cx.drivers.ports[driver.0];
+    let port = &mut cx.externals.ports[source.0];
     port.tag += 1;
-    let request = cx.ledger.propose(driver, port.tag, sentence.kind());
+    let request = cx.ledger.propose(source, port.tag, sentence.kind());
     port.open.insert(request, (name, echoed));
-    match admit_driver(cx, driver, sentence, message) {
+    match admit_external(cx, source, sentence, message) {
         Ok(message) => {
             let moves = bounds::moves_frame(&message) && is_on(Check::FrameReset);
             if moves {
-                // What a lease or a hold stands on is about to be another place (safety requirement 021).
+                // What a lease or station keeping stands on is about to be another place (safety requirement 021).
                 capabilities.end_leases(cx, EndCause::NavigationReset);
             }
             let resets = bounds::resets_relative(&message) && is_on(Check::FrameReset);
@@ -131,19 +137,19 @@ fn ask_for_driver(
 }
 
 /// The sentence as it is to leave, under our own stamp.
-fn admit_driver(
+fn admit_external(
     cx: &mut Context,
-    driver: DriverId,
-    sentence: DriverSentence,
+    source: ExternalId,
+    sentence: ExternalSentence,
     message: ToVehicle,
 ) -> Result<ToVehicle, Refusal> {
-    let port = &mut cx.drivers.ports[driver.0];
+    let port = &mut cx.externals.ports[source.0];
     if !port.take(cx.now) {
         let most_hz = port.setup.bounds.rate_max_hz;
         return Err(Figure::Sentences.over(most_hz + 1.0, most_hz));
     }
     // What is relayed is the topside's word, which is no wish of ours: it passes without control (014).
-    if sentence != DriverSentence::Relay
+    if sentence != ExternalSentence::Relay
         && let Some(reason) = cx.lost_because()
     {
         return Err(reason.into());
@@ -154,16 +160,16 @@ fn admit_driver(
     if !cx.control.armed {
         return Err(Uncontrolled::NotArmed.into());
     }
-    let message = bounded(cx, driver, message)?;
+    let message = bounded(cx, source, message)?;
     let created = cx.stamper.stamp(cx.now, sentence.letters());
     Ok(bounds::stamped(message, created))
 }
 
-/// The message, every figure within the driver's bounds.
-fn bounded(cx: &Context, driver: DriverId, message: ToVehicle) -> Result<ToVehicle, Refusal> {
-    let bounds = &cx.drivers.ports[driver.0].setup.bounds;
+/// The message, every figure within the external source's bounds.
+fn bounded(cx: &Context, source: ExternalId, message: ToVehicle) -> Result<ToVehicle, Refusal> {
+    let bounds = &cx.externals.ports[source.0].setup.bounds;
     let utc = cx.utc().time_of_day();
-    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is a driver's")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is an external source's")]
     match message {
         ToVehicle::TopsideRelay(relay) if relay.text.holds_command() => Err(Reason::TextHoldsSentence.into()),
         ToVehicle::TopsideRelay(relay) => Ok(relay.into()),
@@ -189,24 +195,27 @@ fn bounded(cx: &Context, driver: DriverId, message: ToVehicle) -> Result<ToVehic
 }
 
 /// A line that is not taken: answered, unless there are too many in one read, and counted.
-fn refuse_line(cx: &mut Context, driver: DriverId, lines: usize, name: CommandName, echoed: TimeOfDay, text: &str) {
+fn refuse_line(cx: &mut Context, source: ExternalId, lines: usize, name: CommandName, echoed: TimeOfDay, text: &str) {
     if lines <= LINES_MAX {
         acknowledge(
             &mut cx.outbox,
             cx.stamper.utc(cx.now),
-            driver,
+            source,
             (name, echoed),
             (AckStatus::Invalid, text),
         );
     }
-    count_refused(cx, driver);
+    count_refused(cx, source);
 }
 
-fn count_refused(cx: &mut Context, driver: DriverId) {
-    let port = &mut cx.drivers.ports[driver.0];
+fn count_refused(cx: &mut Context, source: ExternalId) {
+    let port = &mut cx.externals.ports[source.0];
     port.refused += 1;
     if is_told(port.refused) {
-        let text = format!("driver {}: {} lines were not taken", port.setup.name, port.refused);
+        let text = format!(
+            "external source {}: {} lines were not taken",
+            port.setup.name, port.refused
+        );
         cx.note(Note::Text { text });
     }
 }

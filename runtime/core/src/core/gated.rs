@@ -14,12 +14,12 @@ use crate::io::{Identifiers, Input, Operator, Start};
 use crate::monitor::envelope::Envelope;
 use crate::monitor::limits::tests::limits;
 use crate::order::Order;
-use crate::owner::{DriverId, Owner};
+use crate::owner::{ExternalId, Owner};
 use crate::plugin::PluginId;
 use crate::settings::Settings;
 
 const FENCE: &str = r#"{"type":"FeatureCollection","features":[{"type":"Feature",
-    "properties":{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":60,"altitude_min_m":2},
+    "properties":{"name":"box","kind":"keep-in","margin_m":10,"depth_max_m":60,"altitude_min_m":2},
     "geometry":{"type":"Polygon","coordinates":[
         [[-70.01,41.99],[-69.99,41.99],[-69.99,42.01],[-70.01,42.01],[-70.01,41.99]]]}}]}"#;
 
@@ -167,7 +167,7 @@ fn situations() -> Vec<Situation> {
 /// What the safety requirements say, message by message.
 fn expected(name: &str, owner: Option<Owner>, situation: &Situation, own_insert: bool) -> bool {
     let operator = owner == Some(Owner::Operator);
-    let driver = owner == Some(Owner::Driver(DriverId(0)));
+    let external = owner == Some(Owner::External(ExternalId(0)));
     let Situation {
         link,
         armed,
@@ -178,21 +178,21 @@ fn expected(name: &str, owner: Option<Owner>, situation: &Situation, own_insert:
     link && match name {
         // 014: without control too.
         "BPVER" | "BPLOG" | "BPSTS" | "BPMSG" | "BPRMP" | "BPEMB" => true,
-        // Only as the end of a hold, and none stands.
+        // Only as the end of station keeping, and none stands.
         "BPRES" => false,
         "BPRCN" => own_insert,
-        "BPTMR" => driver && armed,
+        "BPTMR" => external && armed,
         // 012
         "BPABT" | "BPKIL" => operator && armed,
         "BPSEM" => operator && idle,
         "BPRCA" | "BPRCB" | "BPRCE" => operator && control,
-        "BPNPU" | "BPCTD" | "BPRNS" | "BPRBO" => (operator || driver) && control,
+        "BPNPU" | "BPCTD" | "BPRNS" | "BPRBO" => (operator || external) && control,
         // 016: no window is open.
         "BPCPD" => false,
         "BPXYZ" => false,
         // 001
         "BPTOP" | "BPDVR" | "BPRTK" | "BPRTC" | "BPRGP" | "BPRMB" | "BPSIL" | "BPTRM" | "BPBOY" | "BPSUS" | "BPCON"
-        | "BPSPD" | "BPSAN" | "BPGHP" | "BPGBP" | "BPPTZ" | "BPLIT" => control && !driver,
+        | "BPSPD" | "BPSAN" | "BPGHP" | "BPGBP" | "BPPTZ" | "BPLIT" => control && !external,
         other => panic!("{other} is not in the table"),
     }
 }
@@ -217,7 +217,7 @@ fn sr_001_sr_012_sr_014_sr_016_each_message_leaves_for_whom_and_when_it_may_and_
         None,
         Some(Owner::Plugin(PluginId(0))),
         Some(Owner::Operator),
-        Some(Owner::Driver(DriverId(0))),
+        Some(Owner::External(ExternalId(0))),
     ];
     let mut left = 0;
     for mut situation in situations() {

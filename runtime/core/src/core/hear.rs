@@ -10,10 +10,10 @@ use crate::ended::EndCause;
 use crate::io::{Note, Operator};
 use crate::vehicle::dive::NamedBy;
 
+use crate::mutations::{Check, is_on};
 use crate::order::Condition;
 use crate::plugin::{CtdSample, Event, Topic};
 use crate::settings::ControlHook;
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 use crate::vehicle::phase::is_over;
 
@@ -28,7 +28,7 @@ impl Core {
         self.cx.link.read(self.cx.now);
         self.session.push(bytes);
         while let Some(line) = self.session.next_line() {
-            self.lose_unheard();
+            self.invalidate_after_unheard();
             match line.message {
                 Ok(message) => {
                     self.message(message);
@@ -39,7 +39,7 @@ impl Core {
                         self.cx.vehicle.plan.unreadable();
                     }
                     if line.swallows {
-                        self.cx.vehicle.lose();
+                        self.cx.vehicle.invalidate_after_loss();
                     }
                     if self.cx.control.doubt(&self.cx.settings.control, error.message) {
                         self.settle_control();
@@ -48,13 +48,13 @@ impl Core {
                 }
             }
         }
-        self.lose_unheard();
+        self.invalidate_after_unheard();
     }
 
     /// What was lost on the link may have been a BFMBS or a BFMBE (safety requirement 002).
-    fn lose_unheard(&mut self) {
+    fn invalidate_after_unheard(&mut self) {
         if self.session.take_lost() {
-            self.cx.vehicle.lose();
+            self.cx.vehicle.invalidate_after_loss();
         }
     }
 
@@ -102,7 +102,9 @@ impl Core {
                 self.cx.heard(message.created);
                 let frame = *self.cx.monitor.envelope.fence().frame();
                 self.cx.vehicle.plan.collect(&frame, &message);
-                self.capabilities.inserts.former_named(&mut self.cx, message.identifier);
+                self.capabilities
+                    .inserts
+                    .previous_run_named(&mut self.cx, message.identifier);
             }
             FromVehicle::VehicleVersion(message) => {
                 self.cx.heard(message.created);
@@ -174,7 +176,7 @@ impl Core {
         self.capabilities.inserts.another_dive(&mut self.cx);
         self.cx.vehicle.forget_plan();
         self.cx.link.commands.forget_plan();
-        self.cx.vehicle.courses.lose();
+        self.cx.vehicle.courses.invalidate_after_loss();
         self.cx.vehicle.dive.is_another();
         self.session.want_plan(&mut self.cx);
         self.settle_control();
@@ -201,7 +203,7 @@ impl Core {
         if is_over(message.status.as_str()) {
             self.capabilities.inserts.mission_over(&mut self.cx);
             self.cx.vehicle.courses.forget();
-            self.cx.vehicle.former.mission_over();
+            self.cx.vehicle.previous_run.mission_over();
             self.capabilities.adjustments.mission_over(&mut self.cx);
             self.cx.vehicle.mission_goes_on();
         }

@@ -32,7 +32,7 @@ impl Core {
             });
             self.capabilities.modify.end(&mut self.cx, EndCause::NavigationJumped);
         }
-        self.heed_flaw();
+        self.end_leases_on_flaw();
         course::navigated(&mut self.cx, jump);
         self.unjudged = true;
         self.whereabouts
@@ -40,7 +40,7 @@ impl Core {
     }
 
     /// Safety requirement 024: what cannot be true steers nothing.
-    fn heed_flaw(&mut self) {
+    fn end_leases_on_flaw(&mut self) {
         let Some(Flaw { what, text }) = self.cx.vehicle.navigation.take_flaw() else {
             return;
         };
@@ -64,7 +64,7 @@ impl Core {
     pub(super) fn velocity(&mut self, message: &VelocityAndRates) {
         self.unjudged = true;
         let completes = self.cx.vehicle.navigation.velocity(self.cx.now, message);
-        self.heed_flaw();
+        self.end_leases_on_flaw();
         if completes {
             self.follow_navigation();
             // Control may have come with this navigation, and plugins are to know.

@@ -11,10 +11,10 @@ use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::monitor::envelope::Insert;
 use crate::monitor::limits::Grant;
+use crate::mutations::{Check, is_on};
 use crate::plugin::slots::TIMERS_MAX;
 use crate::plugin::{DvlTriggerRequest, LogLevel, LogLine, PluginId, Refusal, Request, RequestState};
 use crate::session::dispatch::Dispatch;
-use crate::switches::{Check, is_on};
 
 const MESSAGE_CHARS_MAX: usize = 200;
 
@@ -40,11 +40,11 @@ impl Asked {
             Request::Trim(tag) => (*tag, RequestKind::Trim, Grant::Trim),
             Request::Buoyancy(tag) => (*tag, RequestKind::Buoyancy, Grant::Buoyancy),
             Request::Packet(asked) => (asked.tag, RequestKind::Packet, Grant::Acoustic),
-            Request::Hold(asked) => (asked.tag, RequestKind::Hold, Grant::Hull),
+            Request::Station(asked) => (asked.tag, RequestKind::Station, Grant::Station),
             Request::SonarAngle(asked) => (asked.tag, RequestKind::SonarAngle, Grant::Devices),
             Request::Camera(asked) => (asked.tag, RequestKind::Camera, Grant::Devices),
             Request::Light(asked) => (asked.tag, RequestKind::Light, Grant::Devices),
-            Request::EndModify | Request::EndHold | Request::Message(_) | Request::Timer { .. } => return None,
+            Request::EndModify | Request::EndStation | Request::Message(_) | Request::Timer { .. } => return None,
         };
         Some(Self { tag, kind, grant })
     }
@@ -164,7 +164,7 @@ impl Core {
         let Self { cx, capabilities, .. } = self;
         match request {
             Request::EndModify => capabilities.modify.asked_end(cx, plugin),
-            Request::EndHold => capabilities.station.asked_end(cx, plugin),
+            Request::EndStation => capabilities.station.asked_end(cx, plugin),
             Request::Message(text) => self.log_message(plugin, text),
             Request::Timer { id, after } => {
                 if !cx.plugins.set_timer(cx.now, plugin, *id, *after) {
@@ -186,7 +186,7 @@ impl Core {
             | Request::Trim(_)
             | Request::Buoyancy(_)
             | Request::Packet(_)
-            | Request::Hold(_)
+            | Request::Station(_)
             | Request::SonarAngle(_)
             | Request::Camera(_)
             | Request::Light(_) => {}

@@ -8,30 +8,30 @@ use backseat_units::math::{PI, SQRT_2};
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Latitude, Longitude, Position, Speed};
 
 use crate::monitor::limits::Limits;
+use crate::mutations::{Check, is_on};
 use crate::plugin::{
     ModifyRequest, NavigationSample, PositionRequest, Refusal, TrackcircleRequest, TracklineRequest, VerticalRequest,
 };
 use crate::refusal::{Figure, Reason};
-use crate::switches::{Check, is_on};
 
 mod boxes;
 mod ends;
-mod hull;
 mod judge;
 mod modify;
 mod motion;
 mod onto;
 mod place;
+mod station;
 mod surfacing;
 mod time;
 mod tracks;
 
 pub(crate) use ends::End;
 use ends::{farthest_m, ways};
-pub(crate) use hull::{Aim, Hover, Surroundings, Suspended, aim_at_here};
 use motion::turn_radius_m;
 pub(crate) use onto::{Approach, Track};
 pub(crate) use place::Good;
+pub(crate) use station::{Aim, Hover, Surroundings, Suspended, aim_at_here};
 use surfacing::{Climb, deepest};
 pub(crate) use time::{APART_MAX, Clocks};
 
@@ -84,7 +84,7 @@ pub(crate) enum InsertPath {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Insert {
     pub(crate) path: InsertPath,
-    /// It begins at once rather than after the current behaviour.
+    /// It begins at once rather than after the current behavior.
     pub(crate) interrupt: bool,
 }
 
@@ -160,7 +160,7 @@ pub(crate) struct Passage {
 /// How a way is flown: how far beside it, how deep, and when.
 #[derive(Clone, Copy)]
 struct Way {
-    strayed_m: f64,
+    cross_track_m: f64,
     extent: VerticalExtent,
     depths_m: [f64; 2],
     when: Option<Span>,
@@ -302,7 +302,7 @@ impl Envelope {
         let speed_mps = insert
             .flight()
             .map_or(self.fastest_mps(route.seen_mps), |flight| flight.speed.as_mps());
-        let strayed_m = self.strayed_m(speed_mps);
+        let cross_track_m = self.cross_track_m(speed_mps);
         let (shape, reach_m) = match insert.path {
             InsertPath::Line { start, end, .. } => {
                 let (start, end) = self.with_leads(frame.to_local(start), frame.to_local(end));
@@ -324,30 +324,30 @@ impl Envelope {
         let from_it = route.goes_on_to().map(|to| farthest_m(ends.1, End::At(to)));
         let ways_m = to_it.chain(from_it).fold(0.0, f64::max);
         // What a bottom lock tells must hold for the ways too.
-        let reach_m = reach_m + ways_m + strayed_m;
+        let reach_m = reach_m + ways_m + cross_track_m;
         let around = ends.0.middle();
         let Some(flight) = insert.flight() else {
             // It goes there, up, and on as it likes: at every depth between the surface and where it comes from.
             let deepest = deepest(depth, route.deepest_m)?;
             let extent = self.extent(Vertical::Depth(deepest), depth, lock, around, reach_m)?;
-            return self.judge_surfacing((shape, strayed_m + climb.along_m), ends, &extent, route, when);
+            return self.judge_surfacing((shape, cross_track_m + climb.along_m), ends, &extent, route, when);
         };
         let extent = self.extent(flight.vertical, depth, lock, around, reach_m)?;
         // What comes before it and after it may be flown faster.
         let way = Way {
-            strayed_m: self.strayed_m(self.fastest_mps(route.seen_mps)),
+            cross_track_m: self.cross_track_m(self.fastest_mps(route.seen_mps)),
             extent,
             depths_m: route.passed_m(&extent),
             when,
         };
         // It may come from where it has come up.
         let to_it = Way {
-            strayed_m: way.strayed_m + climb.along_m,
+            cross_track_m: way.cross_track_m + climb.along_m,
             ..way
         };
         let mut least_m = f64::MAX;
         if is_on(Check::InsertShape) {
-            least_m = self.sweep(shape, strayed_m, &extent, when)?;
+            least_m = self.sweep(shape, cross_track_m, &extent, when)?;
         }
         for from in route.checked_from() {
             least_m = least_m.min(self.way_by(route.from_surface, *from, ends.0, &to_it)?);
@@ -385,16 +385,16 @@ impl Envelope {
         } else {
             Climb::default()
         };
-        let strayed_m = self.strayed_m(self.fastest_mps(passage.seen_mps)) + climb.along_m;
+        let cross_track_m = self.cross_track_m(self.fastest_mps(passage.seen_mps)) + climb.along_m;
         let depth_m = passage.depth.as_m();
-        let (shallowest_m, _) = self.water_depths(passage.lock, around, way_m + strayed_m);
+        let (shallowest_m, _) = self.water_depths(passage.lock, around, way_m + cross_track_m);
         let extent = VerticalExtent {
             depth_min_m: depth_m,
             depth_max_m: depth_m,
             altitude_min_m: shallowest_m.unwrap_or(0.0) - depth_m,
         };
         Ok(Way {
-            strayed_m,
+            cross_track_m,
             extent,
             depths_m: passage.depths_m.unwrap_or([depth_m, depth_m]),
             when: passage
@@ -488,7 +488,7 @@ impl Envelope {
     }
 
     fn way(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
-        self.least(ways(from, to), way.strayed_m, |sweep| self.sweep_way(sweep, way))
+        self.least(ways(from, to), way.cross_track_m, |sweep| self.sweep_way(sweep, way))
     }
 
     /// What holds of all of some shapes, each so far around.

@@ -5,8 +5,8 @@
 use backseat_spi::{HullSpeedLimit, ToVehicle};
 use backseat_units::Timestamp;
 
+use crate::mutations::{Check, is_on};
 use crate::owner::Owner;
-use crate::switches::{Check, is_on};
 
 /// What a message needs before it may leave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,18 +15,18 @@ enum Needs {
     Link,
     /// That the insert which it takes back is one that this runtime has sent (014).
     OwnInsert,
-    /// An armed runtime with control (001), and that it is no driver's.
+    /// An armed runtime with control (001), and that it is no external source's.
     Control,
     /// An armed runtime with control, and that it is the operator's.
     OperatorWithControl,
-    /// The same, and that it is a configured driver's or the operator's: it moves the vehicle's idea of where it is.
-    DriverWithControl,
+    /// The same, and that it is an external source's or the operator's: it moves the vehicle's idea of where it is.
+    ExternalWithControl,
     /// That it is the operator's, and an armed runtime: abort and kill (012).
     OperatorArmed,
-    /// The same, no hold, and that the vehicle has said that no mission runs.
+    /// The same, no hold of the operator's, and that the vehicle has said that no mission runs.
     NoMission,
-    /// That it is a configured driver's: what it relays is the topside's word (014).
-    Driver,
+    /// That it is an external source's: what it relays is the topside's word (014).
+    External,
     /// An armed runtime with control, in a window of the acoustic modem (016).
     Window,
     /// An armed runtime with control, where the vehicle has allowed the DVL's triggering (017).
@@ -72,19 +72,19 @@ const fn needs(message: &ToVehicle) -> Needs {
         | M::Camera(_)
         | M::Light(_) => Needs::Control,
         M::CancelAll(_) | M::CancelCurrent(_) | M::CancelElement(_) => Needs::OperatorWithControl,
-        M::PositionFix(_) | M::PayloadCtd(_) | M::RelativeReset(_) | M::BearingOffset(_) => Needs::DriverWithControl,
+        M::PositionFix(_) | M::PayloadCtd(_) | M::RelativeReset(_) | M::BearingOffset(_) => Needs::ExternalWithControl,
         M::Abort(_) | M::Kill(_) => Needs::OperatorArmed,
         M::StartEmptyMission(_) => Needs::NoMission,
-        M::TopsideRelay(_) => Needs::Driver,
+        M::TopsideRelay(_) => Needs::External,
         M::Packet(_) => Needs::Window,
-        // Only as the end of a hold, see `Gate::ends_station`.
+        // Only as the end of station keeping, see `Gate::ends_station`.
         M::Resume(_) => Needs::Never,
         // What is unknown is not ours.
         M::Unknown(_) => Needs::Never,
     }
 }
 
-/// Whether a message takes the vehicle elsewhere, or holds it.
+/// Whether a message takes the vehicle elsewhere, or keeps it from going on.
 const fn steers(message: &ToVehicle) -> bool {
     use ToVehicle as M;
     matches!(
@@ -146,18 +146,18 @@ impl Gate<'_> {
 
     fn may_leave(&self, owner: Option<Owner>, message: &ToVehicle) -> bool {
         let operator = owner == Some(Owner::Operator);
-        let driver = matches!(owner, Some(Owner::Driver(_)));
+        let external = matches!(owner, Some(Owner::External(_)));
         let armed = self.is_armed;
         let control = armed && self.has_control;
         match needs(message) {
             Needs::Link => true,
             Needs::OwnInsert => self.is_own_insert,
-            Needs::Control => !driver && (control || armed && !is_on(Check::ListWithoutControl) && !steers(message)),
+            Needs::Control => !external && (control || armed && !is_on(Check::ListWithoutControl) && !steers(message)),
             Needs::OperatorWithControl => operator && control,
-            Needs::DriverWithControl => (operator || driver) && control,
+            Needs::ExternalWithControl => (operator || external) && control,
             Needs::OperatorArmed => operator && armed,
             Needs::NoMission => operator && armed && self.may_start_mission,
-            Needs::Driver => driver && armed,
+            Needs::External => external && armed,
             Needs::Window => control && (self.permits.window_is_open(self.now) || !is_on(Check::ModemWindow)),
             Needs::Handshake => control && (self.permits.may_trigger || !is_on(Check::DvlLeave)),
             Needs::Never => false,

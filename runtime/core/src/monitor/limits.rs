@@ -1,13 +1,13 @@
-pub(crate) mod hull;
 pub(crate) mod integrity;
 pub(crate) mod plugin;
+pub(crate) mod station;
 
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::monitor::limits::hull::HullLimits;
 use crate::monitor::limits::integrity::IntegrityLimits;
+use crate::monitor::limits::station::StationLimits;
 
 /// A limit that makes no sense.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -101,7 +101,7 @@ pub struct Limits {
     /// How many GPS hits may be sent in the whole mission.
     #[serde(default = "default::gps_hits_total_max")]
     pub gps_hits_total_max: u32,
-    /// How long a GPS hit takes at most, from the surface mark to the next behaviour, seconds.
+    /// How long a GPS hit takes at most, from the surface mark to the next behavior, seconds.
     #[serde(default = "default::gps_hit_duration_max_s")]
     pub gps_hit_duration_max_s: f64,
     /// How many trim and buoyancy adjustments may be sent in the whole mission.
@@ -127,7 +127,7 @@ pub struct Limits {
     pub integrity: IntegrityLimits,
     /// What a hovering vehicle may do beside its mission; without it, nothing.
     #[serde(default)]
-    pub hull: Option<HullLimits>,
+    pub station: Option<StationLimits>,
 }
 
 mod default {
@@ -292,7 +292,7 @@ impl Limits {
             });
         }
         self.integrity.validate()?;
-        self.hull.as_ref().map_or(Ok(()), HullLimits::validate)
+        self.station.as_ref().map_or(Ok(()), StationLimits::validate)
     }
 
     pub(crate) fn navigation_age_max(&self) -> Duration {
@@ -301,7 +301,7 @@ impl Limits {
 
     /// The speed limit that a hovering vehicle has by itself, m/s.
     pub(crate) fn speed_default_mps(&self) -> Option<f64> {
-        self.hull.as_ref().map(|hull| hull.speed_default_mps)
+        self.station.as_ref().map(|station| station.speed_default_mps)
     }
 
     pub(crate) fn link_delay_max(&self) -> Duration {
@@ -349,7 +349,7 @@ pub enum Grant {
     /// BPCPD packets, in the windows that the vehicle gives.
     Acoustic,
     /// Leases of a hovering vehicle (BPSUS, BPCON, BPGHP, BPGBP, BPSPD, BPRES).
-    Hull,
+    Station,
     /// Sonar angle, camera and light of a hovering vehicle (BPSAN, BPPTZ, BPLIT).
     Devices,
 }
@@ -370,7 +370,7 @@ impl Grant {
             Self::Trim => "trim",
             Self::Buoyancy => "buoyancy",
             Self::Acoustic => "acoustic",
-            Self::Hull => "hull",
+            Self::Station => "station",
             Self::Devices => "devices",
         }
     }
@@ -425,7 +425,7 @@ pub(crate) mod tests {
             topside_per_min: 6,
             packets_per_min: 12,
             modify_needs_plan: true,
-            hull: None,
+            station: None,
         }
     }
 

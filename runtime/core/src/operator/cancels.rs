@@ -1,4 +1,4 @@
-//! Cancels beyond a plugin's own: all inserts, the current behaviour, the current element (SPI 7.9 to 7.11).
+//! Cancels beyond a plugin's own: all inserts, the current behavior, the current element (SPI 7.9 to 7.11).
 
 use backseat_spi::{CancelAll, CancelCurrent, CancelElement, ToVehicle};
 
@@ -8,11 +8,11 @@ use crate::ended::{EndCause, Failure};
 use crate::io::Note;
 use crate::ledger::RequestKind;
 use crate::monitor::envelope::End;
+use crate::mutations::{Check, is_on};
 use crate::plugin::{Refusal, RequestState};
 use crate::refusal::Reason;
 use crate::session::commands::{Answer, Purpose};
 use crate::session::dispatch::Dispatch;
-use crate::switches::{Check, is_on};
 use crate::vehicle::plan::Element;
 
 impl Orders {

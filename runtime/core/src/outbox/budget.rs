@@ -49,7 +49,7 @@ impl LineBudget {
     }
 
     /// How many lines were counted and not told since this was last asked.
-    pub(crate) fn take_untold(&mut self) -> u64 {
+    pub(crate) fn take_dropped(&mut self) -> u64 {
         core::mem::take(&mut self.untold)
     }
 }
@@ -66,8 +66,8 @@ mod tests {
             told += u64::from(budget.take(Timestamp::from_millis(millis)));
         }
         assert!((200..=240).contains(&told), "{told}");
-        assert_eq!(budget.take_untold(), 10_000 - told);
-        assert_eq!(budget.take_untold(), 0);
+        assert_eq!(budget.take_dropped(), 10_000 - told);
+        assert_eq!(budget.take_dropped(), 0);
         let slow = (0..100).all(|second| budget.take(Timestamp::from_secs(20 + second)));
         assert!(slow, "what comes once a second is told");
     }

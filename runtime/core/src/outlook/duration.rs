@@ -15,7 +15,7 @@ use crate::monitor::limits::seconds;
 use crate::plugin::{Refusal, RequestState};
 
 /// An insert is taken up so long after it was asked for at the latest, where nothing is flown before it: its way there,
-/// the vehicle's pending answer (SPI 7.5), and the change of the behaviour.
+/// the vehicle's pending answer (SPI 7.5), and the change of the behavior.
 const TAKEN_UP_S: f64 = 10.0;
 
 impl Outlook<'_> {
@@ -37,7 +37,7 @@ impl Outlook<'_> {
         flown.fold(others_s, |all, (_, entry)| all + entry.duration_s)
     }
 
-    /// How long the planned behaviour that is flown goes on at most, seconds. Only that of a line can be told: what
+    /// How long the planned behavior that is flown goes on at most, seconds. Only that of a line can be told: what
     /// else the vehicle does at a place, or how often it goes round, no sentence says (SPI 6.20).
     pub(crate) fn current_s(&self) -> f64 {
         let Some(navigation) = self.vehicle.navigation.newest() else {

@@ -7,9 +7,9 @@ use backseat_units::EastNorth;
 
 use super::Outlook;
 use crate::ledger::Entry;
+use crate::mutations::{Check, is_on};
 use crate::plugin::{Refusal, RequestState};
 use crate::refusal::Reason;
-use crate::switches::{Check, is_on};
 use crate::vehicle::course::{Begin, Flown};
 use crate::vehicle::plan::Element;
 
@@ -25,12 +25,14 @@ impl Outlook<'_> {
         })
     }
 
-    /// Whether it is known what the vehicle flies and goes on to, so that a modify's ways back can be judged: a behaviour of
-    /// its plan or an insert of this process, which was heard to begin or was seen by its lines.
+    /// Whether it is known what the vehicle flies and goes on to, so that a modify's ways back can be judged: a
+    /// behavior of its plan or an insert of this process, which was heard to begin or was seen by its lines.
     pub(crate) fn knows_what_is_flown(&self) -> Result<(), Refusal> {
         let known = match self.vehicle.courses.current() {
-            // Who needs no plan is judged without it, but for what a process before this one has led the vehicle away from.
-            None => self.is_placed() || (!self.monitor.limits().modify_needs_plan && self.vehicle.former.is_none()),
+            // Who needs no plan is judged without it, but for what a previous run has led the vehicle away from.
+            None => {
+                self.is_placed() || (!self.monitor.limits().modify_needs_plan && self.vehicle.previous_run.is_none())
+            }
             Some(Flown::Planned(number)) => self.vehicle.plan.names(number) || !self.vehicle.plan.is_complete(),
             Some(Flown::Inserted(identifier)) => self.ledger.by_identifier(identifier).is_some(),
         };
@@ -64,7 +66,7 @@ impl Outlook<'_> {
         self.knows_what_is_taken_up(interrupts)
     }
 
-    /// Whether it is known where the planned behaviour began that the vehicle may take up again.
+    /// Whether it is known where the planned behavior began that the vehicle may take up again.
     pub(crate) fn knows_what_is_taken_up(&self, interrupts: bool) -> Result<(), Refusal> {
         if self.takes_up_plan(interrupts) && self.vehicle.courses.lacks_plan() {
             return Err(Reason::TakenUpUnheard.into());
@@ -85,29 +87,32 @@ impl Outlook<'_> {
             .map(|(number, line)| (Flown::Planned(number), line));
         let ours = self.ledger.iter().filter_map(|(_, entry)| {
             let (identifier, insert) = (entry.identifier?, entry.insert?);
-            Some((Flown::Inserted(identifier), self.monitor.envelope.line_led(&insert)?))
+            Some((
+                Flown::Inserted(identifier),
+                self.monitor.envelope.line_with_leads(&insert)?,
+            ))
         });
         planned.chain(ours).collect()
     }
 
-    /// The line of a behaviour that is one line, or the first of several, as it was given: the way to it may lead along any
-    /// other.
+    /// The line of a behavior that is one line, or the first of several, as it was given: the way to it may lead along
+    /// any other.
     pub(crate) fn first_line_of(&self, flown: Flown) -> Option<(EastNorth, EastNorth)> {
         match flown {
             Flown::Planned(_) => self.vehicle.plan.flown().flat_map(Element::legs).next(),
             Flown::Inserted(identifier) => {
                 let insert = self.ledger.get(self.ledger.by_identifier(identifier)?)?.insert?;
-                self.monitor.envelope.line_given(&insert)
+                self.monitor.envelope.line_without_leads(&insert)
             }
         }
     }
 
     /// Whether the vehicle may take up its plan again after what it flies, or after an insert that interrupts that.
     pub(crate) fn takes_up_plan(&self, interrupts: bool) -> bool {
-        interrupts || self.ledger.interrupts() || self.former_may_fly() || self.vehicle.courses.has_left_plan()
+        interrupts || self.ledger.interrupts() || self.previous_run_may_fly() || self.vehicle.courses.has_left_plan()
     }
 
-    /// How many inserts of the plan an earlier process of ours has left: they count under the cap (safety requirements
+    /// How many inserts of the plan a previous run has left: they count under the cap (safety requirements
     /// 007 and 019).
     pub(crate) fn inherited(&self) -> u32 {
         if !is_on(Check::InheritedInserts) {
@@ -124,24 +129,28 @@ impl Outlook<'_> {
             .collect();
         // One that has begun is flown, though the plan that came did not name it.
         let current = self.vehicle.named_insert.may_be_current();
-        inherited.extend(current.filter(|identifier| self.vehicle.former.includes(*identifier)));
+        inherited.extend(current.filter(|identifier| self.vehicle.previous_run.includes(*identifier)));
         u32::try_from(inherited.len())
             .unwrap_or(u32::MAX)
-            .saturating_add(u32::from(self.vehicle.former.has_revenant()))
+            .saturating_add(u32::from(self.vehicle.previous_run.is_still_flown_after_end()))
     }
 
-    /// Whether the vehicle may yet fly an insert of an earlier process, or flies one that was held to be over.
-    pub(crate) fn former_may_fly(&self) -> bool {
+    /// Whether the vehicle may yet fly an insert of a previous run, or flies one that was held to be over.
+    pub(crate) fn previous_run_may_fly(&self) -> bool {
         let vehicle = self.vehicle;
-        vehicle.former.may_fly(vehicle.named_insert.current(), &vehicle.plan)
+        vehicle
+            .previous_run
+            .may_fly(vehicle.named_insert.current(), &vehicle.plan)
     }
 
-    /// Whether the vehicle may be on its way to the surface by a GPS hit that was held to be over, or that an earlier process
-    /// has sent: BFPLN does not tell one from a waypoint (SPI 6.20), BFMBS gives it a name that the specification does not
-    /// say (6.9), and what had begun before nobody says.
-    pub(crate) fn former_may_surface(&self) -> bool {
+    /// Whether the vehicle may be on its way to the surface by a GPS hit that was held to be over, or that a previous
+    /// run has sent: BFPLN does not tell one from a waypoint (SPI 6.20), BFMBS gives it a name that the specification
+    /// does not say (6.9), and what had begun before nobody says.
+    pub(crate) fn previous_run_may_surface(&self) -> bool {
         let doubtful = |entry: &Entry| entry.insert.is_some_and(|insert| insert.surfaces());
-        self.vehicle.former.may_surface(self.ledger.doubtful().any(doubtful))
+        self.vehicle
+            .previous_run
+            .may_surface(self.ledger.doubtful().any(doubtful))
     }
 
     /// Safety requirement 002: a vehicle that is led away from a GPS hit comes up wherever it is then.
@@ -153,7 +162,7 @@ impl Outlook<'_> {
             .any(|(request, entry)| begun(entry) && self.ledger.is_gps_hit(Some(request)));
         // Where it was not heard what is flown, one that waited may be.
         let unheard = self.vehicle.courses.current().is_none() && self.ledger.surfaces();
-        if (flown || unheard || self.former_may_surface()) && is_on(Check::Surfacing) {
+        if (flown || unheard || self.previous_run_may_surface()) && is_on(Check::Surfacing) {
             return Err(Reason::GpsHitFlown.into());
         }
         Ok(())

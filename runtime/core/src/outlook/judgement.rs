@@ -2,9 +2,9 @@
 
 use super::Outlook;
 use crate::monitor::envelope::{End, Insert};
+use crate::mutations::{Check, is_on};
 use crate::plugin::Refusal;
 use crate::refusal::Reason;
-use crate::switches::{Check, is_on};
 
 impl Outlook<'_> {
     pub(crate) fn judge_way_to(&self, before: &[(u64, Insert, bool)], insert: &Insert) -> Result<(), Refusal> {

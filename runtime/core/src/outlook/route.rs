@@ -83,7 +83,7 @@ impl Outlook<'_> {
             .map(|navigation| End::At(navigation.local));
         if interrupt {
             route.from.extend(here);
-            // After an interruption the vehicle goes on to the next behaviour, or back: readings differ (SPI 7.5).
+            // After an interruption the vehicle goes on to the next behavior, or back: readings differ (SPI 7.5).
             route.to.extend(
                 self.vehicle
                     .plan

@@ -59,10 +59,11 @@ pub enum Request {
     Buoyancy(u64),
     /// A packet through the acoustic modem (BPCPD, SPI 9.4).
     Packet(PacketRequest),
-    /// A lease of a hovering vehicle: suspend its mission and hold, or go to a place (BPSUS, BPCON, BPGHP, BPGBP, SPI 8).
-    Hold(HoldRequest),
-    /// End this plugin's hold now (BPRES, SPI 8.3).
-    EndHold,
+    /// A lease of a hovering vehicle: suspend its mission and keep the station, or go to a place (BPSUS, BPCON, BPGHP,
+    /// BPGBP, SPI 8).
+    Station(StationRequest),
+    /// End this plugin's station keeping now (BPRES, SPI 8.3).
+    EndStation,
     /// Turn the sonar (BPSAN, SPI 8.5).
     SonarAngle(SonarAngleRequest),
     /// Move the camera (BPPTZ, SPI 8.10).
@@ -106,7 +107,7 @@ pub struct TracklineRequest {
     pub vertical: VerticalRequest,
     /// Through the water, m/s.
     pub speed_mps: f64,
-    /// Interrupt the current behaviour rather than follow it.
+    /// Interrupt the current behavior rather than follow it.
     pub interrupt: bool,
 }
 
@@ -127,7 +128,7 @@ pub struct TrackcircleRequest {
     pub speed_mps: f64,
     /// Where on the circle to begin, degrees from north.
     pub entry_angle_deg: Option<f64>,
-    /// Interrupt the current behaviour rather than follow it.
+    /// Interrupt the current behavior rather than follow it.
     pub interrupt: bool,
 }
 
@@ -208,13 +209,13 @@ pub struct PacketRequest {
     pub frames: Vec<Vec<u8>>,
 }
 
-/// Hold a hovering vehicle for a while.
+/// Have a hovering vehicle keep its station for a while.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct HoldRequest {
+pub struct StationRequest {
     /// The plugin's name for it.
     pub tag: u64,
     /// Where to.
-    pub target: HoldTarget,
+    pub target: StationTarget,
     /// The speed limit of the moves, m/s; the vehicle's own where there is none.
     pub speed_mps: Option<f64>,
     /// How long it stands unless it is replaced.
@@ -223,7 +224,7 @@ pub struct HoldRequest {
 
 /// Where a held vehicle goes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum HoldTarget {
+pub enum StationTarget {
     /// It stays where it is.
     Here,
     /// To a place on the hull (BPGHP, SPI 8.6).

@@ -8,10 +8,10 @@ use backseat_units::Timestamp;
 
 use crate::monitor::limits::plugin::PluginLimits;
 use crate::monitor::limits::{FailAction, Grant};
+use crate::mutations::{Check, is_on};
 use crate::outbox::budget::LineBudget;
 use crate::plugin::{Event, FaultKind, PluginFault, PluginId, Topic};
 use crate::settings::PluginSetup;
-use crate::switches::{Check, is_on};
 
 /// More events than this for one plugin while it runs, and it has failed.
 const EVENTS_MAX: usize = 256;
@@ -248,8 +248,8 @@ impl Plugins {
     }
 
     /// How many rejections for the rate were counted and not told since this was last asked.
-    pub(crate) fn take_untold(&mut self, plugin: PluginId) -> u64 {
-        self.slots[plugin.0].over_rate.take_untold()
+    pub(crate) fn take_dropped(&mut self, plugin: PluginId) -> u64 {
+        self.slots[plugin.0].over_rate.take_dropped()
     }
 
     /// A plugin is told of something with its next step.

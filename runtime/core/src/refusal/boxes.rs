@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// A box of `[limits.hull]` that is left, or come into.
+/// A box of `[limits.station]` that is left, or come into.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoxBreach {
     /// The key of the box, `hull_box`, or the name of one to be kept out of.

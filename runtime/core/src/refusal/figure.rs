@@ -78,15 +78,15 @@ figures! {
     /// The angle at which a circle is entered.
     EntryAngle "entry-angle" "entry angle of a circle" "deg" Limit "";
     /// How long station keeping may stand.
-    StationTerm "station-term" "term of a hold (more than 0)" "s" Limit "limits.hull.hold_term_max_s";
+    StationTerm "station-term" "term of station keeping (more than 0)" "s" Limit "limits.station.term_max_s";
     /// The speed of a vehicle that hovers.
-    StationSpeed "station-speed" "speed of a hold" "m/s" Limit "limits.hull.speed_max_mps";
+    StationSpeed "station-speed" "speed of station keeping" "m/s" Limit "limits.station.speed_max_mps";
     /// The vehicle's own speed, at which a move without one goes.
-    DefaultSpeed "default-speed" "the vehicle's own speed (of a move without one)" "m/s" Limit "limits.hull.speed_default_mps";
+    DefaultSpeed "default-speed" "the vehicle's own speed (of a move without one)" "m/s" Limit "limits.station.speed_default_mps";
     /// How many places the mission may stand suspended at.
     Suspensions "suspensions" "places where the mission stands suspended" "" Cap "";
     /// A sonar's angle.
-    SonarAngle "sonar-angle" "angle of the sonar" "deg" Limit "limits.hull.sonar_angle_min_deg, limits.hull.sonar_angle_max_deg";
+    SonarAngle "sonar-angle" "angle of the sonar" "deg" Limit "limits.station.sonar_angle_min_deg, limits.station.sonar_angle_max_deg";
     /// A camera's pan.
     CameraPan "camera-pan" "pan of the camera" "tenths of a second" Limit "";
     /// A camera's tilt.
@@ -108,7 +108,7 @@ figures! {
     /// Messages to the topside in a minute.
     TopsideMessages "topside-messages" "messages to the topside in a minute" "" Rate "limits.topside_per_min";
     /// An external source's sentences in a second.
-    Sentences "sentences" "sentences in a second" "" Rate "driver.rate_max_hz";
+    Sentences "sentences" "sentences in a second" "" Rate "external.rate_max_hz";
     /// How long a plugin steers in the whole run.
     Steering "steering" "time that the plugin steers" "s" Cap "plugin.limits.steering_max_s";
     /// Open inserts of all plugins.
@@ -134,9 +134,9 @@ figures! {
     /// How long an empty mission lasts.
     EmptyMission "empty-mission" "duration of the empty mission" "s" Limit "";
     /// The error of an external source's fix.
-    FixError "fix-error" "error of the fix (more than 0)" "m" Limit "driver.fix_error_max_m";
+    FixError "fix-error" "error of the fix (more than 0)" "m" Limit "external.fix_error_max_m";
     /// How old an external source's measurement is.
-    MeasuredAge "measured-age" "age of the measurement" "s" Limit "driver.measured_age_max_s";
+    MeasuredAge "measured-age" "age of the measurement" "s" Limit "external.measured_age_max_s";
     /// An external source's conductivity.
     Conductivity "conductivity" "conductivity" "uS/cm" Limit "";
     /// An external source's temperature.
@@ -144,19 +144,19 @@ figures! {
     /// An external source's pressure.
     Pressure "pressure" "pressure" "kPa" Limit "";
     /// The depth of an external source's fix.
-    FixDepth "fix-depth" "depth of the fix" "m" Limit "driver.fix_depth_difference_max_m";
+    FixDepth "fix-depth" "depth of the fix" "m" Limit "external.fix_depth_difference_max_m";
     /// How far an external source's fix is from the fence's middle.
     FixFromFence "fix-from-fence" "way of the fix from the fence's middle" "m" Limit "";
     /// How far an external source's fix is from navigation.
-    FixFromNavigation "fix-from-navigation" "way of the fix from navigation" "m" Limit "driver.fix_distance_max_m";
+    FixFromNavigation "fix-from-navigation" "way of the fix from navigation" "m" Limit "external.fix_distance_max_m";
     /// The x that relative navigation is to be set to.
-    ResetX "reset-x" "x" "m" Limit "driver.reset_max_m";
+    ResetX "reset-x" "x" "m" Limit "external.reset_max_m";
     /// The y that relative navigation is to be set to.
-    ResetY "reset-y" "y" "m" Limit "driver.reset_max_m";
+    ResetY "reset-y" "y" "m" Limit "external.reset_max_m";
     /// The bearing that relative navigation is to be set to.
     ResetBearing "reset-bearing" "bearing" "deg" Limit "";
     /// The offset of the heading.
-    BearingOffset "bearing-offset" "offset of the bearing" "deg" Limit "driver.offset_max_deg";
+    BearingOffset "bearing-offset" "offset of the bearing" "deg" Limit "external.offset_max_deg";
 }
 
 /// A figure out of its range.

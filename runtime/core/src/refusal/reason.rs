@@ -74,13 +74,13 @@ reasons! {
     BottomPlaceUnknown "bottom-place-unknown" Navigation "a move over the bottom needs fresh BFCNV";
     HullStopUnknown "hull-stop-unknown" Navigation "to stop on the hull needs fresh BFRNV";
     BottomStopUnknown "bottom-stop-unknown" Navigation "to stop over the bottom needs fresh BFCNV";
-    BottomUnknown "bottom-unknown" Hull "no height above the bottom can be told without bottom lock or water_depth_min_m";
+    BottomUnknown "bottom-unknown" Station "no height above the bottom can be told without bottom lock or water_depth_min_m";
     WaterDepthUnknown "water-depth-unknown" Altitude "an altitude needs bottom lock or the mission's water_depth_max_m";
-    SuspensionUnknown "suspension-unknown" Hull "where the mission was suspended, and BPRES may lead back to, is not known in this frame";
-    NoHullLimits "no-hull-limits" Limit "the mission has no [limits.hull]";
-    NoHullBox "no-hull-box" Hull "the mission has no [limits.hull.hull_box]";
-    NoBottomBox "no-bottom-box" Hull "the mission has no [limits.hull.bottom_box]";
-    NoSonarAngle "no-sonar-angle" Limit "[limits.hull] has no sonar_angle_min_deg and sonar_angle_max_deg";
+    SuspensionUnknown "suspension-unknown" Station "where the mission was suspended, and BPRES may lead back to, is not known in this frame";
+    NoStationLimits "no-station-limits" Limit "the mission has no [limits.station]";
+    NoHullBox "no-hull-box" Station "the mission has no [limits.station.hull_box]";
+    NoBottomBox "no-bottom-box" Station "the mission has no [limits.station.bottom_box]";
+    NoSonarAngle "no-sonar-angle" Limit "[limits.station] has no sonar_angle_min_deg and sonar_angle_max_deg";
     PlanUnknown "plan-unknown" Plan "the vehicle's plan is not known, nor so the way back to it";
     PlanUnknownForInsert "plan-unknown-for-insert" Plan "the vehicle's plan is not known, nor so where the insert would begin";
     PlanUnknownNext "plan-unknown-next" Plan "the vehicle's plan is not known, nor so what comes next";
@@ -89,7 +89,7 @@ reasons! {
     BeginUnheard "begin-unheard" Plan "it was not heard what the vehicle flies, nor so where the insert would begin";
     TakenUpUnheard "taken-up-unheard" Plan "it was not heard what the vehicle takes up again after what it flies, nor so the way back to it";
     OtherSteers "other-steers" Priority "a plugin of higher priority steers";
-    OtherHolds "other-holds" Priority "a plugin of higher priority holds the vehicle";
+    OtherKeepsStation "other-keeps-station" Priority "a plugin of higher priority keeps the vehicle at its station";
     OtherSilences "other-silences" Priority "another plugin has asked for the silence";
     OtherTriggers "other-triggers" Priority "another plugin has asked for the DVL's trigger";
     TagOpen "tag-open" Tag "an insert with this tag is still open";
@@ -98,7 +98,7 @@ reasons! {
     TagIsGpsHit "tag-is-gps-hit" Tag "a GPS hit cannot be cancelled: BPRCN covers tracklines and trackcircles only (SPI 7.8)";
     TriggerOpen "trigger-open" Tag "this plugin's request for the trigger is still open";
     InterruptOpen "interrupt-open" Interrupt "an insert that interrupts is open, and none may interrupt it (SPI 7.5)";
-    InterruptFormer "interrupt-former" Interrupt "an insert of an earlier process may be flown, and may be one that none may interrupt (SPI 7.5)";
+    InterruptPreviousRun "interrupt-previous-run" Interrupt "an insert of a previous run may be flown, and may be one that none may interrupt (SPI 7.5)";
     InterruptForeign "interrupt-foreign" Interrupt "an insert that is not ours is flown, and may be one that none may interrupt (SPI 7.5)";
     InsertInDoubt "insert-in-doubt" Doubt "the vehicle has not answered for an earlier insert since the link was lost";
     GpsHitFlown "gps-hit-flown" GpsHit "a GPS hit is flown, and the vehicle would come up wherever this leaves it";
@@ -127,8 +127,8 @@ reasons! {
     TriggerEnding "trigger-ending" State "its plugin is ending it";
     NothingToEnd "nothing-to-end" State "no request is open that this could end";
     NotOfItsOwn "not-of-its-own" State "it is no request of its own";
-    CurrentUnknown "current-unknown" State "the current behaviour is not known to be an insert of ours";
-    CurrentForeign "current-foreign" State "the current behaviour is an insert that is not ours";
+    CurrentUnknown "current-unknown" State "the current behavior is not known to be an insert of ours";
+    CurrentForeign "current-foreign" State "the current behavior is an insert that is not ours";
     MissionRunning "mission-running" State "a mission is running";
     MissionEnding "mission-ending" State "a mission is ending";
     NoMission "no-mission" State "no mission is running";

@@ -45,15 +45,15 @@ pub(crate) enum Purpose {
     Packet(u64),
     /// The DVL's triggering, by its request.
     DvlTrigger(u64),
-    /// A command of a hold, by its request.
-    Hold(u64),
+    /// A command of station keeping, by its request.
+    Station(u64),
     /// The operator's cancel of all inserts, by its request.
     CancelAll(u64),
     /// The operator's abort or kill, by its request.
     Ending(u64),
     /// The start of an empty mission, by its request.
     EmptyMission(u64),
-    /// The vehicle's own speed limit after a hold, by the hold's request.
+    /// The vehicle's own speed limit after station keeping, by the request of that.
     SpeedRestored(u64),
     /// Nothing hangs on it.
     Courtesy,
@@ -122,7 +122,7 @@ impl Commands {
                     | Purpose::Adjustment(_)
                     | Purpose::Packet(_)
                     | Purpose::DvlTrigger(_)
-                    | Purpose::Hold(_)
+                    | Purpose::Station(_)
                     | Purpose::SpeedRestored(_)
                     | Purpose::CancelAll(_)
                     | Purpose::EmptyMission(_),
@@ -197,7 +197,7 @@ impl Commands {
                 | Purpose::Adjustment(_)
                 | Purpose::Packet(_)
                 | Purpose::DvlTrigger(_)
-                | Purpose::Hold(_)
+                | Purpose::Station(_)
                 | Purpose::CancelAll(_)
                 | Purpose::Ending(_)
                 | Purpose::EmptyMission(_)
@@ -232,7 +232,7 @@ impl Commands {
             | Purpose::Adjustment(_)
             | Purpose::Packet(_)
             | Purpose::DvlTrigger(_)
-            | Purpose::Hold(_)
+            | Purpose::Station(_)
             | Purpose::SpeedRestored(_)
             | Purpose::CancelAll(_)
             | Purpose::Ending(_)
@@ -277,10 +277,10 @@ impl Commands {
         }
     }
 
-    /// The hold is over: nothing hangs on its commands any more.
-    pub(crate) fn forget_hold(&mut self) {
+    /// Station keeping is over: nothing hangs on its commands any more.
+    pub(crate) fn forget_station(&mut self) {
         for command in &mut self.sent {
-            if matches!(command.purpose, Purpose::Hold(_)) {
+            if matches!(command.purpose, Purpose::Station(_)) {
                 command.purpose = Purpose::Courtesy;
             }
         }

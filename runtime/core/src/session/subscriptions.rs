@@ -49,7 +49,7 @@ const fn of_grant(grant: Grant) -> &'static [&'static str] {
         Grant::Trim => &["TRM"],
         Grant::Buoyancy => &["BOY"],
         Grant::Acoustic => &["CMA", "CPS", "CPR"],
-        Grant::Hull => &["RNV", "CNV"],
+        Grant::Station => &["RNV", "CNV"],
     }
 }
 

@@ -1,7 +1,7 @@
-//! Configured drivers: the operator's own programs that feed what no plugin may (SPI 7.14, 7.15, 7.21, 8.8, 8.9).
+//! External sources: the operator's own programs that feed what no plugin may (SPI 7.14, 7.15, 7.21, 8.8, 8.9).
 //!
-//! A driver speaks the sentence that it wants sent, as it would to the vehicle; the runtime checks that the mission lets
-//! it, bounds it, stamps it anew, sends it, and answers with the vehicle's own BFACK.
+//! An external source speaks the sentence that it wants sent, as it would to the vehicle; the runtime checks that the
+//! mission lets it, bounds it, stamps it anew, sends it, and answers with the vehicle's own BFACK.
 
 use backseat_spi::{BearingOffset, PayloadCtd, PositionFix, RelativeReset, ToVehicle, TopsideRelay};
 use serde::{Deserialize, Serialize};
@@ -10,11 +10,11 @@ use crate::ledger::RequestKind;
 
 pub(crate) mod bounds;
 
-pub use bounds::{ConductivityUnit, DriverBounds};
+pub use bounds::{ConductivityUnit, ExternalBounds};
 
-/// A sentence that a driver may send.
+/// A sentence that an external source may send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum DriverSentence {
+pub enum ExternalSentence {
     /// Topside message relay.
     #[serde(rename = "BPTMR")]
     Relay,
@@ -32,8 +32,8 @@ pub enum DriverSentence {
     BearingOffset,
 }
 
-impl DriverSentence {
-    /// The sentence of a message; `None` for all that are no driver's.
+impl ExternalSentence {
+    /// The sentence of a message; `None` for all that are no external source's.
     pub(crate) fn of(message: &ToVehicle) -> Option<Self> {
         match message.name() {
             TopsideRelay::NAME => Some(Self::Relay),
@@ -68,15 +68,15 @@ impl DriverSentence {
     }
 }
 
-/// A driver of the mission: a `[[driver]]` table.
+/// An external source of the mission: a `[[external]]` table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct DriverSetup {
+pub struct ExternalSetup {
     /// Its name in the mission.
     pub name: String,
     /// What it may send.
-    pub sends: Vec<DriverSentence>,
+    pub sends: Vec<ExternalSentence>,
     /// The figures that it may send, and how often.
     #[serde(default)]
-    pub bounds: DriverBounds,
+    pub bounds: ExternalBounds,
 }

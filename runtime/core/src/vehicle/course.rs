@@ -1,8 +1,8 @@
-//! The way that the vehicle keeps to: from where a behaviour began to where its path begins.
+//! The way that the vehicle keeps to: from where a behavior began to where its path begins.
 //!
 //! A vehicle that has been led off its way, or takes up again what was interrupted, does not head for the nearest of its
 //! ends: it steers to the line itself (line-of-sight steering, Fossen, *Handbook of Marine Craft Hydrodynamics and Motion
-//! Control*, 2011, section 10.3). To know where that may lead to, the places are kept where the behaviours began that it
+//! Control*, 2011, section 10.3). To know where that may lead to, the places are kept where the behaviors began that it
 //! may fly on. Of one whose begin was not heard nobody knows it: what is flown has to be heard, or to be seen from the lines
 //! that the vehicle keeps to, before anything of ours steers. All that is judged by it belongs to safety requirement 002.
 
@@ -13,12 +13,12 @@ use backseat_spi::BehaviorId;
 use backseat_units::math::hypot;
 use backseat_units::{EastNorth, Timestamp};
 
-/// How often one behaviour can begin until a later begin takes the place of the last.
+/// How often one behavior can begin until a later begin takes the place of the last.
 const BEGINS_MAX: usize = 4;
 /// A vehicle that neither climbs nor dives by more, metres a second, for so long has settled.
 const LEVEL_MPS: f64 = 0.15;
 const LEVEL_FOR: Duration = Duration::from_secs(5);
-/// The same where a process before this one may have left a modify, that this is over and the way back from its depth
+/// The same where a previous run may have left a modify, that this is over and the way back from its depth
 /// has begun.
 const LEVEL_AFTER_ANOTHER_FOR: Duration = Duration::from_secs(15);
 /// So long on its line it is not merely passing where the line is.
@@ -33,14 +33,14 @@ pub(crate) enum Flown {
     Inserted(BehaviorId),
 }
 
-/// Where a behaviour began, as well as navigation knows it.
+/// Where a behavior began, as well as navigation knows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Begin {
     pub(crate) at: EastNorth,
     pub(crate) within_m: f64,
 }
 
-/// Where the behaviours began that the vehicle may fly on.
+/// Where the behaviors began that the vehicle may fly on.
 #[derive(Debug, Default)]
 pub(crate) struct Courses {
     begun: BTreeMap<Flown, Vec<Begin>>,
@@ -55,7 +55,7 @@ pub(crate) struct Courses {
     along: Vec<(Flown, Timestamp)>,
     /// Where nobody heard what is flown, what it was seen to fly.
     placed: Vec<Flown>,
-    /// It may have left a behaviour of its plan that is not done: for an insert that interrupts, and no planned behaviour
+    /// It may have left a behavior of its plan that is not done: for an insert that interrupts, and no planned behavior
     /// has begun since. Other inserts may be flown first (SPI 7.5).
     left_plan: bool,
     /// Since when it neither climbs nor dives, while nobody of ours steers.
@@ -74,7 +74,7 @@ impl Courses {
         self.left_plan = true;
     }
 
-    /// A behaviour has begun, at a place where that is known.
+    /// A behavior has begun, at a place where that is known.
     pub(crate) fn began(&mut self, now: Timestamp, flown: Flown, here: Option<Begin>) {
         if matches!(flown, Flown::Planned(_)) {
             self.begun.retain(|other, _| *other == flown);
@@ -108,7 +108,7 @@ impl Courses {
     }
 
     /// Somebody of ours leads it elsewhere.
-    pub(crate) const fn is_led(&mut self) {
+    pub(crate) const fn led_away(&mut self) {
         self.level_since = None;
     }
 
@@ -139,7 +139,7 @@ impl Courses {
     }
 
     /// What is flown is not known: the link is gone, or it has ended and nothing has begun.
-    pub(crate) fn lose(&mut self) {
+    pub(crate) fn invalidate_after_loss(&mut self) {
         self.current = None;
         self.unplace();
         self.begun_at = None;
@@ -173,7 +173,7 @@ impl Courses {
     }
 
     /// Where it is and how fast it dives, while nobody of ours steers.
-    /// Where a process before this one may have left a modify, that must be over.
+    /// Where a previous run may have left a modify, that must be over.
     pub(crate) fn levels(&mut self, now: Timestamp, [depth_m, down_mps]: [f64; 2], after_another: bool) {
         let level_for = if after_another {
             LEVEL_AFTER_ANOTHER_FOR
@@ -201,7 +201,7 @@ impl Courses {
         self.depths_m = None;
         self.seen_mps = 0.0;
         self.left_plan = false;
-        self.lose();
+        self.invalidate_after_loss();
     }
 
     /// Where what is flown now may have begun.
@@ -227,7 +227,7 @@ impl Courses {
         &self.placed
     }
 
-    /// Whether it may have left a behaviour of its plan that is not done.
+    /// Whether it may have left a behavior of its plan that is not done.
     pub(crate) const fn has_left_plan(&self) -> bool {
         self.left_plan
     }
@@ -237,7 +237,7 @@ impl Courses {
         self.depths_m.filter(|_| self.settled)
     }
 
-    /// Where the planned behaviours may have begun.
+    /// Where the planned behaviors may have begun.
     pub(crate) fn of_plan(&self) -> Vec<Begin> {
         let planned = self
             .begun
@@ -246,12 +246,12 @@ impl Courses {
         planned.flat_map(|(_, begun)| begun.iter().copied()).collect()
     }
 
-    /// Where the plan is taken up again it is not known where its behaviour began.
+    /// Where the plan is taken up again it is not known where its behavior began.
     pub(crate) fn lacks_plan(&self) -> bool {
         !self.begun.keys().any(|flown| matches!(flown, Flown::Planned(_)))
     }
 
-    /// Where a behaviour may have begun.
+    /// Where a behavior may have begun.
     pub(crate) fn of(&self, flown: Flown) -> Vec<Begin> {
         self.begun.get(&flown).cloned().unwrap_or_default()
     }
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn where_what_is_flown_began_is_known_until_its_line_or_another_behaviour() {
+    fn where_what_is_flown_began_is_known_until_its_line_or_another_behavior() {
         let insert = BehaviorId::new(7);
         let mut courses = Courses::default();
         let now = Timestamp::default();
@@ -306,7 +306,7 @@ mod tests {
         courses.ended(insert);
         courses.began(now, Flown::Planned(2), Some(begin(5.0)));
         assert_eq!(courses.of(Flown::Planned(1)), []);
-        courses.lose();
+        courses.invalidate_after_loss();
         assert_eq!(courses.of_current(), [begin(5.0)]);
     }
 
@@ -323,7 +323,7 @@ mod tests {
         assert!(courses.keeps_to(at(15), &[second, third]));
         // Both count, for it may be either.
         assert_eq!(courses.placed(), [second, third]);
-        courses.lose();
+        courses.invalidate_after_loss();
         assert_eq!(courses.placed(), []);
         assert!(!courses.keeps_to(at(16), &[third]));
         assert!(!courses.keeps_to(at(20), &[]));

@@ -6,8 +6,8 @@ use backseat_spi::Text;
 /// The dive file as the vehicle last named it.
 ///
 /// BFMIS and BFMBS may write one file in two ways (with its folder, without its ending), so that each is held against its
-/// own kind alone. An empty name says nothing: it is left out where a behaviour is the payload's, and while no mission is
-/// loaded.
+/// own kind alone. An empty name says nothing: it is left out where a behavior is the payload's, and while no mission
+/// is loaded.
 #[derive(Debug, Default)]
 pub(crate) struct Dive {
     of_status: Option<Text>,

@@ -19,7 +19,7 @@ pub struct ExpectedPlan {
     pub tolerance_m: f64,
 }
 
-/// A behaviour of an [`ExpectedPlan`] that BFPLN tells of.
+/// A behavior of an [`ExpectedPlan`] that BFPLN tells of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExpectedElement {
     /// Its number in the plan's file, for texts. Vehicles may count otherwise.
@@ -28,7 +28,7 @@ pub struct ExpectedElement {
     pub path: ExpectedPath,
 }
 
-/// Where a behaviour leads.
+/// Where a behavior leads.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExpectedPath {
     /// These places, one after the other: a waypoint, or a line's two ends.

@@ -9,13 +9,13 @@ pub(crate) struct NamedInsert {
 }
 
 impl NamedInsert {
-    /// A behaviour has begun: an insert's, or another.
+    /// A behavior has begun: an insert's, or another.
     pub(crate) fn began(&mut self, identifier: Option<BehaviorId>) {
         self.current = identifier;
         self.before = None;
     }
 
-    /// The insert that the newest behaviour to begin is.
+    /// The insert that the newest behavior to begin is.
     pub(crate) const fn current(&self) -> Option<BehaviorId> {
         self.current
     }
@@ -26,11 +26,11 @@ impl NamedInsert {
     }
 
     /// Something was not heard, which may have been a begin: what is flown may be another's.
-    pub(crate) fn lose(&mut self) {
+    pub(crate) fn invalidate_after_loss(&mut self) {
         self.before = self.current.take().or(self.before);
     }
 
-    /// A behaviour has ended.
+    /// A behavior has ended.
     pub(crate) fn finished(&mut self, identifier: Option<BehaviorId>) {
         if self.before == identifier {
             self.before = None;

@@ -6,8 +6,8 @@ use backseat_units::{EastNorth, LocalFrame, TimeOfDay, Timestamp, Utc, utm_conve
 use crate::ended::EndCause;
 use crate::monitor::envelope::{APART_MAX, BottomLock, bottom_lock};
 use crate::monitor::limits::Limits;
+use crate::mutations::{Check, is_on};
 use crate::plugin::NavigationSample;
-use crate::switches::{Check, is_on};
 use crate::vehicle::clock::{Trip, VehicleClock, elapsed_nanos};
 use crate::vehicle::integrity::{Flaw, Integrity};
 

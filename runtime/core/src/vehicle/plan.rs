@@ -10,7 +10,7 @@ const POINTS_MAX: usize = 10_000;
 /// So many numbers are remembered that the plan does not have.
 const LACKS_MAX: usize = 64;
 
-/// One behaviour of the vehicle's plan, from a series of BFPLN with one number (SPI 6.20).
+/// One behavior of the vehicle's plan, from a series of BFPLN with one number (SPI 6.20).
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Element {
     pub(crate) number: Option<u32>,
@@ -81,8 +81,8 @@ pub(crate) struct Plan {
     /// What the first message of the series was of, and its index.
     first: Option<(Option<u32>, Option<BehaviorId>, u32)>,
     complete: bool,
-    /// Numbers of behaviours that were flown when a whole series came which did not have them: the vehicle does not tell of
-    /// them, and its plan is no worse for that.
+    /// Numbers of behaviors that were flown when a whole series came which did not have them: the vehicle does not tell
+    /// of them, and its plan is no worse for that.
     lacks: BTreeSet<u32>,
     current: Option<u32>,
     /// It has ended, and nothing has begun since.
@@ -191,7 +191,7 @@ impl Plan {
         self.collecting.is_some()
     }
 
-    /// A planned behaviour has begun. False where the plan does not have it and was told before it was flown, so that it
+    /// A planned behavior has begun. False where the plan does not have it and was told before it was flown, so that it
     /// may not be the current plan.
     pub(crate) fn began(&mut self, number: u32) -> bool {
         self.current = Some(number);
@@ -200,7 +200,7 @@ impl Plan {
         !self.complete || self.names(number) || self.lacks.contains(&number)
     }
 
-    /// A planned behaviour has ended: until something begins it is not known which is flown.
+    /// A planned behavior has ended: until something begins it is not known which is flown.
     pub(crate) fn finished(&mut self, number: u32) {
         if self.current == Some(number) {
             self.between = true;
@@ -208,8 +208,8 @@ impl Plan {
         self.seen.clear();
     }
 
-    /// Something was not heard: which planned behaviour is flown is not known until one begins.
-    pub(crate) fn lose(&mut self) {
+    /// Something was not heard: which planned behavior is flown is not known until one begins.
+    pub(crate) fn invalidate_after_loss(&mut self) {
         self.unheard = true;
         self.seen.clear();
     }
@@ -229,8 +229,8 @@ impl Plan {
         self.between = false;
     }
 
-    /// The planned behaviour that is flown, or was when an insert began, where the plan has it; several where it was seen to
-    /// be one of them, none where nobody knows.
+    /// The planned behavior that is flown, or was when an insert began, where the plan has it; several where it was
+    /// seen to be one of them, none where nobody knows.
     fn at(&self) -> &[u32] {
         let heard = |number: &u32| !self.between && !self.unheard && self.names(*number);
         match &self.current {
@@ -250,7 +250,7 @@ impl Plan {
             .any(|element| element.identifier == Some(identifier))
     }
 
-    /// Inserts that are in the plan and not known to be ours: an earlier process's, or another payload's.
+    /// Inserts that are in the plan and not known to be ours: a previous run's, or another payload's.
     pub(crate) fn others(&self, is_ours: impl Fn(BehaviorId) -> bool) -> impl Iterator<Item = (BehaviorId, &Element)> {
         self.elements.iter().filter_map(move |element| {
             let identifier = element.identifier?;
@@ -274,12 +274,12 @@ impl Plan {
         self.planned().filter(move |element| anywhere || self.is_at(element))
     }
 
-    /// Whether it tells of a planned behaviour.
+    /// Whether it tells of a planned behavior.
     pub(crate) fn names(&self, number: u32) -> bool {
         self.planned().any(|element| element.number == Some(number))
     }
 
-    /// The elements of the planned behaviour that is flown; none where that is not known.
+    /// The elements of the planned behavior that is flown; none where that is not known.
     pub(crate) fn flown(&self) -> impl Iterator<Item = &Element> {
         self.planned().filter(|element| self.is_at(element))
     }
@@ -308,7 +308,7 @@ impl Plan {
         }
         let next = |current: &u32| {
             let mut after = self.planned().skip_while(|element| element.number != Some(*current));
-            // A number that recurs (several elements of one behaviour) is passed over whole.
+            // A number that recurs (several elements of one behavior) is passed over whole.
             after
                 .find(|element| element.number != Some(*current))
                 .map(Element::first)
@@ -410,6 +410,6 @@ mod tests {
         assert_eq!(next.len(), 1);
         assert!((next[0].east_m - 300.0).abs() < 1e-3);
         assert_eq!(plan.current().flat_map(Element::legs).count(), 1);
-        assert!(!plan.began(9), "a behaviour that the plan does not have");
+        assert!(!plan.began(9), "a behavior that the plan does not have");
     }
 }

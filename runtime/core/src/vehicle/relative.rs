@@ -6,8 +6,8 @@ use std::time::Duration;
 use backseat_units::{TimeOfDay, Timestamp};
 
 use crate::monitor::limits::Limits;
+use crate::mutations::{Check, is_on};
 use crate::plugin::{CartesianSample, RelativeSample};
-use crate::switches::{Check, is_on};
 use crate::vehicle::clock::elapsed_nanos;
 
 /// After a jump, relative navigation must be steady for this long (safety requirement 021).
@@ -61,15 +61,15 @@ pub(crate) struct Track<S> {
 }
 
 impl<S: Placed> Track<S> {
-    /// Follows nothing yet. Where it is watched, holds are judged by it.
+    /// Follows nothing yet. Where it is watched, station keeping is judged by it.
     pub(crate) fn new(limits: &Limits, watched: bool) -> Self {
-        let hull = limits.hull.as_ref();
-        let hull_mps = hull.map_or(0.0, |hull| hull.speed_max_mps.max(hull.speed_default_mps));
+        let station = limits.station.as_ref();
+        let station_mps = station.map_or(0.0, |station| station.speed_max_mps.max(station.speed_default_mps));
         Self {
-            age_max: hull.map_or(Duration::from_secs(1), |hull| hull.relative_age_max()),
+            age_max: station.map_or(Duration::from_secs(1), |station| station.relative_age_max()),
             // Its mission may be faster than its moves.
-            speed_max_mps: hull_mps.max(limits.speed_max_mps) + limits.current_max_mps,
-            jump_allowance_m: hull.filter(|_| watched).map(|hull| hull.jump_allowance_m),
+            speed_max_mps: station_mps.max(limits.speed_max_mps) + limits.current_max_mps,
+            jump_allowance_m: station.filter(|_| watched).map(|station| station.jump_allowance_m),
             newest: None,
             before: None,
             since: None,

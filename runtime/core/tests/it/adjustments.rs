@@ -272,7 +272,7 @@ fn one_that_was_over_at_once_ends_when_the_vehicle_has_been_idle_for_a_while() {
 }
 
 #[test]
-fn a_behaviour_of_its_type_shows_that_it_has_begun_and_no_other_does() {
+fn a_behavior_of_its_type_shows_that_it_has_begun_and_no_other_does() {
     let mut trial = accepted();
     behavior(&mut trial, true, "buoyancy adjustment");
     behavior(&mut trial, true, "setpoint");

@@ -10,18 +10,18 @@ use backseat_fence::Fence;
 use backseat_units::EastNorth;
 
 const FENCE: &str = r#"{"type":"FeatureCollection","features":[
-{"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":60,"altitude_min_m":2},
+{"type":"Feature","properties":{"name":"box","kind":"keep-in","margin_m":10,"depth_max_m":60,"altitude_min_m":2},
  "geometry":{"type":"Polygon","coordinates":[[[-70.024,41.982],[-69.976,41.982],[-69.976,42.018],[-70.024,42.018],[-70.024,41.982]]]}},
-{"type":"Feature","properties":{"name":"wreck","kind":"exclusion","margin_m":20},
+{"type":"Feature","properties":{"name":"wreck","kind":"keep-out","margin_m":20},
  "geometry":{"type":"Polygon","coordinates":[[[-70.001,41.990],[-69.999,41.990],[-69.999,41.992],[-70.001,41.992],[-70.001,41.990]]]}}
 ]}"#;
 
 const HARBOUR: &str = r#"{"type":"FeatureCollection","features":[
-{"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":60,"altitude_min_m":2},
+{"type":"Feature","properties":{"name":"box","kind":"keep-in","margin_m":10,"depth_max_m":60,"altitude_min_m":2},
  "geometry":{"type":"Polygon","coordinates":[[[-70.024,41.982],[-69.976,41.982],[-69.976,42.018],[-70.024,42.018],[-70.024,41.982]]]}},
-{"type":"Feature","properties":{"name":"harbour","kind":"inclusion","margin_m":10,"depth_min_m":5,"depth_max_m":60,"altitude_min_m":2,"surfacing":true},
+{"type":"Feature","properties":{"name":"harbour","kind":"keep-in","margin_m":10,"depth_min_m":5,"depth_max_m":60,"altitude_min_m":2,"surfacing":true},
  "geometry":{"type":"Polygon","coordinates":[[[-70.0218,41.9919],[-69.9782,41.9919],[-69.9782,42.0081],[-70.0218,42.0081],[-70.0218,41.9919]]]}},
-{"type":"Feature","properties":{"name":"shoals","kind":"exclusion","margin_m":10,"depth_max_m":5},
+{"type":"Feature","properties":{"name":"shoals","kind":"keep-out","margin_m":10,"depth_max_m":5},
  "geometry":{"type":"Polygon","coordinates":[[[-69.98815,42.0020],[-69.98765,42.0020],[-69.98765,42.0029],[-69.98815,42.0029],[-69.98815,42.0020]]]}}
 ]}"#;
 
@@ -39,7 +39,7 @@ pub(crate) fn harbour() -> Fence {
     Fence::from_geojson(HARBOUR).unwrap()
 }
 
-/// The planned behaviours by number: a line to the east, then two waypoints.
+/// The planned behaviors by number: a line to the east, then two waypoints.
 pub(crate) const PLAN: [(u32, &[(f64, f64)]); 3] = [
     (1, &[(-600.0, 0.0), (600.0, 0.0)]),
     (2, &[(600.0, 300.0)]),
@@ -93,7 +93,7 @@ pub(crate) fn limits() -> Limits {
         topside_per_min: 6,
         packets_per_min: 12,
         modify_needs_plan: true,
-        hull: None,
+        station: None,
     }
 }
 

@@ -1,10 +1,10 @@
 use std::time::Duration;
 
 use backseat_core::plugin::{CameraRequest, LightRequest, Request, SonarAngleRequest};
-use backseat_core::{Grant, HullLimits, Operator};
+use backseat_core::{Grant, Operator, StationLimits};
 use backseat_spi::AckStatus;
 
-use crate::hull::{hovering, hovering_with, hull_limits, lines, setup};
+use crate::station::{hovering, hovering_with, lines, setup, station_limits};
 use crate::trial::{Trial, shorts};
 use crate::vehicle::Reply;
 
@@ -126,13 +126,13 @@ fn figures_beyond_the_limits_are_rejected_and_never_clamped() {
 #[test]
 fn sr_001_devices_need_a_table_a_grant_and_control() {
     let mut no_table = Trial::with_under_way(setup(None));
-    let mut no_grant = setup(Some(hull_limits()));
+    let mut no_grant = setup(Some(station_limits()));
     no_grant.plugins[0].grants.retain(|grant| *grant != Grant::Devices);
     let mut no_grant = Trial::with_under_way(no_grant);
     let mut no_control = hovering();
     no_control.operator(Operator::Hold);
     for (trial, text) in [
-        (&mut no_table, "the mission has no [limits.hull]"),
+        (&mut no_table, "the mission has no [limits.station]"),
         (&mut no_grant, "does not grant `devices`"),
         (&mut no_control, "control: the operator holds"),
     ] {
@@ -143,10 +143,10 @@ fn sr_001_devices_need_a_table_a_grant_and_control() {
             assert!(trial.commands(name).is_empty());
         }
     }
-    let mut no_angles = hovering_with(HullLimits {
+    let mut no_angles = hovering_with(StationLimits {
         sonar_angle_min_deg: None,
         sonar_angle_max_deg: None,
-        ..hull_limits()
+        ..station_limits()
     });
     no_angles.ask(0, [sonar(1, 0.0)]);
     no_angles.run_for(0.3);

@@ -8,7 +8,7 @@ use backseat_spi::{AckStatus, BehaviorBegin, FromVehicle, MissionCommand, Missio
 use backseat_units::Timestamp;
 
 use crate::course::{good_line, line, modify};
-use crate::led::refused_for;
+use crate::scene::refused_for;
 use crate::trial::{Trial, shorts};
 use crate::vehicle::Reply;
 
@@ -216,7 +216,7 @@ fn sr_002_sr_025_inserts_that_waited_in_the_other_dive_are_in_doubt_until_the_pl
 }
 
 #[test]
-fn sr_002_sr_025_an_insert_that_is_answered_after_another_dive_may_have_been_accepted_for_the_former() {
+fn sr_002_sr_025_an_insert_that_is_answered_after_another_dive_may_have_been_accepted_for_the_one_before() {
     let mut trial = Trial::under_way();
     let first = status_of(&trial, "survey.dive");
     trial.hear_now([first]);

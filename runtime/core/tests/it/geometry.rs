@@ -34,7 +34,7 @@ fn sr_002_a_line_that_leaves_the_box_is_rejected_with_edge_and_metres() {
         Request::Trackline(line(1, (0.0, 500.0), (2500.0, 500.0))),
         1,
     );
-    names_edge_and_metres(&text, "outside inclusion 'box'");
+    names_edge_and_metres(&text, "outside keep-in zone 'box'");
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn sr_002_the_lead_in_and_lead_out_belong_to_the_line() {
     for (from, to) in [((0.0, 500.0), (1930.0, 500.0)), ((1930.0, 500.0), (0.0, 500.0))] {
         let mut trial = Trial::under_way();
         let text = rejected(&mut trial, Request::Trackline(line(1, from, to)), 1);
-        names_edge_and_metres(&text, "outside inclusion 'box'");
+        names_edge_and_metres(&text, "outside keep-in zone 'box'");
         let limits = Limits {
             lead_max_m: 0.0,
             ..limits()
@@ -73,7 +73,7 @@ fn sr_002_the_transit_to_the_line_is_checked() {
         }),
         1,
     );
-    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+    names_edge_and_metres(&text, "inside keep-out zone 'wreck'");
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn sr_002_the_way_to_what_is_abeam_is_a_turns_width_wide() {
         trial.run_for(0.5);
         trial
     };
-    names_edge_and_metres(&asked(565.0).rejection(1), "inside exclusion 'wreck'");
+    names_edge_and_metres(&asked(565.0).rejection(1), "inside keep-out zone 'wreck'");
     let trial = asked(610.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
 }
@@ -98,7 +98,7 @@ fn sr_002_the_way_on_to_what_comes_next_is_checked() {
     let line = line(1, (600.0, -1700.0), (-500.0, -1700.0));
     let mut trial = Trial::under_way();
     let text = rejected(&mut trial, Request::Trackline(line), 1);
-    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+    names_edge_and_metres(&text, "inside keep-out zone 'wreck'");
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn sr_002_the_way_from_one_insert_to_the_next_is_checked() {
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
     trial.ask(0, [Request::Trackline(line(2, (-600.0, -1000.0), (-600.0, -300.0)))]);
     trial.run_for(0.5);
-    names_edge_and_metres(&trial.rejection(2), "inside exclusion 'wreck'");
+    names_edge_and_metres(&trial.rejection(2), "inside keep-out zone 'wreck'");
 }
 
 #[test]
@@ -117,10 +117,10 @@ fn sr_002_a_circles_whole_rim_is_checked() {
     // Its centre and its entry in the north are far from the edge.
     let mut trial = Trial::under_way();
     let text = rejected(&mut trial, Request::Trackcircle(circle(1, (1500.0, 500.0), 480.0)), 1);
-    names_edge_and_metres(&text, "outside inclusion 'box'");
+    names_edge_and_metres(&text, "outside keep-in zone 'box'");
     let mut trial = Trial::under_way();
     let text = rejected(&mut trial, Request::Trackcircle(circle(1, (400.0, -1000.0), 300.0)), 1);
-    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+    names_edge_and_metres(&text, "inside keep-out zone 'wreck'");
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn sr_002_a_circle_whose_entry_the_vehicle_chooses_is_checked_for_every_entry() 
         ..around
     };
     let text = rejected(&mut trial, Request::Trackcircle(open), 1);
-    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+    names_edge_and_metres(&text, "inside keep-out zone 'wreck'");
 }
 
 #[test]
@@ -197,7 +197,7 @@ fn sr_002_a_modify_is_checked_for_all_that_can_be_reached_in_silence() {
     trial.run_for(2.0);
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
-    names_edge_and_metres(&trial.rejection(1), "outside inclusion 'box'");
+    names_edge_and_metres(&trial.rejection(1), "outside keep-in zone 'box'");
 }
 
 #[test]
@@ -208,7 +208,7 @@ fn sr_002_the_way_back_from_a_modify_to_the_plan_is_checked() {
     trial.run_for(2.0);
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
-    names_edge_and_metres(&trial.rejection(1), "inside exclusion 'wreck'");
+    names_edge_and_metres(&trial.rejection(1), "inside keep-out zone 'wreck'");
 }
 
 #[test]
@@ -219,7 +219,7 @@ fn sr_002_the_way_back_from_a_modify_to_any_part_of_the_planned_leg_is_checked()
     trial.run_for(2.0);
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
-    names_edge_and_metres(&trial.rejection(1), "inside exclusion 'wreck'");
+    names_edge_and_metres(&trial.rejection(1), "inside keep-out zone 'wreck'");
 }
 
 /// A vehicle that steers to a line meets it abeam, behind its start too: there the wreck lies.
@@ -236,7 +236,7 @@ fn sr_002_the_way_back_from_a_modify_to_the_line_behind_the_start_of_a_leg_is_ch
     let mut trial = with_a_leg_east_of_the_wreck(EastNorth::new(0.0, -500.0));
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
-    names_edge_and_metres(&trial.rejection(1), "inside exclusion 'wreck'");
+    names_edge_and_metres(&trial.rejection(1), "inside keep-out zone 'wreck'");
     // Farther east nothing is in that way.
     let mut trial = with_a_leg_east_of_the_wreck(EastNorth::new(300.0, -500.0));
     trial.ask(0, [Request::Modify(modify(1))]);
@@ -254,7 +254,7 @@ fn sr_002_the_way_from_an_interrupting_insert_onto_the_line_that_it_interrupts_i
         trial
     };
     let text = insert(true, (0.0, -500.0)).rejection(1);
-    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+    names_edge_and_metres(&text, "inside keep-out zone 'wreck'");
     for (interrupt, end) in [(false, (0.0, -500.0)), (true, (300.0, -500.0))] {
         let trial = insert(interrupt, end);
         assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
@@ -277,16 +277,16 @@ fn sr_002_the_way_back_from_a_modify_to_the_way_to_the_leg_is_checked() {
         trial.run_for(0.5);
         trial
     };
-    // Between where the behaviour began and where the leg begins lies the wreck, and the vehicle would come back to that
+    // Between where the behavior began and where the leg begins lies the wreck, and the vehicle would come back to that
     // way.
     let text = led_off(EastNorth::new(-300.0, -1400.0)).rejection(1);
-    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+    names_edge_and_metres(&text, "inside keep-out zone 'wreck'");
     let trial = led_off(EastNorth::new(500.0, -1400.0));
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
 }
 
 #[test]
-fn sr_002_a_behaviour_that_begins_as_navigation_jumps_may_have_begun_before_or_after() {
+fn sr_002_a_behavior_that_begins_as_navigation_jumps_may_have_begun_before_or_after() {
     const AWAY: EastNorth = EastNorth::new(-800.0, 0.0);
     let led_off = |east_m, jumps: fn(&mut Trial)| {
         let mut trial = Trial::new();
@@ -307,17 +307,17 @@ fn sr_002_a_behaviour_that_begins_as_navigation_jumps_may_have_begun_before_or_a
         trial.vehicle.jump = AWAY;
         trial.run_for(1.0);
     });
-    names_edge_and_metres(&at_once.rejection(1), "inside exclusion 'wreck'");
+    names_edge_and_metres(&at_once.rejection(1), "inside keep-out zone 'wreck'");
     let unheard = led_off(500.0, |trial| {
         trial.vehicle.jump = AWAY;
         trial.run_for(1.0);
         trial.cut();
         trial.vehicle.jump = EastNorth::default();
     });
-    names_edge_and_metres(&unheard.rejection(1), "inside exclusion 'wreck'");
+    names_edge_and_metres(&unheard.rejection(1), "inside keep-out zone 'wreck'");
     // The begin that a new connection tells of comes before all navigation.
     let unplaced = led_off(-300.0, |_| ());
-    names_edge_and_metres(&unplaced.rejection(1), "inside exclusion 'wreck'");
+    names_edge_and_metres(&unplaced.rejection(1), "inside keep-out zone 'wreck'");
     let later = led_off(500.0, |trial| {
         trial.vehicle.begin(trial.now, Some(1), None);
         trial.run_for(1.0);
@@ -353,7 +353,7 @@ fn sr_002_where_the_lead_in_of_an_insert_begins_only_the_vehicle_knows_and_so_th
     // The insert began 20 m south of where its line does: without a lead-in the way to it leads north, and back on that
     // way the vehicle would come past the wreck. With the longest it leads to the west.
     let text = led_off((300.0, -380.0)).rejection(2);
-    names_edge_and_metres(&text, "inside exclusion 'wreck'");
+    names_edge_and_metres(&text, "inside keep-out zone 'wreck'");
     let trial = led_off((500.0, -350.0));
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
 }
@@ -384,16 +384,16 @@ fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_
     let asked_after = |seconds, flown_at_m| started_and_asked_after(Setup::default().start, seconds, flown_at_m);
     let trial = asked_after(9.0, 20.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
-    names_edge_and_metres(&asked_after(9.0, 4.0).rejection(1), "inside exclusion 'shoals'");
+    names_edge_and_metres(&asked_after(9.0, 4.0).rejection(1), "inside keep-out zone 'shoals'");
     // What it is flown at is not known yet.
-    names_edge_and_metres(&asked_after(2.0, 20.0).rejection(1), "inside exclusion 'shoals'");
-    // What a process before this one has left the vehicle at is not the plan's depth.
+    names_edge_and_metres(&asked_after(2.0, 20.0).rejection(1), "inside keep-out zone 'shoals'");
+    // What a previous run has left the vehicle at is not the plan's depth.
     let mut second = Setup::default().start;
     if let Some(identifiers) = &mut second.identifiers {
         (identifiers.next, identifiers.reserved) = (40, 40);
     }
     let trial = started_and_asked_after(second, 9.0, 20.0);
-    names_edge_and_metres(&trial.rejection(1), "inside exclusion 'shoals'");
+    names_edge_and_metres(&trial.rejection(1), "inside keep-out zone 'shoals'");
     let trial = started_and_asked_after(second, 20.0, 20.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
 }
@@ -407,7 +407,7 @@ fn the_answer_that_plugins_get_for_their_question_is_the_judgement_of_the_geomet
     let refusal = envelope
         .judge(&Request::Trackline(line(1, (0.0, 500.0), (2500.0, 500.0))), &input)
         .unwrap_err();
-    assert_eq!(refusal.rule(), Rule::Inclusion);
+    assert_eq!(refusal.rule(), Rule::KeepIn);
     let text = rejected(
         &mut trial,
         Request::Trackline(line(1, (0.0, 500.0), (2500.0, 500.0))),

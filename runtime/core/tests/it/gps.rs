@@ -166,7 +166,7 @@ fn sr_002_it_surfaces_only_where_the_fence_allows_it_drift_and_all() {
     let mut trial = under_way();
     let text = rejected(&mut trial, hit_at(1, (0.0, 1500.0)));
     assert!(
-        text.starts_with("surfacing: outside inclusion 'harbour', the nearest that allows surfacing,"),
+        text.starts_with("surfacing: outside keep-in zone 'harbour', the nearest that allows surfacing,"),
         "{text}"
     );
     // 0.3 m/s for 900 s is 270 m, and the errors: 200 m from the harbour's edge are too few.
@@ -184,7 +184,7 @@ fn sr_002_it_surfaces_only_where_the_fence_allows_it_drift_and_all() {
         fence: course::fence(),
         ..setup()
     });
-    assert!(rejected(&mut trial, hit(1)).contains("no inclusion zone allows surfacing"));
+    assert!(rejected(&mut trial, hit(1)).contains("no keep-in zone allows surfacing"));
 }
 
 #[test]
@@ -193,7 +193,7 @@ fn sr_002_the_ways_to_and_from_the_surface_are_judged_at_every_depth_that_is_pas
     // to the surface may not.
     let mut trial = settled();
     let text = rejected(&mut trial, hit_at(1, (1450.0, 500.0)));
-    assert!(text.starts_with("exclusion: inside exclusion 'shoals'"), "{text}");
+    assert!(text.starts_with("keep-out: inside keep-out zone 'shoals'"), "{text}");
     trial.ask(0, [Request::Trackline(line(2, (1400.0, 470.0), (1500.0, 530.0)))]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
@@ -208,7 +208,7 @@ fn sr_002_what_follows_a_gps_hit_comes_from_the_surface_and_from_where_it_has_dr
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "alone it is good");
     let mut trial = accepted();
     let text = rejected(&mut trial, beyond(2));
-    assert!(text.starts_with("exclusion: inside exclusion 'shoals'"), "{text}");
+    assert!(text.starts_with("keep-out: inside keep-out zone 'shoals'"), "{text}");
     trial.ask(0, [good_line(3)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
@@ -228,7 +228,7 @@ fn sr_002_what_interrupts_before_a_gps_hit_goes_on_to_the_surface() {
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "alone it is good");
     let mut trial = accepted();
     let text = rejected(&mut trial, beyond(2));
-    assert!(text.starts_with("exclusion: inside exclusion 'shoals'"), "{text}");
+    assert!(text.starts_with("keep-out: inside keep-out zone 'shoals'"), "{text}");
 }
 
 #[test]

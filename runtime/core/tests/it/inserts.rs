@@ -316,7 +316,7 @@ fn sr_002_the_transit_from_an_insert_that_was_not_answered_is_judged() {
     trial.ask(0, [Request::Trackline(line(2, (-600.0, -1000.0), (-600.0, -300.0)))]);
     trial.run_for(0.5);
     assert!(
-        trial.rejection(2).contains("inside exclusion 'wreck'"),
+        trial.rejection(2).contains("inside keep-out zone 'wreck'"),
         "{:?}",
         trial.states(2)
     );
@@ -335,7 +335,7 @@ fn in_the_east(tag: u64) -> Request {
 fn is_over_the_wreck(trial: &Trial, tag: u64) {
     let refused = trial.rejection(tag);
     assert!(
-        refused.contains("exclusion 'wreck'"),
+        refused.contains("keep-out zone 'wreck'"),
         "{refused} {:?}",
         trial.states(tag)
     );
@@ -369,7 +369,7 @@ fn sr_002_the_transit_to_an_insert_is_judged_from_what_comes_before_one_that_may
 }
 
 #[test]
-fn sr_002_an_insert_that_another_planned_behaviour_comes_before_is_judged_from_there_or_called_back() {
+fn sr_002_an_insert_that_another_planned_behavior_comes_before_is_judged_from_there_or_called_back() {
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(100.0, 200.0);
     trial.run_for(2.0);
@@ -379,7 +379,7 @@ fn sr_002_an_insert_that_another_planned_behaviour_comes_before_is_judged_from_t
     trial.ask(0, [beyond_the_wreck(1)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
-    // This vehicle flies it after the next behaviour.
+    // This vehicle flies it after the next behavior.
     let now = trial.now;
     trial.vehicle.begin(now, Some(2), None);
     trial.run_for(0.3);
@@ -438,7 +438,7 @@ fn sr_002_the_way_onto_an_interrupted_line_is_judged_for_what_is_flown_first() {
     end(&mut trial, 1);
     begin(&mut trial, 2);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted", "started"]);
-    // From its end the way to the next behaviour is free, and onto the line that was left for the first it is not.
+    // From its end the way to the next behavior is free, and onto the line that was left for the first it is not.
     let behind = |tag| Request::Trackline(line(tag, (400.0, -1100.0), (400.0, -1300.0)));
     trial.ask(0, [behind(3)]);
     trial.run_for(0.5);
@@ -468,7 +468,7 @@ fn sr_002_the_transit_from_an_insert_that_is_not_ours_is_judged() {
     trial.run_for(2.0);
     trial.ask(0, [good()]);
     trial.run_for(0.5);
-    assert!(trial.rejection(1).starts_with("inclusion: "), "{}", trial.rejection(1));
+    assert!(trial.rejection(1).starts_with("keep-in: "), "{}", trial.rejection(1));
 }
 
 #[test]
@@ -679,7 +679,7 @@ fn sr_009_the_ledger_is_closed_when_the_mission_is() {
 }
 
 #[test]
-fn sr_009_an_insert_whose_end_was_lost_with_the_link_ends_where_another_behaviour_begins() {
+fn sr_009_an_insert_whose_end_was_lost_with_the_link_ends_where_another_behavior_begins() {
     let mut trial = accepted();
     begin(&mut trial, 1);
     trial.vehicle.replays = false;

@@ -125,7 +125,7 @@ impl Judge {
         );
         assert!(
             self.has_control() || self.suspended.is_none(),
-            "a hold stands at {now} without control"
+            "station keeping stands at {now} without control"
         );
     }
 
@@ -138,7 +138,7 @@ impl Judge {
             ToVehicle::ModifyBehavior(modify) => {
                 let full = modify.horizontal.is_some() && modify.vertical_m.is_some() && modify.speed.is_some();
                 assert!(full, "{modify:?} leaves a value to inherit");
-                assert!(self.suspended.is_none(), "BPRMB at {now} under a hold");
+                assert!(self.suspended.is_none(), "BPRMB at {now} while it keeps its station");
                 if let Some(last) = self.last_modify {
                     assert!(
                         now.since(last) >= Duration::from_millis(200),

@@ -133,11 +133,11 @@ fn sr_003_a_lease_ends_with_one_bpemb_whatever_ends_it() {
         ("the vehicle did not acknowledge it", |trial| {
             trial.vehicle.replies.insert("RMB", Reply::Silent);
         }),
-        ("a behaviour began under it", |trial| {
+        ("a behavior began under it", |trial| {
             let now = trial.now;
             trial.vehicle.begin(now, Some(2), None);
         }),
-        ("a behaviour ended under it", |trial| {
+        ("a behavior ended under it", |trial| {
             let now = trial.now;
             trial.vehicle.end(now, Some(1), None);
         }),
@@ -231,14 +231,14 @@ fn sr_004_each_refresh_is_checked_anew_and_the_fence_ends_the_lease() {
     trial.run_for(60.0);
     let (ended, reason) = trial.lease_ends().pop().expect("an end");
     assert!(
-        reason.contains("outside inclusion 'box'") && reason.contains("edge"),
+        reason.contains("outside keep-in zone 'box'") && reason.contains("edge"),
         "{reason}"
     );
     assert_eq!(trial.sent("EMB"), [ended]);
     let here = trial.core.navigation().unwrap().local.east_m;
     assert!(here > -1990.0, "{here}");
     assert!(trial.sent("RMB").len() > 10, "it stood at first");
-    assert!(matches!(trial.states(1).last(), Some(RequestState::Ended(text)) if text.cause() == "inclusion"));
+    assert!(matches!(trial.states(1).last(), Some(RequestState::Ended(text)) if text.cause() == "keep-in"));
 }
 
 #[test]

@@ -9,8 +9,8 @@ use backseat_core::plugin::{
     SilentRequest, Topic, TopsideRequest, TrackcircleRequest, TracklineRequest, Transport, VerticalRequest,
 };
 use backseat_core::{
-    Condition, DriverBounds, DriverId, DriverSentence, DriverSetup, FailAction, Grant, Input, Note, Operator, Order,
-    PluginSetup, Policy, RequestKind, Settings,
+    Condition, ExternalBounds, ExternalId, ExternalSentence, ExternalSetup, FailAction, Grant, Input, Note, Operator,
+    Order, PluginSetup, Policy, RequestKind, Settings,
 };
 use backseat_spi::{
     AckStatus, Acknowledgement, AdjustmentError, AdjustmentStatus, BackseatControl, BehaviorBegin, BehaviorEnd,
@@ -50,7 +50,7 @@ enum Act {
     Sleep(u64),
     ReadMax(usize),
     Ask(usize, Vec<Request>),
-    /// A driver says this.
+    /// An external source says this.
     Drive(String),
     Fail(usize, FaultKind),
     Hold,
@@ -253,7 +253,7 @@ fn sentence() -> BoxedStrategy<FromVehicle> {
     .boxed()
 }
 
-/// A driver's line, at the time of the dive's start or at none.
+/// A line of an external source, at the time of the dive's start or at none.
 fn drive() -> BoxedStrategy<Act> {
     let lines = prop_oneof![
         figure(-60.0..60.0).prop_map(|offset| format!("BPRBO,081025.987,{offset}")),
@@ -346,22 +346,22 @@ fn plugin(name: &str) -> PluginSetup {
     setup
 }
 
-/// A driver that may send everything, often.
-fn every_driver() -> DriverSetup {
-    DriverSetup {
+/// An external source that may send everything, often.
+fn every_external() -> ExternalSetup {
+    ExternalSetup {
         name: "pod".to_owned(),
         sends: vec![
-            DriverSentence::Relay,
-            DriverSentence::PayloadCtd,
-            DriverSentence::PositionFix,
-            DriverSentence::RelativeReset,
-            DriverSentence::BearingOffset,
+            ExternalSentence::Relay,
+            ExternalSentence::PayloadCtd,
+            ExternalSentence::PositionFix,
+            ExternalSentence::RelativeReset,
+            ExternalSentence::BearingOffset,
         ],
-        bounds: DriverBounds {
+        bounds: ExternalBounds {
             rate_max_hz: 10.0,
             measured_age_max_s: 60.0,
             fix_force: true,
-            ..DriverBounds::default()
+            ..ExternalBounds::default()
         },
     }
 }
@@ -382,7 +382,7 @@ fn start_with(policies: Vec<Policy>) -> Trial {
         plugins: vec![plugin("first"), second],
         settings: Settings {
             policies,
-            drivers: vec![every_driver()],
+            externals: vec![every_external()],
             ..Settings::default()
         },
         ..Setup::default()
@@ -429,7 +429,7 @@ fn play(trial: &mut Trial, acts: Vec<Act>) {
             Act::Sleep(ms) => trial.asleep_until = now + Duration::from_millis(ms),
             Act::ReadMax(bytes) => trial.read_max = bytes,
             Act::Ask(plugin, requests) => trial.ask(plugin, requests),
-            Act::Drive(line) => trial.feed(Input::Driver(DriverId(0), line.as_bytes())),
+            Act::Drive(line) => trial.feed(Input::External(ExternalId(0), line.as_bytes())),
             Act::Fail(plugin, kind) => trial.fail(plugin, kind),
             Act::Hold => trial.operator(Operator::Hold),
             Act::Release => trial.operator(Operator::Release),

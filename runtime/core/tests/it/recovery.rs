@@ -85,7 +85,7 @@ fn sr_020_the_ladder_is_climbed_step_by_step_each_after_its_time_and_told_once()
         assert!(near(at, seconds), "{what} after {} s", after(at));
     }
     assert!(
-        said(&trial)[0].1.contains("outside inclusion 'box'"),
+        said(&trial)[0].1.contains("outside keep-in zone 'box'"),
         "{:?}",
         said(&trial)[0]
     );

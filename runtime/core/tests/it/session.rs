@@ -431,7 +431,7 @@ fn a_command_without_a_name_in_its_answer_is_the_oldest() {
 }
 
 #[test]
-fn an_answer_is_for_the_behaviour_that_it_names() {
+fn an_answer_is_for_the_behavior_that_it_names() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.ask(0, [good_line(1), good_line(2)]);

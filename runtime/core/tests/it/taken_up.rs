@@ -8,7 +8,7 @@ use backseat_spi::AckStatus;
 use backseat_units::EastNorth;
 
 use crate::course::{self, circle, good_line, interrupting, limits, line, modify, plugin, turn};
-use crate::led::{EAST, accepted, at_once, begins, ends, led_to, refused_for};
+use crate::scene::{EAST, accepted, at_once, begins, ends, led_to, refused_for};
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::{Reply, name_of};
 
@@ -111,7 +111,7 @@ fn beside_the_plan() -> Trial {
 }
 
 #[test]
-fn sr_002_a_planned_behaviour_that_the_plan_does_not_tell_of_is_not_modified() {
+fn sr_002_a_planned_behavior_that_the_plan_does_not_tell_of_is_not_modified() {
     let mut trial = beside_the_plan();
     // Between here and all of the plan lies the wreck.
     led_to(&mut trial, 0.0, -1300.0);
@@ -119,7 +119,7 @@ fn sr_002_a_planned_behaviour_that_the_plan_does_not_tell_of_is_not_modified() {
 }
 
 #[test]
-fn sr_002_after_a_planned_behaviour_that_the_plan_does_not_tell_of_any_may_come() {
+fn sr_002_after_a_planned_behavior_that_the_plan_does_not_tell_of_any_may_come() {
     let mut trial = beside_the_plan();
     led_to(&mut trial, 0.0, -1300.0);
     refused_for(

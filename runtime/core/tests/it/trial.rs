@@ -24,7 +24,7 @@ use crate::vehicle::{Vehicle, name_of};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Seen {
     Sent(ToVehicle),
-    /// To a driver.
+    /// To an external source.
     Told(usize, Vec<u8>),
     Note(Note),
     Connect(Duration),
@@ -35,7 +35,7 @@ pub(crate) enum Seen {
     Finish,
 }
 
-/// A plugin's behaviour in a step: how long it takes and what it returns.
+/// A plugin's behavior in a step: how long it takes and what it returns.
 pub(crate) type Script = Box<dyn FnMut(&StepInput) -> (Duration, Result<Vec<Request>, PluginFault>)>;
 
 /// What becomes of bytes on their way.
@@ -434,7 +434,7 @@ impl Trial {
                     self.feed(Input::Reserved(reservation));
                     continue;
                 }
-                Output::Driver(driver, bytes) => Seen::Told(driver.0, bytes),
+                Output::External(source, bytes) => Seen::Told(source.0, bytes),
                 Output::Finish => Seen::Finish,
                 Output::Note(note) => Seen::Note(note),
             };

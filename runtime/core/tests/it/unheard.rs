@@ -8,7 +8,7 @@ use backseat_spi::{AckStatus, BehaviorBegin, BehaviorId, FromVehicle, Text};
 use backseat_units::EastNorth;
 
 use crate::course::{self, at, interrupting, line, modify, turn};
-use crate::led::{EAST, WEST, accepted, at_once, begins, ends, led_to, outage, refused_for};
+use crate::scene::{EAST, WEST, accepted, at_once, begins, ends, led_to, outage, refused_for};
 use crate::trial::{Setup, Trial, granted, shorts};
 use crate::vehicle::Reply;
 
@@ -178,7 +178,7 @@ fn sr_002_the_way_on_from_an_interrupt_leads_to_what_was_not_answered_too() {
 }
 
 #[test]
-fn sr_002_after_a_planned_behaviour_has_ended_it_is_not_known_which_is_flown_until_one_begins() {
+fn sr_002_after_a_planned_behavior_has_ended_it_is_not_known_which_is_flown_until_one_begins() {
     let mut trial = Trial::new();
     trial.vehicle.moved = Some((3, EastNorth::new(-300.0, -2000.0)));
     trial.run_for(2.0);
@@ -219,7 +219,7 @@ fn damage(name: &'static str, part: &'static str) -> impl FnMut(Vec<u8>) -> Vec<
 }
 
 fn successor(gps_hits: u32) -> Trial {
-    Trial::with(granted(&[Grant::Surface, Grant::Hull], &[]).after(3, gps_hits))
+    Trial::with(granted(&[Grant::Surface, Grant::Station], &[]).after(3, gps_hits))
 }
 
 #[test]
@@ -245,7 +245,7 @@ fn sr_002_a_successor_does_not_know_what_the_vehicle_comes_back_to_until_it_goes
     let mut trial = successor(0);
     trial.vehicle.replays = false;
     trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
-    // The behaviour began at (-300, -1400), and a modify of the process before this one has led it here.
+    // The behavior began at (-300, -1400), and a modify of the previous run has led it here.
     trial.vehicle.start = EastNorth::new(500.0, -1200.0);
     trial.run_for(1.0);
     let now = trial.now;

@@ -55,7 +55,7 @@ pub(crate) struct Vehicle {
     pub(crate) inserted: BTreeSet<u32>,
     /// Another payload's inserts that its plan names, with the place where each ends.
     pub(crate) others: Vec<(u32, (f64, f64))>,
-    /// A planned behaviour that its plan has so far from where the course has it.
+    /// A planned behavior that its plan has so far from where the course has it.
     pub(crate) moved: Option<(u32, EastNorth)>,
     pub(crate) subscribed: BTreeSet<String>,
     /// It acknowledges what comes before it was asked to.

@@ -27,19 +27,19 @@ fn rfc3339(after_s: u64) -> String {
     )
 }
 
-/// The box of the trials, with a window of its own, and an exclusion of another.
-fn fence(of_box: &str, exclusion: Option<(&str, &str)>) -> Fence {
-    let exclusion = exclusion.map_or(String::new(), |(ring, window)| {
+/// The box of the trials, with a window of its own, and a keep-out zone of another.
+fn fence(of_box: &str, keep_out: Option<(&str, &str)>) -> Fence {
+    let keep_out = keep_out.map_or(String::new(), |(ring, window)| {
         format!(
-            r#",{{"type":"Feature","properties":{{"name":"convoy","kind":"exclusion","margin_m":20{window}}},
+            r#",{{"type":"Feature","properties":{{"name":"convoy","kind":"keep-out","margin_m":20{window}}},
                 "geometry":{{"type":"Polygon","coordinates":[[{ring}]]}}}}"#
         )
     });
     Fence::from_geojson(&format!(
         r#"{{"type":"FeatureCollection","features":[{{"type":"Feature",
-            "properties":{{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":60,"altitude_min_m":2{of_box}}},
+            "properties":{{"name":"box","kind":"keep-in","margin_m":10,"depth_max_m":60,"altitude_min_m":2{of_box}}},
             "geometry":{{"type":"Polygon","coordinates":[
-                [[-70.024,41.982],[-69.976,41.982],[-69.976,42.018],[-70.024,42.018],[-70.024,41.982]]]}}}}{exclusion}]}}"#
+                [[-70.024,41.982],[-69.976,41.982],[-69.976,42.018],[-70.024,42.018],[-70.024,41.982]]]}}}}{keep_out}]}}"#
     ))
     .unwrap()
 }
@@ -76,10 +76,13 @@ fn ask(trial: &mut Trial, tag: u64, request: Request) -> Option<String> {
 }
 
 #[test]
-fn sr_002_an_insert_that_may_still_fly_when_an_exclusion_opens_is_rejected_and_one_that_is_over_before_is_not() {
+fn sr_002_an_insert_that_may_still_fly_when_a_keep_out_zone_opens_is_rejected_and_one_that_is_over_before_is_not() {
     // With its transit and its way on the insert takes some 55 min at most.
     let refusal = ask(&mut trial(opens_after(ON_THE_LINE, 600)), 1, interrupting(1)).unwrap();
-    assert!(refusal.starts_with("exclusion: inside exclusion 'convoy'"), "{refusal}");
+    assert!(
+        refusal.starts_with("keep-out: inside keep-out zone 'convoy'"),
+        "{refusal}"
+    );
     assert_eq!(
         ask(&mut trial(opens_after(ON_THE_LINE, 3600)), 1, interrupting(1)),
         None
@@ -88,7 +91,10 @@ fn sr_002_an_insert_that_may_still_fly_when_an_exclusion_opens_is_rejected_and_o
     let mut later = trial(opens_after(ON_THE_LINE, 3600));
     later.run_for(900.0);
     let refusal = ask(&mut later, 1, interrupting(1)).unwrap();
-    assert!(refusal.starts_with("exclusion: inside exclusion 'convoy'"), "{refusal}");
+    assert!(
+        refusal.starts_with("keep-out: inside keep-out zone 'convoy'"),
+        "{refusal}"
+    );
     assert!(later.commands("RTK").is_empty());
 }
 
@@ -105,7 +111,7 @@ fn sr_002_what_is_flown_before_an_insert_delays_it() {
 }
 
 #[test]
-fn sr_002_after_a_behaviour_whose_end_nobody_can_tell_every_zone_counts() {
+fn sr_002_after_a_behavior_whose_end_nobody_can_tell_every_zone_counts() {
     let mut trial = trial(opens_after(ON_THE_LINE, 80_000));
     let now = trial.now;
     // A single place: how long the vehicle is there, no sentence says.
@@ -116,7 +122,7 @@ fn sr_002_after_a_behaviour_whose_end_nobody_can_tell_every_zone_counts() {
 }
 
 #[test]
-fn sr_002_an_inclusion_that_closes_holds_only_what_is_over_before() {
+fn sr_002_a_keep_in_zone_that_closes_holds_only_what_is_over_before() {
     let closes = |after_s| fence(&format!(r#","valid_until":"{}""#, rfc3339(after_s)), None);
     let refusal = ask(&mut trial(closes(600)), 1, interrupting(1)).unwrap();
     assert!(refusal.starts_with("time: "), "{refusal}");
@@ -228,7 +234,7 @@ fn sr_004_a_lease_ends_before_a_zone_opens_on_its_way_back() {
     let (ended, _) = trial.lease_ends().pop().unwrap();
     assert!(ended.as_secs_f64() < 2400.0 - 30.0, "{ended}");
     let refusal = trial.rejection(1);
-    assert!(refusal.contains("inside exclusion 'convoy'"), "{refusal}");
+    assert!(refusal.contains("inside keep-out zone 'convoy'"), "{refusal}");
     assert_eq!(trial.sent_since("RMB", ended).len(), 0);
 }
 
@@ -266,7 +272,7 @@ fn a_plugin_that_asks_the_fence_gets_the_answer_of_the_hour() {
     };
     assert_eq!(
         envelope.judge(&interrupting(1), &yesterday).unwrap_err().rule(),
-        Rule::Exclusion
+        Rule::KeepOut
     );
     let unknown = backseat_core::plugin::StepInput {
         clocks_apart: None,
@@ -274,6 +280,6 @@ fn a_plugin_that_asks_the_fence_gets_the_answer_of_the_hour() {
     };
     assert_eq!(
         envelope.judge(&interrupting(1), &unknown).unwrap_err().rule(),
-        Rule::Exclusion
+        Rule::KeepOut
     );
 }

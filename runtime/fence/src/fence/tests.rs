@@ -18,7 +18,7 @@ mod time;
 
 type Points = Vec<(f64, f64)>;
 
-const INCLUSION: Kind = Kind::Inclusion {
+const KEEP_IN: Kind = Kind::KeepIn {
     depth: Band {
         min_m: 0.0,
         max_m: 50.0,
@@ -26,7 +26,7 @@ const INCLUSION: Kind = Kind::Inclusion {
     altitude_min_m: 3.0,
     surfacing: false,
 };
-const EXCLUSION: Kind = Kind::Exclusion { depth: None };
+const KEEP_OUT: Kind = Kind::KeepOut { depth: None };
 const VERTICAL: VerticalExtent = VerticalExtent {
     depth_min_m: 5.0,
     depth_max_m: 20.0,

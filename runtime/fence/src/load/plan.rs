@@ -91,8 +91,8 @@ fn described(
     terms: &Terms,
 ) -> Result<Map<String, Value>, FenceError> {
     let kind = match map.get("inclusion") {
-        Some(Value::Bool(true)) => "inclusion",
-        Some(Value::Bool(false)) => "exclusion",
+        Some(Value::Bool(true)) => "keep-in",
+        Some(Value::Bool(false)) => "keep-out",
         other => return Err(wrong(&format!("{label} `inclusion`"), other, "true or false")),
     };
     let mut properties = Map::new();

@@ -3,6 +3,7 @@
 use backseat_units::{Depth, Utc};
 use serde_json::{Map, Value};
 
+use super::renamed;
 use crate::error::FenceError;
 use crate::window::{self, Window};
 use crate::zone::{Band, Kind};
@@ -24,10 +25,10 @@ pub(super) enum Round {
 }
 
 impl Properties {
-    pub(super) fn is_inclusion(&self) -> bool {
+    pub(super) fn is_keep_in(&self) -> bool {
         match self.kind {
-            Kind::Inclusion { .. } => true,
-            Kind::Exclusion { .. } => false,
+            Kind::KeepIn { .. } => true,
+            Kind::KeepOut { .. } => false,
         }
     }
 }
@@ -42,14 +43,14 @@ impl Round {
     }
 }
 
-const INCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m`, `surfacing`, `valid_from` or `valid_until`";
-const EXCLUSION_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `valid_from` or `valid_until`";
+const KEEP_IN_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m`, `surfacing`, `valid_from` or `valid_until`";
+const KEEP_OUT_KEYS: &str = "`name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `valid_from` or `valid_until`";
 /// Smaller circles and narrower corridors are mistakes, metres.
 const ROUND_MIN_M: f64 = 0.1;
 /// Half of the widest fence, metres.
 const ROUND_MAX_M: f64 = 25_000.0;
 const NAME: &str = "a name of 1 to 100 printable characters";
-const KIND: &str = "\"inclusion\" or \"exclusion\"";
+const KIND: &str = "\"keep-in\" or \"keep-out\"";
 
 /// How a feature is called in errors: by its name where it has a usable one.
 pub(super) fn label(properties: Option<&Map<String, Value>>, index: usize) -> String {
@@ -73,16 +74,16 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str, round: Round) -> Res
         _ => return Err(source.bad("name", name, NAME)),
     };
     let kind = source.required("kind", KIND)?;
-    let inclusion = match kind.as_str() {
-        Some("inclusion") => true,
-        Some("exclusion") => false,
-        _ => return Err(source.bad("kind", kind, KIND)),
+    let keep_in = match kind.as_str() {
+        Some("keep-in") => true,
+        Some("keep-out") => false,
+        other => return Err(source.bad("kind", kind, other.and_then(renamed::kind).unwrap_or(KIND))),
     };
     for (key, value) in map {
         let known = match key.as_str() {
             "name" | "kind" | "margin_m" | "depth_min_m" | "depth_max_m" | "valid_from" | "valid_until" => true,
             // Geographic information systems write every column for every feature.
-            "altitude_min_m" | "surfacing" => inclusion || value.is_null(),
+            "altitude_min_m" | "surfacing" => keep_in || value.is_null(),
             other => round.key() == Some(other) || (matches!(other, "radius_m" | "half_width_m") && value.is_null()),
         };
         if !known {
@@ -90,7 +91,7 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str, round: Round) -> Res
             return Err(FenceError::UnknownKey {
                 place,
                 key,
-                expected: if inclusion { INCLUSION_KEYS } else { EXCLUSION_KEYS },
+                expected: if keep_in { KEEP_IN_KEYS } else { KEEP_OUT_KEYS },
             });
         }
     }
@@ -103,7 +104,7 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str, round: Round) -> Res
         let found = Value::from(max_m);
         return Err(source.bad("depth_max_m", &found, &format!("at least the `depth_min_m` of {min_m}")));
     }
-    let kind = if inclusion {
+    let kind = if keep_in {
         let max_m = depth_max_m.ok_or_else(|| source.missing("depth_max_m", "metres"))?;
         let min_m = depth_min_m.unwrap_or(0.0);
         if min_m > max_m {
@@ -111,19 +112,19 @@ pub(super) fn read(map: &Map<String, Value>, feature: &str, round: Round) -> Res
         }
         let altitude_min_m = source.metres("altitude_min_m", 0.0, 12_000.0)?;
         let altitude_min_m = altitude_min_m.ok_or_else(|| source.missing("altitude_min_m", "metres, 0 or more"))?;
-        Kind::Inclusion {
+        Kind::KeepIn {
             depth: Band { min_m, max_m },
             altitude_min_m,
             surfacing: source.truth("surfacing")?.unwrap_or(false),
         }
     } else if depth_min_m.is_none() && depth_max_m.is_none() {
-        Kind::Exclusion { depth: None }
+        Kind::KeepOut { depth: None }
     } else {
         let (min_m, max_m) = (
             depth_min_m.unwrap_or(f64::NEG_INFINITY),
             depth_max_m.unwrap_or(f64::INFINITY),
         );
-        Kind::Exclusion {
+        Kind::KeepOut {
             depth: Some(Band { min_m, max_m }),
         }
     };

@@ -1,6 +1,7 @@
 //! Circles and corridors, made into the rings of positions that all other zones have.
 //!
-//! An inclusion's ring lies inside of the true outline and an exclusion's around it, so that neither is ever laxer.
+//! A keep-in zone's ring lies inside of the true outline and a keep-out zone's around it, so that neither is ever
+//! laxer.
 
 use core::f64::consts::{PI, TAU};
 
@@ -26,11 +27,11 @@ const CORNER_TOLERANCE: f64 = 0.01;
 const SAME_M: f64 = 1e-3;
 
 /// A ring around a circle, or within it.
-pub(super) fn circle(centre: Position, radius_m: f64, inclusion: bool) -> RawPolygon {
+pub(super) fn circle(centre: Position, radius_m: f64, keep_in: bool) -> RawPolygon {
     let frame = LocalFrame::new(centre);
-    let radius_m = stricter_m(radius_m, inclusion);
+    let radius_m = stricter_m(radius_m, keep_in);
     let count = (TAU / step_rad(radius_m, CIRCLE_TOLERANCE_M)).ceil().max(12.0) as u32;
-    let radius_m = if inclusion {
+    let radius_m = if keep_in {
         radius_m
     } else {
         circumscribed_m(radius_m, PI / f64::from(count))
@@ -46,13 +47,13 @@ pub(super) fn circle(centre: Position, radius_m: f64, inclusion: bool) -> RawPol
     }]
 }
 
-/// The polygons of everything within half a width of a line: for an inclusion the one outline, for an exclusion one
-/// around each straight piece.
+/// The polygons of everything within half a width of a line: for a keep-in zone the one outline, for a keep-out zone
+/// one around each straight piece.
 pub(super) fn corridor(
     line: &[Position],
     middle: Position,
     half_width_m: f64,
-    inclusion: bool,
+    keep_in: bool,
     label: &str,
 ) -> Result<Vec<RawPolygon>, FenceError> {
     let frame = LocalFrame::new(middle);
@@ -74,7 +75,7 @@ pub(super) fn corridor(
             expected: "a LineString of at least two positions apart from each other",
         });
     }
-    let pen = Pen::new(stricter_m(half_width_m, inclusion), inclusion);
+    let pen = Pen::new(stricter_m(half_width_m, keep_in), keep_in);
     let raw = |ring: Ring| {
         let mut positions: Vec<_> = ring.points.iter().map(|p| frame.to_position(east_north(*p))).collect();
         positions.push(positions[0]);
@@ -83,7 +84,7 @@ pub(super) fn corridor(
             numbers: Some(ring.numbers),
         }]
     };
-    if inclusion {
+    if keep_in {
         let ring = pen.outline(&points, &numbers).map_err(|vertex| FenceError::TightTurn {
             feature: label.to_owned(),
             vertex,
@@ -97,8 +98,8 @@ pub(super) fn corridor(
         .collect())
 }
 
-fn stricter_m(length_m: f64, inclusion: bool) -> f64 {
-    if inclusion {
+fn stricter_m(length_m: f64, keep_in: bool) -> f64 {
+    if keep_in {
         length_m - ROUND_TRIP_M
     } else {
         length_m + ROUND_TRIP_M
@@ -137,12 +138,12 @@ struct Pen {
 }
 
 impl Pen {
-    fn new(half_width_m: f64, inclusion: bool) -> Self {
+    fn new(half_width_m: f64, keep_in: bool) -> Self {
         let tolerance_m = (CORNER_TOLERANCE * half_width_m).max(CIRCLE_TOLERANCE_M);
         Self {
             half_width_m,
             step_rad: step_rad(half_width_m, tolerance_m),
-            around: !inclusion,
+            around: !keep_in,
         }
     }
 

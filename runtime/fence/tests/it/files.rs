@@ -12,7 +12,7 @@ const VERTICAL: VerticalExtent = VerticalExtent {
     depth_max_m: 20.0,
     altitude_min_m: 10.0,
 };
-const INCLUSION: &str = r#""kind": "inclusion", "margin_m": 10, "depth_max_m": 30, "altitude_min_m": 3"#;
+const KEEP_IN: &str = r#""kind": "keep-in", "margin_m": 10, "depth_max_m": 30, "altitude_min_m": 3"#;
 
 fn position(latitude: f64, longitude: f64) -> Position {
     Position::from_deg(latitude, longitude).unwrap()
@@ -75,17 +75,11 @@ fn the_winding_of_rings_does_not_matter() {
         (outer.clone(), turned(&hole)),
         (turned(&outer), turned(&hole)),
     ] {
-        let text = document(&[("box", INCLUSION, format!("{},{}", ring(&outer), ring(&hole)))]);
+        let text = document(&[("box", KEEP_IN, format!("{},{}", ring(&outer), ring(&hole)))]);
         let fence = Fence::from_geojson(&text).unwrap();
         assert!(check(&fence, position(42.005, -69.995), 5.0).is_ok());
-        assert_eq!(
-            check(&fence, position(42.01, -69.99), 5.0).unwrap_err().0,
-            Rule::Inclusion
-        );
-        assert_eq!(
-            check(&fence, position(42.03, -69.99), 5.0).unwrap_err().0,
-            Rule::Inclusion
-        );
+        assert_eq!(check(&fence, position(42.01, -69.99), 5.0).unwrap_err().0, Rule::KeepIn);
+        assert_eq!(check(&fence, position(42.03, -69.99), 5.0).unwrap_err().0, Rule::KeepIn);
     }
 }
 
@@ -93,16 +87,13 @@ fn the_winding_of_rings_does_not_matter() {
 fn zones_are_handed_out_for_pictures() {
     let outer = ring(&rectangle(42.0, -70.0, 42.02, -69.98));
     let hole = ring(&rectangle(42.009, -69.991, 42.011, -69.989));
-    let net = r#""kind": "exclusion", "margin_m": 2.5, "depth_min_m": 10"#;
-    let text = document(&[
-        ("box", INCLUSION, format!("{outer},{hole}")),
-        ("net", net, hole.clone()),
-    ]);
+    let net = r#""kind": "keep-out", "margin_m": 2.5, "depth_min_m": 10"#;
+    let text = document(&[("box", KEEP_IN, format!("{outer},{hole}")), ("net", net, hole.clone())]);
     let fence = Fence::from_geojson(&text).unwrap();
     let zones: Vec<_> = fence.zones().collect();
     assert_eq!(zones.iter().map(|zone| zone.name()).collect::<Vec<_>>(), ["box", "net"]);
     assert_eq!(zones[1].margin_m(), 2.5);
-    let Kind::Exclusion { depth: Some(band) } = zones[1].kind() else {
+    let Kind::KeepOut { depth: Some(band) } = zones[1].kind() else {
         panic!("{:?}", zones[1].kind())
     };
     assert_eq!((band.min_m, band.max_m), (10.0, f64::INFINITY));
@@ -125,7 +116,7 @@ fn zones_are_handed_out_for_pictures() {
 fn each_polygon_of_a_multipolygon_stands_alone() {
     let west = ring(&rectangle(42.0, -70.0, 42.01, -69.99));
     let east = ring(&rectangle(42.0, -69.985, 42.01, -69.975));
-    let text = document(&[("pair", INCLUSION, west)])
+    let text = document(&[("pair", KEEP_IN, west)])
         .replace("\"Polygon\"", "\"MultiPolygon\"")
         .replace("[[[", "[[[[")
         .replace("]]]", &format!("]]],[{east}]]"));
@@ -148,7 +139,7 @@ fn each_polygon_of_a_multipolygon_stands_alone() {
 #[test]
 fn long_edges_follow_the_straight_line_of_the_file() {
     // 40 km along the parallel of 60 N: its middle bulges by 54 m from the plane's straight line.
-    let text = document(&[("box", INCLUSION, ring(&rectangle(60.0, 10.0, 60.1, 10.72)))]);
+    let text = document(&[("box", KEEP_IN, ring(&rectangle(60.0, 10.0, 60.1, 10.72)))]);
     let fence = Fence::from_geojson(&text).unwrap();
     for longitude in [10.01, 10.1, 10.2, 10.36, 10.5, 10.6, 10.71] {
         // 0.001 degrees of latitude are 111.4 m there.
@@ -156,7 +147,7 @@ fn long_edges_follow_the_straight_line_of_the_file() {
         assert!((inside - 101.4).abs() < 0.1, "{longitude} {inside}");
         let (rule, outside) = check(&fence, position(59.999, longitude), 0.0).unwrap_err();
         assert!(
-            rule == Rule::Inclusion && (outside - 121.4).abs() < 0.1,
+            rule == Rule::KeepIn && (outside - 121.4).abs() < 0.1,
             "{longitude} {outside}"
         );
     }
@@ -178,11 +169,11 @@ fn null_counts_as_absent() {
     let rings = ring(&rectangle(42.0, -70.0, 42.01, -69.99));
     let small = ring(&rectangle(42.004, -69.996, 42.005, -69.995));
     let nulls =
-        r#""kind": "exclusion", "margin_m": 0, "depth_min_m": null, "depth_max_m": null, "altitude_min_m": null"#;
-    let fence = Fence::from_geojson(&document(&[("box", INCLUSION, rings), ("wreck", nulls, small)])).unwrap();
+        r#""kind": "keep-out", "margin_m": 0, "depth_min_m": null, "depth_max_m": null, "altitude_min_m": null"#;
+    let fence = Fence::from_geojson(&document(&[("box", KEEP_IN, rings), ("wreck", nulls, small)])).unwrap();
     assert!(matches!(
         fence.zones().nth(1).unwrap().kind(),
-        Kind::Exclusion { depth: None }
+        Kind::KeepOut { depth: None }
     ));
 }
 
@@ -195,13 +186,13 @@ fn ten_thousand_vertices_load_and_a_crossing_among_them_is_found() {
             frame.to_position(EastNorth::default().offset(f64::from(index) * 0.036, radius))
         })
         .collect();
-    let good = Fence::from_geojson(&document(&[("coast", INCLUSION, ring(&points))])).unwrap();
+    let good = Fence::from_geojson(&document(&[("coast", KEEP_IN, ring(&points))])).unwrap();
     assert_eq!(
         good.zones().next().unwrap().rings().next().unwrap().points.len(),
         10_001
     );
     points.swap(5_000, 5_001);
-    let error = Fence::from_geojson(&document(&[("coast", INCLUSION, ring(&points))])).unwrap_err();
+    let error = Fence::from_geojson(&document(&[("coast", KEEP_IN, ring(&points))])).unwrap_err();
     assert!(
         error.to_string().contains("edge 5000 crosses or touches edge 5002"),
         "{error}"
@@ -225,8 +216,8 @@ proptest! {
                 .map(|(east, north)| position(42.0 + f64::from(*north) * 1e-3, -70.0 + f64::from(*east) * 1e-3)).collect();
             if close { ring(&points) } else { format!("[{}", ring(&points).trim_start_matches(|c| c != ',').trim_start_matches(',')) }
         }).collect();
-        let inclusion = INCLUSION.replace("\"margin_m\": 10", "\"margin_m\": 0");
-        if let Ok(fence) = Fence::from_geojson(&document(&[("grid", &inclusion, rings.join(","))])) {
+        let keep_in = KEEP_IN.replace("\"margin_m\": 10", "\"margin_m\": 0");
+        if let Ok(fence) = Fence::from_geojson(&document(&[("grid", &keep_in, rings.join(","))])) {
             // Every vertex is on the edge, and so outside.
             for zone in fence.zones() {
                 for point in zone.rings().flat_map(|ring| ring.points.to_vec()) {
@@ -241,8 +232,8 @@ proptest! {
 fn windows_are_read_and_kept() {
     let outer = ring(&rectangle(42.0, -70.0, 42.02, -69.98));
     let small = ring(&rectangle(42.009, -69.991, 42.011, -69.989));
-    let convoy = r#""kind": "exclusion", "margin_m": 5, "valid_from": "2026-05-01T08:00:00Z", "valid_until": "2026-05-01T10:30:00+02:00""#;
-    let text = document(&[("box", INCLUSION, outer), ("convoy", convoy, small)]);
+    let convoy = r#""kind": "keep-out", "margin_m": 5, "valid_from": "2026-05-01T08:00:00Z", "valid_until": "2026-05-01T10:30:00+02:00""#;
+    let text = document(&[("box", KEEP_IN, outer), ("convoy", convoy, small)]);
     let fence = Fence::from_geojson(&text).unwrap();
     let window = fence.zones().nth(1).unwrap().window();
     assert_eq!(
@@ -264,5 +255,5 @@ fn windows_are_read_and_kept() {
     let inside = fence
         .during(span(1_777_620_000, 1_777_622_400))
         .check(&sweep, &VERTICAL);
-    assert_eq!(inside.unwrap_err().rule, Rule::Exclusion);
+    assert_eq!(inside.unwrap_err().rule, Rule::KeepOut);
 }

@@ -32,7 +32,7 @@ const KML: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
   <Folder><name>range</name>
     <Placemark><name>box &amp; bay</name>
       <ExtendedData>
-        <Data name="kind"><value>inclusion</value></Data>
+        <Data name="kind"><value>keep-in</value></Data>
         <Data name="depth_max_m"><value> 40 </value></Data>
         <Data name="surfacing"><value>false</value></Data>
         <Data name="depth_min_m"><value></value></Data>
@@ -50,13 +50,13 @@ const KML: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
     <Placemark><name>wreck</name>
       <TimeSpan><begin>2026-05-01T08:00:00Z</begin></TimeSpan>
       <ExtendedData><SchemaData>
-        <SimpleData name="kind">exclusion</SimpleData><SimpleData name="radius_m">100.5</SimpleData>
+        <SimpleData name="kind">keep-out</SimpleData><SimpleData name="radius_m">100.5</SimpleData>
       </SchemaData></ExtendedData>
       <Point><coordinates>-69.995,42.005,0</coordinates></Point>
     </Placemark>
     <Placemark><name>cable</name>
       <ExtendedData>
-        <Data name="kind"><value>exclusion</value></Data><Data name="half_width_m"><value>5</value></Data>
+        <Data name="kind"><value>keep-out</value></Data><Data name="half_width_m"><value>5</value></Data>
       </ExtendedData>
       <LineString><coordinates>-69.999,42.018 -69.981,42.018</coordinates></LineString>
     </Placemark>
@@ -82,7 +82,7 @@ fn a_plan_is_read_into_zones() {
     let names: Vec<_> = fence.zones().map(|zone| zone.name()).collect();
     assert_eq!(names, ["polygon 1", "polygon 2", "circle 1"]);
     let first = fence.zones().next().unwrap();
-    let Kind::Inclusion {
+    let Kind::KeepIn {
         depth,
         altitude_min_m,
         surfacing,
@@ -98,15 +98,15 @@ fn a_plan_is_read_into_zones() {
     assert!(judged(&fence, 42.016, -69.995).is_ok());
     assert_eq!(
         judged(&fence, 42.0125, -69.9885),
-        Err((Rule::Exclusion, "polygon 2".to_owned()))
+        Err((Rule::KeepOut, "polygon 2".to_owned()))
     );
     assert_eq!(
         judged(&fence, 42.0055, -69.995),
-        Err((Rule::Exclusion, "circle 1".to_owned()))
+        Err((Rule::KeepOut, "circle 1".to_owned()))
     );
     assert_eq!(
         judged(&fence, 42.03, -69.99),
-        Err((Rule::Inclusion, "polygon 1".to_owned()))
+        Err((Rule::KeepIn, "polygon 1".to_owned()))
     );
 }
 
@@ -116,7 +116,7 @@ fn kml_is_read_into_zones() {
     let names: Vec<_> = fence.zones().map(|zone| zone.name()).collect();
     assert_eq!(names, ["box & bay", "wreck", "cable"]);
     let first = fence.zones().next().unwrap();
-    let Kind::Inclusion { depth, surfacing, .. } = first.kind() else {
+    let Kind::KeepIn { depth, surfacing, .. } = first.kind() else {
         panic!("{:?}", first.kind())
     };
     // What the placemark says goes before the terms.
@@ -126,15 +126,15 @@ fn kml_is_read_into_zones() {
     assert!(judged(&fence, 42.016, -69.995).is_ok());
     assert_eq!(
         judged(&fence, 42.0125, -69.9885),
-        Err((Rule::Inclusion, "box & bay".to_owned()))
+        Err((Rule::KeepIn, "box & bay".to_owned()))
     );
     assert_eq!(
         judged(&fence, 42.0055, -69.995),
-        Err((Rule::Exclusion, "wreck".to_owned()))
+        Err((Rule::KeepOut, "wreck".to_owned()))
     );
     assert_eq!(
         judged(&fence, 42.01805, -69.99),
-        Err((Rule::Exclusion, "cable".to_owned()))
+        Err((Rule::KeepOut, "cable".to_owned()))
     );
 }
 
@@ -192,7 +192,7 @@ fn a_plan_s_faults_have_their_place() {
         (
             "\"inclusion\": true",
             "\"inclusion\": false",
-            "no inclusion zone among 3 features",
+            "no keep-in zone among 3 features",
         ),
     ] {
         let error = refused(from, to);
@@ -226,7 +226,7 @@ fn kml_faults_have_their_line() {
         ("box &amp;", "box &all;", "line 5: unknown entity `all`"),
         ("<kml xmlns", "<gpx><kml xmlns", "line "),
         (
-            "<value>inclusion</value>",
+            "<value>keep-in</value>",
             "<value>inside</value>",
             "line 5 placemark 'box & bay': `kind` is \"inside\"",
         ),
@@ -293,7 +293,7 @@ fn kml_faults_have_their_line() {
     }
     assert_eq!(
         Fence::from_kml("<kml/>", &TERMS).unwrap_err().to_string(),
-        "no features, expected at least one inclusion zone"
+        "no features, expected at least one keep-in zone"
     );
     let deep = "<kml>".repeat(1000);
     assert!(

@@ -19,7 +19,7 @@ const KML: &str = r#"<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http:
 <name>box</name>
 <TimeSpan><begin>2026-05-01T08:00:00Z</begin></TimeSpan>
 <ExtendedData>
-<Data name="kind"><value>inclusion</value></Data>
+<Data name="kind"><value>keep-in</value></Data>
 <Data name="margin_m"><displayName>Margin</displayName><value>90</value></Data>
 <SchemaData><SimpleData name="surfacing">false</SimpleData></SchemaData>
 </ExtendedData>
@@ -432,7 +432,7 @@ fn a_document_of_google_earth_is_read() {
 			<Style><LineStyle><width>2</width></LineStyle></Style>
 			<gx:Carousel><gx:Image kml:id="i"><gx:ImageUrl>a.png</gx:ImageUrl></gx:Image></gx:Carousel>
 			<gx:balloonVisibility>1</gx:balloonVisibility>
-			<ExtendedData><Data name="kind"><value>inclusion</value></Data></ExtendedData>
+			<ExtendedData><Data name="kind"><value>keep-in</value></Data></ExtendedData>
 			<Polygon>
 				<extrude>1</extrude>
 				<tessellate>1</tessellate>
@@ -449,7 +449,7 @@ fn a_document_of_google_earth_is_read() {
 		<Placemark>
 			<name>wreck</name>
 			<styleUrl>#m</styleUrl>
-			<ExtendedData><Data name="kind"><value>exclusion</value></Data><Data name="radius_m"><value>50</value></Data></ExtendedData>
+			<ExtendedData><Data name="kind"><value>keep-out</value></Data><Data name="radius_m"><value>50</value></Data></ExtendedData>
 			<Point><gx:drawOrder>1</gx:drawOrder><altitudeMode>clampToGround</altitudeMode><coordinates>-69.99,42.01,0</coordinates></Point>
 		</Placemark>
 	</Folder>
@@ -481,7 +481,7 @@ fn a_layer_of_qgis_is_read() {
 	<name>box</name>
 	<Style><LineStyle><color>ff0000ff</color></LineStyle><PolyStyle><fill>0</fill></PolyStyle></Style>
 	<ExtendedData><SchemaData schemaUrl="#zones">
-		<SimpleData name="kind">inclusion</SimpleData>
+		<SimpleData name="kind">keep-in</SimpleData>
 		<SimpleData name="margin_m">25</SimpleData>
 		<SimpleData name="radius_m"></SimpleData>
 		<SimpleData name="valid_from"/>

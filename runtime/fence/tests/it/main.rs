@@ -5,6 +5,7 @@ mod formats;
 mod kml;
 mod places;
 mod refusals;
+mod renamed;
 mod round;
 mod saved;
 mod several;

@@ -10,7 +10,7 @@ fn refused(features: &[(&str, &str, Value)]) -> String {
         .iter()
         .map(|(name, kind, geometry)| {
             let mut properties = json!({ "name": name, "kind": kind, "margin_m": 1 });
-            if *kind == "inclusion" {
+            if *kind == "keep-in" {
                 properties["depth_max_m"] = json!(30);
                 properties["altitude_min_m"] = json!(3);
             }
@@ -45,28 +45,28 @@ fn polygon(rings: &[Value]) -> Value {
 }
 
 fn box_2() -> (&'static str, &'static str, Value) {
-    ("box 2", "inclusion", polygon(&[square(-69.98, 42.0)]))
+    ("box 2", "keep-in", polygon(&[square(-69.98, 42.0)]))
 }
 
 #[test]
 fn a_wide_fence_names_the_vertex_that_is_farthest_out() {
-    let box_ = || ("box", "inclusion", polygon(&[square(-70.0, 42.0)]));
+    let box_ = || ("box", "keep-in", polygon(&[square(-70.0, 42.0)]));
     // Digits turned round.
     let mut typo = square(-69.99, 42.0);
     typo[2][1] = json!(24.01);
     assert_eq!(
-        refused(&[box_(), ("bay", "exclusion", polygon(&[typo.clone()]))]),
+        refused(&[box_(), ("bay", "keep-out", polygon(&[typo.clone()]))]),
         "feature 'bay' outer ring vertex 3: farthest out of a fence 2010.5 km across, expected at most 50 km"
     );
     let several =
         json!({ "type": "MultiPolygon", "coordinates": [[square(-69.98, 42.0)], [square(-69.97, 42.0), typo]] });
-    let error = refused(&[box_(), ("bay", "exclusion", several)]);
+    let error = refused(&[box_(), ("bay", "keep-out", several)]);
     assert!(
         error.starts_with("feature 'bay' polygon 2 hole 1 vertex 3: farthest out of a fence 2010.5 km"),
         "{error}"
     );
     // A little over: found once the fence is on its plane.
-    let far = ("bay", "exclusion", polygon(&[square(-70.0, 42.45)]));
+    let far = ("bay", "keep-out", polygon(&[square(-70.0, 42.45)]));
     let error = refused(&[box_(), box_2(), far]);
     assert!(
         error.starts_with("feature 'bay' outer ring vertex 4: farthest out of a fence 51.1 km across"),
@@ -75,13 +75,13 @@ fn a_wide_fence_names_the_vertex_that_is_farthest_out() {
     // A circle has no vertices, and is one place however finely it is drawn.
     let circle = (
         "buoy",
-        "exclusion",
+        "keep-out",
         json!({ "type": "Point", "coordinates": [-70.0, 24.0] }),
     );
     let error = refused(&[box_(), circle]);
     assert!(error.starts_with("feature 'buoy': farthest out of a fence"), "{error}");
     let line = json!({ "type": "LineString", "coordinates": [[-70.0, 42.0], [-70.0, 24.0], [-70.01, 42.0]] });
-    let error = refused(&[box_(), ("cable", "exclusion", line)]);
+    let error = refused(&[box_(), ("cable", "keep-out", line)]);
     assert!(
         error.starts_with("feature 'cable' vertex 2: farthest out of a fence"),
         "{error}"
@@ -95,11 +95,11 @@ fn too_many_vertices_name_the_feature_at_which_they_are() {
     let mut parallels: Vec<_> = [west.clone(), east].into_iter().cycle().take(10_000).collect();
     parallels.push(json!([-68.0, 84.1]));
     parallels.push(west);
-    let box_ = ("box", "inclusion", polygon(&[square(-68.0, 84.0)]));
+    let box_ = ("box", "keep-in", polygon(&[square(-68.0, 84.0)]));
     let error = refused(&[
         box_,
-        ("coast", "exclusion", polygon(&[Value::from(parallels)])),
-        ("bay", "exclusion", polygon(&[square(-67.0, 84.0)])),
+        ("coast", "keep-out", polygon(&[Value::from(parallels)])),
+        ("bay", "keep-out", polygon(&[square(-67.0, 84.0)])),
     ]);
     assert!(error.starts_with("feature 'coast': 1000"), "{error}");
     assert!(
@@ -110,7 +110,7 @@ fn too_many_vertices_name_the_feature_at_which_they_are() {
 
 #[test]
 fn coordinates_that_are_no_numbers_are_named_by_ring_and_vertex() {
-    let with = |geometry: Value| refused(&[("box", "inclusion", geometry)]);
+    let with = |geometry: Value| refused(&[("box", "keep-in", geometry)]);
     let mut hole = square(-69.998, 42.002);
     for (position, found) in [
         (json!([-70.0, null]), "[-70.0,null]"),

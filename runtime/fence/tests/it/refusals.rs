@@ -15,12 +15,12 @@ fn collection(features: &[Value]) -> String {
     json!({ "type": "FeatureCollection", "features": features }).to_string()
 }
 
-fn inclusion() -> Value {
-    json!({ "name": "survey box", "kind": "inclusion", "margin_m": 10, "depth_max_m": 30, "altitude_min_m": 3 })
+fn keep_in() -> Value {
+    json!({ "name": "survey box", "kind": "keep-in", "margin_m": 10, "depth_max_m": 30, "altitude_min_m": 3 })
 }
 
-fn exclusion() -> Value {
-    json!({ "name": "wreck", "kind": "exclusion", "margin_m": 10 })
+fn keep_out() -> Value {
+    json!({ "name": "wreck", "kind": "keep-out", "margin_m": 10 })
 }
 
 fn polygon(rings: &[Vec<(f64, f64)>]) -> Value {
@@ -48,26 +48,26 @@ fn refused(text: &str) -> String {
 
 #[track_caller]
 fn with_ring(offsets: &[(f64, f64)]) -> String {
-    refused(&collection(&[feature(&inclusion(), &polygon(&[ring(offsets)]))]))
+    refused(&collection(&[feature(&keep_in(), &polygon(&[ring(offsets)]))]))
 }
 
 #[track_caller]
 fn with_holes(holes: &[&[(f64, f64)]]) -> String {
     let mut rings = vec![ring(&[(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0)])];
     rings.extend(holes.iter().map(|hole| ring(hole)));
-    refused(&collection(&[feature(&inclusion(), &polygon(&rings))]))
+    refused(&collection(&[feature(&keep_in(), &polygon(&rings))]))
 }
 
 #[track_caller]
 fn with_property(key: &str, value: Value) -> String {
-    let mut properties = inclusion();
+    let mut properties = keep_in();
     properties[key] = value;
     refused(&collection(&[feature(&properties, &square())]))
 }
 
 #[test]
 fn a_good_fence_is_taken() {
-    let text = collection(&[feature(&inclusion(), &square())]);
+    let text = collection(&[feature(&keep_in(), &square())]);
     let fence = Fence::from_geojson(&text).unwrap();
     assert_eq!(fence.zones().count(), 1);
     // As written by editors and by GDAL.
@@ -136,17 +136,17 @@ fn what_is_no_feature_collection_is_named() {
 fn fences_without_zones_are_refused() {
     assert_eq!(
         refused(&collection(&[])),
-        "no features, expected at least one inclusion zone"
+        "no features, expected at least one keep-in zone"
     );
     assert_eq!(
-        refused(&collection(&[feature(&exclusion(), &square())])),
-        "no inclusion zone among 1 features, expected at least one"
+        refused(&collection(&[feature(&keep_out(), &square())])),
+        "no keep-in zone among 1 features, expected at least one"
     );
 }
 
 #[test]
 fn geometry_is_areas_circles_and_corridors_only() {
-    let with = |geometry: Value| refused(&collection(&[feature(&inclusion(), &geometry)]));
+    let with = |geometry: Value| refused(&collection(&[feature(&keep_in(), &geometry)]));
     assert_eq!(
         with(json!({ "type": "MultiPoint", "coordinates": [[1, 2]] })),
         "feature 'survey box': geometry is MultiPoint, expected Polygon, MultiPolygon, Point or LineString"
@@ -178,7 +178,7 @@ fn geometry_is_areas_circles_and_corridors_only() {
 #[test]
 fn properties_are_complete_and_known() {
     let without = |key: &str| {
-        let mut properties = inclusion();
+        let mut properties = keep_in();
         properties.as_object_mut().unwrap().remove(key);
         refused(&collection(&[feature(&properties, &square())]))
     };
@@ -188,7 +188,7 @@ fn properties_are_complete_and_known() {
     );
     assert_eq!(
         without("kind"),
-        "feature 'survey box': `kind` is missing, expected \"inclusion\" or \"exclusion\""
+        "feature 'survey box': `kind` is missing, expected \"keep-in\" or \"keep-out\""
     );
     assert_eq!(
         without("margin_m"),
@@ -202,29 +202,29 @@ fn properties_are_complete_and_known() {
         without("altitude_min_m"),
         "feature 'survey box': `altitude_min_m` is missing, expected metres, 0 or more"
     );
-    let mut exclusion = exclusion();
-    exclusion.as_object_mut().unwrap().remove("margin_m");
+    let mut keep_out = keep_out();
+    keep_out.as_object_mut().unwrap().remove("margin_m");
     assert_eq!(
-        refused(&collection(&[feature(&exclusion, &square())])),
+        refused(&collection(&[feature(&keep_out, &square())])),
         "feature 'wreck': `margin_m` is missing, expected metres, 0 or more"
     );
     assert_eq!(
         with_property("depth_max", json!(3)),
         "feature 'survey box': unknown key `depth_max`, expected `name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `altitude_min_m`, `surfacing`, `valid_from` or `valid_until`"
     );
-    exclusion["margin_m"] = json!(1);
-    exclusion["altitude_min_m"] = json!(1);
+    keep_out["margin_m"] = json!(1);
+    keep_out["altitude_min_m"] = json!(1);
     assert_eq!(
-        refused(&collection(&[feature(&exclusion, &square())])),
+        refused(&collection(&[feature(&keep_out, &square())])),
         "feature 'wreck': unknown key `altitude_min_m`, expected `name`, `kind`, `margin_m`, `depth_min_m`, `depth_max_m`, `valid_from` or `valid_until`"
     );
-    let mut stray = feature(&inclusion(), &square());
+    let mut stray = feature(&keep_in(), &square());
     stray["margin_m"] = json!(5);
     assert_eq!(
         refused(&collection(&[stray])),
         "feature 'survey box': unknown key `margin_m`, expected `type`, `id`, `bbox`, `properties` or `geometry`"
     );
-    let mut bare = feature(&inclusion(), &square());
+    let mut bare = feature(&keep_in(), &square());
     bare["properties"] = Value::Null;
     assert_eq!(
         refused(&collection(&[bare])),
@@ -247,8 +247,8 @@ fn values_are_in_range() {
         ),
         (
             "kind",
-            json!("Inclusion"),
-            "`kind` is \"Inclusion\", expected \"inclusion\" or \"exclusion\"",
+            json!("Keep-in"),
+            "`kind` is \"Keep-in\", expected \"keep-in\" or \"keep-out\"",
         ),
         (
             "depth_max_m",
@@ -294,12 +294,12 @@ fn windows_are_times_in_order() {
         "feature 'survey box': `valid_from` is \"tomorrow\", expected a time of RFC 3339, as \"2026-05-01T08:00:00Z\""
     );
     assert!(with_property("valid_until", json!(1_777_622_400)).contains("`valid_until` is 1777622400"));
-    let mut properties = exclusion();
+    let mut properties = keep_out();
     properties["valid_from"] = json!("2026-05-01T10:00:00+02:00");
     properties["valid_until"] = json!("2026-05-01T08:00:00Z");
     assert_eq!(
         refused(&collection(&[
-            feature(&inclusion(), &square()),
+            feature(&keep_in(), &square()),
             feature(&properties, &square())
         ])),
         "feature 'wreck': `valid_until` is \"2026-05-01T08:00:00Z\", expected a time after `valid_from`"
@@ -309,9 +309,9 @@ fn windows_are_times_in_order() {
 #[test]
 fn names_are_unlike() {
     let features = [
-        feature(&inclusion(), &square()),
-        feature(&exclusion(), &square()),
-        feature(&inclusion(), &square()),
+        feature(&keep_in(), &square()),
+        feature(&keep_out(), &square()),
+        feature(&keep_in(), &square()),
     ];
     assert_eq!(
         refused(&collection(&features)),
@@ -324,7 +324,7 @@ fn positions_are_on_earth_and_away_from_the_poles() {
     let with = |position: Value| {
         let mut geometry = square();
         geometry["coordinates"][0][2] = position;
-        refused(&collection(&[feature(&inclusion(), &geometry)]))
+        refused(&collection(&[feature(&keep_in(), &geometry)]))
     };
     let place = "feature 'survey box' outer ring vertex 3";
     assert_eq!(
@@ -495,7 +495,7 @@ fn polygons_of_a_multipolygon_are_numbered() {
     let open = ring(&[(20.0, 0.0), (30.0, 0.0), (30.0, 10.0), (20.0, 10.0)]);
     let geometry = json!({ "type": "MultiPolygon", "coordinates": [[good], [open]] });
     assert!(
-        refused(&collection(&[feature(&inclusion(), &geometry)]))
+        refused(&collection(&[feature(&keep_in(), &geometry)]))
             .starts_with("feature 'survey box' polygon 2 outer ring: ring is open")
     );
 }
@@ -504,7 +504,7 @@ fn polygons_of_a_multipolygon_are_numbered() {
 fn the_antimeridian_is_not_crossed() {
     let across = polygon(&[vec![(179.99, 10.0), (-179.99, 10.0), (-179.99, 10.01), (179.99, 10.0)]]);
     assert_eq!(
-        refused(&collection(&[feature(&inclusion(), &across)])),
+        refused(&collection(&[feature(&keep_in(), &across)])),
         "feature 'survey box': crosses the antimeridian (longitudes -179.99 to 179.99), expected a fence on one side of it"
     );
     let west = polygon(&[vec![(179.98, 10.0), (179.99, 10.0), (179.99, 10.01), (179.98, 10.0)]]);
@@ -515,15 +515,12 @@ fn the_antimeridian_is_not_crossed() {
         (-179.99, 10.0),
     ]]);
     assert!(
-        refused(&collection(&[
-            feature(&inclusion(), &west),
-            feature(&exclusion(), &east)
-        ]))
-        .starts_with("fence: crosses the antimeridian")
+        refused(&collection(&[feature(&keep_in(), &west), feature(&keep_out(), &east)]))
+            .starts_with("fence: crosses the antimeridian")
     );
     // Up to it is well.
     let beside = polygon(&[vec![(179.99, 10.0), (180.0, 10.0), (180.0, 10.01), (179.99, 10.0)]]);
-    assert!(Fence::from_geojson(&collection(&[feature(&inclusion(), &beside)])).is_ok());
+    assert!(Fence::from_geojson(&collection(&[feature(&keep_in(), &beside)])).is_ok());
 }
 
 #[test]
@@ -534,11 +531,11 @@ fn fences_over_fifty_kilometres_are_refused() {
     );
     let text = with_ring(&[(0.0, 0.0), (10_000.0, 0.0), (10_000.0, 10_000.0), (0.0, 0.0)]);
     assert!(text.ends_with("km across, expected at most 50 km"), "{text}");
-    // An exclusion far away counts too.
+    // A keep-out zone far away counts too.
     let far = polygon(&[ring(&[(0.0, 500.0), (1.0, 500.0), (1.0, 501.0), (0.0, 500.0)])]);
     let text = refused(&collection(&[
-        feature(&inclusion(), &square()),
-        feature(&exclusion(), &far),
+        feature(&keep_in(), &square()),
+        feature(&keep_out(), &far),
     ]));
     assert!(text.ends_with("km across, expected at most 50 km"), "{text}");
     let near = polygon(&[ring(&[
@@ -548,7 +545,7 @@ fn fences_over_fifty_kilometres_are_refused() {
         (0.0, 445.0),
         (0.0, 0.0),
     ])]);
-    assert!(Fence::from_geojson(&collection(&[feature(&inclusion(), &near)])).is_ok());
+    assert!(Fence::from_geojson(&collection(&[feature(&keep_in(), &near)])).is_ok());
 }
 
 #[test]
@@ -560,14 +557,14 @@ fn a_margin_that_leaves_nothing_is_refused() {
     );
     // A slanting strip is as narrow as it is wide.
     let strip = ring(&[(0.0, 0.0), (0.2, 0.0), (10.2, 10.0), (10.0, 10.0), (0.0, 0.0)]);
-    let text = refused(&collection(&[feature(&inclusion(), &polygon(&[strip]))]));
+    let text = refused(&collection(&[feature(&keep_in(), &polygon(&[strip]))]));
     assert!(text.contains("leaves nothing inside"), "{text}");
-    // An exclusion's margin may be as wide as it likes.
-    let mut wide = exclusion();
+    // A keep-out zone's margin may be as wide as it likes.
+    let mut wide = keep_out();
     wide["margin_m"] = json!(450);
     assert!(
         Fence::from_geojson(&collection(&[
-            feature(&inclusion(), &square()),
+            feature(&keep_in(), &square()),
             feature(
                 &wide,
                 &polygon(&[ring(&[(4.0, 4.0), (5.0, 4.0), (5.0, 5.0), (4.0, 4.0)])])
@@ -580,7 +577,7 @@ fn a_margin_that_leaves_nothing_is_refused() {
 #[test]
 fn more_than_a_million_vertices_are_refused() {
     let mut text = String::from(
-        r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"a","kind":"inclusion","margin_m":0,"depth_max_m":9,"altitude_min_m":1},"geometry":{"type":"Polygon","coordinates":[["#,
+        r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"a","kind":"keep-in","margin_m":0,"depth_max_m":9,"altitude_min_m":1},"geometry":{"type":"Polygon","coordinates":[["#,
     );
     text.push_str(&"[1,2],".repeat(1_000_000));
     text.push_str("[1,2]]]}}]}");
@@ -592,7 +589,7 @@ fn more_than_a_million_vertices_are_refused() {
 
 #[test]
 fn errors_can_be_told_apart_by_programs() {
-    let error = Fence::from_geojson(&collection(&[feature(&inclusion(), &polygon(&[ring(&[])]))])).unwrap_err();
+    let error = Fence::from_geojson(&collection(&[feature(&keep_in(), &polygon(&[ring(&[])]))])).unwrap_err();
     let FenceError::TooFewVertices { place, found: 0 } = error else {
         panic!("{error}")
     };
@@ -603,53 +600,52 @@ fn errors_can_be_told_apart_by_programs() {
 }
 
 #[test]
-fn surfacing_is_true_or_false_and_an_inclusions_own() {
+fn surfacing_is_true_or_false_and_a_keep_in_zones_own() {
     let message = with_property("surfacing", json!("yes"));
     assert!(
         message.contains("`surfacing` is \"yes\", expected true or false"),
         "{message}"
     );
-    let mut properties = exclusion();
+    let mut properties = keep_out();
     properties["surfacing"] = json!(true);
     let message = refused(&collection(&[
-        feature(&inclusion(), &square()),
+        feature(&keep_in(), &square()),
         feature(&properties, &square()),
     ]));
     assert!(message.contains("unknown key `surfacing`"), "{message}");
     for (value, allowed) in [(json!(true), true), (json!(false), false), (Value::Null, false)] {
-        let mut properties = inclusion();
+        let mut properties = keep_in();
         properties["surfacing"] = value;
         let fence = Fence::from_geojson(&collection(&[feature(&properties, &square())])).unwrap();
         let zone = fence.zones().next().unwrap();
-        assert!(matches!(zone.kind(), Kind::Inclusion { surfacing, .. } if surfacing == allowed));
+        assert!(matches!(zone.kind(), Kind::KeepIn { surfacing, .. } if surfacing == allowed));
     }
 }
 
 #[test]
-fn an_inclusion_that_an_exclusion_covers_is_refused() {
+fn a_keep_in_zone_that_a_keep_out_zone_covers_is_refused() {
     let zones = |inner: &Value, outer: &Value, around: &Value| {
         let text = collection(&[feature(inner, &square()), feature(outer, around)]);
         Fence::from_geojson(&text)
             .map(|_| ())
             .map_err(|error| error.to_string())
     };
-    let message =
-        "feature 'survey box' outer ring: lies wholly inside exclusion 'wreck', expected a part that can be reached";
+    let message = "feature 'survey box' outer ring: lies wholly inside keep-out zone 'wreck', expected a part that can be reached";
     let around =
         |low: f64, high: f64| polygon(&[ring(&[(low, low), (high, low), (high, high), (low, high), (low, low)])]);
     // Around it, and the very same ring: the two kinds mistaken for each other.
     assert_eq!(
-        zones(&inclusion(), &exclusion(), &around(-1.0, 11.0)),
+        zones(&keep_in(), &keep_out(), &around(-1.0, 11.0)),
         Err(message.to_owned())
     );
-    assert_eq!(zones(&inclusion(), &exclusion(), &square()), Err(message.to_owned()));
+    assert_eq!(zones(&keep_in(), &keep_out(), &square()), Err(message.to_owned()));
     assert_eq!(
-        zones(&inclusion(), &exclusion(), &around(0.0, 11.0)),
+        zones(&keep_in(), &keep_out(), &around(0.0, 11.0)),
         Err(message.to_owned())
     );
     // Something is left.
-    assert_eq!(zones(&inclusion(), &exclusion(), &around(0.0, 9.9)), Ok(()));
-    assert_eq!(zones(&inclusion(), &exclusion(), &around(1.0, 12.0)), Ok(()));
+    assert_eq!(zones(&keep_in(), &keep_out(), &around(0.0, 9.9)), Ok(()));
+    assert_eq!(zones(&keep_in(), &keep_out(), &around(1.0, 12.0)), Ok(()));
     let notched = polygon(&[ring(&[
         (-1.0, -1.0),
         (11.0, -1.0),
@@ -660,32 +656,32 @@ fn an_inclusion_that_an_exclusion_covers_is_refused() {
         (-1.0, 11.0),
         (-1.0, -1.0),
     ])]);
-    assert_eq!(zones(&inclusion(), &exclusion(), &notched), Ok(()));
+    assert_eq!(zones(&keep_in(), &keep_out(), &notched), Ok(()));
     let holed = polygon(&[
         ring(&[(-1.0, -1.0), (11.0, -1.0), (11.0, 11.0), (-1.0, 11.0), (-1.0, -1.0)]),
         ring(&[(4.0, 4.0), (4.0, 5.0), (5.0, 5.0), (4.0, 4.0)]),
     ]);
-    assert_eq!(zones(&inclusion(), &exclusion(), &holed), Ok(()));
+    assert_eq!(zones(&keep_in(), &keep_out(), &holed), Ok(()));
     // At other depths or times it can be reached.
     let with = |mut properties: Value, key: &str, value: Value| {
         properties[key] = value;
         properties
     };
-    let deep = with(exclusion(), "depth_min_m", json!(20));
-    assert_eq!(zones(&inclusion(), &deep, &around(-1.0, 11.0)), Ok(()));
-    let covering = with(with(exclusion(), "depth_min_m", json!(0)), "depth_max_m", json!(30));
+    let deep = with(keep_out(), "depth_min_m", json!(20));
+    assert_eq!(zones(&keep_in(), &deep, &around(-1.0, 11.0)), Ok(()));
+    let covering = with(with(keep_out(), "depth_min_m", json!(0)), "depth_max_m", json!(30));
     assert_eq!(
-        zones(&inclusion(), &covering, &around(-1.0, 11.0)),
+        zones(&keep_in(), &covering, &around(-1.0, 11.0)),
         Err(message.to_owned())
     );
     let until = |properties| with(properties, "valid_until", json!("2026-05-01T08:00:00Z"));
-    assert_eq!(zones(&inclusion(), &until(exclusion()), &around(-1.0, 11.0)), Ok(()));
+    assert_eq!(zones(&keep_in(), &until(keep_out()), &around(-1.0, 11.0)), Ok(()));
     assert_eq!(
-        zones(&until(inclusion()), &exclusion(), &around(-1.0, 11.0)),
+        zones(&until(keep_in()), &keep_out(), &around(-1.0, 11.0)),
         Err(message.to_owned())
     );
     assert_eq!(
-        zones(&until(inclusion()), &until(exclusion()), &around(-1.0, 11.0)),
+        zones(&until(keep_in()), &until(keep_out()), &around(-1.0, 11.0)),
         Err(message.to_owned())
     );
 }

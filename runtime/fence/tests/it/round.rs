@@ -33,12 +33,12 @@ fn point(east_m: f64, north_m: f64) -> Value {
     json!({ "type": "Point", "coordinates": degrees(EastNorth::new(east_m, north_m)) })
 }
 
-fn inclusion(key: &str, value: f64) -> Value {
-    json!({ "name": "in", "kind": "inclusion", "margin_m": 0, "depth_max_m": 30, "altitude_min_m": 3, key: value })
+fn keep_in(key: &str, value: f64) -> Value {
+    json!({ "name": "in", "kind": "keep-in", "margin_m": 0, "depth_max_m": 30, "altitude_min_m": 3, key: value })
 }
 
-fn exclusion(key: &str, value: f64) -> Value {
-    json!({ "name": "out", "kind": "exclusion", "margin_m": 0, key: value })
+fn keep_out(key: &str, value: f64) -> Value {
+    json!({ "name": "out", "kind": "keep-out", "margin_m": 0, key: value })
 }
 
 fn load(features: &[(Value, Value)]) -> Result<Fence, String> {
@@ -76,10 +76,10 @@ fn from_line_m(points: &[(f64, f64)], at: EastNorth) -> f64 {
 #[test]
 fn circles_are_round_to_a_centimetre_and_never_laxer() {
     for radius_m in [0.5, 20.0, 300.0, 20_000.0] {
-        let within = load(&[(inclusion("radius_m", radius_m), point(0.0, 0.0))]).unwrap();
+        let within = load(&[(keep_in("radius_m", radius_m), point(0.0, 0.0))]).unwrap();
         let around = load(&[
-            (inclusion("radius_m", 24_000.0), point(0.0, 0.0)),
-            (exclusion("radius_m", radius_m), point(0.0, 0.0)),
+            (keep_in("radius_m", 24_000.0), point(0.0, 0.0)),
+            (keep_out("radius_m", radius_m), point(0.0, 0.0)),
         ])
         .unwrap();
         for step in 0..200 {
@@ -106,7 +106,7 @@ fn circles_are_round_to_a_centimetre_and_never_laxer() {
 
 #[test]
 fn the_edge_of_a_circle_is_one() {
-    let fence = load(&[(inclusion("radius_m", 300.0), point(0.0, 0.0))]).unwrap();
+    let fence = load(&[(keep_in("radius_m", 300.0), point(0.0, 0.0))]).unwrap();
     for bearing in [0.0, 100.0, 200.0, 300.0] {
         let at = EastNorth::default().offset(bearing, 200.0);
         let edge = fence.contains(at).unwrap().edge.unwrap();
@@ -117,7 +117,7 @@ fn the_edge_of_a_circle_is_one() {
 #[test]
 fn a_corridor_is_passed_along_and_not_left() {
     let way = [(0.0, 0.0), (1000.0, 0.0), (1000.0, 800.0), (1800.0, 1500.0)];
-    let fence = load(&[(inclusion("half_width_m", 50.0), line(&way))]).unwrap();
+    let fence = load(&[(keep_in("half_width_m", 50.0), line(&way))]).unwrap();
     let local = |(east_m, north_m)| fence.frame().to_local(position(EastNorth::new(east_m, north_m)));
     for (ends, edge) in way.windows(2).zip(1..) {
         // The legs of the line itself, their corners included, which lie in one polygon.
@@ -129,7 +129,7 @@ fn a_corridor_is_passed_along_and_not_left() {
         assert_eq!(fence.describe_edge(nearest).unwrap().number, edge);
     }
     let short_cut = Sweep::new(Shape::leg(local(way[0]), local(way[2])), 0.0);
-    assert_eq!(fence.check(&short_cut, &VERTICAL).unwrap_err().rule, Rule::Inclusion);
+    assert_eq!(fence.check(&short_cut, &VERTICAL).unwrap_err().rule, Rule::KeepIn);
     // Both round ends.
     assert!(clearance(&fence, -49.0, 0.0) > 0.0 && clearance(&fence, -51.0, 0.0) < 0.0);
 }
@@ -137,7 +137,7 @@ fn a_corridor_is_passed_along_and_not_left() {
 #[test]
 fn a_corridor_that_cannot_be_drawn_is_refused_with_its_place() {
     let refused =
-        |points: &[(f64, f64)], width_m: f64| load(&[(inclusion("half_width_m", width_m), line(points))]).unwrap_err();
+        |points: &[(f64, f64)], width_m: f64| load(&[(keep_in("half_width_m", width_m), line(points))]).unwrap_err();
     assert_eq!(
         refused(&[(0.0, 0.0), (500.0, 0.0), (500.0, 30.0), (0.0, 30.0)], 50.0),
         "feature 'in': turns too tightly at vertex 2 for its `half_width_m` of 50, expected longer legs, a smaller width, or a polygon"
@@ -158,11 +158,11 @@ fn a_corridor_that_cannot_be_drawn_is_refused_with_its_place() {
     assert!(refused(&[(0.0, 0.0)], 50.0).starts_with("feature 'in'"));
     assert!(refused(&[(0.0, 0.0), (0.0, 0.0)], 50.0).contains("line of no length"));
     assert!(refused(&[(0.0, 0.0), (0.0, 90_000.0)], 50.0).contains("km across"));
-    // None of this matters around an exclusion.
+    // None of this matters around a keep-out zone.
     let both = load(&[
-        (inclusion("radius_m", 5000.0), point(0.0, 0.0)),
+        (keep_in("radius_m", 5000.0), point(0.0, 0.0)),
         (
-            exclusion("half_width_m", 50.0),
+            keep_out("half_width_m", 50.0),
             line(&[(0.0, 0.0), (500.0, 0.0), (10.0, 0.0), (10.0, 20.0)]),
         ),
     ]);
@@ -172,7 +172,7 @@ fn a_corridor_that_cannot_be_drawn_is_refused_with_its_place() {
 #[test]
 fn lengths_of_circles_and_corridors_are_given_and_in_range() {
     let refused = |properties: Value, geometry: Value| load(&[(properties, geometry)]).unwrap_err();
-    let mut bare = inclusion("radius_m", 5.0);
+    let mut bare = keep_in("radius_m", 5.0);
     bare.as_object_mut().unwrap().remove("radius_m");
     assert_eq!(
         refused(bare.clone(), point(0.0, 0.0)),
@@ -180,13 +180,13 @@ fn lengths_of_circles_and_corridors_are_given_and_in_range() {
     );
     assert!(refused(bare, line(&[(0.0, 0.0), (9.0, 9.0)])).contains("`half_width_m` is missing"));
     for wrong in [0.0, -1.0, 25_001.0] {
-        assert!(refused(inclusion("radius_m", wrong), point(0.0, 0.0)).contains("expected metres within 0.1 to 25000"));
+        assert!(refused(keep_in("radius_m", wrong), point(0.0, 0.0)).contains("expected metres within 0.1 to 25000"));
     }
-    assert!(refused(inclusion("half_width_m", 5.0), point(0.0, 0.0)).contains("unknown key `half_width_m`"));
+    assert!(refused(keep_in("half_width_m", 5.0), point(0.0, 0.0)).contains("unknown key `half_width_m`"));
     let pole = json!({ "type": "Point", "coordinates": [0.0, 89.0] });
-    assert!(refused(inclusion("radius_m", 5.0), pole).contains("feature 'in' vertex 1: latitude 89 deg"));
+    assert!(refused(keep_in("radius_m", 5.0), pole).contains("feature 'in' vertex 1: latitude 89 deg"));
     let date_line = json!({ "type": "Point", "coordinates": [179.999, 10.0] });
-    assert!(refused(inclusion("radius_m", 500.0), date_line).contains("crosses the antimeridian"));
+    assert!(refused(keep_in("radius_m", 500.0), date_line).contains("crosses the antimeridian"));
 }
 
 proptest! {
@@ -205,9 +205,9 @@ proptest! {
             let next = EastNorth::new(last.0, last.1).offset(bearing, length_m);
             way.push((next.east_m, next.north_m));
         }
-        let hull = (inclusion("radius_m", 20_000.0), point(0.0, 0.0));
-        let around = load(&[hull, (exclusion("half_width_m", half_width_m), line(&way))]).unwrap();
-        let within = load(&[(inclusion("half_width_m", half_width_m), line(&way))]);
+        let wide = (keep_in("radius_m", 20_000.0), point(0.0, 0.0));
+        let around = load(&[wide, (keep_out("half_width_m", half_width_m), line(&way))]).unwrap();
+        let within = load(&[(keep_in("half_width_m", half_width_m), line(&way))]);
         // Corners are round to a hundredth of the width, and at least to a centimetre; frames differ by a little.
         let tolerance_m = 0.03 + 0.0101 * half_width_m;
         for (leg, share, bearing, reach) in places {

@@ -4,18 +4,18 @@ use backseat_fence::{Fence, Kind, Shape, Span, Sweep, Terms, VerticalExtent};
 use backseat_units::{EastNorth, Utc};
 
 const GEOJSON: &str = r#"{"type": "FeatureCollection", "features": [
-    {"type": "Feature", "properties": {"name": "box \"a\"", "kind": "inclusion", "margin_m": 10, "depth_min_m": 2,
+    {"type": "Feature", "properties": {"name": "box \"a\"", "kind": "keep-in", "margin_m": 10, "depth_min_m": 2,
         "depth_max_m": 30, "altitude_min_m": 3, "surfacing": true, "valid_from": "2026-05-01T08:00:00.25Z"},
      "geometry": {"type": "MultiPolygon", "coordinates": [
         [[[-70.0, 42.0], [-69.9, 42.0], [-69.9, 42.05], [-70.0, 42.05], [-70.0, 42.0]],
          [[-69.98, 42.01], [-69.97, 42.01], [-69.97, 42.02], [-69.98, 42.01]]],
         [[[-70.1, 42.0], [-70.05, 42.0], [-70.05, 42.05], [-70.1, 42.0]]]]}},
-    {"type": "Feature", "properties": {"name": "wreck", "kind": "exclusion", "margin_m": 0, "radius_m": 200,
+    {"type": "Feature", "properties": {"name": "wreck", "kind": "keep-out", "margin_m": 0, "radius_m": 200,
         "depth_min_m": 12.5, "valid_until": "2026-06-01T00:00:00Z"},
      "geometry": {"type": "Point", "coordinates": [-69.95, 42.03]}},
-    {"type": "Feature", "properties": {"name": "cable", "kind": "exclusion", "margin_m": 5, "half_width_m": 20},
+    {"type": "Feature", "properties": {"name": "cable", "kind": "keep-out", "margin_m": 5, "half_width_m": 20},
      "geometry": {"type": "LineString", "coordinates": [[-69.99, 42.04], [-69.93, 42.045], [-69.91, 42.04]]}},
-    {"type": "Feature", "properties": {"name": "basin", "kind": "inclusion", "margin_m": 5, "radius_m": 1500,
+    {"type": "Feature", "properties": {"name": "basin", "kind": "keep-in", "margin_m": 5, "radius_m": 1500,
         "depth_max_m": 10, "altitude_min_m": 1},
      "geometry": {"type": "Point", "coordinates": [-70.03, 42.02]}}]}"#;
 
@@ -25,12 +25,12 @@ const PLAN: &str = r#"{"fileType": "Plan", "groundStation": "QGroundControl", "v
 
 const KML: &str = r#"<kml xmlns="http://www.opengis.net/kml/2.2"><Document>
   <Placemark><name>box</name>
-    <ExtendedData><Data name="kind"><value>inclusion</value></Data></ExtendedData>
+    <ExtendedData><Data name="kind"><value>keep-in</value></Data></ExtendedData>
     <Polygon><outerBoundaryIs><LinearRing><coordinates>
       -70.0,42.0 -69.98,42.0 -69.98,42.02 -70.0,42.02 -70.0,42.0
     </coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark>
   <Placemark><name>cable</name>
-    <ExtendedData><Data name="kind"><value>exclusion</value></Data><Data name="half_width_m"><value>15</value></Data></ExtendedData>
+    <ExtendedData><Data name="kind"><value>keep-out</value></Data><Data name="half_width_m"><value>15</value></Data></ExtendedData>
     <LineString><coordinates>-69.999,42.015 -69.99,42.016 -69.981,42.012</coordinates></LineString></Placemark>
 </Document></kml>"#;
 
@@ -105,5 +105,5 @@ fn what_is_written_has_areas_alone() {
     assert!(!text.contains("Point") && !text.contains("LineString"), "{text}");
     assert!(text.contains(r#""valid_from":"2026-05-01T08:00:00.250000000Z""#));
     let wreck = fence.zones().find(|zone| zone.name() == "wreck").unwrap();
-    assert!(matches!(wreck.kind(), Kind::Exclusion { depth: Some(band) } if band.max_m.is_infinite()));
+    assert!(matches!(wreck.kind(), Kind::KeepOut { depth: Some(band) } if band.max_m.is_infinite()));
 }

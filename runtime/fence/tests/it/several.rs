@@ -5,11 +5,11 @@ use backseat_units::EastNorth;
 use proptest::prelude::*;
 
 const GEOJSON: &str = r#"{"type": "FeatureCollection", "features": [
-    {"type": "Feature", "properties": {"name": "box", "kind": "inclusion", "margin_m": 10, "depth_max_m": 30,
+    {"type": "Feature", "properties": {"name": "box", "kind": "keep-in", "margin_m": 10, "depth_max_m": 30,
         "altitude_min_m": 3},
      "geometry": {"type": "Polygon", "coordinates": [
         [[-70.0, 42.0], [-69.98, 42.0], [-69.984, 42.01], [-69.98, 42.02], [-70.0, 42.02], [-70.0, 42.0]]]}},
-    {"type": "Feature", "properties": {"name": "wreck", "kind": "exclusion", "margin_m": 5, "radius_m": 60},
+    {"type": "Feature", "properties": {"name": "wreck", "kind": "keep-out", "margin_m": 5, "radius_m": 60},
      "geometry": {"type": "Point", "coordinates": [-69.991, 42.012]}}]}"#;
 
 const VERTICAL: VerticalExtent = VerticalExtent {
@@ -72,12 +72,12 @@ fn a_rim_and_what_is_no_number_are_judged_as_ever() {
 }
 
 #[test]
-fn an_exclusion_counts_at_all_depths_that_are_passed_and_an_inclusion_at_the_extents_alone() {
+fn a_keep_out_zone_counts_at_all_depths_that_are_passed_and_a_keep_in_zone_at_the_extents_alone() {
     let fence = Fence::from_geojson(
         r#"{"type":"FeatureCollection","features":[
-        {"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":1,"depth_min_m":5,"depth_max_m":40,"altitude_min_m":2},
+        {"type":"Feature","properties":{"name":"box","kind":"keep-in","margin_m":1,"depth_min_m":5,"depth_max_m":40,"altitude_min_m":2},
          "geometry":{"type":"Polygon","coordinates":[[[-70.01,41.99],[-69.99,41.99],[-69.99,42.01],[-70.01,42.01],[-70.01,41.99]]]}},
-        {"type":"Feature","properties":{"name":"shoal","kind":"exclusion","margin_m":1,"depth_max_m":10},
+        {"type":"Feature","properties":{"name":"shoal","kind":"keep-out","margin_m":1,"depth_max_m":10},
          "geometry":{"type":"Polygon","coordinates":[[[-70.001,41.999],[-69.999,41.999],[-69.999,42.001],[-70.001,42.001],[-70.001,41.999]]]}}]}"#,
     )
     .unwrap();
@@ -90,6 +90,6 @@ fn an_exclusion_counts_at_all_depths_that_are_passed_and_an_inclusion_at_the_ext
     assert!(fence.check(&sweep, &extent).is_ok());
     assert!(fence.check_passing(&sweep, &extent, [12.0, 100.0]).is_ok());
     let breach = fence.check_passing(&sweep, &extent, [8.0, 20.0]).unwrap_err();
-    assert_eq!(breach.rule, Rule::Exclusion);
+    assert_eq!(breach.rule, Rule::KeepOut);
     assert!(fence.check_passing(&sweep, &extent, [f64::NAN, 20.0]).is_err());
 }

@@ -15,7 +15,7 @@ component = "isobath"
 grants = ["modify"]
 config = { contour_m = 30.0 }
 "#;
-const FENCE: &str = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3},"geometry":{"type":"Polygon","coordinates":[[[-70.9,42.3],[-70.89,42.3],[-70.89,42.31],[-70.9,42.31],[-70.9,42.3]]]}}]}"#;
+const FENCE: &str = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"box","kind":"keep-in","margin_m":10,"depth_max_m":50,"altitude_min_m":3},"geometry":{"type":"Polygon","coordinates":[[[-70.9,42.3],[-70.89,42.3],[-70.89,42.31],[-70.9,42.31],[-70.9,42.3]]]}}]}"#;
 
 fn folder(mission: &str, fence: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -273,15 +273,15 @@ fn the_limits_of_a_plugin_stand_beside_its_grants() {
     }
 }
 
-const DRIVERS: &str = r#"
-[[driver]]
+const EXTERNALS: &str = r#"
+[[external]]
 name = "usbl"
 sends = ["BPNPU"]
 
-[driver.bounds]
+[external.bounds]
 fix_distance_max_m = 200.0
 
-[[driver]]
+[[external]]
 name = "pod"
 sends = ["BPCTD", "BPTMR"]
 listen = "127.0.0.1:29511"
@@ -289,61 +289,65 @@ bounds = { rate_max_hz = 10.0, conductivity_out = "S/m" }
 "#;
 
 #[test]
-fn drivers_are_read_and_are_the_sessions() {
-    let mission = load(&format!("{MISSION}{DRIVERS}"), FENCE, &[]).unwrap();
-    let drivers = &mission.file.drivers;
-    assert_eq!(drivers[0].listen, "127.0.0.1:29510");
-    assert_eq!(drivers[0].bounds.fix_distance_max_m, 200.0);
+fn external_sources_are_read_and_are_the_sessions() {
+    let mission = load(&format!("{MISSION}{EXTERNALS}"), FENCE, &[]).unwrap();
+    let externals = &mission.file.externals;
+    assert_eq!(externals[0].listen, "127.0.0.1:29510");
+    assert_eq!(externals[0].bounds.fix_distance_max_m, 200.0);
     assert_eq!(
-        (drivers[0].bounds.rate_max_hz, drivers[0].bounds.fix_force),
+        (externals[0].bounds.rate_max_hz, externals[0].bounds.fix_force),
         (2.0, false)
     );
     assert_eq!(
-        drivers[1].sends,
+        externals[1].sends,
         [
-            backseat_core::DriverSentence::PayloadCtd,
-            backseat_core::DriverSentence::Relay
+            backseat_core::ExternalSentence::PayloadCtd,
+            backseat_core::ExternalSentence::Relay
         ]
     );
-    let setups: Vec<_> = drivers.iter().map(DriverTable::setup).collect();
-    assert_eq!(mission.file.session.drivers, setups);
+    let setups: Vec<_> = externals.iter().map(ExternalTable::setup).collect();
+    assert_eq!(mission.file.session.externals, setups);
     // The resolved whole, which is hashed and logged, holds them and reads back as the same.
     assert!(mission.resolved.contains("conductivity_out = \"S/m\""));
     assert_eq!(load(&mission.resolved, FENCE, &[]).unwrap().file, mission.file);
 }
 
 #[test]
-fn a_driver_that_makes_no_sense_is_named() {
+fn an_external_source_that_makes_no_sense_is_named() {
     let with = |from: &str, to: &str| {
-        let drivers = DRIVERS.replace(from, to);
-        assert_ne!(drivers, DRIVERS);
-        fault(&format!("{MISSION}{drivers}"), &[])
+        let externals = EXTERNALS.replace(from, to);
+        assert_ne!(externals, EXTERNALS);
+        fault(&format!("{MISSION}{externals}"), &[])
     };
     for (from, to, said) in [
         (
             "\"pod\"",
             "\"usbl\"",
-            "driver name `usbl`: expected one that is not empty and not used twice",
+            "external source name `usbl`: expected one that is not empty and not used twice",
         ),
-        ("\"pod\"", "\"\"", "driver name ``"),
-        ("[\"BPNPU\"]", "[]", "driver `usbl`: sends needs one sentence at least"),
+        ("\"pod\"", "\"\"", "external source name ``"),
+        (
+            "[\"BPNPU\"]",
+            "[]",
+            "external source `usbl`: sends needs one sentence at least",
+        ),
         (
             "\"BPTMR\"]",
             "\"BPCTD\"]",
-            "driver `pod`: sends needs one sentence at least, and none twice",
+            "external source `pod`: sends needs one sentence at least, and none twice",
         ),
         ("\"BPTMR\"]", "\"BPABT\"]", "unknown variant `BPABT`, expected one of"),
-        ("127.0.0.1:29511", "", "driver `pod`: listen is \"\""),
+        ("127.0.0.1:29511", "", "external source `pod`: listen is \"\""),
         ("127.0.0.1:29511", "127.0.0.1:0", "expected an IP address and a port"),
         (
             "127.0.0.1:29511",
             "127.0.0.1:29510",
-            "where another driver is listened for",
+            "where another external source is listened for",
         ),
         (
             "= 200.0",
             "= nan",
-            "driver `usbl`: bounds.fix_distance_max_m is NaN: expected above 0",
+            "external source `usbl`: bounds.fix_distance_max_m is NaN: expected above 0",
         ),
         ("rate_max_hz = 10.0", "rate_max_hz = 0.0", "bounds.rate_max_hz is 0"),
         ("\"S/m\"", "\"mS/cm\"", "unknown variant `mS/cm`"),

@@ -1,6 +1,6 @@
-//! Inclusion zones that nobody can come to: what is flown must lie in one polygon, so that the vehicle changes from one
+//! Keep-in zones that nobody can come to: what is flown must lie in one polygon, so that the vehicle changes from one
 //! to another only where they overlap, at a depth that both allow; and in each there must be a place that the margins,
-//! the exclusions and the water leave.
+//! the keep-out zones and the water leave.
 
 use backseat_core::Limits;
 use backseat_fence::{Band, Fence, Kind, Shape, Sweep, VerticalExtent, Zone};
@@ -16,7 +16,7 @@ const GRID: u32 = 48;
 /// How far inside the margin a place is tried, metres.
 const INSIDE_M: [f64; 2] = [0.01, 1.0];
 
-/// A polygon of an inclusion zone: its rings, the outer one first.
+/// A polygon of a keep-in zone: its rings, the outer one first.
 struct Part<'a> {
     zone: &'a Zone,
     /// Which of the zone's, from 1.
@@ -67,10 +67,10 @@ fn parts(fence: &Fence) -> Vec<Part<'_>> {
     let mut parts: Vec<Part<'_>> = Vec::new();
     for zone in fence.zones() {
         let (depth, altitude_min_m) = match zone.kind() {
-            Kind::Inclusion {
+            Kind::KeepIn {
                 depth, altitude_min_m, ..
             } => (depth, altitude_min_m),
-            Kind::Exclusion { .. } => continue,
+            Kind::KeepOut { .. } => continue,
         };
         for ring in zone.rings() {
             match parts.last_mut().filter(|_| ring.hole.is_some()) {
@@ -106,7 +106,7 @@ impl Part<'_> {
         } else {
             String::new()
         };
-        format!("inclusion '{}'{number}", self.zone.name())
+        format!("keep-in zone '{}'{number}", self.zone.name())
     }
 
     /// What leaves no place in it, if nothing is left. Where zones change with time that is not asked.
@@ -136,7 +136,7 @@ impl Part<'_> {
         let none = !fence.changes() && !self.tried().any(|at| free(at) && self.holds(at));
         none.then(|| {
             format!(
-                "{}: its margin of {} m and the exclusions leave no place in it, expected one where the vehicle can be",
+                "{}: its margin of {} m and the keep-out zones leave no place in it, expected one where the vehicle can be",
                 self.name(),
                 self.zone.margin_m()
             )

@@ -1,4 +1,5 @@
 //! Missions as folders.
 
-mod hull;
 mod plan;
+mod renamed;
+mod station;

@@ -5,7 +5,7 @@ use backseat_mission::{Layers, Mission, MissionError};
 
 const MISSION: &str =
     "[limits]\nspeed_min_mps = 1.0\nspeed_max_mps = 2.0\nturn_rate_dps = 8.0\ncurrent_max_mps = 0.3\n";
-const FENCE: &str = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"box","kind":"inclusion","margin_m":10,"depth_max_m":50,"altitude_min_m":3},"geometry":{"type":"Polygon","coordinates":[[[-70.9,42.3],[-70.89,42.3],[-70.89,42.31],[-70.9,42.31],[-70.9,42.3]]]}}]}"#;
+const FENCE: &str = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"name":"box","kind":"keep-in","margin_m":10,"depth_max_m":50,"altitude_min_m":3},"geometry":{"type":"Polygon","coordinates":[[[-70.9,42.3],[-70.89,42.3],[-70.89,42.31],[-70.9,42.31],[-70.9,42.3]]]}}]}"#;
 const WAYPOINT: &str =
     "[[plan]]\nkind = \"waypoint\"\nat = { east_m = 0, north_m = 100 }\ndepth_m = 250\nspeed_mps = 1.5\n";
 const ORIGIN: &str = "[origin]\nlatitude_deg = 42.305\nlongitude_deg = -70.895\n";

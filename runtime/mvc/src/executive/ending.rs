@@ -91,7 +91,7 @@ impl Executive {
         self.used.clear();
         self.empty = true;
         self.ends_at = Some(now + most);
-        self.cruise = (Vertical::Depth(0.0), self.hull.speed_max_mps / 2.0);
+        self.cruise = (Vertical::Depth(0.0), self.performance.speed_max_mps / 2.0);
         self.set_status(Status::Running, "");
         self.begin_wait(now, at);
         self.update_control(now, at);

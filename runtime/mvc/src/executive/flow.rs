@@ -62,7 +62,7 @@ impl Executive {
         }
         let command = item.shape == Shape::Command;
         if !command {
-            let least_mps = self.hull.speed_min_mps.max(0.05);
+            let least_mps = self.performance.speed_min_mps.max(0.05);
             self.cruise = (item.vertical, item.speed_mps.max(least_mps));
         }
         let running = Running {

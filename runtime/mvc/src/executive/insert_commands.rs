@@ -40,14 +40,14 @@ impl Mission {
 
     /// BPRTK (SPI 7.5).
     pub(crate) fn trackline(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &Trackline) {
-        let insert = Insert::trackline(re.client, request, ctx.frame(), ctx.vehicle.hull());
+        let insert = Insert::trackline(re.client, request, ctx.frame(), ctx.vehicle.performance());
         self.insert(ctx, re.of(request.identifier), insert);
     }
 
     /// BPRTC (SPI 7.6).
     pub(crate) fn trackcircle(&mut self, ctx: &mut Context<'_>, re: Regarding, request: &Trackcircle) {
         let layout = ctx.interpretation.trackcircle_layout;
-        let insert = Insert::trackcircle(re.client, request, layout, ctx.frame(), ctx.vehicle.hull());
+        let insert = Insert::trackcircle(re.client, request, layout, ctx.frame(), ctx.vehicle.performance());
         self.insert(ctx, re.of(request.identifier), insert);
     }
 

@@ -16,7 +16,7 @@ impl Executive {
         if self.used.contains(&insert.id) {
             return Err(Refusal::Duplicate);
         }
-        insert.within(&self.hull, self.altitude_min_m)?;
+        insert.within(&self.performance, self.altitude_min_m)?;
         if insert.interrupt && self.in_interruption() {
             return Err(Refusal::InterruptsInterrupt);
         }

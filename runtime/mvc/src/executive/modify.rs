@@ -6,7 +6,7 @@ use backseat_units::math::wrap_360;
 
 use super::Executive;
 use crate::event::{ClientId, ModifyEnd, ModifyHorizontal, ModifySpeed, ModifyValues, ModifyVertical, MvcEventKind};
-use crate::vehicle::hull::Hull;
+use crate::vehicle::performance::Performance;
 
 /// A modify lapses this long after the last BPRMB (SPI 7.12).
 const MODIFY_LASTS: Duration = Duration::from_secs(5);
@@ -38,7 +38,7 @@ impl Executive {
             return Err("this behavior has been modified for too long or too far");
         }
         if self.interpretation.modify_beyond_refused
-            && let Some(why) = beyond(&values, &self.hull, self.altitude_min_m)
+            && let Some(why) = beyond(&values, &self.performance, self.altitude_min_m)
         {
             return Err(why);
         }
@@ -143,30 +143,30 @@ pub(super) fn read(request: &ModifyBehavior, grid_convergence_deg: f64) -> Resul
 }
 
 /// Which of the values is beyond the vehicle's safe operating parameters (SPI 7.12), as a text.
-fn beyond(values: &ModifyValues, hull: &Hull, altitude_min_m: f64) -> Option<&'static str> {
+fn beyond(values: &ModifyValues, performance: &Performance, altitude_min_m: f64) -> Option<&'static str> {
     match values.horizontal {
-        Some(ModifyHorizontal::Rudder(deg)) if deg.abs() > hull.fin_max_deg => {
+        Some(ModifyHorizontal::Rudder(deg)) if deg.abs() > performance.fin_max_deg => {
             return Some("the rudder is beyond the safe limits of the vehicle");
         }
         Some(ModifyHorizontal::Rudder(_) | ModifyHorizontal::Heading(_)) | None => {}
     }
     let safe = match values.vertical {
         None => true,
-        Some(ModifyVertical::Depth(metres)) => (0.0..=hull.depth_max_m).contains(&metres),
+        Some(ModifyVertical::Depth(metres)) => (0.0..=performance.depth_max_m).contains(&metres),
         Some(ModifyVertical::Altitude(metres)) => (altitude_min_m..=1000.0).contains(&metres),
-        Some(ModifyVertical::Pitch(deg)) => deg.abs() <= hull.pitch_max_deg,
-        Some(ModifyVertical::Elevator(deg)) => deg.abs() <= hull.fin_max_deg,
+        Some(ModifyVertical::Pitch(deg)) => deg.abs() <= performance.pitch_max_deg,
+        Some(ModifyVertical::Elevator(deg)) => deg.abs() <= performance.fin_max_deg,
     };
     if !safe {
         return Some("depth or altitude or pitch or elevator is beyond the safe limits of the vehicle");
     }
     let speed_mps = values.speed.map(|speed| match speed {
         ModifySpeed::MetresPerSecond(mps) => mps,
-        ModifySpeed::Rpm(rpm) => hull.speed_mps(rpm),
+        ModifySpeed::Rpm(rpm) => performance.speed_mps(rpm),
     });
     // None at all is safe: the thruster stops, and the vehicle floats up. Silent mode, trim and buoyancy need it (SPI 7.22
     // to 7.24).
     speed_mps
-        .is_some_and(|mps| mps != 0.0 && !(hull.speed_min_mps..=hull.speed_max_mps).contains(&mps))
+        .is_some_and(|mps| mps != 0.0 && !(performance.speed_min_mps..=performance.speed_max_mps).contains(&mps))
         .then_some("the speed is beyond the safe limits of the vehicle")
 }

@@ -15,7 +15,9 @@ impl Executive {
     pub(super) fn steer(&mut self, now: Timestamp, estimate: &Estimate) -> Option<Steer> {
         while self.is_running() {
             let running = self.running.as_mut()?;
-            let steer = running.course.steer(estimate, running.speed_mps, &self.hull, now);
+            let steer = running
+                .course
+                .steer(estimate, running.speed_mps, &self.performance, now);
             if running.course.is_on_line()
                 && !running.logging
                 && let Some(message) = &running.message
@@ -69,7 +71,7 @@ impl Executive {
             Some(ModifyHorizontal::Heading(true_deg)) => Turn::Heading(true_deg - convergence_deg),
             // A turn added to what the heading's error asks for is a heading that is off by so much.
             Some(ModifyHorizontal::Rudder(deg)) if self.interpretation.fins_change => {
-                Turn::Heading(own_deg + self.hull.rudder_dps(deg) / self.hull.yaw_gain_per_s)
+                Turn::Heading(own_deg + self.performance.rudder_dps(deg) / self.performance.yaw_gain_per_s)
             }
             Some(ModifyHorizontal::Rudder(deg)) => Turn::Rudder(deg),
         }
@@ -87,8 +89,8 @@ impl Executive {
             Some(ModifyVertical::Pitch(pitch)) => Vertical::Pitch(pitch),
             // As with the rudder: a climb added to what the depth's error asks for is a depth that is off by so much.
             Some(ModifyVertical::Elevator(deg)) if self.interpretation.fins_change => {
-                let pitch_deg = self.hull.elevator_pitch_deg(deg);
-                let rise_m = estimate.surge_mps * sin(pitch_deg.to_radians()) / self.hull.depth_gain_per_s;
+                let pitch_deg = self.performance.elevator_pitch_deg(deg);
+                let rise_m = estimate.surge_mps * sin(pitch_deg.to_radians()) / self.performance.depth_gain_per_s;
                 match own {
                     Vertical::Depth(depth) => Vertical::Depth(depth - rise_m),
                     Vertical::Altitude(altitude) => Vertical::Altitude(altitude + rise_m),

@@ -152,7 +152,7 @@ impl Executive {
         }
         let suspension = self.suspension?;
         match suspension.phase {
-            Phase::Held { demand, .. } => Some(Drive::Hover(demand.unwrap_or_else(|| suspension.hold(0.0)))),
+            Phase::Held { demand, .. } => Some(Drive::Hover(demand.unwrap_or_else(|| suspension.stay(0.0)))),
             Phase::Returning { until } => {
                 let reached = estimate.at.distance_m(suspension.at) < RETURNED_M
                     && (estimate.depth_m - suspension.depth_m).abs() < RETURNED_M;
@@ -166,7 +166,7 @@ impl Executive {
                 let way = (suspension.at - estimate.at) * RETURN_GAIN_PER_S;
                 Some(Drive::Hover(HoverDemand {
                     ground: (way.east_m, way.north_m),
-                    ..suspension.hold(speed_mps.max(RETURN_MIN_MPS))
+                    ..suspension.stay(speed_mps.max(RETURN_MIN_MPS))
                 }))
             }
         }
@@ -241,7 +241,7 @@ impl Executive {
 
 impl Suspension {
     /// Stopped, as deep and with the heading as it was.
-    const fn hold(&self, speed_max_mps: f64) -> HoverDemand {
+    const fn stay(&self, speed_max_mps: f64) -> HoverDemand {
         HoverDemand {
             ground: (0.0, 0.0),
             vertical: Vertical::Depth(self.depth_m),

@@ -26,7 +26,7 @@ pub struct AdjustmentConfig {
     pub buoyancy_equipped: bool,
     /// Buoyancy at first, newtons, positive up, within 1000.
     pub buoyancy_n: Span,
-    /// The buoyancy at which the hull floats up as fast as its class says, newtons, 0.1 to 1000.
+    /// The buoyancy at which the vehicle floats up as fast as its class says, newtons, 0.1 to 1000.
     pub buoyancy_nominal_n: f64,
     /// How fast the buoyancy system works, newtons a second, 0.001 to 100.
     pub buoyancy_rate_n_per_s: f64,

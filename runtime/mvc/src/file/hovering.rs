@@ -151,7 +151,7 @@ impl HoveringConfig {
             check((least..=most).contains(&value), key, value, expected)?;
         }
         let Some(hull) = &self.hull else { return Ok(()) };
-        if !vehicle.hull().hovers {
+        if !vehicle.performance().hovers {
             return Err(MvcError::Value {
                 key: "vehicle.class",
                 value: format!("\"{}\"", vehicle.class.name()),

@@ -6,7 +6,7 @@ use backseat_units::{EastNorth, Timestamp};
 use crate::estimate::Estimate;
 use crate::event::EndReason;
 use crate::plan::{GpsTimes, Shape};
-use crate::vehicle::hull::Hull;
+use crate::vehicle::performance::Performance;
 
 /// One behavior being flown: which part of its shape comes now, how far it has got, and where to steer.
 ///
@@ -28,7 +28,7 @@ enum Part {
         last_bearing_deg: f64,
         swept_deg: f64,
     },
-    Hold {
+    Stay {
         until: Timestamp,
     },
     /// At the place of a GPS hit.
@@ -141,8 +141,8 @@ impl Course {
             Shape::Waypoint { to } => Part::Transit(Line::new(at, to)),
             Shape::Trackline { start, .. } => Part::Transit(Line::new(at, start)),
             Shape::GpsHit { at: place, .. } => Part::Transit(Line::new(at, place)),
-            Shape::Setpoint { duration, .. } => Part::Hold { until: now + duration },
-            Shape::Command => Part::Hold { until: now },
+            Shape::Setpoint { duration, .. } => Part::Stay { until: now + duration },
+            Shape::Command => Part::Stay { until: now },
             Shape::Idle => Part::Idle,
             Shape::Trackcircle {
                 centre,
@@ -164,7 +164,7 @@ impl Course {
     /// Goes on after a pause, which the times of a setpoint and of a GPS hit do not count.
     pub(crate) fn resume(&mut self, paused: Duration) {
         match &mut self.part {
-            Part::Hold { until } => *until = *until + paused,
+            Part::Stay { until } => *until = *until + paused,
             Part::Surface { since, up_since, .. } => {
                 *since = *since + paused;
                 *up_since = None;
@@ -178,9 +178,15 @@ impl Course {
         matches!(self.part, Part::Along(_))
     }
 
-    pub(crate) fn steer(&mut self, estimate: &Estimate, speed_mps: f64, hull: &Hull, now: Timestamp) -> Steer {
+    pub(crate) fn steer(
+        &mut self,
+        estimate: &Estimate,
+        speed_mps: f64,
+        performance: &Performance,
+        now: Timestamp,
+    ) -> Steer {
         let at = estimate.at;
-        let lookahead_m = (4.0 * speed_mps / hull.yaw_gain_per_s.max(0.1)).clamp(4.0, 40.0);
+        let lookahead_m = (4.0 * speed_mps / performance.yaw_gain_per_s.max(0.1)).clamp(4.0, 40.0);
         if let Part::Transit(line) = self.part {
             let steer = line.steer(at, lookahead_m, CAPTURE_M);
             if steer.end.is_none() {
@@ -214,9 +220,17 @@ impl Course {
                 let bearing_deg = circle_bearing_deg(&self.shape, at);
                 *swept_deg += wrap_180(bearing_deg - *last_bearing_deg);
                 *last_bearing_deg = bearing_deg;
-                around(&self.shape, at, bearing_deg, *swept_deg, speed_mps, lookahead_m, hull)
+                around(
+                    &self.shape,
+                    at,
+                    bearing_deg,
+                    *swept_deg,
+                    speed_mps,
+                    lookahead_m,
+                    performance,
+                )
             }
-            Part::Hold { until } => {
+            Part::Stay { until } => {
                 let heading_deg = match self.shape {
                     Shape::Setpoint { heading_deg, .. } => heading_deg,
                     Shape::Waypoint { .. }
@@ -292,7 +306,7 @@ fn around(
     swept_deg: f64,
     speed_mps: f64,
     lookahead_m: f64,
-    hull: &Hull,
+    performance: &Performance,
 ) -> Steer {
     let Shape::Trackcircle {
         centre,
@@ -305,7 +319,7 @@ fn around(
     };
     let out_m = centre.distance_m(at) - radius_m;
     // The turn lags behind what is asked for: ask for where the tangent will be.
-    let lead_deg = (speed_mps / radius_m * (hull.yaw_tau_s + 1.0 / hull.yaw_gain_per_s))
+    let lead_deg = (speed_mps / radius_m * (performance.yaw_tau_s + 1.0 / performance.yaw_gain_per_s))
         .to_degrees()
         .min(60.0);
     let inward_deg = 90.0 + atan(out_m / lookahead_m).to_degrees() + lead_deg;

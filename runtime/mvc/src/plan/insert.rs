@@ -7,7 +7,7 @@ use crate::event::{ClientId, Refusal};
 use crate::interpretation::CircleLayout;
 use crate::plan::{GpsTimes, RADIUS_M, Shape};
 use crate::vehicle::Vertical;
-use crate::vehicle::hull::Hull;
+use crate::vehicle::performance::Performance;
 
 /// A behavior that a payload asks to insert into the plan (SPI 7.5 to 7.7).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ impl Insert {
         client: ClientId,
         request: &Trackline,
         frame: &LocalFrame,
-        hull: &Hull,
+        performance: &Performance,
     ) -> Result<Self, String> {
         let shape = Shape::Trackline {
             start: frame.to_local(request.start),
@@ -40,7 +40,7 @@ impl Insert {
             id: request.identifier,
             shape,
             vertical: vertical(request.vertical_mode, request.vertical_m)?,
-            speed_mps: speed_mps(request.speed_mode, request.speed, hull)?,
+            speed_mps: speed_mps(request.speed_mode, request.speed, performance)?,
             interrupt: interrupt(request.interrupt)?,
             spiral: false,
         })
@@ -52,7 +52,7 @@ impl Insert {
         request: &Trackcircle,
         layout: CircleLayout,
         frame: &LocalFrame,
-        hull: &Hull,
+        performance: &Performance,
     ) -> Result<Self, String> {
         let (entry_deg, code) = entry_of(request, layout);
         let shape = Shape::Trackcircle {
@@ -66,7 +66,7 @@ impl Insert {
             id: request.identifier,
             shape,
             vertical: vertical(request.vertical_mode, request.vertical_m)?,
-            speed_mps: speed_mps(request.speed_mode, request.speed, hull)?,
+            speed_mps: speed_mps(request.speed_mode, request.speed, performance)?,
             interrupt: interrupt(code)?,
             spiral: false,
         })
@@ -106,12 +106,12 @@ impl Insert {
     }
 
     /// Whether this vehicle can fly it at all.
-    pub(crate) fn within(&self, hull: &Hull, altitude_min_m: f64) -> Result<(), Refusal> {
+    pub(crate) fn within(&self, performance: &Performance, altitude_min_m: f64) -> Result<(), Refusal> {
         if self.spiral {
             return Err(Refusal::Spiral);
         }
         let vertical_ok = match self.vertical {
-            Vertical::Depth(depth_m) => (0.0..=hull.depth_max_m).contains(&depth_m),
+            Vertical::Depth(depth_m) => (0.0..=performance.depth_max_m).contains(&depth_m),
             Vertical::Altitude(altitude_m) => (altitude_min_m..=1000.0).contains(&altitude_m),
             Vertical::Pitch(_) | Vertical::Elevator(_) => false,
         };
@@ -122,8 +122,8 @@ impl Insert {
             | Vertical::Elevator(value)) = self.vertical;
             return Err(Refusal::Vertical(value));
         }
-        // Standing still is no way to fly a line, even for a hull that can.
-        if !(hull.speed_min_mps.max(0.05)..=hull.speed_max_mps).contains(&self.speed_mps) {
+        // Standing still is no way to fly a line, even for a vehicle that can.
+        if !(performance.speed_min_mps.max(0.05)..=performance.speed_max_mps).contains(&self.speed_mps) {
             return Err(Refusal::Speed(self.speed_mps));
         }
         let near = |point: EastNorth| point.distance_m(EastNorth::default()) <= RADIUS_M;
@@ -159,10 +159,10 @@ fn vertical(mode: VerticalMode, metres: f64) -> Result<Vertical, String> {
     }
 }
 
-fn speed_mps(mode: SpeedMode, speed: f64, hull: &Hull) -> Result<f64, String> {
+fn speed_mps(mode: SpeedMode, speed: f64, performance: &Performance) -> Result<f64, String> {
     match mode {
         SpeedMode::MetresPerSecond => Ok(speed),
-        SpeedMode::Rpm => Ok(hull.speed_mps(speed)),
+        SpeedMode::Rpm => Ok(performance.speed_mps(speed)),
         SpeedMode::Other(code) => Err(format!("speed_mode {code}: expected 0 or 1")),
     }
 }

@@ -228,7 +228,7 @@ impl DvlReading {
         }
     }
 
-    /// BFDV2 (SPI 6.14): along the beams on a hovering hull, else along the axes with the error velocity.
+    /// BFDV2 (SPI 6.14): along the beams on a hovering vehicle, else along the axes with the error velocity.
     pub(super) fn extended(&self, hovers: bool, stamp: TimeOfDay) -> DvlBeams {
         let velocity_mps = if hovers {
             self.along_beams_mps

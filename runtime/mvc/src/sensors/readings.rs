@@ -111,8 +111,8 @@ impl Sensors {
             let reading = || self.water.depth_sensor(vehicle, world, number, stamp).into();
             report(ctx, Topic::DepthSensor, reading);
         }
-        // A hovering hull has no tailcone (SPI 6.7, 6.12).
-        if let Some(number) = tailcone.filter(|_| !failed.tailcone && !vehicle.hull().hovers) {
+        // A hovering vehicle has no tailcone (SPI 6.7, 6.12).
+        if let Some(number) = tailcone.filter(|_| !failed.tailcone && !vehicle.performance().hovers) {
             let tailcone = &self.tailcone;
             report(ctx, Topic::VehicleSpeed, || {
                 tailcone.speed(vehicle, number, stamp).into()
@@ -156,7 +156,7 @@ impl Sensors {
         let reading = self.dvl.reading(vehicle, temperature_c, self.sound_ratio, number);
         if let Some(reading) = reading {
             report(ctx, Topic::Dvl, || reading.message(stamp).into());
-            let hovers = vehicle.hull().hovers;
+            let hovers = vehicle.performance().hovers;
             report(ctx, Topic::DvlExtended, || reading.extended(hovers, stamp).into());
         }
     }

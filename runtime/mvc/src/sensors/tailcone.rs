@@ -32,7 +32,7 @@ impl Tailcone {
 
     /// BFRVL (SPI 6.7), the reading of this number.
     pub(super) fn speed(&self, vehicle: &Vehicle, number: u64, stamp: TimeOfDay) -> VehicleSpeed {
-        let rpm_per_mps = vehicle.hull().rpm_per_mps;
+        let rpm_per_mps = vehicle.performance().rpm_per_mps;
         // Let go against the water's motion it has less than no way on, and its thruster has not begun to turn.
         let turns_rpm = vehicle
             .motion()
@@ -50,9 +50,9 @@ impl Tailcone {
 
     /// BFERC (SPI 6.12), the reading of this number.
     ///
-    /// Where the model has fins, those. The kinematic one has none: an angle is the share of the hull's fastest turn at
-    /// this speed, or of its fastest climb, that the vehicle makes, and its target the share that it has been asked for. That is found from how far the rate has come in a
-    /// step.
+    /// Where the model has fins, those. The kinematic one has none: an angle is the share of the vehicle's fastest turn
+    /// at this speed, or of its fastest climb, that the vehicle makes, and its target the share that it has been asked
+    /// for. That is found from how far the rate has come in a step.
     pub(super) fn angles(
         &self,
         vehicle: &Vehicle,
@@ -72,18 +72,22 @@ impl Tailcone {
                 rudder_target_deg: tail.ordered.rudder_deg,
             };
         }
-        let hull = vehicle.hull();
+        let performance = vehicle.performance();
         let most_deg = self.config.angle_max_deg;
         let angle = |rate: f64, fastest: f64| (most_deg * rate / fastest).clamp(-most_deg, most_deg);
         let asked = |before: f64, now: f64, tau_s: f64| before + (now - before) * (tau_s + dt_s) / dt_s;
-        let yaw_dps = asked(before.yaw_rate_dps, vehicle.motion().yaw_rate_dps, hull.yaw_tau_s);
-        let turn_max_dps = hull.turn_max_dps(vehicle.motion().surge_mps).max(TURN_LEAST_DPS);
-        let heave_mps = asked(before.heave_mps, vehicle.motion().heave_mps, hull.heave_tau_s);
+        let yaw_dps = asked(
+            before.yaw_rate_dps,
+            vehicle.motion().yaw_rate_dps,
+            performance.yaw_tau_s,
+        );
+        let turn_max_dps = performance.turn_max_dps(vehicle.motion().surge_mps).max(TURN_LEAST_DPS);
+        let heave_mps = asked(before.heave_mps, vehicle.motion().heave_mps, performance.heave_tau_s);
         ControlSurfaces {
             created: stamp,
-            elevator_deg: angle(-vehicle.motion().heave_mps, hull.depth_rate_max_mps) + noise_deg(),
+            elevator_deg: angle(-vehicle.motion().heave_mps, performance.depth_rate_max_mps) + noise_deg(),
             rudder_deg: angle(vehicle.motion().yaw_rate_dps, turn_max_dps) + noise_deg(),
-            elevator_target_deg: angle(-heave_mps, hull.depth_rate_max_mps),
+            elevator_target_deg: angle(-heave_mps, performance.depth_rate_max_mps),
             rudder_target_deg: angle(yaw_dps, turn_max_dps),
         }
     }

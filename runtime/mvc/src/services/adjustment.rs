@@ -90,8 +90,8 @@ impl Adjustment {
         self.running.is_some_and(|running| running.by.is_some())
     }
 
-    /// How fast the hull floats up, as a share of what its class does: of the buoyancy's root, for drag goes with the
-    /// square of the speed. Negative sinks.
+    /// How fast the vehicle floats up, as a share of what its class does: of the buoyancy's root, for drag goes with
+    /// the square of the speed. Negative sinks.
     pub(crate) fn rise_share(&self) -> f64 {
         let share = self.system.buoyancy_n / self.config.buoyancy_nominal_n;
         share.abs().sqrt().copysign(share)

@@ -67,7 +67,7 @@ pub(crate) struct Inspector {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Goal {
     /// Where it was suspended, with the bearing that it had.
-    Hold {
+    Stay {
         x_m: f64,
         y_m: f64,
         depth_m: f64,
@@ -90,7 +90,7 @@ enum Goal {
 
 impl Hovering {
     pub(crate) fn new(file: &WorldFile, world: &World, vehicle: &mut Vehicle, seed: u64) -> Self {
-        if !vehicle.hull().hovers {
+        if !vehicle.performance().hovers {
             return Self { state: None };
         }
         let config = &file.hovering;
@@ -103,7 +103,7 @@ impl Hovering {
         let relative_period = Duration::from_secs_f64(1.0 / config.relative_hz);
         let servo_period = Duration::from_secs_f64(1.0 / config.servo_hz);
         let (x_m, y_m) = relative.believed();
-        let goal = Goal::Hold {
+        let goal = Goal::Stay {
             x_m,
             y_m,
             depth_m: vehicle.motion().depth_m,
@@ -139,9 +139,9 @@ impl Hovering {
 
 impl Inspector {
     /// Holds the place where it is, as deep as it believes to be.
-    fn hold(&mut self, vehicle: &Vehicle, depth_m: f64) {
+    fn stay(&mut self, vehicle: &Vehicle, depth_m: f64) {
         let (x_m, y_m) = self.relative.believed();
-        self.goal = Goal::Hold {
+        self.goal = Goal::Stay {
             x_m,
             y_m,
             depth_m,
@@ -164,7 +164,7 @@ impl Inspector {
     fn turn_devices(&mut self, suspended: bool) {
         self.dvl.turn_to(match self.goal {
             Goal::Hull { .. } if suspended => DVL_TO_HULL_DEG,
-            Goal::Hull { .. } | Goal::Hold { .. } | Goal::Bottom { .. } => DVL_TO_BOTTOM_DEG,
+            Goal::Hull { .. } | Goal::Stay { .. } | Goal::Bottom { .. } => DVL_TO_BOTTOM_DEG,
         });
         self.sonar.step(self.servo_step_deg);
         self.dvl.step(self.servo_step_deg);
@@ -180,7 +180,7 @@ impl Inspector {
     fn reset(&mut self, x_m: f64, y_m: f64, bearing_deg: f64, vehicle: &Vehicle) -> f64 {
         let turned_deg = bearing_deg - self.relative.bearing_deg(vehicle);
         let moved = self.relative.reset(x_m, y_m, bearing_deg, vehicle);
-        if let Goal::Hold { x_m, y_m, .. } = &mut self.goal {
+        if let Goal::Stay { x_m, y_m, .. } = &mut self.goal {
             *x_m += moved.0;
             *y_m += moved.1;
         }
@@ -196,7 +196,7 @@ impl Inspector {
     /// A bearing that nobody has asked for is held in truth; facing the hull is asked for.
     fn turn_held_bearing(&mut self, turned_deg: f64) {
         match &mut self.goal {
-            Goal::Hold { bearing_deg, .. } | Goal::Bottom { bearing_deg, .. } => *bearing_deg += turned_deg,
+            Goal::Stay { bearing_deg, .. } | Goal::Bottom { bearing_deg, .. } => *bearing_deg += turned_deg,
             Goal::Hull { .. } => {}
         }
     }
@@ -204,7 +204,7 @@ impl Inspector {
     fn demand(&self, vehicle: &Vehicle) -> HoverDemand {
         let (x_m, y_m) = self.relative.believed();
         let (left_x_m, left_y_m, vertical, bearing_deg) = match self.goal {
-            Goal::Hold {
+            Goal::Stay {
                 x_m: to_x_m,
                 y_m: to_y_m,
                 depth_m,
@@ -245,7 +245,7 @@ impl Inspector {
         let left = self.demand(vehicle).ground;
         let left_m = hypot(left.0, left.1) / POSITION_GAIN_PER_S;
         let vertical_m = match self.goal {
-            Goal::Hold { depth_m, .. } | Goal::Hull { depth_m, .. } => depth_m - believed_depth_m,
+            Goal::Stay { depth_m, .. } | Goal::Hull { depth_m, .. } => depth_m - believed_depth_m,
             Goal::Bottom {
                 vertical: Vertical::Altitude(altitude_m),
                 ..

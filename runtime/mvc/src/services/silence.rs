@@ -57,7 +57,7 @@ impl Silence {
             changes: VecDeque::new(),
             until: None,
             driven: false,
-            has_tailcone: !file.vehicle.hull().hovers,
+            has_tailcone: !file.vehicle.performance().hovers,
             spins_until: Timestamp::ZERO,
         }
     }
@@ -170,7 +170,7 @@ impl Silence {
             Drive::Under(_) if self.has_tailcone && (self.is_silent() || devices.adjustment.is_asked_for()) => {
                 Drive::Adrift
             }
-            Drive::Under(demand) if !demand.throttle.is_on() && !ctx.vehicle.hull().hovers => Drive::Adrift,
+            Drive::Under(demand) if !demand.throttle.is_on() && !ctx.vehicle.performance().hovers => Drive::Adrift,
             Drive::Held | Drive::Under(_) | Drive::Hover(_) | Drive::Adrift => drive,
         };
         self.watch_tailcone(ctx.now, matches!(drive, Drive::Under(_)));

@@ -21,16 +21,16 @@ impl Vehicle {
     /// Rates of a hovering vehicle: a first-order lag of the velocity through the water in every direction alike. The
     /// thrusters abreast are taken to be as strong as those ahead.
     pub(super) fn hover(&mut self, demand: &HoverDemand, dt_s: f64) {
-        let hull = self.hull;
+        let performance = self.performance;
         let limit_mps = demand.speed_max_mps;
         // The vertical has the first share of the limit: it keeps the vehicle off the bottom.
         let down_mps = self.wanted_heave_mps(demand.vertical).clamp(-limit_mps, limit_mps);
         let left_mps = (limit_mps * limit_mps - down_mps * down_mps).max(0.0).sqrt();
-        let (east_mps, north_mps) = capped(demand.ground, left_mps.min(hull.speed_max_mps));
+        let (east_mps, north_mps) = capped(demand.ground, left_mps.min(performance.speed_max_mps));
         let (east_mps, north_mps, down_mps) = self.led((east_mps, north_mps, down_mps));
         let wanted = capped(
             (east_mps - self.motion.current.0, north_mps - self.motion.current.1),
-            hull.speed_max_mps,
+            performance.speed_max_mps,
         );
         let (sin, cos) = self.axis;
         let water = (
@@ -40,7 +40,7 @@ impl Vehicle {
         let part = self.lags.surge;
         let change = capped(
             ((wanted.0 - water.0) * part, (wanted.1 - water.1) * part),
-            hull.surge_accel_mps2 * dt_s,
+            performance.surge_accel_mps2 * dt_s,
         );
         let water = (water.0 + change.0, water.1 + change.1);
         self.heave(down_mps);

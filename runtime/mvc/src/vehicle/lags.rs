@@ -1,4 +1,4 @@
-use crate::vehicle::hull::Hull;
+use crate::vehicle::performance::Performance;
 
 /// Time constant of the rates of pitch and roll, seconds.
 const ATTITUDE_TAU_S: f64 = 0.5;
@@ -10,7 +10,7 @@ const STOP_GAIN_PER_S: f64 = 0.5;
 /// With less than this many steps to stop in, it would come to a stop beyond.
 const STOP_GAIN_PER_STEP: f64 = 0.34;
 
-/// What a hull's time constants come to in a step, kept because every step is as long.
+/// What the time constants come to in a step, kept because every step is as long.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lags {
     pub(super) dt_s: f64,
@@ -29,17 +29,17 @@ pub(super) struct Lags {
 }
 
 impl Lags {
-    pub(super) fn of(hull: &Hull, dt_s: f64) -> Self {
+    pub(super) fn of(performance: &Performance, dt_s: f64) -> Self {
         let share = |tau_s: f64| dt_s / (tau_s + dt_s);
         Self {
             dt_s,
-            surge: share(hull.surge_tau_s),
-            yaw: share(hull.yaw_tau_s),
-            heave: share(hull.heave_tau_s),
+            surge: share(performance.surge_tau_s),
+            yaw: share(performance.yaw_tau_s),
+            heave: share(performance.heave_tau_s),
             attitude: share(ATTITUDE_TAU_S),
-            pitch_per_s: 1.0 / (hull.heave_tau_s + dt_s),
+            pitch_per_s: 1.0 / (performance.heave_tau_s + dt_s),
             roll_per_s: 1.0 / (ROLL_TAU_S + dt_s),
-            pitch_steps: (hull.heave_tau_s + ATTITUDE_TAU_S) / dt_s,
+            pitch_steps: (performance.heave_tau_s + ATTITUDE_TAU_S) / dt_s,
             stop_per_s: STOP_GAIN_PER_S.min(STOP_GAIN_PER_STEP / dt_s),
         }
     }

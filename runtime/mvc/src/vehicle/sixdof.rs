@@ -8,12 +8,12 @@
 //! Three layers, each usable by itself:
 //! - [`SixDof`]: fins and propeller in, motion out;
 //! - [`autopilot::Autopilot`]: heading, depth, pitch, speed in, fins and propeller out;
-//! - [`Piloted`]: both, in the sea that it is in and within a hull's limits: what the mock flies where the world says
+//! - [`Piloted`]: both, in the sea that it is in and within a body's limits: what the mock flies where the world says
 //!   `model = "6-dof"`.
 //!
 //! How much to believe: drag and propulsion are calibrated with measurements on REMUS vehicles, mass and added mass follow
 //! from the shape, and the damping is its author's judgement. The turn is the least certain: Prestero's coefficients of
-//! an earlier hull, with weight and buoyancy equal, turn in 6 to 9 m at 1.3 m/s with 4 to 12 degrees of rudder, and the
+//! an earlier body, with weight and buoyancy equal, turn in 6 to 9 m at 1.3 m/s with 4 to 12 degrees of rudder, and the
 //! model flown here in 19 to 44 m at 1.6 m/s with 15 to 5 degrees.
 //!
 //! It is integrated at 50 Hz, whatever the vehicle's own step is: a tick of 100 ms is five steps of the body, of its
@@ -22,7 +22,7 @@
 //! Axes: the body's are forward, starboard, down; the world's are north, east, down. No trigonometry of attitude
 //! angles is in the equations: the attitude is a unit quaternion, and a pitch of 90 degrees is like any other.
 //!
-//! Deliberately absent: waves, the hull half out of the water, ground effect, fins that stall, a propeller that
+//! Deliberately absent: waves, the body half out of the water, ground effect, fins that stall, a propeller that
 //! cavitates.
 
 mod actuators;
@@ -148,7 +148,7 @@ impl SixDof {
     }
 
     /// Stops it over ground where it is, its tail too. What lets it go finds it at rest there, and the water in motion.
-    pub(crate) fn hold(&mut self) {
+    pub(crate) fn stay(&mut self) {
         self.state.velocity = BodyVelocity::zeros();
         self.state.attitude = Attitude::level(self.state.attitude.heading_rad());
         self.tail = Tail::default();

@@ -158,7 +158,7 @@ fn suspended_without_a_place_it_stays_in_a_current() {
 }
 
 #[test]
-fn the_speed_limit_is_kept_and_outlives_the_hold() {
+fn the_speed_limit_is_kept_and_outlives_station_keeping() {
     // SPI 8.4: 1.5 at first, and never above the vehicle's best, which is 0.75 m/s.
     let mut payload = Payload::connected(HARBOUR, 1, &[]);
     assert_eq!(hovering(&payload).speed_limit_mps, 1.5);

@@ -3,6 +3,7 @@
 mod acoustic;
 mod adjustment;
 mod aiding;
+mod announced;
 mod consistency;
 mod conversation;
 mod determinism;
@@ -41,5 +42,4 @@ mod session;
 mod silence;
 mod sixdof;
 mod soundings;
-mod told;
 mod topside;

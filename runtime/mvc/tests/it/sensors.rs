@@ -250,7 +250,7 @@ fn the_tailcone_turns_and_dives_the_vehicle() {
 
 /// SPI 6.7, 6.12: only vehicles with a tailcone.
 #[test]
-fn a_hovering_hull_has_no_tailcone() {
+fn a_hovering_vehicle_has_no_tailcone() {
     let text = CALM
         .replace("[mission]", "[vehicle]\nclass = \"hovering\"\n[mission]")
         .replace("speed_mps = 2", "speed_mps = 0.5");

@@ -38,7 +38,7 @@ impl Oracle {
         let is_new = match &name {
             b"BPRTK" | b"BPRTC" | b"BPRGP" => true,
             b"BPRMB" => !self.lease.is_alive() && !self.lease.is_unended(),
-            b"BPSUS" => !self.hold.is_alive() && !self.hold.is_unended(),
+            b"BPSUS" => !self.station.is_alive() && !self.station.is_unended(),
             _ => false,
         };
         self.shutdown.we_say(at, &name, is_new, &mut self.findings);
@@ -164,7 +164,7 @@ impl Oracle {
             }
             b"BPDVR" if !asks_trigger => return true,
             b"BPEMB" if self.lease.is_unended() => return true,
-            b"BPSPD" | b"BPRES" if self.hold.is_unended() => return true,
+            b"BPSPD" | b"BPRES" if self.station.is_unended() => return true,
             b"BPEMB" | b"BPRES" => Rule::EndSurplus,
             name if is_dynamic(name) => Rule::NoControl,
             _ => Rule::NotAllowedWithoutControl,

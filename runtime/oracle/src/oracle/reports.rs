@@ -12,8 +12,8 @@ impl Oracle {
         if !self.control.is_granted() {
             return State::NoControl;
         }
-        if self.hold.is_alive() {
-            return State::Hold;
+        if self.station.is_alive() {
+            return State::Station;
         }
         let open = self.inserts.open();
         if self.lease.is_alive() {
@@ -49,8 +49,8 @@ impl Oracle {
             control_s: self.control_held_at(self.now).as_secs_f64(),
             leases: self.lease.opened(),
             lease_s: self.lease.alive_s(self.now),
-            holds: self.hold.opened(),
-            hold_s: self.hold.alive_s(self.now),
+            stations: self.station.opened(),
+            station_s: self.station.alive_s(self.now),
             inserts_sent,
             inserts_refused,
             inserts_accepted,

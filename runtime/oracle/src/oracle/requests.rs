@@ -28,15 +28,15 @@ impl Oracle {
         let Some(created) = request.created else { return };
         match &request.asks {
             Ours::Suspend => {
-                self.delivery.sent_hold(at);
+                self.delivery.sent_station(at);
                 let (counts, due) = (self.control.is_up() && !denied, self.end_due());
-                self.findings.judge(Rule::HoldGap);
-                self.hold.suspend(at, counts, due);
+                self.findings.judge(Rule::StationGap);
+                self.station.suspend(at, counts, due);
             }
-            Ours::Continue => self.keep_hold(at, denied),
+            Ours::Continue => self.keep_station(at, denied),
             Ours::HullPosition(place_m) => {
                 self.judge_move(at, "BPGHP", self.limits.hull_box, place_m.map(Some));
-                self.keep_hold(at, denied);
+                self.keep_station(at, denied);
             }
             Ours::BottomPosition { x_m, y_m, vertical } => {
                 let depth_m = match vertical {
@@ -45,9 +45,9 @@ impl Oracle {
                 };
                 let place_m = [Some(*x_m), Some(*y_m), depth_m];
                 self.judge_move(at, "BPGBP", self.limits.bottom_box, place_m);
-                self.keep_hold(at, denied);
+                self.keep_station(at, denied);
             }
-            Ours::Resume => self.hold.end(at),
+            Ours::Resume => self.station.end(at),
             Ours::Modify(modify) => self.judge_modify(at, (created, modify), denied),
             Ours::EndModify => {
                 self.counts.end_modifies += 1;
@@ -103,13 +103,13 @@ impl Oracle {
     }
 
     /// A sentence that keeps a suspension.
-    fn keep_hold(&mut self, at: Moment, denied: bool) {
-        self.delivery.sent_hold(at);
+    fn keep_station(&mut self, at: Moment, denied: bool) {
+        self.delivery.sent_station(at);
         let (counts, due) = (self.control.is_up() && !denied, self.end_due());
-        self.findings.judge(Rule::HoldGap);
-        self.findings.judge(Rule::HoldDead);
-        if !self.hold.keep(at, counts, due) && !denied {
-            self.findings.add(at, Rule::HoldDead, || {
+        self.findings.judge(Rule::StationGap);
+        self.findings.judge(Rule::StationDead);
+        if !self.station.keep(at, counts, due) && !denied {
+            self.findings.add(at, Rule::StationDead, || {
                 "a sentence that keeps a suspension, or moves, without BPSUS before it".to_owned()
             });
         }
@@ -278,9 +278,9 @@ impl Oracle {
     /// We tell the vehicle that it is elsewhere: what steers by where it was has ended before.
     fn frame_moves(&mut self, at: Moment) {
         self.findings.judge(Rule::JumpIgnored);
-        if self.lease.is_alive() || self.hold.is_alive() {
+        if self.lease.is_alive() || self.station.is_alive() {
             self.findings.add(at, Rule::JumpIgnored, || {
-                "the vehicle is told that it is elsewhere under a lease or a hold".to_owned()
+                "the vehicle is told that it is elsewhere under a lease or station keeping".to_owned()
             });
         }
         self.frame_moved = Some(at);

@@ -17,7 +17,7 @@ impl Oracle {
         let change = self.control.lose_sight(at);
         self.control_changed(at, change);
         self.lease.forget(at);
-        self.hold.forget(at);
+        self.station.forget(at);
         self.inserts.forget();
         self.flown = None;
         self.operator.releases();
@@ -40,7 +40,7 @@ impl Oracle {
         self.arriving.resume();
     }
 
-    /// Identifiers below this one were given before the run began, by an earlier process.
+    /// Identifiers below this one were given before the run began, by a previous run.
     pub fn identifiers_from(&mut self, first: u32) {
         self.inserts.begin_with(first);
     }

@@ -62,7 +62,7 @@ fn requirement_002_a_line_keeps_its_margin_to_the_edge() {
 }
 
 #[test]
-fn requirement_002_a_line_keeps_clear_of_exclusions() {
+fn requirement_002_a_line_keeps_clear_of_keep_out_zones() {
     // Through the mooring, and past its south edge at 30 m; a minute of latitude is 1851.0 m.
     let line = |minutes| Scenario::with_control().ours(2000, &trackline(7, minutes, 0.9, 0.3, "0,10,1.5,0,0"));
     line(0.66).finds(&["request-fence"]);
@@ -205,7 +205,7 @@ fn requirement_019_the_number_is_counted_through_all_processes() {
         .finds(&["inserts-open"]);
 }
 
-/// One insert may be open, and an earlier process has left one that was accepted.
+/// One insert may be open, and a previous run has left one that was accepted.
 fn inherited() -> Scenario {
     Scenario::with_control()
         .limits(|limits| limits.inserts_open_max = 1)

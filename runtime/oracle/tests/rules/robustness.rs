@@ -93,8 +93,8 @@ fn a_fence_that_is_none_is_refused() {
     ));
     for (good, bad) in [
         (r#""name": "site","#, ""),
-        (r#""kind": "inclusion""#, r#""kind": "outclusion""#),
-        (r#""kind": "inclusion","#, ""),
+        (r#""kind": "keep-in""#, r#""kind": "outclusion""#),
+        (r#""kind": "keep-in","#, ""),
         (r#""margin_m": 20"#, r#""margin_m": "wide""#),
         (r#""depth_max_m": 40"#, r#""depth_max_m": 1"#),
         (r#""type": "Polygon""#, r#""type": "Point""#),
@@ -125,7 +125,7 @@ fn a_fence_that_is_none_is_refused() {
 #[test]
 fn a_fence_may_lie_across_the_date_line() {
     let fence = r#"{ "type": "FeatureCollection", "features": [ { "type": "Feature",
-        "properties": { "name": "site", "kind": "inclusion", "margin_m": 20 },
+        "properties": { "name": "site", "kind": "keep-in", "margin_m": 20 },
         "geometry": { "type": "MultiPolygon", "coordinates": [[[
             [179.99, 10.0], [-179.99, 10.0], [-179.99, 10.02], [179.99, 10.02], [179.99, 10.0]]]] } } ] }"#;
     let rules = |longitude: f64| {

@@ -9,16 +9,16 @@ use backseat_oracle::{Activity, Limits, Oracle, Position, State, Statistics, Tru
 /// 2.2 km by 1.7 km with a hole of 220 m by 170 m that is forbidden, and a wreck that is at 30 to 40 m only.
 pub(crate) const FENCE: &str = r#"{ "type": "FeatureCollection", "features": [
     { "type": "Feature",
-      "properties": { "name": "site", "kind": "inclusion", "margin_m": 20, "surfacing": true, "depth_min_m": 2, "depth_max_m": 40,
+      "properties": { "name": "site", "kind": "keep-in", "margin_m": 20, "surfacing": true, "depth_min_m": 2, "depth_max_m": 40,
                       "altitude_min_m": 3 },
       "geometry": { "type": "Polygon", "coordinates": [[
         [-70.02, 42.0], [-70.0, 42.0], [-70.0, 42.02], [-70.02, 42.02], [-70.02, 42.0]]] } },
     { "type": "Feature",
-      "properties": { "name": "mooring", "kind": "exclusion", "margin_m": 30 },
+      "properties": { "name": "mooring", "kind": "keep-out", "margin_m": 30 },
       "geometry": { "type": "Polygon", "coordinates": [[
         [-70.012, 42.01], [-70.01, 42.01], [-70.01, 42.012], [-70.012, 42.012], [-70.012, 42.01]]] } },
     { "type": "Feature",
-      "properties": { "name": "wreck", "kind": "exclusion", "margin_m": 30, "depth_min_m": 30 },
+      "properties": { "name": "wreck", "kind": "keep-out", "margin_m": 30, "depth_min_m": 30 },
       "geometry": { "type": "Polygon", "coordinates": [[
         [-70.012, 42.002], [-70.01, 42.002], [-70.01, 42.004], [-70.012, 42.004], [-70.012, 42.002]]] } }
 ] }"#;

@@ -37,7 +37,7 @@ fn an_insert_goes_through_its_states() {
 }
 
 #[test]
-fn a_lease_stands_before_an_insert_and_a_hold_before_both() {
+fn a_lease_stands_before_an_insert_and_station_keeping_before_both() {
     let run = Scenario::with_control()
         .lease(3000, 4000)
         .ours(4200, TRACKLINE)
@@ -54,7 +54,7 @@ fn a_lease_stands_before_an_insert_and_a_hold_before_both() {
             State::Lease,
             State::LeaseInsert,
             State::Asked,
-            State::Hold,
+            State::Station,
             State::Asked,
             State::Idle,
         ]

@@ -95,7 +95,7 @@ fn requirement_002_the_vehicle_keeps_to_the_depths() {
 }
 
 #[test]
-fn requirement_002_an_exclusion_holds_at_its_depths() {
+fn requirement_002_a_keep_out_zone_holds_at_its_depths() {
     let over = |metres| insert().place(5000, 42.003, -70.011).depth(4900, metres);
     over(20.0).finds_nothing();
     over(35.0).finds(&["truth-fence"]);
@@ -186,9 +186,9 @@ fn requirement_007_a_suspension_lapses_by_the_vehicles_clock() {
     };
     // 2.1 s and 200 ms of delay after the last one.
     cut().activity(5800, Activity::Plan).finds_nothing();
-    cut().activity(6000, Activity::Plan).finds(&["hold-outlives"]);
+    cut().activity(6000, Activity::Plan).finds(&["station-outlives"]);
     Scenario::with_control()
         .activity(3000, Activity::Suspended)
         .activity(4000, Activity::Plan)
-        .finds(&["hold-outlives"]);
+        .finds(&["station-outlives"]);
 }

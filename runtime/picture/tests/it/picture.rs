@@ -99,12 +99,12 @@ fn survey() -> Picture {
             rejected(
                 at(700.0, 100.0 + 20.0 * f64::from(n)),
                 at(1010.0, 180.0 + 30.0 * f64::from(n)),
-                "inclusion: 110 m outside",
+                "keep-in: 110 m outside",
             )
         })
         .collect();
-    refused.push(rejected(at(-300.0, 0.0), at(-560.0, -130.0), "exclusion wreck: 12 m"));
-    refused.push(rejected(at(-300.0, 0.0), at(-580.0, -160.0), "exclusion wreck: 12 m"));
+    refused.push(rejected(at(-300.0, 0.0), at(-560.0, -130.0), "keep-out wreck: 12 m"));
+    refused.push(rejected(at(-300.0, 0.0), at(-580.0, -160.0), "keep-out wreck: 12 m"));
     refused.push(Rejected {
         shape: Shape::Circle {
             centre: at(100.0, 500.0),
@@ -123,13 +123,13 @@ fn survey() -> Picture {
         zones: vec![
             Zone {
                 name: "survey area".into(),
-                kind: ZoneKind::Inclusion,
+                kind: ZoneKind::KeepIn,
                 rings: vec![ring(&[(-920.0, -600.0), (900.0, -640.0), (930.0, 560.0), (200.0, 640.0), (-940.0, 590.0)])],
                 margin_m: 30.0,
             },
             Zone {
                 name: "wreck".into(),
-                kind: ZoneKind::Exclusion,
+                kind: ZoneKind::KeepOut,
                 rings: vec![ring(&[(-650.0, -220.0), (-500.0, -240.0), (-470.0, -100.0), (-600.0, -60.0)])],
                 margin_m: 40.0,
             },
@@ -165,8 +165,8 @@ fn all_layers_are_drawn_and_the_file_is_small() {
         "contour",
         "highlight",
         "contour-label",
-        "inclusion",
-        "exclusion",
+        "keep-in",
+        "keep-out",
         "margin",
         "outside",
         "planned",
@@ -203,7 +203,7 @@ fn all_layers_are_drawn_and_the_file_is_small() {
 #[test]
 fn equal_reasons_share_a_label_and_there_are_few() {
     let svg = render(&survey());
-    assert!(svg.contains("inclusion: 110 m outside (\u{d7}9)"));
+    assert!(svg.contains("keep-in: 110 m outside (\u{d7}9)"));
     assert_eq!(count(&svg, "class=\"reason\""), 3);
     let mut flood = survey();
     flood.rejected = (0..5000)
@@ -238,7 +238,7 @@ fn nothing_and_nonsense_make_a_picture_too() {
         ground: Some(holed),
         zones: vec![Zone {
             name: String::new(),
-            kind: ZoneKind::Exclusion,
+            kind: ZoneKind::KeepOut,
             rings: vec![vec![], ring(&[(f64::NAN, 0.0), (1.0, 1.0)])],
             margin_m: f64::INFINITY,
         }],

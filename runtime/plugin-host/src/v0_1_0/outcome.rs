@@ -7,13 +7,13 @@ use super::wit;
 impl From<core::Rule> for wit::Rule {
     fn from(rule: core::Rule) -> Self {
         match rule {
-            core::Rule::Inclusion => Self::Inclusion,
-            core::Rule::Exclusion => Self::Exclusion,
+            core::Rule::KeepIn => Self::KeepIn,
+            core::Rule::KeepOut => Self::KeepOut,
             core::Rule::Depth => Self::Depth,
             core::Rule::Altitude => Self::Altitude,
             core::Rule::Surfacing => Self::Surfacing,
             core::Rule::Time => Self::Time,
-            core::Rule::Hull => Self::Hull,
+            core::Rule::Station => Self::Station,
             core::Rule::Limit => Self::Limit,
             core::Rule::Grant => Self::Grant,
             core::Rule::Control => Self::Control,

@@ -59,8 +59,8 @@ fn excess(request: &wit::Request) -> Option<String> {
         | wit::Request::Silent(_)
         | wit::Request::Trim(_)
         | wit::Request::Buoyancy(_)
-        | wit::Request::Hold(_)
-        | wit::Request::EndHold
+        | wit::Request::Station(_)
+        | wit::Request::EndStation
         | wit::Request::SonarAngle(_)
         | wit::Request::Camera(_)
         | wit::Request::Light(_)
@@ -126,13 +126,13 @@ impl From<wit::Request> for core::Request {
                 acknowledge: packet.acknowledge,
                 frames: packet.frames,
             }),
-            wit::Request::Hold(hold) => Self::Hold(core::HoldRequest {
-                tag: hold.tag,
-                target: hold.target.into(),
-                speed_mps: hold.speed,
-                duration: Duration::from_nanos(hold.duration_ns),
+            wit::Request::Station(station) => Self::Station(core::StationRequest {
+                tag: station.tag,
+                target: station.target.into(),
+                speed_mps: station.speed,
+                duration: Duration::from_nanos(station.duration_ns),
             }),
-            wit::Request::EndHold => Self::EndHold,
+            wit::Request::EndStation => Self::EndStation,
             wit::Request::SonarAngle(sonar) => Self::SonarAngle(core::SonarAngleRequest {
                 tag: sonar.tag,
                 angle_deg: sonar.angle,
@@ -185,16 +185,16 @@ impl From<wit::Transport> for core::Transport {
     }
 }
 
-impl From<wit::HoldTarget> for core::HoldTarget {
-    fn from(target: wit::HoldTarget) -> Self {
+impl From<wit::StationTarget> for core::StationTarget {
+    fn from(target: wit::StationTarget) -> Self {
         match target {
-            wit::HoldTarget::Here => Self::Here,
-            wit::HoldTarget::Hull(place) => Self::Hull {
+            wit::StationTarget::Here => Self::Here,
+            wit::StationTarget::Hull(place) => Self::Hull {
                 horizontal_m: place.horizontal,
                 vertical_m: place.vertical,
                 distance_m: place.distance,
             },
-            wit::HoldTarget::Bottom(place) => Self::Bottom {
+            wit::StationTarget::Bottom(place) => Self::Bottom {
                 x_m: place.x,
                 y_m: place.y,
                 vertical: place.vertical.into(),

@@ -6,14 +6,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use backseat_core::plugin::{
-    CameraRequest, DvlTriggerRequest, FaultKind, GpsHitRequest, HoldRequest, HoldTarget, LightRequest, LogLevel,
-    LogLine, ModifyRequest, NavigationSample, PacketRequest, PluginFault, PluginId, PositionRequest, Request,
-    RequestState, Returned, SilentRequest, SonarAngleRequest, StepInput, TopsideRequest, TrackcircleRequest,
+    CameraRequest, DvlTriggerRequest, FaultKind, GpsHitRequest, LightRequest, LogLevel, LogLine, ModifyRequest,
+    NavigationSample, PacketRequest, PluginFault, PluginId, PositionRequest, Request, RequestState, Returned,
+    SilentRequest, SonarAngleRequest, StationRequest, StationTarget, StepInput, TopsideRequest, TrackcircleRequest,
     TracklineRequest, Transport, VerticalRequest,
 };
 use backseat_core::refusal::{Reason, Uncontrolled};
 use backseat_core::{
-    DriverId, Identifiers, Input, Note, Operator, Order, Output, Owner, RequestKind, Reservation, Restarted, Start,
+    ExternalId, Identifiers, Input, Note, Operator, Order, Output, Owner, RequestKind, Reservation, Restarted, Start,
     Transition,
 };
 use backseat_recorder::{COMPONENT_LIMIT, Header, LoggedInput, Rate, Record, Recorder, RecorderError, parse, read};
@@ -63,8 +63,8 @@ fn recorded(rate: Rate, record: impl FnOnce(&mut Recorder<&mut Cursor<Vec<u8>>>)
     file.into_inner()
 }
 
-fn hold(target: HoldTarget, speed_mps: Option<f64>) -> Request {
-    Request::Hold(HoldRequest {
+fn station(target: StationTarget, speed_mps: Option<f64>) -> Request {
+    Request::Station(StationRequest {
         tag: 18,
         target,
         speed_mps,
@@ -153,24 +153,24 @@ fn every_input_comes_back_in_handle_order() {
                 acknowledge: true,
                 frames: vec![vec![0, 255], vec![], b"text".to_vec()],
             }),
-            hold(HoldTarget::Here, None),
-            hold(
-                HoldTarget::Hull {
+            station(StationTarget::Here, None),
+            station(
+                StationTarget::Hull {
                     horizontal_m: 1.5,
                     vertical_m: -0.1,
                     distance_m: f64::INFINITY,
                 },
                 Some(0.5),
             ),
-            hold(
-                HoldTarget::Bottom {
+            station(
+                StationTarget::Bottom {
                     x_m: -0.0,
                     y_m: f64::NEG_INFINITY,
                     vertical: VerticalRequest::AltitudeM(2.0),
                 },
                 Some(f64::MAX),
             ),
-            Request::EndHold,
+            Request::EndStation,
             Request::SonarAngle(SonarAngleRequest {
                 tag: 19,
                 angle_deg: f64::MIN_POSITIVE,
@@ -218,9 +218,9 @@ fn every_input_comes_back_in_handle_order() {
             errors: false,
         })),
         Input::Operator(Operator::Order(Order::StartEmptyMission { duration_s: 600 })),
-        Input::Driver(DriverId(2), b"$BPNPU,000000.000\r\n"),
-        Input::Driver(DriverId(0), b"\xff\x00 no sentence"),
-        Input::Driver(DriverId(0), b""),
+        Input::External(ExternalId(2), b"$BPNPU,000000.000\r\n"),
+        Input::External(ExternalId(0), b"\xff\x00 no sentence"),
+        Input::External(ExternalId(0), b""),
         Input::LinkDown,
     ];
     let start = Start {
@@ -287,12 +287,12 @@ proptest! {
     #[test]
     fn figures_of_every_request_survive_bit_for_bit(figures in proptest::array::uniform7(any::<f64>())) {
         let [x_m, y_m, depth_m, speed_mps, angle_deg, latitude_deg, longitude_deg] = figures;
-        let bottom = HoldTarget::Bottom { x_m, y_m, vertical: VerticalRequest::DepthM(depth_m) };
-        let hull = HoldTarget::Hull { horizontal_m: x_m, vertical_m: y_m, distance_m: depth_m };
+        let bottom = StationTarget::Bottom { x_m, y_m, vertical: VerticalRequest::DepthM(depth_m) };
+        let hull = StationTarget::Hull { horizontal_m: x_m, vertical_m: y_m, distance_m: depth_m };
         let position = PositionRequest { latitude_deg, longitude_deg };
         let asked = vec![
-            hold(bottom, Some(speed_mps)),
-            hold(hull, Some(speed_mps)),
+            station(bottom, Some(speed_mps)),
+            station(hull, Some(speed_mps)),
             Request::SonarAngle(SonarAngleRequest { tag: 1, angle_deg }),
             Request::GpsHit(GpsHitRequest { tag: 2, position }),
         ];
@@ -415,8 +415,8 @@ fn outputs_go_to_their_channels() {
             granted: false,
             reason: Some(Uncontrolled::LinkDown),
         }),
-        transition(Owner::Driver(DriverId(1)), RequestState::Accepted),
-        Output::Driver(DriverId(1), b"$BFACK\r\n".to_vec()),
+        transition(Owner::External(ExternalId(1)), RequestState::Accepted),
+        Output::External(ExternalId(1), b"$BFACK\r\n".to_vec()),
     ];
     let write = |recorder: &mut Recorder<&mut Cursor<Vec<u8>>>| {
         for output in &outputs {
@@ -446,10 +446,10 @@ fn outputs_go_to_their_channels() {
         json!({"text": "the vehicle's plan has 4 elements", "note": "plan", "elements": 4})
     );
     assert!(matches!(records[8], Record::Request(_)));
-    let whose = |index: usize| ["owner", "plugin", "driver"].map(|key| json(index)[key].clone());
+    let whose = |index: usize| ["owner", "plugin", "external"].map(|key| json(index)[key].clone());
     assert_eq!(whose(8), [json!("operator"), json!(null), json!(null)]);
     assert_eq!(whose(9), [json!("plugin"), json!(3), json!(null)]);
-    assert_eq!(whose(11), [json!("driver"), json!(null), json!(1)]);
+    assert_eq!(whose(11), [json!("external"), json!(null), json!(1)]);
     assert_eq!(json(9)["state"], "rejected");
     assert_eq!(json(9)["reason"], "tag: an insert with this tag is still open");
     assert_eq!(
@@ -460,7 +460,7 @@ fn outputs_go_to_their_channels() {
     assert!(matches!(records[10], Record::Control(_)));
     assert_eq!(
         json(12),
-        json!({"output": "driver", "driver": 1, "bytes": "$BFACK\r\n"})
+        json!({"output": "external", "external": 1, "bytes": "$BFACK\r\n"})
     );
     assert_eq!(records[13], &Record::Vehicle("began trackline".into()));
     assert_eq!(log.notes().count(), 5);

@@ -106,7 +106,7 @@ fn a_plan_into_the_grids_bottom_is_refused_with_the_place() {
     );
 }
 
-/// Campaigns draw many worlds: none of the project's own missions is refused for its seed.
+/// Many worlds are drawn: none of the project's own missions is refused for its seed.
 #[test]
 fn the_projects_missions_have_water_enough_whatever_the_seed() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

@@ -15,9 +15,9 @@ const UNACKNOWLEDGED_MAX: Duration = Duration::from_secs(2);
 impl Simulation {
     /// When a write that is not acknowledged ends the connection.
     fn gives_up(&self) -> Option<Timestamp> {
-        #[cfg(feature = "switches")]
+        #[cfg(feature = "mutations")]
         {
-            use backseat_core::switches::{Check, is_on};
+            use backseat_core::mutations::{Check, is_on};
             if !is_on(Check::StaleSends) {
                 return None;
             }

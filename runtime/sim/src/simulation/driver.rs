@@ -90,8 +90,8 @@ impl Simulation {
             }
             Output::Reserve(_) => {}
             Output::Finish => self.finished = true,
-            // No driver runs in simulation: there is none to hear it.
-            Output::Driver(..) => {}
+            // No external source runs in simulation: there is none to hear it.
+            Output::External(..) => {}
             Output::Note(note) => self.note(&note),
         }
     }

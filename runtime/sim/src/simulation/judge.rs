@@ -93,7 +93,7 @@ impl Judge {
 /// What a mission allows, in the oracle's own terms; the link delays nothing.
 pub(crate) fn limits(mission: &MissionFile) -> Limits {
     let limits = &mission.limits;
-    let hull = limits.hull.as_ref();
+    let station = limits.station.as_ref();
     let plugins = u32::try_from(mission.plugins.len()).unwrap_or(u32::MAX);
     Limits {
         speed_min_mps: limits.speed_min_mps,
@@ -123,14 +123,14 @@ pub(crate) fn limits(mission: &MissionFile) -> Limits {
             device_commands_per_s: plugins.saturating_mul(limits.requests_per_s),
         },
         water_depth_known: limits.water_depth_max_m.is_some(),
-        hull_box: hull.and_then(|hull| hull.hull_box.as_ref()).map(|bounds| {
+        hull_box: station.and_then(|station| station.hull_box.as_ref()).map(|bounds| {
             [
                 [bounds.horizontal_min_m, bounds.horizontal_max_m],
                 [bounds.vertical_min_m, bounds.vertical_max_m],
                 [bounds.distance_min_m, bounds.distance_max_m],
             ]
         }),
-        bottom_box: hull.and_then(|hull| hull.bottom_box.as_ref()).map(|bounds| {
+        bottom_box: station.and_then(|station| station.bottom_box.as_ref()).map(|bounds| {
             [
                 [bounds.x_min_m, bounds.x_max_m],
                 [bounds.y_min_m, bounds.y_max_m],

@@ -115,7 +115,7 @@ impl Process {
             | Input::Returned(..)
             | Input::Restarted(..)
             | Input::Operator(_)
-            | Input::Driver(..)
+            | Input::External(..)
             | Input::Reserved(_)
             | Input::UtcSet(_)
             | Input::Timeout => {}

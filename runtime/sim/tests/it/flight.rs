@@ -48,7 +48,7 @@ pub(crate) fn mission() -> &'static Mission {
     &hangar().mission
 }
 
-/// The same, but a behaviour begins every 20 s, and the vehicle refuses each trackline.
+/// The same, but a behavior begins every 20 s, and the vehicle refuses each trackline.
 fn in_legs() -> &'static (Mission, Scenario) {
     static LEGS: OnceLock<(Mission, Scenario)> = OnceLock::new();
     LEGS.get_or_init(|| {
@@ -107,7 +107,7 @@ impl Flight {
         Self { sim }
     }
 
-    /// One in which a process that connects later soon hears a behaviour begin.
+    /// One in which a process that connects later soon hears a behavior begin.
     pub(crate) fn in_legs(seed: u64) -> Self {
         let (mission, scenario) = in_legs();
         let sim = Simulation::new(mission, scenario, seed, crew(), None).unwrap();

@@ -1,12 +1,12 @@
-use backseat_hunt::{Campaign, Coverage, Order, Plan};
+use backseat_hunt::{Coverage, Hunt, Order, Plan};
 use backseat_test_support::plugins;
 
 /// A reduced hunt: `cargo xtask hunt` flies as many as there is time for.
 #[test]
-fn drawn_missions_with_drawn_troubles_do_nothing_unsafe_and_converge() {
+fn drawn_missions_with_drawn_faults_do_nothing_unsafe_and_converge() {
     let coverage = fly(Plan::draw, 60);
     // Not an empty victory.
-    assert!(coverage.with_both >= 50 && coverage.troubles > 200, "{coverage}");
+    assert!(coverage.with_both >= 50 && coverage.faults > 200, "{coverage}");
 }
 
 #[test]
@@ -26,14 +26,14 @@ fn fly(draw: fn(u64) -> Plan, runs: u64) -> Coverage {
         workers: 2,
         stop_at_failure: false,
     };
-    let campaign = Campaign::fly(&order, |_| true).expect("missions that can be made");
-    let found: Vec<String> = campaign
+    let hunt = Hunt::fly(&order, |_| true).expect("missions that can be made");
+    let found: Vec<String> = hunt
         .failed
         .values()
         .flatten()
         .map(|(plan, failure)| format!("seed {}: {}", plan.seed, failure.text))
         .collect();
-    assert!(found.is_empty(), "{}\n{}", found.join("\n"), campaign.coverage);
-    assert_eq!(campaign.coverage.flights, runs);
-    campaign.coverage
+    assert!(found.is_empty(), "{}\n{}", found.join("\n"), hunt.coverage);
+    assert_eq!(hunt.coverage.flights, runs);
+    hunt.coverage
 }

@@ -1,10 +1,10 @@
 use std::time::Duration;
 
 use backseat_core::plugin::{
-    CameraRequest, DvlTriggerRequest, GpsHitRequest, HoldRequest, HoldTarget, LightRequest, PacketRequest, Request,
-    SilentRequest, SonarAngleRequest, Topic, TopsideRequest, Transport, VerticalRequest,
+    CameraRequest, DvlTriggerRequest, GpsHitRequest, LightRequest, PacketRequest, Request, SilentRequest,
+    SonarAngleRequest, StationRequest, StationTarget, Topic, TopsideRequest, Transport, VerticalRequest,
 };
-use backseat_core::{BottomBox, Grant, HullBox, HullLimits, Limits, Note, Operator, Order};
+use backseat_core::{BottomBox, Grant, HullBox, Limits, Note, Operator, Order, StationLimits};
 use backseat_pair::{Dive, Setup, circle, course_plugin, limits, line, modify, place};
 
 /// A capability, tried four ways.
@@ -59,14 +59,14 @@ beam_m = 10
 draft_m = 6
 ";
 
-fn hull_limits() -> HullLimits {
-    HullLimits {
+fn station_limits() -> StationLimits {
+    StationLimits {
         speed_max_mps: 0.5,
         speed_default_mps: 1.5,
         position_error_m: 0.5,
         relative_age_max_s: 1.0,
         jump_allowance_m: 2.0,
-        hold_term_max_s: 60.0,
+        term_max_s: 60.0,
         altitude_min_m: 2.0,
         sonar_angle_min_deg: Some(-45.0),
         sonar_angle_max_deg: Some(45.0),
@@ -126,7 +126,7 @@ fn setup(capability: &Capability, faults: &str) -> Setup {
             limits: Limits {
                 speed_min_mps: 0.4,
                 speed_max_mps: 0.6,
-                hull: Some(hull_limits()),
+                station: Some(station_limits()),
                 ..limits()
             },
             ..Setup::default()
@@ -309,15 +309,15 @@ const CAPABILITIES: &[Capability] = &[
         cut: &["sent", "unknown"],
     },
     Capability {
-        name: "hold here",
+        name: "station here",
         command: "SUS",
         vehicle: Vehicle::Hovering,
-        grants: &[Grant::Hull],
+        grants: &[Grant::Station],
         topics: &[],
         ask: || {
-            Request::Hold(HoldRequest {
+            Request::Station(StationRequest {
                 tag: 1,
-                target: HoldTarget::Here,
+                target: StationTarget::Here,
                 speed_mps: None,
                 duration: Duration::from_secs(10),
             })
@@ -331,12 +331,12 @@ const CAPABILITIES: &[Capability] = &[
         name: "bottom position",
         command: "GBP",
         vehicle: Vehicle::Hovering,
-        grants: &[Grant::Hull],
+        grants: &[Grant::Station],
         topics: &[],
         ask: || {
-            Request::Hold(HoldRequest {
+            Request::Station(StationRequest {
                 tag: 1,
-                target: HoldTarget::Bottom {
+                target: StationTarget::Bottom {
                     x_m: -12.0,
                     y_m: 2.0,
                     vertical: VerticalRequest::DepthM(4.0),
@@ -354,12 +354,12 @@ const CAPABILITIES: &[Capability] = &[
         name: "hull position",
         command: "GHP",
         vehicle: Vehicle::Hovering,
-        grants: &[Grant::Hull],
+        grants: &[Grant::Station],
         topics: &[],
         ask: || {
-            Request::Hold(HoldRequest {
+            Request::Station(StationRequest {
                 tag: 1,
-                target: HoldTarget::Hull {
+                target: StationTarget::Hull {
                     horizontal_m: 2.0,
                     vertical_m: 3.0,
                     distance_m: 6.0,

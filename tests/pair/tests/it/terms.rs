@@ -33,9 +33,9 @@
 //! | the bed's slope | 6.4 | `the_slope_of_the_bed` |
 //! | the bed's slope, by altitude | 25.3 | `the_slope_of_the_bed_below_an_altitude` |
 //! | the age of the bottom lock | 0.05 | `the_age_of_the_bottom_lock` |
-//! | hold: the 2 s of silence | 0.9 | `the_two_seconds_of_silence_are_the_way_that_it_takes_to_stop` |
-//! | hold: the age | 0.6 | `the_age_of_relative_navigation` |
-//! | hold: the link's delay | 0.2 | `the_delay_of_the_link_to_a_hold` |
+//! | station: the 2 s of silence | 0.9 | `the_two_seconds_of_silence_are_the_way_that_it_takes_to_stop` |
+//! | station: the age | 0.6 | `the_age_of_relative_navigation` |
+//! | station: the link's delay | 0.2 | `the_delay_of_the_link_to_station_keeping` |
 //!
 //! `figures` holds by their figures what the mock makes no use of, for a greater term covers it: the tracking error, the
 //! current while a modify is obeyed, the error of relative navigation. The limit of 2.5 s to a refresh is behind three other

@@ -58,7 +58,7 @@ pub(super) fn judge(plan: &Plan, record: &Record) -> Verdict {
     }
     silence(plan, lines, fault, back, &mut verdict);
     match plan.subject {
-        Subject::Modify | Subject::Hold => {
+        Subject::Modify | Subject::Station => {
             lapses(plan, lines, &mut verdict);
             end(plan, lines, fault, &mut verdict);
             if let Some(back) = back {
@@ -85,7 +85,7 @@ fn mark(lines: &[Line], text: &str) -> Option<usize> {
 fn is_end(subject: Subject, line: &Line) -> bool {
     let begin = match subject {
         Subject::Modify | Subject::Insert => "modify ended: ",
-        Subject::Hold => "suspension ended: ",
+        Subject::Station => "suspension ended: ",
     };
     line.way == Way::Event && line.text.starts_with(begin)
 }
@@ -93,7 +93,7 @@ fn is_end(subject: Subject, line: &Line) -> bool {
 fn is_release(subject: Subject, line: &Line) -> bool {
     line.is_received(match subject {
         Subject::Modify | Subject::Insert => "BPEMB",
-        Subject::Hold => "BPRES",
+        Subject::Station => "BPRES",
     })
 }
 

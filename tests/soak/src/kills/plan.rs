@@ -8,8 +8,8 @@ use backseat_world::Stream;
 pub enum Subject {
     /// It keeps a modify alive.
     Modify,
-    /// It keeps a hovering vehicle's hold alive.
-    Hold,
+    /// It keeps a hovering vehicle at its station.
+    Station,
     /// It inserts tracklines.
     Insert,
 }
@@ -59,7 +59,7 @@ impl Plan {
         let mut stream = Stream::new(seed, &format!("kill {number}"));
         let share = stream.uniform();
         let subject = if share < hovering_share {
-            Subject::Hold
+            Subject::Station
         } else if share < hovering_share + inserting_share {
             Subject::Insert
         } else {
@@ -121,7 +121,7 @@ impl fmt::Display for Subject {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Modify => "modify",
-            Self::Hold => "hold",
+            Self::Station => "station",
             Self::Insert => "insert",
         })
     }

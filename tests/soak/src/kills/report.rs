@@ -115,7 +115,7 @@ impl fmt::Display for KillsReport {
                 spread(row.again_s.clone())
             )?;
         }
-        for subject in [Subject::Modify, Subject::Hold] {
+        for subject in [Subject::Modify, Subject::Station] {
             writeln!(
                 f,
                 "{:<8}{:<30}  {}  {}  {}",

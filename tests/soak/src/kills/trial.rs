@@ -43,7 +43,7 @@ impl Subject {
     pub(super) const fn refreshes(self) -> &'static [&'static str] {
         match self {
             Self::Modify => &["BPRMB"],
-            Self::Hold => &["BPSUS", "BPCON", "BPGHP", "BPGBP"],
+            Self::Station => &["BPSUS", "BPCON", "BPGHP", "BPGBP"],
             Self::Insert => &["BPRTK"],
         }
     }
@@ -51,7 +51,7 @@ impl Subject {
     /// How long the vehicle keeps it without, seconds.
     pub(super) const fn lasts_s(self) -> f64 {
         match self {
-            Self::Hold => 2.0,
+            Self::Station => 2.0,
             Self::Modify | Self::Insert => 5.0,
         }
     }
@@ -63,7 +63,7 @@ impl Subject {
     fn mission(self) -> Mission {
         match self {
             Self::Modify => Mission::steady(),
-            Self::Hold => Mission::hovering(),
+            Self::Station => Mission::hovering(),
             // One of some 60 m after the other, each second where none is under way.
             Self::Insert => Mission::steady()
                 .in_legs()
@@ -113,8 +113,8 @@ pub(super) fn fly(plan: &Plan) -> Record {
     let died = matches!(plan.act, Act::Kill | Act::Stop | Act::Terminate);
     match (plan.subject, died) {
         // Until it has certainly lapsed.
-        (Subject::Modify | Subject::Hold, true) => trial.wait_for_clock(plan.subject.lasts_s() + 0.5, |_| false),
-        (Subject::Modify | Subject::Hold, false) => {
+        (Subject::Modify | Subject::Station, true) => trial.wait_for_clock(plan.subject.lasts_s() + 0.5, |_| false),
+        (Subject::Modify | Subject::Station, false) => {
             trial.wait_for_clock(AGAIN_WITHIN_S, |seen| seen > before);
             trial.wait_for_clock(1.0, |_| false);
         }
@@ -157,7 +157,7 @@ impl Trial {
             .then(|| Proxy::start(&vehicle.address).expect("a local port can be listened on"));
         let address = proxy.as_ref().map_or(&vehicle.address, |proxy| &proxy.address);
         let first: &[&str] = match plan.subject {
-            Subject::Modify | Subject::Hold => &[],
+            Subject::Modify | Subject::Station => &[],
             Subject::Insert => &["--first-identifier", FIRST_IDENTIFIER],
         };
         let runtime = run(&mission, address, first);
@@ -170,7 +170,7 @@ impl Trial {
             mission,
         };
         let wanted = match plan.subject {
-            Subject::Modify | Subject::Hold => REFRESHES,
+            Subject::Modify | Subject::Station => REFRESHES,
             Subject::Insert => 1,
         };
         let start = Instant::now();

@@ -12,7 +12,7 @@ const GAP_MAX_S: f64 = 1.05;
 
 /// All that a mission can let a plugin do.
 const EVERY_GRANT: &str = r#"["modify", "insert", "interrupt", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy",
-    "acoustic", "hull", "devices"]"#;
+    "acoustic", "station", "devices"]"#;
 
 /// Isobath, the first in priority, beside `faulty` with a fault that comes a minute after control has, which is after
 /// about 150 s and for five minutes. What lies across the fence lies to the north.

@@ -1,4 +1,4 @@
-//! The program as its users meet it, a file a behaviour.
+//! The program as its users meet it, a file a behavior.
 
 mod faults;
 mod fence;

@@ -65,20 +65,20 @@ fn missions_of_the_project_are_ready() {
 }
 
 #[test]
-fn a_leg_over_an_exclusion_is_told_with_its_edge_and_metres() {
-    let mission = with_zone(r#""name": "wreck", "kind": "exclusion", "margin_m": 5"#, ON_THE_LEG);
+fn a_leg_over_a_keep_out_zone_is_told_with_its_edge_and_metres() {
+    let mission = with_zone(r#""name": "wreck", "kind": "keep-out", "margin_m": 5"#, ON_THE_LEG);
     has(
         &not_ready(&mission, &[]),
         &["plan element 1: ", "'wreck'", " edge ", " m"],
     );
     // Beside the leg, but nearer than the vehicle tracks it.
     let beside = "[-70.699, 42.3501], [-70.697, 42.3501], [-70.697, 42.351], [-70.699, 42.351], [-70.699, 42.3501]";
-    let mission = with_zone(r#""name": "wreck", "kind": "exclusion", "margin_m": 8"#, beside);
+    let mission = with_zone(r#""name": "wreck", "kind": "keep-out", "margin_m": 8"#, beside);
     has(&not_ready(&mission, &[]), &["plan element 1: ", "'wreck'"]);
     let _ = ready(&mission, &["--set", "limits.tracking_error_m=1"]);
     // Under or above the leg's depth it lies in nobody's way.
     let deep = with_zone(
-        r#""name": "wreck", "kind": "exclusion", "margin_m": 5, "depth_min_m": 20"#,
+        r#""name": "wreck", "kind": "keep-out", "margin_m": 5, "depth_min_m": 20"#,
         ON_THE_LEG,
     );
     let _ = ready(&deep, &[]);
@@ -89,7 +89,7 @@ fn a_zone_counts_at_the_time_of_the_leg() {
     // The dive begins at 08:00:02 and the leg is over within a quarter of an hour.
     let zone = |window: &str| {
         with_zone(
-            &format!(r#""name": "convoy", "kind": "exclusion", "margin_m": 5, {window}"#),
+            &format!(r#""name": "convoy", "kind": "keep-out", "margin_m": 5, {window}"#),
             ON_THE_LEG,
         )
     };
@@ -108,13 +108,13 @@ fn a_zone_counts_at_the_time_of_the_leg() {
         &["plan element 1: ", "box", "2026-06-01T08:05:00Z"],
     );
     let over = with_zone(
-        r#""name": "harbour", "kind": "inclusion", "margin_m": 5, "depth_max_m": 30, "altitude_min_m": 3,
+        r#""name": "harbour", "kind": "keep-in", "margin_m": 5, "depth_max_m": 30, "altitude_min_m": 3,
             "valid_until": "2026-05-31T08:00:00Z""#,
         ON_THE_LEG,
     );
     has(
         &not_ready(&over, &at),
-        &["inclusion 'harbour': ", "until 2026-05-31T08:00:00Z", "expected"],
+        &["keep-in zone 'harbour': ", "until 2026-05-31T08:00:00Z", "expected"],
     );
 }
 
@@ -122,7 +122,7 @@ fn a_zone_counts_at_the_time_of_the_leg() {
 fn zones_that_come_and_go_count_today_and_on_the_day_of_the_simulation() {
     let zone = |window: &str| {
         with_zone(
-            &format!(r#""name": "dredging", "kind": "exclusion", "margin_m": 5, {window}"#),
+            &format!(r#""name": "dredging", "kind": "keep-out", "margin_m": 5, {window}"#),
             ON_THE_LEG,
         )
     };
@@ -160,7 +160,7 @@ fn line(from: [i32; 2], to: [i32; 2], rest: &str) -> String {
 fn a_time_limit_may_end_an_element_anywhere_on_it() {
     // From the middle of the first line, the way to the second leads over the zone.
     let zone = with_zone(
-        r#""name": "reef", "kind": "exclusion", "margin_m": 5"#,
+        r#""name": "reef", "kind": "keep-out", "margin_m": 5"#,
         "[-70.7005, 42.3518], [-70.699, 42.3518], [-70.699, 42.3522], [-70.7005, 42.3522], [-70.7005, 42.3518]",
     );
     let plan = |limit: &str| {
@@ -176,7 +176,7 @@ fn a_time_limit_may_end_an_element_anywhere_on_it() {
 #[test]
 fn the_way_down_is_judged() {
     let shallow = with_zone(
-        r#""name": "lane", "kind": "exclusion", "margin_m": 1, "depth_max_m": 5"#,
+        r#""name": "lane", "kind": "keep-out", "margin_m": 1, "depth_max_m": 5"#,
         "[-70.7065, 42.349], [-70.7060, 42.349], [-70.7060, 42.351], [-70.7065, 42.351], [-70.7065, 42.349]",
     );
     let _ = ready(&shallow, &[]);
@@ -217,7 +217,7 @@ fn a_start_outside_and_depths_out_of_their_band_are_told() {
     );
     has(&not_ready(&outside, &[]), &["start: ", "box"]);
     let excluded = with_zone(
-        r#""name": "berth", "kind": "exclusion", "margin_m": 5"#,
+        r#""name": "berth", "kind": "keep-out", "margin_m": 5"#,
         "[-70.708, 42.349], [-70.7065, 42.349], [-70.7065, 42.351], [-70.708, 42.351], [-70.708, 42.349]",
     );
     has(&not_ready(&excluded, &[]), &["start: ", "'berth'"]);
@@ -239,12 +239,12 @@ fn a_circle_is_checked_on_its_whole_rim() {
 }
 
 #[test]
-fn an_inclusion_that_nobody_can_reach_is_told() {
+fn a_keep_in_zone_that_nobody_can_reach_is_told() {
     let island = "[-70.6650, 42.345], [-70.6550, 42.345], [-70.6550, 42.355], [-70.6650, 42.355], [-70.6650, 42.345]";
-    let properties = r#""name": "island", "kind": "inclusion", "margin_m": 5, "depth_max_m": 30, "altitude_min_m": 3"#;
+    let properties = r#""name": "island", "kind": "keep-in", "margin_m": 5, "depth_max_m": 30, "altitude_min_m": 3"#;
     has(
         &not_ready(&with_zone(properties, island), &[]),
-        &["inclusion 'island': ", "expected one that can be reached"],
+        &["keep-in zone 'island': ", "expected one that can be reached"],
     );
     let joined = island.replace("-70.6650", "-70.6900");
     let _ = ready(&with_zone(properties, &joined), &[]);
@@ -252,14 +252,14 @@ fn an_inclusion_that_nobody_can_reach_is_told() {
     let under = properties.replace(r#""depth_max_m": 30"#, r#""depth_min_m": 45, "depth_max_m": 50"#);
     has(
         &not_ready(&with_zone(&under, &joined), &[]),
-        &["inclusion 'island': ", "at a depth of both"],
+        &["keep-in zone 'island': ", "at a depth of both"],
     );
-    // Where two exclusions together leave no place in it, though neither does.
+    // Where two keep-out zones together leave no place in it, though neither does.
     let half = |name: &str, mission: Mission, west: f64, east: f64| {
         let ring = format!("[{west}, 42.344], [{east}, 42.344], [{east}, 42.356], [{west}, 42.356], [{west}, 42.344]");
         and_zone(
             mission,
-            &format!(r#""name": "{name}", "kind": "exclusion", "margin_m": 5"#),
+            &format!(r#""name": "{name}", "kind": "keep-out", "margin_m": 5"#),
             &ring,
         )
     };
@@ -268,7 +268,7 @@ fn an_inclusion_that_nobody_can_reach_is_told() {
     let _ = ready(&eastern(), &[]);
     has(
         &not_ready(&half("west", eastern(), -70.69, -70.6699), &[]),
-        &["inclusion 'island': ", "exclusions", "no place"],
+        &["keep-in zone 'island': ", "keep-out zones", "no place"],
     );
 }
 
@@ -277,7 +277,7 @@ fn limits_are_held_against_the_class() {
     for (limit, parts) in [
         (
             "limits.speed_max_mps=2.6",
-            ["limits.speed_max_mps is 2.6", "2.5 m/s of a 12-inch hull"],
+            ["limits.speed_max_mps is 2.6", "2.5 m/s of a 12-inch vehicle"],
         ),
         (
             "limits.turn_rate_dps=12",
@@ -285,7 +285,7 @@ fn limits_are_held_against_the_class() {
         ),
         (
             "vehicle.class=hovering",
-            ["limits.speed_max_mps is 2", "0.75 m/s of a hovering hull"],
+            ["limits.speed_max_mps is 2", "0.75 m/s of a hovering vehicle"],
         ),
     ] {
         let finished = Backseat::new()
@@ -305,7 +305,7 @@ fn limits_are_held_against_the_class() {
     let deep = Mission::steady().edit("fence.geojson", r#""depth_max_m": 40"#, r#""depth_max_m": 300"#);
     has(
         &not_ready(&deep, &[]),
-        &["inclusion 'box': depth_max_m is 300", "200 m of a 12-inch hull"],
+        &["keep-in zone 'box': depth_max_m is 300", "200 m of a 12-inch vehicle"],
     );
 }
 
@@ -355,11 +355,11 @@ fn what_would_keep_the_run_from_steering_is_told() {
     );
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let listen = taken.local_addr().unwrap();
-    let driver = format!("[[driver]]\nname = \"ctd\"\nlisten = \"{listen}\"\nsends = [\"BPCTD\"]\n");
-    let with_driver = Mission::steady().append("mission.toml", &driver);
-    has(&not_ready(&with_driver, &[]), &["driver ctd: ", "in use"]);
+    let source = format!("[[external]]\nname = \"ctd\"\nlisten = \"{listen}\"\nsends = [\"BPCTD\"]\n");
+    let with_external = Mission::steady().append("mission.toml", &source);
+    has(&not_ready(&with_external, &[]), &["external source ctd: ", "in use"]);
     drop(taken);
-    let _ = ready(&with_driver, &[]);
+    let _ = ready(&with_external, &[]);
 }
 
 #[test]
@@ -392,12 +392,12 @@ const PLAN_FENCE: &str = r#"{"fileType": "Plan", "groundStation": "QGroundContro
 
 const KML_FENCE: &str = r#"<kml xmlns="http://www.opengis.net/kml/2.2"><Document>
   <Placemark><name>box</name>
-    <ExtendedData><Data name="kind"><value>inclusion</value></Data></ExtendedData>
+    <ExtendedData><Data name="kind"><value>keep-in</value></Data></ExtendedData>
     <Polygon><outerBoundaryIs><LinearRing><coordinates>
       -70.7182,42.3428 -70.6818,42.3428 -70.6818,42.3572 -70.7182,42.3572 -70.7182,42.3428
     </coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark>
   <Placemark><name>cable</name>
-    <ExtendedData><Data name="kind"><value>exclusion</value></Data><Data name="half_width_m"><value>15</value></Data></ExtendedData>
+    <ExtendedData><Data name="kind"><value>keep-out</value></Data><Data name="half_width_m"><value>15</value></Data></ExtendedData>
     <LineString><coordinates>-70.715,42.356 -70.69,42.3555</coordinates></LineString></Placemark>
 </Document></kml>"#;
 
@@ -414,7 +414,7 @@ fn with_fence(file: &str, text: &str) -> Mission {
 fn fences_of_qgroundcontrol_and_kml_are_flown_in_simulation() {
     let geojson = Mission::steady();
     let circle = r#""features": [
-    {"type": "Feature", "properties": {"name": "buoy", "kind": "exclusion", "margin_m": 20, "radius_m": 50},
+    {"type": "Feature", "properties": {"name": "buoy", "kind": "keep-out", "margin_m": 20, "radius_m": 50},
      "geometry": {"type": "Point", "coordinates": [-70.7, 42.354]}},"#;
     let missions = [
         geojson.edit("fence.geojson", r#""features": ["#, circle),
@@ -518,18 +518,18 @@ fn fences_that_are_none_are_refused_before_the_dive_with_the_place() {
 
     // Inside out: what is to be kept out of and what to be kept in mistaken for each other.
     let inside_out = with_zone(
-        r#""name": "sea", "kind": "exclusion", "margin_m": 5"#,
+        r#""name": "sea", "kind": "keep-out", "margin_m": 5"#,
         "[-70.74, 42.33], [-70.66, 42.33], [-70.66, 42.37], [-70.74, 42.37], [-70.74, 42.33]",
     );
     refused(
         &inside_out,
-        &["fence.geojson", "'box'", "wholly inside exclusion 'sea'"],
+        &["fence.geojson", "'box'", "wholly inside keep-out zone 'sea'"],
     );
     let outside_alone = with_fence(
         "fence.plan",
         &PLAN_FENCE.replace("\"inclusion\": true", "\"inclusion\": false"),
     );
-    refused(&outside_alone, &["fence.plan", "inclusion"]);
+    refused(&outside_alone, &["fence.plan", "keep-in"]);
     // A ring's direction says nothing: clockwise or not it is the same zone.
     let clockwise =
         "[[-70.7182, 42.3428], [-70.7182, 42.3572], [-70.6818, 42.3572], [-70.6818, 42.3428], [-70.7182, 42.3428]]";

@@ -43,7 +43,7 @@ fn what_a_restless_plugin_asks_for_is_flown_or_rejected_and_nothing_unsafe_is_se
         );
         // By the fence, by a limit and by a time that was not the right one.
         let rejections = report["rejections"].to_string();
-        for rule in ["inclusion: ", "limit: ", "window: "] {
+        for rule in ["keep-in: ", "limit: ", "window: "] {
             assert!(rejections.contains(rule), "seed {seed}, no {rule}: {rejections}");
         }
     }

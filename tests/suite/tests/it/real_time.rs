@@ -4,7 +4,7 @@
 mod clocks;
 mod connect;
 mod disk;
-mod drivers;
+mod external;
 mod heard;
 mod identifiers;
 mod judge;

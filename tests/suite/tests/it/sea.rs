@@ -61,7 +61,7 @@ fn a_check_for_sea_judges_the_missions_plan_or_a_files() {
         let said = check(&named, &[]).exit(0).stdout;
         assert!(
             said.contains(
-                "plan: its first place and all 1 behaviours, with the ways between them, lie inside the fence"
+                "plan: its first place and all 1 behaviors, with the ways between them, lie inside the fence"
             ),
             "{said}"
         );

@@ -10,9 +10,9 @@ use backseat_units::Timestamp;
 use crate::capability::insert::Inserts;
 use crate::context::Context;
 use crate::monitor::envelope::Insert;
+use crate::mutations::{Check, is_on};
 use crate::plugin::PluginId;
 use crate::refusal::{Figure, Reason};
-use crate::switches::{Check, is_on};
 use crate::timer::Timer;
 
 /// How long a request waits for the vehicle's answer.

@@ -1,15 +1,15 @@
 //! What the vehicle flies before an insert that waits its turn, and whether the way from there still holds (safety
 //! requirement 002).
 //!
-//! An insert that interrupts nothing is flown after the current behaviour. That may be over sooner than its path is: a
-//! behaviour of the plan has a time limit that no sentence tells, and a lease delays it. And it may be another one by
+//! An insert that interrupts nothing is flown after the current behavior. That may be over sooner than its path is: a
+//! behavior of the plan has a time limit that no sentence tells, and a lease delays it. And it may be another one by
 //! the time that the insert arrives, or than the insert was judged for, where vehicles differ in the place that they give
 //! it (SPI 7.5).
 
 use crate::capability::insert::Inserts;
 use crate::context::Context;
 use crate::monitor::envelope::Insert;
-use crate::switches::{Check, is_on};
+use crate::mutations::{Check, is_on};
 
 impl Inserts {
     /// The plan is flown on, or is known anew: an insert that waits and whose way does not hold from there is called

@@ -63,15 +63,15 @@ impl Station {
         self.watch_relative(cx);
     }
 
-    /// Sets when relative navigation will have become stale under the hold.
+    /// Sets when relative navigation will have become stale under station keeping.
     pub(super) fn watch_relative(&mut self, cx: &mut Context) {
         let stale_at = [cx.vehicle.relative.stale_at(), cx.vehicle.cartesian.stale_at()];
         let next = stale_at.into_iter().flatten().filter(|at| *at > cx.now).min();
-        let next = next.filter(|_| self.hold.is_some());
+        let next = next.filter(|_| self.keeping.is_some());
         cx.timers.set_or_stop(Timer::Relative, next);
     }
 
-    /// Relative navigation has become stale: the hold stands where it does not need it.
+    /// Relative navigation has become stale: station keeping stands where it does not need it.
     pub(crate) fn timed_out(&mut self, cx: &mut Context) {
         if self.is_sound(cx) {
             self.watch_relative(cx);

@@ -1,4 +1,4 @@
-//! The vehicle's speed limit, which outlives holds and connections (BPSPD, SPI 8.4).
+//! The vehicle's speed limit, which outlives station keeping and connections (BPSPD, SPI 8.4).
 
 use backseat_spi::{HullSpeedLimit, ToVehicle};
 
@@ -7,19 +7,19 @@ use crate::context::Context;
 use crate::io::Note;
 use crate::session::commands::{Answer, Command, Purpose};
 
-/// What is known of the vehicle's speed limit (BPSPD), which outlives holds and connections.
+/// What is known of the vehicle's speed limit (BPSPD), which outlives station keeping and connections.
 #[derive(Debug, Default)]
 pub(super) struct SpeedLimit {
     /// What it is, where the vehicle has acknowledged it and nothing has been sent since.
     pub(super) known_mps: Option<f64>,
     /// It may not be the vehicle's own.
     pub(super) changed: bool,
-    /// The hold whose end has asked for the vehicle's own again; the answer is awaited.
+    /// The request whose end has asked for the vehicle's own again; the answer is awaited.
     pub(super) restoring: Option<u64>,
 }
 
 impl Station {
-    /// Gives the vehicle its own speed limit back where a hold has changed it.
+    /// Gives the vehicle its own speed limit back where station keeping has changed it.
     pub(super) fn restore_speed(&mut self, cx: &mut Context, request: u64) {
         if !self.limit.changed {
             return;
@@ -39,10 +39,10 @@ impl Station {
         }
     }
 
-    /// Control has come. A limit that a hold left changed, for its link was lost, is restored now: not before, for
-    /// without control nothing moves by it, and little may be sent (safety requirement 014).
+    /// Control has come. A limit that station keeping left changed, for its link was lost, is restored now: not before,
+    /// for without control nothing moves by it, and little may be sent (safety requirement 014).
     pub(crate) fn control_granted(&mut self, cx: &mut Context) {
-        if self.hold.is_none() && self.limit.restoring.is_none() {
+        if self.keeping.is_none() && self.limit.restoring.is_none() {
             self.restore_speed(cx, 0);
         }
     }
@@ -59,7 +59,7 @@ impl Station {
                     ..SpeedLimit::default()
                 };
             }
-            // It stays changed: the next hold's end and the next control try again.
+            // It stays changed: the next end of station keeping and the next control try again.
             Answer::Refused(_) | Answer::Missing => cx.note(Note::Text {
                 text: "the vehicle has not taken its own speed limit back (BPSPD)".to_owned(),
             }),

@@ -1,8 +1,8 @@
 //! Boxes with edges parallel to the axes: one in another, and one clear of another.
 
-use crate::monitor::limits::hull::{BottomBox, HullBox};
+use crate::monitor::limits::station::{BottomBox, HullBox};
+use crate::mutations::{Check, is_on};
 use crate::refusal::{BoxBreach, BoxEdge, Refusal, Stretch};
-use crate::switches::{Check, is_on};
 
 /// One axis: what it is called, the keys of its bounds, the bounds, and what the vehicle may come to.
 pub(super) struct Axis {
@@ -77,7 +77,7 @@ pub(super) fn contain(stretch: Stretch, key: &str, axes: &[Axis; 3]) -> Result<f
         let room_m = [axis.span_m[0] - axis.bounds_m[0], axis.bounds_m[1] - axis.span_m[1]];
         for (edge, room_m) in room_m.into_iter().enumerate() {
             // A figure that is none is in no box.
-            if (room_m.is_nan() || room_m < 0.0) && is_on(Check::HoldBox) {
+            if (room_m.is_nan() || room_m < 0.0) && is_on(Check::StationBox) {
                 return Err(left(Left {
                     stretch,
                     name: key,
@@ -106,7 +106,7 @@ pub(super) fn avoid(stretch: Stretch, key: &str, name: &str, axes: &[Axis; 3]) -
             }
         }
     }
-    if clear_m > 0.0 || !is_on(Check::HoldBox) {
+    if clear_m > 0.0 || !is_on(Check::StationBox) {
         return Ok(clear_m);
     }
     Err(Refusal::from(BoxBreach {

@@ -89,7 +89,7 @@ pub(super) fn ways(from: End, to: End) -> Vec<Shape> {
         (End::At(_) | End::Anywhere { .. } | End::Within { .. }, _) => {
             let mut corners = from.corners();
             corners.extend(to.corners());
-            Shape::hulls(&corners)
+            Shape::convex_hulls(&corners)
         }
     }
 }

@@ -1,9 +1,9 @@
 //! What a plugin that asks is told.
 
 use super::{Clocks, End, Envelope, Insert, Route, Surroundings, bottom_lock};
+use crate::mutations::with_every_check;
 use crate::plugin::{Judge, Refusal, Request, StepInput};
 use crate::refusal::Reason;
-use crate::switches::whole;
 
 impl Judge for Envelope {
     fn judge(&self, request: &Request, input: &StepInput) -> Result<f64, Refusal> {
@@ -20,7 +20,9 @@ impl Judge for Envelope {
             from: vec![End::At(navigation.local)],
             ..Route::default()
         };
-        let insert = |insert: &Insert| whole(|| self.judge_insert(insert, navigation.depth, lock, &from_here, clocks));
+        let insert = |insert: &Insert| {
+            with_every_check(|| self.judge_insert(insert, navigation.depth, lock, &from_here, clocks))
+        };
         match request {
             Request::Modify(modify) => {
                 let setpoint = self.admit_modify(modify)?;
@@ -29,7 +31,7 @@ impl Judge for Envelope {
             Request::Trackline(line) => insert(&self.admit_trackline(line)?),
             Request::Trackcircle(circle) => insert(&self.admit_trackcircle(circle)?),
             Request::GpsHit(hit) => insert(&self.admit_gps_hit(hit)?),
-            Request::Hold(hold) => {
+            Request::Station(station) => {
                 let around = Surroundings {
                     relative: input.relative.as_ref(),
                     cartesian: input.cartesian.as_ref(),
@@ -38,7 +40,7 @@ impl Judge for Envelope {
                     suspended: &[],
                     now: input.now,
                 };
-                self.judge_hold(&self.admit_hold(hold)?, &around)
+                self.judge_station(&self.admit_station(station)?, &around)
             }
             Request::SonarAngle(asked) => self.admit_sonar_angle(asked).map(|()| f64::MAX),
             Request::Camera(asked) => self.admit_camera(asked).map(|()| f64::MAX),
@@ -53,7 +55,7 @@ impl Judge for Envelope {
             | Request::Trim(_)
             | Request::Buoyancy(_)
             | Request::Packet(_)
-            | Request::EndHold
+            | Request::EndStation
             | Request::Timer { .. } => Ok(f64::MAX),
         }
     }

@@ -6,8 +6,8 @@ use backseat_units::{EastNorth, Timestamp, utm_convergence_deg};
 
 use super::ends::{End, farthest_m};
 use super::{BottomLock, Clocks, Envelope, MODIFY_TIMEOUT, Route, Setpoint, Track, turn_radius_m};
+use crate::mutations::{Check, is_on};
 use crate::plugin::{NavigationSample, Refusal};
-use crate::switches::{Check, is_on};
 
 /// Where a modify can lead until the vehicle has noticed our silence and turned away.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,7 +133,7 @@ impl Envelope {
             End::At(next) => vec![Shape::triangle(here, ahead, *next)],
             End::Anywhere { .. } | End::Within { .. } => {
                 let corners = next.corners().into_iter();
-                Shape::hulls(&corners.chain([here, ahead]).collect::<Vec<_>>())
+                Shape::convex_hulls(&corners.chain([here, ahead]).collect::<Vec<_>>())
             }
         });
         let ways: Vec<Shape> = legs.chain(on).collect();

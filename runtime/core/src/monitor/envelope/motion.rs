@@ -1,12 +1,12 @@
-//! How the vehicle moves at worst: how wide it turns, how long that takes, how fast it is, how far it strays (safety
-//! requirement 002).
+//! How the vehicle moves at worst: how wide it turns, how long that takes, how fast it is, its cross-track allowance
+//! (safety requirement 002).
 
 use super::Envelope;
 
 impl Envelope {
-    /// How far the vehicle may be beside a way or a line, metres: the errors, and a whole turn's width with the current's
-    /// part in it, for what it goes to may be behind it or abeam.
-    pub(super) fn strayed_m(&self, speed_mps: f64) -> f64 {
+    /// The cross-track allowance, how far the vehicle may be beside a way or a line, metres: the errors, and a whole
+    /// turn's width with the current's part in it, for what it goes to may be behind it or abeam.
+    pub(super) fn cross_track_m(&self, speed_mps: f64) -> f64 {
         let limits = &self.limits;
         limits.tracking_error_m
             + limits.navigation_error_m

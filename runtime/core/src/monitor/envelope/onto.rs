@@ -15,8 +15,8 @@ pub(crate) enum Track {
     Approach(Approach),
 }
 
-/// The way from where a behaviour began to where its path begins. Both are the vehicle's own: the one is known as well as
-/// navigation is, and the other lies between two points where nobody knows how long a lead-in is.
+/// The way from where a behavior began to where its path begins. Both are the vehicle's own: the one is known as well
+/// as navigation is, and the other lies between two points where nobody knows how long a lead-in is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Approach {
     pub(crate) begun: EastNorth,
@@ -112,7 +112,7 @@ impl Approach {
                 let [left, right] = feet(*place);
                 [*place, left, right]
             }));
-            solids.extend(Shape::hulls(&points));
+            solids.extend(Shape::convex_hulls(&points));
             fan += 1.0;
         }
         solids
@@ -132,7 +132,7 @@ fn onto_line(vehicle: &[EastNorth], (start, end): (EastNorth, EastNorth)) -> Vec
         return vec![Shape::quadrilateral([here, ahead, first, end])];
     }
     let points = vehicle.iter().copied().chain([first, end]);
-    Shape::hulls(&points.collect::<Vec<_>>())
+    Shape::convex_hulls(&points.collect::<Vec<_>>())
 }
 
 #[cfg(test)]
@@ -176,8 +176,10 @@ mod tests {
             point.distance_m(a + way * share.clamp(0.0, 1.0))
         };
         let from_solid = |solid: &Shape| {
-            let Shape::Hull(hull) = solid else { panic!("{solid:?}") };
-            let corners = hull.points();
+            let Shape::Convex(convex) = solid else {
+                panic!("{solid:?}")
+            };
+            let corners = convex.points();
             let triangles = (2..corners.len()).map(|third| [corners[0], corners[third - 1], corners[third]]);
             let within = |[a, b, c]: [EastNorth; 3]| {
                 let turns = [

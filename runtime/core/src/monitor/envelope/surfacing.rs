@@ -5,9 +5,9 @@ use backseat_units::Depth;
 use backseat_units::math::sin_cos;
 
 use super::{BottomLock, End, Envelope, Insert, InsertPath, Route, Track, Way, position, ways};
+use crate::mutations::{Check, is_on};
 use crate::plugin::{GpsHitRequest, Refusal};
 use crate::refusal::Figure;
-use crate::switches::{Check, is_on};
 
 /// A way up to the surface.
 #[derive(Clone, Copy, Default)]
@@ -42,7 +42,7 @@ impl Envelope {
             path: InsertPath::Surface {
                 at: position(request.position)?,
             },
-            // BPRGP has no interrupt code (SPI 7.7): it runs after the current behaviour.
+            // BPRGP has no interrupt code (SPI 7.7): it runs after the current behavior.
             interrupt: false,
         })
     }
@@ -51,7 +51,7 @@ impl Envelope {
     /// and the ways to it and on.
     pub(super) fn judge_surfacing(
         &self,
-        (place, strayed_m): (Shape, f64),
+        (place, cross_track_m): (Shape, f64),
         ends: (End, End),
         extent: &VerticalExtent,
         route: &Route,
@@ -59,7 +59,7 @@ impl Envelope {
     ) -> Result<f64, Refusal> {
         let adrift = Sweep {
             shape: place,
-            radius_m: strayed_m + self.drift_m(),
+            radius_m: cross_track_m + self.drift_m(),
         };
         let mut least_m = match self.check_surfacing(&adrift, extent, when) {
             Ok(clearance) => clearance.metres,
@@ -67,7 +67,7 @@ impl Envelope {
             Err(_) => f64::MAX,
         };
         let way = Way {
-            strayed_m,
+            cross_track_m,
             extent: *extent,
             depths_m: route.passed_m(extent),
             when,
@@ -112,7 +112,7 @@ impl Envelope {
 
     /// As [`Envelope::way_by`], from an end onto what the vehicle takes up again.
     pub(super) fn way_onto(&self, any_depth: bool, from: End, track: &Track, way: &Way) -> Result<f64, Refusal> {
-        let radius_m = way.strayed_m + track.within_m();
+        let radius_m = way.cross_track_m + track.within_m();
         self.least(track.onto(&from.corners()), radius_m, |sweep| {
             if any_depth {
                 self.of_any_depth(sweep, way)
@@ -133,7 +133,7 @@ impl Envelope {
 
     /// All depths must be allowed, by the zone's depths or because it may surface on the whole way.
     fn way_of_any_depth(&self, from: End, to: End, way: &Way) -> Result<f64, Refusal> {
-        self.least(ways(from, to), way.strayed_m, |sweep| self.of_any_depth(sweep, way))
+        self.least(ways(from, to), way.cross_track_m, |sweep| self.of_any_depth(sweep, way))
     }
 
     fn of_any_depth(&self, sweep: &Sweep, way: &Way) -> Result<f64, Refusal> {

@@ -6,7 +6,7 @@ use super::{Envelope, Insert, InsertPath};
 
 impl Envelope {
     /// The line of a trackline as it was given, without leads.
-    pub(crate) fn line_given(&self, insert: &Insert) -> Option<(EastNorth, EastNorth)> {
+    pub(crate) fn line_without_leads(&self, insert: &Insert) -> Option<(EastNorth, EastNorth)> {
         let frame = self.fence.frame();
         match insert.path {
             InsertPath::Line { start, end, .. } => Some((frame.to_local(start), frame.to_local(end))),
@@ -15,8 +15,8 @@ impl Envelope {
     }
 
     /// The same with its longest leads.
-    pub(crate) fn line_led(&self, insert: &Insert) -> Option<(EastNorth, EastNorth)> {
-        let (start, end) = self.line_given(insert)?;
+    pub(crate) fn line_with_leads(&self, insert: &Insert) -> Option<(EastNorth, EastNorth)> {
+        let (start, end) = self.line_without_leads(insert)?;
         Some(self.with_leads(start, end))
     }
 

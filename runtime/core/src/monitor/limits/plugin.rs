@@ -21,7 +21,7 @@ pub struct PluginLimits {
     /// How long its open inserts together may fly unattended, seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inserts_duration_max_s: Option<f64>,
-    /// How long it may steer in the whole mission, by modifies and holds together, seconds.
+    /// How long it may steer in the whole mission, by modifies and station keeping together, seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steering_max_s: Option<f64>,
     /// How many of its requests are taken in a second.

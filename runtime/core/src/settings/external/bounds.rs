@@ -1,4 +1,4 @@
-//! What a driver may say: its figures, held against the mission's bounds and against present navigation.
+//! What an external source may say: its figures, held against the mission's bounds and against present navigation.
 
 use backseat_spi::{BearingOffset, PayloadCtd, PositionFix, RelativeReset, ToVehicle};
 use backseat_units::{EastNorth, LocalFrame, TimeOfDay};
@@ -8,7 +8,7 @@ use crate::monitor::limits::LimitError;
 use crate::plugin::{NavigationSample, Refusal};
 use crate::refusal::{Figure, Reason};
 
-/// Measurements may be this much ahead of our clock, seconds: that of the driver's instrument is another one.
+/// Measurements may be this much ahead of our clock, seconds: that of the external source's instrument is another one.
 const AHEAD_MAX_S: f64 = 0.5;
 /// Sea water has some 60,000 uS/cm at most.
 const CONDUCTIVITY_MAX_US_PER_CM: f64 = 100_000.0;
@@ -39,10 +39,10 @@ impl ConductivityUnit {
     }
 }
 
-/// The figures that a driver may send, and how often: the `[driver.bounds]` table.
+/// The figures that an external source may send, and how often: the `[external.bounds]` table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct DriverBounds {
+pub struct ExternalBounds {
     /// How many sentences of all kinds pass in a second; as many, one at least, may come at once. Above 0, at most 100.
     pub rate_max_hz: f64,
     /// How old a measurement may be, by its own time and our clock, seconds (BPNPU, BPCTD).
@@ -53,19 +53,19 @@ pub struct DriverBounds {
     pub fix_error_max_m: f64,
     /// How far a fix's depth may be from present navigation's, metres (BPNPU).
     pub fix_depth_difference_max_m: f64,
-    /// Whether a fix may be forced upon the vehicle (BPNPU). That ends leases and holds.
+    /// Whether a fix may be forced upon the vehicle (BPNPU). That ends leases and station keeping.
     pub fix_force: bool,
     /// How far along either axis relative navigation may be reset to, metres (BPRNS).
     pub reset_max_m: f64,
     /// The largest bearing offset, degrees to either side (BPRBO).
     pub offset_max_deg: f64,
-    /// The unit of conductivity that the driver sends (BPCTD).
+    /// The unit of conductivity that the external source sends (BPCTD).
     pub conductivity_in: ConductivityUnit,
     /// The unit of conductivity that the vehicle is sent (BPCTD).
     pub conductivity_out: ConductivityUnit,
 }
 
-impl Default for DriverBounds {
+impl Default for ExternalBounds {
     fn default() -> Self {
         Self {
             rate_max_hz: 2.0,
@@ -82,7 +82,7 @@ impl Default for DriverBounds {
     }
 }
 
-impl DriverBounds {
+impl ExternalBounds {
     /// Every figure within what it can mean.
     ///
     /// # Errors
@@ -222,7 +222,7 @@ pub(crate) const fn resets_relative(message: &ToVehicle) -> bool {
 
 /// The same message, made at `created`.
 pub(crate) fn stamped(message: ToVehicle, created: TimeOfDay) -> ToVehicle {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is a driver's")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is an external source's")]
     match message {
         ToVehicle::TopsideRelay(relay) => ToVehicle::TopsideRelay(backseat_spi::TopsideRelay { created, ..relay }),
         ToVehicle::PayloadCtd(ctd) => ToVehicle::PayloadCtd(PayloadCtd { created, ..ctd }),

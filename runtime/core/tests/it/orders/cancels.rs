@@ -6,7 +6,7 @@ use backseat_spi::AckStatus;
 
 use super::{order, rejection, states, wire};
 use crate::course::{good_line, interrupting, line};
-use crate::led::{begins, refused_for};
+use crate::scene::{begins, refused_for};
 use crate::trial::{Trial, shorts};
 use crate::vehicle::Reply;
 
@@ -107,14 +107,14 @@ fn cancels_need_control() {
 }
 
 #[test]
-fn the_current_behaviour_is_cancelled_only_where_it_is_an_insert_of_ours() {
+fn the_current_behavior_is_cancelled_only_where_it_is_an_insert_of_ours() {
     let mut trial = Trial::under_way();
     let attempt = |trial: &mut Trial| {
         order(trial, Order::CancelCurrent);
         trial.run_for(0.3);
         trial.commands("RCB").len()
     };
-    assert_eq!(attempt(&mut trial), 0, "a planned behaviour is current");
+    assert_eq!(attempt(&mut trial), 0, "a planned behavior is current");
     assert!(rejection(&trial, RequestKind::CancelCurrent).contains("not known to be an insert of ours"));
     trial.ask(0, [interrupting(11)]);
     trial.run_for(0.3);
@@ -155,7 +155,7 @@ fn what_the_vehicle_flies_is_not_known_after_a_reconnect() {
 }
 
 #[test]
-fn sr_002_sr_020_the_way_from_a_cancelled_behaviour_to_what_comes_next_is_judged() {
+fn sr_002_sr_020_the_way_from_a_cancelled_behavior_to_what_comes_next_is_judged() {
     // The vehicle stands north of the wreck, its next insert begins south of it.
     for (next_start, clear) in [((0.0, -1400.0), false), ((900.0, -400.0), true)] {
         let mut trial = Trial::new();
@@ -192,7 +192,7 @@ fn sr_002_sr_020_the_way_from_a_cancelled_behaviour_to_what_comes_next_is_judged
             assert_eq!(shorts(&states(&trial, RequestKind::CancelCurrent))[0], "sent");
         } else {
             let text = rejection(&trial, RequestKind::CancelCurrent);
-            assert!(text.starts_with("exclusion: inside exclusion 'wreck'"), "{text}");
+            assert!(text.starts_with("keep-out: inside keep-out zone 'wreck'"), "{text}");
             assert!(trial.commands("RCB").is_empty());
         }
     }

@@ -5,7 +5,7 @@ use super::*;
 fn box_fence(margin_m: f64) -> Fence {
     fence(vec![zone(
         "box",
-        INCLUSION,
+        KEEP_IN,
         margin_m,
         &[rectangle(-100.0, -100.0, 100.0, 100.0)],
     )])
@@ -24,7 +24,7 @@ fn a_sweep_that_keeps_exactly_margin_and_radius_holds() {
     ] {
         assert_eq!(spare(&fence, shape, 5.0), 0.0, "{shape:?}");
         let (rule, metres) = refused(&fence, shape, 5.000_001);
-        assert_eq!(rule, Rule::Inclusion);
+        assert_eq!(rule, Rule::KeepIn);
         assert!((metres - 1e-6).abs() < 1e-9, "{metres}");
     }
 }
@@ -39,7 +39,7 @@ fn the_edge_itself_is_outside_even_without_margin_and_radius() {
         leg((100.0, -50.0), (100.0, 50.0)),
         Shape::rim(at(0.0, 0.0), 100.0),
     ] {
-        assert_eq!(refused(&fence, shape, 0.0).0, Rule::Inclusion, "{shape:?}");
+        assert_eq!(refused(&fence, shape, 0.0).0, Rule::KeepIn, "{shape:?}");
     }
     assert!(spare(&fence, Shape::point(at(99.0, 0.0)), 0.0) > 0.999);
 }
@@ -48,18 +48,15 @@ fn the_edge_itself_is_outside_even_without_margin_and_radius() {
 fn a_breach_tells_how_far_the_worst_point_is_out() {
     let fence = box_fence(10.0);
     let shape = leg((0.0, 0.0), (130.0, 0.0));
-    assert_eq!(refused(&fence, shape, 2.0), (Rule::Inclusion, 42.0));
-    assert_eq!(
-        refused(&fence, Shape::point(at(95.0, 0.0)), 2.0),
-        (Rule::Inclusion, 7.0)
-    );
+    assert_eq!(refused(&fence, shape, 2.0), (Rule::KeepIn, 42.0));
+    assert_eq!(refused(&fence, Shape::point(at(95.0, 0.0)), 2.0), (Rule::KeepIn, 7.0));
     assert_eq!(
         refused(&fence, leg((130.0, 0.0), (170.0, 0.0)), 0.0),
-        (Rule::Inclusion, 80.0)
+        (Rule::KeepIn, 80.0)
     );
     assert_eq!(
         refused(&fence, Shape::rim(at(60.0, 0.0), 50.0), 0.0),
-        (Rule::Inclusion, 20.0)
+        (Rule::KeepIn, 20.0)
     );
 }
 
@@ -70,10 +67,7 @@ fn a_leg_of_no_length_is_a_point() {
         assert!((spare(&fence, leg((50.0, 0.0), (50.0 + nearly, 0.0)), 1.0) - 39.0).abs() < 1e-9);
         let points = [at(50.0, 0.0), at(50.0, nearly), at(50.0 - nearly, 0.0), at(50.0, 0.0)];
         assert!((spare(&fence, Shape::quadrilateral(points), 1.0) - 39.0).abs() < 1e-9);
-        assert_eq!(
-            refused(&fence, leg((100.0, nearly), (100.0, 0.0)), 1.0).0,
-            Rule::Inclusion
-        );
+        assert_eq!(refused(&fence, leg((100.0, nearly), (100.0, 0.0)), 1.0).0, Rule::KeepIn);
     }
 }
 
@@ -83,11 +77,11 @@ fn corners_on_one_line_make_a_leg() {
     let shape = Shape::quadrilateral([at(0.0, 0.0), at(90.0, 0.0), at(30.0, 0.0), at(-40.0, 0.0)]);
     assert_eq!(spare(&fence, shape, 1.0), 9.0);
     let outside = Shape::quadrilateral([at(0.0, 0.0), at(30.0, 0.0), at(110.0, 0.0), at(-40.0, 0.0)]);
-    assert_eq!(refused(&fence, outside, 1.0), (Rule::Inclusion, 11.0));
+    assert_eq!(refused(&fence, outside, 1.0), (Rule::KeepIn, 11.0));
 }
 
 #[test]
-fn the_order_of_a_hulls_corners_does_not_matter() {
+fn the_order_of_a_convex_hulls_corners_does_not_matter() {
     let fence = box_fence(0.0);
     let corners = [at(-50.0, -50.0), at(60.0, -50.0), at(60.0, 70.0), at(-50.0, 40.0)];
     for order in [[0, 1, 2, 3], [3, 2, 1, 0], [0, 2, 1, 3], [2, 0, 3, 1], [1, 3, 0, 2]] {
@@ -103,12 +97,12 @@ fn a_leg_through_a_thin_hole_is_refused() {
     let hole = reversed(rectangle(-0.001, -50.0, 0.001, 50.0));
     let fence = fence(vec![zone(
         "box",
-        INCLUSION,
+        KEEP_IN,
         0.0,
         &[rectangle(-100.0, -100.0, 100.0, 100.0), hole],
     )]);
-    assert_eq!(refused(&fence, leg((-80.0, 0.0), (80.0, 0.0)), 0.0).0, Rule::Inclusion);
-    assert_eq!(refused(&fence, Shape::point(at(0.0, 0.0)), 0.0).0, Rule::Inclusion);
+    assert_eq!(refused(&fence, leg((-80.0, 0.0), (80.0, 0.0)), 0.0).0, Rule::KeepIn);
+    assert_eq!(refused(&fence, Shape::point(at(0.0, 0.0)), 0.0).0, Rule::KeepIn);
     assert_eq!(spare(&fence, leg((-80.0, 60.0), (80.0, 60.0)), 1.0), 9.0);
     let breach = check(&fence, leg((-80.0, 0.0), (80.0, 0.0)), 0.0).unwrap_err();
     assert_eq!(fence.describe_edge(breach.edge.unwrap()).unwrap().hole, Some(1));
@@ -135,24 +129,24 @@ fn a_leg_that_crosses_an_edge_almost_along_it_is_refused() {
     assert!(theirs.distance > 1e-4, "parry has mended it: {theirs:?}");
 
     let ring = vec![edge[0], edge[1], (0.0, -20000.0), (0.0, 0.0)];
-    let sea = fence(vec![zone("sea", INCLUSION, 0.0, &[ring])]);
-    assert_eq!(refused(&sea, leg(ends[0], ends[1]), 0.0).0, Rule::Inclusion);
+    let sea = fence(vec![zone("sea", KEEP_IN, 0.0, &[ring])]);
+    assert_eq!(refused(&sea, leg(ends[0], ends[1]), 0.0).0, Rule::KeepIn);
     let breach = check(&sea, leg(ends[0], edge[0]), 0.0).unwrap_err();
     assert_eq!(breach.edge.map(|edge| edge.edge), Some(0), "{breach}");
 }
 
 #[test]
-fn an_exclusion_or_hole_wholly_inside_a_solid_hull_is_touched() {
+fn a_keep_out_zone_or_hole_wholly_inside_a_solid_is_touched() {
     let outer = rectangle(-100.0, -100.0, 100.0, 100.0);
     let small = rectangle(-1.0, -1.0, 1.0, 1.0);
     let triangle = Shape::triangle(at(-80.0, -80.0), at(80.0, -80.0), at(0.0, 80.0));
     let wreck = fence(vec![
-        zone("box", INCLUSION, 0.0, std::slice::from_ref(&outer)),
-        zone("wreck", EXCLUSION, 0.0, std::slice::from_ref(&small)),
+        zone("box", KEEP_IN, 0.0, std::slice::from_ref(&outer)),
+        zone("wreck", KEEP_OUT, 0.0, std::slice::from_ref(&small)),
     ]);
-    assert_eq!(refused(&wreck, triangle, 0.0).0, Rule::Exclusion);
-    let hole = fence(vec![zone("box", INCLUSION, 0.0, &[outer, reversed(small)])]);
-    assert_eq!(refused(&hole, triangle, 0.0).0, Rule::Inclusion);
+    assert_eq!(refused(&wreck, triangle, 0.0).0, Rule::KeepOut);
+    let hole = fence(vec![zone("box", KEEP_IN, 0.0, &[outer, reversed(small)])]);
+    assert_eq!(refused(&hole, triangle, 0.0).0, Rule::KeepIn);
     // The legs of the triangle alone touch neither.
     for fence in [wreck, hole] {
         assert!(check(&fence, leg((-80.0, -80.0), (80.0, -80.0)), 0.0).is_ok());
@@ -161,38 +155,38 @@ fn an_exclusion_or_hole_wholly_inside_a_solid_hull_is_touched() {
 }
 
 #[test]
-fn a_sweep_inside_an_exclusion_is_refused_however_far_its_edges_are() {
+fn a_sweep_inside_a_keep_out_zone_is_refused_however_far_its_edges_are() {
     let fence = fence(vec![
-        zone("box", INCLUSION, 0.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
-        zone("field", EXCLUSION, 0.0, &[rectangle(-90.0, -90.0, 99.5, 90.0)]),
+        zone("box", KEEP_IN, 0.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
+        zone("field", KEEP_OUT, 0.0, &[rectangle(-90.0, -90.0, 99.5, 90.0)]),
     ]);
     assert_eq!(
         refused(&fence, Shape::point(at(60.0, 0.0)), 0.0),
-        (Rule::Exclusion, 39.5 + 1e-6)
+        (Rule::KeepOut, 39.5 + 1e-6)
     );
-    assert_eq!(refused(&fence, leg((95.0, 0.0), (98.0, 0.0)), 0.0).0, Rule::Exclusion);
-    assert_eq!(refused(&fence, Shape::rim(at(20.0, 0.0), 5.0), 0.0).0, Rule::Exclusion);
+    assert_eq!(refused(&fence, leg((95.0, 0.0), (98.0, 0.0)), 0.0).0, Rule::KeepOut);
+    assert_eq!(refused(&fence, Shape::rim(at(20.0, 0.0), 5.0), 0.0).0, Rule::KeepOut);
 }
 
 #[test]
-fn a_rim_around_an_exclusion_passes_and_one_through_it_does_not() {
+fn a_rim_around_a_keep_out_zone_passes_and_one_through_it_does_not() {
     let fence = fence(vec![
-        zone("box", INCLUSION, 0.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
-        zone("wreck", EXCLUSION, 5.0, &[rectangle(-10.0, -10.0, 10.0, 10.0)]),
+        zone("box", KEEP_IN, 0.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
+        zone("wreck", KEEP_OUT, 5.0, &[rectangle(-10.0, -10.0, 10.0, 10.0)]),
     ]);
     let spare_m = spare(&fence, Shape::rim(at(0.0, 0.0), 40.0), 1.0);
     assert!((spare_m - (40.0 - 200.0_f64.sqrt() - 6.0)).abs() < 1e-12);
     for radius in [2.0, 9.0, 12.0, 15.0, 19.0] {
         assert_eq!(
             refused(&fence, Shape::rim(at(0.0, 0.0), radius), 1.0).0,
-            Rule::Exclusion,
+            Rule::KeepOut,
             "{radius}"
         );
     }
-    assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 101.0), 1.0).0, Rule::Inclusion);
-    assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 0.0), 1.0).0, Rule::Exclusion);
+    assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 101.0), 1.0).0, Rule::KeepIn);
+    assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 0.0), 1.0).0, Rule::KeepOut);
     // Around the whole fence: it touches no edge, and is outside all the same.
-    assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 500.0), 1.0).0, Rule::Inclusion);
+    assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 500.0), 1.0).0, Rule::KeepIn);
 }
 
 #[test]
@@ -200,33 +194,33 @@ fn a_rim_around_a_hole_passes() {
     let hole = reversed(rectangle(-10.0, -10.0, 10.0, 10.0));
     let fence = fence(vec![zone(
         "box",
-        INCLUSION,
+        KEEP_IN,
         5.0,
         &[rectangle(-100.0, -100.0, 100.0, 100.0), hole],
     )]);
     assert!(check(&fence, Shape::rim(at(0.0, 0.0), 40.0), 1.0).is_ok());
-    assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 18.0), 1.0).0, Rule::Inclusion);
+    assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 18.0), 1.0).0, Rule::KeepIn);
 }
 
 #[test]
 fn zones_are_not_joined() {
     let fence = fence(vec![
-        zone("west", INCLUSION, 0.0, &[rectangle(-100.0, -10.0, 1.0, 10.0)]),
-        zone("east", INCLUSION, 0.0, &[rectangle(-1.0, -10.0, 100.0, 10.0)]),
+        zone("west", KEEP_IN, 0.0, &[rectangle(-100.0, -10.0, 1.0, 10.0)]),
+        zone("east", KEEP_IN, 0.0, &[rectangle(-1.0, -10.0, 100.0, 10.0)]),
     ]);
     assert!(check(&fence, leg((-50.0, 0.0), (0.5, 0.0)), 0.0).is_ok());
     assert!(check(&fence, leg((-0.5, 0.0), (50.0, 0.0)), 0.0).is_ok());
     assert_eq!(
         refused(&fence, leg((-50.0, 0.0), (20.0, 0.0)), 0.0),
-        (Rule::Inclusion, 19.0 + 1e-6)
+        (Rule::KeepIn, 19.0 + 1e-6)
     );
 }
 
 #[test]
 fn of_several_zones_that_hold_the_roomier_one_is_told() {
     let fence = fence(vec![
-        zone("small", INCLUSION, 0.0, &[rectangle(-10.0, -10.0, 10.0, 10.0)]),
-        zone("large", INCLUSION, 5.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
+        zone("small", KEEP_IN, 0.0, &[rectangle(-10.0, -10.0, 10.0, 10.0)]),
+        zone("large", KEEP_IN, 5.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
     ]);
     let clearance = check(&fence, Shape::point(at(0.0, 0.0)), 1.0).unwrap();
     assert_eq!(clearance.metres, 94.0);
@@ -235,7 +229,7 @@ fn of_several_zones_that_hold_the_roomier_one_is_told() {
 
 #[test]
 fn depth_and_altitude_are_those_of_the_zone_that_holds() {
-    let deep = Kind::Inclusion {
+    let deep = Kind::KeepIn {
         depth: Band {
             min_m: 30.0,
             max_m: 90.0,
@@ -244,7 +238,7 @@ fn depth_and_altitude_are_those_of_the_zone_that_holds() {
         surfacing: false,
     };
     let fence = fence(vec![
-        zone("shallow", INCLUSION, 0.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
+        zone("shallow", KEEP_IN, 0.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
         zone("deep", deep, 0.0, &[rectangle(-50.0, -50.0, 50.0, 50.0)]),
     ]);
     let sweep = Sweep::new(Shape::point(at(0.0, 0.0)), 1.0);
@@ -269,15 +263,15 @@ fn depth_and_altitude_are_those_of_the_zone_that_holds() {
 }
 
 #[test]
-fn an_exclusion_counts_at_its_depths_only_and_its_ends_belong_to_it() {
-    let band = Kind::Exclusion {
+fn a_keep_out_zone_counts_at_its_depths_only_and_its_ends_belong_to_it() {
+    let band = Kind::KeepOut {
         depth: Some(Band {
             min_m: 20.0,
             max_m: 30.0,
         }),
     };
     let fence = fence(vec![
-        zone("box", INCLUSION, 0.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
+        zone("box", KEEP_IN, 0.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
         zone("net", band, 0.0, &[rectangle(-10.0, -10.0, 10.0, 10.0)]),
     ]);
     let holds = |min, max| {
@@ -295,7 +289,7 @@ fn an_exclusion_counts_at_its_depths_only_and_its_ends_belong_to_it() {
         assert!(!holds(min, max), "{min} {max}");
     }
     // A bare position knows no depth.
-    assert_eq!(fence.contains(at(0.0, 0.0)).unwrap_err().rule, Rule::Exclusion);
+    assert_eq!(fence.contains(at(0.0, 0.0)).unwrap_err().rule, Rule::KeepOut);
     assert_eq!(fence.contains(at(50.0, 0.0)).unwrap().metres, 40.0 - 1e-6);
 }
 
@@ -303,7 +297,7 @@ fn an_exclusion_counts_at_its_depths_only_and_its_ends_belong_to_it() {
 fn containment_ignores_margins() {
     let fence = box_fence(60.0);
     assert!((fence.contains(at(99.0, 0.0)).unwrap().metres - 1.0).abs() < 1e-5);
-    assert_eq!(fence.contains(at(100.0, 0.0)).unwrap_err().rule, Rule::Inclusion);
+    assert_eq!(fence.contains(at(100.0, 0.0)).unwrap_err().rule, Rule::KeepIn);
     assert_eq!(fence.contains(at(103.0, 104.0)).unwrap_err().metres, 5.0 + 1e-6);
 }
 
@@ -368,32 +362,26 @@ fn huge_sweeps_are_refused_in_metres() {
     let fence = box_fence(10.0);
     assert_eq!(
         refused(&fence, Shape::point(at(0.0, 0.0)), 1e9),
-        (Rule::Inclusion, 1e9 - 90.0)
+        (Rule::KeepIn, 1e9 - 90.0)
     );
-    assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 1e9), 0.0).0, Rule::Inclusion);
+    assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 1e9), 0.0).0, Rule::KeepIn);
     assert_eq!(
         refused(&fence, leg((-1e9, 0.0), (1e9, 0.0)), 0.0),
-        (Rule::Inclusion, 1e9 - 90.0)
+        (Rule::KeepIn, 1e9 - 90.0)
     );
     let far = Shape::triangle(at(-1e9, -1e9), at(1e9, -1e9), at(0.0, 1e9));
-    assert_eq!(refused(&fence, far, 0.0).0, Rule::Inclusion);
+    assert_eq!(refused(&fence, far, 0.0).0, Rule::KeepIn);
 }
 
 #[test]
 fn polygons_of_a_millimetre_are_judged_like_large_ones() {
     let fence = fence(vec![
-        zone("box", INCLUSION, 0.0, &[rectangle(0.0, 0.0, 0.001, 0.001)]),
-        zone("speck", EXCLUSION, 0.0, &[rectangle(0.0002, 0.0002, 0.0004, 0.0004)]),
+        zone("box", KEEP_IN, 0.0, &[rectangle(0.0, 0.0, 0.001, 0.001)]),
+        zone("speck", KEEP_OUT, 0.0, &[rectangle(0.0002, 0.0002, 0.0004, 0.0004)]),
     ]);
     assert!((spare(&fence, Shape::point(at(0.0007, 0.0007)), 0.0001) - 0.0002).abs() < 1e-12);
-    assert_eq!(
-        refused(&fence, Shape::point(at(0.0003, 0.0003)), 0.0).0,
-        Rule::Exclusion
-    );
-    assert_eq!(
-        refused(&fence, Shape::point(at(0.0011, 0.0005)), 0.0).0,
-        Rule::Inclusion
-    );
+    assert_eq!(refused(&fence, Shape::point(at(0.0003, 0.0003)), 0.0).0, Rule::KeepOut);
+    assert_eq!(refused(&fence, Shape::point(at(0.0011, 0.0005)), 0.0).0, Rule::KeepIn);
 }
 
 #[test]
@@ -402,12 +390,12 @@ fn edges_on_one_line_do_not_confuse_the_side() {
     let mut ring = Vec::new();
     ring.extend((0..10).map(|step| (f64::from(step) * 10.0, 0.0)));
     ring.extend([(100.0, 0.0), (100.0, 50.0), (50.0, 50.0), (0.0, 50.0)]);
-    let fence = fence(vec![zone("box", INCLUSION, 0.0, &[ring])]);
+    let fence = fence(vec![zone("box", KEEP_IN, 0.0, &[ring])]);
     for step in 0..=20 {
         let east = f64::from(step) * 5.0;
         assert_eq!(
             refused(&fence, Shape::point(at(east, -3.0)), 0.0),
-            (Rule::Inclusion, 3.0 + 1e-6)
+            (Rule::KeepIn, 3.0 + 1e-6)
         );
         if step > 0 && step < 20 {
             let spare_m = spare(&fence, Shape::point(at(east, 3.0)), 0.0);
@@ -421,19 +409,19 @@ fn points_beyond_a_sharp_corner_are_told_from_those_within() {
     // Points around the tip of a needle, whose nearest place is the tip: they lie left of one of its edges.
     for angle in [3e-4, 1e-3, 0.1, 1.0] {
         let needle = vec![(0.0, 0.0), (1000.0, -1000.0 * angle), (1000.0, 1000.0 * angle)];
-        let inclusion = fence(vec![zone("needle", INCLUSION, 0.0, std::slice::from_ref(&needle))]);
+        let keep_in = fence(vec![zone("needle", KEEP_IN, 0.0, std::slice::from_ref(&needle))]);
         let mut outer = rectangle(-2000.0, -2000.0, 2000.0, 2000.0);
         outer[0].0 -= 1.0;
-        let hole = fence(vec![zone("box", INCLUSION, 0.0, &[outer, reversed(needle)])]);
+        let hole = fence(vec![zone("box", KEEP_IN, 0.0, &[outer, reversed(needle)])]);
         for distance in [1e-5, 1e-3, 1.0, 100.0] {
             for step in -100..=100 {
                 let point = at(0.0, 0.0).offset(-90.0 + f64::from(step) * 0.9, distance);
-                assert!(inclusion.contains(point).is_err(), "{angle} {distance} {step}");
+                assert!(keep_in.contains(point).is_err(), "{angle} {distance} {step}");
                 assert!(hole.contains(point).is_ok(), "{angle} {distance} {step}");
             }
         }
         let within = at(500.0, 0.0);
-        assert!(inclusion.contains(within).is_ok() && hole.contains(within).is_err());
+        assert!(keep_in.contains(within).is_ok() && hole.contains(within).is_err());
     }
 }
 
@@ -443,15 +431,15 @@ fn a_breach_prints_alone() {
     let plain = box_fence(10.0);
     assert_eq!(
         text(&plain, Shape::point(at(110.3, 0.0))),
-        "outside inclusion 'box' with its margin of 10 m by 22.3 m at edge 2 (latitude 42.000000 longitude -69.998793)"
+        "outside keep-in zone 'box' with its margin of 10 m by 22.3 m at edge 2 (latitude 42.000000 longitude -69.998793)"
     );
     let wreck = fence(vec![
-        zone("box", INCLUSION, 0.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
-        zone("wreck", EXCLUSION, 0.0, &[rectangle(-10.0, -10.0, 10.0, 10.0)]),
+        zone("box", KEEP_IN, 0.0, &[rectangle(-100.0, -100.0, 100.0, 100.0)]),
+        zone("wreck", KEEP_OUT, 0.0, &[rectangle(-10.0, -10.0, 10.0, 10.0)]),
     ]);
     assert_eq!(
         text(&wreck, Shape::point(at(0.0, 11.0))),
-        "inside exclusion 'wreck' by 1.0 m at edge 3 (latitude 42.000090 longitude -70.000000)"
+        "inside keep-out zone 'wreck' by 1.0 m at edge 3 (latitude 42.000090 longitude -70.000000)"
     );
     let sweep = Sweep::new(Shape::point(at(0.0, 50.0)), 1.0);
     let vertical = |depth_min_m, depth_max_m, altitude_min_m| VerticalExtent {
@@ -462,15 +450,15 @@ fn a_breach_prints_alone() {
     for (vertical, text) in [
         (
             vertical(10.0, 60.0, 5.0),
-            "10.0 m deeper than the 50 m of inclusion 'box'",
+            "10.0 m deeper than the 50 m of keep-in zone 'box'",
         ),
         (
             vertical(-0.5, 5.0, 5.0),
-            "0.5 m shallower than the 0 m of inclusion 'box'",
+            "0.5 m shallower than the 0 m of keep-in zone 'box'",
         ),
         (
             vertical(10.0, 20.0, 2.99),
-            "1.0e-2 m below the altitude of 3 m of inclusion 'box'",
+            "1.0e-2 m below the altitude of 3 m of keep-in zone 'box'",
         ),
     ] {
         assert_eq!(wreck.check(&sweep, &vertical).unwrap_err().to_string(), text);

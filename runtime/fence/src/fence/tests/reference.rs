@@ -51,8 +51,8 @@ fn plan(middle: f64, size: f64) -> impl Strategy<Value = Plan> {
 
 #[derive(Clone, Debug)]
 struct Case {
-    inclusions: Vec<Plan>,
-    exclusions: Vec<Plan>,
+    keep_ins: Vec<Plan>,
+    keep_outs: Vec<Plan>,
 }
 
 impl Case {
@@ -63,8 +63,8 @@ impl Case {
                 .map(|plan| zone("zone", kind, plan.margin_m, &plan.rings))
                 .collect()
         };
-        let mut all = zones(&self.inclusions, INCLUSION);
-        all.extend(zones(&self.exclusions, EXCLUSION));
+        let mut all = zones(&self.keep_ins, KEEP_IN);
+        all.extend(zones(&self.keep_outs, KEEP_OUT));
         fence(all)
     }
 }
@@ -74,15 +74,15 @@ fn case() -> impl Strategy<Value = Case> {
         prop::collection::vec(plan(200.0, 1.0), 1..3),
         prop::collection::vec(plan(700.0, 0.2), 0..5),
     )
-        .prop_map(|(inclusions, exclusions)| Case { inclusions, exclusions })
+        .prop_map(|(keep_ins, keep_outs)| Case { keep_ins, keep_outs })
 }
 
 /// A point anywhere, or at some distance between a micrometre and a kilometre from a vertex of the first ring.
 fn near(case: &Case, (vertex, bearing, magnitude): (prop::sample::Index, f64, f64)) -> EastNorth {
     let plans: Vec<_> = case
-        .inclusions
+        .keep_ins
         .iter()
-        .chain(&case.exclusions)
+        .chain(&case.keep_outs)
         .flat_map(|plan| &plan.rings)
         .flatten()
         .collect();
@@ -106,8 +106,8 @@ fn geo_polygon(rings: &[Points]) -> GeoPolygon {
     GeoPolygon::new(outer, rings.collect())
 }
 
-/// The hull by `geo`: solid, however flat.
-fn geo_hull(points: &[EastNorth]) -> Geometry {
+/// The convex hull by `geo`: solid, however flat.
+fn geo_convex_hull(points: &[EastNorth]) -> Geometry {
     let points: Vec<_> = points
         .iter()
         .map(|point| Point::new(point.east_m, point.north_m))
@@ -156,7 +156,7 @@ fn by_parry(plan: &Plan, shape: &dyn Shape2, witness: EastNorth) -> Measured {
 /// Clearance, negative where it does not hold, from the measures of every zone.
 fn verdict(case: &Case, radius_m: f64, measure: impl Fn(&Plan) -> Measured) -> f64 {
     let reach_m = |plan: &Plan| (plan.margin_m + radius_m).max(1e-6);
-    let inclusion = case.inclusions.iter().map(|plan| {
+    let keep_in = case.keep_ins.iter().map(|plan| {
         let measured = measure(plan);
         if measured.inside {
             measured.distance_m - reach_m(plan)
@@ -164,7 +164,7 @@ fn verdict(case: &Case, radius_m: f64, measure: impl Fn(&Plan) -> Measured) -> f
             -1.0
         }
     });
-    let exclusion = case.exclusions.iter().map(|plan| {
+    let keep_out = case.keep_outs.iter().map(|plan| {
         let measured = measure(plan);
         if measured.inside {
             -1.0
@@ -172,9 +172,9 @@ fn verdict(case: &Case, radius_m: f64, measure: impl Fn(&Plan) -> Measured) -> f
             measured.distance_m - reach_m(plan)
         }
     });
-    inclusion
+    keep_in
         .fold(f64::NEG_INFINITY, f64::max)
-        .min(exclusion.fold(f64::INFINITY, f64::min))
+        .min(keep_out.fold(f64::INFINITY, f64::min))
         .min(CLEARANCE_MAX_M)
 }
 
@@ -254,7 +254,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(1_500))]
 
     #[test]
-    fn hulls_are_judged_as_geo_judges_them(
+    fn convex_hulls_are_judged_as_geo_judges_them(
         case in case(),
         sweeps in prop::collection::vec((prop::collection::vec(whereabouts(), 1..=4), prop::option::of(1e-4..50.0f64), radius()), 12),
     ) {
@@ -274,14 +274,14 @@ proptest! {
                 [a, b, c] => Shape::triangle(a, b, c),
                 _ => Shape::quadrilateral([points[0], points[1], points[2], points[3]]),
             };
-            let hull = geo_hull(&points);
-            let expected_m = verdict(&case, radius_m, |plan| by_geo(plan, &hull, points[0]));
+            let convex = geo_convex_hull(&points);
+            let expected_m = verdict(&case, radius_m, |plan| by_geo(plan, &convex, points[0]));
             agree(&check(&fence, shape, radius_m), expected_m)?;
             let bare = Case {
-                inclusions: case.inclusions.iter().map(|plan| Plan { margin_m: 0.0, ..plan.clone() }).collect(),
-                exclusions: case.exclusions.iter().map(|plan| Plan { margin_m: 0.0, ..plan.clone() }).collect(),
+                keep_ins: case.keep_ins.iter().map(|plan| Plan { margin_m: 0.0, ..plan.clone() }).collect(),
+                keep_outs: case.keep_outs.iter().map(|plan| Plan { margin_m: 0.0, ..plan.clone() }).collect(),
             };
-            let alone = geo_hull(&points[..1]);
+            let alone = geo_convex_hull(&points[..1]);
             agree(&fence.contains(points[0]), verdict(&bare, 0.0, |plan| by_geo(plan, &alone, points[0])))?;
         }
     }
@@ -295,8 +295,8 @@ proptest! {
         for (corners, radius_m) in sweeps {
             let points: Vec<_> = corners.iter().map(|corner| near(&case, *corner)).collect();
             let places: Vec<_> = points.iter().map(|point| Vector::new(point.east_m, point.north_m)).collect();
-            // Flat ones have no hull of parry's.
-            let solid = || ConvexPolygon::from_convex_hull(&places).map(|hull| Box::new(hull) as Box<dyn Shape2>);
+            // Flat ones have no convex hull of parry's.
+            let solid = || ConvexPolygon::from_convex_hull(&places).map(|convex| Box::new(convex) as Box<dyn Shape2>);
             let (shape, theirs) = match points[..] {
                 [a, b] => (Shape::leg(a, b), Some(Box::new(Segment::new(places[0], places[1])) as _)),
                 [a, b, c] => (Shape::triangle(a, b, c), solid()),
@@ -390,21 +390,21 @@ fn a_fence_of_ten_thousand_vertices_is_judged_as_a_scan_judges_it() {
         rings: vec![star((0.0, 0.0), &radii, 1.0)],
         margin_m: 5.0,
     };
-    let fence = fence(vec![zone("coast", INCLUSION, plan.margin_m, &plan.rings)]);
+    let fence = fence(vec![zone("coast", KEEP_IN, plan.margin_m, &plan.rings)]);
     let mut held = 0;
     for step in 0..200 {
         let from = at(0.0, 0.0).offset(f64::from(step) * 137.5, f64::from(step) * 17.0);
         let to = from.offset(f64::from(step) * 50.0, 400.0);
-        let hull = geo_hull(&[from, to]);
+        let convex = geo_convex_hull(&[from, to]);
         let case = Case {
-            inclusions: vec![plan.clone()],
-            exclusions: Vec::new(),
+            keep_ins: vec![plan.clone()],
+            keep_outs: Vec::new(),
         };
         let expected_m = verdict(&case, 10.0, |plan| {
             let ring = &plan.rings[0];
             let edges = ring.iter().zip(ring.iter().cycle().skip(1));
             let distance_m = edges
-                .map(|(a, b)| Euclidean.distance(&Geometry::Line(geo::Line::new(*a, *b)), &hull))
+                .map(|(a, b)| Euclidean.distance(&Geometry::Line(geo::Line::new(*a, *b)), &convex))
                 .fold(f64::INFINITY, f64::min);
             Measured {
                 distance_m,
@@ -429,8 +429,8 @@ fn sieve() -> impl Strategy<Value = Case> {
             rings.push(reversed(star(middle, radii, 55.0)));
         }
         Case {
-            inclusions: vec![Plan { rings, margin_m }],
-            exclusions: Vec::new(),
+            keep_ins: vec![Plan { rings, margin_m }],
+            keep_outs: Vec::new(),
         }
     })
 }
@@ -455,8 +455,8 @@ proptest! {
                 [a, b, c] => Shape::triangle(a, b, c),
                 _ => Shape::quadrilateral([points[0], points[1], points[2], points[3]]),
             };
-            let hull = geo_hull(&points);
-            let expected_m = verdict(&case, radius_m, |plan| by_geo(plan, &hull, points[0]));
+            let convex = geo_convex_hull(&points);
+            let expected_m = verdict(&case, radius_m, |plan| by_geo(plan, &convex, points[0]));
             agree(&check(&fence, shape, radius_m), expected_m)?;
         }
     }
@@ -464,7 +464,7 @@ proptest! {
 
 proptest! {
     #[test]
-    fn the_solids_of_a_hull_are_the_hull(
+    fn the_solids_of_a_convex_hull_are_all_of_it(
         points in prop::collection::vec((-500.0..500.0f64, -500.0..500.0f64), 0..=12),
         flat in any::<bool>(),
     ) {
@@ -472,14 +472,14 @@ proptest! {
             .iter()
             .map(|(east, north)| EastNorth::new(*east, if flat { 0.0 } else { *north }))
             .collect();
-        let solids = Shape::hulls(&points);
+        let solids = Shape::convex_hulls(&points);
         prop_assert_eq!(solids.is_empty(), points.is_empty());
-        let area = |points: &[EastNorth]| geo_hull(points).unsigned_area();
+        let area = |points: &[EastNorth]| geo_convex_hull(points).unsigned_area();
         let mut sum_m2 = 0.0;
         for solid in &solids {
-            let Shape::Hull(hull) = solid else { panic!("{solid:?}") };
-            prop_assert!(hull.points().iter().all(|corner| points.contains(corner)));
-            sum_m2 += area(hull.points());
+            let Shape::Convex(convex) = solid else { panic!("{solid:?}") };
+            prop_assert!(convex.points().iter().all(|corner| points.contains(corner)));
+            sum_m2 += area(convex.points());
         }
         if !points.is_empty() {
             prop_assert!((sum_m2 - area(&points)).abs() < 1e-6, "{solids:?}");
@@ -490,7 +490,7 @@ proptest! {
             let corners: Vec<_> = solids
                 .iter()
                 .flat_map(|solid| match solid {
-                    Shape::Hull(hull) => hull.points().to_vec(),
+                    Shape::Convex(convex) => convex.points().to_vec(),
                     Shape::Rim { .. } => Vec::new(),
                 })
                 .collect();

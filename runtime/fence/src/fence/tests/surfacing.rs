@@ -1,12 +1,12 @@
 //! Where the vehicle may come to the surface.
 
-use super::{EXCLUSION, Fence, at, fence, rectangle, zone};
+use super::{Fence, KEEP_OUT, at, fence, rectangle, zone};
 use crate::sweep::{Shape, Sweep, VerticalExtent};
 use crate::verdict::{Breach, Clearance, Rule};
 use crate::zone::{Band, Kind};
 
-const fn inclusion(surfacing: bool) -> Kind {
-    Kind::Inclusion {
+const fn keep_in(surfacing: bool) -> Kind {
+    Kind::KeepIn {
         depth: Band {
             min_m: 5.0,
             max_m: 50.0,
@@ -21,13 +21,13 @@ fn waters() -> Fence {
     fence(vec![
         zone(
             "lane",
-            inclusion(false),
+            keep_in(false),
             0.0,
             &[rectangle(-1000.0, -1000.0, 1000.0, 1000.0)],
         ),
         zone(
             "harbour",
-            inclusion(true),
+            keep_in(true),
             10.0,
             &[rectangle(500.0, -200.0, 900.0, 200.0)],
         ),
@@ -52,7 +52,7 @@ fn it_surfaces_only_in_a_zone_that_allows_it_whose_shallowest_depth_does_not_cou
     assert_eq!(breach.metres, 560.0, "the distance, the radius and the margin");
     assert!(
         breach.to_string().starts_with(
-            "outside inclusion 'harbour', the nearest that allows surfacing, with its margin of 10 m by 560.0 m"
+            "outside keep-in zone 'harbour', the nearest that allows surfacing, with its margin of 10 m by 560.0 m"
         ),
         "{breach}"
     );
@@ -69,8 +69,8 @@ fn it_surfaces_only_in_a_zone_that_allows_it_whose_shallowest_depth_does_not_cou
 }
 
 #[test]
-fn an_exclusion_counts_at_every_depth_that_is_passed_on_the_way_up() {
-    let buoy = Kind::Exclusion {
+fn a_keep_out_zone_counts_at_every_depth_that_is_passed_on_the_way_up() {
+    let buoy = Kind::KeepOut {
         depth: Some(Band {
             min_m: f64::NEG_INFINITY,
             max_m: 2.0,
@@ -80,18 +80,18 @@ fn an_exclusion_counts_at_every_depth_that_is_passed_on_the_way_up() {
         fence(vec![
             zone(
                 "harbour",
-                inclusion(true),
+                keep_in(true),
                 0.0,
                 &[rectangle(-500.0, -500.0, 500.0, 500.0)],
             ),
             zone("buoy", kind, 5.0, &[rectangle(20.0, -5.0, 30.0, 5.0)]),
         ])
     };
-    for kind in [buoy, EXCLUSION] {
+    for kind in [buoy, KEEP_OUT] {
         let breach = surfacing(&waters(kind), (0.0, 0.0), 20.0).unwrap_err();
-        assert_eq!((breach.rule, breach.zone()), (Rule::Exclusion, Some("buoy")));
+        assert_eq!((breach.rule, breach.zone()), (Rule::KeepOut, Some("buoy")));
     }
-    let wreck = Kind::Exclusion {
+    let wreck = Kind::KeepOut {
         depth: Some(Band {
             min_m: 30.0,
             max_m: 60.0,
@@ -108,13 +108,13 @@ fn an_exclusion_counts_at_every_depth_that_is_passed_on_the_way_up() {
 fn a_fence_without_surfacing_says_so_and_what_is_no_number_never_passes() {
     let fence = fence(vec![zone(
         "lane",
-        inclusion(false),
+        keep_in(false),
         0.0,
         &[rectangle(-1000.0, -1000.0, 1000.0, 1000.0)],
     )]);
     let breach = surfacing(&fence, (0.0, 0.0), 20.0).unwrap_err();
     assert_eq!((breach.rule, breach.zone(), breach.edge), (Rule::Surfacing, None, None));
-    assert_eq!(breach.to_string(), "no inclusion zone allows surfacing");
+    assert_eq!(breach.to_string(), "no keep-in zone allows surfacing");
     for (place, deepest_m) in [((f64::NAN, 0.0), 20.0), ((700.0, 0.0), f64::NAN)] {
         assert_eq!(
             surfacing(&waters(), place, deepest_m).unwrap_err().rule,

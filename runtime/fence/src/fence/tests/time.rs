@@ -26,12 +26,12 @@ fn windowed(mut zone: Zone, from: Option<u64>, until: Option<u64>) -> Zone {
     zone
 }
 
-fn inclusion() -> Zone {
-    zone("range", INCLUSION, 5.0, &[rectangle(0.0, 0.0, 100.0, 100.0)])
+fn keep_in() -> Zone {
+    zone("range", KEEP_IN, 5.0, &[rectangle(0.0, 0.0, 100.0, 100.0)])
 }
 
-fn exclusion() -> Zone {
-    zone("traffic", EXCLUSION, 5.0, &[rectangle(40.0, 40.0, 60.0, 60.0)])
+fn keep_out() -> Zone {
+    zone("traffic", KEEP_OUT, 5.0, &[rectangle(40.0, 40.0, 60.0, 60.0)])
 }
 
 fn judged(fence: &Fence, from: u64, until: u64) -> Result<Clearance, Breach> {
@@ -40,8 +40,8 @@ fn judged(fence: &Fence, from: u64, until: u64) -> Result<Clearance, Breach> {
 }
 
 #[test]
-fn an_inclusion_holds_only_what_its_window_covers() {
-    let fence = fence(vec![windowed(inclusion(), Some(1000), Some(2000))]);
+fn a_keep_in_zone_holds_only_what_its_window_covers() {
+    let fence = fence(vec![windowed(keep_in(), Some(1000), Some(2000))]);
     for (from, until, holds) in [
         (1000, 2000, true),
         (1200, 1200, true),
@@ -71,8 +71,8 @@ fn an_inclusion_holds_only_what_its_window_covers() {
 }
 
 #[test]
-fn an_exclusion_counts_where_its_window_and_the_time_share_an_instant() {
-    let fence = fence(vec![inclusion(), windowed(exclusion(), Some(1000), Some(2000))]);
+fn a_keep_out_zone_counts_where_its_window_and_the_time_share_an_instant() {
+    let fence = fence(vec![keep_in(), windowed(keep_out(), Some(1000), Some(2000))]);
     for (from, until, holds) in [
         (0, 999, true),
         (2001, 3000, true),
@@ -84,7 +84,7 @@ fn an_exclusion_counts_where_its_window_and_the_time_share_an_instant() {
         let answer = judged(&fence, from, until);
         assert_eq!(answer.is_ok(), holds, "{from} to {until}: {answer:?}");
         if let Err(breach) = answer {
-            assert_eq!((breach.rule, breach.metres), (Rule::Exclusion, 6.0));
+            assert_eq!((breach.rule, breach.metres), (Rule::KeepOut, 6.0));
         }
     }
 }
@@ -92,27 +92,27 @@ fn an_exclusion_counts_where_its_window_and_the_time_share_an_instant() {
 #[test]
 fn a_side_without_a_time_is_open() {
     let fence = fence(vec![
-        windowed(inclusion(), Some(1000), None),
-        windowed(exclusion(), None, Some(2000)),
+        windowed(keep_in(), Some(1000), None),
+        windowed(keep_out(), None, Some(2000)),
     ]);
     assert_eq!(judged(&fence, 999, 3000).unwrap_err().rule, Rule::Closed);
-    assert_eq!(judged(&fence, 2000, 3000).unwrap_err().rule, Rule::Exclusion);
+    assert_eq!(judged(&fence, 2000, 3000).unwrap_err().rule, Rule::KeepOut);
     assert!(judged(&fence, 2001, u64::MAX / 1_000_000_000).is_ok());
 }
 
 #[test]
 fn an_unknown_time_is_the_worst_one() {
-    let windowed_exclusion = fence(vec![inclusion(), windowed(exclusion(), Some(1000), Some(2000))]);
+    let windowed_keep_out = fence(vec![keep_in(), windowed(keep_out(), Some(1000), Some(2000))]);
     assert_eq!(
-        refused(&windowed_exclusion, leg((30.0, 50.0), (70.0, 50.0)), 1.0).0,
-        Rule::Exclusion
+        refused(&windowed_keep_out, leg((30.0, 50.0), (70.0, 50.0)), 1.0).0,
+        Rule::KeepOut
     );
-    let windowed_inclusion = fence(vec![windowed(inclusion(), None, Some(2000))]);
+    let windowed_keep_in = fence(vec![windowed(keep_in(), None, Some(2000))]);
     assert_eq!(
-        refused(&windowed_inclusion, leg((30.0, 50.0), (70.0, 50.0)), 1.0).0,
+        refused(&windowed_keep_in, leg((30.0, 50.0), (70.0, 50.0)), 1.0).0,
         Rule::Closed
     );
-    let backwards = judged(&windowed_exclusion, 20, 10).unwrap_err();
+    let backwards = judged(&windowed_keep_out, 20, 10).unwrap_err();
     assert_eq!(backwards.rule, Rule::NotFinite);
     assert_eq!(
         backwards.to_string(),
@@ -123,27 +123,27 @@ fn an_unknown_time_is_the_worst_one() {
 #[test]
 fn a_closed_zone_is_told_where_it_alone_is_in_the_way() {
     let zones = || {
-        let far = zone("far", INCLUSION, 0.0, &[rectangle(5000.0, 0.0, 5100.0, 100.0)]);
-        fence(vec![windowed(inclusion(), Some(1_777_622_400), None), far])
+        let far = zone("far", KEEP_IN, 0.0, &[rectangle(5000.0, 0.0, 5100.0, 100.0)]);
+        fence(vec![windowed(keep_in(), Some(1_777_622_400), None), far])
     };
     // Inside the closed one: its window, not the distance to the open one, is what stands against it.
     let breach = judged(&zones(), 1_777_622_399, 1_777_622_460).unwrap_err();
     assert_eq!(
         breach.to_string(),
-        "inclusion 'range' is valid from 2026-05-01T08:00:00Z only, asked for 2026-05-01T07:59:59Z to 2026-05-01T08:01:00Z"
+        "keep-in zone 'range' is valid from 2026-05-01T08:00:00Z only, asked for 2026-05-01T07:59:59Z to 2026-05-01T08:01:00Z"
     );
     // Inside neither: the open one is named, as its distance can be mended.
     let outside = Sweep::new(Shape::point(at(4000.0, 50.0)), 1.0);
     let breach = zones().during(span(0, 1)).check(&outside, &VERTICAL).unwrap_err();
     assert_eq!(
         (breach.rule, breach.zone(), breach.metres),
-        (Rule::Inclusion, Some("far"), 1001.0)
+        (Rule::KeepIn, Some("far"), 1001.0)
     );
 }
 
 #[test]
 fn surfacing_keeps_to_the_windows_too() {
-    let kind = Kind::Inclusion {
+    let kind = Kind::KeepIn {
         depth: Band {
             min_m: 2.0,
             max_m: 50.0,

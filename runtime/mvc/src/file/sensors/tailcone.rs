@@ -3,7 +3,7 @@ use serde::Deserialize;
 use super::within;
 use crate::error::MvcError;
 
-/// The `[sensors.tailcone]` section: thruster and angles as BFRVL and BFERC give them. A hovering hull has none.
+/// The `[sensors.tailcone]` section: thruster and angles as BFRVL and BFERC give them. A hovering vehicle has none.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TailconeConfig {

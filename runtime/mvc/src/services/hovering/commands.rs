@@ -30,7 +30,7 @@ impl Hovering {
     pub(crate) fn suspend(&mut self, ctx: &mut Context<'_>, re: Regarding, mission: &mut Mission) {
         self.command(ctx, re, |ctx, state| {
             match mission.suspend(ctx, re.client) {
-                Ok(true) => state.hold(ctx.vehicle, ctx.estimate.depth_m),
+                Ok(true) => state.stay(ctx.vehicle, ctx.estimate.depth_m),
                 Ok(false) => {}
                 Err(why) => return failed(why),
             }
@@ -106,7 +106,7 @@ impl Hovering {
             } else {
                 vertical_m
             };
-            let (safety_m, depth_max_m) = (state.safety_m, ctx.vehicle.hull().depth_max_m);
+            let (safety_m, depth_max_m) = (state.safety_m, ctx.vehicle.performance().depth_max_m);
             if !state.has_hull {
                 return failed("there is no hull");
             }
@@ -152,7 +152,7 @@ impl Hovering {
             if !mission.keep_suspended(ctx.now) {
                 return failed(IGNORED);
             }
-            let (altitude_min_m, depth_max_m) = (ctx.vehicle.altitude_min_m(), ctx.vehicle.hull().depth_max_m);
+            let (altitude_min_m, depth_max_m) = (ctx.vehicle.altitude_min_m(), ctx.vehicle.performance().depth_max_m);
             let vertical = match reference {
                 VerticalReference::Depth if (0.0..=depth_max_m).contains(&metres) => Vertical::Depth(metres),
                 VerticalReference::Depth => {
@@ -171,7 +171,7 @@ impl Hovering {
             // What is repeated does not turn the vehicle along with the drift of its bearing.
             let bearing_deg = match state.goal {
                 Goal::Bottom { bearing_deg, .. } => bearing_deg,
-                Goal::Hold { .. } | Goal::Hull { .. } => state.relative.bearing_deg(ctx.vehicle),
+                Goal::Stay { .. } | Goal::Hull { .. } => state.relative.bearing_deg(ctx.vehicle),
             };
             let goal = Goal::Bottom {
                 x_m,

@@ -21,15 +21,15 @@ use super::forces::BodyVelocity;
 pub(super) const RHO_KG_PER_M3: f64 = 1026.0;
 /// Acceleration of gravity, m/s2 (F).
 const GRAVITY_MPS2: f64 = 9.81;
-/// Length of the hull, metres (F).
+/// Length of the body, metres (F).
 pub(super) const LENGTH_M: f64 = 1.6;
-/// Diameter of the hull, metres (F).
+/// Diameter of the body, metres (F).
 pub(super) const DIAMETER_M: f64 = 0.19;
-/// By how much the spheroid that stands for the hull is larger than it, so that it weighs 31.9 kg (F).
+/// By how much the spheroid that stands for the body is larger than it, so that it weighs 31.9 kg (F).
 const SPHEROID_SCALE: f64 = 1.0096;
 /// How far the centre of gravity lies below the centre of buoyancy, which is the origin, metres (F; P has 0.0196).
 pub(super) const GRAVITY_BELOW_M: f64 = 0.02;
-/// Added moment of inertia in roll as a share of the hull's own (F).
+/// Added moment of inertia in roll as a share of the body's own (F).
 const ROLL_ADDED_SHARE: f64 = 0.3;
 /// Planform area as a share of length times diameter (F).
 const PLANFORM_SHARE: f64 = 0.7;
@@ -40,7 +40,7 @@ const OSWALD: f64 = 0.7;
 /// Hoerner's two-dimensional cross-flow drag coefficient of a section as wide as it is high, read off his curve between
 /// its points (0.493, 1.211) and (0.558, 1.084) (F, section 6.4).
 pub(super) const CROSS_FLOW_DRAG: f64 = 1.197_653;
-/// Strips into which the hull is divided for the cross-flow drag (F).
+/// Strips into which the body is divided for the cross-flow drag (F).
 pub(super) const STRIPS: usize = 20;
 
 /// Time constants of the linear damping at low speed, seconds (F).
@@ -68,7 +68,7 @@ pub(super) const PROPELLER_LAG_S: f64 = 1.0;
 
 /// Diameter of the propeller, metres: 5.5 inches (A).
 const PROPELLER_M: f64 = 0.14;
-/// Share of the thrust that the hull in front of the propeller costs (F).
+/// Share of the thrust that the body in front of the propeller costs (F).
 const THRUST_DEDUCTION: f64 = 0.1;
 /// Speed of the water at the propeller as a share of the vehicle's (A).
 const WAKE: f64 = 0.944;
@@ -79,17 +79,17 @@ const THRUST_AT_SPEED: f64 = 0.1798;
 const TORQUE_AT_REST: f64 = 0.0700;
 const TORQUE_AT_SPEED: f64 = 0.0312;
 const ADVANCE_AT_SPEED: f64 = 0.6632;
-/// Share of the propeller's torque that the hull feels: fitted to measured roll (F).
+/// Share of the propeller's torque that the body feels: fitted to measured roll (F).
 const TORQUE_SHARE: f64 = 0.1;
 
-/// Depth over which the buoyancy in excess of the weight comes in, metres: one diameter. The hull's own floating is not
+/// Depth over which the buoyancy in excess of the weight comes in, metres: one diameter. The body's own floating is not
 /// modelled; this lets it come to rest at the surface.
 pub(super) const BUOYANCY_FADES_M: f64 = DIAMETER_M;
 
 /// What the equations of motion need, worked out once.
 ///
-/// Mass and inertia are about the origin, the centre of buoyancy. The hull is symmetric and its centre of gravity on the
-/// vertical axis, so that surge goes with pitch, sway with roll, and heave and yaw go alone.
+/// Mass and inertia are about the origin, the centre of buoyancy. The body is symmetric and its centre of gravity on
+/// the vertical axis, so that surge goes with pitch, sway with roll, and heave and yaw go alone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coefficients {
     pub(super) mass_kg: f64,
@@ -111,7 +111,7 @@ pub(super) struct Coefficients {
     pub(super) half_rho_planform: f64,
     /// Drag coefficient without lift, on the planform.
     pub(super) parasitic_drag: f64,
-    /// Derivative of the hull's lift, per radian, on the planform.
+    /// Derivative of the body's lift, per radian, on the planform.
     pub(super) lift: f64,
     /// Induced drag coefficient for a lift coefficient of one.
     pub(super) induced_drag: f64,
@@ -125,7 +125,7 @@ pub(super) struct Coefficients {
     pub(super) propeller: Propeller,
 }
 
-/// Thrust and torque on the hull: each is a turns^2 less a part of turns times speed.
+/// Thrust and torque on the body: each is a turns^2 less a part of turns times speed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Propeller {
     pub(super) thrust: f64,
@@ -210,7 +210,7 @@ impl Coefficients {
         }
     }
 
-    /// Moment that rights the hull, for a sine of one, newton metres.
+    /// Moment that rights the body, for a sine of one, newton metres.
     pub(super) fn righting_nm(&self) -> f64 {
         self.weight_n * GRAVITY_BELOW_M
     }

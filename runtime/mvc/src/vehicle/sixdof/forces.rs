@@ -78,7 +78,8 @@ fn damping(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut Bod
     }
 }
 
-/// Lift and drag of the hull in its vertical plane, as of a wing of low aspect ratio (Beard and McLain 2012, chapter 4).
+/// Lift and drag of the body in its vertical plane, as of a wing of low aspect ratio (Beard and McLain 2012, chapter
+/// 4).
 ///
 /// Published with the angle of attack a itself; here it is sin a cos a, the same within 1 % up to 7 degrees, and zero
 /// athwart, where a lift that grows with the angle has no meaning: a vehicle that floats up level is not driven forward.
@@ -97,7 +98,7 @@ fn lift_and_drag(coefficients: &Coefficients, velocity: &BodyVelocity, force: &m
     force[2] -= pressure * (sin * drag + cos * lift);
 }
 
-/// Drag of the water that crosses the hull, by strips (Fossen 2021, section 6.4), in the horizontal plane and, the hull
+/// Drag of the water that crosses the body, by strips (Fossen 2021, section 6.4), in the horizontal plane and, the body
 /// being round, likewise in the vertical one.
 fn cross_flow(coefficients: &Coefficients, velocity: &BodyVelocity, force: &mut BodyVelocity) {
     let [_, v, w, _, q, r]: [f64; 6] = (*velocity).into();

@@ -2,7 +2,7 @@
 //!
 //! Requirements of this project, not published figures: those are in [`super::published`].
 
-use backseat_plan::HullClass;
+use backseat_plan::VehicleClass;
 use backseat_units::math::wrap_180;
 use backseat_units::{EastNorth, Timestamp};
 
@@ -11,9 +11,13 @@ use super::{Actuators, Helm, Orders, Piloted, STEP_MAX_S, SixDof, Steering, Surr
 use crate::estimate::Estimate;
 use crate::plan::Shape;
 use crate::plan::course::{Course, Way, crabbed_deg};
-use crate::vehicle::hull::Hull;
+use crate::vehicle::performance::Performance;
 
-const TORPEDOES: [HullClass; 3] = [HullClass::NineInch, HullClass::TwelveInch, HullClass::TwentyOneInch];
+const TORPEDOES: [VehicleClass; 3] = [
+    VehicleClass::NineInch,
+    VehicleClass::TwelveInch,
+    VehicleClass::TwentyOneInch,
+];
 
 fn open_sea() -> Surroundings {
     Surroundings {
@@ -31,8 +35,8 @@ fn orders(heading_deg: f64, trim: Trim, speed_mps: f64) -> Orders {
     }
 }
 
-fn vehicle(class: HullClass, depth_m: f64) -> Piloted {
-    Piloted::new(Hull::of(class), 2.0, EastNorth::default(), depth_m, 0.0)
+fn vehicle(class: VehicleClass, depth_m: f64) -> Piloted {
+    Piloted::new(Performance::of(class), 2.0, EastNorth::default(), depth_m, 0.0)
 }
 
 /// Flies at 10 Hz as the mock does and shows each step.
@@ -71,7 +75,7 @@ impl Response {
 fn dives_to_a_depth_and_holds_it() {
     for class in TORPEDOES {
         let mut vehicle = vehicle(class, 5.0);
-        let hull = *vehicle.hull();
+        let performance = *vehicle.performance();
         fly(
             &mut vehicle,
             orders(0.0, Trim::Depth(5.0), 1.5),
@@ -91,15 +95,18 @@ fn dives_to_a_depth_and_holds_it() {
             },
         );
         let motion = vehicle.motion();
-        // The hull's own gain sets the pace: a first-order response rises in 2.2 time constants.
-        let pace_s = 2.2 / hull.depth_gain_per_s;
+        // The body's own gain sets the pace: a first-order response rises in 2.2 time constants.
+        let pace_s = 2.2 / performance.depth_gain_per_s;
         assert!(
             (0.6 * pace_s..9.8 * pace_s).contains(&response.rise_s()),
             "{class:?} {}",
             response.rise_s()
         );
         assert!(response.overshoot < 0.05, "{class:?} {}", response.overshoot);
-        assert!(steepest_deg <= hull.pitch_max_deg + 1.0, "{class:?} {steepest_deg}");
+        assert!(
+            steepest_deg <= performance.pitch_max_deg + 1.0,
+            "{class:?} {steepest_deg}"
+        );
         assert!((motion.depth_m - 15.0).abs() < 0.1, "{class:?} {}", motion.depth_m);
         assert!((motion.surge_mps - 1.5).abs() < 0.02, "{class:?} {}", motion.surge_mps);
     }
@@ -107,8 +114,8 @@ fn dives_to_a_depth_and_holds_it() {
 
 #[test]
 fn dives_from_the_surface_at_the_least_speed() {
-    let mut vehicle = vehicle(HullClass::TwelveInch, 0.0);
-    let least_mps = vehicle.hull().speed_min_mps;
+    let mut vehicle = vehicle(VehicleClass::TwelveInch, 0.0);
+    let least_mps = vehicle.performance().speed_min_mps;
     fly(
         &mut vehicle,
         orders(0.0, Trim::Depth(5.0), least_mps),
@@ -124,7 +131,7 @@ fn dives_from_the_surface_at_the_least_speed() {
 fn turns_to_a_heading_without_hunting() {
     for speed_mps in [1.0, 1.5, 2.3] {
         for turn_deg in [30.0, -120.0, 179.0] {
-            let mut vehicle = vehicle(HullClass::NineInch, 10.0);
+            let mut vehicle = vehicle(VehicleClass::NineInch, 10.0);
             fly(
                 &mut vehicle,
                 orders(0.0, Trim::Depth(10.0), speed_mps),
@@ -156,7 +163,7 @@ fn turns_to_a_heading_without_hunting() {
 
 #[test]
 fn holds_pitch_fins_and_turns_as_ordered() {
-    let mut vehicle = vehicle(HullClass::TwelveInch, 50.0);
+    let mut vehicle = vehicle(VehicleClass::TwelveInch, 50.0);
     fly(
         &mut vehicle,
         orders(90.0, Trim::Pitch(-8.0), 2.0),
@@ -181,7 +188,7 @@ fn holds_pitch_fins_and_turns_as_ordered() {
 
 #[test]
 fn altitude_follows_a_slope() {
-    let mut vehicle = vehicle(HullClass::TwelveInch, 20.0);
+    let mut vehicle = vehicle(VehicleClass::TwelveInch, 20.0);
     // Up and down one in twenty towards the east.
     for (heading_deg, seconds) in [(90.0, 200), (270.0, 300)] {
         let mut furthest_m = 0.0_f64;
@@ -213,7 +220,7 @@ fn nothing_leads_beyond_its_own_limits() {
         Trim::Pitch(-30.0),
         Trim::Elevator(-15.0),
     ];
-    for class in [HullClass::NineInch, HullClass::TwentyOneInch] {
+    for class in [VehicleClass::NineInch, VehicleClass::TwentyOneInch] {
         for trim in trims {
             for (steering, throttle) in [
                 (Steering::Heading(90.0), Throttle::Speed(99.0)),
@@ -224,12 +231,12 @@ fn nothing_leads_beyond_its_own_limits() {
                     trim,
                     throttle,
                 };
-                let hull = Hull {
+                let performance = Performance {
                     depth_max_m: 60.0,
                     speed_max_mps: 2.0,
-                    ..*Hull::of(class)
+                    ..*Performance::of(class)
                 };
-                let mut vehicle = Piloted::new(&hull, 2.0, EastNorth::default(), 0.0, 0.0);
+                let mut vehicle = Piloted::new(&performance, 2.0, EastNorth::default(), 0.0, 0.0);
                 for _ in 0..3000 {
                     let at = vehicle.motion().at;
                     let around = Surroundings {
@@ -243,7 +250,7 @@ fn nothing_leads_beyond_its_own_limits() {
                     let case = format!("{class:?} {order:?} {motion:?}");
                     assert!(altitude_m > 1.0 && motion.depth_m <= 60.5, "{altitude_m} {case}");
                     assert!(motion.surge_mps <= 2.0, "{case}");
-                    assert!(motion.pitch_deg.abs() <= hull.pitch_max_deg + 3.0, "{case}");
+                    assert!(motion.pitch_deg.abs() <= performance.pitch_max_deg + 3.0, "{case}");
                 }
             }
         }
@@ -252,7 +259,7 @@ fn nothing_leads_beyond_its_own_limits() {
 
 #[test]
 fn held_it_stays_and_adrift_it_floats_up_with_the_current() {
-    let mut vehicle = vehicle(HullClass::NineInch, 3.0);
+    let mut vehicle = vehicle(VehicleClass::NineInch, 3.0);
     let around = Surroundings {
         current: (0.3, 0.0, 0.0),
         ..open_sea()
@@ -298,7 +305,7 @@ fn the_seabed_stops_it() {
         assert!(body.depth_m() <= 10.0);
     }
     assert_eq!(body.depth_m(), 10.0);
-    let mut vehicle = vehicle(HullClass::NineInch, 9.0);
+    let mut vehicle = vehicle(VehicleClass::NineInch, 9.0);
     vehicle.drive(
         &Helm::Adrift,
         &Surroundings {
@@ -313,7 +320,7 @@ fn the_seabed_stops_it() {
 #[test]
 fn the_same_orders_give_the_same_bits() {
     let track = || {
-        let mut vehicle = vehicle(HullClass::NineInch, 3.0);
+        let mut vehicle = vehicle(VehicleClass::NineInch, 3.0);
         let mut seen = Vec::new();
         fly(
             &mut vehicle,
@@ -380,7 +387,13 @@ fn leaves_the_seabed_when_it_is_ordered_to() {
         water_depth_m: 20.0,
         ..open_sea()
     };
-    let mut vehicle = Piloted::new(Hull::of(HullClass::NineInch), 0.0, EastNorth::default(), 25.0, 0.0);
+    let mut vehicle = Piloted::new(
+        Performance::of(VehicleClass::NineInch),
+        0.0,
+        EastNorth::default(),
+        25.0,
+        0.0,
+    );
     vehicle.drive(&Helm::Held, &shallow, 0.1);
     assert!(vehicle.motion().grounded);
     fly(
@@ -396,7 +409,7 @@ fn leaves_the_seabed_when_it_is_ordered_to() {
 
 #[test]
 fn speed_is_reached_and_held_in_turns_and_dives() {
-    let mut vehicle = vehicle(HullClass::TwelveInch, 10.0);
+    let mut vehicle = vehicle(VehicleClass::TwelveInch, 10.0);
     for (speed_mps, heading_deg, depth_m) in [(1.2, 0.0, 10.0), (2.0, 150.0, 25.0), (1.5, 10.0, 5.0)] {
         fly(
             &mut vehicle,
@@ -421,7 +434,7 @@ fn speed_is_reached_and_held_in_turns_and_dives() {
 fn the_step_of_the_mock_matters_little() {
     // 1, 10 and 100 steps a second: the same orders, the same place.
     let fly_at = |hertz: u32| {
-        let mut vehicle = vehicle(HullClass::TwelveInch, 5.0);
+        let mut vehicle = vehicle(VehicleClass::TwelveInch, 5.0);
         for second in 0..180 {
             let heading_deg = if second < 60 { 0.0 } else { 100.0 };
             for _ in 0..hertz {
@@ -440,7 +453,7 @@ fn the_step_of_the_mock_matters_little() {
 
 #[test]
 fn orders_and_waters_that_are_no_numbers_leave_it_flying() {
-    let mut vehicle = vehicle(HullClass::NineInch, 10.0);
+    let mut vehicle = vehicle(VehicleClass::NineInch, 10.0);
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for trim in [
             Trim::Depth(value),
@@ -487,7 +500,7 @@ fn fly_shape(shape: Shape) -> Vec<f64> {
         current: (0.25, -0.1, 0.0),
         ..open_sea()
     };
-    let mut vehicle = vehicle(HullClass::TwelveInch, 10.0);
+    let mut vehicle = vehicle(VehicleClass::TwelveInch, 10.0);
     let mut course = Course::begin(shape, vehicle.motion().at, Timestamp::ZERO);
     let mut off_m = Vec::new();
     for _ in 0..20_000 {
@@ -496,7 +509,7 @@ fn fly_shape(shape: Shape) -> Vec<f64> {
             at: motion.at,
             ..Estimate::default()
         };
-        let steer = course.steer(&estimate, 1.5, vehicle.hull(), Timestamp::ZERO);
+        let steer = course.steer(&estimate, 1.5, vehicle.performance(), Timestamp::ZERO);
         let (Way::Course(bearing_deg), None) = (steer.way, steer.end) else {
             break;
         };

@@ -5,7 +5,7 @@ use super::autopilot::{
 };
 use super::coefficients::{FIN_MAX_DEG, PROPELLER_MAX_RPM};
 use super::{Actuators, STEP_MAX_S, SixDof};
-use crate::vehicle::hull::Hull;
+use crate::vehicle::performance::Performance;
 
 /// What moves the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,12 +91,12 @@ pub(crate) struct Motion {
 /// A body, its autopilot, and the limits that it keeps whatever it is asked.
 #[derive(Clone, Debug)]
 pub(crate) struct Piloted {
-    hull: Hull,
+    performance: Performance,
     altitude_min_m: f64,
     body: SixDof,
     autopilot: Autopilot,
     ordered: Actuators,
-    /// As a share of the hull's own.
+    /// As a share of the body's own.
     rise_share: f64,
     held: bool,
     grounded: bool,
@@ -120,38 +120,44 @@ const LEVEL_OUT_S: f64 = 1.0;
 /// The narrowest turn, metres: hard over from full speed, while the way comes off. It settles at 19 and more.
 const TURN_RADIUS_M: f64 = 13.0;
 
-/// What a hull can do with this body under it: its limits, as far as the body reaches them.
+/// What a body can do with this body under it: its limits, as far as the body reaches them.
 ///
 /// Plans and requests are to be judged by these: slower than 1 m/s it does not hold its depth, and its turns are those
-/// of two thirds of its rudder. A hull that hovers is not for this model.
+/// of two thirds of its rudder. A body that hovers is not for this model.
 #[must_use]
-pub(crate) fn flown(hull: &Hull) -> Hull {
-    let speed_max_mps = hull.speed_max_mps.min(FASTEST_MPS);
-    let speed_min_mps = hull.speed_min_mps.max(STEERAGE_MPS).min(speed_max_mps);
-    Hull {
+pub(crate) fn flown(performance: &Performance) -> Performance {
+    let speed_max_mps = performance.speed_max_mps.min(FASTEST_MPS);
+    let speed_min_mps = performance.speed_min_mps.max(STEERAGE_MPS).min(speed_max_mps);
+    Performance {
         speed_min_mps,
         speed_max_mps,
-        yaw_rate_max_dps: hull.yaw_rate_max_dps.min(TURN_MAX_DEG_PER_M * speed_max_mps),
+        yaw_rate_max_dps: performance.yaw_rate_max_dps.min(TURN_MAX_DEG_PER_M * speed_max_mps),
         turn_radius_m: TURN_RADIUS_M,
         pitch_rate_max_dps: PITCH_RATE_MAX.to_degrees(),
-        yaw_gain_per_s: hull.yaw_gain_per_s.min(HEADING_GAIN_PER_S),
-        yaw_tau_s: hull.yaw_tau_s.max(2.0),
+        yaw_gain_per_s: performance.yaw_gain_per_s.min(HEADING_GAIN_PER_S),
+        yaw_tau_s: performance.yaw_tau_s.max(2.0),
         rpm_per_mps: RPM_PER_MPS,
         fin_max_deg: FIN_MAX_DEG,
         hovers: false,
-        ..*hull
+        ..*performance
     }
 }
 
 impl Piloted {
-    /// At rest, with the limits of `hull` as far as the body reaches them ([`flown`]) and its least height over the
-    /// seabed, metres.
+    /// At rest, with the limits of `performance` as far as the body reaches them ([`flown`]) and its least height over
+    /// the seabed, metres.
     #[must_use]
-    pub(crate) fn new(hull: &Hull, altitude_min_m: f64, at: EastNorth, depth_m: f64, heading_deg: f64) -> Self {
-        let mut body = SixDof::rising_at(at, depth_m, heading_deg, hull.buoyant_rise_mps);
-        body.hold();
+    pub(crate) fn new(
+        performance: &Performance,
+        altitude_min_m: f64,
+        at: EastNorth,
+        depth_m: f64,
+        heading_deg: f64,
+    ) -> Self {
+        let mut body = SixDof::rising_at(at, depth_m, heading_deg, performance.buoyant_rise_mps);
+        body.stay();
         Self {
-            hull: flown(hull),
+            performance: flown(performance),
             altitude_min_m,
             body,
             autopilot: Autopilot::default(),
@@ -164,16 +170,16 @@ impl Piloted {
 
     /// The limits that it flies by.
     #[cfg(test)]
-    pub(crate) const fn hull(&self) -> &Hull {
-        &self.hull
+    pub(crate) const fn performance(&self) -> &Performance {
+        &self.performance
     }
 
-    /// Sets how fast it floats up adrift, as a share of the hull's buoyant rise; negative sinks. Its autopilot has to make
-    /// up for it under way.
+    /// Sets how fast it floats up adrift, as a share of the body's buoyant rise; negative sinks. Its autopilot has to
+    /// make up for it under way.
     pub(crate) fn float_at(&mut self, rise_share: f64) {
         if rise_share.to_bits() != self.rise_share.to_bits() {
             self.rise_share = rise_share;
-            self.body.float_at(self.hull.buoyant_rise_mps * rise_share);
+            self.body.float_at(self.performance.buoyant_rise_mps * rise_share);
         }
     }
 
@@ -192,7 +198,7 @@ impl Piloted {
         match helm {
             Helm::Held => {
                 if !self.held {
-                    self.body.hold();
+                    self.body.stay();
                     self.autopilot = Autopilot::default();
                     self.ordered = Actuators::default();
                 }
@@ -263,18 +269,18 @@ impl Piloted {
     }
 
     fn within_limits(&self, orders: &Orders, around: &Surroundings, water_depth_m: f64) -> (Setpoints, Bounds) {
-        let hull = &self.hull;
+        let performance = &self.performance;
         let deepening_mps = self.deepening_mps(around);
         let floor_m = water_depth_m + (LOOK_AHEAD_S * deepening_mps).min(0.0) - self.altitude_min_m;
-        let deepest_m = hull.depth_max_m.min(floor_m);
+        let deepest_m = performance.depth_max_m.min(floor_m);
         let sinking_mps = self.body.ground_velocity().2.max(0.0);
         let bounds = Bounds {
             depth_max_m: (deepest_m - LEVEL_OUT_S * sinking_mps).max(0.0),
-            speed_max_mps: hull.speed_max_mps - SPEED_RESERVE_MPS,
-            pitch_max_deg: hull.pitch_max_deg,
-            depth_rate_max_mps: hull.depth_rate_max_mps,
-            depth_gain_per_s: hull.depth_gain_per_s,
-            yaw_rate_max_dps: hull.yaw_rate_max_dps,
+            speed_max_mps: performance.speed_max_mps - SPEED_RESERVE_MPS,
+            pitch_max_deg: performance.pitch_max_deg,
+            depth_rate_max_mps: performance.depth_rate_max_mps,
+            depth_gain_per_s: performance.depth_gain_per_s,
+            yaw_rate_max_dps: performance.yaw_rate_max_dps,
         };
         let vertical = match orders.trim {
             Trim::Depth(depth_m) => Vertical::Depth(depth_m),
@@ -283,7 +289,9 @@ impl Piloted {
             Trim::Elevator(elevator_deg) => Vertical::Elevator(elevator_deg),
         };
         let throttle = match orders.throttle {
-            Throttle::Speed(speed_mps) => Throttle::Speed(speed_mps.clamp(hull.speed_min_mps, hull.speed_max_mps)),
+            Throttle::Speed(speed_mps) => {
+                Throttle::Speed(speed_mps.clamp(performance.speed_min_mps, performance.speed_max_mps))
+            }
             Throttle::Rpm(rpm) => Throttle::Rpm(rpm),
         };
         let setpoints = Setpoints {

@@ -72,7 +72,7 @@ fn terminal_speed_is_the_published_one() {
 }
 
 #[test]
-fn propeller_heels_the_hull_as_published() {
+fn propeller_heels_the_body_as_published() {
     for (rpm, roll_deg) in [(1525.0, 0.9968), (1000.0, 0.4288)] {
         let mut vehicle = neutral(50.0);
         run(&mut vehicle, tail(0.0, 0.0, rpm), STILL, 60.0);
@@ -103,7 +103,7 @@ fn steady_circles_are_the_published_equations() {
             near("speed", (u * u + v * v + w * w).sqrt(), mps, 0.002);
             near("rate of turn", side * rate_dps, dps, 0.003 * dps);
             near("radius", side * ground_mps / rate_dps.to_radians(), radius_m, 0.05);
-            // The propeller heels the hull to one side: to port the roll is another.
+            // The propeller heels the body to one side: to port the roll is another.
             if side > 0.0 {
                 near("roll", vehicle.roll_deg(), roll_deg, 0.01);
             }
@@ -338,7 +338,7 @@ fn a_new_current_takes_time_to_carry() {
     let mut vehicle = neutral(20.0);
     run(&mut vehicle, Actuators::default(), STILL, 1.0);
     run(&mut vehicle, Actuators::default(), (0.5, 0.0, 0.0), 0.02);
-    // Athwart: the hull still stands over ground, and the water flows past it.
+    // Athwart: the body still stands over ground, and the water flows past it.
     near("at once", vehicle.ground_velocity().0, 0.0, 0.02);
     run(&mut vehicle, Actuators::default(), (0.5, 0.0, 0.0), 120.0);
     near("in the end", vehicle.ground_velocity().0, 0.5, 0.05);

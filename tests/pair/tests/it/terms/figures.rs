@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use backseat_core::plugin::{
-    CartesianSample, GpsHitRequest, HoldRequest, HoldTarget, Judge, NavigationSample, Request, StepInput,
+    CartesianSample, GpsHitRequest, Judge, NavigationSample, Request, StationRequest, StationTarget, StepInput,
     TrackcircleRequest, VerticalRequest,
 };
 use backseat_core::{Envelope, Limits};
@@ -17,7 +17,7 @@ use super::scene::{ORIGIN, Zone, exact, fence, frame, modify, place, trackline};
 /// By how many metres a request of a vehicle in the middle of a box holds.
 fn clearance_m(limits: &Limits, request: &Request, cartesian: Option<CartesianSample>) -> f64 {
     let harbour = "\"depth_max_m\":60,\"altitude_min_m\":2,\"surfacing\":true";
-    let inside = Zone("inclusion", [-700.0, -700.0, 700.0, 700.0], harbour.to_owned());
+    let inside = Zone("keep-in", [-700.0, -700.0, 700.0, 700.0], harbour.to_owned());
     let fence = Fence::from_geojson(&fence(ORIGIN, &[inside])).expect("the test's fence is right");
     let position = frame(ORIGIN).origin();
     let navigation = NavigationSample {
@@ -112,15 +112,15 @@ fn the_error_of_relative_navigation_counts_in_full() {
         z_m: 20.0,
         heading_deg: 0.0,
     };
-    let hold = Request::Hold(HoldRequest {
+    let station = Request::Station(StationRequest {
         tag: 1,
-        target: HoldTarget::Here,
+        target: StationTarget::Here,
         speed_mps: None,
         duration: Duration::from_secs(30),
     });
     let limits = hover::limits(40.0, 0.05);
     let mut worse = limits.clone();
-    worse.hull.as_mut().unwrap().position_error_m += 3.0;
-    let cost_m = clearance_m(&limits, &hold, Some(cartesian)) - clearance_m(&worse, &hold, Some(cartesian));
+    worse.station.as_mut().unwrap().position_error_m += 3.0;
+    let cost_m = clearance_m(&limits, &station, Some(cartesian)) - clearance_m(&worse, &station, Some(cartesian));
     assert_costs("the error of relative navigation", cost_m, 3.0);
 }

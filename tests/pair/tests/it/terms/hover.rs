@@ -1,7 +1,7 @@
 use std::time::Duration;
 
-use backseat_core::plugin::{HoldRequest, HoldTarget, Request};
-use backseat_core::{BottomBox, Grant, HullLimits, Limits};
+use backseat_core::plugin::{Request, StationRequest, StationTarget};
+use backseat_core::{BottomBox, Grant, Limits, StationLimits};
 use backseat_pair::{Dive, Setup, course_plugin};
 use backseat_units::Timestamp;
 
@@ -14,13 +14,13 @@ pub(super) fn limits(x_max_m: f64, link_delay_max_s: f64) -> Limits {
         speed_max_mps: 0.7,
         link_delay_max_s,
         navigation_age_max_s: 2.0,
-        hull: Some(HullLimits {
+        station: Some(StationLimits {
             speed_max_mps: 0.7,
             speed_default_mps: 0.7,
             position_error_m: 0.01,
             relative_age_max_s: 2.0,
             jump_allowance_m: 2.0,
-            hold_term_max_s: 60.0,
+            term_max_s: 60.0,
             altitude_min_m: 2.0,
             sonar_angle_min_deg: None,
             sonar_angle_max_deg: None,
@@ -50,7 +50,7 @@ fn asks(x_max_m: f64, link_delay_max_s: f64, before: impl FnOnce(&mut Dive)) -> 
     let world = world(ORIGIN, (0.0, 0.0, 0.0), plan, hovering);
     let inside = Zone::inside([-700.0, -700.0, 700.0, 700.0]);
     let setup = Setup {
-        plugin: course_plugin(&[Grant::Hull], &[]),
+        plugin: course_plugin(&[Grant::Station], &[]),
         ..setup(world, fence(ORIGIN, &[inside]), limits(x_max_m, link_delay_max_s))
     };
     let mut dive = Dive::new(setup);
@@ -58,9 +58,9 @@ fn asks(x_max_m: f64, link_delay_max_s: f64, before: impl FnOnce(&mut Dive)) -> 
     assert!(dive.core.has_control(), "{:#?}", dive.notes);
     before(&mut dive);
     dive.lost = vec!["$BPCON", "$BPRES"];
-    dive.ask(Request::Hold(HoldRequest {
+    dive.ask(Request::Station(StationRequest {
         tag: 1,
-        target: HoldTarget::Here,
+        target: StationTarget::Here,
         speed_mps: None,
         duration: Duration::from_secs(30),
     }));
@@ -87,7 +87,7 @@ fn the_two_seconds_of_silence_are_the_way_that_it_takes_to_stop() {
 }
 
 #[test]
-fn the_delay_of_the_link_to_a_hold() {
+fn the_delay_of_the_link_to_station_keeping() {
     let late = |dive: &mut Dive| dive.delay[0] = Duration::from_millis(900);
     let (x_max_m, mut dive) = closest_admitted((5.0, 25.0), |x_max_m| asks(x_max_m, 0.9, late));
     let least_m = suspended(&mut dive, x_max_m, 3.0);

@@ -95,7 +95,7 @@ fn the_longest_lead() {
     assert!((0.0..50.0).contains(&least_m), "{least_m}");
 }
 
-/// In a wide box with an exclusion in it.
+/// In a wide box with a keep-out zone in it.
 fn asks_beside(zone: [f64; 4], plan: &str, request: &Request) -> Dive {
     let world = world(ORIGIN, (-600.0, 0.0, 90.0), plan, "");
     let zones = [Zone::inside(INSIDE), Zone::outside(zone)];
@@ -164,10 +164,10 @@ fn asks_to_surface(
     more: &str,
 ) -> Dive {
     let harbour = "\"depth_max_m\":60,\"altitude_min_m\":2,\"surfacing\":true";
-    let mut zones = vec![Zone("inclusion", edges_m, harbour.to_owned())];
+    let mut zones = vec![Zone("keep-in", edges_m, harbour.to_owned())];
     zones.extend(shallows.map(|edges_m| {
         let depths = format!("\"depth_min_m\":0,\"depth_max_m\":{SHALLOW_M}");
-        Zone("exclusion", edges_m, depths)
+        Zone("keep-out", edges_m, depths)
     }));
     let plan = format!(
         "{}[[plan]]\nkind = \"waypoint\"\nat = {{ east_m = {next_east_m}, north_m = 0 }}\n\

@@ -82,8 +82,8 @@ fn the_delay_of_the_link() {
         link_delay_max_s: 4.2,
         ..exact()
     };
-    // Of a behaviour that begins it is known the less well where, the more a word is late, and so all ways back to it are
-    // judged wider. On a line that has been flown for a while nothing of this is left.
+    // Of a behavior that begins it is known the less well where, the more a word is late, and so all ways back to it
+    // are judged wider. On a line that has been flown for a while nothing of this is left.
     let dive = || {
         let mut dive = along_the_edge(65.0, limits.clone(), "");
         dive.run_for(20.0);
@@ -218,7 +218,7 @@ fn the_other_north() {
 
 /// A turn has to begin and to end: the 12-inch vehicle turns at 8.19 degrees a second at 1 m/s, with a time constant of a
 /// second and slower for its last 30 degrees. Without the lag it leaves by 0.2 m where nothing else is uncertain, and with
-/// limits of exactly what the hulls reach by 0.9 m (9-inch, 15) and 1.5 m (12-inch, 10).
+/// limits of exactly what the classes reach by 0.9 m (9-inch, 15) and 1.5 m (12-inch, 10).
 #[test]
 fn a_turn_has_to_begin() {
     for (class, turn_rate_dps, speed_mps) in [("12-inch", 8.0, 1.0), ("9-inch", 15.0, 2.0), ("12-inch", 10.0, 2.0)] {

@@ -38,15 +38,11 @@ pub(super) struct Zone(pub(super) &'static str, pub(super) [f64; 4], pub(super) 
 
 impl Zone {
     pub(super) fn inside(edges_m: [f64; 4]) -> Self {
-        Self(
-            "inclusion",
-            edges_m,
-            "\"depth_max_m\":60,\"altitude_min_m\":2".to_owned(),
-        )
+        Self("keep-in", edges_m, "\"depth_max_m\":60,\"altitude_min_m\":2".to_owned())
     }
 
     pub(super) fn outside(edges_m: [f64; 4]) -> Self {
-        Self("exclusion", edges_m, "\"depth_min_m\":0".to_owned())
+        Self("keep-out", edges_m, "\"depth_min_m\":0".to_owned())
     }
 }
 

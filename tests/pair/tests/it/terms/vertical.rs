@@ -11,7 +11,7 @@ const BOX: [f64; 4] = [-700.0, -700.0, 700.0, 700.0];
 
 /// On a line of the plan's to the east; then it asks for another beside it.
 fn asks(band: &str, limits: &Limits, more: &str, vertical: VerticalRequest) -> Dive {
-    let inside = Zone("inclusion", BOX, band.to_owned());
+    let inside = Zone("keep-in", BOX, band.to_owned());
     let plan = line((-300.0, 0.0), (100.0, 0.0));
     let world = world(ORIGIN, (-300.0, 0.0, 90.0), &plan, more);
     let mut dive = Dive::new(setup(world, fence(ORIGIN, &[inside]), limits.clone()));
@@ -117,7 +117,7 @@ fn the_age_of_the_bottom_lock() {
     const ALTITUDE_MIN_M: f64 = 60.0;
     let band = format!("\"depth_max_m\":150,\"altitude_min_m\":{ALTITUDE_MIN_M}");
     let dive = |fault: &str| {
-        let inside = Zone("inclusion", BOX, band.clone());
+        let inside = Zone("keep-in", BOX, band.clone());
         let plan = setpoint(265.0, 2.0);
         let world = world(ORIGIN, (-50.0, 0.0, 265.0), &plan, &format!("{RISES}{fault}"));
         let mut dive = Dive::under_way(setup(world, fence(ORIGIN, &[inside]), up_a_slope()));

@@ -40,8 +40,8 @@ fn a_vehicle_whose_clock_is_hours_away_is_steered_but_not_by_zones_that_need_the
     // The same box, allowed from long ago for a long time to come.
     let mission = hours_apart().edit(
         "fence.geojson",
-        "\"kind\": \"inclusion\",",
-        "\"kind\": \"inclusion\", \"valid_from\": \"2020-01-01T00:00:00Z\", \"valid_until\": \"2100-01-01T00:00:00Z\",",
+        "\"kind\": \"keep-in\",",
+        "\"kind\": \"keep-in\", \"valid_from\": \"2020-01-01T00:00:00Z\", \"valid_until\": \"2100-01-01T00:00:00Z\",",
     );
     let vehicle = Vehicle::start(&mission);
     let runtime = runtime(&mission, &vehicle.address, &["--arm"]);

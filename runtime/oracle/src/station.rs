@@ -1,0 +1,132 @@
+use std::time::Duration;
+
+use crate::moment::Moment;
+
+use crate::due::Due;
+use crate::rule::Rule;
+use crate::violation::Findings;
+
+/// The longest between two sentences that keep a suspension.
+const GAP_MAX: Duration = Duration::from_secs(1);
+/// When the vehicle takes its mission up by itself (SPI 8.1).
+const LAPSE: Duration = Duration::from_secs(2);
+
+/// The cadence of our suspensions: it lives from BPSUS to BPRES, or until the vehicle goes on by itself.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Station {
+    last: Option<Moment>,
+    alive_since: Option<Moment>,
+    /// BPSUS was said on this connection, and BPRES was not since.
+    suspended: bool,
+    /// BPSUS was said, and BPRES was not since.
+    unended: bool,
+    due: Option<Due>,
+    opened: u64,
+    alive: Duration,
+}
+
+impl Station {
+    pub(crate) const fn is_alive(&self) -> bool {
+        self.alive_since.is_some()
+    }
+
+    /// Whether a BPRES has something to end.
+    pub(crate) const fn is_unended(&self) -> bool {
+        self.unended
+    }
+
+    pub(crate) const fn opened(&self) -> u64 {
+        self.opened
+    }
+
+    /// How long the vehicle kept its station, until now.
+    pub(crate) fn alive_s(&self, now: Moment) -> f64 {
+        let open = self.alive_since.map_or(Duration::ZERO, |since| now.since(since));
+        (self.alive + open).as_secs_f64()
+    }
+
+    /// Judges what silence does.
+    pub(crate) fn check(&mut self, now: Moment, findings: &mut Findings) {
+        if self.alive_since.is_none() {
+            return;
+        }
+        if let Some(due) = self.due
+            && due.is_missed(now)
+        {
+            due.tell(now, "BPRES", findings);
+            self.close(now);
+            return;
+        }
+        let Some(last) = self.last else { return };
+        if now.since(last) > GAP_MAX {
+            findings.add(now, Rule::StationGap, || {
+                format!("station keeping was neither refreshed nor ended for over 1 s after {last}")
+            });
+            self.close(last + LAPSE);
+        }
+    }
+
+    /// We wrote a BPSUS. `counts` where the vehicle may take it; `due` where it must end at once.
+    pub(crate) fn suspend(&mut self, at: Moment, counts: bool, due: Option<Due>) {
+        self.suspended = true;
+        self.unended = true;
+        self.refresh(at, counts, due);
+    }
+
+    /// We wrote BPCON, BPGHP or BPGBP. Whether there was something to keep.
+    pub(crate) fn keep(&mut self, at: Moment, counts: bool, due: Option<Due>) -> bool {
+        if self.suspended {
+            self.refresh(at, counts, due);
+        }
+        self.suspended
+    }
+
+    fn refresh(&mut self, at: Moment, counts: bool, due: Option<Due>) {
+        self.last = Some(at);
+        if counts && self.alive_since.is_none() {
+            self.alive_since = Some(at);
+            self.opened += 1;
+            self.due = due;
+        }
+    }
+
+    /// We wrote a BPRES.
+    pub(crate) fn end(&mut self, at: Moment) {
+        self.suspended = false;
+        self.unended = false;
+        self.close(at);
+    }
+
+    /// Something has ended station keeping: a BPRES is due.
+    pub(crate) fn must_end(&mut self, due: Due) {
+        if self.alive_since.is_some() {
+            self.due = Due::first(self.due, due);
+        }
+    }
+
+    /// The link was lost: the vehicle goes on by itself, and nothing is suspended on the next connection.
+    pub(crate) fn cut(&mut self, at: Moment) {
+        self.suspended = false;
+        self.close(at);
+    }
+
+    /// The runtime is stopped and cannot refresh.
+    pub(crate) fn pause(&mut self, at: Moment) {
+        self.close(at);
+    }
+
+    /// What was said of late is not known: the mission may be suspended.
+    pub(crate) fn forget(&mut self, at: Moment) {
+        self.close(at);
+        self.last = None;
+        self.suspended = true;
+        self.unended = true;
+    }
+
+    fn close(&mut self, at: Moment) {
+        if let Some(since) = self.alive_since.take() {
+            self.alive += at.since(since);
+        }
+        self.due = None;
+    }
+}

@@ -1,0 +1,133 @@
+use std::sync::{Arc, OnceLock};
+
+use backseat_core::plugin::{FaultKind, Judge, ModifyRequest, NavigationSample, Refusal, Request, Returned, StepInput};
+use backseat_core::refusal::ZoneRule;
+use backseat_core::refusal::{EdgePlace, ZoneBreach};
+use backseat_plugin_host::{Budget, Component, Host, Plugin};
+use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
+
+/// The components, built once for all tests.
+pub(crate) struct Components {
+    pub(crate) host: Host,
+    pub(crate) echo: Component,
+    pub(crate) faulty: Component,
+    pub(crate) template: Component,
+    pub(crate) template_bytes: Vec<u8>,
+}
+
+pub(crate) fn components() -> &'static Components {
+    static COMPONENTS: OnceLock<Components> = OnceLock::new();
+    COMPONENTS.get_or_init(|| {
+        let read = |name: &str| std::fs::read(backseat_test_support::plugins().join(name)).unwrap();
+        let host = Host::new().unwrap();
+        let faulty = host.load("faulty", &read("faulty.wasm")).unwrap();
+        let template_bytes = read("template.wasm");
+        let template = host.load("template", &template_bytes).unwrap();
+        let echo = host.load("echo", &read("echo.wasm")).unwrap();
+        Components {
+            host,
+            echo,
+            faulty,
+            template,
+            template_bytes,
+        }
+    })
+}
+
+/// A fence that refuses what goes beyond latitude 42.01.
+pub(crate) struct Latitude;
+
+/// A breach of a zone, at the first edge of its second hole.
+pub(crate) fn breach(rule: ZoneRule, missing_m: f64) -> Refusal {
+    Refusal::Zone(Box::new(ZoneBreach {
+        rule,
+        zone: Some("box".to_owned()),
+        missing_m: Some(missing_m),
+        bound_m: None,
+        margin_m: 5.0,
+        edge: Some(EdgePlace {
+            polygon: 3,
+            hole: Some(2),
+            number: 1,
+            latitude_deg: 42.5,
+            longitude_deg: -70.25,
+        }),
+        valid: None,
+        asked: None,
+        number: None,
+    }))
+}
+
+impl Judge for Latitude {
+    fn judge(&self, request: &Request, input: &StepInput) -> Result<f64, Refusal> {
+        assert!(input.navigation.is_some(), "the judge needs the step's navigation");
+        if let Request::Trackline(line) = request
+            && line.end.latitude_deg > 42.01
+        {
+            return Err(breach(ZoneRule::KeepIn, 12.5));
+        }
+        Ok(3.5)
+    }
+}
+
+/// The faulty plugin with a fault that comes after some seconds.
+pub(crate) fn faulty(fault: &str, after_s: u64, budget: Budget) -> Plugin {
+    let config = format!(r#"{{"fault": "{fault}", "after_s": {after_s}, "heading_deg": 45.0}}"#);
+    components()
+        .faulty
+        .start(budget, &config, Arc::new(Latitude))
+        .unwrap()
+        .plugin
+}
+
+/// The template, which never fails.
+pub(crate) fn template() -> Plugin {
+    let config = r#"{"heading_deg": 90.0, "depth_m": 10.0, "speed_mps": 1.5}"#;
+    components()
+        .template
+        .start(Budget::default(), config, Arc::new(Latitude))
+        .unwrap()
+        .plugin
+}
+
+/// The input of a second, at 42 N 70 W, with control.
+pub(crate) fn input(second: u64) -> StepInput {
+    let now = Timestamp::from_secs(second);
+    StepInput {
+        now,
+        utc: Utc::from_unix_nanos(1_790_000_000_000_000_000 + now.as_nanos()),
+        clocks_apart: None,
+        navigation: Some(NavigationSample {
+            solution: now,
+            position: Position::from_deg(42.0, -70.0).unwrap(),
+            local: EastNorth::new(100.0, 200.0),
+            depth: Depth::from_m(10.0).unwrap(),
+            altitude: Some(Altitude::from_m(15.0).unwrap()),
+            heading: Heading::from_deg(45.0).unwrap(),
+            roll_deg: 0.5,
+            pitch_deg: -1.0,
+            east_mps: 1.0,
+            north_mps: 1.0,
+            down_mps: 0.0,
+            yaw_rate_dps: 0.1,
+            gps: false,
+        }),
+        relative: None,
+        cartesian: None,
+        control: true,
+        events: Vec::new(),
+    }
+}
+
+/// The kind of a step's fault; none where it was successful.
+pub(crate) fn fault_kind(returned: &Returned) -> Option<FaultKind> {
+    returned.result.as_ref().err().map(|fault| fault.kind)
+}
+
+/// The one modify that a good step asks for.
+pub(crate) fn only_modify(returned: &Returned) -> ModifyRequest {
+    match returned.result.as_deref() {
+        Ok([Request::Modify(modify)]) => *modify,
+        other => panic!("expected one modify, got {other:?}"),
+    }
+}

@@ -45,7 +45,7 @@
 //! # A plugin's crate
 //! Start from `plugins/template`. Its `Cargo.toml` has `crate-type = ["cdylib", "rlib"]`: the first is what becomes the
 //! component, the second lets `cargo test` run the unit tests on the host, as plain Rust, where [`mod@log`] writes to
-//! standard error and [`fence::check`] answers with a breach, as there is no runtime to ask.
+//! standard error and [`fence::check`] answers with a refusal, as there is no runtime to ask.
 //!
 //! # What the runtime bounds
 //! Each call has a budget of fuel (roughly, WebAssembly instructions), each plugin a limit of memory. A step returns at

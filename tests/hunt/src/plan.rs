@@ -65,6 +65,7 @@ impl Plan {
     #[must_use]
     pub fn draw(seed: u64) -> Self {
         let scenario = Scenario::draw(seed);
+        // The stream has the name that faults had before: by another, a seed would draw another mission.
         let mut dice = Dice::new(seed, "troubles");
         let count = FAULTS.0 + dice.below(FAULTS.1 - FAULTS.0 + 1);
         let states = scenario.states();

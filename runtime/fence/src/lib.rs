@@ -18,7 +18,7 @@
 //!   depth does not count there, and keep-out zones count over all depths that it comes through.
 //! - A zone with a time window counts by the time of the question ([`Fence::during`]): a keep-in zone must be valid
 //!   throughout, a keep-out zone counts where it is valid at any instant of it. Where the time is unknown no keep-in
-//!   zone zone with a window holds, and every keep-out zone counts.
+//!   zone with a window holds, and every keep-out zone counts.
 //! - What is not a finite number is refused, never passed.
 //!
 //! # File

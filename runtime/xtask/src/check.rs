@@ -193,7 +193,7 @@ fn dependencies() -> Result<()> {
         "deny",
         "--locked",
         "check",
-        "--hide-keep-in zone-graph",
+        "--hide-inclusion-graph",
         "bans",
         "licenses",
         "sources",

@@ -47,11 +47,6 @@ impl Arbiter {
         self.modify.is_some() || self.station.is_some()
     }
 
-    /// Whether a modify stands.
-    pub(crate) const fn modifies(&self) -> bool {
-        self.modify.is_some()
-    }
-
     /// Whether a plugin may have a lease beside those that stand: the first of the mission file has the highest priority.
     pub(crate) fn arbitrate(&self, plugin: PluginId, kind: LeaseKind) -> Result<(), Refusal> {
         let steers = (self.modify, Reason::OtherSteers);

@@ -55,7 +55,7 @@ pub(super) fn ended(cx: &mut Context, number: Option<u32>, identifier: Option<Be
 
 /// Where the vehicle is while nobody of ours steers: on its line, from where on the way to it is behind it.
 pub(super) fn watch(cx: &mut Context) {
-    if cx.arbiter.modifies() {
+    if cx.arbiter.is_steering() {
         return cx.vehicle.courses.led_away();
     }
     let Some(navigation) = cx.vehicle.navigation.newest().copied() else {

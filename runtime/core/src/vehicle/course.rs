@@ -107,9 +107,11 @@ impl Courses {
             .filter(|begun| solution.is_none_or(|solution| solution <= *begun));
     }
 
-    /// Somebody of ours leads it elsewhere.
-    pub(crate) const fn led_away(&mut self) {
+    /// Somebody of ours leads it elsewhere: what it has kept to until now, and its depth, say nothing of its own way.
+    pub(crate) fn led_away(&mut self) {
         self.level_since = None;
+        self.on_line_since = None;
+        self.along.clear();
     }
 
     /// How fast it goes over ground, m/s.
@@ -288,6 +290,31 @@ mod tests {
             at: at(east_m, 0.0),
             within_m: 3.0,
         }
+    }
+
+    #[test]
+    fn a_line_that_a_modify_has_led_along_was_not_kept_to() {
+        let now = Timestamp::default();
+        let after = |seconds| now + Duration::from_secs(seconds);
+        let mut courses = Courses::default();
+        courses.began(now, Flown::Planned(1), Some(begin(2.0)));
+        courses.is_on_line(after(1), Flown::Planned(1), true);
+        courses.led_away();
+        courses.is_on_line(after(12), Flown::Planned(1), true);
+        assert!(
+            !courses.is_placed_on(Flown::Planned(1)),
+            "the way to it is not behind it"
+        );
+        courses.is_on_line(after(21), Flown::Planned(1), true);
+        assert!(!courses.is_placed_on(Flown::Planned(1)));
+        courses.is_on_line(after(22), Flown::Planned(1), true);
+        assert!(courses.is_placed_on(Flown::Planned(1)));
+
+        let mut unheard = Courses::default();
+        assert!(!unheard.keeps_to(after(1), &[Flown::Planned(1)]));
+        unheard.led_away();
+        assert!(!unheard.keeps_to(after(12), &[Flown::Planned(1)]));
+        assert!(unheard.keeps_to(after(22), &[Flown::Planned(1)]));
     }
 
     #[test]

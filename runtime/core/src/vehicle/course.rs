@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_that_a_modify_has_led_along_was_not_kept_to() {
+    fn sr_002_a_line_that_a_modify_has_led_along_was_not_kept_to() {
         let now = Timestamp::default();
         let after = |seconds| now + Duration::from_secs(seconds);
         let mut courses = Courses::default();

@@ -139,7 +139,8 @@ pub enum RequestState {
     Failed(Failure),
     /// The vehicle has not answered. An end.
     TimedOut,
-    /// The link was lost before the answer; resolved later where the vehicle names the behavior.
+    /// The link was lost before the answer, or the vehicle flies another dive than the one that this was accepted for;
+    /// resolved where the vehicle names the behavior, or its plan does not.
     Unknown,
     /// The vehicle has begun to fly it.
     Started,

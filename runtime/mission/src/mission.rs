@@ -342,13 +342,30 @@ pub(crate) fn value(path: &Path, message: String) -> MissionError {
 
 pub(crate) fn toml_error(path: &Path, text: &str, error: &toml::de::Error) -> MissionError {
     let start = error.span().map_or(0, |span| span.start).min(text.len());
-    let line = text.get(..start).unwrap_or("").matches('\n').count() + 1;
+    let before = text.get(..start).unwrap_or("");
+    let line = before.matches('\n').count() + 1;
     let message = with_new_name(&one_line(error.message()));
+    // serde names a type of Rust, and not the key.
+    let message = match key_before(before) {
+        Some(key) => format!("{key}: {message}"),
+        None => message,
+    };
+    let message = message.replace("expected u32", "expected a whole number, 0 to 4294967295");
     MissionError::Toml {
         path: path.to_path_buf(),
         line,
         message,
     }
+}
+
+/// The key whose value begins where this text ends.
+fn key_before(text: &str) -> Option<&str> {
+    let (before, value) = text.rsplit_once('=')?;
+    if !value.trim().is_empty() {
+        return None;
+    }
+    let key = before.rsplit(['\n', ',', '{']).next()?.trim();
+    (!key.is_empty()).then_some(key)
 }
 
 fn one_line(text: &str) -> String {

@@ -1,0 +1,175 @@
+use core::fmt::Write as _;
+
+use crate::entry::{Entry, Kind};
+use crate::reference::Reference;
+
+/// The file's page, as Markdown.
+#[must_use]
+pub fn page(reference: &Reference) -> String {
+    let mut text = format!("# `{}`\n\n{}\n\n", reference.file, reference.meaning);
+    let _ = writeln!(
+        text,
+        "This page is made from the tables of `runtime/reference/keys` by `cargo xtask reference`: change those. \
+         `backseat explain KEY` prints an entry, and `missions/schemas/{}.schema.json` tells editors the same.",
+        reference.name
+    );
+    section(&mut text, reference, "");
+    for table in reference.entries.iter().filter(|entry| entry.is_table()) {
+        let _ = write!(text, "\n## `{}`\n\n{}", header(reference, &table.key), table.meaning);
+        if let Some(absent) = &table.absent {
+            let _ = write!(text, " Without it: {absent}.");
+        }
+        if let Some(other) = &table.same_as {
+            let _ = write!(text, " Its keys are those of `{}`.", header(reference, other));
+        }
+        text.push('\n');
+        if table.same_as.is_none() {
+            section(&mut text, reference, &table.key);
+        }
+    }
+    text
+}
+
+/// The keys of a table, their words, and an example.
+fn section(text: &mut String, reference: &Reference, table: &str) {
+    let keys: Vec<&Entry> = reference.within(table).filter(|entry| !entry.is_table()).collect();
+    if keys.is_empty() {
+        return;
+    }
+    let kinds = keys.iter().any(|entry| !entry.only.is_empty());
+    text.push_str("\n| key | value | without it | meaning |\n|---|---|---|---|\n");
+    for entry in &keys {
+        let mut meaning = entry.meaning.clone();
+        if kinds && !entry.only.is_empty() {
+            let kinds: Vec<String> = entry.only.iter().map(|kind| format!("`{kind}`")).collect();
+            meaning = format!("Of {} only. {meaning}", kinds.join(", "));
+        }
+        let _ = writeln!(
+            text,
+            "| `{}` | {} | {} | {} |",
+            entry.name(),
+            cell(&value(entry)),
+            cell(&without(entry)),
+            cell(&meaning)
+        );
+    }
+    for entry in keys.iter().filter(|entry| !entry.values.is_empty()) {
+        let _ = writeln!(text, "\n`{}` takes:\n", entry.name());
+        for choice in &entry.values {
+            let _ = writeln!(text, "- `{}`: {}", choice.value, choice.meaning);
+        }
+        for below in reference.within(&entry.key) {
+            let _ = writeln!(text, "- `{{ {} = ... }}`: {}", below.name(), below.meaning);
+        }
+    }
+    let examples: Vec<String> = keys.iter().filter_map(|entry| assignment(entry)).collect();
+    if !kinds && !examples.is_empty() {
+        let _ = writeln!(text, "\n```toml");
+        if !table.is_empty() {
+            let _ = writeln!(text, "{}", header(reference, table));
+        }
+        let _ = writeln!(text, "{}\n```", examples.join("\n"));
+    }
+}
+
+/// An entry as `backseat explain` prints it.
+#[must_use]
+pub fn describe(reference: &Reference, entry: &Entry) -> String {
+    let mut text = format!("{} in {}\n", entry.key, reference.file);
+    for line in wrapped(&entry.meaning) {
+        let _ = writeln!(text, "  {line}");
+    }
+    text.push('\n');
+    if !entry.only.is_empty() {
+        let _ = writeln!(text, "  for:        kind = {}", entry.only.join(", "));
+    }
+    let _ = writeln!(text, "  value:      {}", plain(&value(entry)));
+    let _ = writeln!(text, "  without it: {}", plain(&without(entry)));
+    for choice in &entry.values {
+        let _ = writeln!(text, "  {:<18} {}", choice.value, choice.meaning);
+    }
+    let below: Vec<&Entry> = reference.within(&entry.key).collect();
+    if !below.is_empty() {
+        let names: Vec<&str> = below.iter().map(|entry| entry.name()).collect();
+        let line = format!("keys below: {}", names.join(", "));
+        for line in wrapped(&line) {
+            let _ = writeln!(text, "  {line}");
+        }
+    }
+    if let Some(example) = assignment(entry) {
+        let _ = writeln!(text, "\n  example:");
+        if !entry.table().is_empty() {
+            let _ = writeln!(text, "    {}", header(reference, entry.table()));
+        }
+        let _ = writeln!(text, "    {example}");
+    }
+    text
+}
+
+/// `[table]` or `[[table]]`, as it is written in a file.
+fn header(reference: &Reference, key: &str) -> String {
+    match reference.entry(key).map(|entry| entry.kind) {
+        Some(Kind::Tables) => format!("[[{key}]]"),
+        _ => format!("[{key}]"),
+    }
+}
+
+/// What a key takes: kind, unit, range and condition.
+fn value(entry: &Entry) -> String {
+    let mut parts = vec![entry.kind.describe().to_owned()];
+    parts.extend(entry.unit.clone());
+    let range = entry.range();
+    if !range.is_empty() {
+        parts.push(range);
+    }
+    parts.extend(entry.condition.clone());
+    parts.extend(entry.needs.iter().map(|key| format!("together with `{key}`")));
+    parts.join("; ")
+}
+
+/// What happens without the key.
+fn without(entry: &Entry) -> String {
+    if entry.required {
+        return "required".to_owned();
+    }
+    if let Some(default) = &entry.default {
+        let none = default.as_array().is_some_and(Vec::is_empty)
+            || default.as_table().is_some_and(toml::Table::is_empty)
+            || default.as_str().is_some_and(str::is_empty);
+        return if none {
+            "none".to_owned()
+        } else {
+            format!("`{default}`")
+        };
+    }
+    entry
+        .absent
+        .clone()
+        .unwrap_or_else(|| "its keys have their defaults".to_owned())
+}
+
+fn assignment(entry: &Entry) -> Option<String> {
+    let example = entry.example.as_ref()?;
+    let mut line = format!("{} = {example}", entry.name());
+    if let Some(unit) = &entry.unit {
+        let _ = write!(line, "  # {unit}");
+    }
+    Some(line)
+}
+
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|").replace('\n', " ")
+}
+
+/// Without Markdown's marks.
+fn plain(text: &str) -> String {
+    text.replace('`', "")
+}
+
+/// Lines of at most 96 columns.
+fn wrapped(text: &str) -> Vec<String> {
+    textwrap::wrap(&plain(text), 96)
+        .into_iter()
+        .map(|line| line.into_owned())
+        .collect()
+}

@@ -1,0 +1,51 @@
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+
+use crate::entry::Entry;
+
+/// The reference of one kind of file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reference {
+    /// The name of the file that users write, such as `mission.toml`.
+    pub file: String,
+    /// The name of its page and of its schema, such as `mission`.
+    pub name: String,
+    /// What the file is for, in one paragraph.
+    pub meaning: String,
+    /// The keys, in the order of the page: a table comes before its keys.
+    #[serde(rename = "entry")]
+    pub entries: Vec<Entry>,
+}
+
+/// The references, in the order in which they are listed.
+pub static REFERENCES: LazyLock<Vec<Reference>> = LazyLock::new(|| {
+    [include_str!("../keys/mission.toml")]
+        .into_iter()
+        .map(|text| toml::from_str(text).expect("the tables of this crate are read by its tests"))
+        .collect()
+});
+
+impl Reference {
+    /// The reference of this file or page.
+    #[must_use]
+    pub fn of(name: &str) -> Option<&'static Self> {
+        REFERENCES
+            .iter()
+            .find(|reference| reference.file == name || reference.name == name)
+    }
+
+    /// The entry of a key.
+    #[must_use]
+    pub fn entry(&self, key: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.key == key)
+    }
+
+    /// The entries directly in this table; the empty name is the top of the file.
+    pub fn within<'a>(&'a self, table: &'a str) -> impl Iterator<Item = &'a Entry> {
+        let shared = self.entry(table).and_then(|entry| entry.same_as.as_deref());
+        let table = shared.unwrap_or(table);
+        self.entries.iter().filter(move |entry| entry.table() == table)
+    }
+}

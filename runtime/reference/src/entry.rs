@@ -20,6 +20,10 @@ pub enum Kind {
     Time,
     /// A number, or `[least, greatest]`, from which each seed draws one.
     Drawn,
+    /// A number, or `"seed"`: the seed draws one.
+    NumberOrSeed,
+    /// `true`, `false`, or `"seed"`: the seed draws one.
+    BooleanOrSeed,
     /// A list of numbers.
     Numbers,
     /// A list of texts.
@@ -46,6 +50,8 @@ impl Kind {
             Self::Choice => "one of the words below",
             Self::Time => "date and time",
             Self::Drawn => "number, or `[least, greatest]`",
+            Self::NumberOrSeed => "number, or `\"seed\"`",
+            Self::BooleanOrSeed => "`true`, `false`, or `\"seed\"`",
             Self::Numbers => "list of numbers",
             Self::Strings => "list of texts",
             Self::Choices => "list of the words below",
@@ -94,6 +100,9 @@ pub struct Entry {
     /// The key must be there, in a table that is there.
     #[serde(default)]
     pub required: bool,
+    /// The key must be there where `kind` in the same table is one of these.
+    #[serde(default)]
+    pub required_of: Vec<String>,
     /// The value where the key is absent.
     pub default: Option<toml::Value>,
     /// What happens where the key is absent and has no default value.
@@ -104,7 +113,10 @@ pub struct Entry {
     /// Keys that must be there with it.
     #[serde(default)]
     pub needs: Vec<String>,
-    /// The keys of this table are those of another.
+    /// Keys that must not be there with it. A required key may be absent where one of these is there.
+    #[serde(default)]
+    pub instead_of: Vec<String>,
+    /// The keys of this table are those of another: `table`, or `file:table` of another file.
     pub same_as: Option<String>,
     /// A value to copy.
     pub example: Option<toml::Value>,
@@ -121,6 +133,18 @@ impl Entry {
     #[must_use]
     pub fn table(&self) -> &str {
         self.key.rsplit_once('.').map_or("", |(table, _)| table)
+    }
+
+    /// Whether the key must be there in a table of this `kind`; none is a table that has no kinds.
+    #[must_use]
+    pub fn is_required(&self, kind: Option<&str>) -> bool {
+        self.required && self.is_of(kind) || kind.is_some_and(|kind| self.required_of.iter().any(|of| of == kind))
+    }
+
+    /// Whether the key has a meaning in a table of this `kind`; none is a table that has no kinds.
+    #[must_use]
+    pub fn is_of(&self, kind: Option<&str>) -> bool {
+        self.only.is_empty() || kind.is_some_and(|kind| self.only.iter().any(|only| only == kind))
     }
 
     /// The values that are accepted, as text: `above 0, at most 4`. Empty where all are.

@@ -1,4 +1,5 @@
-//! The reference of everything that a user writes in a file: one entry for each key of `mission.toml`.
+//! The reference of everything that a user writes in a file: one entry for each key of `mission.toml`, of `world.toml`,
+//! of a file of faults, and of a zone in `fence.geojson` or `fence.kml`.
 //!
 //! The entries are TOML in `keys/`. The pages in `runtime/docs/reference`, the JSON Schemas in `missions/schemas` and
 //! the output of `backseat explain` are made from them. Tests compare them with the code that reads the files: a key

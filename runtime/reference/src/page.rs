@@ -108,6 +108,11 @@ pub fn describe(reference: &Reference, entry: &Entry) -> String {
 
 /// `[table]` or `[[table]]`, as it is written in a file.
 fn header(reference: &Reference, key: &str) -> String {
+    if let Some((file, key)) = key.split_once(':')
+        && let Some(other) = Reference::of(file)
+    {
+        return format!("{} of {file}", header(other, key));
+    }
     match reference.entry(key).map(|entry| entry.kind) {
         Some(Kind::Tables) => format!("[[{key}]]"),
         _ => format!("[{key}]"),
@@ -124,13 +129,24 @@ fn value(entry: &Entry) -> String {
     }
     parts.extend(entry.condition.clone());
     parts.extend(entry.needs.iter().map(|key| format!("together with `{key}`")));
+    parts.extend(entry.instead_of.iter().map(|key| format!("not together with `{key}`")));
     parts.join("; ")
 }
 
 /// What happens without the key.
 fn without(entry: &Entry) -> String {
     if entry.required {
-        return "required".to_owned();
+        return match &*entry.instead_of {
+            [] => "required".to_owned(),
+            others => format!("required, or else `{}`", others.join("` and `")),
+        };
+    }
+    if !entry.required_of.is_empty() {
+        let required = format!("required for `{}`", entry.required_of.join("`, `"));
+        return match &entry.absent {
+            Some(absent) => format!("{required}; else {absent}"),
+            None => required,
+        };
     }
     if let Some(default) = &entry.default {
         let none = default.as_array().is_some_and(Vec::is_empty)

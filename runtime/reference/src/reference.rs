@@ -21,10 +21,13 @@ pub struct Reference {
 
 /// The references, in the order in which they are listed.
 pub static REFERENCES: LazyLock<Vec<Reference>> = LazyLock::new(|| {
-    [include_str!("../keys/mission.toml")]
-        .into_iter()
-        .map(|text| toml::from_str(text).expect("the tables of this crate are read by its tests"))
-        .collect()
+    [
+        include_str!("../keys/mission.toml"),
+        include_str!("../keys/faults.toml"),
+    ]
+    .into_iter()
+    .map(|text| toml::from_str(text).expect("the tables of this crate are read by its tests"))
+    .collect()
 });
 
 impl Reference {
@@ -45,7 +48,11 @@ impl Reference {
     /// The entries directly in this table; the empty name is the top of the file.
     pub fn within<'a>(&'a self, table: &'a str) -> impl Iterator<Item = &'a Entry> {
         let shared = self.entry(table).and_then(|entry| entry.same_as.as_deref());
-        let table = shared.unwrap_or(table);
-        self.entries.iter().filter(move |entry| entry.table() == table)
+        let (reference, table) = match shared.map(|shared| shared.split_once(':').ok_or(shared)) {
+            Some(Ok((file, table))) => (Self::of(file).unwrap_or(self), table),
+            Some(Err(table)) => (self, table),
+            None => (self, table),
+        };
+        reference.entries.iter().filter(move |entry| entry.table() == table)
     }
 }

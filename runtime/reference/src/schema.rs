@@ -19,7 +19,7 @@ fn table(reference: &Reference, name: &str) -> Map<String, Value> {
     let mut required = Vec::new();
     for entry in reference.within(name) {
         properties.insert(entry.name().to_owned(), described(reference, entry));
-        if entry.required && entry.only.is_empty() {
+        if entry.required && entry.only.is_empty() && entry.instead_of.is_empty() {
             required.push(json!(entry.name()));
         }
     }
@@ -71,6 +71,8 @@ fn held(reference: &Reference, entry: &Entry) -> Map<String, Value> {
             number(),
             { "type": "array", "items": number(), "minItems": 2, "maxItems": 2 },
         ] })),
+        Kind::NumberOrSeed => object(json!({ "anyOf": [number(), { "enum": ["seed"] }] })),
+        Kind::BooleanOrSeed => object(json!({ "enum": [true, false, "seed"] })),
         Kind::Numbers => object(json!({ "type": "array", "items": number() })),
         Kind::Strings => object(json!({ "type": "array", "items": { "type": "string" } })),
         Kind::Choices => object(json!({ "type": "array", "items": words() })),

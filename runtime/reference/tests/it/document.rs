@@ -5,20 +5,27 @@ use toml::{Table, Value};
 
 /// A file with its required keys, the tables on the way to `key`, and their required keys.
 pub(crate) fn around(reference: &Reference, key: &str) -> Table {
+    around_of(reference, key, None)
+}
+
+/// The same, where the key's own table is of this `kind`. Otherwise each table is of the first kind that takes the key, or
+/// the table, that is next on the way.
+fn around_of(reference: &Reference, key: &str, kind: Option<&str>) -> Table {
     let mut document = Table::new();
-    fill(reference, "", None, &mut document);
-    let mut table = String::new();
-    let kind = reference.entry(key).and_then(|entry| entry.only.first());
-    for part in key.split('.') {
-        if !table.is_empty() {
-            table.push('.');
+    let path: Vec<&Entry> = prefixes(key).filter_map(|prefix| reference.entry(prefix)).collect();
+    let kind_within = |table: &str| {
+        let next = path.iter().find(|entry| entry.table() == table);
+        match (kind, next) {
+            (Some(kind), Some(next)) if next.key == key => Some(kind),
+            (_, next) => next.and_then(|next| next.only.first()).map(String::as_str),
         }
-        table.push_str(part);
-        let Some(entry) = reference.entry(&table) else { continue };
-        if entry.is_table() || (entry.kind == Kind::Choice && table != key) {
-            let inner = place(&mut document, &table);
+    };
+    fill(reference, "", kind_within(""), &mut document);
+    for entry in &path {
+        if entry.is_table() || (entry.kind == Kind::Choice && entry.key != key) {
+            let inner = place(&mut document, &entry.key);
             if entry.is_table() {
-                fill(reference, &table, kind.map(String::as_str), inner);
+                fill(reference, &entry.key, kind_within(&entry.key), inner);
             } else {
                 // One of the words that take a value is on the way.
                 inner.clear();
@@ -26,6 +33,12 @@ pub(crate) fn around(reference: &Reference, key: &str) -> Table {
         }
     }
     document
+}
+
+/// `a`, `a.b` and `a.b.c` of `a.b.c`.
+fn prefixes(key: &str) -> impl Iterator<Item = &str> {
+    let dots = key.match_indices('.').map(|(at, _)| at);
+    dots.chain([key.len()]).map(|end| &key[..end])
 }
 
 /// The table of this name, made where it is not there.
@@ -46,14 +59,14 @@ pub(crate) fn place<'a>(document: &'a mut Table, table: &str) -> &'a mut Table {
             let empty = Value::Table(Table::new());
             *slot = if list { Value::Array(vec![empty]) } else { empty };
         }
-        inner = match slot {
-            Value::Table(table) => table,
-            Value::Array(list) => list
+        if let Value::Array(list) = slot {
+            inner = list
                 .first_mut()
                 .and_then(Value::as_table_mut)
-                .expect("lists of tables are made with one"),
-            other => panic!("{path} is {other}"),
-        };
+                .expect("lists of tables are made with one");
+        } else {
+            inner = slot.as_table_mut().expect("what is no table or list has become one");
+        }
     }
     inner
 }
@@ -77,9 +90,9 @@ pub(crate) fn of(reference: &Reference) {
 /// Puts the required keys of a table in, with those of its own tables.
 fn fill(reference: &Reference, table: &str, kind: Option<&str>, into: &mut Table) {
     let kind = kind.map(str::to_owned).or_else(|| first_kind(reference, table));
-    for entry in reference.within(table).filter(|entry| entry.required) {
-        let wanted = entry.only.is_empty() || kind.as_ref().is_some_and(|kind| entry.only.contains(kind));
-        if !wanted || into.contains_key(entry.name()) {
+    for entry in reference.within(table) {
+        let instead = entry.instead_of.iter().any(|other| into.contains_key(last(other)));
+        if !entry.is_required(kind.as_deref()) || instead || into.contains_key(entry.name()) {
             continue;
         }
         let value = if entry.is_table() {
@@ -99,9 +112,19 @@ fn fill(reference: &Reference, table: &str, kind: Option<&str>, into: &mut Table
     }
 }
 
+fn last(key: &str) -> &str {
+    key.rsplit_once('.').map_or(key, |(_, name)| name)
+}
+
 fn first_kind(reference: &Reference, table: &str) -> Option<String> {
-    let kind = reference.within(table).find(|entry| entry.name() == "kind")?;
-    kind.values.first().map(|choice| choice.value.clone())
+    kinds(reference, table).first().cloned()
+}
+
+/// The words of the key `kind` of a table.
+pub(crate) fn kinds(reference: &Reference, table: &str) -> Vec<String> {
+    let kind = reference.within(table).find(|entry| entry.name() == "kind");
+    let words = kind.map_or(&[][..], |kind| &kind.values);
+    words.iter().map(|choice| choice.value.clone()).collect()
 }
 
 pub(crate) fn example(entry: &Entry) -> Value {
@@ -113,17 +136,36 @@ pub(crate) fn example(entry: &Entry) -> Value {
 
 /// The file with this key set.
 pub(crate) fn with(reference: &Reference, entry: &Entry, value: Value) -> Table {
-    let mut document = around(reference, &entry.key);
+    with_of(reference, entry, value, None)
+}
+
+/// The file with this key set, and with the keys that it needs, in a table of this `kind`.
+pub(crate) fn with_of(reference: &Reference, entry: &Entry, value: Value, kind: Option<&str>) -> Table {
+    // Another kind of table has other required keys.
+    let own = value.as_str().filter(|_| entry.name() == "kind");
+    let kind = own
+        .or(kind)
+        .or(entry.only.first().map(String::as_str))
+        .map(str::to_owned);
+    let mut document = around_of(reference, &entry.key, kind.as_deref());
     for needed in entry.needs.iter().filter_map(|key| reference.entry(key)) {
-        place(&mut document, needed.table()).insert(needed.name().to_owned(), example(needed));
+        if needed.is_of(kind.as_deref()) {
+            place(&mut document, needed.table()).insert(needed.name().to_owned(), example(needed));
+        }
+    }
+    for other in entry.instead_of.iter().filter_map(|key| reference.entry(key)) {
+        place(&mut document, other.table()).remove(other.name());
     }
     place(&mut document, entry.table()).insert(entry.name().to_owned(), value);
     document
 }
 
-/// The file without this key, though its table is there.
-pub(crate) fn without(reference: &Reference, entry: &Entry) -> Table {
-    let mut document = around(reference, &entry.key);
+/// The file without this key and what may be there in its place, though its table is there and is of this `kind`.
+pub(crate) fn without_of(reference: &Reference, entry: &Entry, kind: Option<&str>) -> Table {
+    let mut document = around_of(reference, &entry.key, kind.or(entry.only.first().map(String::as_str)));
+    for other in entry.instead_of.iter().filter_map(|key| reference.entry(key)) {
+        place(&mut document, other.table()).remove(other.name());
+    }
     place(&mut document, entry.table()).remove(entry.name());
     document
 }

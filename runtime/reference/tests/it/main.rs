@@ -1,6 +1,7 @@
 //! The tables against the code that reads the files.
 
 mod document;
+mod faults;
 mod held;
 mod mission;
 mod pages;

@@ -28,19 +28,23 @@ speed_mps = 1.5
 "#;
 
 fn reference() -> &'static Reference {
-    Reference::of("mission.toml").unwrap()
+    Reference::of("mission.toml").expect("it is registered")
 }
 
 fn read(document: &Table) -> Result<String, String> {
-    let folder = TempDir::new().unwrap();
+    let folder = TempDir::new().expect("a test may make a folder");
     let (fence, text) = if document.contains_key("fence") {
         ("fence.kml", KML)
     } else {
         ("fence.geojson", FENCE)
     };
-    fs::write(folder.path().join(fence), text).unwrap();
-    fs::write(folder.path().join("plan.toml"), PLAN).unwrap();
-    fs::write(folder.path().join("mission.toml"), toml::to_string(document).unwrap()).unwrap();
+    for (name, text) in [
+        (fence, text),
+        ("plan.toml", PLAN),
+        ("mission.toml", &toml::to_string(document).expect("documents are TOML")),
+    ] {
+        fs::write(folder.path().join(name), text).expect("a test may write a file");
+    }
     match Mission::load(folder.path(), &Layers::default()) {
         Ok(mission) => Ok(format!("{:?}", mission.file)),
         Err(error) => Err(error.to_string()),
@@ -60,6 +64,11 @@ fn examples_defaults_and_required_keys_of_mission_toml_are_the_codes() {
 #[test]
 fn ranges_of_mission_toml_are_the_codes() {
     held::none(&held::bounds(reference(), &read));
+}
+
+#[test]
+fn keys_of_mission_toml_stand_with_those_that_they_need() {
+    held::none(&held::company(reference(), &read));
 }
 
 #[test]

@@ -23,6 +23,7 @@ pub struct Reference {
 pub static REFERENCES: LazyLock<Vec<Reference>> = LazyLock::new(|| {
     [
         include_str!("../keys/mission.toml"),
+        include_str!("../keys/world.toml"),
         include_str!("../keys/faults.toml"),
     ]
     .into_iter()

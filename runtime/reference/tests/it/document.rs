@@ -15,17 +15,21 @@ fn around_of(reference: &Reference, key: &str, kind: Option<&str>) -> Table {
     let path: Vec<&Entry> = prefixes(key).filter_map(|prefix| reference.entry(prefix)).collect();
     let kind_within = |table: &str| {
         let next = path.iter().find(|entry| entry.table() == table);
-        match (kind, next) {
+        let wanted = match (kind, next) {
             (Some(kind), Some(next)) if next.key == key => Some(kind),
             (_, next) => next.and_then(|next| next.only.first()).map(String::as_str),
-        }
+        };
+        wanted.map_or_else(
+            || kinds(reference, table).first().cloned(),
+            |kind| Some(kind.to_owned()),
+        )
     };
-    fill(reference, "", kind_within(""), &mut document);
+    fill(reference, "", &kind_within, &mut document);
     for entry in &path {
         if entry.is_table() || (entry.kind == Kind::Choice && entry.key != key) {
             let inner = place(&mut document, &entry.key);
             if entry.is_table() {
-                fill(reference, &entry.key, kind_within(&entry.key), inner);
+                fill(reference, &entry.key, &kind_within, inner);
             } else {
                 // One of the words that take a value is on the way.
                 inner.clear();
@@ -87,9 +91,9 @@ pub(crate) fn of(reference: &Reference) {
     LISTS.with(|kept| *kept.borrow_mut() = lists);
 }
 
-/// Puts the required keys of a table in, with those of its own tables.
-fn fill(reference: &Reference, table: &str, kind: Option<&str>, into: &mut Table) {
-    let kind = kind.map(str::to_owned).or_else(|| first_kind(reference, table));
+/// Puts the required keys of a table in, with those of its own tables, each of the kind that is wanted.
+fn fill(reference: &Reference, table: &str, kind_within: &dyn Fn(&str) -> Option<String>, into: &mut Table) {
+    let kind = kind_within(table);
     for entry in reference.within(table) {
         let instead = entry.instead_of.iter().any(|other| into.contains_key(last(other)));
         if !entry.is_required(kind.as_deref()) || instead || into.contains_key(entry.name()) {
@@ -97,7 +101,7 @@ fn fill(reference: &Reference, table: &str, kind: Option<&str>, into: &mut Table
         }
         let value = if entry.is_table() {
             let mut inner = Table::new();
-            fill(reference, &entry.key, None, &mut inner);
+            fill(reference, &entry.key, kind_within, &mut inner);
             if entry.kind == Kind::Tables {
                 Value::Array(vec![Value::Table(inner)])
             } else {
@@ -114,10 +118,6 @@ fn fill(reference: &Reference, table: &str, kind: Option<&str>, into: &mut Table
 
 fn last(key: &str) -> &str {
     key.rsplit_once('.').map_or(key, |(_, name)| name)
-}
-
-fn first_kind(reference: &Reference, table: &str) -> Option<String> {
-    kinds(reference, table).first().cloned()
 }
 
 /// The words of the key `kind` of a table.

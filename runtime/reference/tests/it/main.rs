@@ -5,3 +5,4 @@ mod faults;
 mod held;
 mod mission;
 mod pages;
+mod world;

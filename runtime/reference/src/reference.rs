@@ -25,6 +25,7 @@ pub static REFERENCES: LazyLock<Vec<Reference>> = LazyLock::new(|| {
         include_str!("../keys/mission.toml"),
         include_str!("../keys/world.toml"),
         include_str!("../keys/faults.toml"),
+        include_str!("../keys/fence.toml"),
     ]
     .into_iter()
     .map(|text| toml::from_str(text).expect("the tables of this crate are read by its tests"))

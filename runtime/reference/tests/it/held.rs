@@ -302,8 +302,7 @@ fn edges(entry: &Entry) -> (Vec<f64>, Vec<f64>) {
             good.push(above + step(above));
             bad.push(above);
         }
-        // The type of a whole number has bounds of its own.
-        (None, None) if entry.kind == Kind::Integer => {}
+        (None, None) if entry.kind == Kind::Integer => good.push(-1.0),
         (None, None) => good.push(-HUGE),
     }
     match (entry.max, entry.below) {
@@ -315,7 +314,8 @@ fn edges(entry: &Entry) -> (Vec<f64>, Vec<f64>) {
             good.push(below - step(below));
             bad.push(below);
         }
-        (None, None) if entry.kind == Kind::Integer => {}
+        // No type of a whole number has less room.
+        (None, None) if entry.kind == Kind::Integer => good.push(f64::from(i32::MAX)),
         (None, None) => good.push(HUGE),
     }
     // The code cannot take what is no number where it asks for a range.

@@ -2,6 +2,7 @@
 
 mod document;
 mod faults;
+mod fence;
 mod held;
 mod mission;
 mod pages;

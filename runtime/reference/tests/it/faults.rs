@@ -29,7 +29,7 @@ fn examples_defaults_and_required_keys_of_faults_are_the_codes() {
 
 #[test]
 fn ranges_of_faults_are_the_codes() {
-    held::none(&held::bounds(reference(), &read));
+    held::none(&held::bounds(reference(), &[], &read));
 }
 
 #[test]

@@ -162,7 +162,6 @@ fn the_length_of_a_round_zone_goes_with_its_geometry() {
         without.remove(key);
         let error = read_as(&without, own).unwrap_err();
         assert!(error.contains(key), "{error}");
-        // Their conditions keep them from the test of ranges.
         let least = with_of(reference(), entry, Value::Float(entry.min.unwrap()), Some("keep-out"));
         assert!(read(&least).is_ok(), "{key}");
     }
@@ -175,7 +174,8 @@ fn examples_defaults_and_required_properties_are_the_codes() {
 
 #[test]
 fn ranges_of_properties_are_the_codes() {
-    held::none(&held::bounds(reference(), &read));
+    // A corridor has a length too: one of this width makes the fence too wide.
+    held::none(&held::bounds(reference(), &["half_width_m"], &read));
 }
 
 #[test]

@@ -228,7 +228,8 @@ pub(crate) fn company(reference: &Reference, read: Read<'_>) -> Vec<String> {
 }
 
 /// Each bound is where the code has it, and an error beyond it names the key. Where no bound is stated, the code has none.
-pub(crate) fn bounds(reference: &Reference, read: Read<'_>) -> Vec<String> {
+/// `elsewhere` are keys whose bounds other keys keep these files from, in every kind of table.
+pub(crate) fn bounds(reference: &Reference, elsewhere: &[&str], read: Read<'_>) -> Vec<String> {
     document::of(reference);
     let mut faults = Vec::new();
     for entry in &reference.entries {
@@ -265,20 +266,36 @@ pub(crate) fn bounds(reference: &Reference, read: Read<'_>) -> Vec<String> {
                 }
             }
         }
-        // A condition on other keys may refuse a bound that the range allows.
-        if entry.condition.is_none() {
-            let mut forms: Vec<Value> = good.iter().map(|value| number(*value)).collect();
-            if let (Kind::Drawn, [least, most]) = (entry.kind, &*good) {
-                forms.push(Value::Array(vec![Value::Float(*least), Value::Float(*most)]));
-            }
-            for form in forms {
-                if let Err(error) = read(&with(reference, entry, form.clone())) {
-                    faults.push(format!("{}: {form} is refused: {error}", entry.key));
-                }
+        let mut forms: Vec<Value> = good.iter().map(|value| number(*value)).collect();
+        if let (Kind::Drawn, [least, most]) = (entry.kind, &*good) {
+            forms.push(Value::Array(vec![Value::Float(*least), Value::Float(*most)]));
+        }
+        for form in forms {
+            if let Some(error) = refusal(reference, entry, &form, read)
+                && !elsewhere.contains(&&*entry.key)
+            {
+                faults.push(format!("{}: {form} is refused: {error}", entry.key));
             }
         }
     }
     faults
+}
+
+/// Why the code does not take a value within the stated bounds; none where it does.
+fn refusal(reference: &Reference, entry: &Entry, value: &Value, read: Read<'_>) -> Option<String> {
+    let kinds = document::kinds(reference, entry.table()).into_iter();
+    let kinds: Vec<String> = kinds.filter(|kind| entry.is_of(Some(kind))).collect();
+    let answer = |kind| read(&with_of(reference, entry, value.clone(), kind)).err();
+    if kinds.is_empty() {
+        // A condition on other keys may refuse a bound that the range allows.
+        return answer(None).filter(|_| entry.condition.is_none());
+    }
+    let refusals: Vec<Option<String>> = kinds.iter().map(|kind| answer(Some(kind))).collect();
+    // In one kind of table it may, and in another there is no such condition.
+    if entry.condition.is_some() && refusals.contains(&None) {
+        return None;
+    }
+    refusals.into_iter().flatten().next()
 }
 
 /// Values that the code must take, and values that it must refuse.
@@ -302,6 +319,8 @@ fn edges(entry: &Entry) -> (Vec<f64>, Vec<f64>) {
             good.push(above + step(above));
             bad.push(above);
         }
+        // What else bounds it, the condition says.
+        (None, None) if entry.condition.is_some() => {}
         (None, None) if entry.kind == Kind::Integer => good.push(-1.0),
         (None, None) => good.push(-HUGE),
     }
@@ -314,6 +333,7 @@ fn edges(entry: &Entry) -> (Vec<f64>, Vec<f64>) {
             good.push(below - step(below));
             bad.push(below);
         }
+        (None, None) if entry.condition.is_some() => {}
         // No type of a whole number has less room.
         (None, None) if entry.kind == Kind::Integer => good.push(f64::from(i32::MAX)),
         (None, None) => good.push(HUGE),

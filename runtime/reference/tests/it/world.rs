@@ -83,7 +83,13 @@ fn examples_defaults_and_required_keys_of_world_toml_are_the_codes() {
 
 #[test]
 fn ranges_of_world_toml_are_the_codes() {
-    held::none(&held::bounds(reference(), &read));
+    let elsewhere = [
+        // The vehicle of these files stays 2 m above the seabed.
+        "plan.altitude_m",
+        // It is no hovering vehicle, which alone may stand still.
+        "plan.speed_mps",
+    ];
+    held::none(&held::bounds(reference(), &elsewhere, &read));
 }
 
 #[test]

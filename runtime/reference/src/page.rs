@@ -62,7 +62,16 @@ fn section(text: &mut String, reference: &Reference, table: &str) {
             let _ = writeln!(text, "- `{{ {} = ... }}`: {}", below.name(), below.meaning);
         }
     }
-    let examples: Vec<String> = keys.iter().filter_map(|entry| assignment(entry)).collect();
+    // Of keys that may not stand together, the first; and nothing that needs the others.
+    let second = |entry: &Entry| {
+        let mut before = keys.iter().take_while(|other| other.key != entry.key);
+        before.any(|other| entry.instead_of.contains(&other.key))
+    };
+    let shown = keys.iter().filter(|entry| {
+        let mut needed = keys.iter().filter(|other| entry.needs.contains(&other.key));
+        !second(entry) && !needed.any(|other| second(other))
+    });
+    let examples: Vec<String> = shown.filter_map(|entry| assignment(entry)).collect();
     if !kinds && !examples.is_empty() {
         let _ = writeln!(text, "\n```toml");
         if !table.is_empty() {
@@ -129,7 +138,9 @@ fn value(entry: &Entry) -> String {
     }
     parts.extend(entry.condition.clone());
     parts.extend(entry.needs.iter().map(|key| format!("together with `{key}`")));
-    parts.extend(entry.instead_of.iter().map(|key| format!("not together with `{key}`")));
+    if !entry.required {
+        parts.extend(entry.instead_of.iter().map(|key| format!("not together with `{key}`")));
+    }
     parts.join("; ")
 }
 

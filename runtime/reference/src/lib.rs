@@ -1,17 +1,19 @@
-//! The reference of everything that a user writes in a file: one entry for each key of `mission.toml`.
+//! The reference of what a user writes in a file and of what a program prints: one entry for each key.
 //!
 //! The entries are TOML in `keys/`. The pages in `runtime/docs/reference`, the JSON Schemas in `missions/schemas` and
 //! the output of `backseat explain` are made from them. Tests compare them with the code that reads the files: a key
 //! without an entry, an entry without a key, a wrong default and a wrong range each fail.
 
 mod entry;
+mod exit;
 mod find;
 mod page;
 mod reference;
 mod schema;
 
 pub use entry::{Choice, Entry, Kind};
+pub use exit::{EXITS, Exit, MET, PANICKED, UNMET, UNUSABLE};
 pub use find::{Found, find};
-pub use page::{describe, page};
+pub use page::{describe, exit_page, page};
 pub use reference::{REFERENCES, Reference};
 pub use schema::schema;

@@ -14,6 +14,9 @@ pub struct Reference {
     pub name: String,
     /// What the file is for, in one paragraph.
     pub meaning: String,
+    /// A program prints it: no key has a default or an example.
+    #[serde(default)]
+    pub printed: bool,
     /// The keys, in the order of the page: a table comes before its keys.
     #[serde(rename = "entry")]
     pub entries: Vec<Entry>,
@@ -21,10 +24,13 @@ pub struct Reference {
 
 /// The references, in the order in which they are listed.
 pub static REFERENCES: LazyLock<Vec<Reference>> = LazyLock::new(|| {
-    [include_str!("../keys/mission.toml")]
-        .into_iter()
-        .map(|text| toml::from_str(text).expect("the tables of this crate are read by its tests"))
-        .collect()
+    [
+        include_str!("../keys/mission.toml"),
+        include_str!("../keys/report.toml"),
+    ]
+    .into_iter()
+    .map(|text| toml::from_str(text).expect("the tables of this crate are read by its tests"))
+    .collect()
 });
 
 impl Reference {

@@ -46,14 +46,14 @@ pub(crate) fn place<'a>(document: &'a mut Table, table: &str) -> &'a mut Table {
             let empty = Value::Table(Table::new());
             *slot = if list { Value::Array(vec![empty]) } else { empty };
         }
-        inner = match slot {
-            Value::Table(table) => table,
-            Value::Array(list) => list
-                .first_mut()
-                .and_then(Value::as_table_mut)
-                .expect("lists of tables are made with one"),
-            other => panic!("{path} is {other}"),
+        let slot = if list {
+            slot.as_array_mut()
+                .and_then(|list| list.first_mut())
+                .expect("lists of tables are made with one")
+        } else {
+            slot
         };
+        inner = slot.as_table_mut().expect("what holds a key is a table");
     }
     inner
 }

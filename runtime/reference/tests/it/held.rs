@@ -33,10 +33,12 @@ pub(crate) fn keys(reference: &Reference, read: Read<'_>) -> Vec<String> {
     }
     for entry in &reference.entries {
         let nobody = Value::String(NOBODY.to_owned());
-        let value = match entry.kind {
-            Kind::Choice => nobody,
-            Kind::Choices => Value::Array(vec![nobody]),
-            _ => continue,
+        let value = if entry.kind == Kind::Choice {
+            nobody
+        } else if entry.kind == Kind::Choices {
+            Value::Array(vec![nobody])
+        } else {
+            continue;
         };
         let mut listed: BTreeSet<String> = entry.values.iter().map(|choice| choice.value.clone()).collect();
         listed.extend(reference.within(&entry.key).map(|below| below.name().to_owned()));
@@ -122,12 +124,30 @@ pub(crate) fn bounds(reference: &Reference, read: Read<'_>) -> Vec<String> {
     document::of(reference);
     let mut faults = Vec::new();
     for entry in &reference.entries {
-        let number: &dyn Fn(f64) -> Value = match entry.kind {
-            Kind::Number | Kind::Drawn => &Value::Float,
-            Kind::Numbers => &|value| Value::Array(vec![Value::Float(value)]),
+        let number = |value: f64| {
             #[expect(clippy::cast_possible_truncation, reason = "bounds of whole numbers are whole")]
-            Kind::Integer => &|value| Value::Integer(value as i64),
-            _ => continue,
+            let whole = || Value::Integer(value as i64);
+            match entry.kind {
+                Kind::Number | Kind::Drawn => Some(Value::Float(value)),
+                Kind::Numbers => Some(Value::Array(vec![Value::Float(value)])),
+                Kind::Integer => Some(whole()),
+                Kind::Boolean
+                | Kind::String
+                | Kind::Choice
+                | Kind::Time
+                | Kind::Strings
+                | Kind::Choices
+                | Kind::Table
+                | Kind::Tables
+                | Kind::Free => None,
+            }
+        };
+        if number(0.0).is_none() {
+            continue;
+        }
+        let read_with = |value: f64| match number(value) {
+            Some(value) => read(&with(reference, entry, value)),
+            None => Err("no number".to_owned()),
         };
         let step = |bound: f64| {
             if entry.kind == Kind::Integer {
@@ -158,7 +178,7 @@ pub(crate) fn bounds(reference: &Reference, read: Read<'_>) -> Vec<String> {
             bad.push(f64::INFINITY);
         }
         for value in bad {
-            match read(&with(reference, entry, number(value))) {
+            match read_with(value) {
                 Ok(_) => faults.push(format!("{}: {value} is taken", entry.key)),
                 Err(error) if !names(&error, entry) => {
                     faults.push(format!(
@@ -172,7 +192,7 @@ pub(crate) fn bounds(reference: &Reference, read: Read<'_>) -> Vec<String> {
         // A condition on other keys may refuse a bound that the range allows.
         if entry.condition.is_none() {
             for value in good {
-                if let Err(error) = read(&with(reference, entry, number(value))) {
+                if let Err(error) = read_with(value) {
                     faults.push(format!("{}: {value} is refused: {error}", entry.key));
                 }
             }

@@ -28,19 +28,23 @@ speed_mps = 1.5
 "#;
 
 fn reference() -> &'static Reference {
-    Reference::of("mission.toml").unwrap()
+    Reference::of("mission.toml").expect("it has a reference")
 }
 
 fn read(document: &Table) -> Result<String, String> {
-    let folder = TempDir::new().unwrap();
+    let folder = TempDir::new().expect("a temporary folder");
     let (fence, text) = if document.contains_key("fence") {
         ("fence.kml", KML)
     } else {
         ("fence.geojson", FENCE)
     };
-    fs::write(folder.path().join(fence), text).unwrap();
-    fs::write(folder.path().join("plan.toml"), PLAN).unwrap();
-    fs::write(folder.path().join("mission.toml"), toml::to_string(document).unwrap()).unwrap();
+    fs::write(folder.path().join(fence), text).expect("the folder can be written");
+    fs::write(folder.path().join("plan.toml"), PLAN).expect("the folder can be written");
+    fs::write(
+        folder.path().join("mission.toml"),
+        toml::to_string(document).expect("a table is TOML"),
+    )
+    .expect("the folder can be written");
     match Mission::load(folder.path(), &Layers::default()) {
         Ok(mission) => Ok(format!("{:?}", mission.file)),
         Err(error) => Err(error.to_string()),
@@ -60,9 +64,4 @@ fn examples_defaults_and_required_keys_of_mission_toml_are_the_codes() {
 #[test]
 fn ranges_of_mission_toml_are_the_codes() {
     held::none(&held::bounds(reference(), &read));
-}
-
-#[test]
-fn entries_of_mission_toml_are_whole() {
-    held::none(&held::whole(reference()));
 }

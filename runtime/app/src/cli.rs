@@ -4,6 +4,7 @@ use backseat_mission::Layers;
 use clap::{Args, Parser, Subcommand};
 
 use crate::check::Check;
+use crate::explain::Explain;
 use crate::log::Log;
 #[cfg(feature = "simulation")]
 use crate::mvc::Mvc;
@@ -43,6 +44,8 @@ pub(crate) enum Command {
     /// Look at the Standard Payload Interface: its messages, recordings of it, a live vehicle
     #[command(subcommand)]
     Spi(Spi),
+    /// Explain a key of a mission's files, such as turn_rate_dps
+    Explain(Explain),
 }
 
 /// What all commands that read a mission share.

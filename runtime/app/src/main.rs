@@ -7,6 +7,7 @@
 mod check;
 mod cli;
 mod clock;
+mod explain;
 mod external;
 mod keeper;
 mod link;
@@ -33,19 +34,13 @@ use std::io::IsTerminal;
 use std::panic::UnwindSafe;
 use std::process::ExitCode;
 
+use backseat_reference::{PANICKED, UNMET, UNUSABLE};
 use clap::Parser;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
 use crate::cli::{Cli, Command};
-
-/// Ran, and not every expectation held.
-const UNMET: u8 = 1;
-/// Wrong usage or input.
-const UNUSABLE: u8 = 2;
-/// A fault of the program itself.
-const PANICKED: u8 = 101;
 
 fn main() -> ExitCode {
     terminal::start();
@@ -84,6 +79,7 @@ fn program() -> ExitCode {
         Command::Check(arguments) => check::check(arguments),
         Command::Log(command) => log::log(command),
         Command::Spi(command) => spi::spi(command),
+        Command::Explain(arguments) => explain::explain(arguments),
     };
     match result {
         Ok(true) => ExitCode::SUCCESS,

@@ -1,21 +1,35 @@
 use core::fmt::Write as _;
 
 use crate::entry::{Entry, Kind};
+use crate::exit::EXITS;
 use crate::reference::Reference;
 
 /// The file's page, as Markdown.
 #[must_use]
 pub fn page(reference: &Reference) -> String {
     let mut text = format!("# `{}`\n\n{}\n\n", reference.file, reference.meaning);
+    let schema = if reference.has_schema() {
+        format!(
+            " Editors read the same from `missions/schemas/{}.schema.json`.",
+            reference.name
+        )
+    } else {
+        String::new()
+    };
     let _ = writeln!(
         text,
-        "This page is made from the tables of `runtime/reference/keys` by `cargo xtask reference`: change those. \
-         `backseat explain KEY` prints an entry, and `missions/schemas/{}.schema.json` tells editors the same.",
+        "`backseat explain KEY` prints one entry.{schema} This page is generated: change `runtime/reference/keys/{}.toml` \
+         and run `cargo xtask reference`.",
         reference.name
     );
     section(&mut text, reference, "");
     for table in reference.entries.iter().filter(|entry| entry.is_table()) {
-        let _ = write!(text, "\n## `{}`\n\n{}", header(reference, &table.key), table.meaning);
+        let heading = if reference.printed {
+            table.key.clone()
+        } else {
+            header(reference, &table.key)
+        };
+        let _ = write!(text, "\n## `{heading}`\n\n{}", table.meaning);
         if let Some(absent) = &table.absent {
             let _ = write!(text, " Without it: {absent}.");
         }
@@ -37,21 +51,22 @@ fn section(text: &mut String, reference: &Reference, table: &str) {
         return;
     }
     let kinds = keys.iter().any(|entry| !entry.only.is_empty());
-    text.push_str("\n| key | value | without it | meaning |\n|---|---|---|---|\n");
+    text.push_str(if reference.printed {
+        "\n| key | value | meaning |\n|---|---|---|\n"
+    } else {
+        "\n| key | value | without it | meaning |\n|---|---|---|---|\n"
+    });
     for entry in &keys {
         let mut meaning = entry.meaning.clone();
         if kinds && !entry.only.is_empty() {
             let kinds: Vec<String> = entry.only.iter().map(|kind| format!("`{kind}`")).collect();
             meaning = format!("Of {} only. {meaning}", kinds.join(", "));
         }
-        let _ = writeln!(
-            text,
-            "| `{}` | {} | {} | {} |",
-            entry.name(),
-            cell(&value(entry)),
-            cell(&without(entry)),
-            cell(&meaning)
-        );
+        let _ = write!(text, "| `{}` | {} | ", entry.name(), cell(&value(entry)));
+        if !reference.printed {
+            let _ = write!(text, "{} | ", cell(&without(entry)));
+        }
+        let _ = writeln!(text, "{} |", cell(&meaning));
     }
     for entry in keys.iter().filter(|entry| !entry.values.is_empty()) {
         let _ = writeln!(text, "\n`{}` takes:\n", entry.name());
@@ -93,12 +108,27 @@ pub fn describe(reference: &Reference, entry: &Entry) -> String {
         let _ = writeln!(text, "  for:        kind = {}", entry.only.join(", "));
     }
     let _ = writeln!(text, "  value:      {}", plain(&value(entry)));
-    let _ = writeln!(text, "  without it: {}", plain(&without(entry)));
-    for choice in &entry.values {
-        let _ = writeln!(text, "  {:<18} {}", choice.value, choice.meaning);
+    if !reference.printed {
+        let _ = writeln!(text, "  without it: {}", plain(&without(entry)));
     }
     let below: Vec<&Entry> = reference.within(&entry.key).collect();
-    if !below.is_empty() {
+    let mut words: Vec<(String, &str)> = entry
+        .values
+        .iter()
+        .map(|choice| (choice.value.clone(), choice.meaning.as_str()))
+        .collect();
+    if entry.kind == Kind::Choice {
+        words.extend(
+            below
+                .iter()
+                .map(|entry| (format!("{{ {} = ... }}", entry.name()), entry.meaning.as_str())),
+        );
+    }
+    let width = words.iter().map(|(word, _)| word.len()).max().unwrap_or(0);
+    for (word, meaning) in words {
+        let _ = writeln!(text, "    {word:<width$}  {}", plain(meaning));
+    }
+    if entry.is_table() && !below.is_empty() {
         let names: Vec<&str> = below.iter().map(|entry| entry.name()).collect();
         let line = format!("keys below: {}", names.join(", "));
         for line in wrapped(&line) {
@@ -199,4 +229,17 @@ fn wrapped(text: &str) -> Vec<String> {
         .into_iter()
         .map(|line| line.into_owned())
         .collect()
+}
+
+/// The page of the exit codes, as Markdown.
+#[must_use]
+pub fn exit_page() -> String {
+    let mut text = String::from(
+        "# Exit codes\n\nEvery command of `backseat` ends with one of these. This page is generated from \
+         `runtime/reference/src/exit.rs` by `cargo xtask reference`.\n\n| code | meaning |\n|---|---|\n",
+    );
+    for exit in EXITS {
+        let _ = writeln!(text, "| {} | {} |", exit.code, exit.meaning);
+    }
+    text
 }

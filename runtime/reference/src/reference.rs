@@ -14,6 +14,12 @@ pub struct Reference {
     pub name: String,
     /// What the file is for, in one paragraph.
     pub meaning: String,
+    /// A program prints it: no key has a default or an example.
+    #[serde(default)]
+    pub printed: bool,
+    /// The entries are of a part of the file, which other programs know as a whole.
+    #[serde(default)]
+    pub part: bool,
     /// The keys, in the order of the page: a table comes before its keys.
     #[serde(rename = "entry")]
     pub entries: Vec<Entry>,
@@ -26,6 +32,7 @@ pub static REFERENCES: LazyLock<Vec<Reference>> = LazyLock::new(|| {
         include_str!("../keys/world.toml"),
         include_str!("../keys/faults.toml"),
         include_str!("../keys/fence.toml"),
+        include_str!("../keys/report.toml"),
     ]
     .into_iter()
     .map(|text| toml::from_str(text).expect("the tables of this crate are read by its tests"))
@@ -33,6 +40,12 @@ pub static REFERENCES: LazyLock<Vec<Reference>> = LazyLock::new(|| {
 });
 
 impl Reference {
+    /// Whether there is a schema of the file for editors.
+    #[must_use]
+    pub const fn has_schema(&self) -> bool {
+        !self.printed && !self.part
+    }
+
     /// The reference of this file or page.
     #[must_use]
     pub fn of(name: &str) -> Option<&'static Self> {

@@ -17,12 +17,13 @@ use crate::workspace::Workspace;
 /// What is installed where there is none of any version.
 const DENY: (&str, &str) = ("cargo-deny", "0.20.2");
 /// Whose tests read what belongs to no crate.
-const READERS: [(&str, &str); 8] = [
+const READERS: [(&str, &str); 9] = [
     ("wit/", "backseat-sdk"),
     ("wit/", "backseat-plugin-host"),
     ("runtime/docs/", "backseat-mvc"),
     ("runtime/docs/", "xtask"),
     ("tests/plans/", "backseat-hunt"),
+    ("missions/", "backseat-reference"),
     ("missions/", "backseat-scenario"),
     ("missions/", "backseat-suite"),
     ("missions/", "backseat-sim"),

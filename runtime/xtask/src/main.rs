@@ -9,6 +9,7 @@ mod digest;
 mod hunt;
 mod mutations;
 mod plugins;
+mod reference;
 mod safety;
 mod sea;
 mod seeds;
@@ -51,6 +52,8 @@ enum Task {
     Hunt(hunt::Hunt),
     /// Fly the same seeds in several processes and builds, and compare what they tell
     Digest(digest::Digest),
+    /// Generate the pages in runtime/docs/reference and the schemas in missions/schemas from runtime/reference/keys
+    Reference,
     /// Check the project's own rules
     Tidy,
 }
@@ -66,6 +69,7 @@ fn main() -> ExitCode {
         Task::Seeds(arguments) => seeds::seeds(&arguments),
         Task::Hunt(arguments) => hunt::hunt(&arguments),
         Task::Digest(arguments) => digest::digest(&arguments),
+        Task::Reference => reference::reference(),
         Task::Tidy => tidy::tidy(),
     };
     match result {

@@ -63,14 +63,14 @@ pub(crate) fn place<'a>(document: &'a mut Table, table: &str) -> &'a mut Table {
             let empty = Value::Table(Table::new());
             *slot = if list { Value::Array(vec![empty]) } else { empty };
         }
-        if let Value::Array(list) = slot {
-            inner = list
-                .first_mut()
-                .and_then(Value::as_table_mut)
-                .expect("lists of tables are made with one");
+        let slot = if list {
+            slot.as_array_mut()
+                .and_then(|list| list.first_mut())
+                .expect("lists of tables are made with one")
         } else {
-            inner = slot.as_table_mut().expect("what is no table or list has become one");
-        }
+            slot
+        };
+        inner = slot.as_table_mut().expect("what holds a key is a table");
     }
     inner
 }

@@ -36,8 +36,3 @@ fn ranges_of_faults_are_the_codes() {
 fn each_kind_of_fault_takes_its_own_keys_alone() {
     held::none(&held::company(reference(), &read));
 }
-
-#[test]
-fn entries_of_faults_are_whole() {
-    held::none(&held::whole(reference()));
-}

@@ -184,11 +184,6 @@ fn each_kind_of_zone_takes_its_own_properties_alone() {
 }
 
 #[test]
-fn entries_of_properties_are_whole() {
-    held::none(&held::whole(reference()));
-}
-
-#[test]
 fn a_placemark_has_the_same_properties() {
     document::of(reference());
     for entry in &reference().entries {

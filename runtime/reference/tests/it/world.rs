@@ -96,8 +96,3 @@ fn ranges_of_world_toml_are_the_codes() {
 fn keys_of_world_toml_stand_with_those_that_they_need() {
     held::none(&held::company(reference(), &read));
 }
-
-#[test]
-fn entries_of_world_toml_are_whole() {
-    held::none(&held::whole(reference()));
-}

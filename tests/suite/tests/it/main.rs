@@ -1,5 +1,6 @@
 //! The program as its users meet it, a file a behavior.
 
+mod explain;
 mod faults;
 mod fence;
 mod help;

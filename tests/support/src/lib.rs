@@ -80,6 +80,22 @@ pub fn sea_program() -> &'static Path {
     })
 }
 
+/// The program that builds plugins. It lies beside the program.
+///
+/// # Panics
+/// Where it cannot be built; the message says why.
+#[must_use]
+pub fn componentize() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        let name = "backseat-componentize";
+        match std::env::var_os("BACKSEAT_TEST_PROGRAM") {
+            Some(program) => Path::new(&program).with_file_name(name),
+            None => build(name).join(name),
+        }
+    })
+}
+
 /// The library of `tests/stall`, which makes files hang for a program that loads it. It lies beside the program.
 ///
 /// # Panics

@@ -10,6 +10,7 @@ mod identifiers;
 mod judge;
 mod mvc;
 mod operator;
+mod pages;
 mod sea;
 mod service;
 mod session;

@@ -59,12 +59,11 @@ fn section(text: &mut String, reference: &Reference, table: &str) {
     for entry in &keys {
         let mut meaning = entry.meaning.clone();
         if kinds && !entry.only.is_empty() {
-            let kinds: Vec<String> = entry.only.iter().map(|kind| format!("`{kind}`")).collect();
-            meaning = format!("Of {} only. {meaning}", kinds.join(", "));
+            meaning = format!("For {}. {meaning}", kinds_of(reference, entry, &entry.only));
         }
         let _ = write!(text, "| `{}` | {} | ", entry.name(), cell(&value(entry)));
         if !reference.printed {
-            let _ = write!(text, "{} | ", cell(&without(entry)));
+            let _ = write!(text, "{} | ", cell(&without(reference, entry)));
         }
         let _ = writeln!(text, "{} |", cell(&meaning));
     }
@@ -105,11 +104,15 @@ pub fn describe(reference: &Reference, entry: &Entry) -> String {
     }
     text.push('\n');
     if !entry.only.is_empty() {
-        let _ = writeln!(text, "  for:        kind = {}", entry.only.join(", "));
+        let _ = writeln!(
+            text,
+            "  for:        {}",
+            plain(&kinds_of(reference, entry, &entry.only))
+        );
     }
     let _ = writeln!(text, "  value:      {}", plain(&value(entry)));
     if !reference.printed {
-        let _ = writeln!(text, "  without it: {}", plain(&without(entry)));
+        let _ = writeln!(text, "  without it: {}", plain(&without(reference, entry)));
     }
     let below: Vec<&Entry> = reference.within(&entry.key).collect();
     let mut words: Vec<(String, &str)> = entry
@@ -174,8 +177,33 @@ fn value(entry: &Entry) -> String {
     parts.join("; ")
 }
 
+/// Some of the kinds of the entry's table: by name, or by the names of the others where those are fewer.
+fn kinds_of(reference: &Reference, entry: &Entry, kinds: &[String]) -> String {
+    let all = reference.within(entry.table()).find(|entry| entry.name() == "kind");
+    let others: Vec<&str> = all
+        .iter()
+        .flat_map(|entry| &entry.values)
+        .map(|choice| choice.value.as_str())
+        .filter(|kind| !kinds.iter().any(|listed| listed == kind))
+        .collect();
+    let quoted = |kinds: &[&str]| {
+        kinds
+            .iter()
+            .map(|kind| format!("`{kind}`"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    if others.is_empty() {
+        "every kind".to_owned()
+    } else if others.len() < kinds.len() {
+        format!("every kind but {}", quoted(&others))
+    } else {
+        quoted(&kinds.iter().map(String::as_str).collect::<Vec<_>>())
+    }
+}
+
 /// What happens without the key.
-fn without(entry: &Entry) -> String {
+fn without(reference: &Reference, entry: &Entry) -> String {
     if entry.required {
         return match &*entry.instead_of {
             [] => "required".to_owned(),
@@ -183,7 +211,7 @@ fn without(entry: &Entry) -> String {
         };
     }
     if !entry.required_of.is_empty() {
-        let required = format!("required for `{}`", entry.required_of.join("`, `"));
+        let required = format!("required for {}", kinds_of(reference, entry, &entry.required_of));
         return match &entry.absent {
             Some(absent) => format!("{required}; else {absent}"),
             None => required,

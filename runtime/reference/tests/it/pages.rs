@@ -48,7 +48,7 @@ fn the_schemas_accept_our_missions_and_nothing_misspelt() {
 
 #[test]
 fn missions_name_their_schema_for_editors() {
-    for name in ["isobath", "plume"] {
+    for name in ["isobath", "plume", "template"] {
         for file in ["mission", "world"] {
             if Reference::of(file).is_none() {
                 continue;

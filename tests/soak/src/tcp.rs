@@ -206,7 +206,7 @@ fn compare(log: &PathBuf, by_port: BTreeMap<u16, (Tally, Tally)>, report: &mut T
         let line = line?;
         let (at, rest) = line.split_once(' ').context("a line without a time")?;
         if let Some(event) = rest.strip_prefix("-- ") {
-            if let Some((client, address)) = event.split_once(" is 127.0.0.1:") {
+            if let Some((client, address)) = event.split_once(" connected from 127.0.0.1:") {
                 ports.insert(client.trim_start_matches("client ").to_owned(), address.parse()?);
             }
             continue;

@@ -155,8 +155,8 @@ fn a_clean_log_held_and_says_what_could_not_be_judged() {
     let finished = judge(&mission.beside("flown.mcap"), &[]).exit(0);
     assert_eq!(finished.stderr, "");
     for (rule, fared) in [
-        ("no-control", "held, 599 to judge"),
-        ("end-missing", "held, 1 to judge"),
+        ("no-control", "held, judged 599 times"),
+        ("end-missing", "held, judged 1 times"),
         ("cancel-foreign", "not judged: it never came to it"),
         ("truth-fence", "not judged: no truth"),
         ("stale-delivery", "not judged: when our sentences arrived"),

@@ -128,10 +128,20 @@ fn zones_that_come_and_go_count_today_and_on_the_day_of_the_simulation() {
     };
     let since = zone(r#""valid_from": "2026-06-02T00:00:00Z""#);
     let said = not_ready(&since, &[]);
-    has(&said, &["plan: judged as begun at 2026-06-01T08:00:00Z", "now", "--at"]);
-    has(&said, &["plan element 1: ", "'dredging'", "begun now"]);
+    has(
+        &said,
+        &[
+            "plan: checked for a dive that begins at 2026-06-01T08:00:00Z",
+            "now",
+            "--at",
+        ],
+    );
+    has(&said, &["plan element 1: ", "'dredging'", "start of the dive: now"]);
     let until = zone(r#""valid_until": "2026-06-02T00:00:00Z""#);
-    has(&not_ready(&until, &[]), &["'dredging'", "begun as world.toml says"]);
+    has(
+        &not_ready(&until, &[]),
+        &["'dredging'", "start of the dive: from world.toml"],
+    );
     let _ = ready(&until, &["--at", "2027-01-01T00:00:00+01:00"]);
     let line = Backseat::new()
         .args(["check", "--at", "tomorrow"])
@@ -244,7 +254,7 @@ fn a_keep_in_zone_that_nobody_can_reach_is_told() {
     let properties = r#""name": "island", "kind": "keep-in", "margin_m": 5, "depth_max_m": 30, "altitude_min_m": 3"#;
     has(
         &not_ready(&with_zone(properties, island), &[]),
-        &["keep-in zone 'island': ", "expected one that can be reached"],
+        &["keep-in zone 'island': ", "cannot be reached"],
     );
     let joined = island.replace("-70.6650", "-70.6900");
     let _ = ready(&with_zone(properties, &joined), &[]);
@@ -268,7 +278,7 @@ fn a_keep_in_zone_that_nobody_can_reach_is_told() {
     let _ = ready(&eastern(), &[]);
     has(
         &not_ready(&half("west", eastern(), -70.69, -70.6699), &[]),
-        &["keep-in zone 'island': ", "keep-out zones", "no place"],
+        &["keep-in zone 'island': ", "keep-out zones", "no room"],
     );
 }
 
@@ -344,7 +354,7 @@ fn what_would_keep_the_run_from_steering_is_told() {
     std::fs::create_dir(&state).unwrap();
     let _ = ready(&mission, &arguments);
     std::fs::write(state.join("hold"), "").unwrap();
-    has(&not_ready(&mission, &arguments), &["hold: ", "stands"]);
+    has(&not_ready(&mission, &arguments), &["hold: ", "exists"]);
     std::fs::remove_file(state.join("hold")).unwrap();
     std::fs::write(state.join("identifiers"), "many").unwrap();
     has(&not_ready(&mission, &arguments), &["identifiers", "expected a number"]);

@@ -65,7 +65,7 @@ fn list_shows_one_message_whole() {
     }
     let line = Backseat::new().args(["spi", "list", "XYZ"]).run().refusal();
     assert!(
-        line.contains("no message is named \"XYZ\"") && line.contains("spi list"),
+        line.contains("unknown message \"XYZ\"") && line.contains("spi list"),
         "{line}"
     );
 }
@@ -178,7 +178,7 @@ fn encode_stops_at_what_is_wrong_and_says_where() {
             r#"{"name":"BPMSG","message":{"created":"08:10:25","text":"a,b"}}"#,
             "line 2: BPMSG field text: character ','",
         ),
-        (r#"{"name":"BPXYZ","message":{}}"#, "line 2: \"BPXYZ\" is no message"),
+        (r#"{"name":"BPXYZ","message":{}}"#, "line 2: unknown message \"BPXYZ\""),
         ("rubbish", "line 2 column 1: "),
     ] {
         let input = format!("{good}\n{bad}\n{good}\n");
@@ -201,9 +201,9 @@ fn what_cannot_be_read_or_reached_is_named() {
     for (arguments, said) in [
         (
             ["host:port", "--json"],
-            "\"host:port\" is no address: expected HOST or HOST:PORT",
+            "invalid address \"host:port\": expected HOST or HOST:PORT",
         ),
-        (["127.0.0.1", "--only=NVX"], "--only: no message is named \"NVX\""),
+        (["127.0.0.1", "--only=NVX"], "--only: unknown message \"NVX\""),
         (["127.0.0.1", "--only=RMB"], "RMB goes to the vehicle"),
     ] {
         let line = Backseat::new().args(["spi", "connect"]).args(arguments).run().refusal();

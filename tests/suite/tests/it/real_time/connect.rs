@@ -135,7 +135,7 @@ fn connect_survives_a_vehicle_of_bad_manners_and_a_silent_one() {
         vec![b"$BFCTL,081025.987,0*79\r\n"],
     ]);
     let mut watch = watch(&address, &[]);
-    watch.says("the vehicle has closed the connection; next attempt in 0.5 s", SOON);
+    watch.says("the vehicle closed the connection; next attempt in 0.5 s", SOON);
     watch.says("silent for 5", SOON);
     eventually(
         SOON,

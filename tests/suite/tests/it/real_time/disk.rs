@@ -72,7 +72,7 @@ fn sr_015_a_hold_that_cannot_be_kept_holds_all_the_same() {
     vehicle.receives("BPRMB", 2, SOON);
     runtime.signal(Signal::USR1);
     let ended = vehicle.receives("BPEMB", 1, SOON);
-    runtime.says("the operator's act holds for this run only", SOON);
+    runtime.says("the operator's hold or release counts for this run only", SOON);
     settle(Duration::from_secs(3));
     let since = vehicle
         .received("BPRMB")
@@ -121,7 +121,7 @@ fn a_log_on_a_full_disk_ends_and_the_vehicle_is_steered_on() {
         .mission(&mission)
         .spawn();
     vehicle.receives("BPRMB", before + 1, SOON);
-    runtime.says("the log ends here, the run goes on", Duration::from_secs(90));
+    runtime.says("the log ends here, the run continues", Duration::from_secs(90));
     let then = vehicle.received("BPRMB").len();
     vehicle.receives("BPRMB", then + 4, SOON);
     let said = ends_in_order(runtime);

@@ -96,7 +96,7 @@ fn an_address_that_is_taken_is_refused_at_the_start() {
         .run()
         .refusal();
     assert!(
-        refusal.contains(&format!("external source `modem`: no listening on {address}")),
+        refusal.contains(&format!("external source `modem`: cannot listen on {address}")),
         "{refusal}"
     );
 }

@@ -333,7 +333,11 @@ fn the_log_has_every_sentence_whole_and_in_order() {
     );
     assert_eq!(received.last().copied(), Some("$BPMSG,070001.999,x"));
     assert!(lines.windows(2).all(|pair| pair[0].at_s <= pair[1].at_s));
-    assert!(lines.iter().any(|line| line.text == format!("client 1 is {address}")));
+    assert!(
+        lines
+            .iter()
+            .any(|line| line.text == format!("client 1 connected from {address}"))
+    );
     // The clock of a line is the sentence's own, to the millisecond.
     for line in lines
         .iter()

@@ -30,7 +30,7 @@ fn sr_015_a_hold_ends_the_lease_and_stands_until_it_is_released() {
     first.kill();
     let before = vehicle.lines().iter().filter(|line| steers(line)).count();
     let mut second = runtime(&mission, &vehicle.address, &["--arm"]);
-    second.says("the operator's hold stands", SOON);
+    second.says("the operator's hold is set", SOON);
     second.says("the operator holds", SOON);
     settle(Duration::from_secs(4));
     assert_eq!(
@@ -48,7 +48,7 @@ fn sr_015_a_hold_ends_the_lease_and_stands_until_it_is_released() {
     let third = runtime(&mission, &vehicle.address, &["--arm"]);
     vehicle.receives("BPRMB", steered + 2, SOON);
     assert!(
-        !third.stderr().contains("hold stands"),
+        !third.stderr().contains("hold is set"),
         "a release outlives the process too"
     );
 }

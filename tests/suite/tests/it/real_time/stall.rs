@@ -128,7 +128,10 @@ fn sr_022_the_log_hangs_for_ever() {
     is_held(&vehicle, &runtime);
     is_released(&vehicle, &runtime);
     let said = ends(&vehicle, runtime);
-    assert!(said.contains("the log has no end: the disk does not take it"), "{said}");
+    assert!(
+        said.contains("the log has no end: the disk does not accept it"),
+        "{said}"
+    );
 }
 
 #[test]

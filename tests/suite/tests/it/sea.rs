@@ -1,4 +1,4 @@
-//! The program as it goes to sea, and `world.toml`, which only simulation needs.
+//! The program for sea, and `world.toml`, which only simulation needs.
 
 use backseat_suite::{Backseat, Finished, Mission};
 
@@ -14,7 +14,7 @@ fn check(mission: &Mission, arguments: &[&str]) -> Finished {
         .run()
 }
 
-/// A plan that is as far north as said, with its own origin.
+/// A plan this far north, with its own origin.
 fn plan(north_m: u32) -> String {
     format!(
         "[origin]\nlatitude_deg = 42.35\nlongitude_deg = -70.70\n\n[[plan]]\nkind = \"waypoint\"\n\

@@ -1,4 +1,4 @@
-//! The tools for the interface itself: its catalogue, recordings, hand-written messages, a live vehicle.
+//! The tools for the interface: its catalogue, recordings, hand-written messages, a live vehicle.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Command, Stdio};
@@ -6,9 +6,9 @@ use std::process::{Command, Stdio};
 use backseat_suite::{Backseat, Mission};
 use serde_json::Value;
 
-/// Each kind of dirt that recordings of real traffic have: text of a console, line ends of all kinds, blank lines, a
-/// checksum of one digit, none, a wrong one, bytes that are not UTF-8, a name nobody knows, a sentence cut by the next
-/// one, a value out of range, a line without an end, and a cut at the end.
+/// Every kind of fault in recordings of real traffic: text of a console, line ends of all kinds, blank lines, a
+/// checksum of one digit, a missing and a wrong one, bytes that are not UTF-8, an unknown name, a sentence cut short by
+/// the next one, a value out of range, a line without an end, and a cut at the end.
 fn nasty() -> Vec<u8> {
     let mut recording = b"VxWorks login: \r\n\
         $BFVER,081025.000,1.11*4A\r\n\n\
@@ -221,14 +221,14 @@ fn a_reader_that_goes_away_ends_decode_quietly() {
         .spawn()
         .unwrap();
     let mut input = decode.stdin.take().unwrap();
-    // What is on a pipe that stays open is shown as it comes.
+    // Input from a pipe that stays open is shown as it arrives.
     input.write_all(b"$BFCTL,081025.987,1*78\r\n").unwrap();
     let mut output = BufReader::new(decode.stdout.take().unwrap());
     let mut line = String::new();
     output.read_line(&mut line).unwrap();
     assert_eq!(line, "BFCTL  backseat control: created 08:10:25.987, granted yes\n");
     drop(output);
-    // It ends of itself at the next line that it cannot write; that may be before all of these are taken.
+    // It ends by itself at the next line that it cannot write, which may be before it has read all of these.
     let more = "$BFCTL,081025.987,1*78\r\n".repeat(10_000);
     let _it_may_have_ended = input.write_all(more.as_bytes());
     drop(input);

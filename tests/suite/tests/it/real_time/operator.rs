@@ -1,4 +1,4 @@
-//! The operator beats every plugin, by signal, and over a restart (safety requirement 015).
+//! The operator overrules every plugin, by signal, and across restarts (safety requirement 015).
 
 use std::time::Duration;
 
@@ -63,7 +63,7 @@ fn one_release_undoes_any_number_of_holds() {
         runtime.signal(Signal::USR1);
     }
     runtime.says("operator: Hold", SOON);
-    // A hold and a release that are read together are a hold: all three are read before.
+    // A hold and a release that are read together count as a hold; here all three are read before.
     settle(Duration::from_millis(500));
     runtime.signal(Signal::USR2);
     let count = vehicle.received("BPRMB").len();

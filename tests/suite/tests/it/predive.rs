@@ -60,7 +60,7 @@ const ON_THE_LEG: &str =
 fn missions_of_the_project_are_ready() {
     for name in ["isobath", "plume"] {
         let said = ready(&Mission::copy(name), &[]);
-        has(&said, &["plan: its start and all", "inside the fence"]);
+        has(&said, &["plan: its start, all", "inside the fence"]);
     }
 }
 
@@ -455,7 +455,7 @@ fn refused(mission: &Mission, parts: &[&str]) {
 #[test]
 fn a_mission_has_one_fence_and_what_it_needs() {
     let two = Mission::steady().write("fence.kml", KML_FENCE);
-    refused(&two, &["fence.geojson and fence.kml", "expected one"]);
+    refused(&two, &["fence.geojson and fence.kml", "expected only one"]);
     refused(
         &Mission::steady().without("fence.geojson"),
         &["fence.geojson, fence.plan and fence.kml"],

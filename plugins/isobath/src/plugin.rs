@@ -180,7 +180,7 @@ impl Isobath {
                 self.lease_over(last + 1, now_ns);
             }
             Event::Shutdown => {
-                log::info!("power goes: asking for nothing more");
+                log::info!("power goes off soon: making no more requests");
                 self.state.shut_down = true;
                 self.state.asked = None;
             }
@@ -218,7 +218,7 @@ impl Isobath {
             Fate::Unknown => "the link was lost",
             Fate::Cancelled => "cancelled",
         };
-        log::info!("lease {} is over: {why}", outcome.tag);
+        log::info!("lease {} has ended: {why}", outcome.tag);
         self.lease_over(self.state.tag + 1, now_ns + AGAIN_NS);
     }
 
@@ -234,7 +234,7 @@ impl Isobath {
             2 * SECOND_NS
         };
         if self.state.refusals == 0 {
-            log::warn!("heading refused, the vehicle has the helm: {why}");
+            log::warn!("heading refused, the vehicle steers itself: {why}");
         }
         if asked.is_some() {
             requests.push(Request::EndModify);
@@ -259,7 +259,7 @@ impl Isobath {
             self.state.wait_until_ns = 0;
             self.state.refusals = 0;
         } else {
-            log::info!("control lost: measuring on, asking for nothing");
+            log::info!("control lost: still measuring, making no requests");
             if self.state.asked.is_some() {
                 self.lease_over(self.state.tag + 1, 0);
             }
@@ -388,7 +388,7 @@ impl Isobath {
         if self.state.asked.is_none() {
             return;
         }
-        log::warn!("{why}: the vehicle has the helm");
+        log::warn!("{why}: the vehicle steers itself");
         requests.push(Request::EndModify);
         self.lease_over(self.state.tag + 1, 0);
     }

@@ -88,7 +88,7 @@ impl Plugin for Plume {
                 Event::Ctd(ctd) => self.measure(ctd, input.now_ns),
                 Event::Restored(restored) => self.note_restored(restored, input.now_ns, &mut requests),
                 Event::Shutdown => {
-                    log::info!("power goes: asking for nothing more");
+                    log::info!("power goes off soon: making no more requests");
                     self.state.shut_down = true;
                 }
                 Event::Control(_)
@@ -182,7 +182,7 @@ impl Plume {
             log::info!("control: {} legs are planned", self.state.survey.tasks.len());
         } else {
             log::info!(
-                "control lost: asking for nothing; {} legs are with the vehicle",
+                "control lost: making no requests; the vehicle has {} legs",
                 self.state.survey.open()
             );
         }
@@ -215,7 +215,7 @@ impl Plume {
             Turn::Quiet => {}
             Turn::Began => log::info!("leg {number} of {of} begun"),
             Turn::Flown => log::info!("leg {number} of {of} flown"),
-            Turn::Again(why) => log::warn!("leg {number} of {of} will be asked for again: {why}"),
+            Turn::Again(why) => log::warn!("leg {number} of {of} will be requested again: {why}"),
             Turn::Smaller(why) => log::warn!("leg {number} of {of} made smaller: {why}"),
             Turn::Dropped(why) => log::warn!("leg {number} of {of} given up: {why}"),
         }
@@ -294,7 +294,7 @@ impl Plume {
             None if at_end => {
                 self.state.survey.stage = Stage::Done;
                 let text = format!(
-                    "plume: no maximum stands out of {} bins of samples, done",
+                    "plume: no clear maximum in {} bins of samples, done",
                     self.state.samples.bins().len()
                 );
                 log::warn!("{text}");

@@ -1,4 +1,4 @@
-"""Judges the fences and legs of `cargo run --release -p backseat-bench --example fences -- FOLDER` by GEOS.
+"""Judges the fences and legs of `cargo run --release -p backseat-bench --example fences -- FOLDER` with GEOS.
 
     python tests/bench/geos.py FOLDER
 
@@ -15,7 +15,7 @@ import time
 import numpy as np
 import shapely
 
-# Within this of the margin either verdict is right.
+# This close to the margin either verdict is right.
 TIE_M = 1e-6
 EDGE_THICKNESS_M = 1e-6
 
@@ -36,7 +36,7 @@ def main(folder):
 def judge(name, fence, legs):
     radius_m, spare_m = legs[:, 4], legs[:, 5]
     lines = shapely.linestrings(legs[:, :4].reshape(-1, 2, 2))
-    # GEOS takes a line without length for invalid, a point for what it is.
+    # GEOS rejects a line without length as invalid, but accepts a point.
     places = (legs[:, 0] == legs[:, 2]) & (legs[:, 1] == legs[:, 3])
     lines[places] = shapely.points(legs[places, :2])
     zones = [(zone["keep_in"], zone["margin_m"], shapely.from_wkt(zone["wkt"])) for zone in fence["zones"]]
@@ -65,7 +65,7 @@ def judge(name, fence, legs):
 
 
 def distances(zones, lines, radius_m):
-    """What each leg has to spare, negative where it does not hold, by distances and with nothing prepared."""
+    """The clearance of each leg, negative if it is not allowed, from distances and without prepared geometries."""
     spare_m = np.full(len(lines), -np.inf)
     for keep_in, margin_m, polygon in zones:
         if keep_in:
@@ -79,12 +79,12 @@ def distances(zones, lines, radius_m):
 
 
 def reach(margin_m, radius_m):
-    """How far a leg must be from an edge, which itself is a micrometre thick."""
+    """The distance that a leg must keep from an edge, whose own thickness is a micrometre."""
     return np.maximum(margin_m + radius_m, EDGE_THICKNESS_M)
 
 
 def prepared(zones, lines, radius_m):
-    """The quickest way that is exact: prepared containment, and prepared `dwithin` of the boundary."""
+    """The fastest exact method: prepared containment, and prepared `dwithin` of the boundary."""
     holds = np.zeros(len(lines), bool)
     for keep_in, margin_m, polygon in zones:
         if keep_in:
@@ -101,12 +101,12 @@ def prepared(zones, lines, radius_m):
 
 
 def prepared_buffer(zones, lines, radius_m):
-    """The way of most scripts, prepared: is the leg, buffered, inside? Round ends of eight edges a quarter."""
+    """The method of most scripts, prepared: is the buffered leg inside? Round ends with eight edges in a quarter."""
     return buffer(zones, lines, radius_m, shapely.prepare)
 
 
 def buffer(zones, lines, radius_m, prepare=shapely.destroy_prepared):
-    """The way of most scripts."""
+    """The method of most scripts."""
     holds = np.zeros(len(lines), bool)
     for keep_in, margin_m, polygon in zones:
         if keep_in:
@@ -120,7 +120,7 @@ def buffer(zones, lines, radius_m, prepare=shapely.destroy_prepared):
 
 
 def timed(way, zones, lines, radius_m):
-    """Nanoseconds a leg, the better of two rounds."""
+    """Nanoseconds for each leg, the better of two rounds."""
     best = float("inf")
     for _ in range(2):
         start = time.process_time_ns()

@@ -1,4 +1,4 @@
-//! Works out the tree hash: which sources of what flies a build was made from.
+//! Computes the tree hash, which identifies the sources that a build of the simulated crates was made from.
 
 use std::env;
 use std::fs;
@@ -7,12 +7,13 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-/// The crates whose sources make a flight what it is.
+/// The crates whose sources decide the course of a flight.
 const CRATES: [&str; 6] = ["core", "fence", "mvc", "oracle", "sim", "spi"];
 
 fn main() -> io::Result<()> {
-    // Asked when it runs: a build folder may have been taken over from another clone, and this program with it.
-    let here = env::var_os("CARGO_MANIFEST_DIR").ok_or_else(|| io::Error::other("cargo says no folder"))?;
+    // Read at run time, because a build folder, and this program in it, may have been copied from another clone.
+    let here =
+        env::var_os("CARGO_MANIFEST_DIR").ok_or_else(|| io::Error::other("cargo did not set CARGO_MANIFEST_DIR"))?;
     let runtime = Path::new(&here).join("../../runtime");
     let mut files = Vec::new();
     for name in CRATES {
@@ -24,7 +25,7 @@ fn main() -> io::Result<()> {
     let mut digest = Sha256::new();
     for (name, path) in files {
         let content = fs::read(path)?;
-        // The lengths keep one file's end apart from the next one's begin.
+        // The lengths separate the end of one file from the beginning of the next.
         digest.update((name.len() as u64).to_le_bytes());
         digest.update(name);
         digest.update((content.len() as u64).to_le_bytes());

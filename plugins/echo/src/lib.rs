@@ -1,4 +1,4 @@
-//! A plugin for tests of the way between core and plugins: it says back what it hears, and asks for all that there is.
+//! A plugin for tests of the interface between core and plugins: it logs every input, and makes every kind of request.
 
 use std::fmt::Write as _;
 
@@ -9,27 +9,27 @@ use backseat_sdk::{
 };
 use serde::Deserialize;
 
-/// The plugin's table in the mission file.
+/// The plugin's settings, from the mission file.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
-    /// What it answers each step with.
+    /// How it answers each step.
     pub answer: Answer,
 }
 
-/// What it answers each step with.
+/// How it answers each step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// The step's whole input, as Rust's `Debug` writes it, in the frames of packets.
+    /// With the step's whole input, as Rust's `Debug` formats it, in the frames of packets.
     Input,
-    /// [`every_request`].
+    /// With [`every_request`].
     EveryRequest,
-    /// Nothing, but it asks the fence of each of [`every_request`] and logs the answer.
+    /// With no requests. It asks the fence about each of [`every_request`] and logs the answer.
     AskFence,
 }
 
-/// Says back what it hears.
+/// Echoes its input.
 #[derive(Clone, Copy, Debug)]
 pub struct Echo(Config);
 
@@ -92,7 +92,7 @@ backseat_sdk::export!(Echo);
 
 fn said_back(input: &StepInput) -> Vec<Request> {
     let mut text = String::new();
-    // A String takes everything.
+    // Writing to a String never fails.
     let _ = write!(text, "{input:?}");
     text.as_bytes()
         .chunks(FRAMES * FRAME_BYTES)
@@ -101,7 +101,7 @@ fn said_back(input: &StepInput) -> Vec<Request> {
         .collect()
 }
 
-/// Every request that there is, and each of its variants, with figures that are all different.
+/// Every kind of request in all its variants, with values that all differ.
 #[must_use]
 pub fn every_request() -> Vec<Request> {
     let position = |latitude, longitude| Position { latitude, longitude };

@@ -1,6 +1,6 @@
-//! Plugins that misbehave, for tests: one component whose configuration picks the fault.
+//! A plugin that misbehaves, for tests. Its configuration selects the fault.
 //!
-//! Until its fault comes it is a good plugin: it asks each second for a modify of 5 s, or to keep station for 5 s.
+//! Until its fault begins it behaves well: each second it requests a modify of 5 s, or station keeping for 5 s.
 
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::{
@@ -15,17 +15,17 @@ mod requests;
 
 use requests::{packet, topside};
 
-/// The plugin's table in the mission file.
+/// The plugin's settings, from the mission file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
-    /// What goes wrong.
+    /// The fault.
     #[serde(default)]
     pub fault: Fault,
-    /// When it does, seconds since the plugin's first step.
+    /// When the fault begins, seconds since the plugin's first step.
     #[serde(default)]
     pub after_s: f64,
-    /// While it is good it asks a hovering vehicle to keep station, instead of modifies.
+    /// Until the fault begins, request station keeping of a hovering vehicle instead of modifies.
     #[serde(default)]
     pub station: bool,
     /// True heading of the modify, degrees.
@@ -37,13 +37,13 @@ pub struct Config {
     /// Speed of every request, metres per second.
     #[serde(default = "default_speed_mps")]
     pub speed_mps: f64,
-    /// Where `cross_fence` goes, metres east in the mission's local frame.
+    /// The destination of `cross_fence`, metres east in the mission's local frame.
     #[serde(default = "default_target_m")]
     pub target_east_m: f64,
-    /// Where `cross_fence` goes, metres north in the mission's local frame.
+    /// The destination of `cross_fence`, metres north in the mission's local frame.
     #[serde(default = "default_target_m")]
     pub target_north_m: f64,
-    /// Its tracklines are flown after the current behavior and do not interrupt it.
+    /// Its tracklines do not interrupt the current behavior, but are flown after it.
     #[serde(default)]
     pub after_current: bool,
 }
@@ -60,76 +60,76 @@ fn default_target_m() -> f64 {
     20_000.0
 }
 
-/// What goes wrong.
+/// The kinds of faults.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fault {
-    /// Nothing.
+    /// No fault.
     #[default]
     None,
     /// It panics.
     Trap,
     /// It never returns.
     Loop,
-    /// It takes memory until there is none.
+    /// It allocates memory until there is none.
     Grow,
     /// It returns 10,000 requests.
     Flood,
-    /// Its figures are not numbers.
+    /// Its values are NaN.
     Nan,
-    /// Its figures are infinite.
+    /// Its values are infinite.
     Infinite,
-    /// Its figures are the largest that there are.
+    /// Its values are the largest that exist.
     Huge,
-    /// It asks for a trackline from latitude 91.
+    /// It requests a trackline that begins at latitude 91.
     #[serde(rename = "latitude_91")]
     Latitude91,
     /// It returns an error.
     Error,
     /// It logs 1,000 lines.
     LogFlood,
-    /// It asks for a message of 16 MiB.
+    /// It requests a message of 16 MiB.
     HugeString,
     /// Its snapshot is 2 MiB.
     BigSnapshot,
-    /// It asks once for what stands for a year, and then falls silent.
+    /// It makes one request that would last for a year, and none after that.
     Stale,
-    /// It asks at once for opposite headings, ends what it asks for, and uses one tag for all.
+    /// It requests opposite headings in the same step, ends them again, and uses one tag for all.
     Contradict,
-    /// It asks for a trackline to the target, and for a modify towards it, whatever the fence says.
+    /// It requests a trackline to the target and a modify towards it, whatever the fence says.
     CrossFence,
     /// It sends 100 messages to the topside.
     TopsideFlood,
     /// It sends 100 acoustic packets.
     PacketFlood,
-    /// It asks for 100 GPS hits.
+    /// It requests 100 GPS hits.
     GpsFlood,
     /// It switches the light 100 times.
     LightFlood,
     /// Its packet has nine frames.
     NineFrames,
-    /// Its packet's frame is of 10 KiB.
+    /// Its packet has a frame of 10 KiB.
     LongFrame,
     /// Its packet has no frames.
     NoFrames,
     /// Its message to the topside is a byte too long.
     LongTopside,
-    /// Its texts hold what delimits sentences, and a whole sentence.
+    /// Its texts contain the characters that delimit sentences, and a whole sentence.
     ReservedText,
     /// It moves the camera by 1000.
     #[serde(rename = "camera_1000")]
     Camera1000,
-    /// It asks for what needs the vehicle's leave, without it: packets, the DVL's trigger, silence under way, station
-    /// keeping of a vehicle that does not hover.
+    /// It requests what needs the vehicle's permission, without having it: packets, the DVL's trigger, silence under
+    /// way, station keeping of a vehicle that does not hover.
     Uninvited,
 }
 
 impl Fault {
-    /// All faults by the names that a mission file gives them, so that a test can have each.
+    /// All faults by their names in a mission file, so that a test can run each.
     #[must_use]
     pub fn names() -> Vec<String> {
         let refused: Result<Self, NoFault> = Self::deserialize("?".into_deserializer());
-        // "unknown variant `?`, expected one of `none`, `trap`, ...": every second piece is a name.
+        // The error is "unknown variant `?`, expected one of `none`, `trap`, ...", so every second piece is a name.
         let told = refused.err().map(|error| error.to_string()).unwrap_or_default();
         told.split('`').skip(3).step_by(2).map(str::to_owned).collect()
     }
@@ -140,13 +140,13 @@ impl Fault {
 pub struct Faulty {
     config: Config,
     first_ns: Option<u64>,
-    /// The fault has come.
+    /// Whether the fault has begun.
     begun: bool,
     tag: u64,
 }
 
 const SECOND_NS: u64 = 1_000_000_000;
-/// Requests of a step that are too many for a mission and not for the host.
+/// As many requests in a step as exceed the mission's limits but not the host's.
 const FLOOD: usize = 200;
 const YEAR_NS: u64 = 365 * 86_400 * SECOND_NS;
 
@@ -188,7 +188,7 @@ impl Plugin for Faulty {
             Fault::Grow => {
                 let mut hoard: Vec<Vec<u8>> = Vec::new();
                 loop {
-                    // An allocation that fails aborts.
+                    // A failed allocation aborts.
                     hoard.push(std::hint::black_box(Vec::with_capacity(1 << 20)));
                 }
             }
@@ -299,12 +299,12 @@ impl Faulty {
         })
     }
 
-    /// One value wherever a request has a figure.
+    /// Every kind of request with `value` for all of its values.
     fn figures(&mut self, value: f64) -> Vec<Request> {
         requests::with_figure(value, || self.next_tag())
     }
 
-    /// Many requests of a kind, by their tags.
+    /// Many requests of one kind, each with its own tag.
     fn many(&mut self, request: impl Fn(u64) -> Request) -> Vec<Request> {
         (0..FLOOD).map(|_| request(self.next_tag())).collect()
     }

@@ -3,13 +3,13 @@ use backseat_sdk::{
     SonarAngle, Station, StationTarget, Topside, Trackline, Transport, Vertical,
 };
 
-/// Where latitude and longitude begin.
+/// Latitude 0, longitude 0.
 pub(crate) const ORIGIN: Position = Position {
     latitude: 0.0,
     longitude: 0.0,
 };
 
-/// Texts that would be more than text in a sentence.
+/// Texts that would break a sentence.
 pub(crate) const RESERVED: [&str; 5] = [
     "a,b",
     "a*4E",
@@ -53,7 +53,7 @@ pub(crate) fn camera(tag: u64, movement: i32) -> Request {
     })
 }
 
-/// What needs the vehicle's leave first.
+/// Requests that need the vehicle's permission first.
 pub(crate) fn uninvited(mut tag: impl FnMut() -> u64) -> Vec<Request> {
     vec![
         packet(tag(), 1, 8),
@@ -71,7 +71,7 @@ pub(crate) fn uninvited(mut tag: impl FnMut() -> u64) -> Vec<Request> {
     ]
 }
 
-/// One value wherever a request has a figure.
+/// Every kind of request with `value` for all of its values.
 pub(crate) fn with_figure(value: f64, mut tag: impl FnMut() -> u64) -> Vec<Request> {
     let (vertical, speed) = (Vertical::Depth(value), value);
     let position = Position {

@@ -1,7 +1,7 @@
 use backseat_sdk::units::math::wrap_180;
 use serde::Deserialize;
 
-/// The plugin's table in the mission file.
+/// The plugin's settings, from the mission file.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
@@ -13,24 +13,26 @@ pub struct Config {
     pub speed_mps: f64,
     /// The general direction in which to follow the contour, degrees from north.
     ///
-    /// With `deeper_toward_deg` it says on which side the deep water is to be. The contour may turn from it as it
-    /// likes after that.
+    /// Together with `deeper_toward_deg` it decides on which side the deep water is. The contour itself may then turn
+    /// in any direction.
     pub along_deg: f64,
-    /// Where deeper water generally lies, degrees from north: 30 degrees or more off the line of `along_deg`.
+    /// The direction in which the water generally gets deeper, degrees from north; at least 30 degrees away from
+    /// `along_deg` and its opposite.
     pub deeper_toward_deg: f64,
     /// How steep the seabed generally is, metres per metre, 0.002 to 0.5.
     #[serde(default = "default::slope")]
     pub slope: f64,
-    /// How far down the contour to aim, metres, 5 to 200: less is brisker, more is calmer.
+    /// How far along the contour to aim, metres, 5 to 200. A smaller value steers more sharply, a larger one more
+    /// calmly.
     #[serde(default = "default::lookahead_m")]
     pub lookahead_m: f64,
-    /// The way over which the estimate of the seabed forgets (to 1/e), metres, 5 to 500.
+    /// The distance over which the estimate of the seabed forgets (to 1/e), metres, 5 to 500.
     #[serde(default = "default::memory_m")]
     pub memory_m: f64,
-    /// How long to hold the last heading without bottom lock before the helm goes back to the vehicle, seconds, 0 to 600.
+    /// How long to keep the last heading without bottom lock before the vehicle steers itself again, seconds, 0 to 600.
     #[serde(default = "default::hold_s")]
     pub hold_s: f64,
-    /// How long each modify stands, seconds, 6 to 600; at most the mission's `modify_term_max_s`.
+    /// The duration of each modify, seconds, 6 to 600; at most the mission's `modify_term_max_s`.
     #[serde(default = "default::duration_s")]
     pub duration_s: f64,
     /// How long to wait after the fence has refused a heading, seconds, 1 to 600.
@@ -59,23 +61,24 @@ mod default {
     }
 }
 
-/// A key of the configuration that makes no sense.
+/// An invalid value in the configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} is {value}: expected {expected}")]
 pub struct ConfigError {
     /// The key.
     pub key: &'static str,
-    /// What it was set to.
+    /// The value.
     pub value: f64,
-    /// What it may be.
+    /// The valid range.
     pub expected: &'static str,
 }
 
 impl Config {
-    /// Every figure within its range.
+    /// Checks that every value is within its range.
     ///
     /// # Errors
-    /// [`ConfigError`] names the first key that is not.
+    ///
+    /// [`ConfigError`] with the first key that is not.
     pub fn validate(&self) -> Result<(), ConfigError> {
         let ranges = [
             ("contour_m", self.contour_m, 0.1..=6000.0, "above 0 to 6000 m"),
@@ -118,7 +121,7 @@ impl Config {
         Ok(())
     }
 
-    /// 1 where deep water is to be to starboard, -1 to port.
+    /// 1 if the deep water is to starboard, -1 if it is to port.
     #[must_use]
     pub fn deep_side(&self) -> f64 {
         if wrap_180(self.deeper_toward_deg - self.along_deg) > 0.0 {

@@ -1,27 +1,27 @@
 use backseat_sdk::units::math::{asin, hypot, sin_cos, wrap_360};
 use serde::{Deserialize, Serialize};
 
-/// How long the estimate remembers, seconds.
+/// The memory of the estimate, seconds.
 const MEMORY_S: f64 = 30.0;
-/// In a faster turn than this the vehicle slips sideways: not a current, degrees per second.
+/// In faster turns the vehicle slips sideways, which is not a current, degrees per second.
 const TURN_MAX_DPS: f64 = 4.0;
-/// A stronger current than this is a fault of the figures, metres per second.
+/// A stronger current is an error in the data, metres per second.
 const CURRENT_MAX_MPS: f64 = 1.5;
 
-/// The current, from velocity over ground less velocity through the water, low-passed.
+/// Estimates the current as velocity over ground minus velocity through the water, low-pass filtered.
 ///
-/// Speed through the water is taken to be what was asked for. Where it is not, the error lies along the heading, and
-/// what matters to the crab angle, the part across, is right all the same.
+/// The velocity through the water is assumed to be the requested one. If it is not, the error lies along the heading.
+/// The part across the heading, which decides the crab angle, is still right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CurrentEstimate {
     east_mps: f64,
     north_mps: f64,
-    /// How long it has listened, seconds, up to [`MEMORY_S`].
+    /// For how long data has been received, seconds, up to [`MEMORY_S`].
     heard_s: f64,
 }
 
 impl CurrentEstimate {
-    /// Takes `over_s` seconds at a heading and velocity over ground (east, north).
+    /// Takes in a heading and a velocity over ground (east, north) that lasted for `over_s` seconds.
     pub fn measure(
         &mut self,
         heading_deg: f64,
@@ -36,23 +36,23 @@ impl CurrentEstimate {
         if !plausible || yaw_rate_dps.abs() > TURN_MAX_DPS || !(over_s > 0.0 && over_s < 60.0) {
             return;
         }
-        // A mean at first, a low pass after that.
+        // A mean at first, a low-pass filter after that.
         self.heard_s = (self.heard_s + over_s).min(MEMORY_S);
         let gain = over_s / self.heard_s;
         self.east_mps += gain * (seen.0 - self.east_mps);
         self.north_mps += gain * (seen.1 - self.north_mps);
     }
 
-    /// Where the water goes, metres per second east and north.
+    /// The current's velocity, metres per second east and north.
     #[must_use]
     pub const fn mps(&self) -> (f64, f64) {
         (self.east_mps, self.north_mps)
     }
 
-    /// The heading that makes good a course over ground, degrees in [0, 360).
+    /// The heading that results in a course over ground, degrees in [0, 360).
     ///
     /// The crab angle of Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control* (2nd ed. 2021), chapter
-    /// 12: the heading whose part across the course cancels the current's.
+    /// 12: the heading at which the vehicle's velocity across the course cancels the current's.
     #[must_use]
     pub fn heading_deg(&self, course_deg: f64, speed_mps: f64) -> f64 {
         let (sin, cos) = sin_cos(course_deg.to_radians());

@@ -3,43 +3,43 @@ use backseat_sdk::units::math::{atan, hypot, wrap_360};
 
 use crate::seabed::Estimate;
 
-/// A flatter seabed than this gives no direction worth steering by, metres per metre.
+/// On a flatter seabed the direction of the contour is too uncertain to steer by, metres per metre.
 const SLOPE_MIN: f64 = 0.004;
-/// How far ahead the contour's direction is taken, seconds of way: what the vehicle's turn lags behind.
+/// How far ahead the contour's direction is taken, as seconds of travel, to make up for the lag of the vehicle's turn.
 const LEAD_S: f64 = 4.0;
 
 /// Line-of-sight guidance onto a contour.
 ///
 /// The course is the contour's own direction, turned towards it by atan(offset / lookahead): Fossen, *Handbook of
-/// Marine Craft Hydrodynamics and Motion Control* (2nd ed. 2021), section 12.3, with the contour's tangent for the path.
+/// Marine Craft Hydrodynamics and Motion Control* (2nd ed. 2021), section 12.3, with the contour's tangent as the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Guidance {
     /// The water depth to follow, metres.
     pub contour_m: f64,
-    /// How far down the contour to aim, metres.
+    /// How far along the contour to aim, metres.
     pub lookahead_m: f64,
-    /// 1 where deep water is to be to starboard, -1 to port.
+    /// 1 if the deep water is to starboard, -1 if it is to port.
     pub deep_side: f64,
-    /// Speed over ground, about, metres per second.
+    /// Approximate speed over ground, metres per second.
     pub speed_mps: f64,
 }
 
-/// Where to go.
+/// The result of guidance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
     /// Course over ground, degrees in [0, 360).
     pub course_deg: f64,
-    /// How far off the contour the vehicle is, metres, positive on its deep side: (D - D*) / |grad D|.
+    /// The vehicle's distance from the contour, metres, positive on its deep side: (D - D*) / |grad D|.
     pub offset_m: f64,
 }
 
 impl Guidance {
-    /// Where to go from where the seabed is as estimated.
+    /// The course from a position where the seabed is as estimated.
     #[must_use]
     pub fn aim(&self, seabed: &Estimate) -> Aim {
         let offset_m = (seabed.depth_m - self.contour_m) / seabed.slope().max(SLOPE_MIN);
         let lead_m = self.speed_mps * LEAD_S;
-        // Only near the contour is its bend here the bend that the vehicle will follow.
+        // Only close to the contour is the bend here the one that the vehicle will follow.
         let near = (1.0 - offset_m.abs() / (2.0 * self.lookahead_m)).max(0.0);
         let ahead = seabed.gradient_at(self.along(seabed.gradient) * (lead_m * near));
         let gradient = if hypot(ahead.east_m, ahead.north_m) < SLOPE_MIN {
@@ -55,7 +55,7 @@ impl Guidance {
         }
     }
 
-    /// The unit vector along the contour with deep water on its side; none on the flat.
+    /// The unit vector along the contour with deep water on its side; `None` if the seabed is flat.
     fn along(&self, gradient: EastNorth) -> EastNorth {
         let slope = hypot(gradient.east_m, gradient.north_m);
         if slope <= 0.0 {
@@ -69,7 +69,7 @@ impl Guidance {
 mod tests {
     use super::*;
 
-    /// Deeper to the south.
+    /// A seabed that gets deeper to the south.
     fn south(depth_m: f64) -> Estimate {
         Estimate {
             depth_m,
@@ -97,7 +97,8 @@ mod tests {
     #[test]
     fn off_the_contour_it_turns_towards_it() {
         for side in [1.0, -1.0] {
-            // 25 m too deep, too far south: 45 degrees to the north of the contour's direction.
+            // The vehicle is 25 m too far south, where it is too deep, so it steers 45 degrees north of the contour's
+            // direction.
             let deep = guidance(side).aim(&south(30.75));
             assert!((deep.offset_m - 25.0).abs() < 1e-9);
             assert!(
@@ -111,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_bend_is_turned_into_before_it_is_reached() {
-        // The gradient turns from south to south-east as one goes east: the contour bends to the left.
+        // The gradient turns from south to south-east towards the east, so the contour bends to the left.
         let bend = Estimate {
             bend_per_m: [1e-4, 0.0, 0.0],
             ..south(30.0)

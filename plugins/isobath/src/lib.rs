@@ -1,9 +1,9 @@
-//! Follows a depth contour from depth and altitude, and asks for headings by modify requests.
+//! Follows a depth contour by steering with modify requests.
 //!
-//! Water depth is the vehicle's depth plus its altitude. [`Seabed`] fits a surface to it by recursive least squares
-//! with forgetting; [`Guidance`] steers by line of sight onto the contour of that surface, as Bennett and Leonard do
-//! ("A behavior-based approach to adaptive feature detection and following with autonomous underwater vehicles",
-//! IEEE J. Oceanic Eng. 25(2), 2000), and takes the set of the current out; [`Isobath`] decides when to ask.
+//! The water depth is the vehicle's depth plus its altitude. [`Seabed`] fits a surface to it by recursive least squares
+//! with forgetting. [`Guidance`] steers by line of sight onto the contour of that surface, as Bennett and Leonard do
+//! ("A behavior-based approach to adaptive feature detection and following with autonomous underwater vehicles", IEEE
+//! J. Oceanic Eng. 25(2), 2000), and corrects for the current. [`Isobath`] decides when to make requests.
 
 mod config;
 mod current;

@@ -13,18 +13,19 @@ const SECOND_NS: u64 = 1_000_000_000;
 const PERIOD_NS: u64 = SECOND_NS / 2;
 /// A heading that differs by less than this is not worth a new request, degrees.
 const HEADING_STEP_DEG: f64 = 0.3;
-/// The same heading is asked for anew after this, well before it runs out.
+/// The same heading is requested again after this time, well before the request ends.
 const RENEW_NS: u64 = 4 * SECOND_NS;
-/// After a lease that ended for another reason than the fence's.
+/// The pause after a lease that ended for a reason other than the fence.
 const AGAIN_NS: u64 = SECOND_NS;
 /// Without a sample for this long there is no bottom lock.
 const LOCK_NS: u64 = 2 * SECOND_NS;
-/// The vehicle needs this long to come to the speed that it is asked for.
+/// The time that the vehicle needs to reach the requested speed.
 const SPEED_SETTLES_NS: u64 = 15 * SECOND_NS;
-/// Nearer to the contour than this it follows; farther than the second it acquires again, metres.
+/// Within the first distance of the contour the vehicle counts as following it; beyond the second it acquires it again,
+/// metres.
 const FOLLOW_M: f64 = 15.0;
 const LOST_M: f64 = 80.0;
-/// Between two lines of progress.
+/// The time between two lines of progress.
 const REPORT_NS: u64 = 60 * SECOND_NS;
 
 /// Follows a depth contour.
@@ -39,33 +40,33 @@ pub struct Isobath {
 enum Phase {
     /// On the way to the contour.
     Acquire,
-    /// On it.
+    /// On the contour.
     Follow,
 }
 
-/// What the vehicle has been asked for and may be flying.
+/// The request that the vehicle may be carrying out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Asked {
     heading_deg: f64,
     at_ns: u64,
-    /// Since when the vehicle has been ours without a break.
+    /// Since when the backseat has had control without a break.
     since_ns: u64,
 }
 
-/// All that a new instance needs.
+/// The state that a new instance needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct State {
     seabed: Seabed,
     current: CurrentEstimate,
     phase: Phase,
-    /// Names the lease: its renewals carry the same tag, the next lease the next one.
+    /// The tag of the lease: renewals carry the same tag, the next lease the next one.
     tag: u64,
     asked: Option<Asked>,
-    /// The last heading that came of a measured seabed, to hold without bottom lock.
+    /// The last heading from a measured seabed, to keep without bottom lock.
     heading_deg: Option<f64>,
-    /// No requests before this.
+    /// No requests before this time.
     wait_until_ns: u64,
-    /// Refusals since a request was last accepted: the first is logged.
+    /// Refusals since a request was last accepted; only the first is logged.
     refusals: u32,
     control: bool,
     /// When the newest navigation was computed.
@@ -152,7 +153,7 @@ impl Plugin for Isobath {
     }
 
     fn snapshot(&self) -> Vec<u8> {
-        // Into a growing vector, of numbers: it cannot fail.
+        // Serialising numbers into a growing vector cannot fail.
         postcard::to_allocvec(&self.state).unwrap_or_default()
     }
 
@@ -163,7 +164,8 @@ impl Plugin for Isobath {
 }
 
 impl Isobath {
-    /// How far off the contour the vehicle thinks it is, metres, positive on its deep side; none without an estimate.
+    /// The vehicle's estimated distance from the contour, metres, positive on its deep side; `None` without an
+    /// estimate.
     #[must_use]
     pub fn offset_m(&self) -> Option<f64> {
         Some(self.guidance.aim(&self.state.seabed.estimate()?).offset_m)
@@ -178,7 +180,7 @@ impl Isobath {
                 self.lease_over(last + 1, now_ns);
             }
             Event::Shutdown => {
-                log::info!("power goes: asking for nothing more");
+                log::info!("power goes off soon: making no more requests");
                 self.state.shut_down = true;
                 self.state.asked = None;
             }
@@ -216,13 +218,14 @@ impl Isobath {
             Fate::Unknown => "the link was lost",
             Fate::Cancelled => "cancelled",
         };
-        log::info!("lease {} is over: {why}", outcome.tag);
+        log::info!("lease {} has ended: {why}", outcome.tag);
         self.lease_over(self.state.tag + 1, now_ns + AGAIN_NS);
     }
 
-    /// Near the edge of the fence the front seat is to have the vehicle: no other heading is tried.
+    /// Near the edge of the fence the vehicle steers itself: no other heading is tried.
     fn rejected(&mut self, why: &str, now_ns: u64, requests: &mut Vec<Request>) {
-        // Only the newest request was rejected. An older one may stand, and would lead on to where this one may not.
+        // Only the newest request was rejected. An older one may still be carried out, and would lead to where this one
+        // may not go.
         let asked = self.state.asked;
         let by_fence = asked.is_none_or(|asked| fence::check(&self.modify(asked.heading_deg)).is_err());
         let wait_ns = if by_fence {
@@ -231,7 +234,7 @@ impl Isobath {
             2 * SECOND_NS
         };
         if self.state.refusals == 0 {
-            log::warn!("heading refused, the vehicle has the helm: {why}");
+            log::warn!("heading refused, the vehicle steers itself: {why}");
         }
         if asked.is_some() {
             requests.push(Request::EndModify);
@@ -256,19 +259,19 @@ impl Isobath {
             self.state.wait_until_ns = 0;
             self.state.refusals = 0;
         } else {
-            log::info!("control lost: measuring on, asking for nothing");
+            log::info!("control lost: still measuring, making no requests");
             if self.state.asked.is_some() {
                 self.lease_over(self.state.tag + 1, 0);
             }
         }
     }
 
-    /// Takes what navigation says of the seabed and the current. The seabed here, where it is known.
+    /// Takes in the seabed and the current from navigation. Returns the seabed here, if known.
     fn measure(&mut self, navigation: &Navigation, now_ns: u64) -> Option<Estimate> {
         let state = &mut self.state;
         let solution_ns = now_ns.saturating_sub(navigation.age_ns);
         let over_ns = match state.solution_ns {
-            // The same solution twice is one sample.
+            // The same solution again is not a new sample.
             Some(before_ns) if solution_ns <= before_ns => return state.seabed.estimate(),
             Some(before_ns) => solution_ns - before_ns,
             None => PERIOD_NS,
@@ -346,11 +349,11 @@ impl Isobath {
         );
     }
 
-    /// The heading to ask for; none where there is nothing to steer by any more.
+    /// The heading to request; `None` if there is nothing left to steer by.
     fn heading(&mut self, aim: Option<Aim>, now_ns: u64) -> Option<f64> {
         if let Some(aim) = aim {
-            // The local frame's north is taken for true north: they differ by 0.01 degrees a kilometre from its origin,
-            // which the current's estimate takes up.
+            // North in the local frame is taken as true north: they differ by 0.01 degrees a kilometre from the origin,
+            // which the estimate of the current absorbs.
             let heading_deg = self.state.current.heading_deg(aim.course_deg, self.config.speed_mps);
             self.state.heading_deg = Some(heading_deg);
             return Some(heading_deg);
@@ -385,7 +388,7 @@ impl Isobath {
         if self.state.asked.is_none() {
             return;
         }
-        log::warn!("{why}: the vehicle has the helm");
+        log::warn!("{why}: the vehicle steers itself");
         requests.push(Request::EndModify);
         self.lease_over(self.state.tag + 1, 0);
     }
@@ -401,7 +404,7 @@ impl Isobath {
     }
 }
 
-/// Validated seconds in nanoseconds.
+/// Converts validated seconds to nanoseconds.
 fn nanoseconds(seconds: f64) -> u64 {
     (seconds * SECOND_NS as f64) as u64
 }

@@ -3,46 +3,45 @@ use backseat_sdk::units::math::{exp, hypot};
 use nalgebra::{Matrix6, RowVector6, Vector6};
 use serde::{Deserialize, Serialize};
 
-/// Coordinates are counted in this length, so that all coefficients are metres and of like size.
+/// The unit of coordinates, so that all coefficients are metres of similar size.
 const UNIT_M: f64 = 50.0;
-/// What the slope may differ from the general one, one standard deviation, metres per metre.
+/// The standard deviation of the slope from the general one, metres per metre.
 const SLOPE_SIGMA: f64 = 0.02;
-/// How much the seabed may bend, one standard deviation, per metre: a meander of 400 m that adds 0.6 % of slope has
-/// 0.0001.
+/// The standard deviation of the seabed's bend, per metre: a meander of 400 m that adds 0.6 % of slope has 0.0001.
 const BEND_SIGMA_PER_M: f64 = 0.8e-4;
-/// Samples farther than this many standard deviations from the surface are outliers.
+/// Samples farther from the surface than this many standard deviations are outliers.
 const GATE: f64 = 4.0;
-/// After so many outliers in a row it is the surface that is wrong.
+/// After this many outliers in a row the surface is wrong, not the samples.
 const OUTLIERS_MAX: u32 = 10;
-/// The noise of a sample, metres: what is assumed first, and between what it is learnt.
+/// The noise of a sample, metres: the initial value, and the range within which it is estimated.
 const NOISE_FIRST_M: f64 = 0.2;
 const NOISE_MIN_M: f64 = 0.05;
 const NOISE_MAX_M: f64 = 0.5;
-/// Weight of the newest sample in the noise.
+/// The weight of the newest sample in the estimate of the noise.
 const NOISE_GAIN: f64 = 0.02;
 
 /// A surface fitted to the water depth around the vehicle, by recursive least squares in information form.
 ///
-/// The surface is D + g·x + x·Hx/2 around the vehicle, and moves along with it exactly. A straight run along a contour
-/// says nothing of the slope across it, and plain exponential forgetting would let that estimate wind up (Åström and
-/// Wittenmark, *Adaptive Control*, section 11.5). So it forgets towards a general slope without bends, not towards
-/// nothing: stabilised forgetting, Λ ← λΛ + (1 - λ)Λ₀ (Kulhavý and Zarrop, "On a general concept of forgetting",
-/// Int. J. Control 58(4), 1993). λ falls with the way made, not with time: the seabed does not change.
+/// The surface is D + g·x + x·Hx/2 around the vehicle, and moves exactly with it. A straight run along a contour
+/// contains no information on the slope across it, and plain exponential forgetting would let that estimate wind up
+/// (Åström and Wittenmark, *Adaptive Control*, section 11.5). The fit therefore forgets towards a general slope without
+/// bends: stabilised forgetting, Λ ← λΛ + (1 - λ)Λ₀ (Kulhavý and Zarrop, "On a general concept of forgetting", Int. J.
+/// Control 58(4), 1993). λ falls with the distance travelled, not with time, because the seabed does not change.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Seabed {
     memory_m: f64,
     /// The general gradient, metres deeper per metre.
     general: EastNorth,
-    /// Where the coefficients are counted from; none before the first sample.
+    /// The origin of the coefficients; `None` before the first sample.
     at: Option<EastNorth>,
-    /// Of the six coefficients: depth, its gradient, and its three second derivatives.
+    /// The information matrix of the six coefficients: depth, its gradient, and its three second derivatives.
     information: Matrix6<f64>,
     vector: Vector6<f64>,
     noise_m: f64,
     outliers: u32,
 }
 
-/// The seabed at a place.
+/// The seabed at a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Water depth, metres.
@@ -56,7 +55,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The gradient this far from the place.
+    /// The gradient at this offset from the position.
     #[must_use]
     pub fn gradient_at(&self, from: EastNorth) -> EastNorth {
         let [ee, en, nn] = self.bend_per_m;
@@ -75,8 +74,8 @@ impl Estimate {
 }
 
 impl Seabed {
-    /// Nothing measured yet: `slope` metres deeper per metre towards `deeper_toward_deg`, which `memory_m` metres of
-    /// way forget towards.
+    /// A surface before any measurement: `slope` metres deeper per metre towards `deeper_toward_deg`. The fit forgets
+    /// towards it over `memory_m` metres of travel.
     #[must_use]
     pub fn new(slope: f64, deeper_toward_deg: f64, memory_m: f64) -> Self {
         Self {
@@ -90,7 +89,7 @@ impl Seabed {
         }
     }
 
-    /// Takes a measured water depth at a place. False where it was an outlier, and so was not used.
+    /// Takes in a water depth measured at a position. Returns false for an outlier, which is not used.
     pub fn measure(&mut self, at: EastNorth, water_depth_m: f64) -> bool {
         if !(at.east_m.is_finite() && at.north_m.is_finite() && water_depth_m.is_finite()) {
             return false;
@@ -106,19 +105,19 @@ impl Seabed {
             if residual_m.abs() > GATE * sigma_m {
                 self.forget_all();
             }
-            // The mean size of a normal number is √(2/π) of its standard deviation.
+            // The mean absolute value of a normal distribution is √(2/π) of its standard deviation.
             let size_m = residual_m.abs() * 1.2533;
             self.noise_m = (self.noise_m + NOISE_GAIN * (size_m - self.noise_m)).clamp(NOISE_MIN_M, NOISE_MAX_M);
         }
         self.outliers = 0;
-        // At the place itself only the depth coefficient is seen.
+        // At the position itself only the depth coefficient is observed.
         let weight = 1.0 / (self.noise_m * self.noise_m);
         self.information[(0, 0)] += weight;
         self.vector[0] += weight * water_depth_m;
         true
     }
 
-    /// Brings the surface to where the vehicle is, and forgets as much as the way there asks for.
+    /// Moves the surface to the vehicle's position, and forgets according to the distance.
     pub fn move_to(&mut self, at: EastNorth) {
         let Some(before) = self.at else {
             self.at = Some(at);
@@ -138,7 +137,7 @@ impl Seabed {
         self.vector = self.vector * keep + vector * (1.0 - keep);
     }
 
-    /// The seabed where the vehicle is; none before a sample, or where the samples do not say.
+    /// The seabed at the vehicle; `None` before a sample, or if the samples do not determine it.
     #[must_use]
     pub fn estimate(&self) -> Option<Estimate> {
         if self.information[(0, 0)] < 1e-3 {
@@ -156,7 +155,7 @@ impl Seabed {
         })
     }
 
-    /// What the noise of a sample has been learnt to be, metres.
+    /// The estimated noise of a sample, metres.
     #[must_use]
     pub const fn noise_m(&self) -> f64 {
         self.noise_m
@@ -168,20 +167,20 @@ impl Seabed {
         self.vector = vector;
     }
 
-    /// Λ₀ (its diagonal) and Λ₀θ₀.
+    /// The diagonal of Λ₀, and Λ₀θ₀.
     fn prior(&self) -> (Vector6<f64>, Vector6<f64>) {
         let slope = 1.0 / (SLOPE_SIGMA * UNIT_M * SLOPE_SIGMA * UNIT_M);
         let bend_sigma = BEND_SIGMA_PER_M * UNIT_M * UNIT_M;
         let bend = 1.0 / (bend_sigma * bend_sigma);
-        // The depth itself has no general value; the trace keeps the matrix regular.
+        // The depth itself has no general value; the small number keeps the matrix regular.
         let information = Vector6::new(1e-6, slope, slope, bend, 2.0 * bend, bend);
         let gradient = self.general * UNIT_M;
         let vector = Vector6::new(0.0, slope * gradient.east_m, slope * gradient.north_m, 0.0, 0.0, 0.0);
         (information, vector)
     }
 
-    /// Counts the coefficients from a place (e, n) units away: θ' = Tθ, so Λ' = SᵀΛS and η' = Sᵀη with S = T⁻¹, which
-    /// is the same shift the other way.
+    /// Moves the origin of the coefficients by (e, n) units: θ' = Tθ, so Λ' = SᵀΛS and η' = Sᵀη with S = T⁻¹, which is
+    /// the opposite shift.
     fn shift(&mut self, e: f64, n: f64) {
         let mut back = Matrix6::identity();
         back.set_row(0, &RowVector6::new(1.0, -e, -n, 0.5 * e * e, e * n, 0.5 * n * n));
@@ -238,7 +237,7 @@ mod tests {
 
     #[test]
     fn a_straight_run_keeps_a_slope_across() {
-        // Plain forgetting would lose it, and the matrix with it.
+        // Plain forgetting would lose it, and make the matrix singular.
         let mut seabed = Seabed::new(0.04, 0.0, 40.0);
         for index in 0..4000 {
             seabed.measure(EastNorth::new(0.75 * f64::from(index), 0.0), 30.0);

@@ -1,9 +1,10 @@
-//! The plugin steers a simple vehicle over drawn seabeds, in closed loop: what it is for, and its manners.
+//! The plugin steers a simple vehicle over drawn seabeds, in closed loop: how well it follows the contour, and how it
+//! behaves when something goes wrong.
 
 #![expect(
     clippy::unwrap_used,
     clippy::wildcard_enum_match_arm,
-    reason = "a harness: what it does not expect fails the test"
+    reason = "in a harness, everything unexpected fails the test"
 )]
 
 mod sea;
@@ -13,7 +14,7 @@ use backseat_sdk::{Refusal, Rule};
 use isobath::Isobath;
 use sea::{Sea, Trial, config};
 
-/// The mission's promise is 10 m for both; half of it is kept here.
+/// The mission promises 10 m for both; this test asks for half of it.
 #[test]
 fn it_finds_and_follows_the_contour_in_every_world() {
     let mut worst = (0.0, 0);

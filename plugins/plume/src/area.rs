@@ -2,7 +2,7 @@ use backseat_sdk::units::math::{sin_cos, wrap_180};
 use backseat_sdk::units::{EastNorth, LocalFrame, Position};
 use serde::{Deserialize, Serialize};
 
-/// A straight line, metres east and north of the area's middle.
+/// A straight line, in metres east and north of the area's centre.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Line {
     /// Where it begins.
@@ -18,7 +18,7 @@ impl Line {
         self.start.distance_m(self.end)
     }
 
-    /// How far along it a point is, 0 to 1 between its ends, and how far off it, metres.
+    /// The position of a point along the line, 0 to 1 between its ends, and its distance from the line, metres.
     #[must_use]
     pub fn progress(&self, at: EastNorth) -> (f64, f64) {
         let (way, from) = (self.end - self.start, at - self.start);
@@ -28,7 +28,7 @@ impl Line {
         (along, across_m.abs())
     }
 
-    /// Shorter by so much at both ends; none where less than `least_m` would remain.
+    /// The line shortened by this much at both ends; `None` if less than `least_m` would remain.
     #[must_use]
     pub fn shortened(&self, each_m: f64, least_m: f64) -> Option<Self> {
         let length_m = self.length_m();
@@ -49,7 +49,7 @@ impl Line {
         }
     }
 
-    /// Begun at the end that is nearer to a point.
+    /// The line, beginning at the end that is closer to a point.
     fn begun_near(self, at: EastNorth) -> Self {
         if self.end.distance_m(at) < self.start.distance_m(at) {
             self.turned()
@@ -59,19 +59,20 @@ impl Line {
     }
 }
 
-/// The rectangle to survey. Points are metres east and north of its middle; its own axes are u, along its longer side,
-/// and v, across it.
+/// The rectangle to survey. Points are in metres east and north of its centre. Its own axes are u, along its longer
+/// side, and v, across it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
     frame: LocalFrame,
     half_u_m: f64,
     half_v_m: f64,
-    /// Unit vector of u.
+    /// The unit vector of u.
     axis: EastNorth,
 }
 
 impl Area {
-    /// Around a middle, so wide (east) and high (north) before it is turned clockwise by `orientation_deg`.
+    /// A rectangle around a centre, with a width (east) and a height (north) before it is turned clockwise by
+    /// `orientation_deg`.
     #[must_use]
     pub fn new(centre: Position, size: EastNorth, orientation_deg: f64) -> Self {
         let wide = size.east_m >= size.north_m;
@@ -90,32 +91,32 @@ impl Area {
         }
     }
 
-    /// The plane frame around its middle.
+    /// The local frame around its centre.
     #[must_use]
     pub const fn frame(&self) -> &LocalFrame {
         &self.frame
     }
 
-    /// Of its longer side, metres.
+    /// The length of its longer side, metres.
     #[must_use]
     pub const fn length_m(&self) -> f64 {
         2.0 * self.half_u_m
     }
 
-    /// Of its shorter side, metres.
+    /// The length of its shorter side, metres.
     #[must_use]
     pub const fn width_m(&self) -> f64 {
         2.0 * self.half_v_m
     }
 
-    /// Whether a point is in it, or within `margin_m` of it.
+    /// Whether a point is in the area, or within `margin_m` of it.
     #[must_use]
     pub fn contains(&self, at: EastNorth, margin_m: f64) -> bool {
         let (u, v) = self.axes(at);
         u.abs() <= self.half_u_m + margin_m && v.abs() <= self.half_v_m + margin_m
     }
 
-    /// The point of it that is nearest.
+    /// The point of the area that is closest.
     #[must_use]
     pub fn nearest(&self, at: EastNorth) -> EastNorth {
         let (u, v) = self.axes(at);
@@ -125,11 +126,11 @@ impl Area {
         )
     }
 
-    /// A lawnmower of parallel lines at most `spacing_m` apart and half of that from its long sides, begun at the
-    /// corner that is nearest to `from`.
+    /// A lawnmower pattern: parallel lines at most `spacing_m` apart, the outer ones half of that from the long sides.
+    /// It begins at the corner closest to `from`.
     #[must_use]
     pub fn lawnmower(&self, spacing_m: f64, from: EastNorth) -> Vec<Line> {
-        // Of a validated configuration: at most 2000.
+        // At most 2000, because the configuration is validated.
         let count = (self.width_m() / spacing_m).ceil().clamp(2.0, 2000.0) as u32;
         let apart_m = self.width_m() / f64::from(count);
         let (u, v) = self.axes(from);
@@ -146,8 +147,8 @@ impl Area {
             .collect()
     }
 
-    /// Two lines through a point, `half_m` to both sides but not beyond the area: across the lawnmower first, as that
-    /// is where it knows least; each begun at its end nearer to where the vehicle comes from.
+    /// Two lines through a point, `half_m` to both sides but within the area. The first goes across the lawnmower
+    /// pattern, where least is known. Each begins at the end closer to the vehicle.
     #[must_use]
     pub fn cross(&self, through: EastNorth, half_m: f64, from: EastNorth) -> [Line; 2] {
         let (u, v) = self.axes(self.nearest(through));

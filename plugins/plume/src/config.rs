@@ -3,37 +3,38 @@ use serde::{Deserialize, Serialize};
 
 use crate::area::Area;
 
-/// The plugin's table in the mission file.
+/// The plugin's settings, from the mission file.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
-    /// Where to look.
+    /// The area to search.
     #[serde(rename = "box")]
     pub area: BoxConfig,
-    /// Between the lines of the first map, metres, 10 to 1000: at most the plume's own radius or so.
+    /// The distance between the lines of the first map, metres, 10 to 1000. It should not exceed the plume's radius by
+    /// much.
     pub line_spacing_m: f64,
     /// The depth to fly at, metres below the surface, 0 to 6000.
     pub depth_m: f64,
     /// Speed through the water, metres per second, 0.3 to 3.
     pub speed_mps: f64,
-    /// What to look for the maximum of.
+    /// The quantity whose maximum to find.
     #[serde(default)]
     pub channel: Channel,
     /// Radius of the circle around the maximum, metres, 10 to 1000.
     #[serde(default = "default::circle_radius_m")]
     pub circle_radius_m: f64,
-    /// How often to go round, more than 0 to 20.
+    /// Number of rounds of the circle, above 0 and at most 20.
     #[serde(default = "default::orbits")]
     pub orbits: f64,
     /// Half the length of the cross through the first estimate, metres, 30 to 1000.
     #[serde(default = "default::cross_m")]
     pub cross_m: f64,
-    /// Whether the survey interrupts what the vehicle is doing when it begins, rather than follow it.
+    /// Whether the survey interrupts the current behavior when it begins; if false, it follows it.
     #[serde(default)]
     pub interrupt: bool,
 }
 
-/// What the CTD measures.
+/// A quantity that the CTD measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Channel {
@@ -55,7 +56,7 @@ impl Channel {
     }
 }
 
-/// The box to survey: `south_west` and `north_east`, or `centre`, `width_m`, `height_m` and, where it is turned,
+/// The box to survey: `south_west` and `north_east`, or `centre`, `width_m`, `height_m` and, if it is turned,
 /// `orientation_deg`. Positions are latitude and longitude in degrees.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -63,10 +64,10 @@ pub struct BoxConfig {
     /// One corner.
     #[serde(default)]
     pub south_west: Option<[f64; 2]>,
-    /// The corner opposite.
+    /// The opposite corner.
     #[serde(default)]
     pub north_east: Option<[f64; 2]>,
-    /// The middle.
+    /// The centre.
     #[serde(default)]
     pub centre: Option<[f64; 2]>,
     /// Across `orientation_deg`, metres, 50 to 20000.
@@ -75,7 +76,7 @@ pub struct BoxConfig {
     /// Along `orientation_deg`, metres, 50 to 20000.
     #[serde(default)]
     pub height_m: Option<f64>,
-    /// Where the box's own north points, degrees from north; 0 unless given.
+    /// The direction of the box's own north, degrees from north; 0 if missing.
     #[serde(default)]
     pub orientation_deg: Option<f64>,
 }
@@ -92,20 +93,20 @@ mod default {
     }
 }
 
-/// What makes no sense in a configuration.
+/// An error in a configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConfigError {
-    /// A figure outside its range.
+    /// A value outside its range.
     #[error("{key} is {value}: expected {expected}")]
     Range {
         /// The key.
         key: &'static str,
-        /// What it was set to.
+        /// The value.
         value: f64,
-        /// What it may be.
+        /// The valid range.
         expected: &'static str,
     },
-    /// Keys of the box that do not go together.
+    /// Keys of the box that exclude each other.
     #[error("box: expected south_west and north_east, or centre, width_m and height_m")]
     Box,
 }
@@ -141,7 +142,8 @@ impl BoxConfig {
     /// The box as an area.
     ///
     /// # Errors
-    /// [`ConfigError`] names the key that is missing, too many or out of range.
+    ///
+    /// [`ConfigError`] with the key that is missing, unexpected or out of range.
     pub fn area(&self) -> Result<Area, ConfigError> {
         const SIDE: &str = "a side of 50 to 20000 m";
         let (centre, width_m, height_m, orientation_deg) = match (self.south_west, self.north_east, self.centre) {
@@ -179,10 +181,11 @@ impl BoxConfig {
 }
 
 impl Config {
-    /// Every figure within its range.
+    /// Checks that every value is within its range.
     ///
     /// # Errors
-    /// [`ConfigError`] names the first key that is not.
+    ///
+    /// [`ConfigError`] with the first key that is not.
     pub fn validate(&self) -> Result<(), ConfigError> {
         self.area.area()?;
         within("line_spacing_m", self.line_spacing_m, 10.0..=1000.0, "10 to 1000 m")?;

@@ -5,18 +5,18 @@ use nalgebra::{Matrix2, Vector2};
 use crate::least_squares::LeastSquares;
 use crate::samples::Bin;
 
-/// Lengths are counted in this, so that all coefficients are of like size.
+/// The unit of lengths, so that all coefficients are of similar size.
 const UNIT_M: f64 = 100.0;
-/// A fit whose standard deviation leaves this is none, metres.
+/// A fit whose standard deviation is outside this range is discarded, metres.
 const SIGMA_MIN_M: f64 = 10.0;
 const SIGMA_MAX_M: f64 = 1000.0;
-/// A step of the centre that ends the fit, metres.
+/// The fit ends when the centre moves by less than this, metres.
 const SETTLED_M: f64 = 0.05;
-/// Below this part of the peak the logarithm says more of the background than of the peak.
+/// Below this fraction of the peak, the logarithm describes the background more than the peak.
 const FOOT: f64 = 0.1;
-/// And below so many standard deviations of a bin's noise.
+/// The same for less than this many standard deviations of a bin's noise.
 const FOOT_SIGMAS: f64 = 3.0;
-/// Fewer bins on the peak than this do not tell its shape.
+/// Fewer bins on the peak than this do not determine its shape.
 const BINS_MIN: u32 = 8;
 
 /// A Gaussian over a plane.
@@ -33,7 +33,7 @@ pub struct Gaussian {
 }
 
 impl Gaussian {
-    /// A round one, with nothing known of height and background.
+    /// A round Gaussian with unknown height and background.
     #[must_use]
     pub fn round(centre: EastNorth, sigma_m: f64) -> Self {
         Self {
@@ -44,21 +44,21 @@ impl Gaussian {
         }
     }
 
-    /// The smaller and the greater standard deviation, metres: of the ellipse's axes.
+    /// The smaller and the larger standard deviation along the ellipse's axes, metres.
     #[must_use]
     pub fn sigmas_m(&self) -> (f64, f64) {
         let axes = self.tightness.symmetric_eigenvalues();
         (1.0 / axes.max().sqrt(), 1.0 / axes.min().max(1e-12).sqrt())
     }
 
-    /// The background at a place.
+    /// The background at a position.
     #[must_use]
     pub fn background_at(&self, at: EastNorth) -> f64 {
         let [middle, east, north] = self.background;
         middle + east * at.east_m + north * at.north_m
     }
 
-    /// Its height at a place, as a part of its amplitude.
+    /// The height at a position, as a fraction of the amplitude.
     #[must_use]
     pub fn shape_at(&self, at: EastNorth) -> f64 {
         let from = at - self.centre;
@@ -67,15 +67,16 @@ impl Gaussian {
         if square > 100.0 { 0.0 } else { exp(-0.5 * square) }
     }
 
-    /// Fits a Gaussian over a sloping background, from a first guess of centre and shape. `noise` is a single sample's
-    /// standard deviation, `rounds` the most that are gone. None where the bins do not show one.
+    /// Fits a Gaussian over a sloping background, starting from a first guess of centre and shape. `noise` is the
+    /// standard deviation of a single sample, `rounds` the most rounds. Returns `None` if the bins do not show a
+    /// Gaussian.
     ///
     /// The logarithm of a Gaussian is a quadratic, which linear least squares can fit (Caruana et al., *Analytical
-    /// Chemistry* 58, 1986). As the logarithm blows up the noise of the foot, each bin is weighted by the square of its
-    /// value, and by that of the last round's fit rather than of the noisy bin itself: Guo, "A simple algorithm for
-    /// fitting a Gaussian function", IEEE Signal Processing Magazine 28(5), 2011, equations 9 and 14, here in two
-    /// dimensions. The background is not known as it is there: every round begins with background and amplitude, which
-    /// are linear once the shape is given, over all bins, those of the foot included.
+    /// Chemistry* 58, 1986). Because the logarithm magnifies the noise of low values, each bin is weighted by the
+    /// square of its value, taken from the last round's fit rather than from the noisy bin itself: Guo, "A simple
+    /// algorithm for fitting a Gaussian function", IEEE Signal Processing Magazine 28(5), 2011, equations 9 and 14,
+    /// here in two dimensions. That method assumes a known background. Here every round first fits background and
+    /// amplitude, which are linear for a given shape, to all bins including the low ones.
     #[must_use]
     pub fn fit(bins: &[Bin], guess: Self, noise: f64, rounds: u32) -> Option<Self> {
         let mut fit = guess;
@@ -116,7 +117,7 @@ impl Gaussian {
             let count = f64::from(bin.count);
             let fitted = self.amplitude * self.shape_at(bin.at);
             let value = bin.value - self.background_at(bin.at);
-            // Chosen by the fit, not by the bin: choosing the high bins of the foot would widen it.
+            // Bins are chosen by the fit, not by their value: choosing low bins with high noise would widen the fit.
             if fitted < FOOT * self.amplitude || fitted < FOOT_SIGMAS * noise / count.sqrt() || value < 0.2 * fitted {
                 continue;
             }
@@ -140,8 +141,8 @@ impl Gaussian {
         })
     }
 
-    /// From the logarithm's linear and quadratic coefficients around the last centre. None where it has no maximum, or
-    /// one that is absurdly narrow, wide or far.
+    /// A Gaussian from the linear and quadratic coefficients of the logarithm around the last centre. `None` if it has
+    /// no maximum, or one that is much too narrow, wide or far away.
     fn with_quadratic(self, x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> Option<Self> {
         let tightness = Matrix2::new(-2.0 * xx, -xy, -xy, -2.0 * yy);
         let step = tightness.cholesky()?.solve(&Vector2::new(x, y)) * UNIT_M;

@@ -1,6 +1,6 @@
 use nalgebra::{SMatrix, SVector};
 
-/// A pivot smaller than this is none.
+/// A smaller pivot counts as zero.
 const PIVOT_MIN: f64 = 1e-12;
 
 /// The normal equations of a weighted linear least squares.
@@ -23,7 +23,7 @@ impl<const N: usize> LeastSquares<N> {
         self.right.axpy(weight * value, &row, 1.0);
     }
 
-    /// None where the system is singular or not finite.
+    /// `None` if the system is singular or not finite.
     pub(crate) fn solve(self) -> Option<[f64; N]> {
         let factor = self.matrix.cholesky()?;
         let regular = factor.l_dirty().diagonal().iter().all(|root| root * root >= PIVOT_MIN);

@@ -1,9 +1,9 @@
-//! Maps a scalar from the vehicle's CTD with tracklines, finds its maximum, and circles it.
+//! Maps a quantity that the vehicle's CTD measures, by flying tracklines; finds its maximum, and circles it.
 //!
-//! The lines are inserts: the vehicle flies them by itself, one after the other. As it goes back to its own plan when
-//! nothing is queued, the next must be with it before the current one ends: [`Plume`] keeps two queued ahead, and
-//! decides on what depends on the measurements while a line is still being flown. First comes a lawnmower over the
-//! [`Area`], then a cross through the maximum as [`locate`] then knows it, then the circle.
+//! The lines are inserts, which the vehicle flies by itself, one after the other. The vehicle returns to its own plan
+//! when nothing is queued, so it must receive the next line before the current one ends. [`Plume`] therefore keeps two
+//! lines queued, and decides on the next stage while a line is still being flown. The first stage is a lawnmower
+//! pattern over the [`Area`], the second a cross through the maximum that [`locate`] finds, the last a circle.
 
 mod area;
 mod config;

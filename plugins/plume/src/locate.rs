@@ -5,18 +5,18 @@ use crate::gaussian::Gaussian;
 use crate::least_squares::LeastSquares;
 use crate::samples::Bin;
 
-/// A peak lower than so many standard deviations of a single sample is none.
+/// A peak lower than this many standard deviations of a single sample is ignored.
 const AMPLITUDE_SIGMAS: f64 = 4.0;
-/// What is over the background by more than this many of its own deviations is not background.
+/// Values this many standard deviations above the background do not belong to it.
 const BACKGROUND_SIGMAS: f64 = 1.0;
 const BACKGROUND_ROUNDS: u32 = 8;
-/// Fewer bins than this tell nothing.
+/// Fewer bins than this are not evaluated.
 const BINS_MIN: usize = 20;
-/// A fit that is off by more than this part of its height is of something that is no Gaussian.
+/// A fit whose error exceeds this fraction of its height is not a Gaussian.
 const MISFIT: f64 = 0.12;
-/// More bins than this are joined: the smooth takes time with their square, and a step's fuel is bounded.
+/// Above this number, bins are merged: the time of the smoothing grows with their square, and a step's fuel is limited.
 const BINS_MAX: usize = 300;
-/// Bins farther apart than this are not of one line, metres.
+/// Bins farther apart than this do not belong to the same line, metres.
 const JOIN_MAX_M: f64 = 40.0;
 
 /// How the maximum was found.
@@ -24,30 +24,30 @@ const JOIN_MAX_M: f64 = 40.0;
 pub enum Method {
     /// By a Gaussian that fits.
     Fit,
-    /// By the mean of what is high: no Gaussian fitted, or not inside the area.
+    /// By the centroid of high values, because no Gaussian fits or its centre is outside the area.
     Centroid,
 }
 
-/// Where the maximum is.
+/// A maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Located {
-    /// Metres from the area's middle, inside the area.
+    /// In metres from the area's centre, inside the area.
     pub centre: EastNorth,
     /// Height over the background.
     pub amplitude: f64,
     /// Standard deviation of a single sample.
     pub noise: f64,
-    /// The smaller and the greater standard deviation of the peak, metres; none of a centroid.
+    /// The smaller and the larger standard deviation of the peak, metres; `None` for a centroid.
     pub sigmas_m: Option<(f64, f64)>,
     /// How it was found.
     pub method: Method,
 }
 
-/// The maximum of what has been measured over an area with lines `spacing_m` apart. None where nothing stands out.
+/// The maximum of the values measured over an area with lines `spacing_m` apart. `None` if there is no clear maximum.
 ///
-/// The background is a plane, fitted robustly; the highest of a kernel smooth (Epanechnikov's kernel) over it is the
-/// first guess for [`Gaussian::fit`]. A fit that is not to be believed gives way to the centroid of what is high
-/// around the guess.
+/// The background is a plane, fitted robustly. The highest value of a kernel smoothing (with Epanechnikov's kernel)
+/// over it is the first guess for [`Gaussian::fit`]. If the fit is not plausible, the centroid of high values around
+/// the guess is used.
 #[must_use]
 pub fn locate(bins: &[Bin], area: &Area, spacing_m: f64) -> Option<Located> {
     if bins.len() < BINS_MIN {
@@ -71,7 +71,8 @@ pub fn locate(bins: &[Bin], area: &Area, spacing_m: f64) -> Option<Located> {
             && fit.amplitude < 5.0 * smooth.max(noise)
             && misfit(fit, bins) < MISFIT * fit.amplitude + noise
     };
-    // The second start is for what is much wider than the lines are apart; its rounds are few, to bound a step's fuel.
+    // The second start is for a plume much wider than the distance of the lines; it has few rounds, to limit a step's
+    // fuel.
     let fit = [(1.0, 20), (2.0, 10)].into_iter().find_map(|(wide, rounds)| {
         let start = Gaussian::round(guess, wide * spacing_m.max(30.0));
         Gaussian::fit(bins, start, noise, rounds).filter(believed)
@@ -97,7 +98,7 @@ pub fn locate(bins: &[Bin], area: &Area, spacing_m: f64) -> Option<Located> {
     })
 }
 
-/// How far off a fit is where it is not low, root mean square.
+/// The root mean square error of a fit where it is not low.
 fn misfit(fit: &Gaussian, bins: &[Bin]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for bin in bins {
@@ -111,7 +112,8 @@ fn misfit(fit: &Gaussian, bins: &[Bin]) -> f64 {
     (sum / f64::max(count, 1.0)).sqrt()
 }
 
-/// The noise of a single sample, from the second differences of bins in a row: what is smooth over three bins is none.
+/// The noise of a single sample, from the second differences of successive bins: variation that is smooth over three
+/// bins is not noise.
 fn noise(bins: &[Bin]) -> f64 {
     let mut differences: Vec<f64> = bins
         .windows(3)
@@ -122,11 +124,11 @@ fn noise(bins: &[Bin]) -> f64 {
             difference.abs() / variance.sqrt()
         })
         .collect();
-    // A normal number's median size is 0.6745 of its standard deviation.
+    // The median absolute value of a normal distribution is 0.6745 of its standard deviation.
     median(&mut differences).unwrap_or(0.0) / 0.6745
 }
 
-/// As many bins in a row made one as leave few enough.
+/// Merges successive bins until few enough remain.
 fn joined(bins: &[Bin]) -> Vec<Bin> {
     let most = bins.len().div_ceil(BINS_MAX);
     let mut out: Vec<Bin> = Vec::with_capacity(BINS_MAX);
@@ -156,7 +158,7 @@ fn median(values: &mut [f64]) -> Option<f64> {
     Some(*median)
 }
 
-/// A plane through what is not high: fitted to all, then again and again to what is not far over it.
+/// A plane through the background: fitted to all values, then repeatedly to those that are not far above it.
 fn background(bins: &[Bin]) -> Option<[f64; 3]> {
     let mut plane: Option<[f64; 3]> = None;
     let mut most_over = f64::INFINITY;
@@ -188,7 +190,7 @@ fn background(bins: &[Bin]) -> Option<[f64; 3]> {
 fn highest(values: &[(EastNorth, f64, f64)], reach_m: f64) -> Option<(EastNorth, f64)> {
     let square = reach_m * reach_m;
     let mut best: Option<(EastNorth, f64)> = None;
-    // Every other bin is near enough to the highest for a first guess.
+    // Every other bin is close enough to the highest for a first guess.
     for &(middle, _, _) in values.iter().step_by(2) {
         let (mut sum, mut weights, mut used) = (0.0, 0.0, 0);
         for &(at, value, count) in values {
@@ -208,7 +210,7 @@ fn highest(values: &[(EastNorth, f64, f64)], reach_m: f64) -> Option<(EastNorth,
     best
 }
 
-/// The mean place of what is over half the height, weighted by how much.
+/// The mean position of values above half the height, weighted by their excess.
 fn centroid(values: &[(EastNorth, f64, f64)], around: EastNorth, reach_m: f64, height: f64) -> EastNorth {
     let (mut sum, mut weights) = (EastNorth::default(), 0.0);
     for &(at, value, count) in values {
@@ -236,7 +238,7 @@ mod tests {
         )
     }
 
-    /// Lines 70 m apart over a field, with a wobble for noise.
+    /// Lines 70 m apart over a field, with an oscillation as noise.
     fn map(field: impl Fn(EastNorth) -> f64) -> Vec<Bin> {
         area()
             .lawnmower(70.0, EastNorth::default())
@@ -262,7 +264,7 @@ mod tests {
 
     #[test]
     fn a_peak_that_is_no_gaussian_is_found_too() {
-        // A flat disc: its logarithm is no parabola.
+        // A flat disc: its logarithm is not a parabola.
         let middle = EastNorth::new(120.0, -60.0);
         let disc = |at: EastNorth| if at.distance_m(middle) < 90.0 { 12.8 } else { 12.0 };
         let found = locate(&map(disc), &area(), 70.0).unwrap();

@@ -13,15 +13,15 @@ use crate::survey::{Leg, Stage, Survey, Turn};
 
 const SECOND_NS: u64 = 1_000_000_000;
 const PERIOD_NS: u64 = SECOND_NS / 2;
-/// Samples taken at a depth that differs by more than this from the one to fly at are not used, metres.
+/// Samples from a depth that differs from the commanded one by more than this are not used, metres.
 const DEPTH_OFF_M: f64 = 2.0;
 /// Samples farther outside the area than this are not used, metres.
 const OUTSIDE_M: f64 = 80.0;
-/// How far the last line of a stage must have got before the next stage is decided: late, to have measured much, but
-/// with time to ask again before the line ends.
+/// How much of a stage's last line must be flown before the next stage is decided: late, so that much is measured, but
+/// with time for another attempt before the line ends.
 const DECIDE_MAP: f64 = 0.6;
 const DECIDE_CROSS: f64 = 0.7;
-/// Between two tries to locate the maximum.
+/// The time between two attempts to locate the maximum.
 const LOCATE_NS: u64 = 10 * SECOND_NS;
 
 /// Maps a scalar plume and circles its maximum.
@@ -34,13 +34,13 @@ pub struct Plume {
     misfits: fn(&Request) -> bool,
 }
 
-/// All that a new instance needs.
+/// The state that a new instance needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct State {
     survey: Survey,
     samples: Samples,
     control: bool,
-    /// The maximum is not looked for before this.
+    /// The next attempt to locate the maximum is not before this time.
     locate_ns: u64,
     shut_down: bool,
 }
@@ -88,7 +88,7 @@ impl Plugin for Plume {
                 Event::Ctd(ctd) => self.measure(ctd, input.now_ns),
                 Event::Restored(restored) => self.note_restored(restored, input.now_ns, &mut requests),
                 Event::Shutdown => {
-                    log::info!("power goes: asking for nothing more");
+                    log::info!("power goes off soon: making no more requests");
                     self.state.shut_down = true;
                 }
                 Event::Control(_)
@@ -120,7 +120,7 @@ impl Plugin for Plume {
     }
 
     fn snapshot(&self) -> Vec<u8> {
-        // Into a growing vector, of numbers: it cannot fail.
+        // Serialising numbers into a growing vector cannot fail.
         postcard::to_allocvec(&self.state).unwrap_or_default()
     }
 
@@ -131,21 +131,21 @@ impl Plugin for Plume {
 }
 
 impl Plume {
-    /// The maximum, as all that has been measured so far shows it, and its position.
+    /// The maximum according to all measurements so far, and its position.
     #[must_use]
     pub fn maximum(&self) -> Option<(Located, Position)> {
         let found = locate(self.state.samples.bins(), &self.area, self.config.line_spacing_m)?;
         Some((found, self.area.frame().to_position(found.centre)))
     }
 
-    /// Answers with `misfits` in the fence's stead, which there is none of in tests on the host.
+    /// Replaces the fence by `misfits`, because tests on the host have no fence.
     #[must_use]
     pub fn with_fence(mut self, misfits: fn(&Request) -> bool) -> Self {
         self.misfits = misfits;
         self
     }
 
-    /// Notes where the vehicle was when its navigation was computed; where that is in the area's frame.
+    /// Notes the vehicle's position at the time of its navigation. Returns it in the area's frame.
     fn note_fix(&mut self, navigation: &Navigation, now_ns: u64) -> Option<EastNorth> {
         let at = self
             .area
@@ -182,7 +182,7 @@ impl Plume {
             log::info!("control: {} legs are planned", self.state.survey.tasks.len());
         } else {
             log::info!(
-                "control lost: asking for nothing; {} legs are with the vehicle",
+                "control lost: making no requests; the vehicle has {} legs",
                 self.state.survey.open()
             );
         }
@@ -215,7 +215,7 @@ impl Plume {
             Turn::Quiet => {}
             Turn::Began => log::info!("leg {number} of {of} begun"),
             Turn::Flown => log::info!("leg {number} of {of} flown"),
-            Turn::Again(why) => log::warn!("leg {number} of {of} will be asked for again: {why}"),
+            Turn::Again(why) => log::warn!("leg {number} of {of} will be requested again: {why}"),
             Turn::Smaller(why) => log::warn!("leg {number} of {of} made smaller: {why}"),
             Turn::Dropped(why) => log::warn!("leg {number} of {of} given up: {why}"),
         }
@@ -231,7 +231,7 @@ impl Plume {
         requests.extend(self.state.survey.strays().iter().map(|tag| Request::Cancel(*tag)));
     }
 
-    /// Adds the legs of the next stage when it is time for them.
+    /// Adds the legs of the next stage when they are due.
     fn plan(&mut self, here: EastNorth, now_ns: u64, requests: &mut Vec<Request>) {
         let survey = &mut self.state.survey;
         match survey.stage {
@@ -281,7 +281,7 @@ impl Plume {
         }
     }
 
-    /// The maximum now; ends the survey where there is none and nothing more is to be measured.
+    /// The maximum now. Ends the survey if there is none and nothing is left to measure.
     fn find(&mut self, now_ns: u64, requests: &mut Vec<Request>) -> Option<Located> {
         let at_end = self.state.survey.at_end();
         if now_ns < self.state.locate_ns && !at_end {
@@ -294,7 +294,7 @@ impl Plume {
             None if at_end => {
                 self.state.survey.stage = Stage::Done;
                 let text = format!(
-                    "plume: no maximum stands out of {} bins of samples, done",
+                    "plume: no clear maximum in {} bins of samples, done",
                     self.state.samples.bins().len()
                 );
                 log::warn!("{text}");
@@ -325,7 +325,7 @@ impl Plume {
         )
     }
 
-    /// Where the last line ends; here where there is none.
+    /// Where the last line ends; `here` if there is none.
     fn last_end(&self, here: EastNorth) -> EastNorth {
         match self.state.survey.tasks.last().map(|task| task.leg) {
             Some(Leg::Line(Line { end, .. })) => end,

@@ -2,20 +2,20 @@ use backseat_sdk::units::EastNorth;
 use serde::{Deserialize, Serialize};
 
 const SECOND_NS: u64 = 1_000_000_000;
-/// How much navigation is kept to place samples in: more than any sample is late.
+/// How many fixes are kept to locate samples: enough for the latest sample.
 const FIXES_MAX: usize = 64;
-/// How far beyond the newest fix its velocity is trusted.
+/// How far beyond the newest fix its velocity is used.
 const BEYOND_NS: u64 = 2 * SECOND_NS;
-/// Between two fixes that lie farther apart than this the way is not known.
+/// Between two fixes farther apart than this the path is unknown.
 const GAP_NS: u64 = 10 * SECOND_NS;
-/// So many samples make a bin, or as many as fit in this length and time.
+/// A bin is complete with this many samples, or at this length or time.
 const BIN_SAMPLES: u32 = 10;
 const BIN_LENGTH_M: f64 = 16.0;
 const BIN_NS: u64 = 12 * SECOND_NS;
-/// More bins than this are not kept: some 20 hours of way.
+/// Bins beyond this number are not kept: about 20 hours of travel.
 const BINS_MAX: usize = 8192;
 
-/// Where the vehicle was.
+/// A position of the vehicle at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Fix {
     at_ns: u64,
@@ -24,20 +24,20 @@ struct Fix {
     velocity_mps: EastNorth,
 }
 
-/// The mean of some samples in a row.
+/// The mean of some successive samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bin {
-    /// Mean place, metres from the area's middle.
+    /// Mean position, metres from the area's centre.
     pub at: EastNorth,
     /// Mean value.
     pub value: f64,
-    /// How many samples.
+    /// The number of samples.
     pub count: u32,
 }
 
-/// Measurements with the places where they were made.
+/// Measurements with the positions where they were made.
 ///
-/// A sample tells when it was measured; its place is interpolated between the fixes around that time.
+/// A sample has the time of its measurement; its position is interpolated between the fixes around that time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
     fixes: Vec<Fix>,
@@ -55,7 +55,8 @@ struct Open {
 }
 
 impl Samples {
-    /// The vehicle was here at a time, nanoseconds, and went this way. A time before the newest is passed over.
+    /// Takes in the vehicle's position, depth and velocity at a time, nanoseconds. A fix older than the newest is
+    /// ignored.
     pub fn fix(&mut self, at_ns: u64, at: EastNorth, depth_m: f64, velocity_mps: EastNorth) {
         let numbers = [
             at.east_m,
@@ -79,7 +80,7 @@ impl Samples {
         });
     }
 
-    /// Where the vehicle was at a time, and how deep; none where the fixes do not say.
+    /// The vehicle's position and depth at a time; `None` if the fixes do not determine them.
     #[must_use]
     pub fn place(&self, at_ns: u64) -> Option<(EastNorth, f64)> {
         let after = self.fixes.partition_point(|fix| fix.at_ns < at_ns);
@@ -105,7 +106,7 @@ impl Samples {
         Some((before.at + (next.at - before.at) * share, depth_m))
     }
 
-    /// Takes a value that was measured at a place and time.
+    /// Takes in a value measured at a position and time.
     pub fn sample(&mut self, at_ns: u64, at: EastNorth, value: f64) {
         if !value.is_finite() {
             return;
@@ -130,7 +131,7 @@ impl Samples {
         open.count += 1;
     }
 
-    /// What has been measured, in order, the bin that is being filled left out.
+    /// The complete bins in order, without the one that is being filled.
     #[must_use]
     pub fn bins(&self) -> &[Bin] {
         &self.bins

@@ -6,40 +6,40 @@ use serde::{Deserialize, Serialize};
 use crate::area::Line;
 
 const SECOND_NS: u64 = 1_000_000_000;
-/// How many inserts of ours may be open: one that is flown and two queued.
+/// How many of our inserts may be open: one being flown and two queued.
 const OPEN_MAX: usize = 3;
-/// How often a leg is asked for again after the vehicle has failed it, or has not flown it.
+/// How often a leg is requested again after the vehicle has failed it or has not flown it.
 const TRIES_MAX: u32 = 3;
-/// How often a leg is asked for again that was refused for another reason than its geometry, while little else is
-/// open: five minutes' worth.
+/// How often a leg is requested again that was refused for a reason other than its geometry, while little else is open:
+/// five minutes' worth.
 const REFUSALS_MAX: u32 = 60;
-/// Between two askings for the same leg.
+/// The time between two requests for the same leg.
 const AGAIN_NS: u64 = 5 * SECOND_NS;
-/// A refused line is shortened by this much at both ends, metres, a refused circle to this part of its radius.
+/// A refused line is shortened by this much at both ends, metres; a refused circle to this fraction of its radius.
 const SHORTEN_M: f64 = 50.0;
 const SHRINK: f64 = 0.75;
 /// A line or circle is not made smaller than this, metres.
 const LINE_MIN_M: f64 = 80.0;
 const RADIUS_MIN_M: f64 = 15.0;
-/// After this part of the time that a leg takes, its end counts as flown.
+/// A leg that ends after this fraction of the time that it takes counts as flown.
 const FLOWN: f64 = 0.5;
-/// Farther off its line than this the vehicle is still on its way to it, metres.
+/// Farther from its line than this the vehicle is still on its way to it, metres.
 const ON_LINE_M: f64 = 25.0;
 
-/// What the survey is at.
+/// The stages of the survey.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Stage {
     /// The lines of the first map.
     Map,
     /// The cross through the first estimate.
     Cross,
-    /// The circle around the second.
+    /// The circle around the second estimate.
     Circle,
-    /// Nothing remains to be asked.
+    /// Nothing is left to request.
     Done,
 }
 
-/// A piece that the vehicle flies by itself.
+/// A leg that the vehicle flies by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Leg {
     Line(Line),
@@ -82,9 +82,9 @@ impl Leg {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Standing {
-    /// Not asked for, or to be asked for again.
+    /// Not requested yet, or to be requested again.
     Waiting { not_before_ns: u64 },
-    /// Asked for and not at its end.
+    /// Requested, and without a final state.
     Open { tag: u64, started_ns: Option<u64> },
     /// Flown, or enough of it.
     Flown,
@@ -102,30 +102,30 @@ pub(crate) struct Task {
     progress: f64,
 }
 
-/// What a fate of a task means, for the log.
+/// What an outcome means for a task, for the log.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Turn {
-    /// Nothing that is worth a line.
+    /// Nothing worth a line.
     Quiet,
     /// The vehicle has begun to fly it.
     Began,
     /// It has been flown.
     Flown,
-    /// It will be asked for again, why.
+    /// It will be requested again; with the reason.
     Again(String),
-    /// It will be asked for again smaller, why.
+    /// It will be requested again in a smaller form; with the reason.
     Smaller(String),
-    /// It is given up, why.
+    /// It is given up; with the reason.
     Dropped(String),
 }
 
-/// The legs in the order in which they are flown, and where each stands.
+/// The legs in the order in which they are flown, each with its state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Survey {
     pub(crate) stage: Stage,
     pub(crate) tasks: Vec<Task>,
     next_tag: u64,
-    /// Tags that are open and that this instance knows no task of.
+    /// Open tags that belong to no task of this instance.
     strays: Vec<u64>,
 }
 
@@ -149,7 +149,7 @@ impl Survey {
         }));
     }
 
-    /// The next leg to ask for now, entered as open under the tag that it returns: its place among the tasks too.
+    /// The next leg to request now, which becomes open under the returned tag. Also returns its index among the tasks.
     pub(crate) fn ask(&mut self, now_ns: u64) -> Option<(usize, u64)> {
         let open = self.open();
         if open >= OPEN_MAX {
@@ -160,7 +160,7 @@ impl Survey {
             Standing::Open { .. } | Standing::Flown | Standing::Dropped => None,
         };
         let first = self.tasks.iter().position(|task| waiting(task).is_some())?;
-        // In their order, unless the first has to wait while nothing is queued: then the vehicle would leave.
+        // In their order, unless the first has to wait while nothing is queued, because the vehicle would then leave.
         let index = self
             .tasks
             .iter()
@@ -172,7 +172,7 @@ impl Survey {
         Some((index, tag))
     }
 
-    /// How many inserts of ours the vehicle may have.
+    /// How many of our inserts the vehicle may have.
     pub(crate) fn open(&self) -> usize {
         let open = |task: &&Task| matches!(task.standing, Standing::Open { .. });
         self.tasks.iter().filter(open).count() + self.strays.len()
@@ -185,8 +185,8 @@ impl Survey {
             .position(|task| matches!(task.standing, Standing::Open { tag: open, .. } if open == tag))
     }
 
-    /// What has become of a request. `control` is whether it could be granted at all, `misfits` whether its geometry is
-    /// what a rejection was for.
+    /// Takes in the outcome of a request. `control` is whether the backseat has control, `misfits` whether the fence
+    /// refuses the request's geometry.
     pub(crate) fn hear(
         &mut self,
         tag: u64,
@@ -245,11 +245,12 @@ impl Survey {
             }
             Fate::Rejected(why) => {
                 let first = task.refusals == 0;
-                // While there are others to fly, it may be the mission's cap on what is open: that passes.
+                // With others left to fly, the mission's limit on open inserts may be the reason, which passes.
                 if first || others <= 1 {
                     task.refusals += 1;
                 }
-                // Now and then a smaller one anyway: the judge that a plugin may ask does not know the vehicle's plan.
+                // A smaller leg is tried now and then anyway, because the fence that a plugin can ask does not know the
+                // vehicle's plan.
                 let stuck = others <= 1 && task.refusals.is_multiple_of(REFUSALS_MAX / 5);
                 if misfits() || stuck {
                     task.shrink(&why.text, now_ns)
@@ -267,15 +268,15 @@ impl Survey {
         }
     }
 
-    /// The plugin is a new instance: what it believes to be open, and what really is.
+    /// Compares what a new instance believes to be open with what is open.
     ///
-    /// What is open without a task here was asked for after the snapshot, and in the order of the tasks.
+    /// Open tags without a task here were requested after the snapshot, in the order of the tasks.
     pub(crate) fn restored(&mut self, open: &[u64], now_ns: u64) {
         for task in &mut self.tasks {
             if let Standing::Open { tag, started_ns } = task.standing
                 && !open.contains(&tag)
             {
-                // Its end was missed. What had begun counts as flown, the rest is asked for again.
+                // Its end was missed. What had begun counts as flown; anything else is requested again.
                 if started_ns.is_some() {
                     task.standing = Standing::Flown;
                 } else {
@@ -294,7 +295,7 @@ impl Survey {
             let waiting = |task: &&mut Task| matches!(task.standing, Standing::Waiting { .. });
             match self.tasks.iter_mut().find(waiting) {
                 Some(task) => {
-                    // That it has begun may have been missed: its end then comes within its time.
+                    // Its beginning may have been missed: then its end comes within its time.
                     task.standing = Standing::Open {
                         tag,
                         started_ns: Some(now_ns),
@@ -303,16 +304,16 @@ impl Survey {
                 None => self.strays.push(tag),
             }
         }
-        // Tags that were used and ended in between are not used again.
+        // Tags that were used and have ended since the snapshot must not be used again.
         self.next_tag += 100;
     }
 
-    /// Tags of requests that this instance knows no task of.
+    /// Open tags that belong to no task of this instance.
     pub(crate) fn strays(&self) -> &[u64] {
         &self.strays
     }
 
-    /// Notes where the vehicle is on the line that it flies.
+    /// Notes the vehicle's position on the line that it is flying.
     pub(crate) fn fly(&mut self, at: EastNorth, velocity: EastNorth) {
         for task in &mut self.tasks {
             let (
@@ -327,14 +328,14 @@ impl Survey {
             let (along, off_m) = line.progress(at);
             let way = line.end - line.start;
             let forward = way.east_m * velocity.east_m + way.north_m * velocity.north_m;
-            // On the way to its start the vehicle goes the other way, or is off it.
+            // On the way to its start the vehicle moves in another direction, or is away from the line.
             if off_m < ON_LINE_M && forward > 0.3 * line.length_m() {
                 task.progress = task.progress.max(along.clamp(0.0, 1.0));
             }
         }
     }
 
-    /// How far the last leg has got: 0 while there are others before it, 1 when all are at their end.
+    /// The progress of the last leg: 0 while there are others before it, 1 when all have ended.
     pub(crate) fn last_progress(&self) -> f64 {
         let mut live = self
             .tasks
@@ -347,7 +348,7 @@ impl Survey {
         }
     }
 
-    /// Whether every leg is at its end.
+    /// Whether every leg has ended.
     pub(crate) fn at_end(&self) -> bool {
         self.tasks
             .iter()
@@ -383,7 +384,7 @@ impl Task {
         };
         self.leg = smaller;
         self.wait(now_ns);
-        // Another question, so it need not wait.
+        // A different request, so it need not wait.
         self.standing = Standing::Waiting { not_before_ns: now_ns };
         Turn::Smaller(why.to_owned())
     }
@@ -475,7 +476,7 @@ mod tests {
             survey.ask(0);
         }
         hear(&mut survey, 1, &Fate::Started, 0);
-        // The first has ended unseen, a fourth has been asked for, and something that nobody knows.
+        // The first has ended unseen, a fourth has been requested, and a tag is open that no task has.
         survey.restored(&[2, 3, 4], SECOND_NS);
         assert_eq!(survey.tasks[0].standing, Standing::Flown);
         assert_eq!(survey.task_of(4), Some(3));

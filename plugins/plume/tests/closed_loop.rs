@@ -1,9 +1,10 @@
-//! The plugin surveys drawn plumes with a simple vehicle, in closed loop: what it is for, and its manners.
+//! The plugin surveys drawn plumes with a simple vehicle, in closed loop: how well it finds the maximum, and how it
+//! behaves when something goes wrong.
 
 #![expect(
     clippy::unwrap_used,
     clippy::wildcard_enum_match_arm,
-    reason = "a harness: what it does not expect fails the test"
+    reason = "in a harness, everything unexpected fails the test"
 )]
 
 mod sea;
@@ -34,7 +35,7 @@ fn it_circles_the_maximum_in_nearly_every_world() {
         &offs[offs.len() - 4..],
         within(15.0)
     );
-    // 99 of 100 within 15 m, all within 25 m.
+    // 99 of 100 within 15 m, and all within 25 m.
     assert!(within(15.0) * 100 >= 99 * offs.len(), "{:?}", &offs[offs.len() - 6..]);
     assert_eq!(within(25.0), offs.len(), "{:?}", offs.last());
 }
@@ -81,7 +82,7 @@ fn after_a_failure_nothing_is_asked_twice_and_the_survey_ends_well() {
     trial.run();
     assert!(trial.done && lost >= 1);
     assert!(trial.circle_off_m() < 25.0, "{}", trial.circle_off_m());
-    // What had been flown unseen, at most, is flown again.
+    // At most the legs that were flown unseen are flown again.
     let legs = 2 + 1 + (500.0f64 / 60.0).ceil() as u32;
     assert!(trial.asked <= legs + lost, "{} asked, {legs} legs", trial.asked);
 }
@@ -89,7 +90,7 @@ fn after_a_failure_nothing_is_asked_twice_and_the_survey_ends_well() {
 #[test]
 fn a_line_that_does_not_fit_is_shortened_and_then_given_up() {
     let mut trial = Trial::new(11);
-    // Nothing may go beyond 200 m to the east, less than a line's length from its other end.
+    // Nothing may go farther than 200 m to the east, which is less than a line's length from its other end.
     trial.plugin = Plume::new(config(trial.field())).unwrap().with_fence(|_| true);
     trial.answer = |request, _| match request {
         Request::Trackline(line) if line.start.longitude.max(line.end.longitude) > -70.5976 => Some(State::Rejected(

@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use crate::config::Config;
 use crate::random::Random;
 
-/// More requests of a step would be a failure of the plugin; nobody needs as many.
+/// More requests in a step would be a failure of the plugin, and are never needed.
 const REQUESTS_MAX: usize = 100;
-/// However bold it is, some of what it asks for is modest, so that there is something to fly.
+/// Even at full boldness some requests are modest, so that the vehicle has something to fly.
 const BOLDNESS_MAX: f64 = 0.85;
 
-/// Where the vehicle was when it was last known, which a curious plugin remembers.
+/// The vehicle's last known position, which the plugin remembers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Fix {
     latitude: f64,
@@ -19,7 +19,7 @@ pub(crate) struct Fix {
     north_m: f64,
     pub(crate) depth_m: f64,
     pub(crate) heading_deg: f64,
-    /// Horizontal, vertical and distance, relative to the hull.
+    /// Horizontal, vertical and distance relative to the hull.
     pub(crate) hull_m: Option<[f64; 3]>,
     /// X and y in the vehicle's inertial frame.
     pub(crate) bottom_m: Option<[f64; 2]>,
@@ -45,7 +45,7 @@ impl Fix {
         EastNorth::new(self.east_m, self.north_m)
     }
 
-    /// The position of a point of the mission's local frame.
+    /// Converts a point of the mission's local frame to latitude and longitude.
     pub(crate) fn position_of(&self, point: EastNorth) -> backseat_sdk::Position {
         match Position::from_deg(self.latitude, self.longitude) {
             Ok(here) => LocalFrame::new(here).to_position(point - self.local()).into(),
@@ -57,14 +57,14 @@ impl Fix {
     }
 }
 
-/// One step's asking: what is known, what is drawn from, and what has been asked for so far.
+/// The requests of one step, with what is known and the source of random numbers.
 pub(crate) struct Asking<'a> {
     pub(crate) config: &'a Config,
     pub(crate) random: &'a mut Random,
     pub(crate) tag: &'a mut u64,
     pub(crate) fix: Fix,
     pub(crate) now_ns: u64,
-    /// Whether the fence holds for a request, as far as a plugin can know.
+    /// Whether the fence allows a request, as far as a plugin can ask.
     pub(crate) fits: fn(&Request) -> bool,
     pub(crate) requests: &'a mut Vec<Request>,
 }
@@ -85,7 +85,7 @@ impl Asking<'_> {
         self.random.chance(self.config.boldness.min(BOLDNESS_MAX))
     }
 
-    /// A chance that grows with the boldness.
+    /// True with a probability that grows with the boldness.
     pub(crate) fn dares(&mut self, share: f64) -> bool {
         self.random.chance(share * self.config.boldness)
     }
@@ -94,7 +94,7 @@ impl Asking<'_> {
         (self.fits)(request)
     }
 
-    /// Anywhere in the box, outside of the fence too.
+    /// A random point of the box, which may be outside of the fence.
     pub(crate) fn anywhere(&mut self) -> EastNorth {
         let (config, random) = (self.config, &mut *self.random);
         EastNorth::new(
@@ -111,8 +111,8 @@ impl Asking<'_> {
         )
     }
 
-    /// Two places: to the first no straight way leads, as far as the fence can be asked, though one leads to the second,
-    /// which is near to where the vehicle goes, and on from there to the first. There is something between.
+    /// Two points with an obstacle between: the fence allows no straight path to the first one. It allows one to the
+    /// second, which is close to the vehicle's path, and from there to the first.
     pub(crate) fn behind_something(&mut self) -> Option<[EastNorth; 2]> {
         let (here, ahead_deg, vertical) = (self.fix.local(), self.fix.heading_deg, self.level());
         for _ in 0..8 {
@@ -130,8 +130,8 @@ impl Asking<'_> {
         None
     }
 
-    /// Three lines, to be flown one after the other: the first ends where no straight way leads to the start of the third,
-    /// and the second leads round what is between.
+    /// Three lines, to be flown one after the other. The fence allows no straight path from the end of the first to the
+    /// start of the third; the second leads around the obstacle.
     pub(crate) fn round_something(&mut self) -> Option<[[EastNorth; 2]; 3]> {
         let (here, ahead_deg, vertical) = (self.fix.local(), self.fix.heading_deg, self.level());
         for _ in 0..12 {
@@ -157,7 +157,7 @@ impl Asking<'_> {
         None
     }
 
-    /// Whether the fence holds for a line at modest speed, and for the way to its start.
+    /// Whether the fence allows a line at modest speed, and the path to its start.
     fn fits_line(&self, [start, end]: [EastNorth; 2], vertical: Vertical) -> bool {
         self.fits(&Request::Trackline(Trackline {
             tag: 0,
@@ -169,7 +169,7 @@ impl Asking<'_> {
         }))
     }
 
-    /// A corner of the box, moved by up to `inset_m` towards the middle on each axis, or past it.
+    /// A corner of the box, moved by up to `inset_m` towards the middle or away from it on each axis.
     pub(crate) fn corner(&mut self, inset_m: f64) -> EastNorth {
         let config = self.config;
         let east_m = self.random.within(-0.2 * inset_m, inset_m);
@@ -182,7 +182,7 @@ impl Asking<'_> {
         )
     }
 
-    /// The point of the box's edge that is nearest to the vehicle.
+    /// The point of the box's edge closest to the vehicle.
     pub(crate) fn nearest_edge(&self) -> EastNorth {
         let (config, here) = (self.config, self.fix.local());
         let sides = [
@@ -210,7 +210,7 @@ impl Asking<'_> {
         }
     }
 
-    /// Where the vehicle is, as nearly as the modest depths allow.
+    /// The vehicle's depth, as far as the modest depths allow.
     pub(crate) fn level(&self) -> Vertical {
         let [min_m, max_m] = self.config.depth_m;
         Vertical::Depth(self.fix.depth_m.clamp(min_m, max_m))

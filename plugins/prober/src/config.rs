@@ -1,15 +1,15 @@
 use serde::Deserialize;
 
-/// The plugin's table in the mission file.
+/// The plugin's settings, from the mission file.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
-    /// What all draws come from.
+    /// The seed of all random numbers.
     pub seed: u64,
-    /// The vehicle hovers: station keeping and its devices are asked for too.
+    /// The vehicle hovers, so station keeping and devices are requested too.
     #[serde(default)]
     pub hovering: bool,
-    /// The box that holds the fence and some of what is outside, in the mission's local frame: its west edge, metres.
+    /// The west edge of a box that contains the fence and some space outside, metres in the mission's local frame.
     pub east_min_m: f64,
     /// Its east edge, metres.
     pub east_max_m: f64,
@@ -17,23 +17,23 @@ pub struct Config {
     pub north_min_m: f64,
     /// Its north edge, metres.
     pub north_max_m: f64,
-    /// The least and the greatest depth that is modest, metres below the surface.
+    /// The least and the greatest modest depth, metres below the surface.
     pub depth_m: [f64; 2],
-    /// The least and the greatest altitude that is modest, metres above the seabed; without it none is asked for.
+    /// The least and the greatest modest altitude, metres above the seabed; if missing, no altitude is requested.
     #[serde(default)]
     pub altitude_m: Option<[f64; 2]>,
-    /// The least and the greatest speed that is modest, metres per second.
+    /// The least and the greatest modest speed, metres per second.
     pub speed_mps: [f64; 2],
-    /// What it asks for; all that such a vehicle can do unless given.
+    /// The kinds of requests to make; by default all that such a vehicle supports.
     #[serde(default)]
     pub kinds: Option<Vec<Kind>>,
-    /// The share of what is asked for that aims at an edge, beyond it, or at what is not the time for, 0 to 1.
+    /// The fraction of requests that aim at an edge, beyond it, or come at a wrong time, 0 to 1.
     #[serde(default = "default::boldness")]
     pub boldness: f64,
-    /// About how long after an insert was accepted the next is asked for, seconds, 1 to 3600.
+    /// The approximate time from an accepted insert to the next request for one, seconds, 1 to 3600.
     #[serde(default = "default::insert_every_s")]
     pub insert_every_s: f64,
-    /// The share of the time in which it steers, 0 to 1.
+    /// The fraction of the time in which the plugin steers, 0 to 1.
     #[serde(default = "default::modify_share")]
     pub modify_share: f64,
 }
@@ -50,7 +50,7 @@ pub enum Kind {
     Trackcircle,
     /// GPS hits.
     GpsHit,
-    /// Cancels of its own inserts, and of what is none.
+    /// Cancels of its own inserts, and of inserts that do not exist.
     Cancel,
     /// Lines in the vehicle's log.
     Message,
@@ -84,23 +84,24 @@ mod default {
     }
 }
 
-/// What makes no sense in a configuration.
+/// An invalid value in the configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} is {value}: expected {expected}")]
 pub struct ConfigError {
     /// The key.
     pub key: &'static str,
-    /// What it was set to.
+    /// The value.
     pub value: f64,
-    /// What it may be.
+    /// The valid range.
     pub expected: &'static str,
 }
 
 impl Config {
-    /// Every figure within what it can mean.
+    /// Checks that every value is within its range.
     ///
     /// # Errors
-    /// [`ConfigError`] names the first key that is not.
+    ///
+    /// [`ConfigError`] with the first key that is not.
     pub fn validate(&self) -> Result<(), ConfigError> {
         let shares = [("boldness", self.boldness), ("modify_share", self.modify_share)];
         for (key, value) in shares {
@@ -129,7 +130,7 @@ impl Config {
         Ok(())
     }
 
-    /// Whether it asks for this.
+    /// Whether the plugin makes requests of this kind.
     #[must_use]
     pub fn asks_for(&self, kind: Kind) -> bool {
         match &self.kinds {

@@ -1,4 +1,4 @@
-//! All that is neither a lease nor an insert: each kind at times of its own.
+//! Requests that are neither leases nor inserts: each kind at times of its own.
 
 use backseat_sdk::{Camera, DvlTrigger, GpsHit, Light, Packet, Request, Silent, SonarAngle, State, Topside, Transport};
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use crate::inserts::Inserts;
 
 const SECOND_NS: u64 = 1_000_000_000;
 
-/// The kinds, with about how long lies between two of each, seconds.
+/// The kinds, with the approximate time between two requests of each, seconds.
 const PERIODS_S: [(Kind, f64); 9] = [
     (Kind::Packet, 15.0),
     (Kind::GpsHit, 150.0),
@@ -21,16 +21,16 @@ const PERIODS_S: [(Kind, f64); 9] = [
     (Kind::Buoyancy, 200.0),
     (Kind::Devices, 15.0),
 ];
-/// Where packets stand among them.
+/// The index of packets in the table.
 const PACKET: usize = 0;
-/// Between two floods, seconds.
+/// The time between two floods, seconds.
 const FLOOD_EVERY_S: f64 = 120.0;
-/// Requests of a flood.
+/// The number of requests in a flood.
 const FLOOD: usize = 40;
 
-/// Texts that may stand in a sentence.
+/// Texts that can be sent in a sentence.
 const PLAIN: [&str; 3] = ["on the way", "depth 12.5 m: steady", "?"];
-/// Texts that may not.
+/// Texts that cannot.
 const RESERVED: [&str; 4] = [
     "a,b",
     "$BPABT,000000.000*5A",
@@ -38,29 +38,29 @@ const RESERVED: [&str; 4] = [
     "first\r\n$BPKIL,000000.000*5A\r\n",
 ];
 
-/// When each kind is due, and what lasts.
+/// When each kind is due, and the state that lasts from step to step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Errands {
-    /// 0 until it has been drawn.
+    /// 0 until it is drawn.
     due_ns: [u64; PERIODS_S.len()],
     flood_ns: u64,
     dvl: Dvl,
-    /// Whether it means the vehicle to be silent.
+    /// Whether the plugin wants the vehicle to be silent.
     silent: bool,
-    /// The modem may be used until then.
+    /// The modem may be used until this time.
     window_until_ns: u64,
 }
 
-/// The handshake of the DVL's triggering, as far as a plugin sees it.
+/// The handshake for triggering the DVL, as a plugin sees it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Dvl {
-    /// The open request's.
+    /// The tag of the open request.
     tag: Option<u64>,
     allowed: bool,
     triggering: bool,
-    /// What comes next is due then.
+    /// When the next step of the handshake is due.
     next_ns: u64,
-    /// It has triggered for long enough.
+    /// When the plugin has triggered for long enough.
     until_ns: u64,
 }
 
@@ -89,11 +89,11 @@ impl Errands {
         }
     }
 
-    /// A request's fate.
+    /// Takes in the outcome of a request.
     pub(crate) fn hear(&mut self, tag: u64, state: &State) {
         let over = match state {
             State::Sent | State::Pending | State::Accepted | State::Started | State::Unknown => false,
-            // A refused step is told under the tag of the open request, which stands.
+            // A refused step is reported with the tag of the open request, which stays open.
             State::Rejected(_) => !self.dvl.allowed,
             State::Failed(_) | State::TimedOut | State::Ended(_) | State::Cancelled => true,
         };
@@ -102,7 +102,7 @@ impl Errands {
         }
     }
 
-    /// The vehicle lets the payload trigger the DVL, or wants it to stop.
+    /// Takes in whether the vehicle allows the payload to trigger the DVL.
     pub(crate) fn hear_dvl(&mut self, allowed: bool, asking: &mut Asking<'_>) {
         let dvl = &mut self.dvl;
         dvl.allowed = allowed;
@@ -110,12 +110,12 @@ impl Errands {
         if allowed {
             dvl.until_ns = asking.now_ns + asking.random.nanos(4.0, 40.0);
         } else if dvl.tag.is_some() && asking.is_bold() {
-            // It does not listen, for a while.
+            // It ignores this for a while.
             dvl.next_ns += 3 * SECOND_NS;
         }
     }
 
-    /// The vehicle lets the payload use the modem until then.
+    /// Takes in a window for the modem, which lasts until `until_ns`.
     pub(crate) fn hear_window(&mut self, until_ns: u64, now_ns: u64) {
         self.window_until_ns = until_ns;
         if self.due_ns[PACKET] != 0 {
@@ -123,7 +123,7 @@ impl Errands {
         }
     }
 
-    /// A new instance: the handshake begins anew.
+    /// In a new instance the handshake starts from the beginning.
     pub(crate) fn restart(&mut self) {
         self.dvl = Dvl::default();
     }
@@ -144,7 +144,7 @@ impl Errands {
             Kind::Trim => Request::Trim(asking.next_tag()),
             Kind::Buoyancy => Request::Buoyancy(asking.next_tag()),
             Kind::Packet => {
-                // A modest one waits for its window.
+                // A modest packet waits for its window.
                 if asking.now_ns >= self.window_until_ns && !bold {
                     return None;
                 }
@@ -158,12 +158,12 @@ impl Errands {
                 })
             }
             Kind::Devices => device(bold, asking),
-            // They have rhythms of their own.
+            // These have a timing of their own.
             Kind::Modify | Kind::Trackline | Kind::Trackcircle | Kind::Dvl | Kind::Station => return None,
         })
     }
 
-    /// More of one kind in a step than a mission takes in a second or a minute.
+    /// Makes more requests of one kind in a step than a mission allows in a second or a minute.
     fn flood(&mut self, inserts: &Inserts, asking: &mut Asking<'_>) {
         let kind = PERIODS_S[asking.random.below(PERIODS_S.len())].0;
         if !asking.config.asks_for(kind) {
@@ -189,7 +189,7 @@ impl Dvl {
             let tag = asking.next_tag();
             *self = Self {
                 tag: Some(tag),
-                // The vehicle's leave may take its time; who is bold does not wait for it.
+                // The vehicle's permission may take some time; a bold plugin does not wait for it.
                 next_ns: asking.now_ns + asking.random.nanos(2.0, 30.0),
                 ..Self::default()
             };
@@ -207,13 +207,13 @@ impl Dvl {
             }
             (true, false) => (false, false),
             (false, true) => {
-                // It is to stop: for now, or for good.
+                // Asked to stop, it stops for now or ends the handshake.
                 self.triggering = asking.dares(0.3);
                 (asking.random.chance(0.5), self.triggering)
             }
             (false, false) => (true, asking.dares(0.5)),
         };
-        // Most repeat it in time; some lose it.
+        // Usually it repeats the request in time; sometimes too late.
         let most_s = if asking.dares(0.2) { 8.0 } else { 4.0 };
         self.next_ns = asking.now_ns + asking.random.nanos(1.0, most_s);
         if !external && !triggering {
@@ -240,7 +240,7 @@ fn text(bold: bool, asking: &mut Asking<'_>) -> String {
     }
 }
 
-/// Near the vehicle where the fence lets it surface; a bold one anywhere.
+/// Close to the vehicle where the fence permits surfacing; a bold one anywhere.
 fn gps_hit(bold: bool, asking: &mut Asking<'_>) -> Request {
     let here = asking.fix.local();
     let mut hit = GpsHit {

@@ -1,4 +1,4 @@
-//! Inserts: short ones near the vehicle, to be flown, and bold ones to be refused.
+//! Inserts: short ones close to the vehicle, to be flown, and bold ones, to be refused.
 
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::{Request, State, Trackcircle, Trackline, Vertical};
@@ -7,41 +7,41 @@ use serde::{Deserialize, Serialize};
 use crate::asking::Asking;
 use crate::config::Kind;
 
-/// So many of its own it remembers, to cancel them.
+/// How many of its own inserts it remembers in order to cancel them.
 const OPEN_MAX: usize = 32;
 /// The longest modest line, metres.
 const LINE_MAX_M: f64 = 250.0;
 const LINE_MIN_M: f64 = 50.0;
 
-/// What it has asked the vehicle to fly.
+/// The inserts that it has requested.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Inserts {
     open: Vec<Open>,
-    /// The next is asked for then.
+    /// When the next insert is requested.
     next_ns: u64,
-    /// Rejections since something was accepted.
+    /// Rejections since a request was last accepted.
     refused: u32,
-    /// An insert has been accepted.
+    /// Whether an insert has been accepted.
     accepted: bool,
-    /// The vehicle has refused the last one.
+    /// Whether the vehicle has refused the last one.
     failed: bool,
     detour: Option<Detour>,
 }
 
-/// Lines, one after the other: from the end of the last but one a way leads to the start of the last, and not from what is
-/// flown before. In the end the last but one is taken back.
+/// Successive lines around an obstacle. A path leads to the start of the last line from the end of the one before it,
+/// but not from what is flown earlier. Finally the line before the last is cancelled.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Detour {
-    /// What has been asked for, in the order in which it is flown.
+    /// The tags of the requested lines, in the order in which they are flown.
     tags: Vec<u64>,
-    /// The ends of those that are yet to be asked for, east and north in metres, the last first.
+    /// The ends of the lines that are yet to be requested, east and north in metres, the last line first.
     left_m: Vec<[[f64; 2]; 2]>,
-    /// When the last but one is taken back; 0 while not all of them are accepted.
+    /// When the line before the last is cancelled; 0 until all lines are accepted.
     due_ns: u64,
 }
 
 impl Detour {
-    /// Whether one of them is flown before the one that is to be taken back.
+    /// Whether a tag belongs to a line that is flown before the one that will be cancelled.
     fn is_before(&self, tag: u64) -> bool {
         let to_come = self.left_m.len();
         let at = self.tags.iter().position(|known| *known == tag);
@@ -82,7 +82,7 @@ impl Inserts {
         };
         let bold = asking.is_bold() && (self.accepted || self.refused % 2 == 1);
         if !bold && (self.open.len() > 1 || self.open.len() == 1 && asking.random.chance(0.8)) {
-            // The vehicle has enough to do.
+            // The vehicle has enough to fly.
             return;
         }
         match (bold, line) {
@@ -94,7 +94,7 @@ impl Inserts {
         }
     }
 
-    /// A request's fate.
+    /// Takes in the outcome of a request.
     pub(crate) fn hear(&mut self, tag: u64, state: &State, asking: &mut Asking<'_>) {
         let Some(at) = self.open.iter().position(|open| open.tag == tag) else {
             return;
@@ -126,27 +126,27 @@ impl Inserts {
         }
     }
 
-    /// Control has come, or come back: it asks soon.
+    /// Called when control is gained: the next request comes soon.
     pub(crate) fn hurry(&mut self, asking: &mut Asking<'_>) {
         self.next_ns = self.next_ns.min(asking.now_ns + asking.random.nanos(0.0, 5.0));
     }
 
-    /// Whether the vehicle flies one of them.
+    /// Whether the vehicle is flying one of these inserts.
     pub(crate) fn is_flying(&self) -> bool {
         self.open.iter().any(|open| open.started)
     }
 
-    /// Whether the vehicle has taken any.
+    /// Whether the vehicle has accepted any.
     pub(crate) const fn is_accepted(&self) -> bool {
         self.accepted
     }
 
-    /// A new instance hears which are open.
+    /// A new instance learns which inserts are open.
     pub(crate) fn restart(&mut self, open: &[u64]) {
         self.open.retain(|known| open.contains(&known.tag));
     }
 
-    /// The tag of one to cancel: one of several that have not begun or, where bold, any, or none of its own.
+    /// The tag of an insert to cancel: one of several that have not begun or, if bold, any, or one that does not exist.
     pub(crate) fn to_cancel(&self, bold: bool, asking: &mut Asking<'_>) -> Option<u64> {
         if bold && asking.random.chance(0.4) {
             return Some(asking.random.next());
@@ -170,8 +170,8 @@ impl Inserts {
         });
     }
 
-    /// Whether the next one interrupts. A modest one never interrupts one of its own that does, but most do interrupt:
-    /// what follows a long leg of the plan is not flown for long.
+    /// Whether the next insert interrupts. A modest one never interrupts an interrupting insert of its own. Most modest
+    /// ones do interrupt, because an insert that follows a long leg of the plan is not flown for a long time.
     fn interrupts(&self, bold: bool, asking: &mut Asking<'_>) -> bool {
         let interrupted = self.open.iter().any(|open| open.interrupt) || self.failed;
         asking.random.chance(if bold { 0.4 } else { 0.75 }) && (bold || !interrupted)
@@ -217,7 +217,7 @@ impl Inserts {
     }
 
     fn vertical(&self, asking: &mut Asking<'_>) -> Vertical {
-        // What was refused may have been so for its depth.
+        // The depth may have been the reason for the refusals.
         if self.refused >= 3 {
             asking.level()
         } else {
@@ -232,7 +232,7 @@ impl Inserts {
         let mut request = None;
         for _ in 0..4 {
             let here = asking.fix.local();
-            // The more are refused, the shorter, and the nearer to where the vehicle goes anyway.
+            // After each refusal the line is shorter, and closer to the vehicle's own path.
             let narrow = 1.0 / f64::from(self.refused.min(6) + 1);
             let along_deg = if asking.random.chance(0.5) {
                 asking.fix.heading_deg
@@ -294,7 +294,7 @@ impl Inserts {
             // Along an edge, or across a corner.
             1 => [asking.corner(120.0), asking.corner(120.0)],
             2 => [near, asking.nearest_edge()],
-            // As far towards an edge as the fence says that it holds, or a little farther.
+            // As far towards an edge as the fence allows, or a little farther.
             3 => {
                 let far = asking.anywhere();
                 let end = self.creep(near, far, asking);
@@ -307,19 +307,19 @@ impl Inserts {
         let vertical = asking.vertical(bold);
         let line = self.line(ends, vertical, bold, asking);
         if asking.random.chance(0.2) && !asking.fits(&line) && asking.random.chance(0.5) {
-            // It has heard the no, and asks for another instead; else it asks anyway.
+            // After a refusal it requests another line; otherwise it goes ahead.
             return self.modest_line(asking);
         }
         self.ask(line, asking);
     }
 
-    /// False where there is nothing to lead round, or no mind for it.
+    /// Begins a detour. Returns false if there is no obstacle, or by chance.
     fn detour(&mut self, asking: &mut Asking<'_>) -> bool {
         if self.detour.is_some() || asking.random.chance(0.3) {
             return false;
         }
         let lines = match asking.round_something() {
-            // What is flown at once has an end that the vehicle comes from.
+            // An insert that interrupts has an end that the vehicle comes from.
             Some(lines) => lines.to_vec(),
             None => {
                 let Some([hidden, seen]) = asking.behind_something() else {
@@ -338,7 +338,7 @@ impl Inserts {
         true
     }
 
-    /// Goes on with a detour once the vehicle has taken what was asked for of it.
+    /// Continues a detour once the vehicle has accepted its previous line.
     fn lead(&mut self, tag: u64, state: &State, asking: &mut Asking<'_>) {
         let Some(mut detour) = self.detour.take_if(|detour| detour.tags.contains(&tag)) else {
             return;
@@ -363,7 +363,7 @@ impl Inserts {
         self.detour = Some(detour);
     }
 
-    /// Asks for a line that waits its turn, or for one at once, as deep as the vehicle is; its tag.
+    /// Requests a line at the vehicle's depth, queued or at once. Returns its tag.
     fn queue(&mut self, ends: [EastNorth; 2], at_once: bool, asking: &mut Asking<'_>) -> u64 {
         let level = asking.level();
         let mut line = self.line(ends, level, false, asking);
@@ -375,7 +375,8 @@ impl Inserts {
         tag
     }
 
-    /// To behind something, or from there: the way there or the way back is the most of it. False where there is nothing.
+    /// Requests a line to behind an obstacle, or from there, so that the way there or back is its main part. Returns
+    /// false without an obstacle.
     fn hidden_line(&mut self, asking: &mut Asking<'_>) -> bool {
         let Some([hidden, seen]) = asking.behind_something() else {
             return false;
@@ -387,7 +388,7 @@ impl Inserts {
         true
     }
 
-    /// The end of a line from one point towards another that is as far as the fence lets it be.
+    /// The end of a line from one point towards another, as far as the fence allows.
     fn creep(&mut self, from: EastNorth, to: EastNorth, asking: &mut Asking<'_>) -> EastNorth {
         let (mut fits, mut fits_not) = (0.0, 1.0);
         let way = to - from;
@@ -410,7 +411,7 @@ impl Inserts {
         let centre = match asking.random.below(3) {
             0 => asking.anywhere(),
             1 => asking.corner(1.5 * radius_m),
-            // Its rim touches the box's edge.
+            // The circle touches the box's edge.
             _ => {
                 let edge = asking.nearest_edge();
                 let back_m = radius_m + asking.random.within(-20.0, 80.0);
@@ -430,7 +431,7 @@ impl Inserts {
         self.ask(circle, asking);
     }
 
-    /// Entered and left well inside, and on its far side near the border or beyond it.
+    /// A circle that is entered and left well inside, with its far side close to the border or beyond.
     fn ring_at_the_border(&mut self, asking: &mut Asking<'_>) {
         let radius_m = asking.random.within(18.0, 45.0);
         let middle = asking.middle();
@@ -448,7 +449,7 @@ impl Inserts {
         self.ask(circle, asking);
     }
 
-    /// More at once than may be open.
+    /// Requests more inserts at once than may be open.
     fn burst(&mut self, line: bool, asking: &mut Asking<'_>) {
         for _ in 0..asking.random.within(3.0, 9.0) as u32 {
             if line {
@@ -460,7 +461,7 @@ impl Inserts {
     }
 }
 
-/// A circle's figures.
+/// The values of a circle.
 #[derive(Clone, Copy, Debug)]
 struct Ring {
     centre: EastNorth,

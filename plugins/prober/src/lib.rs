@@ -1,9 +1,10 @@
-//! A plugin that is well-behaved in form and restless in substance, for tests: it asks all the time for what a curious
-//! researcher's plugin would ask for, and much of it at the edge of what is allowed.
+//! A plugin for tests that keeps to the interface but makes requests all the time: those of a curious researcher's
+//! plugin, many of them at the edge of what is allowed.
 //!
-//! Every draw comes from the configuration's seed. Some leases drive at the fence until the monitor ends them, some
-//! inserts reach as far as the fence lets them, or farther; others are short and near, so that there is something to
-//! fly. It asks for the impossible too: without control, outside of windows, more often than it may.
+//! All random numbers come from the configuration's seed. Some leases steer towards the fence until the monitor ends
+//! them. Some inserts reach as far as the fence allows, or farther. Others are short and close, so that the vehicle has
+//! something to fly. The plugin also makes requests that are bound to fail: without control, outside of windows, too
+//! often.
 
 use backseat_sdk::{Description, Event, Plugin, Request, StepInput, Topic, fence};
 use serde::{Deserialize, Serialize};
@@ -26,19 +27,19 @@ use station::Keeping;
 use steering::Steering;
 
 const PERIOD_NS: u64 = 500_000_000;
-/// Of the steps without control, or without knowing where the vehicle is, it asks in this share, at its boldest.
+/// The fraction of steps without control, or without a known position, in which it makes requests at full boldness.
 const BLIND_SHARE: f64 = 0.15;
 
-/// Asks for what is at the edge of what is allowed.
+/// Makes requests at the edge of what is allowed.
 #[derive(Debug)]
 pub struct Prober {
     config: Config,
     state: State,
-    /// Whether the fence holds for a request, as far as a plugin can know.
+    /// Whether the fence allows a request, as far as a plugin can ask.
     fits: fn(&Request) -> bool,
 }
 
-/// All that a new instance needs.
+/// The state that a new instance needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct State {
     random: Random,
@@ -90,7 +91,7 @@ impl Plugin for Prober {
         if let Some(navigation) = &input.navigation {
             state.fix = Some(Fix::of(navigation, input));
         }
-        // Who has never known where the vehicle is has nothing to ask for.
+        // Without any known position there is nothing to request.
         let Some(fix) = state.fix else { return Ok(requests) };
         let mut asking = Asking {
             config: &self.config,
@@ -98,7 +99,7 @@ impl Plugin for Prober {
             tag: &mut state.tag,
             fix,
             now_ns: input.now_ns,
-            // The fence answers from this step's navigation.
+            // The fence answers with this step's navigation.
             fits: if input.navigation.is_some() {
                 self.fits
             } else {
@@ -154,7 +155,7 @@ impl Plugin for Prober {
     }
 
     fn snapshot(&self) -> Vec<u8> {
-        // Into a growing vector, of numbers: it cannot fail.
+        // Serialising numbers into a growing vector cannot fail.
         postcard::to_allocvec(&self.state).unwrap_or_default()
     }
 

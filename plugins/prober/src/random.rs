@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
-/// SplitMix64 (Steele, Lea and Flood 2014): a state of one number, and good enough for draws that nothing is proved by.
+/// SplitMix64 (Steele, Lea and Flood 2014). Its state is one number. It is good enough here, because no statistics
+/// depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Random(u64);
 
@@ -17,9 +18,9 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// Within 0 to 1, without 1.
+    /// A number from 0 to below 1.
     fn unit(&mut self) -> f64 {
-        // The 53 bits that a float holds.
+        // The 53 bits of a float's mantissa.
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 
@@ -31,7 +32,7 @@ impl Random {
         self.unit() < share
     }
 
-    /// 0 to `count` - 1; 0 where there is nothing to choose from.
+    /// A number from 0 to `count` - 1; 0 if `count` is 0.
     pub(crate) fn below(&mut self, count: usize) -> usize {
         let count = u64::try_from(count).unwrap_or(u64::MAX).max(1);
         usize::try_from(self.next() % count).unwrap_or(0)
@@ -47,7 +48,7 @@ impl Random {
         self.pick([1.0, -1.0])
     }
 
-    /// Seconds as nanoseconds.
+    /// A random number of seconds, in nanoseconds.
     pub(crate) fn nanos(&mut self, min_s: f64, max_s: f64) -> u64 {
         (self.within(min_s, max_s) * 1e9) as u64
     }

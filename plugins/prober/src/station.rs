@@ -1,4 +1,4 @@
-//! Station keeping of a hovering vehicle: it keeps its station or moves for some seconds, then is let go.
+//! Station keeping of a hovering vehicle: it keeps its station or moves for some seconds, and is then released.
 
 use backseat_sdk::{BottomPosition, HullPosition, Request, State, Station, StationTarget};
 use serde::{Deserialize, Serialize};
@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 use crate::asking::Asking;
 use crate::config::Kind;
 
-/// Whether it has the vehicle keep its station.
+/// Whether the plugin lets the vehicle keep its station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Keeping {
-    /// Station keeping that stands, or has been asked for.
+    /// The tag of the station keeping that lasts, or is requested.
     tag: Option<u64>,
-    /// What comes next is due then.
+    /// When the next request is due.
     next_ns: u64,
-    /// When it has been long enough.
+    /// When station keeping has lasted long enough.
     until_ns: u64,
-    /// Rejections since something was accepted.
+    /// Rejections since a request was last accepted.
     refused: u32,
 }
 
@@ -28,7 +28,7 @@ impl Keeping {
             self.tag = None;
             self.rest(asking);
             if asking.random.chance(0.6) {
-                // Else it lapses.
+                // Otherwise it lapses.
                 asking.ask(Request::EndStation);
             }
             return;
@@ -39,7 +39,7 @@ impl Keeping {
         self.ask(asking);
     }
 
-    /// A request's fate.
+    /// Takes in the outcome of a request.
     pub(crate) fn hear(&mut self, tag: u64, state: &State, asking: &mut Asking<'_>) {
         if self.tag != Some(tag) {
             return;
@@ -64,7 +64,7 @@ impl Keeping {
         }
     }
 
-    /// A new instance: what stood is not known.
+    /// A new instance does not know what was open.
     pub(crate) const fn restart(&mut self) {
         self.tag = None;
     }
@@ -75,7 +75,7 @@ impl Keeping {
 
     fn ask(&mut self, asking: &mut Asking<'_>) {
         let bold = self.refused.is_multiple_of(2) && asking.is_bold();
-        // The more are refused, the smaller the move, and at last none.
+        // After each refusal the move is smaller, and finally there is none.
         let reach_m = if bold { 12.0 } else { 2.0 / f64::from(self.refused + 1) };
         let target = self.target(reach_m, bold, asking);
         let moves = !matches!(target, StationTarget::Here);

@@ -1,4 +1,4 @@
-//! Leases: phases in which it steers alternate with phases in which its inserts are flown.
+//! Leases: phases in which the plugin steers alternate with phases in which its inserts are flown.
 
 use backseat_sdk::units::EastNorth;
 use backseat_sdk::{Modify, Request, State, Vertical};
@@ -8,27 +8,27 @@ use crate::asking::Asking;
 use crate::config::Kind;
 
 const SECOND_NS: u64 = 1_000_000_000;
-/// Who roams and is so near to its goal is there, metres.
+/// Within this distance a goal counts as reached, metres.
 const NEAR_M: f64 = 30.0;
 
-/// Whether it steers, and where to.
+/// Whether the plugin steers, and where to.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Steering {
     leasing: bool,
-    /// The vehicle flew an insert of its own in the last step.
+    /// Whether the vehicle flew an insert of the plugin in the last step.
     flying: bool,
     /// When the phase ends.
     until_ns: u64,
     drive: Option<Drive>,
-    /// Nothing is asked for before.
+    /// No request is made before this time.
     next_ns: u64,
-    /// Refusals since something was accepted.
+    /// Refusals since a request was last accepted.
     refused: u32,
-    /// A lease has been accepted.
+    /// Whether a lease has been accepted.
     steered: bool,
 }
 
-/// A course that is held by one lease after another until something ends it.
+/// A course that is kept by one lease after another until something ends it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Drive {
     tag: u64,
@@ -36,12 +36,12 @@ struct Drive {
     depth_m: Option<f64>,
     altitude_m: f64,
     speed_mps: f64,
-    /// Where it wants to be, and then, east and north in metres.
+    /// The next two goals, east and north in metres.
     goals_m: [Option<[f64; 2]>; 2],
     bold: bool,
     /// When it is renewed.
     renew_ns: u64,
-    /// When it has been long enough.
+    /// When the course has been kept long enough.
     until_ns: u64,
 }
 
@@ -70,7 +70,8 @@ impl Drive {
 }
 
 impl Steering {
-    /// `flying`: the vehicle flies an insert of its own. `settled`: it has taken one, so that there is time to roam.
+    /// `flying`: the vehicle is flying an insert of the plugin. `settled`: it has accepted one, so that there is time
+    /// for other goals.
     pub(crate) fn step(&mut self, flying: bool, settled: bool, asking: &mut Asking<'_>) {
         if !asking.config.asks_for(Kind::Modify) {
             return;
@@ -98,7 +99,7 @@ impl Steering {
         }
     }
 
-    /// A request's fate.
+    /// Takes in the outcome of a request.
     pub(crate) fn hear(&mut self, tag: u64, state: &State, asking: &mut Asking<'_>) {
         let Some(drive) = self.drive.filter(|drive| drive.tag == tag) else {
             return;
@@ -119,7 +120,7 @@ impl Steering {
                 if matches!(state, State::Rejected(_)) {
                     self.refused += 1;
                 }
-                // Who is stopped at the fence tries it again, and who roams another way.
+                // Stopped at the fence, it tries again; on the way to a goal, it takes another direction.
                 if drive.goals_m[0].is_some() && asking.now_ns < drive.until_ns {
                     self.drive = Some(drive);
                     self.refused = 0;
@@ -133,18 +134,18 @@ impl Steering {
         }
     }
 
-    /// A new instance: what stood is not known.
+    /// A new instance does not know what was open.
     pub(crate) fn restart(&mut self) {
         self.drive = None;
     }
 
     fn change_phase(&mut self, asking: &mut Asking<'_>) {
         let share = asking.config.modify_share;
-        // An insert under a lease is never done: it is modified too.
+        // An insert under a lease never ends, because the lease modifies it too.
         let lets_fly = self.flying && share < 1.0 && asking.random.chance(0.7);
         self.leasing = (!self.leasing && share > 0.0 || share >= 1.0) && !lets_fly;
         if !self.leasing && self.drive.take().is_some() && asking.random.chance(0.5) {
-            // Or it lapses.
+            // Otherwise it lapses.
             asking.ask(Request::EndModify);
         }
         let cycle_s = asking.random.within(40.0, 160.0);
@@ -153,7 +154,7 @@ impl Steering {
     }
 
     fn begin(&mut self, asking: &mut Asking<'_>) {
-        // Until something has been accepted, every second one is modest whatever else.
+        // Until a request has been accepted, at least every second one is modest.
         let bold = asking.is_bold() && (self.steered || self.refused % 2 == 1);
         let drive = if bold {
             self.draw_bold(asking)
@@ -178,7 +179,7 @@ impl Steering {
         }
         .with(asking.level());
         if self.refused >= 3 && asking.random.chance(0.5) {
-            // Straight on, slowly: where the front seat goes anyway.
+            // Straight ahead and slowly, which is where the front seat goes anyway.
             return drive;
         }
         for _ in 0..3 {
@@ -194,7 +195,7 @@ impl Steering {
         drive
     }
 
-    /// At the fence, at a corner of the box, or anywhere: it is the monitor that stops it.
+    /// Towards the fence, a corner of the box, or anywhere, until the monitor stops it.
     fn draw_bold(&self, asking: &mut Asking<'_>) -> Drive {
         let here = asking.fix.local();
         let heading_deg = match asking.random.below(4) {
@@ -225,7 +226,7 @@ impl Steering {
                 drive.tag = asking.next_tag();
                 let drive = turned(drive, asking);
                 if drive.until_ns == 0 {
-                    // It is there, and lets the vehicle go.
+                    // The goal is reached, so the lease ends.
                     self.drive = None;
                     self.next_ns = asking.now_ns + asking.random.nanos(5.0, 40.0);
                     return;
@@ -237,7 +238,7 @@ impl Steering {
             }
             return;
         }
-        // Some turn, dive or hurry on the way.
+        // Sometimes it turns, dives or accelerates on the way.
         let turns = asking.random.chance(0.06);
         if asking.now_ns < drive.renew_ns && !turns {
             return;
@@ -254,7 +255,7 @@ impl Steering {
             drive.tag = asking.next_tag();
         }
         if asking.dares(0.05) {
-            // It cannot make up its mind: more changes in a step than a vehicle takes in a second.
+            // It makes more changes in a step than a vehicle accepts in a second.
             for _ in 0..8 {
                 drive.heading_deg = wrap_deg(drive.heading_deg + asking.random.within(-10.0, 10.0));
                 self.ask(drive, asking);
@@ -270,7 +271,7 @@ impl Steering {
             1 => asking.random.nanos(5.0, 20.0),
             _ => asking.random.nanos(20.0, longest_s),
         };
-        // Most are renewed in time; some lapse first.
+        // Usually it is renewed in time; sometimes it lapses first.
         let share = asking.random.within(0.3, 1.2);
         drive.renew_ns = asking.now_ns + (duration_ns as f64 * share) as u64;
         self.drive = Some(drive);
@@ -283,7 +284,7 @@ impl Steering {
         match asking.random.below(3) {
             0 => asking.ask(Request::EndModify),
             1 => {
-                // The end, and a beginning in the same breath.
+                // An end and a new beginning in the same step.
                 asking.ask(Request::EndModify);
                 self.begin(asking);
             }
@@ -292,7 +293,7 @@ impl Steering {
     }
 }
 
-/// To where it can look behind something, and there.
+/// Towards a point with a view behind an obstacle, and then behind it.
 fn draw_roaming(asking: &mut Asking<'_>) -> Option<Drive> {
     let [hidden, seen] = asking.behind_something()?;
     let goal = |at: EastNorth| Some([at.east_m, at.north_m]);
@@ -310,7 +311,7 @@ fn draw_roaming(asking: &mut Asking<'_>) -> Option<Drive> {
     Some(turned(drive.with(asking.level()), asking))
 }
 
-/// On to the next goal where it is at one, on the course nearest to it that the fence holds for. Done where there is none.
+/// Goes on to the next goal when one is reached, on the closest course that the fence allows. Ends if there is none.
 fn turned(mut drive: Drive, asking: &Asking<'_>) -> Drive {
     let here = asking.fix.local();
     let at = |[east_m, north_m]: [f64; 2]| EastNorth::new(east_m, north_m);

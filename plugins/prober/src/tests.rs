@@ -11,7 +11,7 @@ use crate::{Config, Kind, Prober};
 const CONFIG: &str = r#"{"seed": 7, "east_min_m": -800, "east_max_m": 800, "north_min_m": -500, "north_max_m": 500,
     "depth_m": [5, 25], "altitude_m": [8, 20], "speed_mps": [1.0, 1.8]}"#;
 const HALF_SECOND_NS: u64 = 500_000_000;
-/// Steps of twenty minutes.
+/// The number of steps in twenty minutes.
 const DIVE: u64 = 2400;
 
 fn config() -> Config {
@@ -24,7 +24,7 @@ fn prober(config: Config) -> Prober {
     prober
 }
 
-/// Lines that leave a box of half the size.
+/// Whether a line leaves a box of half the size.
 fn leaves(request: &Request) -> bool {
     let outside = |position: &Position| position.latitude.abs() > 0.0025 || position.longitude.abs() > 0.0035;
     if let Request::Trackline(Trackline { start, end, .. }) = request {
@@ -34,8 +34,8 @@ fn leaves(request: &Request) -> bool {
     }
 }
 
-/// Steps of a vehicle that stays where it is, from one to another; what was asked for in each, of which all was accepted
-/// that does not leave.
+/// Runs the steps `from` to `to` with a vehicle that stays in place, and accepts all requests that do not leave the
+/// box. Returns the requests of each step.
 fn dive(prober: &mut Prober, from: u64, to: u64, control: bool) -> Vec<Vec<Request>> {
     let mut events = Vec::new();
     let mut asked = Vec::new();
@@ -100,7 +100,7 @@ fn kinds(asked: &[Vec<Request>]) -> BTreeSet<Kind> {
     asked.iter().flatten().filter_map(kind).collect()
 }
 
-/// Requests have no equality; what they print has.
+/// Requests cannot be compared, but their debug output can.
 fn text(asked: &[Vec<Request>]) -> String {
     format!("{asked:?}")
 }

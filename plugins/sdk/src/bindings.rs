@@ -1,5 +1,5 @@
-//! What `wit-bindgen` makes of the WIT world: the types, the two imports, and the export macro that [`crate::export!`]
-//! wraps. Authors use the re-exports at the crate's root.
+//! The code that `wit-bindgen` generates from the WIT world: the types, the two imports, and the export macro that
+//! [`crate::export!`] wraps. Plugins use the re-exports at the crate's root instead.
 
 #![allow(
     missing_docs,

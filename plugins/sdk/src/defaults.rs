@@ -1,4 +1,4 @@
-//! Conversions between the WIT types and [`crate::units`], and empty inputs for unit tests.
+//! Conversions between the WIT types and [`crate::units`], and default inputs for unit tests.
 
 use backseat_units as units;
 
@@ -21,16 +21,16 @@ impl TryFrom<Position> for units::Position {
 }
 
 impl Navigation {
-    /// Where the vehicle is in the mission's local frame.
+    /// The vehicle's position in the mission's local frame.
     #[must_use]
     pub fn local(&self) -> units::EastNorth {
         units::EastNorth::new(self.east, self.north)
     }
 
-    /// The position of a point of the mission's local frame.
+    /// Converts a point of the mission's local frame to latitude and longitude.
     ///
-    /// It is counted from the vehicle's own position: good to a few centimetres for a point within a kilometre of it.
-    /// Near the poles, where a frame has no meaning, it is the vehicle's own position.
+    /// The conversion starts from the vehicle's own position, and is accurate to a few centimetres within a kilometre
+    /// of it. Near the poles, where the frame is not defined, it returns the vehicle's own position.
     #[must_use]
     pub fn position_of(&self, point: units::EastNorth) -> Position {
         match units::Position::try_from(self.position) {
@@ -41,14 +41,14 @@ impl Navigation {
 }
 
 impl PlannedPoint {
-    /// Where it is in the mission's local frame.
+    /// Its position in the mission's local frame.
     #[must_use]
     pub fn local(&self) -> units::EastNorth {
         units::EastNorth::new(self.east, self.north)
     }
 }
 
-/// For unit tests: at the surface at 0 N 0 E, heading north, at rest, with no bottom lock.
+/// For unit tests: at rest at the surface at 0 N 0 E, heading north, without bottom lock.
 impl Default for Navigation {
     fn default() -> Self {
         Self {

@@ -1,17 +1,17 @@
-//! What the code that [`crate::export!`] writes calls. Nothing here is for authors.
+//! Functions for the code that [`crate::export!`] generates. Plugins do not call them directly.
 
 use std::cell::RefCell;
 
 use crate::{Plugin, Request, StepInput, log};
 
-/// Where the one instance of a component lives.
+/// Holds the single instance of a component.
 pub type Slot<P> = RefCell<Option<P>>;
 
 const NOT_INITIALISED: &str = "called before init";
 
-/// Exports a type that implements [`Plugin`] as the component's plugin. Once a crate.
+/// Exports a type that implements [`Plugin`] as the component's plugin. Use it exactly once in a crate.
 ///
-/// On the host (unit tests) it only checks that the type is a plugin.
+/// On the host, where unit tests run, it only checks that the type implements [`Plugin`].
 #[macro_export]
 macro_rules! export {
     ($plugin:ty) => {
@@ -56,36 +56,36 @@ macro_rules! export {
     };
 }
 
-/// Makes the instance from its configuration.
+/// Creates the instance from its configuration.
 pub fn init<P: Plugin>(slot: &Slot<P>, config: &str) -> Result<(), String> {
-    // A panic ends in a bare trap, which has no text: say where it was while the instance still can.
+    // A panic ends in a trap, which carries no text, so the message is logged first.
     std::panic::set_hook(Box::new(|panic| log::write(log::Level::Error, &panic.to_string())));
     *slot.borrow_mut() = Some(P::new(parse(config)?)?);
     Ok(())
 }
 
-/// Steps the instance.
+/// Runs one step of the instance.
 pub fn step<P: Plugin>(slot: &Slot<P>, input: &StepInput) -> Result<Vec<Request>, String> {
     slot.borrow_mut().as_mut().ok_or(NOT_INITIALISED)?.step(input)
 }
 
-/// The instance's state; nothing where there is no instance.
+/// The instance's state; empty if there is no instance.
 pub fn snapshot<P: Plugin>(slot: &Slot<P>) -> Vec<u8> {
     slot.borrow().as_ref().map(P::snapshot).unwrap_or_default()
 }
 
-/// Gives the instance the state of an earlier one.
+/// Restores the state of an earlier instance.
 pub fn restore<P: Plugin>(slot: &Slot<P>, state: &[u8]) -> Result<(), String> {
     slot.borrow_mut().as_mut().ok_or(NOT_INITIALISED)?.restore(state)
 }
 
-/// Reads the configuration; a failure names the key.
+/// Parses the configuration. An error names the key.
 fn parse<C: serde::de::DeserializeOwned>(json: &str) -> Result<C, String> {
     let mut deserializer = serde_json::Deserializer::from_str(json);
     serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let key = error.path().to_string();
         let fault = error.into_inner().to_string();
-        // The place in the JSON means nothing to who wrote TOML.
+        // The position in the JSON means nothing to the user, who wrote TOML.
         let fault = fault.split(" at line ").next().unwrap_or_default();
         if key == "." {
             format!("config: {fault}")

@@ -1,17 +1,18 @@
-//! Asking the runtime's fence before asking for a request.
+//! Questions to the runtime's fence, before making a request.
 
 #[cfg(not(target_arch = "wasm32"))]
 use crate::Rule;
 use crate::{Refusal, Request};
 
-/// Whether the request's geometry would pass the runtime's check with this step's navigation: by how many metres it
-/// holds, 1000 where it is more.
+/// Checks whether the request's geometry would pass the runtime's check with the navigation of this step. Returns the
+/// clearance in metres, at most 1000.
 ///
-/// It knows nothing of control, rates, other leases or the vehicle's plan, so its yes is no promise. Each question
-/// costs fuel. On the host, where there is no fence, the answer is always a refusal by the rule `state`.
+/// The check does not know of control, rates, other leases or the vehicle's plan, so the runtime may still refuse a
+/// request that passes here. Each call costs fuel. On the host, where there is no fence, the result is always a refusal
+/// by [`Rule::State`](crate::Rule::State).
 ///
 /// # Errors
-/// The [`Refusal`].
+/// The [`Refusal`] that the runtime would give.
 #[expect(clippy::result_large_err, reason = "the interface's own type")]
 pub fn check(request: &Request) -> Result<f64, Refusal> {
     #[cfg(target_arch = "wasm32")]

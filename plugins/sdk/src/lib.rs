@@ -1,9 +1,9 @@
-//! What a plugin's author depends on: the types of the WIT world, the [`Plugin`] trait and the [`export!`] macro.
+//! The SDK for writing plugins: the types of the WIT world, the [`Plugin`] trait and the [`export!`] macro.
 //!
-//! A plugin is a function of its inputs. The runtime steps it now and then (as often as its [`Description`] says);
-//! each [`StepInput`] holds the time, the vehicle's navigation, whether the backseat has control, and all that has
-//! happened since the last step. The plugin answers with [`Request`]s. It has no clock, no random numbers, no files
-//! and no network: the same inputs give the same requests, in simulation and at sea.
+//! A plugin is a function of its inputs. The runtime calls [`Plugin::step`] at the period that the plugin's
+//! [`Description`] gives. Each [`StepInput`] holds the time, the vehicle's navigation, whether the backseat has
+//! control, and the events since the last step. The plugin returns [`Request`]s. It has no clock, no random numbers, no
+//! files and no network, so the same inputs give the same requests, in simulation and at sea.
 //!
 //! ```
 //! use backseat_sdk::{Description, Modify, NoConfig, Plugin, Request, StepInput, Vertical};
@@ -43,27 +43,30 @@
 //! ```
 //!
 //! # A plugin's crate
-//! Start from `plugins/template`. Its `Cargo.toml` has `crate-type = ["cdylib", "rlib"]`: the first is what becomes the
-//! component, the second lets `cargo test` run the unit tests on the host, as plain Rust, where [`mod@log`] writes to
-//! standard error and [`fence::check`] answers with a refusal, as there is no runtime to ask.
+//! Start from a copy of `plugins/template`. Its `Cargo.toml` has `crate-type = ["cdylib", "rlib"]`. The first becomes
+//! the component. The second lets `cargo test` run unit tests on the host, as plain Rust. There is no runtime on the
+//! host: [`mod@log`] writes to standard error, and [`fence::check`] always returns a refusal.
 //!
-//! # What the runtime bounds
-//! Each call has a budget of fuel (roughly, WebAssembly instructions), each plugin a limit of memory. A step returns at
-//! most 256 requests; a text is at most [`TEXT_BYTES`], a packet has at most [`FRAMES`] frames of at most
-//! [`FRAME_BYTES`], a snapshot is at most 1 MiB. A plugin that breaks a bound or panics is started anew: a new instance
-//! gets [`Plugin::new`], [`Plugin::restore`] with the last snapshot, and an [`Event::Restored`]. An `Err` from `step` is
-//! recorded as a failure, and the instance lives on.
+//! # Limits
+//! Each call has a budget of fuel (about one unit for each WebAssembly instruction), and each plugin a limit of memory.
+//! A step returns at most 256 requests, a text has at most [`TEXT_BYTES`] bytes, a packet has at most [`FRAMES`] frames
+//! of at most [`FRAME_BYTES`] bytes each, and a snapshot has at most 1 MiB. A plugin that exceeds a limit or panics is
+//! restarted: the runtime creates an instance with [`Plugin::new`], calls [`Plugin::restore`] with the last snapshot,
+//! and sends an [`Event::Restored`]. An `Err` from `step` is recorded as a failure, but the instance continues.
 //!
 //! # Requests and outcomes
-//! Every request that can come to an end carries a `tag` of the plugin's choosing, which returns in
-//! [`Event::Outcome`]: use a new one for each request whose fate matters. A [`Modify`], or a [`Station`] of a hovering
-//! vehicle, stands for its duration and the runtime refreshes it, so ask again before it runs out, or whenever the
-//! setpoint changes. A [`Trackline`] or [`Trackcircle`] is flown by the vehicle by itself once it has accepted it, and so
-//! is a [`GpsHit`], which nobody can cancel. All others end when the vehicle has said whether it has done them.
+//! Most requests carry a `tag` that the plugin chooses. Each [`Event::Outcome`] reports a new [`State`] of the request
+//! with that tag. Use a new tag for each request that you want to follow.
+//!
+//! - A [`Modify`], or a [`Station`] of a hovering vehicle, lasts for its duration. The runtime refreshes it for that
+//!   time, so request it again before it runs out, or when the setpoint changes.
+//! - A [`Trackline`] or [`Trackcircle`] is flown by the vehicle by itself once it has accepted it. So is a [`GpsHit`],
+//!   which cannot be cancelled.
+//! - Any other request ends when the vehicle has reported whether it carried it out.
 //!
 //! # Grants
-//! A request that the mission does not grant the plugin is rejected, whatever it asks for, and a [`Request::Message`],
-//! which has no outcome, is dropped. The operator grants by name, plugin by plugin:
+//! The runtime rejects a request that the mission does not grant to the plugin. A [`Request::Message`] has no outcome,
+//! and is dropped in that case. The operator lists the grants of each plugin in `mission.toml`:
 //!
 //! ```toml
 //! [[plugin]]
@@ -79,7 +82,7 @@
 //! | `message` | [`Request::Message`] |
 //! | `surface` | [`Request::GpsHit`], where the fence lets the vehicle surface |
 //! | `topside` | [`Request::Topside`] |
-//! | `dvl` | [`Request::DvlTrigger`], of one plugin at a time |
+//! | `dvl` | [`Request::DvlTrigger`], for one plugin at a time |
 //! | `silent` | [`Request::Silent`] |
 //! | `trim` | [`Request::Trim`] |
 //! | `buoyancy` | [`Request::Buoyancy`] |
@@ -87,8 +90,8 @@
 //! | `station` | [`Request::Station`], [`Request::EndStation`] |
 //! | `devices` | [`Request::SonarAngle`], [`Request::Camera`], [`Request::Light`] |
 //!
-//! [`Request::Timer`] needs none. What a plugin hears needs none either, but a [`Topic`] of its [`Description`], except
-//! for [`Event::DvlTrigger`], which comes with `dvl`.
+//! [`Request::Timer`] needs no grant. Events need no grant either, but some are only sent to plugins that list their
+//! [`Topic`] in the [`Description`]. [`Event::DvlTrigger`] is sent to plugins with the grant `dvl`.
 
 #[doc(hidden)]
 pub mod bindings;

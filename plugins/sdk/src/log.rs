@@ -1,30 +1,30 @@
-//! Lines in the run's log: [`debug!`](crate::log::debug), [`info!`](crate::log::info), [`warn!`](crate::log::warn) and
-//! [`error!`](crate::log::error) take what `format!` takes.
+//! Writing to the run's log. [`debug!`](crate::log::debug), [`info!`](crate::log::info), [`warn!`](crate::log::warn)
+//! and [`error!`](crate::log::error) take the arguments of `format!`.
 //!
-//! A line is cut at 256 bytes. The log takes 32 lines a step and counts the rest. Each line costs fuel.
+//! A line is cut at 256 bytes. The log keeps 32 lines a step and only counts further ones. Each line costs fuel.
 //!
 //! ```
 //! use backseat_sdk::log;
 //! log::info!("turning at {:.1} m", 41.5);
 //! ```
 
-/// How much a line matters.
+/// The importance of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// For the plugin's author.
+    /// Details for the plugin's author.
     Debug,
-    /// For whoever reads the log.
+    /// Information for every reader of the log.
     Info,
-    /// Something is not as it should be.
+    /// Something is unexpected.
     Warn,
     /// Something has failed.
     Error,
 }
 
-/// The longest line that the log takes, bytes.
+/// The length at which a line is cut, bytes.
 const LINE_BYTES: usize = 256;
 
-/// Writes a line. On the host it goes to standard error.
+/// Writes a line to the run's log; on the host, to standard error.
 pub fn write(level: Level, text: &str) {
     let text = &text[..text.floor_char_boundary(LINE_BYTES)];
     #[cfg(target_arch = "wasm32")]
@@ -63,11 +63,11 @@ macro_rules! __log_error {
     ($($text:tt)*) => { $crate::log::write($crate::log::Level::Error, &::std::format!($($text)*)) };
 }
 
-/// A line for the plugin's author.
+/// Logs details for the plugin's author.
 pub use crate::__log_debug as debug;
-/// A line that something has failed.
+/// Logs that something has failed.
 pub use crate::__log_error as error;
-/// A line for whoever reads the log.
+/// Logs information for every reader of the log.
 pub use crate::__log_info as info;
-/// A line that something is not as it should be.
+/// Logs that something is unexpected.
 pub use crate::__log_warn as warn;

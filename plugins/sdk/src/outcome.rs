@@ -1,7 +1,8 @@
 use crate::{EndKind, Ended, Failure, Refusal, Rule, State};
 
 impl State {
-    /// Why the request was refused, has failed or is over: a line for people. Programs branch on the state's own fields.
+    /// Why the request was refused, has failed or has ended, in one line for people. To branch on the reason, use the
+    /// state's own fields.
     #[must_use]
     pub fn reason(&self) -> Option<&str> {
         match self {
@@ -21,7 +22,7 @@ impl State {
 }
 
 impl Refusal {
-    /// A refusal by a rule, without figures: for a plugin's own tests.
+    /// A refusal by a rule without further values, for a plugin's own tests.
     #[must_use]
     pub fn new(rule: Rule, text: &str) -> Self {
         Self {

@@ -3,45 +3,48 @@ use serde::de::DeserializeOwned;
 
 use crate::{Description, Request, StepInput};
 
-/// A plugin: what [`export!`](crate::export!) makes a component of.
+/// A plugin. [`export!`](crate::export!) makes a component from a type that implements this trait.
 pub trait Plugin: Sized {
-    /// The plugin's table in the mission file. Derive `serde::Deserialize` with `#[serde(deny_unknown_fields)]`, so that
-    /// a misspelt key is refused by its name, and let keys carry their units (`depth_m`). [`NoConfig`] where there is
-    /// nothing to set.
+    /// The plugin's configuration, which is its `[plugin.config]` table in the mission file. Derive
+    /// `serde::Deserialize` with `#[serde(deny_unknown_fields)]`, so that a misspelt key is an error, and put units
+    /// into the names of keys (`depth_m`). Use [`NoConfig`] for a plugin without settings.
     type Config: DeserializeOwned;
 
-    /// Name, version, step period (20 ms to 60 s) and the events that it wants beside those that all plugins get.
+    /// Returns the plugin's name, version, step period (20 ms to 60 s), and the topics that it listens to beside the
+    /// events that every plugin receives.
     fn describe() -> Description;
 
-    /// A new instance. Refuse figures that make no sense here, ashore, rather than in a step.
+    /// Creates an instance. Refuse invalid values here, so that the mission does not start, rather than in a step at
+    /// sea.
     ///
     /// # Errors
-    /// A line that names the key and what was expected. The mission does not start.
+    /// One line with the key and what was expected. The mission does not start.
     fn new(config: Self::Config) -> Result<Self, String>;
 
-    /// One step: what has happened, and what the plugin asks for now.
+    /// Runs one step: takes in what has happened since the last one, and returns the requests of now.
     ///
     /// # Errors
-    /// A line for the log. It counts as a failure of the plugin: for what the plugin cannot go on with, not for what it
-    /// may meet at sea.
+    /// One line for the log. An error counts as a failure of the plugin. Return one only if the plugin cannot continue,
+    /// not for conditions that are to be expected at sea.
     fn step(&mut self, input: &StepInput) -> Result<Vec<Request>, String>;
 
-    /// All that a new instance needs to go on where this one is, at most 1 MiB. Taken every few steps. Nothing, by default.
+    /// Returns all that a new instance needs to continue from here, at most 1 MiB. The runtime calls this every few
+    /// steps. Empty by default.
     fn snapshot(&self) -> Vec<u8> {
         Vec::new()
     }
 
-    /// Brings a new instance to where [`Plugin::snapshot`] was taken. Does nothing by default.
+    /// Restores the state that [`Plugin::snapshot`] returned in an earlier instance. Does nothing by default.
     ///
     /// # Errors
-    /// A line that says what is wrong with the state. The plugin is then not started again.
+    /// One line with what is wrong with the state. The plugin is then not restarted.
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
         let _ = state;
         Ok(())
     }
 }
 
-/// The configuration of a plugin that has nothing to set: refuses every key.
+/// The configuration of a plugin without settings. Every key is an error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoConfig {}

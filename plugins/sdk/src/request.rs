@@ -1,15 +1,16 @@
 use crate::{Packet, Request, StepInput, Window};
 
-/// The longest text of a request, bytes. A longer one is a failure of the plugin.
+/// The longest text of a request, bytes. A longer text is a failure of the plugin.
 pub const TEXT_BYTES: usize = 256;
-/// The most frames of a [`Packet`] (SPI 9.4). More are a failure of the plugin.
+/// The most frames in a [`Packet`] (SPI 9.4). More frames are a failure of the plugin.
 pub const FRAMES: usize = 8;
-/// The longest frame of a [`Packet`], bytes. A longer one is a failure of the plugin; the modem's mode may take less.
+/// The longest frame in a [`Packet`], bytes. A longer frame is a failure of the plugin. The modem's mode may allow
+/// less.
 pub const FRAME_BYTES: usize = 1024;
 
-/// Whether a text can stand in a sentence: printable ASCII without comma, asterisk and dollar (SPI 4.2), at most
-/// [`TEXT_BYTES`]. A [`Topside`](crate::Topside) with any other is rejected, as is one with a command's three letters in
-/// upper case or of more than 200 bytes.
+/// Whether a text can be sent in a sentence: printable ASCII without comma, asterisk and dollar (SPI 4.2), at most
+/// [`TEXT_BYTES`] bytes. The runtime rejects a [`Topside`](crate::Topside) with any other text, and also one whose text
+/// contains a command's three letters in upper case or has more than 200 bytes.
 #[must_use]
 pub fn is_plain(text: &str) -> bool {
     text.len() <= TEXT_BYTES
@@ -19,8 +20,8 @@ pub fn is_plain(text: &str) -> bool {
 }
 
 impl Request {
-    /// The plugin's name for it, which its outcomes carry. None for what has no outcome, and for a cancel, whose tag is
-    /// that of what it cancels.
+    /// The request's own tag, which its outcomes carry. `None` for a request without outcomes, and for a cancel, which
+    /// carries the tag of the request to cancel.
     #[must_use]
     pub const fn tag(&self) -> Option<u64> {
         match self {
@@ -43,8 +44,10 @@ impl Request {
 }
 
 impl Packet {
-    /// A packet of data, in as many frames of `frame_bytes` as it takes; the last one may be shorter. None where there is
-    /// no data, a frame would be empty or longer than [`FRAME_BYTES`], or there would be more than [`FRAMES`].
+    /// Splits data into a packet of frames of `frame_bytes` bytes each; the last frame may be shorter. Returns `None`
+    /// if
+    /// `data` is empty, if `frame_bytes` is 0 or above [`FRAME_BYTES`], or if more than [`FRAMES`] frames would be
+    /// needed.
     #[must_use]
     pub fn of(tag: u64, destination: u32, mode: i32, data: &[u8], frame_bytes: usize) -> Option<Self> {
         if data.is_empty() || !(1..=FRAME_BYTES).contains(&frame_bytes) || data.len().div_ceil(frame_bytes) > FRAMES {
@@ -61,7 +64,7 @@ impl Packet {
 }
 
 impl Window {
-    /// Whether it is still open in a step.
+    /// Whether the window is still open at this step.
     #[must_use]
     pub const fn is_open(&self, input: &StepInput) -> bool {
         input.now_ns < self.until_ns

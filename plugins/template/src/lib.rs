@@ -1,34 +1,35 @@
-//! The start of a new plugin: holds a heading, a depth and a speed for as long as the backseat has control.
+//! A template for new plugins. It keeps a heading, a depth and a speed while the backseat has control.
 //!
-//! Copy this folder, rename the crate, and change what `step` does. `cargo test` runs the tests below on the host;
-//! the build for the vehicle is `cargo xtask plugins`.
+//! Copy this folder, change the crate's name in `Cargo.toml`, and change `step`. `cargo test` runs the tests below on
+//! this computer; `cargo xtask plugins` builds the component for the runtime.
 
 use backseat_sdk::{Description, Event, Modify, Plugin, Request, State, StepInput, Vertical, log};
 use serde::Deserialize;
 
-/// The plugin's table in the mission file. Keys carry their units. `deny_unknown_fields` makes a misspelt key an error.
+/// The plugin's settings, read from `[plugin.config]` in the mission file. Each key names its unit.
+/// `deny_unknown_fields` makes a misspelt key an error.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
     /// True heading, degrees.
     pub heading_deg: f64,
-    /// Metres below the surface.
+    /// Depth below the surface, metres.
     pub depth_m: f64,
-    /// Metres per second through the water.
+    /// Speed through the water, metres per second.
     pub speed_mps: f64,
 }
 
-/// Holds a heading.
+/// Keeps a heading.
 #[derive(Debug)]
 pub struct HoldHeading {
     config: Config,
-    /// The newest request's tag: each request has its own, and its outcomes carry it.
+    /// The tag of the newest request. Each request has its own tag, and its outcomes carry the same one.
     tag: u64,
 }
 
-/// How often the plugin is stepped.
+/// The time from one step to the next.
 const PERIOD_NS: u64 = 1_000_000_000;
-/// How long a request stands. Longer than the period, so that one late step does not let it lapse.
+/// How long a request lasts. It is longer than the period, so that the request does not lapse if one step is late.
 const STANDS_NS: u64 = 3 * PERIOD_NS;
 
 impl Plugin for HoldHeading {
@@ -39,13 +40,14 @@ impl Plugin for HoldHeading {
             name: "template".into(),
             version: env!("CARGO_PKG_VERSION").into(),
             step_period_ns: PERIOD_NS,
-            // Outcomes, control, timers, restored and shutdown come unasked; CTD samples and others are topics.
+            // Every plugin receives outcomes, control, timers, restored and shutdown. List a topic here to receive
+            // more, for example `Topic::Ctd`.
             topics: vec![],
         }
     }
 
     fn new(config: Config) -> Result<Self, String> {
-        // Say here, before the dive, what makes no sense.
+        // Refuse invalid settings here: then the mission does not start.
         if !(0.0..360.0).contains(&config.heading_deg) {
             return Err(format!("heading_deg: {} is not within 0 to 360", config.heading_deg));
         }
@@ -54,7 +56,8 @@ impl Plugin for HoldHeading {
 
     fn step(&mut self, input: &StepInput) -> Result<Vec<Request>, String> {
         for event in &input.events {
-            // The runtime says why it refused a request. That is no failure of the plugin: it may ask again.
+            // A refused request is not a failure of the plugin. The outcome gives the reason, and the plugin may try
+            // again.
             if let Event::Outcome(outcome) = event
                 && let State::Rejected(_) | State::Failed(_) = &outcome.state
                 && let Some(why) = outcome.state.reason()
@@ -62,7 +65,7 @@ impl Plugin for HoldHeading {
                 log::warn!("request {}: {why}", outcome.tag);
             }
         }
-        // Requests are rejected without control, so do not ask.
+        // Without control the runtime rejects every request, so make none.
         if !input.control {
             return Ok(vec![]);
         }
@@ -76,7 +79,7 @@ impl Plugin for HoldHeading {
         })])
     }
 
-    // What a new instance needs after a failure. Here: not to use a tag twice.
+    // The state that a new instance needs after a failure: here the last tag, so that none is used twice.
     fn snapshot(&self) -> Vec<u8> {
         self.tag.to_le_bytes().to_vec()
     }

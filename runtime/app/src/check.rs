@@ -30,14 +30,15 @@ use sea::front_seat;
 pub(crate) struct Check {
     #[command(flatten)]
     pub(crate) mission: MissionArguments,
-    /// Print mission.toml as it is after all layers, and stop
+    /// Print mission.toml with all settings applied (file, environment, --set) and stop
     #[arg(long)]
     pub(crate) resolved: bool,
-    /// Hold this plan of the front seat against the fence, [[plan]] as in world.toml [default: the mission's [plan], then,
-    /// where simulations are built in, its world.toml's]
+    /// Check this plan of the front seat against the fence; its [[plan]] is written as in world.toml [default: the plan
+    /// that the mission's [plan] names, else, in builds with the simulation, that of world.toml]
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) plan: Option<PathBuf>,
-    /// When the dive begins, as 2026-06-01T08:00:00Z: which zones are valid [default: now, and in simulation's world.toml]
+    /// When the dive begins, such as 2026-06-01T08:00:00Z; decides which zones are valid [default: now, and also the
+    /// start time of world.toml in builds with the simulation]
     #[arg(long, value_name = "TIME", value_parser = utc)]
     pub(crate) at: Option<Utc>,
     /// Where the dive will write its logs
@@ -48,7 +49,7 @@ pub(crate) struct Check {
     pub(crate) state: Option<PathBuf>,
 }
 
-/// Everything that can be known before a dive. True where the mission can be flown.
+/// Checks everything that can be known before a dive. Returns whether the mission can be flown.
 pub(crate) fn check(arguments: &Check) -> Result<bool> {
     let mission = Mission::load(&arguments.mission.mission, &arguments.mission.layers())?;
     if arguments.resolved {
@@ -99,7 +100,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
             bytes.len() / 1024,
             description.step_period.as_millis(),
             if topics.is_empty() {
-                "nothing more".to_owned()
+                "navigation only".to_owned()
             } else {
                 topics.join(", ")
             },
@@ -108,7 +109,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     }
     if !loaded.setups.is_empty() {
         say!(
-            "compiled in {:.1} s; a component may have {} MiB and take {} s",
+            "compiled in {:.1} s; limits for one component: {} MiB, {} s to compile",
             clock.now().since(begun).as_secs_f64(),
             COMPONENT_BYTES >> 20,
             COMPILE_TIME.as_secs()
@@ -117,7 +118,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     let mut good = true;
     for table in mission.file.plugins.iter().filter(|table| table.grants.is_empty()) {
         say!(
-            "plugin {}: it is granted nothing, so every request of it will be rejected",
+            "plugin {}: has no grants, so the runtime will reject all of its requests",
             table.name
         );
         good = false;
@@ -128,7 +129,7 @@ pub(crate) fn check(arguments: &Check) -> Result<bool> {
     for source in &mission.file.externals {
         let sends: Vec<&str> = source.sends.iter().map(|sentence| sentence.letters()).collect();
         say!(
-            "external source {}: may send BP{}, heard on {}",
+            "external source {}: may send BP{}, listening on {}",
             source.name,
             sends.join(", BP"),
             source.listen
@@ -196,5 +197,5 @@ fn print_fence(mission: &Mission) -> Result<()> {
 
 fn utc(text: &str) -> Result<Utc, String> {
     backseat_fence::utc(text)
-        .ok_or_else(|| "expected a date and time with its offset, as 2026-06-01T08:00:00Z".to_owned())
+        .ok_or_else(|| "expected a date and time with its offset, such as 2026-06-01T08:00:00Z".to_owned())
 }

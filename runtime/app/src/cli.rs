@@ -13,7 +13,7 @@ use crate::run::Run;
 use crate::sim::Sim;
 use crate::spi::Spi;
 
-/// Fly adaptive-survey plugins on a Bluefin vehicle: in simulation, and at sea.
+/// Let plugins steer a Bluefin vehicle inside a geofence, in simulation and at sea.
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true, max_term_width = 100)]
 pub(crate) struct Cli {
@@ -23,41 +23,43 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Fly a mission in simulation: runtime, plugins and mock vehicle on a virtual clock
+    /// Simulate a mission: runtime, plugins and mock vehicle on a virtual clock
     #[cfg(feature = "simulation")]
     Sim(Sim),
-    /// Fly a mission on a vehicle, over TCP; without --arm it sends nothing that steers
+    /// Run a mission on a vehicle over TCP; without --arm nothing that steers is sent
     Run(Run),
-    /// Run the mock vehicle alone, for any SPI client
+    /// Run only the mock vehicle, for any SPI client
     ///
-    /// It flies the front seat's plan of the mission's world.toml and serves the Standard Payload Interface over TCP to
-    /// several clients at once. Nothing that a client sends harms another: at most it loses its own connection.
+    /// The mock vehicle flies the front seat's plan of the mission's world.toml. It serves the Standard Payload
+    /// Interface over TCP to several clients at once. A client that misbehaves loses its own connection at most, and
+    /// never disturbs another.
     ///
-    /// On a terminal a status line shows the vehicle at a glance; elsewhere a line a minute. Ctrl-C or SIGTERM ends it.
+    /// On a terminal a status line shows the vehicle's state; elsewhere the state is printed once a minute. Ctrl-C or
+    /// SIGTERM ends the program.
     #[cfg(feature = "simulation")]
     Mvc(Mvc),
     /// Check a mission before a dive: its files, fence, plugins and plan
     Check(Check),
-    /// Look at the log of a run
+    /// Show or judge the log of a run
     #[command(subcommand)]
     Log(Log),
-    /// Look at the Standard Payload Interface: its messages, recordings of it, a live vehicle
+    /// List, decode and encode SPI messages, or watch a live vehicle
     #[command(subcommand)]
     Spi(Spi),
     /// Explain a key of a mission's files, such as turn_rate_dps
     Explain(Explain),
 }
 
-/// What all commands that read a mission share.
+/// The arguments of all commands that read a mission.
 #[derive(Debug, Args)]
 pub(crate) struct MissionArguments {
-    /// The mission's folder, with mission.toml, its fence (fence.geojson, fence.plan or fence.kml) and, to simulate it,
+    /// The mission's folder, with mission.toml, a fence (fence.geojson, fence.plan or fence.kml) and, to simulate it,
     /// world.toml
     pub(crate) mission: PathBuf,
-    /// Look for plugins given by bare name in this folder first
+    /// Look in this folder first for plugins that the mission names without a path
     #[arg(long, value_name = "DIR", value_parser = folder)]
     pub(crate) plugins: Option<PathBuf>,
-    /// Set a key of mission.toml, over the file and the environment, such as limits.speed_max_mps=1.8
+    /// Set a key of mission.toml, such as limits.speed_max_mps=1.8; overrides the file and the environment
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
 }

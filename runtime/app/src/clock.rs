@@ -1,5 +1,8 @@
-//! The only clocks of the project: the program's.
-#![expect(clippy::disallowed_methods, reason = "a driver reads clocks and hands the time in")]
+//! The project's only clocks. Every other crate is given the time.
+#![expect(
+    clippy::disallowed_methods,
+    reason = "a driver reads clocks and passes the time to core"
+)]
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -7,8 +10,8 @@ use backseat_units::{Timestamp, Utc};
 use rustix::time::{ClockId, clock_gettime};
 use tokio::time::Instant;
 
-/// Goes on while the system is suspended, as the vehicle does. (`std`'s [`std::time::Instant`] stands still on Linux: a
-/// lease would be as young after an hour's sleep as before it.)
+/// Runs on while the system is suspended, as the vehicle does. ([`std::time::Instant`] stops on Linux during
+/// suspension: after an hour's sleep a lease would look as young as before it.)
 #[cfg(any(target_os = "linux", target_os = "android"))]
 const CLOCK: ClockId = ClockId::Boottime;
 #[cfg(not(any(target_os = "linux", target_os = "android")))]
@@ -17,13 +20,13 @@ const CLOCK: ClockId = ClockId::Monotonic;
 /// Real time since the program's start.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Clock {
-    /// By [`CLOCK`].
+    /// As [`CLOCK`] counts it.
     start: Duration,
     utc_at_start: Utc,
 }
 
 fn read() -> Duration {
-    // The clock is never negative.
+    // The clock is never negative, so the default is never used.
     Duration::try_from(clock_gettime(CLOCK)).unwrap_or_default()
 }
 
@@ -47,7 +50,7 @@ impl Clock {
         self.utc_at_start
     }
 
-    /// By how much the system's UTC was set since the start, nanoseconds.
+    /// How far the system's UTC has been set since the start, nanoseconds; positive where it was set forward.
     pub(crate) fn utc_set_nanos(&self) -> i64 {
         let nanos = SystemTime::now()
             .duration_since(UNIX_EPOCH)
@@ -57,7 +60,7 @@ impl Clock {
         i64::try_from(nanos).unwrap_or(0)
     }
 
-    /// The instant of a time.
+    /// The `Instant` for a timestamp, at most a year from now.
     pub(crate) fn instant(&self, at: Timestamp) -> Instant {
         let latest = Duration::from_secs(86_400 * 365);
         Instant::now()
@@ -71,7 +74,7 @@ impl Clock {
     }
 }
 
-/// Waits, for what is shown to people at a given pace.
+/// Sleeps, so that output for people appears at a given pace.
 pub(crate) fn pause(duration: Duration) {
     std::thread::sleep(duration);
 }

@@ -1,5 +1,5 @@
-//! The TCP side of external sources: each is listened for, one program at a time. Lines go in to core and answers out;
-//! however a program behaves, it holds up neither the vehicle's link nor its siblings.
+//! The TCP side of external sources. Each source has its own listener and one connected program at a time. Lines go to
+//! core, and answers go back. A program that misbehaves delays neither the vehicle's link nor another source.
 
 use std::io;
 use std::net::SocketAddr;
@@ -14,46 +14,48 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 use tracing::{info, warn};
 
-/// At most this is read at once, bytes: some forty sentences.
+/// Bytes of one read at most: about forty sentences.
 const READ_MAX: usize = 4096;
-/// No faster than this is read, bytes a second: what comes faster waits in the program's own socket.
+/// Bytes a second that are read at most. Anything faster waits in the program's own socket.
 const BYTES_PER_S: f64 = 65_536.0;
-/// So many reads of all external sources wait for core.
+/// How many reads of all external sources may wait for core.
 const READS_MAX: usize = 16;
-/// So many answers wait for a program that reads slowly; more are dropped.
+/// How many answers may wait for a program that reads slowly; further answers are dropped.
 const ANSWERS_MAX: usize = 256;
-/// A program that takes no answer for this long is let go.
+/// A program that takes no answer for this long is disconnected.
 const WRITE_WITHIN: Duration = Duration::from_secs(2);
-/// A program whose machine is gone is let go after about this.
+/// A program whose machine has vanished is disconnected after about this time.
 const KEEPALIVE: Duration = Duration::from_secs(10);
-/// What core is told when a program is gone: the next one's first line must not end the sentence that this one began.
+/// Sent to core when a program has disconnected, so that the first line of the next program cannot complete the
+/// sentence that this one had begun.
 const CUT: &[u8] = b"$\n";
 
-/// What external sources have said, for core.
+/// What external sources have sent, for core.
 pub(crate) type Heard = Receiver<(ExternalId, Vec<u8>)>;
 
-/// The way back to the external sources.
+/// The way for answers back to the external sources.
 pub(crate) struct Ports {
     answers: Vec<Sender<Vec<u8>>>,
 }
 
 impl Ports {
-    /// Listens for each external source. Called within the runtime that is to serve them.
+    /// Opens a listener for each external source. Call it within the tokio runtime that will serve them.
     ///
     /// # Errors
-    /// Where an address cannot be listened on.
+    ///
+    /// If an address cannot be listened on.
     pub(crate) fn open(externals: &[ExternalTable]) -> Result<(Self, Heard)> {
         let (heard, reads) = channel(READS_MAX);
         let mut answers = Vec::new();
         for (index, source) in externals.iter().enumerate() {
             let name = source.name.clone();
             let listener = listen(&source.listen)
-                .with_context(|| format!("external source `{name}`: no listening on {}", source.listen))?;
+                .with_context(|| format!("external source `{name}`: cannot listen on {}", source.listen))?;
             let address = listener.local_addr()?;
-            info!("external source {name} is listened for on {address}");
+            info!("listening for external source {name} on {address}");
             if !address.ip().is_loopback() {
                 warn!(
-                    "external source {name}: every machine that reaches {address} may send {:?}",
+                    "external source {name}: any machine that can reach {address} may send {:?}",
                     source.sends
                 );
             }
@@ -70,10 +72,10 @@ impl Ports {
         Ok((Self { answers }, reads))
     }
 
-    /// Gives an external source its answer. Without a program that takes it, it is dropped.
+    /// Sends an external source its answer. The answer is dropped where no program is connected to take it.
     pub(crate) fn tell(&self, source: ExternalId, line: Vec<u8>) {
         if let Some(answers) = self.answers.get(source.0) {
-            // Full where a program does not read: it has been told enough.
+            // The queue is full where a program does not read; further answers are of no use to it.
             let _dropped = answers.try_send(line);
         }
     }
@@ -93,7 +95,7 @@ struct Port {
 }
 
 impl Port {
-    /// One program after the other, until core is gone.
+    /// Serves one program after the other, until core has ended.
     async fn serve(mut self, listener: TcpListener) {
         loop {
             tokio::select! {
@@ -104,18 +106,18 @@ impl Port {
                         }
                     }
                     Err(error) => {
-                        // Out of descriptors, or the program was gone again: not for ever.
+                        // No file descriptors are left, or the program has disconnected already. Both pass.
                         warn!("external source {}: {error}", self.name);
                         tokio::time::sleep(Duration::from_secs(1)).await;
                     }
                 },
-                // Nobody is there to hear it.
+                // No program is connected to receive it.
                 answer = self.answers.recv() => if answer.is_none() { return },
             }
         }
     }
 
-    /// Attends to one program until it is gone; a second one is told that there is one.
+    /// Serves one program until it disconnects. A second one is told that the source is taken, and turned away.
     async fn attend(&mut self, listener: &TcpListener, mut stream: TcpStream, peer: SocketAddr) -> Result<(), Closed> {
         info!("external source {} connected from {peer}", self.name);
         let options = stream.set_nodelay(true).and_then(|()| {
@@ -138,7 +140,7 @@ impl Port {
                     }
                 }
                 accepted = listener.accept() => if let Ok((second, peer)) = accepted {
-                    warn!("external source {}: {peer} was turned away, one is connected", self.name);
+                    warn!("external source {}: turned {peer} away, because a program is connected", self.name);
                     turn_away(second, &self.name);
                 },
                 read = async {
@@ -154,7 +156,7 @@ impl Port {
                 },
             }
         };
-        info!("external source {} is gone: {why}", self.name);
+        info!("external source {} disconnected: {why}", self.name);
         self.hear(CUT.to_vec()).await
     }
 
@@ -163,14 +165,14 @@ impl Port {
     }
 }
 
-/// Core is gone.
+/// Core has ended.
 struct Closed;
 
-/// One line and no more; whether it arrives is no matter.
+/// Sends one line and closes. Whether the line arrives does not matter.
 fn turn_away(stream: TcpStream, name: &str) {
     let line = format!("external source {name} is connected already\r\n");
     if stream.try_write(line.as_bytes()).is_err() {
-        info!("external source {name}: the one turned away was gone");
+        info!("external source {name}: the program that was turned away had already disconnected");
     }
 }
 
@@ -188,7 +190,7 @@ mod tests {
         }
     }
 
-    /// An address that nobody listens on.
+    /// An address on which nothing listens.
     fn free() -> String {
         let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
         listener.local_addr().unwrap().to_string()
@@ -198,7 +200,7 @@ mod tests {
     async fn lines_go_in_and_answers_out_one_program_at_a_time() {
         let address = free();
         let (ports, mut heard) = Ports::open(&[table("pod", &address)]).unwrap();
-        // Before anyone is there: dropped.
+        // Dropped, because no program is connected yet.
         ports.tell(ExternalId(0), b"$BFACK,early\r\n".to_vec());
         tokio::task::yield_now().await;
         let mut first = BufReader::new(TcpStream::connect(&address).await.unwrap());
@@ -277,7 +279,7 @@ mod tests {
         assert!(
             error
                 .to_string()
-                .contains(&format!("external source `other`: no listening on {address}")),
+                .contains(&format!("external source `other`: cannot listen on {address}")),
             "{error}"
         );
     }

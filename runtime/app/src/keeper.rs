@@ -1,5 +1,5 @@
-//! What keeps state for the loop, on a thread of its own (safety requirement 022): identifiers are reserved on disk before
-//! they are sent and the operator's hold outlives the process, but the loop waits for neither.
+//! Writes state to disk for the loop, on a thread of its own (safety requirement 022). Identifiers are reserved on disk
+//! before they are sent, and the operator's hold outlives the process, but the loop waits for neither.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -12,29 +12,29 @@ use tokio::sync::mpsc::UnboundedSender;
 
 use crate::state::{HoldWatch, State};
 
-/// How often it is looked whether the operator has put the hold's file there or taken it away.
+/// How often the thread checks whether the operator has created or deleted the hold's file.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
-/// How long the end of a run waits until all is kept.
+/// How long the end of a run waits for the last writes.
 const FAREWELL: Duration = Duration::from_millis(500);
 
-/// What has come of what was asked, or what the operator has done.
+/// The result of a request to the keeper, or an act of the operator.
 #[derive(Debug)]
 pub(crate) enum Kept {
-    /// This is on disk.
+    /// This reservation is on disk.
     Reserved(Reservation),
-    /// This is not, and why.
+    /// The reservation could not be written, and why.
     NotReserved(anyhow::Error),
-    /// The operator's act outlives the process.
+    /// The operator's act is on disk and outlives the process.
     Held,
-    /// The operator's act holds for this run only, and why.
+    /// The operator's act could not be written and lasts for this run only, and why.
     NotHeld(anyhow::Error),
-    /// The operator has changed the hold's file.
+    /// The operator has created or deleted the hold's file.
     Act(Operator),
-    /// Nothing is kept any more: the thread has panicked.
+    /// Nothing is written any more: the thread has panicked.
     Gone,
 }
 
-/// The loop's side: it says what is to be kept, and hears of it as [`Kept`].
+/// The loop's side: it requests writes, and receives the results as [`Kept`].
 #[derive(Debug)]
 pub(crate) struct Keeper {
     shared: Arc<Shared>,
@@ -46,12 +46,13 @@ struct Shared {
     changed: Condvar,
 }
 
-/// What is to be kept: the latest of each, so that whoever asks often makes nothing grow.
+/// What is still to be written. Only the latest request of each kind is kept, so that frequent requests use no more
+/// memory.
 #[derive(Debug, Default)]
 struct Wanted {
     held: Option<bool>,
     reserve: Option<Reservation>,
-    /// All is to be kept once more, and then no more.
+    /// Write everything once more and then end.
     end: bool,
     ended: bool,
     /// The thread has panicked.
@@ -70,14 +71,14 @@ impl Shared {
 }
 
 impl Keeper {
-    /// Begins to keep, and to watch the hold's file.
+    /// Starts the thread that writes state and watches the hold's file.
     pub(crate) fn start(state: State, held: bool, kept: UnboundedSender<Kept>) -> Result<Self> {
         Self::serving(kept, move |shared, kept| {
             serve(&state, HoldWatch::new(held), shared, kept)
         })
     }
 
-    /// The thread does this.
+    /// Starts a thread that runs this function.
     fn serving(
         kept: UnboundedSender<Kept>,
         serve: impl FnOnce(&Shared, &UnboundedSender<Kept>) + Send + 'static,
@@ -85,10 +86,11 @@ impl Keeper {
         let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
         thread::Builder::new().name("state".to_owned()).spawn(move || {
-            // What it owns goes with it: the folder's lock is released before anybody is told that this has ended.
+            // The closure owns the state, so the folder's lock is released before anyone learns that the thread has
+            // ended.
             let served = catch_unwind(AssertUnwindSafe(|| serve(&theirs, &kept)));
             if served.is_err() {
-                // The loop may have ended: then nobody needs to know.
+                // The loop may have ended already and needs no message then.
                 let _gone = kept.send(Kept::Gone);
             }
             theirs.want(|wanted| match served {
@@ -99,24 +101,24 @@ impl Keeper {
         Ok(Self { shared })
     }
 
-    /// One whose thread panics at once.
+    /// A keeper whose thread panics at once.
     #[cfg(test)]
     pub(crate) fn panicking(kept: UnboundedSender<Kept>) -> Result<Self> {
-        Self::serving(kept, |_, _| panic!("the keeper panics, as it is meant to"))
+        Self::serving(kept, |_, _| panic!("the test makes the keeper panic"))
     }
 
-    /// This is to be reserved; [`Kept::Reserved`] says when it is.
+    /// Requests that this be reserved; [`Kept::Reserved`] reports when it is on disk.
     pub(crate) fn reserve(&self, reservation: Reservation) {
         self.shared.want(|wanted| wanted.reserve = Some(reservation));
     }
 
-    /// The hold is to outlive the process, or no longer.
+    /// Requests that the hold outlive the process, or that it no longer does.
     pub(crate) fn hold(&self, held: bool) {
         self.shared.want(|wanted| wanted.held = Some(held));
     }
 
-    /// Records what was used alone, so that a restart costs the mission no insert, and waits until all is kept, for
-    /// [`FAREWELL`] at most. Says whether it is.
+    /// Records only the identifiers that were used, so that a restart costs the mission no insert. Waits for all
+    /// writes, at most [`FAREWELL`], and returns whether they are done.
     pub(crate) fn finish(self, used: Option<Reservation>) -> bool {
         self.shared.want(|wanted| {
             wanted.reserve = used.or(wanted.reserve);
@@ -132,7 +134,7 @@ impl Keeper {
 }
 
 fn serve(state: &State, mut watch: HoldWatch, shared: &Shared, kept: &UnboundedSender<Kept>) {
-    // The loop may have ended: then nobody needs to know.
+    // The loop may have ended already and needs no message then.
     let tell = |what: Kept| drop(kept.send(what));
     loop {
         let (held, reserve, end) = {
@@ -141,7 +143,7 @@ fn serve(state: &State, mut watch: HoldWatch, shared: &Shared, kept: &UnboundedS
             let mut wanted = waited.unwrap_or_else(PoisonError::into_inner).0;
             (wanted.held.take(), wanted.reserve.take(), wanted.end)
         };
-        // The hold first: it is what a person waits for.
+        // The hold comes first, because a person waits for it.
         if let Some(held) = held {
             let result = state.set_held(held);
             watch.follow(state);
@@ -211,7 +213,7 @@ mod tests {
         assert!(matches!(kept.blocking_recv(), Some(Kept::Gone)));
         keeper.hold(true);
         keeper.reserve(reservation(65));
-        assert!(!keeper.finish(None), "it says that it is not kept");
+        assert!(!keeper.finish(None), "it returns that the state is not written");
     }
 
     #[test]
@@ -219,7 +221,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let state = State::open(folder.path(), None).unwrap();
         state.identifiers(Some(1)).unwrap();
-        // A named pipe that nobody opens.
+        // A named pipe that no process opens.
         let pipe = folder.path().join("identifiers.new");
         assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
         let (sender, mut kept) = unbounded_channel();
@@ -229,9 +231,9 @@ mod tests {
             keeper.hold(below % 2 == 0);
         }
         while let Ok(told) = kept.try_recv() {
-            assert!(matches!(told, Kept::Held), "nothing is reserved: {told:?}");
+            assert!(matches!(told, Kept::Held), "the identifier is not reserved: {told:?}");
         }
-        assert!(!keeper.finish(None), "it says that it is not kept");
+        assert!(!keeper.finish(None), "it returns that the state is not written");
         // Let the thread end.
         std::fs::read(&pipe).unwrap();
     }

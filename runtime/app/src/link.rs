@@ -1,4 +1,4 @@
-//! The TCP connection to the vehicle, so kept that nothing old is ever delivered (safety requirement 007).
+//! The TCP connection to the vehicle, set up so that it never delivers old bytes (safety requirement 007).
 
 use std::io;
 use std::time::Duration;
@@ -8,11 +8,11 @@ use socket2::SockRef;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
-/// Unacknowledged data older than this ends the connection.
+/// The connection ends when data stays unacknowledged for longer than this.
 const USER_TIMEOUT: Duration = Duration::from_secs(2);
-/// A write that has waited this long resets it.
+/// A write that has waited this long resets the connection.
 const WRITE_WITHIN: Duration = Duration::from_secs(1);
-/// What was judged longer ago than this is not written: the process was stopped in between.
+/// Output of core that is older than this is not written: the process has stood still since core judged it.
 const JUDGED_WITHIN: Duration = Duration::from_millis(500);
 const CONNECT_WITHIN: Duration = Duration::from_secs(5);
 
@@ -24,7 +24,7 @@ pub(crate) struct Link {
     pending_since: Option<Timestamp>,
 }
 
-/// Connects, once.
+/// Connects; makes a single attempt.
 pub(crate) async fn connect(address: &str) -> io::Result<TcpStream> {
     let connecting = TcpStream::connect(address);
     let stream = tokio::time::timeout(CONNECT_WITHIN, connecting)
@@ -46,18 +46,18 @@ impl Link {
         self.stream.is_some()
     }
 
-    /// Resets: what waits in the socket's buffers is thrown away, not delivered later.
+    /// Resets the connection: bytes in the socket's buffers are discarded, not delivered later.
     pub(crate) fn reset(&mut self) {
         if let Some(stream) = self.stream.take() {
-            // Where it fails the connection is gone already.
+            // If this fails, the connection is already closed.
             let _gone = SockRef::from(&stream).set_linger(Some(Duration::ZERO));
         }
         self.pending.clear();
         self.pending_since = None;
     }
 
-    /// Closes in order: what was written is delivered. Reads on until the other side has closed too, for `within` at
-    /// most, because closing with something unread would reset the connection and what is under way with it.
+    /// Closes in order, so that written bytes are delivered. Reads until the other side has closed too, at most for
+    /// `within`, because closing with unread bytes would reset the connection and lose the bytes in transit.
     pub(crate) async fn close(&mut self, within: Duration) {
         let Some(mut stream) = self.stream.take() else { return };
         let farewell = async {
@@ -66,14 +66,16 @@ impl Link {
             while stream.read(&mut rest).await? > 0 {}
             io::Result::Ok(())
         };
-        // Late or broken, the connection is gone all the same.
+        // The connection is closed even if this is late or fails.
         let _ended = tokio::time::timeout(within, farewell).await;
     }
 
-    /// Writes at once what can be written; the rest waits, for [`WRITE_WITHIN`] at most. `judged` is when core said it.
+    /// Writes what can be written at once. The rest waits, at most for [`WRITE_WITHIN`]. `judged` is when core produced
+    /// the output.
     ///
     /// # Errors
-    /// Where the connection is broken, or what is to be written is too old: the connection is then to be reset.
+    ///
+    /// If the connection is broken or the bytes are too old to send. The caller must then reset the connection.
     pub(crate) fn send(&mut self, judged: Timestamp, now: Timestamp, bytes: &[u8]) -> io::Result<()> {
         let old = now.since(judged);
         if old > JUDGED_WITHIN {
@@ -92,7 +94,7 @@ impl Link {
         if self.write_deadline().is_some_and(|at| at <= now) {
             return Err(io::Error::new(
                 io::ErrorKind::TimedOut,
-                "a write has waited for a second",
+                "a write has been waiting for a second",
             ));
         }
         while !self.pending.is_empty() {
@@ -113,13 +115,13 @@ impl Link {
         Ok(())
     }
 
-    /// When the waiting write has waited too long.
+    /// When the waiting write becomes too old.
     pub(crate) fn write_deadline(&self) -> Option<Timestamp> {
         self.pending_since.map(|since| since + WRITE_WITHIN)
     }
 
-    /// Waits until something can be read or, where something waits to be written, written; for ever without a
-    /// connection. Reads what there is.
+    /// Waits until bytes can be read or, where some wait to be written, until they can be. Waits for ever without a
+    /// connection. Reads what is there.
     pub(crate) async fn ready(&self, buffer: &mut [u8]) -> Ready {
         let Some(stream) = &self.stream else {
             return std::future::pending().await;
@@ -146,11 +148,11 @@ impl Link {
 
 /// What a connection is ready for.
 pub(crate) enum Ready {
-    /// So many bytes have been read.
+    /// This many bytes have been read.
     Read(usize),
-    /// Something that waits can be written.
+    /// Waiting bytes can be written.
     Writable,
-    /// The other side has closed it.
+    /// The other side has closed the connection.
     Closed,
 }
 
@@ -179,7 +181,7 @@ mod tests {
         assert!(link.send(at(2000), at(2501), b"judged long ago").is_err());
         link.reset();
         let mut read = Vec::new();
-        // The reset ends it.
+        // The reset ends the read with an error.
         let _reset = vehicle.read_to_end(&mut read).await;
         assert!(!String::from_utf8_lossy(&read).contains("long ago"));
     }
@@ -187,14 +189,14 @@ mod tests {
     #[tokio::test]
     async fn sr_007_what_waited_for_a_second_is_not_written() {
         let (mut link, vehicle) = connected().await;
-        // More than all buffers of a connection that nobody reads.
+        // More than all buffers of the connection hold, and no one reads.
         let flood = vec![b'x'; 64 << 20];
         link.send(at(1000), at(1000), &flood).unwrap();
         assert_eq!(link.write_deadline(), Some(at(2000)));
         let mut buffer = vec![0; 1 << 20];
         while vehicle.try_read(&mut buffer).is_ok_and(|read| read > 0) {}
         tokio::time::sleep(Duration::from_millis(50)).await;
-        // There is room now, and it is too late.
+        // There is room now, but it is too late.
         let error = link.send(at(2100), at(2100), b"$BPEMB").unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::TimedOut);
         assert_eq!(link.write_deadline(), Some(at(2000)), "nothing more was written");

@@ -1,4 +1,4 @@
-//! `backseat log`: what the log of a run says.
+//! `backseat log`: tools for the log of a run.
 
 mod info;
 #[cfg(feature = "simulation")]
@@ -12,21 +12,23 @@ use clap::Subcommand;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Log {
-    /// Show what a log is of: mission, times, what is attached, what is missing
+    /// Show a log's mission, times, counts, attachments and gaps
     Info(info::LogInfo),
     /// Judge a recorded run by the safety requirements, as simulations are judged
     ///
-    /// The oracle that judges simulations reads the link's bytes in the log of a dive, with the mission's limits and the
-    /// fence that are attached to it. A line for each rule says whether it held and how often there was something to judge,
-    /// or why it could not be judged. The word before that is the side that the rule looks at: `sent` our sentences
-    /// alone, `heard` our sentences after what the runtime had read from the vehicle, `operator` our sentences after what
-    /// the operator did, `arrived` and `truth` what only a simulation knows: these are never judged here, even in the log
-    /// of a simulation. Where a rule broke, time, rule, text and sentence follow.
+    /// The oracle that judges simulations reads the link's bytes from the log, and the mission's limits and the fence
+    /// that are attached to it. It prints one line for each rule: whether the rule held and how many times it applied,
+    /// or why it could not be judged.
     ///
-    /// Where the disk was too slow, records are missing. Past such a gap nothing is claimed that hangs on what was before
-    /// it, until the log tells it again.
+    /// The word in front of each result says what the rule looks at: `sent`, our sentences alone; `heard`, our
+    /// sentences after what the runtime had read from the vehicle; `operator`, our sentences after what the operator
+    /// did; `arrived` and `truth`, what only a simulation knows, so that these two are never judged here. For each
+    /// violation it prints time, rule, description and sentence.
     ///
-    /// Exit code 0 where nothing broke, 1 where something did, 2 where the file cannot be judged.
+    /// Records are missing where the disk was too slow. After such a gap nothing is judged that depends on earlier
+    /// records, until the log states it again.
+    ///
+    /// Exit code: 0 if no rule was broken, 1 if one was, 2 if the file cannot be judged.
     #[cfg(feature = "simulation")]
     Judge(judge::LogJudge),
 }
@@ -40,5 +42,5 @@ pub(crate) fn log(command: &Log) -> Result<bool> {
 }
 
 fn read_log(path: &Path) -> Result<backseat_recorder::Log> {
-    read(path).context("expected the log of a run, as `run` or `sim --log` writes it")
+    read(path).context("expected the log of a run, written by `run` or `sim --log`")
 }

@@ -1,6 +1,6 @@
 //! `backseat`: simulates, deploys and checks plugins that steer a Bluefin vehicle through the Standard Payload
-//! Interface. The logic is in the crates below; here are the command line and the drivers that read clocks and
-//! sockets.
+//! Interface. This crate holds the command line and the drivers that read clocks and sockets; the logic is in the
+//! crates below it.
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
@@ -49,7 +49,8 @@ fn main() -> ExitCode {
     code
 }
 
-/// What panics in this thread ends the program, with the code that Rust gives it; but what it says gets out first.
+/// A panic in this thread ends the program with the exit code that Rust gives it, but waits until its message is
+/// printed.
 fn guarded(program: impl FnOnce() -> ExitCode + UnwindSafe) -> ExitCode {
     std::panic::catch_unwind(program).unwrap_or(ExitCode::from(PANICKED))
 }
@@ -63,7 +64,7 @@ fn program() -> ExitCode {
         .with(
             tracing_subscriber::fmt::layer()
                 .with_writer(|| terminal::Lines)
-                // Its own complaint would be an `eprintln!`, which panics where nobody reads.
+                // The subscriber's own errors would go to `eprintln!`, which panics where standard error is closed.
                 .log_internal_errors(false)
                 .with_ansi(std::io::stderr().is_terminal())
                 .with_target(false),
@@ -92,7 +93,7 @@ fn program() -> ExitCode {
     }
 }
 
-/// An error and its causes, without those that the text before them tells already.
+/// An error and its causes in one line, without the causes that the text already contains.
 fn one_line(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain() {
@@ -113,7 +114,7 @@ mod tests {
 
     #[test]
     fn a_panic_of_the_loop_ends_the_program_as_rust_does() {
-        assert_eq!(guarded(|| panic!("as it is meant to")), ExitCode::from(101));
+        assert_eq!(guarded(|| panic!("the test panics")), ExitCode::from(101));
         assert_eq!(guarded(|| ExitCode::from(UNMET)), ExitCode::from(UNMET));
     }
 }

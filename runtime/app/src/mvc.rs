@@ -1,4 +1,4 @@
-//! The mock vehicle as a TCP server: for our own runtime and for any other SPI client.
+//! The mock vehicle as a TCP server, for our own runtime and for any other SPI client.
 
 mod connection;
 mod log;
@@ -22,38 +22,39 @@ use crate::speed::Speed;
 pub(crate) struct Mvc {
     #[command(flatten)]
     pub(crate) mission: MissionArguments,
-    /// Where to listen
+    /// Listen on this address
     #[arg(long, default_value = "127.0.0.1:29500", value_name = "ADDR:PORT")]
     pub(crate) listen: String,
-    /// How many times faster than life, or `max`: as fast as its clients read
+    /// Run this many times faster than real time, or `max` for as fast as the clients read
     #[arg(long, default_value = "1", value_name = "X|max")]
     pub(crate) speed: Speed,
-    /// Whose habits: the specification's, or real vehicles' [default: the world's]
+    /// Which status messages are on from the start [default: as in world.toml]
     #[arg(long)]
     pub(crate) profile: Option<Profile>,
-    /// Give a role to the client that connects from this address, as in 192.168.10.10::sonar; where there are roles, who
-    /// gets none is turned away. Repeat it or write a list with commas [default: the world's roles]
+    /// Give this role to the client that connects from this address, such as 192.168.10.10::sonar. Where roles are
+    /// configured, a client without one is turned away. Repeat the option, or separate roles by commas [default: the
+    /// roles in world.toml]
     #[arg(long, value_name = "ADDRESS:PORT:ROLE", value_delimiter = ',')]
     pub(crate) iprole: Vec<RoleConfig>,
-    /// Play these faults of vehicle and links, instead of the world's
+    /// Inject the faults of vehicle and links in this file, instead of those in world.toml
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) faults: Option<PathBuf>,
-    /// Draws the world, the noise and what the specification leaves open
+    /// Seed for the world, the noise and what the specification leaves open
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Write every sentence both ways and every event here, with the vehicle's clock
+    /// Write every sentence in both directions and every event to this file, with the vehicle's clock
     #[arg(long, value_name = "FILE")]
     pub(crate) log: Option<PathBuf>,
-    /// End after so many seconds of the vehicle's time
+    /// End after this many seconds of the vehicle's time
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub(crate) duration: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Profile {
-    /// As the specification has it: all status messages off
+    /// As in the specification: all status messages are off
     Spec,
-    /// As real vehicles are: CTL and MIS on from the start
+    /// As real vehicles do: CTL and MIS are on
     Field,
 }
 

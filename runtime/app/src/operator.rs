@@ -1,4 +1,4 @@
-//! The operator's signals: SIGUSR1 holds, SIGUSR2 releases; SIGINT, SIGTERM and SIGHUP (the terminal is gone) stop.
+//! The operator's signals: SIGUSR1 holds, SIGUSR2 releases; SIGINT, SIGTERM and SIGHUP (the terminal has closed) stop.
 
 use std::io;
 
@@ -26,7 +26,8 @@ impl Signals {
 
     pub(crate) async fn next(&mut self) -> Operator {
         tokio::select! {
-            // Where both wait, for the process stood still, their order is not known: the hold is taken last, and stands.
+            // If both wait because the process stood still, their order is unknown. The hold is taken last, so that it
+            // wins.
             biased;
             _ = self.release.recv() => Operator::Release,
             _ = self.hold.recv() => Operator::Hold,

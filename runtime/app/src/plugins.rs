@@ -1,4 +1,4 @@
-//! Plugins when deployed: a thread each, so that none holds up core or another.
+//! Plugins when deployed: each runs on a thread of its own, so that none delays core or another plugin.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc;
@@ -10,11 +10,11 @@ use backseat_core::plugin::{FaultKind, PluginFault, PluginId, Returned, StepInpu
 use backseat_plugin_host::{Host, Plugin};
 use tokio::sync::mpsc::UnboundedSender;
 
-/// A step may take this long by the wall clock before it is cut off, beside its fuel.
+/// Besides its fuel, a step may take this long by the wall clock before it is interrupted.
 const DEADLINE_TICKS: u64 = 100;
 const TICK: Duration = Duration::from_millis(10);
 
-/// What comes back from a plugin's thread.
+/// The answer of a plugin's thread.
 pub(crate) enum Answer {
     Returned(PluginId, Returned),
     Restarted(PluginId, Restarted),
@@ -25,7 +25,7 @@ enum Order {
     Restart,
 }
 
-/// What a thread serves: a plugin, or what a test puts in its place.
+/// What a thread runs: a plugin, or a test's substitute.
 pub(crate) trait Steps: Send + 'static {
     fn step(&mut self, input: &StepInput) -> Returned;
     fn restart(&mut self) -> Restarted;
@@ -46,7 +46,7 @@ impl Steps for Plugin {
     }
 }
 
-/// The threads.
+/// The threads of all plugins.
 pub(crate) struct Crew {
     orders: Vec<mpsc::Sender<Order>>,
     answers: UnboundedSender<Answer>,
@@ -68,7 +68,7 @@ impl Crew {
         crew
     }
 
-    /// A thread for each of these.
+    /// Starts a thread for each plugin.
     pub(crate) fn of(plugins: Vec<Box<dyn Steps>>, answers: UnboundedSender<Answer>) -> Self {
         let orders = plugins
             .into_iter()
@@ -98,7 +98,7 @@ impl Crew {
 }
 
 impl Order {
-    /// The answer of a plugin whose thread is gone, or has panicked.
+    /// The answer for a plugin whose thread has ended or panicked.
     fn lost(&self, plugin: PluginId) -> Answer {
         let fault = PluginFault {
             kind: FaultKind::Start,
@@ -125,8 +125,8 @@ impl Order {
     }
 }
 
-/// Answers each order, also where the host itself panics (safety requirement 022): core would wait for that step for ever,
-/// and the plugin's failure would never be acted on.
+/// Answers each order, even if the host panics (safety requirement 022). Without an answer core would wait for that
+/// step for ever and never act on the plugin's failure.
 fn serve(id: PluginId, plugin: Box<dyn Steps>, orders: &mpsc::Receiver<Order>, answers: &UnboundedSender<Answer>) {
     let mut plugin = Some(plugin);
     while let Ok(order) = orders.recv() {
@@ -138,7 +138,7 @@ fn serve(id: PluginId, plugin: Box<dyn Steps>, orders: &mpsc::Receiver<Order>, a
             catch_unwind(act).ok()
         });
         if answered.is_none() {
-            // Nobody knows what a panic has left of it: it is not used again, and not even taken apart.
+            // The panic may have left the plugin in any state, so it is not used again, and not even dropped.
             std::mem::forget(plugin.take());
         }
         if answers.send(answered.unwrap_or_else(|| order.lost(id))).is_err() {
@@ -154,20 +154,20 @@ mod tests {
 
     use super::*;
 
-    /// The host panics in this plugin's first step.
+    /// A plugin whose host panics in the first step.
     struct Panics;
 
     impl Steps for Panics {
         fn step(&mut self, _: &StepInput) -> Returned {
-            panic!("as it is meant to")
+            panic!("the test panics in a step")
         }
 
         fn restart(&mut self) -> Restarted {
-            unreachable!("what has panicked is not used again")
+            unreachable!("a plugin that has panicked is not used again")
         }
     }
 
-    /// A plugin that wants nothing.
+    /// A plugin that requests nothing.
     struct Idle;
 
     impl Steps for Idle {
@@ -180,7 +180,7 @@ mod tests {
         }
 
         fn restart(&mut self) -> Restarted {
-            unreachable!("it does not fail")
+            unreachable!("this plugin does not fail")
         }
     }
 
@@ -204,13 +204,13 @@ mod tests {
         let (bad, good) = (PluginId(0), PluginId(1));
         crew.step(bad, nothing());
         let Some(Answer::Returned(PluginId(0), returned)) = answers.blocking_recv() else {
-            panic!("core waits for its step");
+            panic!("expected an answer to the step");
         };
         assert_eq!(returned.result.map_err(|fault| fault.kind), Err(FaultKind::Start));
         for _ in 0..2 {
             crew.restart(bad);
             let Some(Answer::Restarted(PluginId(0), restarted)) = answers.blocking_recv() else {
-                panic!("core waits for its restart");
+                panic!("expected an answer to the restart");
             };
             assert!(restarted.result.is_err());
         }

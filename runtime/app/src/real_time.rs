@@ -1,5 +1,5 @@
-//! The loop beside threads that panic (safety requirement 022). Nothing that reaches the program from outside makes one of
-//! them panic, as far as is known, so that this is shown with the loop and not with the program.
+//! The loop beside threads that panic (safety requirement 022). No known input from outside makes one of them panic, so
+//! these tests run the loop itself and not the program.
 
 use std::io::{self, Write};
 use std::thread;
@@ -24,22 +24,22 @@ use crate::run::{Around, Driver};
 /// The machine may be busy.
 const SOON: Duration = Duration::from_secs(30);
 
-/// A plugin whose every step and restart is a panic of the host.
+/// A plugin whose host panics in every step and restart.
 struct Panics;
 
 impl Steps for Panics {
     fn step(&mut self, _: &StepInput) -> Returned {
-        panic!("the host panics in a step, as it is meant to")
+        panic!("the test panics in a step")
     }
 
     fn restart(&mut self) -> Restarted {
-        panic!("the host panics in a restart, as it is meant to")
+        panic!("the test panics in a restart")
     }
 }
 
 impl Write for Panics {
     fn write(&mut self, _: &[u8]) -> io::Result<usize> {
-        panic!("the log panics, as it is meant to")
+        panic!("the test panics in the log")
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -48,10 +48,10 @@ impl Write for Panics {
 }
 
 fn signal(signal: Signal) {
-    kill_process(getpid(), signal).expect("this process is there");
+    kill_process(getpid(), signal).expect("this process exists");
 }
 
-/// Seconds until the vehicle hears the end of the lease.
+/// Seconds until the vehicle receives the end of the lease.
 fn ended_after_s(vehicle: &Scripted, act: Signal) -> f64 {
     let (since_s, before) = (vehicle.now_s(), vehicle.heard("BPEMB").len());
     signal(act);
@@ -134,9 +134,7 @@ fn sr_022_log_state_and_a_plugin_panic_and_the_vehicle_is_steered_on() {
         (worst_gap_s(&steered), held_s, ended_after_s(&vehicle, Signal::TERM))
     });
     let driven = runtime.block_on(driver.drive(answers, kept, heard, signals));
-    let (gap_s, held_s, ended_s) = operator
-        .join()
-        .expect("the vehicle was steered, held, released and left");
+    let (gap_s, held_s, ended_s) = operator.join().expect("the loop steered, held, released and ended");
     assert!(driven.is_ok(), "{driven:?}");
     assert!(gap_s < 2.5, "{gap_s:.3} s without a modify");
     assert!(

@@ -1,5 +1,5 @@
-//! The log of a run, written by a thread of its own (safety requirement 022): a disk that is slow, stuck or full holds
-//! nobody up. What finds no room in the queue is left out and counted, and the log says where.
+//! Writes the log of a run on a thread of its own (safety requirement 022), so that a slow, stuck or full disk delays
+//! nothing. Records that find no room in the queue are left out and counted, and the log marks the gap.
 
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -16,18 +16,18 @@ use backseat_recorder::{Header, Recorder, RecorderError};
 use backseat_units::Timestamp;
 use tracing::{error, warn};
 
-/// What waits for the disk at most, bytes: minutes of an ordinary run.
+/// Bytes that may wait for the disk: minutes of an ordinary run.
 const WAITING_MAX: usize = 32 << 20;
-/// Where so little waits, records are taken again.
+/// After a gap, recording starts again when this few bytes wait.
 const WAITING_LOW: usize = 1 << 20;
-/// What is handed over at once, bytes.
+/// Bytes in one piece of the queue.
 const PIECE: usize = 64 << 10;
 /// How long the end of a run waits until the log is on the disk.
 const FAREWELL: Duration = Duration::from_secs(2);
 
-/// The log of a run while it is written.
+/// The log of a run while it is being written.
 pub(crate) struct Recording {
-    /// Gone once the disk has failed: a full disk stops the log, not the vehicle.
+    /// `None` once the disk has failed: a full disk stops the log, not the vehicle.
     recorder: Option<Recorder<Queue>>,
     disk: Arc<Disk>,
     gap: Option<Gap>,
@@ -41,7 +41,7 @@ struct Gap {
     records: u64,
 }
 
-/// What the thread that writes and the loop know of each other.
+/// What the writing thread and the loop share.
 #[derive(Debug, Default)]
 struct Disk {
     waiting: AtomicUsize,
@@ -49,7 +49,7 @@ struct Disk {
 }
 
 impl Disk {
-    /// What has failed since it was last asked.
+    /// The failure since the last call, if there was one.
     fn failure(&self) -> Option<io::Error> {
         self.failure.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
@@ -60,7 +60,7 @@ impl Disk {
 }
 
 impl Recording {
-    /// Creates the file; one of that name is replaced.
+    /// Creates the file, and replaces an existing one.
     pub(crate) fn create(path: &Path, header: &Header<'_>) -> Result<Self> {
         let file = File::create(path).map_err(|source| RecorderError::Create {
             path: path.to_owned(),
@@ -69,18 +69,18 @@ impl Recording {
         Self::to(file, path.display().to_string(), header)
     }
 
-    /// Writes the log there; `name` is what it is called.
+    /// Writes the log to `file`; messages call it `name`.
     pub(crate) fn to(file: impl Write + Send + 'static, name: String, header: &Header<'_>) -> Result<Self> {
         let disk = Arc::new(Disk::default());
         let (pieces, waiting) = channel();
         let (has_ended, ended) = channel();
         let shared = Arc::clone(&disk);
         thread::Builder::new().name("log".to_owned()).spawn(move || {
-            // Who has panicked takes no piece any more, so that the queue stays full and nothing is sent that could fail.
+            // A thread that has panicked takes no more pieces, so the queue stays full and no later send can fail.
             if catch_unwind(AssertUnwindSafe(|| write_out(file, &waiting, &shared))).is_err() {
                 shared.fail(io::Error::other("its thread has panicked"));
             }
-            // The loop may be gone.
+            // The loop may have ended.
             let _gone = has_ended.send(());
         })?;
         let queue = Queue {
@@ -97,7 +97,7 @@ impl Recording {
         })
     }
 
-    /// Records what `act` says, where there is room for it.
+    /// Runs `act` to record something, where there is room for it.
     pub(crate) fn record(
         &mut self,
         now: Timestamp,
@@ -105,7 +105,7 @@ impl Recording {
     ) {
         let Some(recorder) = &mut self.recorder else { return };
         if let Some(failure) = self.disk.failure() {
-            error!("the log ends here, the run goes on: {failure}");
+            error!("the log ends here, the run continues: {failure}");
             self.recorder = None;
             return;
         }
@@ -126,21 +126,21 @@ impl Recording {
             }
             None if waiting > WAITING_MAX => {
                 self.gap = Some(Gap { since: now, records: 1 });
-                warn!("the disk does not take the log: records are left out until it does");
+                warn!("the disk does not accept the log: records are left out until it does");
                 return;
             }
             None => act(recorder),
         };
         if let Err(error) = result {
-            error!("the log ends here, the run goes on: {error}");
+            error!("the log ends here, the run continues: {error}");
             self.recorder = None;
         }
     }
 
-    /// Ends the file in order; where the disk is stuck, without its end.
+    /// Ends the file in order. If the disk is stuck, the file is left without its end.
     pub(crate) fn finish(mut self, now: Timestamp) {
         if self.gap.is_some() && self.disk.waiting.load(Ordering::Relaxed) <= WAITING_MAX {
-            // The last gap is closed by the end.
+            // The end of the file closes the last gap.
             let Gap { since, records } = self.gap.take().unwrap_or(Gap { since: now, records: 0 });
             if let Some(recorder) = &mut self.recorder {
                 let _told_below = recorder.gap(now, since, records);
@@ -151,7 +151,7 @@ impl Recording {
             error!("the log has no end: {error}");
         }
         match self.ended.recv_timeout(FAREWELL) {
-            Err(RecvTimeoutError::Timeout) => error!("the log has no end: the disk does not take it"),
+            Err(RecvTimeoutError::Timeout) => error!("the log has no end: the disk does not accept it"),
             Ok(()) | Err(RecvTimeoutError::Disconnected) => {
                 if let Some(failure) = self.disk.failure() {
                     error!("the log has no end: {failure}");
@@ -164,7 +164,7 @@ impl Recording {
 fn write_out(mut file: impl Write, pieces: &Receiver<Vec<u8>>, disk: &Disk) {
     let mut failed = false;
     while let Ok(piece) = pieces.recv() {
-        // After a failure the rest is taken and thrown away, so that nothing piles up until the loop hears of it.
+        // After a failure the remaining pieces are taken and dropped, so that none pile up until the loop learns of it.
         if !failed && let Err(failure) = file.write_all(&piece) {
             failed = true;
             disk.fail(failure);
@@ -173,7 +173,7 @@ fn write_out(mut file: impl Write, pieces: &Receiver<Vec<u8>>, disk: &Disk) {
     }
 }
 
-/// The loop's end of the queue. It never waits and never fails.
+/// The loop's end of the queue. Writing to it never waits and never fails.
 pub(crate) struct Queue {
     pieces: Sender<Vec<u8>>,
     disk: Arc<Disk>,
@@ -195,14 +195,14 @@ impl Write for Queue {
         if !self.buffer.is_empty() {
             let piece = std::mem::replace(&mut self.buffer, Vec::with_capacity(PIECE));
             self.disk.waiting.fetch_add(piece.len(), Ordering::Relaxed);
-            // The thread goes on as long as this end is there, unless it has panicked, and then it has said so.
+            // The thread runs as long as this end exists, unless it has panicked, which it has then reported.
             let _gone = self.pieces.send(piece);
         }
         Ok(())
     }
 }
 
-/// The recorder asks where it is, and goes nowhere else.
+/// The recorder asks for its position and never seeks elsewhere.
 impl Seek for Queue {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         match to {
@@ -214,7 +214,7 @@ impl Seek for Queue {
 
 impl Drop for Queue {
     fn drop(&mut self) {
-        // It never fails.
+        // This never fails.
         let _infallible = self.flush();
     }
 }
@@ -226,7 +226,7 @@ mod tests {
 
     use super::*;
 
-    /// A disk that takes nothing until it is let.
+    /// A disk that accepts nothing until the test lets it.
     struct Stuck {
         thaw: Receiver<()>,
         thawed: bool,
@@ -236,7 +236,7 @@ mod tests {
     impl Write for Stuck {
         fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
             if !self.thawed {
-                // The test lets it, or has failed.
+                // The test has let it continue, or has failed.
                 let _let = self.thaw.recv();
                 self.thawed = true;
             }
@@ -258,7 +258,7 @@ mod tests {
 
     impl Write for Panics {
         fn write(&mut self, _: &[u8]) -> io::Result<usize> {
-            panic!("as it is meant to")
+            panic!("the test panics in a write")
         }
 
         fn flush(&mut self) -> io::Result<()> {
@@ -282,12 +282,12 @@ mod tests {
     #[test]
     fn sr_022_a_log_whose_thread_panics_ends_and_the_run_goes_on() {
         let mut recording = Recording::to(Panics, "a log".to_owned(), &header()).unwrap();
-        // Far more than the queue holds, for a panic takes its time.
+        // Far more than the queue holds, because the panic takes some time.
         let bytes = vec![b'x'; 1 << 20];
         let mut second = 0;
         while recording.recorder.is_some() {
             second += 1;
-            assert!(second < 10_000_000, "it has not ended");
+            assert!(second < 10_000_000, "the log has not ended");
             let now = at(1000 * second);
             recording.record(now, |recorder| {
                 recorder.input(now, &backseat_core::Input::Received(&bytes))
@@ -314,7 +314,7 @@ mod tests {
         }
         assert!(
             recording.disk.waiting.load(Ordering::Relaxed) < WAITING_MAX + (4 << 20),
-            "it is bounded"
+            "the queue is bounded"
         );
         thaws.send(()).unwrap();
         while recording.disk.waiting.load(Ordering::Relaxed) > WAITING_LOW {
@@ -339,7 +339,11 @@ mod tests {
         let [(place, records)] = gaps[..] else {
             panic!("{gaps:?}");
         };
-        assert_eq!(place as u64 + records, 100, "what is there and what is missing is all");
+        assert_eq!(
+            place as u64 + records,
+            100,
+            "recorded and missing records add up to all"
+        );
         assert_eq!(log.entries.len(), place + 2);
     }
 }

@@ -33,37 +33,40 @@ use crate::state::State;
 pub(crate) struct Run {
     #[command(flatten)]
     pub(crate) mission: MissionArguments,
-    /// The vehicle's address, instead of the mission's
+    /// Connect to the vehicle at this address [default: vehicle.address of mission.toml]
     #[arg(long, value_name = "HOST:PORT")]
     pub(crate) connect: Option<String>,
-    /// Send what steers the vehicle; without it all else is done
+    /// Steer the vehicle; without this, everything runs but no request that steers is sent
     #[arg(long)]
     pub(crate) arm: bool,
     /// Write logs into this folder
     #[arg(long, value_name = "DIR", default_value = "logs")]
     pub(crate) log: PathBuf,
-    /// Keep identifiers and the operator's hold in this folder [default: the user's state folder]
+    /// Keep SPI identifiers and the operator's hold in this folder [default: a folder of the vehicle's name in the
+    /// user's state folder]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
-    /// Start a new record of SPI identifiers at this number, which no payload of this vehicle's mission has used
-    // 0 means none on the wire (SPI 6.21); the end leaves room for every request of a mission.
+    /// Start a new record of SPI identifiers at N, a number that no payload has used in this mission of the vehicle
+    // 0 means none on the wire (SPI 6.21); the upper bound leaves room for every request of a mission.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=2_000_000_000))]
     pub(crate) first_identifier: Option<u32>,
 }
 
-/// What is granted that the vehicle must know by an identifier.
+/// Grants for requests that the vehicle knows by an identifier.
 const NAMED: [Grant; 3] = [Grant::Insert, Grant::Surface, Grant::Acoustic];
 const FLUSH_EVERY: Duration = Duration::from_secs(2);
-/// A change of the system's UTC against its monotonic clock that is more than a daemon's slewing between two looks.
+/// A change of the system's UTC against its monotonic clock that is too large to be a time daemon's slewing between two
+/// checks.
 const UTC_STEP_MIN: Duration = Duration::from_millis(500);
-/// A state folder that has not answered for this long hangs.
+/// A state folder that has not answered for this long is reported as stuck.
 const STATE_WITHIN: Duration = Duration::from_secs(2);
-/// How long a last BPEMB may take to leave when the run ends.
+/// How long the last BPEMB may take to leave when the run ends.
 const FAREWELL: Duration = Duration::from_millis(300);
 
 pub(crate) fn run(arguments: &Run) -> Result<bool> {
-    // Before anything that takes time: an operator's signal counts from the first moment.
-    // Never dropped, also in a panic: that would wait for a name that is being resolved, which can take for ever.
+    // This comes before anything slow, so that the operator's signals count from the first moment. The runtime is never
+    // dropped, not even in a panic: dropping would wait for a host name that is being resolved, which can take for
+    // ever.
     let runtime = ManuallyDrop::new(tokio::runtime::Builder::new_current_thread().enable_all().build()?);
     let signals = {
         let _within = runtime.enter();
@@ -87,7 +90,8 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     let mut recorder = open_log(&arguments.log, &mission, &loaded.components, &clock)?;
     if identifiers.is_none() && names_requests(&mission) {
         info!(
-            "no record of SPI identifiers at {}: tracklines, circles, GPS hits and acoustic packets are off; begin one with --first-identifier N",
+            "no record of SPI identifiers at {}: tracklines, circles, GPS hits and acoustic packets are off; begin a \
+             record with --first-identifier N",
             state.identifiers_path().display()
         );
     }
@@ -100,12 +104,12 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     };
     if start.held {
         warn!(
-            "the operator's hold stands ({}): nothing will be sent that steers",
+            "the operator's hold is set ({}): nothing that steers will be sent",
             state.hold_path().display()
         );
     }
     if !start.armed {
-        info!("not armed: nothing will be sent that steers; --arm arms");
+        info!("not armed: nothing that steers will be sent; to arm, use --arm");
     }
     recorder.record(Timestamp::ZERO, |recorder| recorder.start(&start));
     let names = loaded.setups.iter().map(|setup| setup.name.clone()).collect();
@@ -128,19 +132,19 @@ pub(crate) fn run(arguments: &Run) -> Result<bool> {
     Ok(true)
 }
 
-/// Whether any plugin may ask for what needs an identifier.
+/// Whether any plugin may make requests that need an identifier.
 pub(crate) fn names_requests(mission: &Mission) -> bool {
     let mut grants = mission.file.plugins.iter().flat_map(|plugin| &plugin.grants);
     grants.any(|grant| NAMED.contains(grant))
 }
 
-/// What can never become an address is told at once; a name that is not known yet may be later.
+/// Checks the form of an address. A host name that cannot be resolved yet is accepted, because it may be later.
 pub(crate) fn host_and_port(address: &str, place: &str) -> Result<String> {
     match address.rsplit_once(':') {
         Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok_and(|port| port > 0) => {
             Ok(address.to_owned())
         }
-        _ => bail!("{place}: {address:?} is no address: expected HOST:PORT, such as 127.0.0.1:29500"),
+        _ => bail!("{place}: invalid address {address:?}: expected HOST:PORT, such as 127.0.0.1:29500"),
     }
 }
 
@@ -167,7 +171,7 @@ fn open_log(folder: &Path, mission: &Mission, components: &[(String, Vec<u8>)], 
     )
 }
 
-/// What comes of an attempt to connect; never, while there is none.
+/// The result of an attempt to connect; waits for ever without one.
 async fn connected(
     connecting: &mut Option<Pin<Box<dyn Future<Output = std::io::Result<TcpStream>>>>>,
 ) -> std::io::Result<TcpStream> {
@@ -177,7 +181,7 @@ async fn connected(
     }
 }
 
-/// What has threads or tasks of its own.
+/// The parts beside the loop, which have threads or tasks of their own.
 pub(crate) struct Around {
     pub(crate) crew: Crew,
     pub(crate) ports: Ports,
@@ -192,7 +196,7 @@ pub(crate) struct Driver {
     address: String,
     connect_at: Option<Timestamp>,
     connecting: Option<Pin<Box<dyn Future<Output = std::io::Result<TcpStream>>>>>,
-    /// When core was last asked: what it says then is as old.
+    /// When core last handled an input, and so when it judged the output of that.
     judged: Timestamp,
     crew: Crew,
     ports: Ports,
@@ -200,25 +204,25 @@ pub(crate) struct Driver {
     recorder: Recording,
     finished: bool,
     reset: bool,
-    /// The disk did not take the last reservation.
+    /// The last reservation could not be written to disk.
     cannot_reserve: bool,
-    /// Since when the state folder has not answered what it was asked.
+    /// When the oldest unanswered request to the state folder was made.
     state_asked: Option<Timestamp>,
-    /// That was told.
+    /// Whether that silence has been reported.
     state_silent: bool,
     /// The kind of the last refusal.
     last_refusal: Option<(Rule, String)>,
-    /// Why the link is gone, until it is told with what is done about it.
+    /// Why the link was lost, until this is logged together with the next attempt to connect.
     link_lost: Option<String>,
     recorded_navigation: Option<Timestamp>,
-    /// By how much core was last told that the system's clock was set, nanoseconds.
+    /// How far core believes that the system's clock was set, nanoseconds.
     utc_set_nanos: i64,
-    /// Of the plugins, for whoever reads.
+    /// The plugins' names, for messages.
     names: Vec<String>,
 }
 
 impl Driver {
-    /// Before its first connection to the vehicle at this address. `names` are the plugins'.
+    /// A loop that has not yet connected to the vehicle at this address. `names` are the plugins' names.
     pub(crate) fn new(core: Core, clock: Clock, address: String, around: Around, names: Vec<String>) -> Self {
         let Around {
             crew,
@@ -275,7 +279,8 @@ impl Driver {
             let wake = wake.into_iter().flatten().min().unwrap_or(flush_at);
             let instant = self.clock.instant(wake);
             tokio::select! {
-                // Core's timers first: a late wake-up must be seen as one before what has piled up is read.
+                // Core's timers come first: core must learn of a late wake-up before it handles the input that has
+                // piled up.
                 biased;
                 () = tokio::time::sleep_until(instant) => self.feed(Input::Timeout),
                 act = signals.next() => self.operator(act),
@@ -290,13 +295,13 @@ impl Driver {
                     Ready::Writable => self.flush(),
                     Ready::Closed => self.lose_link("the vehicle closed the connection".to_owned()),
                 },
-                // Last: whatever the operator's programs say waits for all else.
+                // The operator's programs come last: whatever they send can wait.
                 Some((source, bytes)) = heard.recv() => self.feed(Input::External(source, &bytes)),
             }
             let now = self.clock.now();
             slips.woke(wake, now);
             if self.link.write_deadline().is_some_and(|at| at <= now) {
-                self.lose_link("a write has waited for a second".to_owned());
+                self.lose_link("a write has been waiting for a second".to_owned());
             }
             if self.connect_at.is_some_and(|at| at <= now) {
                 self.connect_at = None;
@@ -315,13 +320,13 @@ impl Driver {
         self.farewell().await;
         // Nothing more can be sent.
         if !self.keeper.finish(self.core.used()) {
-            warn!("the state folder does not answer: what was reserved and not used is not given back");
+            warn!("the state folder does not answer: identifiers that were reserved and not used stay reserved");
         }
         self.recorder.finish(self.clock.now());
         Ok(())
     }
 
-    /// What the keeper of the state has done, or the operator to its folder.
+    /// Handles a result of the keeper, or an operator's act on the hold's file.
     fn kept(&mut self, kept: Kept) {
         if !matches!(kept, Kept::Act(_) | Kept::Gone) {
             self.state_asked = None;
@@ -333,47 +338,49 @@ impl Driver {
             Kept::Held => {}
             Kept::Reserved(reservation) => {
                 if std::mem::take(&mut self.cannot_reserve) {
-                    info!("identifiers can be reserved again, inserts are sent again");
+                    info!("identifiers can be reserved again; inserts are sent again");
                 }
                 self.feed(Input::Reserved(reservation));
             }
-            // It is asked for again and again; the words are for the first time.
+            // Core requests it again and again; only the first failure is logged.
             Kept::NotReserved(error) => {
                 if !std::mem::replace(&mut self.cannot_reserve, true) {
-                    error!("identifiers cannot be reserved, no more inserts are sent: {error:#}");
+                    error!("identifiers cannot be reserved; no more inserts are sent: {error:#}");
                 }
             }
             Kept::NotHeld(error) => {
-                error!("the operator's act holds for this run only, it could not be kept: {error:#}");
+                error!(
+                    "the operator's hold or release counts for this run only, because it could not be saved: {error:#}"
+                );
             }
             Kept::Act(act) => self.operator(act),
             Kept::Gone => {
                 (self.cannot_reserve, self.state_silent) = (true, true);
                 error!(
-                    "the thread that keeps the state has panicked: the operator's acts hold for this run only, no more inserts \
-                     are sent"
+                    "the thread that keeps the state has panicked: the operator's hold or release counts for this run \
+                     only, and no more inserts are sent"
                 );
             }
         }
     }
 
-    /// The state folder was asked to keep something.
+    /// Notes that the state folder has been asked to save something.
     fn ask_state(&mut self) {
         self.state_asked.get_or_insert(self.clock.now());
     }
 
-    /// A disk that hangs gives no error: who waits for it in vain is told.
+    /// Reports a state folder that does not answer: a disk that hangs gives no error.
     fn watch_state(&mut self, now: Timestamp) {
         let late = |asked: Timestamp| now.since(asked) >= STATE_WITHIN;
         if self.state_asked.is_some_and(late) && !std::mem::replace(&mut self.state_silent, true) {
             error!(
-                "the state folder does not answer; until it does the operator's acts hold for this run only, and no insert is \
-                 sent that is not reserved"
+                "the state folder does not answer; until it does, the operator's hold or release counts for this run \
+                 only, and inserts without a reserved identifier are not sent"
             );
         }
     }
 
-    /// A clock that is set after the start moves what zones with times are judged by.
+    /// Tells core when the system's clock was set after the start, because zones with time windows depend on it.
     fn follow_utc(&mut self) {
         let set = self.clock.utc_set_nanos();
         if u128::from(set.abs_diff(self.utc_set_nanos)) >= UTC_STEP_MIN.as_nanos() {
@@ -386,7 +393,7 @@ impl Driver {
         let now = self.clock.now();
         let due = self.core.poll_timeout().is_some_and(|due| due <= now);
         if due && !matches!(input, Input::Timeout) {
-            // The system was suspended, and with it the timer that is waited for.
+            // The system was suspended, and so was the timer that the loop waits for.
             self.take_in(now, Input::Timeout);
         }
         self.take_in(now, input);
@@ -429,7 +436,7 @@ impl Driver {
         match output {
             Output::Send(bytes) => {
                 if let Err(error) = self.link.send(self.judged, self.clock.now(), &bytes) {
-                    self.link_lost = Some(format!("the connection broke: {error}"));
+                    self.link_lost = Some(format!("the connection failed: {error}"));
                     self.reset = self.link.is_open();
                 }
             }
@@ -465,7 +472,7 @@ impl Driver {
             Note::Request(transition) => {
                 use backseat_core::plugin::{EndKind, RequestState};
                 match &transition.state {
-                    // A plugin that asks the same again and again is told of once.
+                    // A plugin that repeats a refused request is reported once.
                     RequestState::Rejected(refusal) => {
                         let kind = Some((refusal.rule(), refusal.summary()));
                         if self.last_refusal != kind {
@@ -501,7 +508,7 @@ impl Driver {
         }
     }
 
-    /// Hold and release outlive the process, whether the operator said them or a policy did.
+    /// Saves a hold or release of the operator or a policy, so that it outlives the process.
     fn keep(&mut self, act: &Operator) {
         let held = match act {
             Operator::Hold => true,
@@ -531,7 +538,7 @@ impl Driver {
 
     fn flush(&mut self) {
         if self.link.flush(self.clock.now()).is_err() {
-            self.lose_link("the connection broke".to_owned());
+            self.lose_link("the connection failed".to_owned());
         }
     }
 
@@ -541,7 +548,7 @@ impl Driver {
         self.feed(Input::LinkDown);
     }
 
-    /// Lets what is written leave, then closes in order.
+    /// Waits until all written bytes have left, then closes the link in order.
     async fn farewell(&mut self) {
         let until = self.clock.now() + FAREWELL;
         while self.link.write_deadline().is_some() && self.clock.now() < until {

@@ -1,7 +1,8 @@
-//! What the service manager is told of the control loop (the protocol of sd_notify(3)), and how late the loop was.
+//! Reports the control loop's state to the service manager (the protocol of sd_notify(3)) and measures how late the
+//! loop wakes.
 //!
-//! Only the loop that serves core calls this: a loop that is stuck feeds no watchdog, and is started anew (safety
-//! requirement 007: the vehicle has the helm by its own clock meanwhile).
+//! Only the loop that serves core calls this. A loop that is stuck therefore does not feed the watchdog, and the
+//! service manager restarts it (safety requirement 007: meanwhile the vehicle steers itself, by its own clock).
 
 use std::io;
 use std::os::linux::net::SocketAddrExt as _;
@@ -13,7 +14,7 @@ use tracing::{info, warn};
 
 /// A wake-up that is later than this is a slip.
 const SLIP: Duration = Duration::from_millis(50);
-/// One that is later than this has ended every lease.
+/// A wake-up that is later than this has ended every lease.
 const LATE: Duration = Duration::from_millis(500);
 const TELL_EVERY: Duration = Duration::from_secs(60);
 
@@ -27,13 +28,13 @@ pub(crate) struct Service {
 }
 
 impl Service {
-    /// As the environment says: `NOTIFY_SOCKET`, `WATCHDOG_USEC`, `WATCHDOG_PID`.
+    /// Reads `NOTIFY_SOCKET`, `WATCHDOG_USEC` and `WATCHDOG_PID` from the environment.
     pub(crate) fn from_environment() -> Self {
         let variable = |name| std::env::var(name).ok().filter(|value| !value.is_empty());
         let socket = variable("NOTIFY_SOCKET").and_then(|address| match connect(&address) {
             Ok(socket) => Some(socket),
             Err(error) => {
-                warn!("the service manager is not told: NOTIFY_SOCKET {address:?}: {error}");
+                warn!("cannot reach the service manager: NOTIFY_SOCKET {address:?}: {error}");
                 None
             }
         });
@@ -50,7 +51,7 @@ impl Service {
         }
     }
 
-    /// The loop has come round: the first time it is ready, and the watchdog is fed when it is time to.
+    /// Called in each round of the loop. Reports READY in the first one, and feeds the watchdog when that is due.
     pub(crate) fn comes_round(&mut self, now: Timestamp) {
         if !std::mem::replace(&mut self.ready, true) {
             self.tell("READY=1");
@@ -68,18 +69,18 @@ impl Service {
         self.feed_every.filter(|_| self.socket.is_some()).map(|_| self.feed_at)
     }
 
-    /// The loop has ended in order.
+    /// Reports that the loop has ended in order.
     pub(crate) fn stopping(&mut self) {
         self.tell("STOPPING=1");
     }
 
     fn tell(&mut self, state: &str) {
         let Some(socket) = &self.socket else { return };
-        // It never waits: a service manager that does not listen must not hold up the loop.
+        // The send never blocks: a service manager that does not listen must not delay the loop.
         if let Err(error) = socket.send(state.as_bytes())
             && !std::mem::replace(&mut self.failed, true)
         {
-            warn!("the service manager is not told {state}: {error}");
+            warn!("cannot report {state} to the service manager: {error}");
         }
     }
 }
@@ -111,7 +112,8 @@ struct Count {
 }
 
 impl Slips {
-    /// The loop was to wake at `promised` at the latest, and did now. Tells of the last minute where there were slips.
+    /// Notes that the loop, which was to wake at `promised` at the latest, woke at `now`. Logs the slips of each minute
+    /// that had some.
     pub(crate) fn woke(&mut self, promised: Timestamp, now: Timestamp) {
         let late = now.since(promised);
         if late > SLIP {
@@ -126,7 +128,7 @@ impl Slips {
         }
     }
 
-    /// Tells of the whole run.
+    /// Logs the slips of the whole run.
     pub(crate) fn end(&self) {
         match self.all.describe() {
             Some(told) => info!("slips: {told}"),
@@ -164,7 +166,7 @@ mod tests {
         let mut slips = Slips::default();
         slips.woke(at(1000), at(900));
         slips.woke(at(1000), at(1050));
-        assert_eq!(slips.all.describe(), None, "in time");
+        assert_eq!(slips.all.describe(), None, "no slip");
         slips.woke(at(2000), at(2051));
         slips.woke(at(3000), at(3700));
         let told = slips.all.describe().unwrap();
@@ -173,7 +175,7 @@ mod tests {
             "2 wake-ups over 50 ms late, 1 of them over 500 ms, the worst 0.700 s"
         );
         slips.woke(at(70_000), at(70_000));
-        assert_eq!(slips.minute.describe(), None, "a minute begins anew");
+        assert_eq!(slips.minute.describe(), None, "the count of the minute is reset");
         assert!(slips.all.describe().is_some());
     }
 

@@ -22,19 +22,19 @@ use crate::speed::Speed;
 pub(crate) struct Sim {
     #[command(flatten)]
     pub(crate) mission: MissionArguments,
-    /// Draws the world, the noise and what the specification leaves open
+    /// Seed for the world, the noise and what the specification leaves open
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Let go wrong what this file says and when, instead of the [faults] of world.toml
+    /// Inject the faults in this file, instead of the [faults] of world.toml
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) faults: Option<PathBuf>,
-    /// Write the log here
+    /// Write the log to this file
     #[arg(long, value_name = "FILE.mcap")]
     pub(crate) log: Option<PathBuf>,
-    /// Draw the run here
+    /// Draw a map of the run into this file
     #[arg(long, value_name = "FILE.svg")]
     pub(crate) map: Option<PathBuf>,
-    /// How many times faster than life, or `max`
+    /// Run this many times faster than real time, or `max`
     #[arg(long, default_value = "max", value_name = "X|max")]
     pub(crate) speed: Speed,
     /// Print one JSON object on standard output and nothing else
@@ -68,14 +68,14 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
         None => None,
     };
     if let Some(path) = &arguments.map {
-        // A place that cannot be written to is told before the run, not after it.
+        // Reports a file that cannot be written before the run, not after it.
         std::fs::write(path, "").with_context(|| format!("{}", path.display()))?;
     }
 
     if let [first, ..] = &mission.file.externals[..] {
         let all = mission.file.externals.len();
         info!(
-            "external sources are not simulated: {} and {} more are not listened for",
+            "external sources are not simulated: nothing listens for {} and {} more",
             first.name,
             all - 1
         );
@@ -107,7 +107,7 @@ pub(crate) fn sim(arguments: &Sim) -> Result<bool> {
     Ok(report.passed())
 }
 
-/// Goes no faster than a multiple of life.
+/// Runs no faster than a multiple of real time.
 fn paced(simulation: &mut Simulation, times: f64, progress: &ProgressBar, clock: &Clock) -> Result<()> {
     let mut next_show = Timestamp::ZERO;
     while simulation.advance()? {
@@ -194,7 +194,7 @@ fn print_report(report: &Report, arguments: &Sim) -> Result<()> {
         say!("    {violation}");
     }
     for unmet in &report.unmet {
-        say!("  not as expected: {unmet}");
+        say!("  expectation not met: {unmet}");
     }
     say!("  digest {}", report.digest);
     if let Some(path) = &arguments.log {

@@ -1,4 +1,4 @@
-//! `backseat spi`: the tools, between files, standard streams and a terminal.
+//! `backseat spi`: connects the SPI tools to files, standard streams and the terminal.
 
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Read};
@@ -11,41 +11,46 @@ use tokio::signal::unix::{SignalKind, signal};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Spi {
-    /// Show the messages of the interface, one a line; or one message whole
+    /// List the messages of the interface, or describe some in full
     ///
-    /// A row has the message's name, its section in SPI 1.12a, who sends it, its title, and its fields with unit and range.
+    /// Each row has the message's name, its section in SPI 1.12a, its sender, its title, and its fields with unit and
+    /// range.
     List(SpiList),
-    /// Show what a recording says, one line or JSON object for each sentence
+    /// Decode a recording: one line or JSON object for each sentence
     ///
-    /// Bytes of any kind are taken: sentences of both directions, line ends of all kinds, text before a `$`, broken lines.
-    /// A sentence begins with `$` and a name, and no sentence is dropped: what cannot be read is shown with its error.
-    /// What is no sentence (noise, lines over 4352 bytes) is counted on standard error at the end.
+    /// The recording may hold any bytes: sentences of both directions, any line ends, text in front of a `$`, broken
+    /// lines. A sentence begins with `$` and a name. Every sentence is shown; one that cannot be read is shown with its
+    /// error. Other bytes (noise, lines over 4352 bytes) are counted, and the counts are printed on standard error at
+    /// the end.
     ///
-    /// With --json an object has `name`, `checksum` (valid, invalid, absent), and either `message`, the typed fields that
-    /// `backseat spi list` names, or `error`, with the `line` of the input. Of a sentence with a wrong checksum nothing is
-    /// sure, so that it has an `error`, which names the right checksum; --ignore-checksum reads it all the same.
+    /// With --json each object has `name`, `checksum` (valid, invalid, absent), and one of `message`, with the typed
+    /// fields that `backseat spi list` describes, or `error`, with the `line` of the input. A sentence with a wrong
+    /// checksum has an `error` that gives the right checksum, because any of its values may be wrong; --ignore-checksum
+    /// decodes it nevertheless.
     ///
-    /// Exit code 0 also where sentences were faulty; 2 where the input cannot be read.
+    /// Exit code: 0 even if some sentences were faulty, 2 if the input cannot be read.
     Decode(SpiDecode),
-    /// Make sentences of JSON objects, one a line, as `decode --json` writes them
+    /// Encode JSON objects, one a line, as sentences; the reverse of `decode --json`
     ///
-    /// An object is {"name":"BPLOG","message":{"message":"NVG","on":true}}. What comes out is valid: checksum, CRLF, every
-    /// value within its range, no reserved character in a text. The first wrong line ends it, with exit code 2 and an error
-    /// that names line, field and what was expected; the sentences before it have been written.
+    /// An object is {"name":"BPLOG","message":{"message":"NVG","on":true}}. The output is always valid: it has checksum
+    /// and CRLF, every value is within its range, and no text contains a reserved character. The first invalid line
+    /// ends the command with exit code 2 and an error that gives the line, the field and what was expected. The
+    /// sentences before it have been written by then.
     Encode(SpiEncode),
-    /// Watch a live vehicle: subscribe to what it tells, and show it
+    /// Watch a live vehicle: subscribe to its messages and show them
     ///
-    /// On a terminal it shows the vehicle at a glance; into a pipe or with --json a line for each sentence, with the
-    /// seconds since the start. It sends the subscriptions (BPLOG) and nothing else, not even BPVER: it is no payload, and
-    /// takes no part in the mission. A lost link is made again with back-off.
+    /// On a terminal the vehicle's state is shown in one view. Into a pipe or with --json, each sentence is printed on
+    /// one line, with the seconds since the start. The command sends subscriptions (BPLOG) and nothing else, not even
+    /// BPVER: it is no payload and takes no part in the mission. It reconnects with back-off when the link is lost.
     ///
-    /// Ctrl-C ends it with a summary on standard error. Exit code 0 where a message was read, 1 where none was.
+    /// Ctrl-C ends the command and prints a summary on standard error. Exit code: 0 if a message was received, 1 if
+    /// none was.
     Connect(SpiConnect),
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct SpiList {
-    /// Show these whole: BFNVG, or its last three letters
+    /// Describe these messages in full: BFNVG, or just NVG
     pub(crate) names: Vec<String>,
     /// Print a JSON object for each message, one a line
     #[arg(long)]
@@ -59,30 +64,30 @@ pub(crate) struct SpiDecode {
     /// Print a JSON object for each sentence, one a line
     #[arg(long)]
     pub(crate) json: bool,
-    /// Read sentences whose checksum is wrong; it is still told to be
+    /// Decode sentences with a wrong checksum too; the checksum is still reported as invalid
     #[arg(long)]
     pub(crate) ignore_checksum: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct SpiEncode {
-    /// The objects, or - for standard input
+    /// A file of JSON objects, or - for standard input
     #[arg(default_value = "-")]
     pub(crate) file: PathBuf,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct SpiConnect {
-    /// Where the vehicle listens [default port: 29500]
+    /// The vehicle's address [default port: 29500]
     #[arg(value_name = "HOST[:PORT]")]
     pub(crate) address: String,
     /// Print a JSON object for each sentence, one a line
     #[arg(long)]
     pub(crate) json: bool,
-    /// Subscribe to these only; what a vehicle sends unasked is shown too [default: everything]
+    /// Subscribe to these messages only; what a vehicle sends unasked is shown too [default: all]
     #[arg(long, value_name = "NVG,CTL", value_delimiter = ',')]
     pub(crate) only: Vec<String>,
-    /// End after so many seconds
+    /// End after this many seconds
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) seconds: Option<u64>,
 }
@@ -155,7 +160,7 @@ fn watch(arguments: &SpiConnect) -> Result<bool> {
     Ok(watched.heard)
 }
 
-/// A reader of the output that has gone away is no error: `None`.
+/// `None` where the reader of the output has closed it, which is no error.
 fn finished<T>(result: Result<T, Error>) -> Result<Option<T>, Error> {
     match result {
         Ok(value) => Ok(Some(value)),
@@ -172,7 +177,7 @@ fn form(json: bool) -> Form {
     }
 }
 
-/// Colours are for a terminal, and for those who have not turned them off.
+/// Whether to use colours: on a terminal, unless the user has turned them off.
 fn colour() -> bool {
     io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }

@@ -1,4 +1,4 @@
-//! What outlives the process: the SPI identifiers and the inserts of the vehicle's mission that are reserved, and the
+//! State that outlives the process: the reserved SPI identifiers and inserts of the vehicle's mission, and the
 //! operator's hold.
 
 use std::fs;
@@ -13,18 +13,19 @@ use backseat_mission::Mission;
 const LOCK: &str = "lock";
 /// The name of the record.
 const IDENTIFIERS: &str = "identifiers";
-/// The name of the file that says whose state it is.
+/// The name of the file that holds the vehicle's name.
 const VEHICLE: &str = "vehicle";
 
 pub(crate) struct State {
     folder: PathBuf,
-    /// Held while this process lives, however it ends: two that read one record would use the same numbers.
+    /// Locked while this process lives, however it ends: two processes that read one record would use the same numbers.
     _lock: fs::File,
 }
 
 impl State {
-    /// Where the state of a mission's vehicle is: in the given folder, or in the user's under the vehicle's name. Not under
-    /// the mission's: the identifiers are the vehicle's, and it may see none twice, whatever the mission's folder is called.
+    /// The folder for the state of a mission's vehicle: the given one, or one of the vehicle's name in the user's state
+    /// folder. It does not depend on the mission's name, because the vehicle must never see an identifier twice,
+    /// whatever the mission's folder is called.
     pub(crate) fn folder_of(folder: Option<&Path>, mission: &Mission) -> Result<PathBuf> {
         match (folder, &mission.file.vehicle.name) {
             (Some(folder), _) => Ok(folder.to_path_buf()),
@@ -34,8 +35,8 @@ impl State {
                 let before = users.join(&mission.name);
                 if !folder.join(IDENTIFIERS).exists() && before.join(IDENTIFIERS).exists() {
                     bail!(
-                        "{}: this mission's state is in a folder under the mission's name, as it was kept before. If it is of \
-                         the vehicle `{vehicle}`, move it: mkdir -p {}, mv {} {}, echo {vehicle} > {}",
+                        "{}: an earlier version kept this mission's state in this folder, under the mission's name. \
+                         If it belongs to the vehicle `{vehicle}`, move it: mkdir -p {}, mv {} {}, echo {vehicle} > {}",
                         before.display(),
                         users.join("vehicles").display(),
                         before.display(),
@@ -46,14 +47,14 @@ impl State {
                 Ok(folder)
             }
             (None, None) => bail!(
-                "mission.toml: vehicle.name is missing: it names the folder that keeps the vehicle's identifiers and the \
+                "mission.toml: vehicle.name is missing: it names the folder for the vehicle's identifiers and the \
                  operator's hold; set it, or give a folder with --state DIR"
             ),
         }
     }
 
-    /// The state in a folder, of the vehicle of this name. The folder says whose it is: one that says another name is
-    /// refused, and so is one of a named vehicle that says none.
+    /// Opens the state of the vehicle `vehicle` in a folder. A folder that belongs to another vehicle is refused, and
+    /// so is a folder with an owner if the mission does not name its vehicle.
     pub(crate) fn open(folder: &Path, vehicle: Option<&str>) -> Result<Self> {
         let folder = folder.to_path_buf();
         fs::create_dir_all(&folder).with_context(|| format!("{}", folder.display()))?;
@@ -66,14 +67,14 @@ impl State {
                 Ok(state)
             }
             Err(fs::TryLockError::WouldBlock) => bail!(
-                "{}: another runtime uses this folder: stop it, or choose another folder with --state DIR",
+                "{}: another runtime uses this folder: stop that runtime, or choose another folder with --state DIR",
                 folder.display()
             ),
             Err(fs::TryLockError::Error(error)) => Err(error).with_context(|| format!("{}", path.display())),
         }
     }
 
-    /// Makes sure that the folder is this vehicle's.
+    /// Makes sure that the folder belongs to this vehicle.
     fn claim(&self, vehicle: Option<&str>) -> Result<()> {
         let path = self.folder.join(VEHICLE);
         let says = match fs::read_to_string(&path) {
@@ -85,16 +86,17 @@ impl State {
             (None, None) => Ok(()),
             (Some(vehicle), Some(says)) if vehicle == says => Ok(()),
             (Some(vehicle), Some(says)) => bail!(
-                "{}: this is the state of the vehicle `{says}`, and the mission is of `{vehicle}` (vehicle.name)",
+                "{}: this folder belongs to the vehicle `{says}`, but the mission is for `{vehicle}` (vehicle.name)",
                 self.folder.display()
             ),
             (None, Some(says)) => bail!(
-                "{}: this is the state of the vehicle `{says}`, and the mission names none: set vehicle.name in mission.toml",
+                "{}: this folder belongs to the vehicle `{says}`, but the mission names no vehicle: set vehicle.name \
+                 in mission.toml",
                 self.folder.display()
             ),
             (Some(vehicle), None) if self.identifiers_path().exists() => bail!(
-                "{}: there is a record of identifiers, and nothing that says of which vehicle, as it was kept before. If it is \
-                 of `{vehicle}`: echo {vehicle} > {}",
+                "{}: an earlier version has left a record of identifiers here that does not name its vehicle. If it \
+                 belongs to `{vehicle}`: echo {vehicle} > {}",
                 self.folder.display(),
                 path.display()
             ),
@@ -102,16 +104,16 @@ impl State {
         }
     }
 
-    /// The identifiers that may be used: everything from the recorded number on. `None` where there is no record: then
-    /// no insert is sent, because a number might be used twice.
+    /// The identifiers that may be used: all from the recorded number on. `None` without a record: then no insert is
+    /// sent, because a number might be used twice.
     pub(crate) fn identifiers(&self, first: Option<u32>) -> Result<Option<Identifiers>> {
         let path = self.identifiers_path();
         match (fs::read_to_string(&path), first) {
             (Ok(text), None) => {
                 let Some(identifiers) = identifiers(&text) else {
                     bail!(
-                        "{}: expected a number above 0, alone or with three more (the mission's first, inserts, GPS hits), \
-                         found {:?}",
+                        "{}: expected a number above 0, alone or followed by three (the mission's first identifier, \
+                         inserts, GPS hits), found {:?}",
                         path.display(),
                         text.trim()
                     );
@@ -120,8 +122,8 @@ impl State {
             }
             (Ok(text), Some(first)) => {
                 bail!(
-                    "{}: there is a record already, at {}; leave --first-identifier {first} away, or remove the file if \
-                     this is another mission of the vehicle",
+                    "{}: a record exists already and has reached {}; omit --first-identifier {first}, or delete the \
+                     file if this is another mission of the vehicle",
                     path.display(),
                     text.trim()
                 );
@@ -141,7 +143,7 @@ impl State {
         }
     }
 
-    /// Records that all of a reservation may have been used; returns when it is on disk.
+    /// Records that all of a reservation may have been used. Returns when the record is on disk.
     pub(crate) fn reserve(&self, reservation: &Reservation) -> Result<()> {
         let text = fs::read_to_string(self.identifiers_path())?;
         self.write_identifiers(&Identifiers {
@@ -168,16 +170,16 @@ impl State {
         self.folder.join(IDENTIFIERS)
     }
 
-    /// Whether the operator holds.
+    /// Whether the operator's hold is set.
     pub(crate) fn held(&self) -> bool {
-        // What cannot be told may be a hold.
+        // A hold is assumed where this cannot be determined.
         self.hold_file().unwrap_or(true)
     }
 
-    /// Whether its file is there; `None` where that cannot be told.
+    /// Whether the hold's file exists; `None` where that cannot be determined.
     fn hold_file(&self) -> Option<bool> {
         let there = self.hold_path().try_exists().ok()?;
-        // Without our lock this is not the folder that was opened: it was unmounted, or taken away as a whole.
+        // If our lock file is missing, this is not the folder that was opened: it was unmounted or removed as a whole.
         let ours = there || self.folder.join(LOCK).try_exists().ok()?;
         ours.then_some(there)
     }
@@ -189,7 +191,7 @@ impl State {
     pub(crate) fn set_held(&self, held: bool) -> Result<()> {
         if held {
             return self.write("hold", b"held by the operator\n").or_else(|full| {
-                // That the file is there is all that counts, and an empty one has room on a full disk.
+                // Only the existence of the file counts, and an empty file has room on a full disk.
                 let empty = fs::File::create(self.hold_path()).and_then(|file| file.sync_all());
                 let kept = empty.and_then(|()| fs::File::open(&self.folder)?.sync_all());
                 kept.map_err(|_| full)
@@ -201,7 +203,7 @@ impl State {
         }
     }
 
-    /// Whole or not at all, and on disk.
+    /// Writes the file whole or not at all, and syncs it to disk.
     fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
         let path = self.folder.join(name);
         let draft = self.folder.join(format!("{name}.new"));
@@ -216,20 +218,20 @@ impl State {
     }
 }
 
-/// Follows the file of the hold: the operator may put it there or take it away with any tool. Only a change of the file is
-/// an act of the operator's; that the runtime itself wrote or removed it is none.
+/// Watches the hold's file, which the operator may create or delete with any tool. A change that the runtime made
+/// itself is not an act of the operator.
 #[derive(Debug)]
 pub(crate) struct HoldWatch {
     there: bool,
 }
 
 impl HoldWatch {
-    /// From whether the run began with a hold: a file that has come or gone since is a change.
+    /// Starts from whether the run began with a hold, so that a later creation or deletion of the file is a change.
     pub(crate) const fn new(held: bool) -> Self {
         Self { there: held }
     }
 
-    /// The operator's act since the last look, if there was one.
+    /// The operator's act since the last call, if there was one.
     pub(crate) fn look(&mut self, state: &State) -> Option<Operator> {
         let there = state.hold_file()?;
         let changed = there != self.there;
@@ -237,14 +239,14 @@ impl HoldWatch {
         changed.then_some(if there { Operator::Hold } else { Operator::Release })
     }
 
-    /// The runtime has written or removed the file, or has failed to.
+    /// Notes that the runtime has written or removed the file, or has failed to.
     pub(crate) fn follow(&mut self, state: &State) {
         self.there = state.hold_file().unwrap_or(self.there);
     }
 }
 
-/// The record: the next identifier, the mission's first one, its inserts and its GPS hits; or a first one alone, which
-/// the operator has written.
+/// Parses the record: the next identifier, the mission's first one, its inserts and its GPS hits; or a first identifier
+/// alone, which the operator has written.
 fn identifiers(text: &str) -> Option<Identifiers> {
     let numbers: Vec<u32> = text
         .split_whitespace()
@@ -264,14 +266,14 @@ fn identifiers(text: &str) -> Option<Identifiers> {
     })
 }
 
-/// Where the user's programs keep what outlives them.
+/// The folder in which the user's programs keep their state.
 pub(crate) fn user_state_folder() -> Result<PathBuf> {
     if let Some(folder) = std::env::var_os("XDG_STATE_HOME").filter(|folder| !folder.is_empty()) {
         return Ok(PathBuf::from(folder));
     }
     match std::env::var_os("HOME").filter(|folder| !folder.is_empty()) {
         Some(home) => Ok(PathBuf::from(home).join(".local").join("state")),
-        None => bail!("neither XDG_STATE_HOME nor HOME is set: say where with --state DIR"),
+        None => bail!("neither XDG_STATE_HOME nor HOME is set: give a folder with --state DIR"),
     }
 }
 
@@ -288,7 +290,7 @@ mod tests {
         let file = folder.path().join("hold");
         fs::write(&file, "").unwrap();
         assert_eq!(watch.look(&state), Some(Operator::Hold));
-        // What is done about it writes the file anew, which is no further act.
+        // The response to it writes the file again, which is no further act.
         state.set_held(true).unwrap();
         watch.follow(&state);
         assert_eq!(watch.look(&state), None);
@@ -297,7 +299,7 @@ mod tests {
         state.set_held(false).unwrap();
         watch.follow(&state);
         assert_eq!(watch.look(&state), None);
-        // A hold that was said otherwise: the file is the runtime's own, and its removal the operator's.
+        // After a hold by other means the runtime has written the file, and the operator deletes it.
         state.set_held(true).unwrap();
         watch.follow(&state);
         assert_eq!(watch.look(&state), None);
@@ -309,7 +311,7 @@ mod tests {
     fn sr_015_a_hold_is_kept_as_an_empty_file_where_nothing_can_be_written() {
         let folder = tempfile::tempdir().unwrap();
         let state = State::open(folder.path(), None).unwrap();
-        // A folder where the draft would be: as a full disk, it cannot be written.
+        // A folder in the place of the draft makes the write fail, as a full disk does.
         fs::create_dir(folder.path().join("hold.new")).unwrap();
         state.set_held(true).unwrap();
         assert!(state.held());

@@ -1,5 +1,6 @@
-//! Standard error, behind a bounded queue with a thread of its own (safety requirement 022): a terminal that is slow, stuck
-//! or gone holds nobody up. What finds no room is dropped and counted, and the count is told when there is room again.
+//! Standard error, behind a bounded queue with a thread of its own (safety requirement 022), so that a slow, stuck or
+//! closed terminal delays nothing. Lines that find no room are dropped and counted, and the count is printed when there
+//! is room again.
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -8,9 +9,9 @@ use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::Duration;
 
-/// How many lines wait at most. A line is at most a few KiB long.
+/// How many lines may wait. A line is at most a few KiB long.
 const LINES_MAX: usize = 1024;
-/// How long the end of the program waits until all lines are out.
+/// How long the end of the program waits until all lines are written.
 const FAREWELL: Duration = Duration::from_millis(200);
 
 static TERMINAL: OnceLock<Terminal> = OnceLock::new();
@@ -25,11 +26,11 @@ struct Terminal {
 #[derive(Debug)]
 enum Entry {
     Line(Vec<u8>),
-    /// Tells whoever waits that all before it is out.
+    /// Reports that everything before it has been written.
     Mark(SyncSender<()>),
 }
 
-/// Writes into the queue, as `tracing`'s subscriber wants it: a write is a line.
+/// Writes into the queue, for `tracing`'s subscriber: each write is one line.
 #[derive(Debug)]
 pub(crate) struct Lines;
 
@@ -44,12 +45,12 @@ impl Write for Lines {
     }
 }
 
-/// As `eprintln!`, but never waits and never fails.
+/// Like `eprintln!`, but it never waits and never fails.
 pub(crate) fn tell(text: &str) {
     put(format!("{text}\n").into_bytes());
 }
 
-/// Takes standard error over, and what panics say with it. Before anything is said.
+/// Takes over standard error and the messages of panics. Call this before anything is printed.
 pub(crate) fn start() {
     let _terminal = terminal();
     std::panic::set_hook(Box::new(|panic| {
@@ -61,11 +62,11 @@ pub(crate) fn start() {
     }));
 }
 
-/// Waits until all is out, for [`FAREWELL`] at most.
+/// Waits until all lines are written, at most [`FAREWELL`].
 pub(crate) fn finish() {
     let (out, is_out) = sync_channel(1);
     if terminal().lines.try_send(Entry::Mark(out)).is_ok() {
-        // Whoever does not read by now will not.
+        // A terminal that has not accepted the lines by now is given up.
         let _late = is_out.recv_timeout(FAREWELL);
     }
 }
@@ -84,7 +85,7 @@ impl Terminal {
         let dropped = Arc::new(AtomicU64::new(0));
         let counted = Arc::clone(&dropped);
         let thread = thread::Builder::new().name("stderr".to_owned());
-        // Without a thread nothing is said, and every line is counted as dropped.
+        // If the thread cannot start, nothing is printed and every line counts as dropped.
         let _started = thread.spawn(move || write_out(out, &entries, &counted));
         Self { lines, dropped }
     }
@@ -103,8 +104,8 @@ fn write_out(mut out: impl Write, entries: &Receiver<Entry>, dropped: &AtomicU64
     while let Ok(entry) = entries.recv() {
         let lost = dropped.swap(0, Ordering::Relaxed);
         if lost > 0 {
-            let told = format!("{lost} lines were dropped: standard error took them too slowly\n");
-            // Where nobody reads there is nobody to be told, here and below.
+            let told = format!("{lost} lines were dropped: standard error was too slow\n");
+            // If the reader has closed standard error, no one is left to tell, here and below.
             let _gone = out.write_all(told.as_bytes());
         }
         match entry {
@@ -124,7 +125,7 @@ mod tests {
 
     use super::*;
 
-    /// Takes a line each time that it is let.
+    /// Accepts one line each time that the test lets it.
     struct Stuck {
         lets: Receiver<()>,
         taken: Sender<String>,
@@ -158,24 +159,24 @@ mod tests {
             lets.send(()).unwrap();
         }
         let told: Vec<String> = told.iter().take(LINES_MAX + 1).collect();
-        let count = format!("{lost} lines were dropped: standard error took them too slowly\n");
+        let count = format!("{lost} lines were dropped: standard error was too slow\n");
         assert_eq!(
             told.iter().filter(|line| **line == count).count(),
             1,
             "{:?}",
             &told[..3]
         );
-        // Its reader goes away: what is said then is said to nobody, and harms nobody.
+        // Its reader closes: later lines are lost and do no harm.
         drop(lets);
         terminal.put(b"nobody\n".to_vec());
     }
 
-    /// Panics at whatever it is given.
+    /// Panics on every write.
     struct Panics;
 
     impl Write for Panics {
         fn write(&mut self, _: &[u8]) -> io::Result<usize> {
-            panic!("as it is meant to")
+            panic!("the test panics in a write")
         }
 
         fn flush(&mut self) -> io::Result<()> {

@@ -6,11 +6,11 @@ use std::process::{Command, Output, Stdio};
 
 use crate::{Error, componentize};
 
-/// What plugins are compiled for.
+/// The target of plugins.
 pub const TARGET: &str = "wasm32-unknown-unknown";
 
-/// The profile `plugin`, given on the command line too, so that a crate outside of this workspace, or with a changed
-/// profile, is built alike.
+/// The settings of the profile `plugin`. They are also given on the command line, so that a crate outside of this
+/// workspace, or with a changed profile, is built in the same way.
 const PROFILE: [&str; 7] = [
     "profile.plugin.inherits='release'",
     "profile.plugin.opt-level=3",
@@ -21,13 +21,14 @@ const PROFILE: [&str; 7] = [
     "profile.plugin.debug=false",
 ];
 
-/// What separates the flags in `CARGO_ENCODED_RUSTFLAGS`.
+/// Separates the flags in `CARGO_ENCODED_RUSTFLAGS`.
 const FLAG_SEPARATOR: &str = "\x1f";
 
-/// The plugins of a workspace, in alphabetical order: the packages in its folder `plugins` that build a `cdylib`.
+/// The plugins of a workspace in alphabetical order: the packages in its folder `plugins` that build a `cdylib`.
 ///
 /// # Errors
-/// [`Error::Failed`] where there is no workspace, [`Error::Tool`] where cargo cannot be run.
+///
+/// [`Error::Failed`] if there is no workspace, [`Error::Tool`] if cargo cannot be run.
 pub fn plugins(workspace_dir: &Path) -> Result<Vec<String>, Error> {
     let metadata = metadata(workspace_dir, &["--no-deps"])?;
     let folder = Path::new(metadata["workspace_root"].as_str().unwrap_or_default()).join("plugins");
@@ -47,7 +48,7 @@ pub fn plugins(workspace_dir: &Path) -> Result<Vec<String>, Error> {
     Ok(names)
 }
 
-/// Whether a package of cargo's metadata builds a module.
+/// Whether a package in cargo's metadata builds a module.
 fn is_plugin(package: &serde_json::Value) -> bool {
     let targets = package["targets"].as_array().into_iter().flatten();
     targets
@@ -56,16 +57,18 @@ fn is_plugin(package: &serde_json::Value) -> bool {
         .any(|kind| kind == "cdylib")
 }
 
-/// Builds the packages of a workspace, or the crate in a folder (then `packages` may be empty), and writes each as a
-/// component to `out_dir/NAME.wasm`, NAME the package's. Gives the paths, in the order of `packages` (by name, where
-/// that is empty).
+/// Builds packages and writes each as a component to `out_dir/NAME.wasm`, where NAME is the package's name. The
+/// packages are those of a workspace, or the single crate in a folder, for which `packages` may be empty. Returns the
+/// paths in the order of `packages`, or by name if that is empty.
 ///
-/// Cargo is the one that runs this (`$CARGO`), or else the one in the path; what it has to say goes to standard error.
+/// Uses the cargo that runs this program (`$CARGO`), or else the one in the path. Cargo's messages go to standard
+/// error.
 ///
 /// # Errors
-/// [`Error::TargetMissing`] where the toolchain lacks the target, [`Error::Failed`] where the code does not compile,
-/// [`Error::NoModule`] where a package is no `cdylib`, [`Error::Encode`] where its module is no plugin, [`Error::Tool`] and
-/// [`Error::File`] where tools or folders are missing.
+///
+/// [`Error::TargetMissing`] if the toolchain lacks the target, [`Error::Failed`] if the code does not compile,
+/// [`Error::NoModule`] if a package is not a `cdylib`, [`Error::Encode`] if its module is not a plugin, [`Error::Tool`]
+/// and [`Error::File`] if tools or folders are missing.
 pub fn build(workspace_or_crate_dir: &Path, packages: &[&str], out_dir: &Path) -> Result<Vec<PathBuf>, Error> {
     require_target(workspace_or_crate_dir)?;
     let modules = compile(workspace_or_crate_dir, packages)?;
@@ -96,7 +99,7 @@ pub fn build(workspace_or_crate_dir: &Path, packages: &[&str], out_dir: &Path) -
         .collect()
 }
 
-/// Asks the compiler itself where the target's libraries would be: it knows of toolchains without rustup too.
+/// Asks the compiler where the target's libraries should be, which also works for toolchains without rustup.
 fn require_target(directory: &Path) -> Result<(), Error> {
     let libraries = rustc(directory, &["--print", "target-libdir", "--target", TARGET])?;
     if Path::new(libraries.trim()).is_dir() {
@@ -106,7 +109,7 @@ fn require_target(directory: &Path) -> Result<(), Error> {
     }
 }
 
-/// Runs cargo; gives the module of each package that has one, by the package's name.
+/// Runs cargo, and returns the module of each package that has one, by the package's name.
 fn compile(directory: &Path, packages: &[&str]) -> Result<BTreeMap<String, PathBuf>, Error> {
     let cargo = cargo();
     let mut command = Command::new(&cargo);
@@ -120,7 +123,7 @@ fn compile(directory: &Path, packages: &[&str]) -> Result<BTreeMap<String, PathB
     }
     command.current_dir(directory).stderr(Stdio::inherit());
     command.env("CARGO_ENCODED_RUSTFLAGS", flags(directory)?);
-    // They would cut or optimise the code another way, and the component would be another one.
+    // Such settings would change the generated code, and so the component.
     command
         .env_remove("CARGO_INCREMENTAL")
         .env_remove("RUSTC_WORKSPACE_WRAPPER");
@@ -140,7 +143,7 @@ fn compile(directory: &Path, packages: &[&str]) -> Result<BTreeMap<String, PathB
         .collect())
 }
 
-/// The module that a line of cargo's JSON messages tells of, with its package's name.
+/// The module in a line of cargo's JSON messages, with its package's name.
 fn module(message: &str) -> Option<(String, PathBuf)> {
     let message: serde_json::Value = serde_json::from_str(message).ok()?;
     if message["reason"] != "compiler-artifact" {
@@ -155,7 +158,7 @@ fn module(message: &str) -> Option<(String, PathBuf)> {
     Some((package_name(message["package_id"].as_str()?)?.to_owned(), file.into()))
 }
 
-/// The name in a package ID (the Cargo book, "Package ID Specifications"): `URL#NAME@VERSION`, or `URL#VERSION` where the
+/// The name in a package ID (the Cargo book, "Package ID Specifications"): `URL#NAME@VERSION`, or `URL#VERSION` if the
 /// name is the last part of the URL.
 fn package_name(id: &str) -> Option<&str> {
     let (url, fragment) = id.rsplit_once('#')?;
@@ -165,15 +168,15 @@ fn package_name(id: &str) -> Option<&str> {
     }
 }
 
-/// Compiler flags that take the machine's paths out of the artefact: panics carry the names of source files.
+/// Compiler flags that remove the machine's paths from the artefact, because panics contain the names of source files.
 fn flags(directory: &Path) -> Result<OsString, Error> {
     let mut prefixes = local_sources(directory)?;
     if let Some(home) = cargo_home() {
-        // The folders' names hold a hash of the registry's address, which a mirror changes.
+        // The folders' names contain a hash of the registry's address, which differs for a mirror.
         let registries = fs::read_dir(home.join("registry/src")).into_iter().flatten().flatten();
         prefixes.extend(registries.map(|entry| (entry.path(), "/registry".into())));
     }
-    // Where the library's sources are installed, the compiler names them by their place on this machine.
+    // Where the library's sources are installed, the compiler uses their path on this machine.
     let sysroot = rustc(directory, &["--print", "sysroot"])?;
     let version = rustc(directory, &["-vV"])?;
     if let Some(commit) = version.lines().find_map(|line| line.strip_prefix("commit-hash: ")) {
@@ -182,7 +185,7 @@ fn flags(directory: &Path) -> Result<OsString, Error> {
             format!("/rustc/{commit}"),
         ));
     }
-    // The last prefix that matches counts: the longest has to come last.
+    // The last matching prefix is used, so the longest must come last.
     prefixes.sort();
     let mut flags = OsString::new();
     for (from, to) in prefixes {
@@ -197,8 +200,8 @@ fn flags(directory: &Path) -> Result<OsString, Error> {
     Ok(flags)
 }
 
-/// Where the sources are that come from no registry, and what the artefact calls those places: the workspace, and
-/// packages outside of it that it names by path (the SDK, for a plugin of its own folder).
+/// The places of sources that do not come from a registry, and their names in the artefact: the workspace, and packages
+/// outside of it that are dependencies by path (the SDK, for a plugin in a folder of its own).
 fn local_sources(directory: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
     let metadata = metadata(directory, &["--filter-platform", TARGET])?;
     let root = Path::new(metadata["workspace_root"].as_str().unwrap_or_default());
@@ -215,7 +218,7 @@ fn local_sources(directory: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
     Ok(sources)
 }
 
-/// What cargo tells of a workspace. Fields that are missing are null, which the callers take for nothing found.
+/// Cargo's metadata of a workspace. Missing fields are null, which callers treat as empty.
 fn metadata(directory: &Path, arguments: &[&str]) -> Result<serde_json::Value, Error> {
     let cargo = cargo();
     let mut command = Command::new(&cargo);
@@ -242,7 +245,7 @@ fn cargo_home() -> Option<PathBuf> {
     home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo")))
 }
 
-/// What rustc prints. It is run in the crate's folder, as a toolchain file there decides which one it is.
+/// The output of rustc. It runs in the crate's folder, where a toolchain file may select the version.
 fn rustc(directory: &Path, arguments: &[&str]) -> Result<String, Error> {
     let mut command = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
     command.args(arguments).current_dir(directory).stderr(Stdio::inherit());
@@ -264,7 +267,7 @@ fn run(mut command: Command, tool: &str) -> Result<Output, Error> {
     })
 }
 
-/// Writes a file so that whoever reads it sees the old bytes or the new, never a part: tests build side by side.
+/// Writes a file so that readers see either the old or the new bytes, never a part, because tests build side by side.
 fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let part = path.with_extension(format!("wasm.{}", std::process::id()));
     fs::write(&part, bytes)

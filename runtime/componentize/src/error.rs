@@ -4,7 +4,7 @@ use std::process::ExitStatus;
 /// Why a component was not built.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A core module that is no plugin.
+    /// A core module is not a plugin.
     #[error("the module cannot be made a component: {0}")]
     Encode(String),
     /// The Rust toolchain cannot compile for WebAssembly.
@@ -15,28 +15,28 @@ pub enum Error {
     Tool {
         /// `cargo` or `rustc`.
         tool: String,
-        /// Why not.
+        /// The reason.
         source: std::io::Error,
     },
-    /// A tool ran and failed; it has written why to standard error.
+    /// A tool ran and failed; its message is on standard error.
     #[error("{tool} failed in {directory}: {status}")]
     Failed {
         /// `cargo build`, `cargo metadata` or `rustc`.
         tool: &'static str,
-        /// Where it was run.
+        /// The folder in which it was run.
         directory: PathBuf,
         /// How it ended.
         status: ExitStatus,
     },
-    /// A package without a module.
+    /// A package has no module.
     #[error("package {0} has no module: its Cargo.toml needs `crate-type = [\"cdylib\", \"rlib\"]` under [lib]")]
     NoModule(String),
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     File {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         source: std::io::Error,
     },
 }

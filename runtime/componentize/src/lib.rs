@@ -1,8 +1,8 @@
 //! Builds a plugin's crate into a WebAssembly component.
 //!
-//! A Rust plugin is compiled for `wasm32-unknown-unknown`, whose modules import nothing but what the WIT world names
-//! (no WASI), and wrapped into a component here, with the encoder that the host's wasmtime itself is built with. The
-//! same source gives the same bytes: the profile is fixed, and no path of the machine is in the artefact.
+//! A Rust plugin is compiled for `wasm32-unknown-unknown`, so that its module imports only what the WIT world names (no
+//! WASI). This crate wraps the module into a component, with the same encoder as the host's wasmtime. The same source
+//! gives the same bytes: the profile is fixed, and the artefact contains no path of the machine.
 
 mod build;
 mod error;
@@ -15,14 +15,15 @@ use wit_component::ComponentEncoder;
 /// Wraps a core module with `wit-bindgen`'s metadata into a component.
 ///
 /// # Errors
-/// [`Error::Encode`] where the bytes are no core module, have no metadata, or their imports and exports are not those of
-/// the world that the metadata describes.
+///
+/// [`Error::Encode`] if the bytes are not a core module, have no metadata, or have imports and exports other than those
+/// of the world in the metadata.
 pub fn componentize(core_module: &[u8]) -> Result<Vec<u8>, Error> {
     ComponentEncoder::default()
         .validate(true)
         .module(core_module)
         .and_then(|mut encoder| encoder.encode())
-        // The alternate form of anyhow's errors is the whole chain in one line.
+        // The alternate format of anyhow's errors has the whole chain in one line.
         .map_err(|error| Error::Encode(format!("{error:#}").replace('\n', " ")))
 }
 

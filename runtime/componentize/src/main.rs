@@ -1,6 +1,6 @@
-//! `backseat-componentize DIR OUT_DIR [PACKAGE…]`: builds packages of a workspace (every plugin in it, where none is named)
-//! as components, `OUT_DIR/NAME.wasm`, and prints the paths. A program of its own, so that `cargo xtask` need not compile
-//! the encoder before it can do anything.
+//! `backseat-componentize DIR OUT_DIR [PACKAGE…]`: builds packages of a workspace (every plugin in it, if none is
+//! named) as components, `OUT_DIR/NAME.wasm`, and prints the paths. It is a program of its own, so that `cargo xtask`
+//! can start without compiling the encoder.
 
 use std::ffi::OsString;
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 #![expect(
     clippy::unwrap_used,
-    reason = "the lint knows only test functions as tests, not what they call"
+    reason = "the lint exempts test functions only, not the functions that they call"
 )]
 
 use std::fs;
@@ -16,14 +16,14 @@ fn workspace() -> PathBuf {
         .unwrap()
 }
 
-/// A folder of this test's own, empty but for what an earlier run's cargo may use again.
+/// A folder for this test, empty except for what an earlier run's cargo may reuse.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     fs::create_dir_all(&folder).unwrap();
     folder
 }
 
-/// Runs the program in the target folder of the workspace, so that what comes from the registry is compiled once for all.
+/// Runs the program with the workspace's target folder, so that crates from the registry are compiled once for all.
 fn componentize(from: &Path, out: &Path, packages: &[&str]) -> Output {
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap();
     Command::new(env!("CARGO_BIN_EXE_backseat-componentize"))
@@ -34,7 +34,7 @@ fn componentize(from: &Path, out: &Path, packages: &[&str]) -> Output {
         .unwrap()
 }
 
-/// The component that it builds of this package.
+/// The component that the program builds from this package.
 fn built(from: &Path, out: &Path, package: &str) -> Vec<u8> {
     let output = componentize(from, out, &[package]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -80,7 +80,7 @@ fn the_same_source_gives_the_same_component_wherever_it_is() {
         format!("{head}{members}{rest}").replace("exclude", "# exclude"),
     )
     .unwrap();
-    // Where no package is named, the workspace's plugins are built.
+    // If no package is named, the workspace's plugins are built.
     let output = componentize(&elsewhere, &folder("there"), &[]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let there = fs::read(folder("there").join("template.wasm")).unwrap();

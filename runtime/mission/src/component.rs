@@ -2,11 +2,12 @@ use std::path::{Path, PathBuf};
 
 use crate::error::MissionError;
 
-/// Finds a plugin's component: a path (with a separator or an ending) counts from the mission's folder; a bare name is
-/// looked up as `NAME.wasm` in the given folder, in `$BACKSEAT_PLUGINS`, then in `target/plugins`.
+/// Finds a plugin's component. A path (with a separator or an extension) is relative to the mission's folder. A bare
+/// name is looked up as `NAME.wasm` in the given folder, in `$BACKSEAT_PLUGINS`, then in `target/plugins`.
 ///
 /// # Errors
-/// [`MissionError::NoComponent`] names the places.
+///
+/// [`MissionError::NoComponent`] with the places that were tried.
 pub fn find_component(
     mission: &Path,
     plugin: &str,

@@ -1,56 +1,56 @@
 use std::path::PathBuf;
 
-/// A mission that cannot be used. Always one line: file, place, what was expected.
+/// A mission that cannot be used. The message is one line: the file, the place in it, what was expected.
 #[derive(Debug, thiserror::Error)]
 pub enum MissionError {
-    /// A file that cannot be read.
+    /// A file cannot be read.
     #[error("{}: {source}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: std::io::Error,
     },
-    /// The folder is no mission.
+    /// The folder holds no mission.
     #[error("{}: no mission here: expected a folder with mission.toml and a fence", path.display())]
     NoMission {
-        /// What was given.
+        /// The path that was given.
         path: PathBuf,
     },
-    /// A fault in a TOML file.
+    /// An error in a TOML file.
     #[error("{}:{line}: {message}", path.display())]
     Toml {
         /// The file.
         path: PathBuf,
         /// Counted from 1.
         line: usize,
-        /// What is wrong and what was expected.
+        /// What is wrong, and what was expected.
         message: String,
     },
-    /// A value that is no good.
+    /// An invalid value.
     #[error("{}: {message}", path.display())]
     Value {
         /// The file.
         path: PathBuf,
-        /// Key, value, what was expected.
+        /// The key, its value and what was expected.
         message: String,
     },
-    /// A fault in the environment's or the command line's layer.
+    /// An error in a value from the environment or the command line.
     #[error("{layer}: {message}")]
     Layer {
-        /// Which layer.
+        /// Where the value comes from.
         layer: String,
         /// What is wrong.
         message: String,
     },
-    /// A plugin's component is nowhere.
+    /// A plugin's component was not found.
     #[error("plugin `{plugin}`: no component `{component}`: looked for {looked}")]
     NoComponent {
         /// The plugin's name in the mission.
         plugin: String,
         /// Its `component` key.
         component: String,
-        /// The places, in order.
+        /// The places that were tried, in order.
         looked: String,
     },
 }

@@ -4,13 +4,13 @@ use std::net::SocketAddr;
 use backseat_core::{ExternalBounds, ExternalSentence, ExternalSetup};
 use serde::{Deserialize, Serialize};
 
-/// A `[[external]]` table: a program of the operator's that may send what no plugin may.
+/// An `[[external]]` table: an operator's program that may send sentences that no plugin may send.
 ///
 /// ```toml
 /// [[external]]
 /// name = "usbl"
 /// sends = ["BPNPU"]              # or BPCTD, BPTMR, BPRNS, BPRBO
-/// listen = "127.0.0.1:29510"     # where it connects to, by TCP; the default is this machine alone
+/// listen = "127.0.0.1:29510"     # the TCP address it connects to; by default reachable from this machine only
 ///
 /// [external.bounds]
 /// fix_distance_max_m = 200.0
@@ -20,12 +20,12 @@ use serde::{Deserialize, Serialize};
 pub struct ExternalTable {
     /// Its name in this mission.
     pub name: String,
-    /// What it may send.
+    /// The sentences that it may send.
     pub sends: Vec<ExternalSentence>,
-    /// Where it is listened for, an IP address and a port. One program at a time.
+    /// The IP address and port on which we listen for it. One program may be connected at a time.
     #[serde(default = "default_listen")]
     pub listen: String,
-    /// The figures that it may send, and how often.
+    /// The values that it may send, and how often.
     #[serde(default)]
     pub bounds: ExternalBounds,
 }
@@ -35,7 +35,7 @@ fn default_listen() -> String {
 }
 
 impl ExternalTable {
-    /// Core's part of it.
+    /// The part of this table that core needs.
     #[must_use]
     pub fn setup(&self) -> ExternalSetup {
         ExternalSetup {
@@ -45,7 +45,7 @@ impl ExternalTable {
         }
     }
 
-    /// Where it is listened for; `None` where `listen` is no address.
+    /// The address on which we listen for it; `None` where `listen` is invalid.
     #[must_use]
     pub fn address(&self) -> Option<SocketAddr> {
         self.listen
@@ -55,7 +55,7 @@ impl ExternalTable {
     }
 }
 
-/// What is wrong with the first external source that is no good, in one line.
+/// What is wrong with the first invalid external source, in one line.
 pub(crate) fn check_externals(externals: &[ExternalTable]) -> Result<(), String> {
     let (mut names, mut addresses) = (BTreeSet::new(), BTreeSet::new());
     for source in externals {
@@ -68,7 +68,7 @@ pub(crate) fn check_externals(externals: &[ExternalTable]) -> Result<(), String>
         let sentences: BTreeSet<_> = source.sends.iter().collect();
         if sentences.is_empty() || sentences.len() < source.sends.len() {
             return Err(format!(
-                "external source `{name}`: sends needs one sentence at least, and none twice"
+                "external source `{name}`: sends needs at least one sentence, and each only once"
             ));
         }
         let Some(address) = source.address() else {
@@ -79,7 +79,7 @@ pub(crate) fn check_externals(externals: &[ExternalTable]) -> Result<(), String>
         };
         if !addresses.insert(address) {
             return Err(format!(
-                "external source `{name}`: listen is {address}, where another external source is listened for"
+                "external source `{name}`: listen is {address}, which another external source uses already"
             ));
         }
         source

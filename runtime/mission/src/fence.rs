@@ -1,4 +1,4 @@
-//! The fence's file of a mission, in one of three forms.
+//! The fence's file of a mission, in one of three formats.
 
 use std::path::Path;
 
@@ -9,24 +9,24 @@ use serde_json::Value;
 use crate::error::MissionError;
 use crate::mission::{read, value};
 
-/// The forms, in the order in which they are told.
+/// The formats, in the order in which messages list them.
 const FILES: [&str; 3] = ["fence.geojson", "fence.plan", "fence.kml"];
 
-/// The `[fence]` table: what `fence.plan` cannot say of its zones, and `fence.kml` need not. `fence.geojson` says all of
-/// it, and has none.
+/// The `[fence]` table: the values that `fence.plan` cannot hold and `fence.kml` may leave out. `fence.geojson` holds
+/// all of them, so the table is not allowed with it.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FenceTable {
-    /// Kept from the edges of all zones, metres, 0 or more.
+    /// Distance from the edges of all zones, metres, 0 or more.
     pub margin_m: f64,
-    /// Shallowest depth of keep-in zones, metres; 0 where absent.
+    /// Shallowest depth of keep-in zones, metres; 0 if missing.
     #[serde(default)]
     pub depth_min_m: f64,
     /// Deepest depth of keep-in zones, metres.
     pub depth_max_m: f64,
-    /// Least height above the bottom of keep-in zones, metres, 0 or more.
+    /// Least altitude above the bottom in keep-in zones, metres, 0 or more.
     pub altitude_min_m: f64,
-    /// Whether the vehicle may surface in keep-in zones; false where absent.
+    /// Whether the vehicle may surface in keep-in zones; false if missing.
     #[serde(default)]
     pub surfacing: bool,
 }
@@ -36,13 +36,13 @@ pub(crate) struct Loaded {
     pub(crate) fence: Fence,
     /// The name of its file.
     pub(crate) file: &'static str,
-    /// As GeoJSON with areas alone, for whoever reads no other form.
+    /// The fence as GeoJSON with polygons only, for readers of no other format.
     pub(crate) text: String,
 }
 
-/// Reads the one fence of a mission's folder.
+/// Reads the fence of a mission's folder, which must have exactly one.
 pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, MissionError> {
-    // Also what cannot be read, such as a link that leads nowhere: somebody meant it to be the fence.
+    // A file that cannot be read, such as a dangling link, counts too: someone meant it to be the fence.
     let there = |file: &&str| folder.join(file).symlink_metadata().is_ok();
     let found: Vec<&str> = FILES.into_iter().filter(there).collect();
     let file = match found[..] {
@@ -52,10 +52,7 @@ pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, 
             return Err(value(folder, expected.to_owned()));
         }
         _ => {
-            let several = format!(
-                "has {}: expected one fence, nobody could say which counts",
-                found.join(" and ")
-            );
+            let several = format!("found {}: expected only one fence file", found.join(" and "));
             return Err(value(folder, several));
         }
     };
@@ -66,7 +63,7 @@ pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, 
         Some(table) => table.terms().map_err(|message| value(&mission(), message)),
         None => {
             let needed = format!(
-                "no [fence] table: expected one with margin_m, depth_max_m and altitude_min_m, which {file} does not say"
+                "no [fence] table: expected one with margin_m, depth_max_m and altitude_min_m, which {file} does not have"
             );
             Err(value(&mission(), needed))
         }
@@ -75,7 +72,7 @@ pub(crate) fn load(folder: &Path, table: Option<&FenceTable>) -> Result<Loaded, 
         "fence.plan" => Fence::from_plan(&text, &terms()?),
         "fence.kml" => Fence::from_kml(&text, &terms()?),
         _ if table.is_some() => {
-            let doubled = "[fence] is for fence.plan and fence.kml: fence.geojson says these figures itself";
+            let doubled = "[fence] is for fence.plan and fence.kml only: fence.geojson has these values itself";
             return Err(value(&mission(), doubled.to_owned()));
         }
         _ => Fence::from_geojson(&text),
@@ -118,7 +115,7 @@ impl FenceTable {
     }
 }
 
-/// Whether a fence that has been read has neither circles nor corridors.
+/// Whether a fence as it was read has no circles and no corridors.
 fn has_areas_alone(text: &str) -> bool {
     let Ok(document) = serde_json::from_str::<Value>(text) else {
         return false;

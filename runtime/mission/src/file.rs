@@ -5,48 +5,49 @@ use serde::{Deserialize, Serialize};
 use crate::external::ExternalTable;
 use crate::fence::FenceTable;
 
-/// `mission.toml` as it is written.
+/// The contents of `mission.toml`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct MissionFile {
-    /// Where the vehicle is.
+    /// The vehicle and how to reach it.
     #[serde(default)]
     pub vehicle: VehicleTable,
-    /// What `fence.plan` and `fence.kml` do not say.
+    /// The values that `fence.plan` and `fence.kml` do not hold.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fence: Option<FenceTable>,
-    /// The front seat's plan that this mission was checked with.
+    /// The front seat's plan with which this mission was checked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plan: Option<PlanTable>,
-    /// How the session is held.
+    /// The settings of the session with the vehicle: control, the operator's texts, the plan.
     #[serde(default)]
     pub session: Settings,
     /// What the operator allows.
     pub limits: Limits,
-    /// What is done where the vehicle is outside the fence after all, while something of ours is active. Times count from
-    /// when it was first outside.
+    /// What the runtime does if the vehicle leaves the fence while something of ours is active. Times count from the
+    /// moment at which the vehicle was first outside.
     ///
     /// ```toml
     /// [recovery]
-    /// outside_for_s = 2.0      # so long outside before it counts; leases end then
-    /// cancel_after_s = 4.0     # our inserts that have not begun are cancelled
-    /// cancel_current = false   # and the one that is flown is ended (BPRCB)
-    /// tell_after_s = 10.0      # the vehicle's log is told, and with tell_topside = true the topside
-    /// abort_after_s = 60.0     # the mission is aborted (BPABT); never without this key
-    /// back_by_m = 5.0          # inside again: by so much beyond the margin,
-    /// back_for_s = 10.0        # for so long
+    /// outside_for_s = 2.0      # only counts after this long; then leases end
+    /// cancel_after_s = 4.0     # cancel our inserts that have not begun
+    /// cancel_current = false   # if true, also end the insert that is being flown (BPRCB)
+    /// tell_after_s = 10.0      # write to the vehicle's log and, if tell_topside is true, to the topside
+    /// abort_after_s = 60.0     # abort the mission (BPABT); without this key never
+    /// back_by_m = 5.0          # inside again means: this far inside the margin,
+    /// back_for_s = 10.0        # for this long
     /// ```
     #[serde(default)]
     pub recovery: Recovery,
-    /// The plugins, the first of the highest priority.
+    /// The plugins, in order of priority, highest first.
     #[serde(default, rename = "plugin")]
     pub plugins: Vec<PluginTable>,
-    /// What is done for the operator when something happens. Several that come to be at once act in this order.
+    /// What the runtime does for the operator when something happens. If several conditions become true at once, their
+    /// orders are carried out in this order.
     ///
     /// ```toml
     /// [[policy]]
     /// when = { mission-command = "payload abort" }    # or topside-message = "...", navigation-stale-for-s = 60.0
-    /// order = { abort = { text = "the plan says so" } }   # errors = true unless it says false; kill = { text = "..." }
+    /// order = { abort = { text = "the plan says so" } }   # errors = true by default; or kill = { text = "..." }
     ///
     /// [[policy]]
     /// when = "plugin-quarantined"
@@ -54,7 +55,7 @@ pub struct MissionFile {
     /// ```
     #[serde(default, rename = "policy")]
     pub policies: Vec<Policy>,
-    /// Who may send what moves the vehicle's idea of where it is.
+    /// The programs that may send sentences that change the vehicle's estimate of its position.
     #[serde(default, rename = "external")]
     pub externals: Vec<ExternalTable>,
 }
@@ -65,16 +66,17 @@ pub struct MissionFile {
 pub struct VehicleTable {
     /// The main vehicle computer's address (SPI 4.1).
     pub address: String,
-    /// What the vehicle is called: letters, digits, `.`, `_` and `-`, 64 at most. What outlives a run is kept under it (its
-    /// identifiers, the operator's hold), so that no other mission of the same vehicle uses an identifier twice.
+    /// The vehicle's name: at most 64 letters, digits, `.`, `_` and `-`. State that outlives a run (identifiers, the
+    /// operator's hold) is kept under this name, so that no other mission of the same vehicle uses an identifier twice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Which class it is of: `9-inch`, `12-inch`, `21-inch` or `hovering`. What it can do is held against the limits
-    /// and the plan before a dive; where absent, a check that looks at `world.toml` takes its class.
+    /// The vehicle's class: `9-inch`, `12-inch`, `21-inch` or `hovering`. Before a dive the limits and the plan are
+    /// checked against what this class can do. If missing, a check that reads `world.toml` takes the class from there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub class: Option<VehicleClass>,
-    /// Whether it reads the entry angle of a trackcircle (BPRTC): SPI 7.6 has it in the table and not in the header. Where
-    /// absent, circles are requested only so that both read them alike: without an entry angle, and after what is flown.
+    /// Whether the vehicle reads the entry angle of a trackcircle (BPRTC): SPI 7.6 lists it in the table but not in the
+    /// header. If missing, circles are requested only in forms that both readings understand alike: without an entry
+    /// angle, and after the current behavior.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trackcircle_entry_angle: Option<bool>,
 }
@@ -90,15 +92,15 @@ impl Default for VehicleTable {
     }
 }
 
-/// The `[plan]` table: the front seat's plan that the mission was checked with. Where it is there, nothing is sent that
-/// steers until the vehicle's own plan (BFPLN) has been found to be the same.
+/// The `[plan]` table: the front seat's plan with which the mission was checked. If present, nothing that steers is
+/// sent until the vehicle's own plan (BFPLN) has been found to be the same.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanTable {
-    /// A file of the mission's folder with `[[plan]]` as in `world.toml`, and `[origin]` where its places count from
-    /// one; or `world.toml` itself, of which no more than that is read.
+    /// A file in the mission's folder with `[[plan]]` as in `world.toml`, and `[origin]` if its positions are relative
+    /// to one; or `world.toml` itself, of which only these tables are read.
     pub file: String,
-    /// How far a place of the vehicle's plan may be from the one expected, metres, above 0 to 100.
+    /// How far a position in the vehicle's plan may be from the expected one, metres, above 0 and at most 100.
     #[serde(default = "PlanTable::default_tolerance_m")]
     pub tolerance_m: f64,
 }
@@ -115,21 +117,21 @@ impl PlanTable {
 pub struct PluginTable {
     /// Its name in this mission.
     pub name: String,
-    /// Its component: a path from the mission's folder, or a bare name that is looked up.
+    /// Its component: a path relative to the mission's folder, or a bare name that is looked up.
     pub component: String,
-    /// What it may do.
+    /// The requests that it may make.
     pub grants: Vec<Grant>,
-    /// What is done when it fails.
+    /// What the runtime does when it fails.
     #[serde(default)]
     pub on_failure: FailAction,
-    /// What it may use of what `[limits]` allows to all: `inserts_open_max`, `inserts_total_max`,
+    /// Its share of what `[limits]` allows to all plugins together: `inserts_open_max`, `inserts_total_max`,
     /// `inserts_duration_max_s`, `steering_max_s`, `requests_per_s`.
     #[serde(default)]
     pub limits: PluginLimits,
-    /// What it may use.
+    /// The processor time and memory that it may use.
     #[serde(default)]
     pub budget: BudgetTable,
-    /// Its own configuration, handed to it as JSON.
+    /// Its own configuration, passed to it as JSON.
     #[serde(default)]
     pub config: toml::Table,
 }
@@ -138,7 +140,7 @@ pub struct PluginTable {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BudgetTable {
-    /// Fuel for a step, about one for a WebAssembly instruction.
+    /// Fuel for one step, about one unit for each WebAssembly instruction.
     pub fuel_per_step: u64,
     /// Memory, mebibytes.
     pub memory_mib: u32,

@@ -1,10 +1,10 @@
-//! Missions on disk: a folder with `mission.toml`, a fence (`fence.geojson`, `fence.plan` or `fence.kml`) and, where the
-//! mission names one, the front seat's plan. What goes to sea is read here; `world.toml` beside it is simulation's, and
-//! nothing in it keeps a mission from being read.
+//! Missions on disk: a folder with `mission.toml`, a fence (`fence.geojson`, `fence.plan` or `fence.kml`) and, if the
+//! mission names one, the front seat's plan. This crate reads what goes to sea. `world.toml` in the same folder is for
+//! simulation only, and an error in it does not prevent a mission from being read.
 //!
-//! Each file is parsed alone first, so that a fault is told with its line; then `mission.toml` is layered: defaults,
-//! the file, the environment (`BACKSEAT__LIMITS__SPEED_MAX_MPS=1.8`), the command line (`--set limits.speed_max_mps=1.8`).
-//! The whole that results can be printed, and its hash is in every log.
+//! Each file is first parsed on its own, so that an error is reported with its line. Then the layers of `mission.toml`
+//! are merged: defaults, the file, the environment (`BACKSEAT__LIMITS__SPEED_MAX_MPS=1.8`), the command line (`--set
+//! limits.speed_max_mps=1.8`). The result can be printed, and its hash is in every log.
 
 mod component;
 mod error;

@@ -15,12 +15,12 @@ use crate::file::{MissionFile, PluginTable, VehicleTable};
 use crate::plan::{self, FrontSeatPlan};
 use crate::renamed::with_new_name;
 
-/// What lies over `mission.toml`.
+/// The layers over `mission.toml`.
 #[derive(Clone, Debug, Default)]
 pub struct Layers {
-    /// `KEY=VALUE` of the command line, keys with dots.
+    /// `KEY=VALUE` from the command line; keys are joined by dots.
     pub set: Vec<String>,
-    /// Whether the environment's `BACKSEAT__*` counts.
+    /// Whether the environment's `BACKSEAT__*` variables are used.
     pub environment: bool,
 }
 
@@ -30,26 +30,27 @@ pub struct Mission {
     pub name: String,
     /// The folder.
     pub folder: PathBuf,
-    /// `mission.toml` with its layers.
+    /// `mission.toml` with its layers merged.
     pub file: MissionFile,
-    /// Fence and limits.
+    /// The fence and the limits.
     pub envelope: Arc<Envelope>,
     /// The name of the fence's file.
     pub fence_file: &'static str,
-    /// The fence as GeoJSON with areas alone: `fence.geojson` as it is where it has no others, else written out from what
-    /// was read.
+    /// The fence as GeoJSON with polygons only: the text of `fence.geojson` if it has nothing else, otherwise written
+    /// from the fence that was read.
     pub fence_text: String,
-    /// The front seat's plan that the mission names, where it does.
+    /// The front seat's plan that the mission names, if it names one.
     pub plan: Option<FrontSeatPlan>,
-    /// The whole mission file after layering, as TOML.
+    /// The whole mission file after merging, as TOML.
     pub resolved: String,
 }
 
 impl MissionFile {
-    /// A mission's file alone, as the log of a run has it attached: without what else the mission's folder holds.
+    /// Reads `mission.toml` alone, as attached to the log of a run, without the other files of the mission's folder.
     ///
     /// # Errors
-    /// [`MissionError::Toml`] with the line of `name`.
+    ///
+    /// [`MissionError::Toml`] with the line in `name`.
     pub fn from_toml(name: &str, text: &str) -> Result<Self, MissionError> {
         toml::from_str(text).map_err(|error| toml_error(Path::new(name), text, &error))
     }
@@ -59,7 +60,8 @@ impl Mission {
     /// Reads a mission's folder.
     ///
     /// # Errors
-    /// [`MissionError`] on one line, with file and place.
+    ///
+    /// [`MissionError`] in one line, with file and place.
     pub fn load(folder: &Path, layers: &Layers) -> Result<Self, MissionError> {
         let path = folder.join("mission.toml");
         if !path.is_file() {
@@ -68,7 +70,7 @@ impl Mission {
             });
         }
         let text = read(&path)?;
-        // Alone first: the layers would lose the line.
+        // Parsed on its own first, because merging loses the line numbers.
         toml::from_str::<MissionFile>(&text).map_err(|error| toml_error(&path, &text, &error))?;
         let mut file = layered(&path, &text, layers)?;
         check_externals(&file.externals).map_err(|fault| value(&path, fault))?;
@@ -118,7 +120,8 @@ impl Mission {
     /// Where each plugin's component is, in priority order.
     ///
     /// # Errors
-    /// [`MissionError::NoComponent`] for the first that is nowhere.
+    ///
+    /// [`MissionError::NoComponent`] for the first that is not found.
     pub fn components(&self, folder: Option<&Path>) -> Result<Vec<PathBuf>, MissionError> {
         self.file
             .plugins
@@ -127,7 +130,8 @@ impl Mission {
             .collect()
     }
 
-    /// SHA-256 of the resolved mission file, the fence's text and the text of the plan that it names, in hexadecimal.
+    /// The SHA-256 of the resolved mission file, the fence's text and the text of the plan that it names, in
+    /// hexadecimal.
     #[must_use]
     pub fn hash(&self) -> String {
         let mut hash = Sha256::new();
@@ -161,7 +165,7 @@ fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, Miss
                 message: "expected KEY=VALUE, such as limits.speed_max_mps=1.8".to_owned(),
             });
         };
-        // As TOML where it is TOML, so that 1.8 is a number and true a truth; else as text.
+        // Read as TOML where it is valid TOML, so that 1.8 is a number and true a boolean; otherwise as text.
         let line = format!("{key} = {value}");
         let line = if toml::from_str::<toml::Table>(&line).is_ok() {
             line
@@ -171,7 +175,7 @@ fn layered(path: &Path, text: &str, layers: &Layers) -> Result<MissionFile, Miss
         if toml::from_str::<toml::Table>(&line).is_err() {
             return Err(MissionError::Layer {
                 layer: format!("--set {set}"),
-                message: format!("`{key}` is no key: expected names joined by dots"),
+                message: format!("invalid key `{key}`: expected names joined by dots"),
             });
         }
         builder = builder.add_source(File::from_str(&line, FileFormat::Toml));
@@ -214,7 +218,7 @@ fn check_plugins(path: &Path, plugins: &[PluginTable]) -> Result<(), MissionErro
     Ok(())
 }
 
-/// The operator's texts can come as a mission command, and neither is the other.
+/// Checks that the operator's texts can arrive as a mission command, and that they differ.
 fn check_texts(path: &Path, session: &Settings) -> Result<(), MissionError> {
     let (hold, release) = (&session.hold_text, &session.release_text);
     for (key, text) in [("hold_text", hold), ("release_text", release)] {
@@ -225,13 +229,13 @@ fn check_texts(path: &Path, session: &Settings) -> Result<(), MissionError> {
     if hold.is_some() && hold == release {
         return Err(value(
             path,
-            "session.release_text is session.hold_text too: expected another".to_owned(),
+            "session.release_text equals session.hold_text: expected a different text".to_owned(),
         ));
     }
     Ok(())
 }
 
-/// What holds does not release too.
+/// Checks the vehicle's name.
 fn check_vehicle(path: &Path, vehicle: &VehicleTable) -> Result<(), MissionError> {
     let Some(name) = &vehicle.name else { return Ok(()) };
     let plain = |character: char| character.is_ascii_alphanumeric() || matches!(character, '.' | '_' | '-');
@@ -261,7 +265,7 @@ fn check_holds(path: &Path, session: &Settings, policies: &[Policy]) -> Result<(
                 .find(|(_, when, order)| *when == policy.when && *order != policy.order);
             if let Some((other, _, order)) = contrary {
                 let message = format!(
-                    "{name} is to {} on what {other} is to {order} on: expected another condition",
+                    "{name} would {} on the same condition on which {other} would {order}: expected another condition",
                     policy.order
                 );
                 return Err(value(path, message));
@@ -272,9 +276,9 @@ fn check_holds(path: &Path, session: &Settings, policies: &[Policy]) -> Result<(
     Ok(())
 }
 
-/// A stale time of over a day is a slip of the pen.
+/// A stale time of more than a day is probably a typing error.
 const STALE_MAX_S: f64 = 86_400.0;
-/// What the vehicle's log and the topside's line hold.
+/// The length that fits into the vehicle's log and into a topside message.
 const TEXT_MAX: usize = 200;
 
 fn check_policies(path: &Path, policies: &[Policy]) -> Result<(), MissionError> {
@@ -315,10 +319,11 @@ fn check_policies(path: &Path, policies: &[Policy]) -> Result<(), MissionError> 
     Ok(())
 }
 
-/// A text that can come and go as a sentence's field.
+/// Checks that a text can be a field of a sentence.
 fn check_text(text: &str) -> Result<(), String> {
     let expected = format!(
-        "expected 1 to {TEXT_MAX} printable characters of ASCII without comma, asterisk and dollar, and no blank around them"
+        "expected 1 to {TEXT_MAX} printable characters of ASCII without comma, asterisk, dollar, and leading or \
+         trailing spaces"
     );
     if text.trim() != text || !(1..=TEXT_MAX).contains(&text.len()) || Text::new(text).is_err() {
         return Err(format!("is {text:?}: {expected}"));

@@ -1,4 +1,5 @@
-//! The front seat's plan in a file: what a mission is checked with ashore, and what BFPLN is held against at sea.
+//! The front seat's plan from a file: a mission is checked with it before the dive, and BFPLN is compared with it at
+//! sea.
 
 use std::path::Path;
 
@@ -11,21 +12,21 @@ use crate::error::MissionError;
 use crate::file::PlanTable;
 use crate::mission::{read, toml_error, value};
 
-/// A plan may stray by so much from the one that was checked, metres; more is another plan.
+/// How far the vehicle's plan may differ from the checked one at most, metres; beyond this it is another plan.
 const TOLERANCE_MAX_M: f64 = 100.0;
 
-/// A front seat's plan, with what this vehicle does of it.
+/// A front seat's plan, and the behaviors that this vehicle flies because of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrontSeatPlan {
-    /// The file as it is.
+    /// The file's text.
     pub text: String,
-    /// What it has the vehicle do, in order.
+    /// The behaviors that the plan makes the vehicle fly, in order.
     pub behaviors: Vec<PlannedBehavior>,
-    /// How far a place of the vehicle's plan may be from one of this, metres.
+    /// How far a position in the vehicle's plan may be from the one here, metres.
     pub tolerance_m: f64,
 }
 
-/// A file with nothing but a plan.
+/// A file with a plan only.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PlanFile {
@@ -33,7 +34,7 @@ struct PlanFile {
     plan: Vec<PlanEntry>,
 }
 
-/// The plan of a `world.toml`. All else there is simulation's, and none of a dive's business.
+/// The plan of a `world.toml`. Everything else in that file is for simulation and does not matter for a dive.
 #[derive(Deserialize)]
 struct PlanOfWorld {
     origin: Option<Origin>,
@@ -54,10 +55,11 @@ impl From<PlanOfWorld> for PlanFile {
 }
 
 impl FrontSeatPlan {
-    /// Reads a plan from a file: one with `[[plan]]` alone, or a `world.toml`, of which `[origin]` and `[[plan]]` are read.
-    /// It is held against what the vehicle can do. Places of a file without an origin count from `origin`.
+    /// Reads a plan from a file with `[[plan]]` alone, or from the `[origin]` and `[[plan]]` of a `world.toml`, and
+    /// checks it against what the vehicle can do. Positions in a file without an origin are relative to `origin`.
     ///
     /// # Errors
+    ///
     /// [`MissionError`] with the file, and the line or the element.
     pub fn read(path: &Path, vehicle: &VehicleLimits, origin: Option<Position>) -> Result<Self, MissionError> {
         let text = read(path)?;
@@ -73,10 +75,11 @@ impl FrontSeatPlan {
             (None, Some(origin)) => origin,
             (None, None) if file.plan.iter().any(counts_from_origin) => {
                 return Err(fault(
-                    "no [origin]: expected latitude_deg and longitude_deg, places count from it".to_owned(),
+                    "no [origin]: expected latitude_deg and longitude_deg, because positions are relative to it"
+                        .to_owned(),
                 ));
             }
-            // Any near by will do: no place counts from it.
+            // Any origin nearby will do, because no position is relative to it.
             (None, None) => near_by(&file.plan).position().map_err(fault)?,
         };
         let behaviors = planned_behaviors(&file.plan, origin, vehicle).map_err(|error| fault(error.to_string()))?;
@@ -87,7 +90,7 @@ impl FrontSeatPlan {
         })
     }
 
-    /// What BFPLN is expected to say of it (SPI 6.20).
+    /// The BFPLN that the vehicle is expected to send for this plan (SPI 6.20).
     #[must_use]
     pub fn expected(&self) -> ExpectedPlan {
         let elements = self.behaviors.iter().filter_map(|behavior| {
@@ -120,12 +123,12 @@ impl Origin {
             .ok()
             .filter(|origin| origin.latitude.as_deg().abs() <= 85.0)
             .ok_or_else(|| {
-                format!("origin is latitude {latitude_deg} longitude {longitude_deg}: expected ±85 and ±180 degrees")
+                format!("origin is latitude {latitude_deg} longitude {longitude_deg}: expected latitude within ±85 and longitude within ±180 degrees")
             })
     }
 }
 
-/// Whether a place of an element is written by metres.
+/// Whether a position of an element is given in metres.
 fn counts_from_origin(entry: &PlanEntry) -> bool {
     [entry.at, entry.start, entry.end, entry.centre]
         .into_iter()
@@ -133,7 +136,7 @@ fn counts_from_origin(entry: &PlanEntry) -> bool {
         .any(|place| place.east_m.is_some() || place.north_m.is_some())
 }
 
-/// The first place of a plan that is written by latitude and longitude.
+/// The first position of a plan that is given by latitude and longitude.
 fn near_by(plan: &[PlanEntry]) -> Origin {
     let first = plan.iter().find_map(|entry| entry.at.or(entry.start).or(entry.centre));
     Origin {
@@ -142,7 +145,7 @@ fn near_by(plan: &[PlanEntry]) -> Origin {
     }
 }
 
-/// The plan that a mission names.
+/// Reads the plan that a mission names.
 pub(crate) fn load(
     folder: &Path,
     table: &PlanTable,

@@ -1,8 +1,9 @@
-//! What can be known before a dive: the front seat's plan against the fence, and the limits against the vehicle's class.
+//! Checks that are possible before a dive: the front seat's plan against the fence, and the limits against the
+//! vehicle's class.
 //!
-//! The plan is judged as the vehicle will fly it: every leg and rim whole, with the tracking error of the limits, at its
-//! depths or altitudes, and at its time; on the way down from where it starts; in the turn from one way to the next; and
-//! on from wherever an element's time limit may end it. What the backseat adds to it is judged when it is asked for.
+//! The plan is checked as the vehicle will fly it: every leg and rim whole, widened by the tracking error in the
+//! limits, at its depths or altitudes and its time; on the way down from the start; in the turns between behaviors; and
+//! from wherever the time limit of an element may end it. Requests of the backseat are checked when they are made.
 
 use std::time::Duration;
 
@@ -13,61 +14,62 @@ use backseat_units::{EastNorth, LocalFrame, Position, Utc};
 
 mod reach;
 
-/// Nothing shallower is known of the seabed: no altitude is too low.
+/// Where no limit gives the seabed's least depth, no altitude counts as too low.
 const ALTITUDE_UNKNOWN_M: f64 = 1e6;
 
-/// Places that are no further apart are one, metres, and ways that differ by no more, degrees.
+/// Positions closer than this are the same, metres; so are directions that differ by less, degrees.
 const SAME_PLACE_M: f64 = 0.01;
 const SAME_WAY_DEG: f64 = 0.01;
 
-/// A dive as it is planned.
+/// A planned dive.
 #[derive(Clone, Copy, Debug)]
 pub struct Dive<'a> {
-    /// Where the vehicle may be.
+    /// The fence.
     pub fence: &'a Fence,
-    /// What the operator allows, and how well the vehicle keeps its way.
+    /// The operator's limits, with how well the vehicle keeps to its path.
     pub limits: &'a Limits,
-    /// What the front seat does, in order.
+    /// The front seat's behaviors, in order.
     pub plan: &'a [PlannedBehavior],
-    /// Where it begins; at the plan's first place where that is not known.
+    /// Where the dive begins; if unknown, at the plan's first position.
     pub start: Option<Position>,
-    /// How deep it begins, metres: 0 at the surface.
+    /// Its depth at the beginning, metres: 0 at the surface.
     pub start_depth_m: f64,
-    /// When it begins.
+    /// When the dive begins.
     pub utc: Utc,
 }
 
-/// Where the vehicle is on its way through the plan.
+/// The state of the vehicle at a point of the plan.
 struct Way {
-    /// It is in their convex hull: at one place, or wherever a time limit may have ended an element.
+    /// The vehicle is within the convex hull of these: a single position, or all where a time limit may have ended an
+    /// element.
     places: Vec<EastNorth>,
-    /// It may be so far from there, metres.
+    /// It may be this far from there, metres.
     spread_m: f64,
-    /// Which way it goes, degrees in the fence's frame, where that is known.
+    /// Its direction, degrees in the fence's frame, if known.
     bearing_deg: Option<f64>,
-    /// Through the water, metres a second.
+    /// Its speed through the water, metres a second.
     speed_mps: f64,
     depths_m: Option<[f64; 2]>,
-    /// Since the start, seconds, at the earliest and at the latest.
+    /// Time since the start, seconds, at the earliest and at the latest.
     since_s: [f64; 2],
 }
 
-/// What is swept of a behavior.
+/// One swept part of a behavior.
 struct Part {
-    /// What the vehicle does there, where it does not yet fly the behavior itself.
+    /// What the vehicle does in this part, if it does not yet fly the behavior itself.
     what: &'static str,
     shapes: Vec<Shape>,
     radius_m: f64,
-    /// How long it is, metres, at least and at most.
+    /// The length of the part, metres, at least and at most.
     length_m: [f64; 2],
 }
 
 const TURN: &str = "turning to it: ";
 const WAY: &str = "on the way to it: ";
-const WAY_CUT_SHORT: &str = "on the way to it from wherever a time limit ends what is before: ";
+const WAY_CUT_SHORT: &str = "on the way to it from wherever a time limit ends the previous element: ";
 
 impl Dive<'_> {
-    /// Whatever keeps the plan from being flown inside the fence, a line each, with the place.
+    /// Everything that prevents the plan from being flown inside the fence, one line each, with the place.
     #[must_use]
     pub fn findings(&self) -> Vec<String> {
         let mut findings = Vec::new();
@@ -79,7 +81,7 @@ impl Dive<'_> {
             PlannedPath::Heading { .. } | PlannedPath::Nowhere => None,
         });
         let Some(start) = self.start.or(first) else {
-            findings.push("plan: it leads nowhere, expected a place".to_owned());
+            findings.push("plan: no element has a position, expected at least one".to_owned());
             return findings;
         };
         let start = frame.to_local(start);
@@ -104,8 +106,8 @@ impl Dive<'_> {
         findings
     }
 
-    /// Whether the plan is flown at depths over a bottom that no limit tells of, so that no altitude of the fence is
-    /// judged.
+    /// Whether the plan has depths over a bottom whose depth no limit gives, so that the fence's altitudes cannot be
+    /// checked.
     #[must_use]
     pub fn bottom_is_unknown(&self) -> bool {
         let at_depth = |behavior: &PlannedBehavior| match behavior.vertical {
@@ -119,7 +121,7 @@ impl Dive<'_> {
         self.limits.water_depth_min_m.is_none() && over_bottom && self.plan.iter().any(at_depth)
     }
 
-    /// Judges a behavior and goes on to its end.
+    /// Checks one behavior, and moves `way` to its end.
     fn fly(&self, behavior: &PlannedBehavior, way: &mut Way, findings: &mut Vec<String>) {
         let place = format!("plan element {}", behavior.element);
         let frame = self.fence.frame();
@@ -145,7 +147,7 @@ impl Dive<'_> {
                 let entry_deg = match (entry_deg, &way.places[..]) {
                     (Some(entry_deg), _) => Some(entry_deg - convergence_deg),
                     (None, [from]) => Some(centre.bearing_deg(*from)),
-                    // Anywhere on its rim.
+                    // It may begin anywhere on the circle.
                     (None, _) => None,
                 };
                 let on_rim = |turned_deg: f64| match entry_deg {
@@ -166,7 +168,7 @@ impl Dive<'_> {
                 let heading_deg = heading_deg - frame.convergence_deg(frame.to_position(begun[0]));
                 let length_m = behavior.speed_mps * duration.as_secs_f64();
                 let to = begun.iter().map(|from| from.offset(heading_deg, length_m)).collect();
-                // Nothing holds it against the current.
+                // Nothing keeps the vehicle in place against the current.
                 let spread_m = way.spread_m + self.limits.current_max_mps * duration.as_secs_f64();
                 way.spread_m = spread_m;
                 self.lead(behavior, way, to, &mut parts);
@@ -186,13 +188,13 @@ impl Dive<'_> {
                     let sweep = Sweep::new(*shape, part.radius_m);
                     self.judge(&sweep, behavior.vertical, own_m, way.depths_m, span).err()
                 }),
-                // Nothing tells its depths: where it leads must be inside at least.
+                // Its depths are unknown, so only its end positions must be inside.
                 None => way.places.iter().find_map(|end| self.contains(*end, span).err()),
             };
             if let Some(breach) = judged {
                 findings.push(format!("{place}: {}{breach}", part.what));
             }
-            // Steeper than it goes along it comes to no depth.
+            // A vehicle that dives more steeply than it moves along the path reaches no other depth.
             let middle_m = |[shallowest_m, deepest_m]: [f64; 2]| f64::midpoint(shallowest_m, deepest_m);
             let before_m = way.depths_m.map_or(self.start_depth_m, middle_m);
             if depths_m.is_none_or(|own_m| part.length_m[0] >= (middle_m(own_m) - before_m).abs()) {
@@ -201,14 +203,14 @@ impl Dive<'_> {
         }
         if depths_m.is_none() {
             findings.push(format!(
-                "{place}: an altitude leads to depths that nobody knows, expected water_depth_min_m and water_depth_max_m \
-                 in [limits]"
+                "{place}: it keeps an altitude, so its depths are unknown without water_depth_min_m and \
+                 water_depth_max_m in [limits]"
             ));
         }
         if self.fence.changes() && behavior.speed_mps < self.limits.speed_min_mps {
             findings.push(format!(
-                "{place}: its speed is {} m/s, expected at least limits.speed_min_mps of {}, by which the times of zones are \
-                 counted",
+                "{place}: its speed is {} m/s, expected at least limits.speed_min_mps of {}, with which the times for \
+                 zones are computed",
                 behavior.speed_mps, self.limits.speed_min_mps
             ));
         }
@@ -221,7 +223,7 @@ impl Dive<'_> {
         }
     }
 
-    /// Turns to where the behavior leads next, and goes there.
+    /// Turns towards the next start of the behavior, and goes there.
     fn lead(&self, behavior: &PlannedBehavior, way: &mut Way, to: Vec<EastNorth>, parts: &mut Vec<Part>) {
         let from = core::mem::replace(&mut way.places, to);
         let stays = matches!((&from[..], &way.places[..]), ([from], [to]) if from.distance_m(*to) < SAME_PLACE_M);
@@ -239,7 +241,8 @@ impl Dive<'_> {
             }
             (None, _) | (_, None) => 180.0,
         };
-        // From a standstill it needs no room. On its turn it is no further from the corner than where that ends.
+        // A turn from a standstill needs no room. During its turn the vehicle is no further from the corner than at its
+        // end.
         let turn_m = if way.speed_mps > 0.0 && !stays { turn_m } else { 0.0 };
         let room_m = 2.0 * turn_m * backseat_units::math::sin((turned_deg / 2.0).to_radians());
         if room_m > 0.0 {
@@ -282,7 +285,7 @@ impl Dive<'_> {
         span: Option<Span>,
     ) -> Result<Clearance, Breach> {
         let [shallowest_m, deepest_m] = passed_m.unwrap_or(own_m);
-        // On the way down it is shallower than the zones may allow: that is how a dive begins.
+        // On the way down the vehicle may be shallower than the zones allow, because every dive begins at the surface.
         let start_m = if passed_m.is_none() {
             self.start_depth_m
         } else {
@@ -300,7 +303,7 @@ impl Dive<'_> {
         }
     }
 
-    /// The depths of a setpoint; `None` where they hang on a seabed that no limit tells of.
+    /// The depths of a setpoint; `None` if they depend on a seabed whose depth no limit gives.
     fn depths_m(&self, vertical: PlannedVertical) -> Option<[f64; 2]> {
         let error_m = self.limits.vertical_error_m;
         match vertical {
@@ -321,7 +324,8 @@ impl Dive<'_> {
         }
     }
 
-    /// How long a way takes, seconds, at least and at most; the most is infinite where the current may hold the vehicle.
+    /// How long a path takes, seconds, at least and at most. The most is infinite where the current may stop the
+    /// vehicle.
     fn seconds(&self, behavior: &PlannedBehavior, [least_m, most_m]: [f64; 2]) -> [f64; 2] {
         let current_mps = self.limits.current_max_mps;
         let slowest_mps = behavior.speed_mps - current_mps;
@@ -362,7 +366,7 @@ impl Dive<'_> {
         }
     }
 
-    /// Keep-in zones that hold at no time of the dive.
+    /// Keep-in zones that are valid at no time of the dive.
     fn closed(&self, lasts_s: f64) -> Vec<String> {
         let span = self.span([0.0, lasts_s]);
         let zones = self.fence.zones().filter(|zone| match zone.kind() {
@@ -370,9 +374,9 @@ impl Dive<'_> {
             Kind::KeepOut { .. } => false,
         });
         let told = |zone: &backseat_fence::Zone| {
-            let dive = span.map_or_else(|| "at a time that nobody knows".to_owned(), |span| span.to_string());
+            let dive = span.map_or_else(|| "at an unknown time".to_owned(), |span| span.to_string());
             format!(
-                "keep-in zone '{}': valid {}, expected some of the dive in it ({dive})",
+                "keep-in zone '{}': valid {}, expected to overlap the dive ({dive})",
                 zone.name(),
                 zone.window()
             )
@@ -382,7 +386,7 @@ impl Dive<'_> {
 }
 
 impl Way {
-    /// A time limit may end the behavior anywhere between where it begun and where it ends.
+    /// A time limit may end the behavior anywhere between its beginning and its end.
     fn end_anywhere(&mut self, behavior: &PlannedBehavior, frame: &LocalFrame, begun: Vec<EastNorth>) {
         match behavior.path {
             PlannedPath::Line { start, .. } => self.places.push(frame.to_local(start)),
@@ -392,13 +396,13 @@ impl Way {
             PlannedPath::Waypoint { .. } | PlannedPath::Heading { .. } | PlannedPath::Nowhere => {}
         }
         self.places.extend(begun);
-        // Still the same where all of it lies on one line.
+        // The direction stays the same if all positions lie on one line.
         let [end, before @ ..] = &self.places[..] else { return };
         self.bearing_deg = one_bearing_deg(before, &[*end]);
     }
 }
 
-/// Which way all of them lead, degrees, if it is one.
+/// The direction in which all of them lead, degrees, if they share one.
 fn one_bearing_deg(from: &[EastNorth], to: &[EastNorth]) -> Option<f64> {
     let pairs = from.iter().flat_map(|from| to.iter().map(move |to| (*from, *to)));
     let mut bearings = pairs
@@ -416,7 +420,7 @@ fn square(centre: EastNorth, radius_m: f64) -> Vec<EastNorth> {
     vec![corner(45.0), corner(135.0), corner(225.0), corner(315.0)]
 }
 
-/// What the limits and the fence allow and a vehicle of the class, which can do what `able` says, cannot do.
+/// Everything that the limits and the fence allow but a vehicle of this class, with the limits `able`, cannot do.
 #[must_use]
 pub fn beyond_class(limits: &Limits, fence: &Fence, class: VehicleClass, able: &VehicleLimits) -> Vec<String> {
     let name = class.name();

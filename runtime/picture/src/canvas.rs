@@ -7,13 +7,13 @@ use svg::node::{Node, Value};
 use crate::ink;
 use crate::view::View;
 
-/// A point of the picture, pixels, y down.
+/// A point of the picture, pixels; y points down.
 pub(crate) type Pixel = (f64, f64);
 
-/// Sans-serif as the viewer's system has it.
+/// The viewer's own sans-serif font.
 const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif";
 
-/// The document under way: what is clipped to the map, and what is over and around it.
+/// The document being drawn: elements clipped to the map, and elements over and around it.
 pub(crate) struct Canvas {
     definitions: Element,
     map: Element,
@@ -119,7 +119,7 @@ pub(crate) fn text(at: Pixel, content: &str, style: &[(&str, &dyn ToString)]) ->
     text
 }
 
-/// Path data of lines through points; closed where asked.
+/// Appends path data for lines through points, closed if requested.
 pub(crate) fn polyline(data: &mut String, points: &[Pixel], closed: bool) {
     let mut last = String::new();
     for (index, (x, y)) in points.iter().enumerate() {
@@ -136,7 +136,7 @@ pub(crate) fn polyline(data: &mut String, points: &[Pixel], closed: bool) {
     }
 }
 
-/// A number to a tenth, without what says nothing.
+/// A number rounded to a tenth, without trailing zeros.
 pub(crate) fn number(value: f64) -> String {
     let mut text = format!("{value:.1}");
     if text.ends_with(".0") {
@@ -145,7 +145,7 @@ pub(crate) fn number(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text }
 }
 
-/// A figure with as many decimals as its step needs, a true minus sign before it.
+/// A value with as many decimals as its step needs, and with a typographic minus sign.
 pub(crate) fn figure(value: f64, step: f64) -> String {
     let mut decimals = 0;
     let mut unit = step.abs();
@@ -161,7 +161,7 @@ pub(crate) fn figure(value: f64, step: f64) -> String {
     }
 }
 
-/// How wide a text is, pixels: an estimate on the wide side, for no font is at hand.
+/// The width of a text, pixels: a generous estimate, because no font is available.
 pub(crate) fn text_width(content: &str, size: f64) -> f64 {
     content.chars().count() as f64 * size * 0.6
 }

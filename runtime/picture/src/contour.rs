@@ -1,4 +1,4 @@
-//! Contours of a grid by marching squares (Lorensen and Cline, SIGGRAPH 1987, in two dimensions), chained.
+//! Contours of a grid by marching squares (Lorensen and Cline, SIGGRAPH 1987, in two dimensions), joined into lines.
 
 use crate::picture::Raster;
 
@@ -9,7 +9,7 @@ pub(crate) struct Line {
     pub(crate) closed: bool,
 }
 
-/// The lines where a raster has a value. They end at its border and at holes.
+/// The contour lines of a raster at a value. They end at its border and at holes.
 pub(crate) fn lines(raster: &Raster, value: f64) -> Vec<Line> {
     let field = Field {
         raster,
@@ -19,7 +19,7 @@ pub(crate) fn lines(raster: &Raster, value: f64) -> Vec<Line> {
     field.chain()
 }
 
-/// The outlines of all ground that is at or above a value, each closed: those of holes run the other way round.
+/// The closed outlines of all ground at or above a value. Outlines of holes run in the opposite direction.
 pub(crate) fn outlines(raster: &Raster, value: f64) -> Vec<Line> {
     let field = Field {
         raster,
@@ -31,7 +31,7 @@ pub(crate) fn outlines(raster: &Raster, value: f64) -> Vec<Line> {
 
 const NONE: u32 = u32::MAX;
 
-/// A raster around a value. With a border of 1, a ring of low nodes lies on its outermost ones (not beside them), and
+/// A raster and a value. With a border of 1, a ring of low nodes lies on the outermost nodes (not beside them), and
 /// holes are low, so that every outline closes.
 struct Field<'a> {
     raster: &'a Raster,
@@ -48,7 +48,7 @@ impl Field<'_> {
         self.raster.height + 2 * self.border
     }
 
-    /// The value of a node; `None` where it is of the ring or a hole.
+    /// The value of a node; `None` if it belongs to the ring or a hole.
     fn node(&self, x: usize, y: usize) -> Option<f64> {
         let (x, y) = (x.checked_sub(self.border)?, y.checked_sub(self.border)?);
         if x >= self.raster.width || y >= self.raster.height {
@@ -62,19 +62,19 @@ impl Field<'_> {
         self.node(x, y).is_some_and(|node| node >= self.value)
     }
 
-    /// Edges are numbered: the one to the east of a node is even, the one to its north odd.
+    /// The number of an edge: even for the edge to the east of a node, odd for the one to its north.
     fn edge(&self, x: usize, y: usize, north: bool) -> u32 {
         u32::try_from(2 * (y * self.width() + x) + usize::from(north)).unwrap_or(NONE)
     }
 
-    /// Where the contour crosses an edge.
+    /// The point where the contour crosses an edge.
     fn crossing(&self, edge: u32) -> (f64, f64) {
         let node = edge as usize / 2;
         let (x, y) = (node % self.width(), node / self.width());
         let (x2, y2) = if edge % 2 == 1 { (x, y + 1) } else { (x + 1, y) };
         let along = match (self.node(x, y), self.node(x2, y2)) {
             (Some(a), Some(b)) if a != b => ((self.value - a) / (b - a)).clamp(0.0, 1.0),
-            // At a hole the ground goes on halfway; on the ring both ends are in the same place.
+            // At a hole the ground extends halfway; on the ring both ends are at the same point.
             _ => 0.5,
         };
         let (a, b) = (self.place(x, y), self.place(x2, y2));
@@ -86,8 +86,8 @@ impl Field<'_> {
         (place(x, self.raster.width), place(y, self.raster.height))
     }
 
-    /// For each edge, the edge to which the contour runs from it, the high ground on its left: so each edge is left
-    /// at most once and reached at most once.
+    /// For each edge, the edge to which the contour runs from it, with the high ground on its left. Each edge is
+    /// therefore left at most once and reached at most once.
     fn steps(&self) -> Vec<u32> {
         let mut next = vec![NONE; 2 * self.width() * self.height()];
         for y in 0..self.height() - 1 {
@@ -116,7 +116,7 @@ impl Field<'_> {
                     12 => step(west, east),
                     13 => step(south, east),
                     14 => step(west, south),
-                    // Saddles: the middle says whether the two high corners meet.
+                    // At a saddle the middle decides whether the two high corners are connected.
                     5 | 10 => {
                         let sum: f64 = corners.iter().filter_map(|(x, y)| self.node(*x, *y)).sum();
                         let meet = sum / 4.0 >= self.value;
@@ -150,7 +150,7 @@ impl Field<'_> {
             }
         }
         let mut lines = Vec::new();
-        // Open lines from where they begin, then the loops that are left.
+        // First the open lines from their beginnings, then the remaining loops.
         for loops in [false, true] {
             for first in 0..next.len() {
                 if next[first] == NONE || (!loops && reached[first]) {

@@ -1,4 +1,4 @@
-//! The fence's zones: a margin is the half of a thick line that lies on the side where the vehicle may be.
+//! The fence's zones. A margin is drawn as the half of a thick line on the side where the vehicle may be.
 
 use crate::canvas::{Canvas, element, number, path, polyline, rectangle};
 use crate::ink;

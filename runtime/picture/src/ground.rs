@@ -1,4 +1,4 @@
-//! The raster: soft filled bands, contour lines.
+//! The raster: filled bands in soft colours, and contour lines.
 
 use backseat_units::EastNorth;
 
@@ -9,12 +9,12 @@ use crate::picture::{Palette, Raster};
 use crate::simplify::simplify;
 use crate::view::{View, nice_step, ticks};
 
-/// Outlines smaller than this, square pixels, are noise.
+/// Smaller outlines are noise, square pixels.
 const LEAST_AREA: f64 = 6.0;
 
-/// The bands that were drawn, for labels and legend.
+/// The bands, for labels and legend.
 pub(crate) struct Bands {
-    /// Lower edges between the bands, rising; one band more than these.
+    /// The values between the bands, rising; there is one band more than these.
     pub(crate) levels: Vec<f64>,
     pub(crate) step: f64,
     pub(crate) palette: Palette,
@@ -126,7 +126,7 @@ fn length(points: &[Pixel]) -> f64 {
         .sum()
 }
 
-/// The colour at a place between the least (0) and the greatest (1): light all through, so that lines read on it.
+/// The colour for a value from the least (0) to the greatest (1). All colours are light, so that lines stand out.
 fn colour(palette: Palette, at: f64) -> String {
     const DEPTH: [[f64; 3]; 4] = [
         [240.0, 247.0, 250.0],

@@ -1,5 +1,5 @@
-//! The colours of everything but the ground: distinct to the colour-blind (orange and violet after Wong, Nature
-//! Methods 8, 441 (2011), and Okabe and Ito), and darker than any ground.
+//! The colours of everything but the ground. They are distinct to colour-blind readers (orange and violet after Wong,
+//! Nature Methods 8, 441 (2011), and Okabe and Ito) and darker than any ground.
 
 use crate::picture::Steer;
 

@@ -1,4 +1,4 @@
-//! Labels of the map, none over another.
+//! Labels of the map, placed without overlaps.
 
 use std::collections::BTreeMap;
 
@@ -11,9 +11,9 @@ use crate::picture::{Picture, Shape, ZoneKind};
 use crate::tracks::anchor;
 use crate::view::View;
 
-/// Labels of refused requests at most.
+/// The most labels of refused requests.
 const MOST_REASONS: usize = 12;
-/// A reason is cut to this, characters.
+/// The length at which a reason is cut, characters.
 const REASON_LENGTH: usize = 44;
 
 #[derive(Clone, Copy)]
@@ -49,11 +49,11 @@ struct Important {
     colour: &'static str,
 }
 
-/// What is taken, and what waits for a place.
+/// The occupied areas, and the labels that are yet to be placed.
 pub(crate) struct Labels {
     map: Box2,
     taken: Vec<Box2>,
-    /// Points of lines, to be avoided where possible, and how much they matter.
+    /// Points of lines to avoid where possible, with their weights.
     lines: Vec<(Pixel, f64)>,
     important: Vec<Important>,
 }
@@ -73,7 +73,7 @@ impl Labels {
         }
     }
 
-    /// Keeps labels off a line where there is room elsewhere. A track's weight is 1.
+    /// Keeps labels off a line where there is room elsewhere. A track has the weight 1.
     pub(crate) fn avoid(&mut self, line: &[Pixel], weight: f64) {
         for pair in line.windows(2) {
             let length = hypot(pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
@@ -87,10 +87,10 @@ impl Labels {
         }
     }
 
-    /// A label that gets its place before all others.
+    /// Adds a label that is placed before all others.
     pub(crate) fn important(&mut self, at: Pixel, content: &str, colour: &'static str) {
         self.taken.push(Box2::around(at, 16.0, 16.0));
-        // Start and end of a closed track are one place.
+        // Start and end of a closed track are at the same point.
         let near = self
             .important
             .iter_mut()
@@ -105,7 +105,7 @@ impl Labels {
         }
     }
 
-    /// Takes the best free place beside a point: its middle, or `None` where all is taken.
+    /// Occupies the best free area beside a point. Returns its middle, or `None` if nothing is free.
     fn place(&mut self, at: Pixel, width: f64, height: f64) -> Option<Pixel> {
         const AROUND: [(f64, f64); 8] = [
             (1.0, 0.0),
@@ -135,7 +135,7 @@ impl Labels {
         Some(middle)
     }
 
-    /// Whether a label fits: what it would take and how much of the lines it would hide.
+    /// Whether a label fits: the area that it would occupy, and how much of the lines it would hide.
     fn free(&self, middle: Pixel, width: f64, height: f64) -> Option<(Box2, f64)> {
         let taken = Box2::around(middle, width + 6.0, height + 8.0);
         let inside = taken.left >= self.map.left
@@ -164,7 +164,7 @@ pub(crate) fn draw(canvas: &mut Canvas, labels: &mut Labels, view: &View, pictur
             ZoneKind::KeepIn => ink::KEEP_IN,
             ZoneKind::KeepOut => ink::KEEP_OUT,
         };
-        // Beside its northernmost corner that is in view.
+        // Beside the northernmost corner in view.
         let corners = zone.rings.first().map(|ring| view.pixels(ring)).unwrap_or_default();
         let corners = corners.into_iter().filter(|corner| view.is_in_map(*corner));
         let top = corners.reduce(|a, b| if b.1 < a.1 { b } else { a });
@@ -192,7 +192,7 @@ pub(crate) fn draw(canvas: &mut Canvas, labels: &mut Labels, view: &View, pictur
     }
 }
 
-/// Keeps labels off everything else that is drawn; the flown track has been avoided already.
+/// Keeps labels off everything else that is drawn; the flown track is avoided already.
 fn avoid_all(labels: &mut Labels, view: &View, picture: &Picture) {
     labels.avoid(&view.pixels(&picture.planned), 0.5);
     for ring in picture.zones.iter().flat_map(|zone| &zone.rings) {
@@ -219,7 +219,7 @@ fn avoid_all(labels: &mut Labels, view: &View, picture: &Picture) {
     }
 }
 
-/// Refused requests by their reasons, the commonest first: where the first of each was and what to write.
+/// Refused requests grouped by reason, the most frequent first: the point of the first of each, and the label.
 fn reasons(view: &View, picture: &Picture) -> Vec<(Pixel, String)> {
     let mut reasons: BTreeMap<&str, (usize, usize, Pixel)> = BTreeMap::new();
     for (index, rejected) in picture.rejected.iter().enumerate() {
@@ -251,7 +251,7 @@ fn reasons(view: &View, picture: &Picture) -> Vec<(Pixel, String)> {
     reasons.into_iter().map(write).collect()
 }
 
-/// A label beside a point, with a line to it where it had to go far. Nothing where there is no room.
+/// Places a label beside a point, with a line to the point if it is far away. Draws nothing if there is no room.
 fn put(
     canvas: &mut Canvas,
     labels: &mut Labels,
@@ -290,7 +290,7 @@ fn put(
     canvas.around(group);
 }
 
-/// A contour's value on the line, turned with it, where the line is straightest and nothing is in the way.
+/// Places a contour's value along the line, where the line is straightest and nothing is in the way.
 fn put_along(canvas: &mut Canvas, labels: &mut Labels, line: &[Pixel], content: &str, strong: bool) {
     let size = if strong { 12.0 } else { 10.5 };
     let width = text_width(content, size);
@@ -342,7 +342,7 @@ fn put_along(canvas: &mut Canvas, labels: &mut Labels, line: &[Pixel], content: 
     canvas.map(group);
 }
 
-/// A text over a white outline of itself, so that it reads on anything.
+/// Draws a text with a white outline, so that it can be read on any background.
 fn halo(
     group: &mut svg::node::element::Element,
     at: Pixel,

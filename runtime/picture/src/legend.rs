@@ -1,4 +1,4 @@
-//! The panel beside the map: north, scale, colours and signs.
+//! The panel beside the map: north arrow, scale, colours and signs.
 
 use svg::node::element::Element;
 
@@ -8,10 +8,10 @@ use crate::ink;
 use crate::picture::{Picture, Raster, Steer, ZoneKind};
 use crate::view::{View, nice_step};
 
-/// Between the map and the panel, pixels.
+/// The distance between the map and the panel, pixels.
 const GAP: f64 = 28.0;
 const ROW: f64 = 25.0;
-/// Width of a sign.
+/// The width of a sign, pixels.
 const SIGN: f64 = 34.0;
 
 pub(crate) fn draw(canvas: &mut Canvas, view: &View, picture: &Picture, bands: Option<&Bands>) {
@@ -85,7 +85,7 @@ fn draw_scale(canvas: &mut Canvas, view: &View, (x, y): Pixel) {
 
 type Sign = Box<dyn Fn(Pixel) -> Vec<Element>>;
 
-/// What the picture has, and no more.
+/// The signs that the picture contains.
 fn signs(picture: &Picture) -> Vec<(&'static str, Sign)> {
     let mut signs: Vec<(&'static str, Sign)> = Vec::new();
     for (steer, name) in [
@@ -186,7 +186,7 @@ fn swatch((x, y): Pixel, fill: &str, opacity: &str, stroke: &str) -> Element {
     rectangle(x + 1.0, y - 7.0, SIGN - 2.0, 14.0, &style)
 }
 
-/// The bands' colours with the values between them: depth grows downwards, anything else upwards.
+/// Draws the bands' colours with the values between them: depth increases downwards, anything else upwards.
 fn draw_bands(canvas: &mut Canvas, raster: &Raster, bands: &Bands, (x, y): Pixel, room: f64) {
     let name = if raster.unit.is_empty() {
         raster.label.clone()
@@ -201,7 +201,7 @@ fn draw_bands(canvas: &mut Canvas, raster: &Raster, bands: &Bands, (x, y): Pixel
     let count = bands.levels.len() + 1;
     let height = (room / count as f64).clamp(8.0, 19.0);
     let top = y + 12.0;
-    // Values that would touch are thinned out.
+    // Values that would touch each other are left out.
     let every = (13.0 / height).ceil().max(1.0) as usize;
     for band in 0..count {
         let row = match raster.palette {
@@ -210,7 +210,7 @@ fn draw_bands(canvas: &mut Canvas, raster: &Raster, bands: &Bands, (x, y): Pixel
         };
         let at = top + row as f64 * height;
         canvas.around(rectangle(x, at, SIGN - 8.0, height, &[("fill", &bands.colour(band))]));
-        // The level between this band and the one below it in value.
+        // The value between this band and the next lower one.
         let Some(level) = band.checked_sub(1).filter(|below| below % every == 0) else {
             continue;
         };

@@ -1,8 +1,8 @@
-//! A run as one SVG file: the ground, the fence, what was planned, what was flown and by whom, what was asked and
-//! what was refused.
+//! Draws a run as one SVG file: the ground, the fence, the plan, the track and who steered it, and the accepted and
+//! refused requests.
 //!
-//! Everything is given in one local east-north frame, metres, north up. The same picture gives the same bytes. What
-//! is not finite is left out; nothing is embedded, no fonts and no scripts.
+//! All points are in one local east-north frame, metres, north up. The same picture gives the same bytes. Values that
+//! are not finite are left out. No fonts and no scripts are embedded.
 
 mod canvas;
 mod contour;

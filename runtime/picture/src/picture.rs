@@ -1,21 +1,21 @@
 use backseat_units::EastNorth;
 
-/// What a picture shows. Everything but the title may be empty.
+/// The contents of a picture. Everything but the title may be empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
-    /// In large letters.
+    /// Shown in large letters.
     pub title: String,
-    /// Below it.
+    /// Shown below the title.
     pub subtitle: String,
-    /// Figures of the run, below the map; long ones are wrapped.
+    /// Values of the run, shown below the map; long text is wrapped.
     pub caption: String,
-    /// What is in view at least; `None`: all that is drawn, the ground left out.
+    /// What the view must contain. If `None`, everything that is drawn except the ground.
     pub extent: Option<Extent>,
     /// The ground under everything.
     pub ground: Option<Raster>,
-    /// The fence.
+    /// The fence's zones.
     pub zones: Vec<Zone>,
-    /// The front seat's plan, dashed.
+    /// The front seat's plan, drawn dashed.
     pub planned: Vec<EastNorth>,
     /// The track, oldest first.
     pub flown: Vec<TrackPoint>,
@@ -23,70 +23,70 @@ pub struct Picture {
     pub inserts: Vec<Shape>,
     /// Requests that were refused.
     pub rejected: Vec<Rejected>,
-    /// Where leases began.
+    /// The points where leases began.
     pub lease_begins: Vec<EastNorth>,
-    /// Where they ended.
+    /// The points where leases ended.
     pub lease_ends: Vec<EastNorth>,
 }
 
 /// A rectangle of the frame, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
-    /// Least east.
+    /// The west edge.
     pub west_m: f64,
-    /// Least north.
+    /// The south edge.
     pub south_m: f64,
-    /// Greatest east.
+    /// The east edge.
     pub east_m: f64,
-    /// Greatest north.
+    /// The north edge.
     pub north_m: f64,
 }
 
-/// A scalar over the ground, drawn in filled bands with contour lines.
+/// A quantity over the area, drawn in filled bands with contour lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
-    /// Where the outermost nodes are.
+    /// The rectangle of the outermost nodes.
     pub extent: Extent,
-    /// Nodes from west to east, at least 2.
+    /// The number of nodes from west to east, at least 2.
     pub width: usize,
-    /// Nodes from south to north, at least 2.
+    /// The number of nodes from south to north, at least 2.
     pub height: usize,
-    /// `width * height` values, rows from the south, each from the west. What is not finite is a hole.
+    /// `width * height` values: rows from the south, each row from the west. A value that is not finite is a hole.
     pub values: Vec<f64>,
-    /// What it is, such as `seabed depth`.
+    /// Its name, such as `seabed depth`.
     pub label: String,
     /// Its unit, such as `m`.
     pub unit: String,
     /// Its colours.
     pub palette: Palette,
-    /// A value whose contour is drawn strongly: the isobath that was sought.
+    /// A value whose contour is drawn with a strong line: the isobath to follow.
     pub highlight: Option<f64>,
 }
 
-/// Colours of a raster.
+/// The colours of a raster.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Palette {
-    /// Blues, darker where the value is greater: depth.
+    /// Blue, darker for greater values; for depth.
     #[default]
     Depth,
-    /// Yellow to green, darker where the value is greater: any other field.
+    /// Yellow to green, darker for greater values; for any other quantity.
     Field,
 }
 
 /// A zone of the fence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Zone {
-    /// Written beside it.
+    /// The name written beside it.
     pub name: String,
-    /// To stay in, or to stay out of.
+    /// Whether the vehicle must stay inside or outside.
     pub kind: ZoneKind,
-    /// Outer ring and holes; closing points may be repeated or not.
+    /// Outer ring and holes; the first point may be repeated at the end.
     pub rings: Vec<Vec<EastNorth>>,
-    /// How far from the edge the vehicle is kept, metres, on the side where it may be.
+    /// The distance to keep from the edge, metres, on the side where the vehicle may be.
     pub margin_m: f64,
 }
 
-/// What a zone demands.
+/// What a zone requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ZoneKind {
     /// Stay inside.
@@ -98,7 +98,7 @@ pub enum ZoneKind {
 /// A point of the track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackPoint {
-    /// Where.
+    /// The position.
     pub at: EastNorth,
     /// Who steered from here on.
     pub steer: Steer,
@@ -118,15 +118,15 @@ pub enum Steer {
 /// The geometry of a request.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// A place.
+    /// A position.
     Point(EastNorth),
-    /// From here to there: a trackline, or where a modify would have led.
+    /// A straight line: a trackline, or the path that a modify would have taken.
     Line(EastNorth, EastNorth),
     /// A circle to fly.
     Circle {
         /// Its centre.
         centre: EastNorth,
-        /// Metres.
+        /// The radius, metres.
         radius_m: f64,
     },
 }
@@ -134,8 +134,8 @@ pub enum Shape {
 /// A request that was refused.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
-    /// What it asked for.
+    /// The requested geometry.
     pub shape: Shape,
-    /// Why not, in a few words. Equal reasons share one label.
+    /// The reason in a few words. Requests with the same reason share one label.
     pub reason: String,
 }

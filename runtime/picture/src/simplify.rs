@@ -1,6 +1,6 @@
 use geo::{LineString, Simplify};
 
-/// Leaves out the points of a line that are within `tolerance` of what remains.
+/// Removes the points of a line that are within `tolerance` of the remaining line.
 pub(crate) fn simplify(points: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     let line: LineString = points.iter().copied().collect();
     let simple = line.simplify(tolerance);

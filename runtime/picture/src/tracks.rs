@@ -9,11 +9,11 @@ use crate::simplify::simplify;
 use crate::view::View;
 use crate::{ink, is_finite};
 
-/// Tracks are kept to this, metres; to a third of a pixel where that is more.
+/// Tracks are simplified within this tolerance, metres, or within a third of a pixel if that is more.
 const TOLERANCE_M: f64 = 0.5;
-/// Between direction arrows along the track, pixels.
+/// The distance between direction arrows along the track, pixels.
 const ARROW_SPACING: f64 = 130.0;
-/// Refused requests that are drawn at most: more would hide the map, and they are alike.
+/// The most refused requests that are drawn. More would hide the map, and they are alike.
 const MOST_REJECTED: usize = 400;
 
 pub(crate) fn draw_planned(canvas: &mut Canvas, view: &View, planned: &[backseat_units::EastNorth]) {
@@ -56,7 +56,7 @@ pub(crate) fn draw_inserts(canvas: &mut Canvas, view: &View, inserts: &[Shape]) 
 pub(crate) fn draw_rejected(canvas: &mut Canvas, view: &View, rejected: &[Rejected]) {
     let mut data = String::new();
     let mut crosses = String::new();
-    // Evenly out of all, so that a flood does not show its beginning alone.
+    // Chosen evenly, so that a flood of requests is not shown by its beginning alone.
     let every = rejected.len().div_ceil(MOST_REJECTED).max(1);
     for rejected in rejected.iter().step_by(every) {
         data += &outline(view, &rejected.shape);
@@ -88,7 +88,7 @@ pub(crate) fn draw_rejected(canvas: &mut Canvas, view: &View, rejected: &[Reject
     }
 }
 
-/// Where a refused request's cross and label go: the end of a line, for that is where it would have led.
+/// The point for a refused request's cross and label: the end of a line, because it would have led there.
 pub(crate) fn anchor(view: &View, shape: &Shape) -> Option<Pixel> {
     let at = match *shape {
         Shape::Point(at) | Shape::Line(_, at) | Shape::Circle { centre: at, .. } => at,
@@ -122,7 +122,7 @@ fn outline(view: &View, shape: &Shape) -> String {
     data
 }
 
-/// The flown track with arrows, and the places where it begins and ends and leases do.
+/// Draws the flown track with arrows, its beginning and end, and the beginnings and ends of leases.
 pub(crate) fn draw_flown(canvas: &mut Canvas, view: &View, picture: &Picture, labels: &mut Labels) {
     let tolerance = (TOLERANCE_M * view.scale).max(0.3);
     let runs: Vec<(Steer, Vec<Pixel>)> = runs(&picture.flown)
@@ -217,7 +217,7 @@ fn stroked(class: &str, data: &str, colour: &str, width: &str, opacity: &str) ->
     )
 }
 
-/// The track in pieces of one steerer each; a piece reaches to the first point of the next.
+/// Splits the track where another one begins to steer; each piece extends to the first point of the next.
 fn runs(flown: &[TrackPoint]) -> Vec<(Steer, Vec<backseat_units::EastNorth>)> {
     let mut runs: Vec<(Steer, Vec<_>)> = Vec::new();
     for point in flown.iter().filter(|point| is_finite(&point.at)) {
@@ -234,7 +234,7 @@ fn runs(flown: &[TrackPoint]) -> Vec<(Steer, Vec<backseat_units::EastNorth>)> {
     runs
 }
 
-/// Adds arrowheads along a line; gives how far it is to the next.
+/// Adds arrowheads along a line. Returns the remaining distance to the next arrow.
 fn add_arrows(arrows: &mut String, points: &[Pixel], mut to_arrow: f64) -> f64 {
     for pair in points.windows(2) {
         let (dx, dy) = (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);

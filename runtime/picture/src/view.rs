@@ -1,4 +1,4 @@
-//! Where things are on the page, and the frame around the map.
+//! The layout of the page, and the frame around the map.
 
 use backseat_units::EastNorth;
 
@@ -14,7 +14,7 @@ const MAP_WIDTH: f64 = 860.0;
 const CAPTION_WIDTH: f64 = WIDTH - MAP_LEFT - 28.0;
 const CAPTION_LINE: f64 = 18.0;
 
-/// The page: what of the frame is in view, and where.
+/// The page: which part of the frame is in view, and where.
 pub(crate) struct View {
     pub(crate) width: f64,
     pub(crate) height: f64,
@@ -23,7 +23,7 @@ pub(crate) struct View {
     pub(crate) map_width: f64,
     pub(crate) map_height: f64,
     pub(crate) extent: Extent,
-    /// Pixels a metre.
+    /// Pixels for a metre.
     pub(crate) scale: f64,
     caption: Vec<String>,
 }
@@ -100,7 +100,7 @@ impl View {
         ));
     }
 
-    /// Frame, ticks, title and caption.
+    /// Draws the frame, ticks, title and caption.
     pub(crate) fn draw_frame(&self, canvas: &mut Canvas, picture: &Picture) {
         let frame = [("fill", &"none" as &dyn ToString), ("stroke", &ink::FRAME)];
         canvas.around(rectangle(
@@ -118,7 +118,7 @@ impl View {
         for east_m in ticks(self.extent.west_m, self.extent.east_m, step) {
             let x = self.pixel(EastNorth::new(east_m, 0.0)).0;
             marks += &format!("M{} {}v5", number(x), number(self.bottom()));
-            // The axis' name has the corner.
+            // The axis' name is in the corner.
             if x < self.map_left + self.map_width - 40.0 {
                 canvas.around(text((x, self.bottom() + 18.0), &figure(east_m, step), &middle));
             }
@@ -150,7 +150,7 @@ impl View {
     }
 }
 
-/// What is to be in view, or `None` where there is nothing.
+/// The area that must be in view, or `None` if there is nothing to draw.
 fn seen(picture: &Picture) -> Option<Extent> {
     let mut seen = Seen(picture.extent.filter(is_sound));
     let zones = picture.zones.iter().flat_map(|zone| zone.rings.iter().flatten());
@@ -164,7 +164,7 @@ fn seen(picture: &Picture) -> Option<Extent> {
     for shape in &picture.inserts {
         seen.shape(shape);
     }
-    // A refused request may lead to the other end of the world: it must not shrink the rest.
+    // A refused request may lead very far away, and must not shrink everything else.
     if seen.0.is_none() {
         for rejected in &picture.rejected {
             seen.shape(&rejected.shape);
@@ -216,7 +216,7 @@ impl Seen {
     }
 }
 
-/// What the map shows: some room around, and neither a ribbon nor a tower.
+/// The area that the map shows: with a border, and not too wide or too high.
 fn page_extent(seen: Option<Extent>) -> Extent {
     let seen = seen.unwrap_or(Extent {
         west_m: -100.0,
@@ -237,7 +237,7 @@ fn page_extent(seen: Option<Extent>) -> Extent {
     }
 }
 
-/// The least of 1, 2, 5 times a power of ten that is not below a positive figure.
+/// The least of 1, 2 and 5 times a power of ten that is at least `least`.
 pub(crate) fn nice_step(least: f64) -> f64 {
     if !(least > 0.0 && least.is_finite()) {
         return 1.0;
@@ -255,14 +255,14 @@ pub(crate) fn nice_step(least: f64) -> f64 {
     power * fits.unwrap_or(10.0)
 }
 
-/// The multiples of a step within a range, a hundred at most.
+/// The multiples of a step within a range, at most a hundred.
 pub(crate) fn ticks(from: f64, to: f64, step: f64) -> Vec<f64> {
     let first = (from / step).ceil();
     let count = ((to / step).floor() - first + 1.0).clamp(0.0, 100.0) as usize;
     (0..count).map(|index| (first + index as f64) * step).collect()
 }
 
-/// A text cut to the page's width.
+/// A text cut to the width of the page.
 fn fitted(content: &str, size: f64) -> String {
     if text_width(content, size) <= CAPTION_WIDTH {
         return content.to_owned();

@@ -3,36 +3,36 @@ use serde::{Deserialize, Serialize};
 /// The vehicle classes that the interface covers (SPI 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum VehicleClass {
-    /// The small torpedo.
+    /// A small torpedo-shaped vehicle.
     #[serde(rename = "9-inch")]
     NineInch,
-    /// The survey torpedo.
+    /// A torpedo-shaped survey vehicle.
     #[default]
     #[serde(rename = "12-inch")]
     TwelveInch,
-    /// The deep torpedo.
+    /// A torpedo-shaped vehicle for deep water.
     #[serde(rename = "21-inch")]
     TwentyOneInch,
-    /// The hull inspector, which stands still at will.
+    /// A vehicle for hull inspection, which can hover.
     #[serde(rename = "hovering")]
     Hovering,
 }
 
-/// What a vehicle can do, as far as plans and limits are held against it.
+/// What a vehicle can do, as far as plans and limits are checked against it.
 ///
-/// The figures of a class are typical of vehicles of its size, put together from public data sheets and common sense. They
-/// are not the maker's, and no vehicle has validated them.
+/// The values of a class are typical of vehicles of its size, estimated from public data sheets. They do not come from
+/// the maker and have not been validated on a vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VehicleLimits {
-    /// The slowest that it steers and holds depth, metres a second; 0 where it hovers.
+    /// The lowest speed at which it can steer and keep its depth, metres a second; 0 if it can hover.
     pub speed_min_mps: f64,
-    /// The fastest through the water, metres a second.
+    /// The highest speed through the water, metres a second.
     pub speed_max_mps: f64,
     /// The fastest turn, degrees a second.
     pub yaw_rate_max_dps: f64,
-    /// The deepest, metres.
+    /// The greatest depth, metres.
     pub depth_max_m: f64,
-    /// The closest to the seabed, metres; 0 where that is the plan's to say.
+    /// The least altitude above the seabed, metres; 0 if only the plan decides.
     pub altitude_min_m: f64,
 }
 
@@ -48,7 +48,7 @@ impl VehicleClass {
         }
     }
 
-    /// What a vehicle of this class can do.
+    /// The limits of a vehicle of this class.
     #[must_use]
     pub const fn limits(self) -> VehicleLimits {
         let (speed_min_mps, speed_max_mps, yaw_rate_max_dps, depth_max_m) = match self {
@@ -68,7 +68,7 @@ impl VehicleClass {
 }
 
 impl VehicleLimits {
-    /// Of a vehicle whose class nobody has named: what a vehicle of any class can do.
+    /// The limits where the class is unknown: what a vehicle of any class can do.
     #[must_use]
     pub fn of_any_class() -> Self {
         let classes = [

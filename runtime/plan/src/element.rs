@@ -7,12 +7,12 @@ use crate::class::VehicleLimits;
 use crate::entry::{PlaceConfig, PlanEntry, PlanKind};
 use crate::error::PlanError;
 
-/// Where an element leads, in the frame of the plan's origin.
+/// The path of an element, in the frame of the plan's origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Course {
-    /// Straight there.
+    /// Straight to a point.
     Waypoint {
-        /// Where to.
+        /// The destination.
         to: EastNorth,
     },
     /// To a line's start, then along it.
@@ -22,11 +22,11 @@ pub enum Course {
         /// Where it ends, without its lead-out.
         end: EastNorth,
     },
-    /// A heading for a time.
+    /// A heading for some time.
     Setpoint {
         /// Degrees from true north.
         heading_deg: f64,
-        /// For so long.
+        /// The time.
         duration: Duration,
     },
     /// To a circle and around it.
@@ -35,17 +35,17 @@ pub enum Course {
         centre: EastNorth,
         /// Its radius, metres.
         radius_m: f64,
-        /// How often round; negative counterclockwise.
+        /// The number of rounds; negative is counterclockwise.
         orbits: f64,
-        /// Where on it the vehicle begins, degrees clockwise from the frame's north as seen from the centre; the nearest
-        /// place where it is absent.
+        /// Where on the circle the vehicle begins, degrees clockwise from the frame's north as seen from the centre;
+        /// the nearest point if missing.
         entry_deg: Option<f64>,
     },
-    /// A text to the payload: it leads nowhere.
+    /// A text to the payload, without a path.
     Command,
 }
 
-/// What an element holds vertically, metres.
+/// The vertical setpoint of an element, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlannedVertical {
     /// Below the surface.
@@ -54,52 +54,53 @@ pub enum PlannedVertical {
     Altitude(f64),
 }
 
-/// One behavior of a plan that has been checked.
+/// One behavior of a checked plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanElement {
     /// Behavior number in the dive file, from 1 (SPI 6.9).
     pub number: u32,
     /// The planner-level element that it belongs to, from 1 (SPI 7.11).
     pub element: u32,
-    /// As planned, without lead-in and lead-out.
+    /// The path as planned, without lead-in and lead-out.
     pub course: Course,
     /// Length of lead-in and lead-out, metres.
     pub lead_m: f64,
-    /// What it holds vertically.
+    /// The vertical setpoint.
     pub vertical: PlannedVertical,
-    /// Through the water, metres a second; 0 where nothing moves.
+    /// Speed through the water, metres a second; 0 if the vehicle does not move.
     pub speed_mps: f64,
-    /// When, after the element's begin, dynamic requests are allowed.
+    /// When dynamic requests are allowed, counted from the beginning of the element.
     pub dynamic: Option<(Duration, Duration)>,
-    /// It ends by itself after so long.
+    /// The behavior ends by itself after this time.
     pub timeout: Option<Duration>,
-    /// What the payload is told: a command, or a trackline's message.
+    /// The text to the payload: a command, or a trackline's message.
     pub message: Option<PayloadText>,
 }
 
-/// A text for the payload, and which client is meant.
+/// A text to the payload, and the client that receives it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PayloadText {
-    /// The role of the client that is told; every client where it is absent.
+    /// The role of the client that receives it; every client if missing.
     pub role: Option<Box<str>>,
-    /// What it is told.
+    /// The text.
     pub text: Text,
 }
 
-/// A line with its lead-in and lead-out, each of a length in metres.
+/// A line extended by a lead-in and a lead-out, whose lengths are in metres.
 #[must_use]
 pub fn with_leads(start: EastNorth, end: EastNorth, lead_m: f64) -> (EastNorth, EastNorth) {
     let lead = (end - start) * (lead_m / start.distance_m(end).max(1.0));
     (start - lead, end + lead)
 }
 
-/// A plan with more is a slip of a script.
+/// A plan with more elements is probably a script's mistake.
 const ELEMENTS_MAX: usize = 10_000;
 
-/// A plan's behaviors, in the order of flight, checked against what the vehicle can do.
+/// The behaviors of a plan, in the order of flight, checked against what the vehicle can do.
 ///
 /// # Errors
-/// [`PlanError`] names the element that this vehicle cannot fly, or that is written wrong.
+///
+/// [`PlanError`] with the element that is invalid or that this vehicle cannot fly.
 pub fn resolve(
     entries: &[PlanEntry],
     frame: &LocalFrame,
@@ -125,7 +126,7 @@ pub fn resolve(
     Ok(items)
 }
 
-/// The way to the begin of a line or circle as a behavior of its own.
+/// The way to the beginning of a line or circle, as a behavior of its own.
 fn transit(item: &PlanElement) -> PlanElement {
     let to = match item.course {
         Course::Trackline { start, end } => with_leads(start, end, item.lead_m).0,
@@ -232,7 +233,8 @@ fn vertical(entry: &PlanEntry, vehicle: &VehicleLimits) -> Result<PlannedVertica
 }
 
 fn speed_mps(entry: &PlanEntry, vehicle: &VehicleLimits) -> Result<f64, String> {
-    // Without way on a line never ends; a setpoint does, and a hovering vehicle may stand still for it.
+    // A vehicle that does not move never completes a line. A setpoint ends by time, so a hovering vehicle may stay in
+    // place for it.
     let least = if entry.kind == PlanKind::Setpoint {
         vehicle.speed_min_mps
     } else {
@@ -241,7 +243,7 @@ fn speed_mps(entry: &PlanEntry, vehicle: &VehicleLimits) -> Result<f64, String> 
     number_in(entry, "speed_mps", entry.speed_mps, least, vehicle.speed_max_mps)
 }
 
-/// A command moves nothing: it has neither depth nor speed.
+/// Checks that a command has neither depth nor speed, because it moves nothing.
 fn no_motion(entry: &PlanEntry) -> Result<(PlannedVertical, f64), String> {
     for (key, present) in [
         ("depth_m", entry.depth_m.is_some()),
@@ -307,7 +309,7 @@ fn number_in(entry: &PlanEntry, key: &str, value: Option<f64>, least: f64, most:
     }
 }
 
-/// A key that another kind needs is a mistake, not a remark.
+/// Refuses keys that only other kinds of element have.
 fn refuse_foreign_keys(entry: &PlanEntry) -> Result<(), String> {
     let kind = entry.kind;
     let keys = [
@@ -329,7 +331,7 @@ fn refuse_foreign_keys(entry: &PlanEntry) -> Result<(), String> {
         ("text", entry.text.is_some(), PlanKind::Command),
     ];
     let optional = ["entry_angle_deg", "lead_in_m", "payload_message"];
-    // What is missing is said first: it is the commoner cause of a key too many.
+    // Missing keys are reported first, because they are the usual cause of a key too many.
     for (key, present, of) in keys {
         if !present && of == kind && !optional.contains(&key) {
             return Err(format!("a {} needs `{key}`", kind_name(kind)));

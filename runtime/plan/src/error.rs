@@ -4,7 +4,7 @@ pub enum PlanError {
     /// No elements, or too many.
     #[error("plan is {0} elements, expected 1 to 10000 elements")]
     Length(usize),
-    /// An element that is written wrong, or that the vehicle cannot fly.
+    /// An element that is invalid, or that the vehicle cannot fly.
     #[error("plan element {number}: {fault}")]
     Element {
         /// Its number, from 1.

@@ -1,8 +1,8 @@
-//! The front seat's plan as files have it: the `[[plan]]` tables, what is wrong with them, and where each behavior leads.
+//! The front seat's plan as files hold it: the `[[plan]]` tables, their errors, and the path of each behavior.
 //!
-//! A mission's `plan.toml` and a simulation's `world.toml` write a plan alike. This crate reads it for both, so that what
-//! is checked ashore is what the mock vehicle flies. It knows no vehicle: a plan is held against [`VehicleLimits`], those
-//! of a [`VehicleClass`] or tighter ones.
+//! A mission's `plan.toml` and a simulation's `world.toml` hold plans in the same format. This crate reads both, so
+//! that the plan that is checked before a dive is the plan that the mock vehicle flies. The crate does not model a
+//! vehicle: it checks a plan against [`VehicleLimits`], those of a [`VehicleClass`] or tighter ones.
 
 mod class;
 mod element;

@@ -1,4 +1,4 @@
-//! A front seat's plan as it will be flown, for whoever checks it ashore.
+//! A front seat's plan as it will be flown, for checks before a dive.
 
 use core::time::Duration;
 
@@ -16,25 +16,25 @@ pub struct PlannedBehavior {
     pub number: u32,
     /// The element of the plan's file that it belongs to, from 1.
     pub element: u32,
-    /// Where it leads.
+    /// The path.
     pub path: PlannedPath,
-    /// What it holds vertically.
+    /// The vertical setpoint.
     pub vertical: PlannedVertical,
-    /// Through the water, metres a second; 0 where nothing moves.
+    /// Speed through the water, metres a second; 0 if the vehicle does not move.
     pub speed_mps: f64,
-    /// It ends by itself after so long.
+    /// The behavior ends by itself after this time.
     pub timeout: Option<Duration>,
 }
 
-/// Where a behavior leads.
+/// The path of a behavior.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlannedPath {
-    /// Straight there.
+    /// Straight to a point.
     Waypoint {
-        /// Where to.
+        /// The destination.
         to: Position,
     },
-    /// To a line's begin, and along it, lead-in and lead-out included.
+    /// To the beginning of a line and along it, including lead-in and lead-out.
     Line {
         /// Where the lead-in begins.
         start: Position,
@@ -47,27 +47,28 @@ pub enum PlannedPath {
         centre: Position,
         /// Its radius, metres.
         radius_m: f64,
-        /// How often round; negative counterclockwise.
+        /// The number of rounds; negative is counterclockwise.
         orbits: f64,
-        /// Where on it the vehicle begins, degrees clockwise from true north as seen from the centre; the nearest
-        /// place where it is absent.
+        /// Where on the circle the vehicle begins, degrees clockwise from true north as seen from the centre; the
+        /// nearest point if missing.
         entry_deg: Option<f64>,
     },
-    /// A heading for a time.
+    /// A heading for some time.
     Heading {
         /// Degrees from true north.
         heading_deg: f64,
-        /// For so long.
+        /// The time.
         duration: Duration,
     },
-    /// It leads nowhere.
+    /// No path.
     Nowhere,
 }
 
-/// The behaviors of a plan whose places count from an origin.
+/// The behaviors of a plan whose positions are relative to an origin.
 ///
 /// # Errors
-/// [`PlanError`] names the element that this vehicle cannot fly, or that is written wrong.
+///
+/// [`PlanError`] with the element that is invalid or that this vehicle cannot fly.
 pub fn planned_behaviors(
     entries: &[PlanEntry],
     origin: Position,
@@ -122,7 +123,7 @@ mod tests {
     }
 
     fn read(text: &str, vehicle: &VehicleLimits) -> Result<Vec<PlannedBehavior>, PlanError> {
-        let file: File = toml::from_str(text).expect("a plan as files have it");
+        let file: File = toml::from_str(text).expect("a plan as in a file");
         planned_behaviors(&file.plan, Position::from_deg(42.0, -70.0).expect("at sea"), vehicle)
     }
 

@@ -1,5 +1,5 @@
-//! Measures what the host costs a step: `cargo run --release --example step_overhead -p backseat-plugin-host -- FAULTY.wasm`
-//! with the faulty plugin as `cargo xtask plugins` makes it.
+//! Measures what the host adds to the cost of a step. Run `cargo run --release --example step_overhead -p
+//! backseat-plugin-host -- FAULTY.wasm` with the faulty plugin that `cargo xtask plugins` builds.
 
 #![expect(clippy::disallowed_methods, reason = "a measurement reads the clock")]
 
@@ -10,9 +10,9 @@ use backseat_core::plugin::{Judge, NavigationSample, Refusal, Request, StepInput
 use backseat_plugin_host::{Budget, Host, Plugin};
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
 
-/// Steps of one measurement: short, so that some pass without another process between.
+/// Steps of one measurement: few, so that some measurements run without interruption by another process.
 const STEPS: u64 = 2_000;
-/// Measurements, of which the best one counts.
+/// The number of measurements; the best one counts.
 const MEASUREMENTS: u32 = 500;
 
 struct Yes;
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("start: {:?}", began.elapsed() / 100);
     let input = input()?;
-    // "stale" asks once and is silent from then on.
+    // With "stale" the plugin makes one request and none after that.
     measure(
         "navigation in, no request",
         &mut start(r#"{"fault": "stale"}"#, 0)?,

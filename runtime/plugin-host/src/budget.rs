@@ -1,19 +1,20 @@
 use serde::{Deserialize, Serialize};
 
-/// What one plugin may use. Fuel is roughly a WebAssembly instruction; a core of these years burns some 10^9 a second.
+/// What one plugin may use. A unit of fuel is about one WebAssembly instruction; a present-day core uses about 10^9 a
+/// second.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Budget {
-    /// Fuel of one step. 10,000,000 by default, some 10 ms.
+    /// Fuel for one step. 10,000,000 by default, about 10 ms.
     pub fuel_per_step: u64,
-    /// Fuel of a start: the component's own initialisation, `describe` and `init`; or, for a restart, `init` and
-    /// `restore`. 1,000,000,000 by default: interpreters start slowly.
+    /// Fuel for a start: the component's own initialisation, `describe` and `init`; for a restart, `init` and
+    /// `restore`. 1,000,000,000 by default, because interpreters start slowly.
     pub fuel_init: u64,
-    /// Fuel of one snapshot. 10,000,000 by default.
+    /// Fuel for one snapshot. 10,000,000 by default.
     pub fuel_snapshot: u64,
-    /// Linear memory in all, bytes. 64 MiB by default.
+    /// Linear memory in total, bytes. 64 MiB by default.
     pub memory_bytes: usize,
-    /// After how many successful steps a snapshot is taken; 0 means never. 10 by default.
+    /// The number of successful steps between snapshots; 0 means no snapshots. 10 by default.
     pub snapshot_every_steps: u32,
 }
 

@@ -3,102 +3,102 @@ use backseat_core::plugin::PluginFault;
 /// Why a plugin cannot be loaded or started. `plugin` is the name that the caller gave it.
 #[derive(Debug, thiserror::Error)]
 pub enum HostError {
-    /// WebAssembly cannot be run on this machine.
+    /// WebAssembly cannot run on this machine.
     #[error("the WebAssembly engine cannot be set up: {0}")]
     Engine(String),
-    /// A file of no bytes.
+    /// The file is empty.
     #[error("{plugin}: the file is empty, expected a WebAssembly component")]
     Empty {
-        /// Which.
+        /// The plugin.
         plugin: String,
     },
-    /// Not WebAssembly at all.
+    /// The file is not WebAssembly.
     #[error("{plugin}: not WebAssembly (it does not begin with `\\0asm`), expected a component")]
     NotWasm {
-        /// Which.
+        /// The plugin.
         plugin: String,
     },
-    /// What a compiler makes, before it is a component.
+    /// The file is a core module: the output of a compiler, which has yet to be made a component.
     #[error("{plugin}: a core module, expected a component: `cargo xtask plugins` makes one of each plugin")]
     CoreModule {
-        /// Which.
+        /// The plugin.
         plugin: String,
     },
-    /// Over the cap on the size of a component.
+    /// The component is too large.
     #[error("{plugin}: {bytes} bytes, expected at most {bytes_max}")]
     TooLarge {
-        /// Which.
+        /// The plugin.
         plugin: String,
         /// Its size.
         bytes: usize,
-        /// The most that it may have.
+        /// The largest size allowed.
         bytes_max: usize,
     },
-    /// It took too long to be compiled.
-    #[error("{plugin}: not compiled after {seconds} s: a component that takes so long is refused")]
+    /// The component took too long to compile.
+    #[error("{plugin}: took longer than {seconds} s to compile")]
     TooSlow {
-        /// Which.
+        /// The plugin.
         plugin: String,
-        /// How long it may take.
+        /// The longest time allowed.
         seconds: u64,
     },
-    /// Truncated, damaged, or made of WebAssembly proposals that are off here.
+    /// The component is truncated, damaged, or uses WebAssembly proposals that are turned off here.
     #[error("{plugin}: not a valid component: {reason}")]
     Invalid {
-        /// Which.
+        /// The plugin.
         plugin: String,
-        /// What the validator says.
+        /// The validator's message.
         reason: String,
     },
-    /// It wants what no plugin gets.
+    /// The component imports something that no plugin is given.
     #[error("{plugin}: imports {import}, but a plugin may import only {allowed}")]
     Import {
-        /// Which.
+        /// The plugin.
         plugin: String,
         /// The import.
         import: String,
-        /// What there is.
+        /// The imports that are allowed.
         allowed: &'static str,
     },
-    /// It is a component, but no plugin.
+    /// The component lacks exports of a plugin.
     #[error("{plugin}: does not export {missing}, expected describe, init, step, snapshot and restore")]
     Exports {
-        /// Which.
+        /// The plugin.
         plugin: String,
-        /// What is missing, separated by commas.
+        /// The missing exports, separated by commas.
         missing: String,
     },
-    /// Its imports or exports have other types than this version of the interface.
-    #[error("{plugin}: not of the interface {interface}: {reason}")]
+    /// The imports or exports have other types than this version of the interface.
+    #[error("{plugin}: does not match the interface {interface}: {reason}")]
     Interface {
-        /// Which.
+        /// The plugin.
         plugin: String,
-        /// The version of the interface that the host speaks.
+        /// The version of the interface that the host provides.
         interface: &'static str,
-        /// What differs.
+        /// The difference.
         reason: String,
     },
-    /// What it says of itself is out of bounds.
+    /// The plugin's description is out of bounds.
     #[error("{plugin}: describes itself with {what}, expected {expected}")]
     Description {
-        /// Which.
+        /// The plugin.
         plugin: String,
-        /// What it says.
+        /// The value in the description.
         what: String,
-        /// What it may say.
+        /// The values that are allowed.
         expected: &'static str,
     },
-    /// It failed in `describe` or `init`.
+    /// The plugin failed in `describe` or `init`.
     #[error("{plugin}: cannot be started: {}", fault.text)]
     Start {
-        /// Which.
+        /// The plugin.
         plugin: String,
-        /// How it failed.
+        /// The fault.
         fault: PluginFault,
     },
 }
 
-/// An engine's error as one line: wasmtime spreads its chain of causes over many.
+/// An engine's error in one line: wasmtime puts its chain of causes on several.
 pub(crate) fn one_line(error: &wasmtime::Error) -> String {
     format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -10,23 +10,23 @@ use crate::instance::State;
 use crate::plugin::{Plugin, Started};
 use crate::{Budget, inspection, v0_1_0};
 
-/// The largest component that is loaded, bytes, where nothing else is said: an interpreter with its library fits.
+/// The largest component that is loaded by default, bytes. An interpreter with its library fits.
 pub const COMPONENT_BYTES: usize = 32 << 20;
-/// How long a component may take to be compiled. It is done ashore, once a process, and a component that takes longer was
-/// made to.
+/// How long a component may take to compile by default. Components are compiled ashore, once for each process; one that
+/// takes longer was probably built to do so.
 pub const COMPILE_TIME: Duration = Duration::from_secs(120);
 
-/// Stack of a plugin, bytes. An overflow is a trap.
+/// A plugin's stack, bytes. An overflow is a trap.
 const STACK_BYTES: usize = 512 << 10;
 
-/// Loads components. A clone is another handle of the same host, for a watchdog's thread for example.
+/// Loads components. A clone is another handle to the same host, for example for a watchdog's thread.
 #[derive(Clone)]
 pub struct Host {
     engine: Engine,
     linker: Arc<Linker<State>>,
 }
 
-/// A component that is compiled and is known to be a plugin. A clone shares the code.
+/// A compiled component that is known to be a plugin. A clone shares the code.
 #[derive(Clone)]
 pub struct Component {
     inner: Arc<Inner>,
@@ -39,10 +39,11 @@ struct Inner {
 }
 
 impl Host {
-    /// One engine, with settings that make a plugin's run the same everywhere.
+    /// Creates an engine with settings under which a plugin runs the same on every machine.
     ///
     /// # Errors
-    /// [`HostError::Engine`] where this machine cannot run WebAssembly.
+    ///
+    /// [`HostError::Engine`] if this machine cannot run WebAssembly.
     pub fn new() -> Result<Self, HostError> {
         let engine_error = |error: wasmtime::Error| HostError::Engine(one_line(&error));
         let engine = Engine::new(&config()).map_err(engine_error)?;
@@ -54,20 +55,21 @@ impl Host {
         })
     }
 
-    /// As [`Host::load_within`], with the usual bounds: [`COMPONENT_BYTES`] and [`COMPILE_TIME`].
+    /// Like [`Host::load_within`], with the default bounds [`COMPONENT_BYTES`] and [`COMPILE_TIME`].
     ///
     /// # Errors
-    /// A [`HostError`] that says in a line what the bytes are instead of a plugin.
+    ///
+    /// A [`HostError`] that explains in one line why the bytes are not a plugin.
     pub fn load(&self, name: &str, bytes: &[u8]) -> Result<Component, HostError> {
         self.load_within(name, bytes, COMPONENT_BYTES, COMPILE_TIME)
     }
 
-    /// Checks and compiles a component of so many bytes at most, in so much time at most. `name` stands in errors and in
-    /// nothing else.
+    /// Checks and compiles a component, within a largest size and a longest time. `name` is used in errors only.
     ///
     /// # Errors
-    /// A [`HostError`] that says in a line what the bytes are instead of a plugin, or which bound they break. A compilation
-    /// that takes too long goes on in its thread until it ends: it cannot be stopped.
+    ///
+    /// A [`HostError`] that explains in one line why the bytes are not a plugin, or which bound they break. A
+    /// compilation that takes too long continues in its thread until it ends, because it cannot be stopped.
     pub fn load_within(
         &self,
         name: &str,
@@ -104,7 +106,7 @@ impl Host {
         let (done, compiled) = mpsc::channel();
         let (engine, thread_name, bytes) = (self.engine.clone(), name.to_owned(), bytes.to_vec());
         std::thread::spawn(move || {
-            // Nobody waits any more where it took too long.
+            // The receiver is gone if the compilation took too long.
             let _ = done.send(inspection::compile(&engine, &thread_name, &bytes));
         });
         match compiled.recv_timeout(time_max) {
@@ -115,13 +117,13 @@ impl Host {
             }),
             Err(mpsc::RecvTimeoutError::Disconnected) => Err(HostError::Invalid {
                 plugin: name.to_owned(),
-                reason: "the compiler panicked on it".to_owned(),
+                reason: "the compiler panicked".to_owned(),
             }),
         }
     }
 
-    /// Moves the epoch on by one tick, for plugins with [`Plugin::set_deadline_ticks`]. A deployed runtime's watchdog
-    /// calls it from a thread of its own; in simulation nobody does.
+    /// Advances the epoch by one tick, for plugins with [`Plugin::set_deadline_ticks`]. A deployed runtime's watchdog
+    /// calls this from a thread of its own; a simulation never does.
     pub fn increment_epoch(&self) {
         self.engine.increment_epoch();
     }
@@ -132,17 +134,19 @@ impl Host {
 }
 
 impl Component {
-    /// The name that it was loaded under.
+    /// The name under which it was loaded.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.inner.name
     }
 
-    /// Starts a plugin: a new instance, `describe`, `init`. `config_json` is the plugin's table of the mission file.
+    /// Starts a plugin: creates an instance and calls `describe` and `init`. `config_json` is the plugin's
+    /// configuration from the mission file.
     ///
     /// # Errors
-    /// [`HostError::Start`] where `describe` or `init` fails or goes over its bounds, [`HostError::Description`] where the
-    /// description does, [`HostError::Interface`] where its functions have other types.
+    ///
+    /// [`HostError::Start`] if `describe` or `init` fails or exceeds its bounds, [`HostError::Description`] if the
+    /// description does, [`HostError::Interface`] if its functions have other types.
     pub fn start(&self, budget: Budget, config_json: &str, judge: Arc<dyn Judge>) -> Result<Started, HostError> {
         Plugin::start(self.clone(), budget, config_json, judge)
     }
@@ -163,7 +167,7 @@ fn config() -> Config {
         .consume_fuel(true)
         .epoch_interruption(true)
         .operator_cost(operator_cost());
-    // The bits of a NaN differ between processors, and a relaxed instruction may do as its processor does.
+    // The bits of a NaN differ between processors, and so do the results of relaxed instructions.
     config
         .cranelift_nan_canonicalization(true)
         .relaxed_simd_deterministic(true)
@@ -174,13 +178,14 @@ fn config() -> Config {
         .wasm_custom_page_sizes(false)
         .wasm_wide_arithmetic(false);
     config.shared_memory(false).max_wasm_stack(STACK_BYTES);
-    // A fault is told in one line; its backtrace would name functions that release builds have stripped.
+    // A fault is reported in one line, and release builds have no names for a backtrace to show.
     config.wasm_backtrace_max_frames(None).generate_address_map(false);
     config
 }
 
-/// Growing memory asks the operating system: dear, even where it is refused, so that a plugin cannot spend a second of
-/// the host's time on a millisecond's worth of fuel. Bulk operations cost a unit for each byte already.
+/// Growing memory is charged much fuel, because each attempt calls the operating system, even one that is refused. A
+/// plugin must not spend a second of the host's time on a millisecond's worth of fuel. Bulk operations already cost one
+/// unit for each byte.
 fn operator_cost() -> OperatorCost {
     OperatorCost {
         MemoryGrow: u8::MAX,

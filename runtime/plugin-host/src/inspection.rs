@@ -6,21 +6,22 @@ use crate::error::{HostError, one_line};
 use crate::host::{COMPONENT_BYTES, Host};
 use crate::v0_1_0;
 
-/// What a component asks for and offers.
+/// The imports and exports of a component.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Inspection {
     /// The interfaces and functions that it imports, with their versions.
     pub imports: Vec<String>,
-    /// What it exports.
+    /// The names of its exports.
     pub exports: Vec<String>,
-    /// Bytes.
+    /// Its size, bytes.
     pub size: usize,
 }
 
-/// What a component asks for and offers, plugin or not.
+/// Lists the imports and exports of any component, plugin or not.
 ///
 /// # Errors
-/// A [`HostError`] where the bytes are no valid component.
+///
+/// A [`HostError`] if the bytes are not a valid component.
 pub fn inspect(bytes: &[u8]) -> Result<Inspection, HostError> {
     let host = Host::new()?;
     check_form("component", bytes, COMPONENT_BYTES)?;
@@ -33,9 +34,9 @@ pub fn inspect(bytes: &[u8]) -> Result<Inspection, HostError> {
     })
 }
 
-/// Refuses what is no component by what it is, and one of more bytes than this.
+/// Refuses bytes that are not a component, or are too many.
 pub(crate) fn check_form(name: &str, bytes: &[u8], bytes_max: usize) -> Result<(), HostError> {
-    /// Magic number, version, and layer of a core module.
+    /// The magic number, version and layer of a core module.
     const CORE: &[u8] = b"\0asm\x01\0\0\0";
     let plugin = || name.to_owned();
     if bytes.is_empty() {
@@ -65,7 +66,7 @@ pub(crate) fn compile(engine: &Engine, name: &str, bytes: &[u8]) -> Result<Compo
     })
 }
 
-/// Whether a component imports no more and exports no less than a plugin does.
+/// Checks that a component imports no more and exports no less than a plugin does.
 pub(crate) fn require_plugin(engine: &Engine, name: &str, component: &Component) -> Result<(), HostError> {
     let ty = component.component_type();
     for (import, _) in ty.imports(engine) {

@@ -1,4 +1,4 @@
-//! One instance of a component: its store, its limits, and what its imports write to.
+//! One instance of a component: its store, its limits, and the state that its imports write to.
 
 use std::sync::Arc;
 
@@ -9,29 +9,29 @@ use crate::error::one_line;
 use crate::v0_1_0::bindings;
 use crate::{Budget, Component};
 
-/// Fuel of a log line, and one unit more for each of its bytes.
+/// Fuel for a log line, plus one unit for each of its bytes.
 pub const LOG_FUEL: u64 = 1_000;
-/// Fuel of a question to the fence.
+/// Fuel for a question to the fence.
 pub const FENCE_FUEL: u64 = 10_000;
 
-/// Log lines that are kept of one call.
+/// How many log lines of one call are kept.
 const LOG_LINES: usize = 32;
-/// The longest text of a line, a fault or a message, bytes.
+/// The longest text of a log line, a fault or a message, bytes.
 pub(crate) const TEXT_BYTES: usize = 256;
 
-/// Bytes that a plugin passes to the host in one call of an import, or returns from one call, unless said otherwise.
+/// Bytes that a plugin may pass to the host in one call of an import, or return from one call, unless stated otherwise.
 pub(crate) const CALL_BYTES: usize = 128 << 10;
 
-/// A deadline that is never reached. Not the largest number: wasmtime adds the current epoch to it.
+/// A deadline that is never reached. It is not the largest number, because wasmtime adds the current epoch to it.
 const NO_DEADLINE: u64 = u64::MAX / 2;
 
-/// A live instance. It is thrown away after a fault.
+/// A live instance. It is discarded after a fault.
 pub(crate) struct Instance {
     store: Store<State>,
     exports: bindings::Plugin,
 }
 
-/// What a call did.
+/// The result of a call.
 pub(crate) struct Called<T> {
     pub(crate) fuel: u64,
     pub(crate) result: Result<T, PluginFault>,
@@ -41,7 +41,7 @@ pub(crate) struct Called<T> {
 pub(crate) struct State {
     limits: Limits,
     judge: Arc<dyn Judge>,
-    /// The step that runs, without its events; none in other calls.
+    /// The step that is running, without its events; `None` in other calls.
     step: Option<StepInput>,
     log: Vec<LogLine>,
     lines_allowed: usize,
@@ -49,8 +49,8 @@ pub(crate) struct State {
 }
 
 impl Instance {
-    /// Makes an instance and runs the component's own initialisation, on `fuel`. The fault is [`FaultKind::Start`] where
-    /// nothing was run, because the exports have other types.
+    /// Creates an instance and runs the component's own initialisation on `fuel`. The fault is [`FaultKind::Start`] if
+    /// nothing was run because the exports have other types.
     pub(crate) fn new(
         component: &Component,
         budget: &Budget,
@@ -93,7 +93,7 @@ impl Instance {
         }
     }
 
-    /// Calls an export with `fuel`; the export may return `bytes` to the host. A fault takes the whole of the fuel.
+    /// Calls an export on `fuel`; the export may return `bytes` to the host. A fault uses up all of the fuel.
     pub(crate) fn call<T>(
         &mut self,
         fuel: u64,
@@ -117,22 +117,22 @@ impl Instance {
         }
     }
 
-    /// What the `fence` import answers from, until the next call of this.
+    /// Sets the step from which the `fence` import answers, until this is called again.
     pub(crate) fn set_step(&mut self, step: Option<StepInput>) {
         self.store.data_mut().step = step;
     }
 
-    /// Fuel that the last call left.
+    /// The fuel that the last call left.
     pub(crate) fn fuel_left(&self) -> u64 {
         self.store.get_fuel().expect("the engine counts fuel")
     }
 
-    /// How many lines the next calls may log, [`LOG_LINES`] at most.
+    /// Sets how many lines the next calls may log, at most [`LOG_LINES`].
     pub(crate) fn allow_lines(&mut self, lines: usize) {
         self.store.data_mut().lines_allowed = lines.min(LOG_LINES);
     }
 
-    /// The lines logged since the last time, and how many more were not kept.
+    /// The lines logged since this was last called, and how many more were dropped.
     pub(crate) fn take_log(&mut self) -> (Vec<LogLine>, u64) {
         let state = self.store.data_mut();
         (std::mem::take(&mut state.log), std::mem::take(&mut state.lines_dropped))
@@ -148,7 +148,7 @@ impl State {
         self.step.as_ref()
     }
 
-    /// Whether another log line is kept; one that is not is counted.
+    /// Whether another log line is kept. A line that is not kept is counted.
     pub(crate) fn admit_line(&mut self) -> bool {
         let admitted = self.log.len() < self.lines_allowed;
         self.lines_dropped += u64::from(!admitted);
@@ -160,7 +160,7 @@ impl State {
     }
 }
 
-/// Takes an import's price from the plugin's fuel.
+/// Charges the price of an import to the plugin's fuel.
 pub(crate) fn charge(store: &mut StoreContextMut<'_, State>, price: u64) -> wasmtime::Result<()> {
     let left = store.get_fuel()?.checked_sub(price);
     store.set_fuel(left.unwrap_or(0))?;
@@ -171,7 +171,7 @@ pub(crate) fn charge(store: &mut StoreContextMut<'_, State>, price: u64) -> wasm
     }
 }
 
-/// The text up to the bound, cut between characters.
+/// The text, cut between characters at the bound.
 pub(crate) fn cut(text: &str) -> &str {
     &text[..text.floor_char_boundary(TEXT_BYTES)]
 }
@@ -180,9 +180,9 @@ fn set_fuel(store: &mut Store<State>, fuel: u64) {
     store.set_fuel(fuel).expect("the engine counts fuel");
 }
 
-/// Which bound a plugin broke.
+/// The bound that a plugin broke.
 fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
-    /// wasmtime's type of this error is private; its version is fixed, and a test holds this text to it.
+    /// wasmtime's type of this error is private. Its version is fixed, and a test checks that this text still matches.
     const TOO_MUCH: &str = "too much data is being copied between the host and the guest";
     let text = one_line(error);
     let kind = match error.downcast_ref::<Trap>() {
@@ -202,14 +202,14 @@ fn fault(error: &wasmtime::Error, state: &State) -> PluginFault {
     PluginFault { kind, text }
 }
 
-/// Elements of all tables: functions that are called through pointers.
+/// Elements in all tables together: functions that are called through pointers.
 const TABLE_ELEMENTS: usize = 100_000;
 
-/// What an instance may still take.
+/// What an instance may still allocate.
 struct Limits {
     bytes_left: usize,
     elements_left: usize,
-    /// A growth was refused in this call.
+    /// Whether a growth was refused during this call.
     refused: bool,
 }
 

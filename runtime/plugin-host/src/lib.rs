@@ -1,29 +1,29 @@
 //! Runs plugins: WebAssembly components with budgets, as pure functions of their inputs.
 //!
 //! A [`Host`] loads a [`Component`], a component starts a [`Plugin`], and a plugin is stepped. Calls are synchronous, one
-//! at a time; a deployed runtime gives each plugin a thread. What a plugin does within a call is the same on every
-//! machine: it has no clock, no random numbers, no files and no network, NaNs are canonical, relaxed SIMD and threads
-//! are off, and its fuel is counted by the instruction. What one does to itself it does to nobody else (safety requirement
-//! 006).
+//! at a time; a deployed runtime gives each plugin a thread. Within a call a plugin behaves the same on every machine: it
+//! has no clock, no random numbers, no files and no network, NaNs are canonical, relaxed SIMD and threads are off, and
+//! fuel is counted for each instruction. A plugin that misbehaves harms no other plugin (safety requirement 006).
 //!
-//! # What one plugin can take
-//! | bound | where | when it is broken |
+//! # Limits of a plugin
+//! | limit | where | when it is exceeded |
 //! |---|---|---|
 //! | fuel of a call | [`Budget`] | `OutOfFuel` |
-//! | linear memory in all, 64 instances, 32 tables, 8 memories, 100,000 table elements | [`Budget`] | `Memory`, where it then traps |
-//! | bytes that one call passes to the host | 128 KiB a step, 1 MiB a snapshot | `TooMuch`, before anything is allocated for them |
-//! | 256 requests a step, 256 bytes a text, 8 frames of 1024 bytes a packet | | `TooMuch` |
-//! | 32 log lines a step and a second, twice as many at once, of 256 bytes | | cut; the rest are counted |
-//! | 32 MiB a component, 120 s to compile it | [`Host::load_within`] | it is not loaded |
+//! | linear memory in total, 64 instances, 32 tables, 8 memories, 100,000 table elements | [`Budget`] | `Memory`, if the plugin then traps |
+//! | bytes that one call passes to the host | 128 KiB for a step, 1 MiB for a snapshot | `TooMuch`, before anything is allocated for them |
+//! | 256 requests in a step, 256 bytes in a text, 8 frames of 1024 bytes in a packet | | `TooMuch` |
+//! | 32 log lines in a step and in a second, with a burst of twice as many, each of 256 bytes | | lines are cut or dropped; dropped lines are counted |
+//! | 32 MiB for a component, 120 s to compile it | [`Host::load_within`] | it is not loaded |
 //! | wall clock | [`Plugin::set_deadline_ticks`] | `Deadline` |
 //!
-//! An instruction is one unit of fuel, a bulk operation one more for each byte, growing the memory 255 and as many for
-//! each page, and each import has a fixed price that is charged before it does anything: [`LOG_FUEL`], [`FENCE_FUEL`].
+//! An instruction costs one unit of fuel, and a bulk operation one more for each byte. Growing the memory costs 255 units,
+//! and 255 more for each page. Each import has a fixed price, which is charged before it does anything: [`LOG_FUEL`],
+//! [`FENCE_FUEL`].
 //!
 //! # Life cycle
-//! After a fault that loses the instance (all but `Error`), [`Plugin::step`] answers `Start` until [`Plugin::restart`]
-//! has made a new one: `init`, then `restore` of the last snapshot, which is taken every so many steps. Whether and when
-//! to restart is the caller's to decide.
+//! After a fault that loses the instance (all but `Error`), [`Plugin::step`] returns `Start` until [`Plugin::restart`] has
+//! created a new instance: it calls `init`, then `restore` with the last snapshot. Snapshots are taken at the interval of
+//! the budget. The caller decides whether and when to restart.
 
 mod budget;
 mod error;

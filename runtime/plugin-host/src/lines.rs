@@ -1,11 +1,11 @@
 use backseat_core::plugin::{LogLevel, LogLine};
 use backseat_units::Timestamp;
 
-/// How many log lines of a plugin are kept in a second. As many more may come at once.
+/// How many log lines of a plugin are kept in a second. As many again may come in a burst.
 pub(crate) const LINES_PER_S: u32 = 32;
 
-/// The log lines of one plugin over time: a cap in each step alone would let one that steps often fill a disk. What is not
-/// kept is counted, and the count is a line of its own, one a second.
+/// Limits the log lines of one plugin over time: with a cap for each step only, a plugin that steps often could fill a
+/// disk. Dropped lines are counted, and the count is logged as a line of its own, at most once a second.
 #[derive(Debug)]
 pub(crate) struct Lines {
     left: u32,
@@ -26,7 +26,7 @@ impl Default for Lines {
 }
 
 impl Lines {
-    /// How many lines may be logged by a step of this time.
+    /// How many lines a step at this time may log.
     pub(crate) fn allowed(&mut self, now: Timestamp) -> usize {
         let second = now.as_nanos() / 1_000_000_000;
         let seconds = second.saturating_sub(self.refilled_s);
@@ -36,8 +36,8 @@ impl Lines {
         self.left as usize
     }
 
-    /// What a step has logged, and how many lines of it were not kept; with a last line that counts those, where it is
-    /// time to tell.
+    /// The lines to keep of a step, of which some more were dropped already. Adds a line with the count of dropped
+    /// lines when one is due.
     pub(crate) fn keep(&mut self, now: Timestamp, (mut log, dropped): (Vec<LogLine>, u64)) -> Vec<LogLine> {
         self.left = self.left.saturating_sub(u32::try_from(log.len()).unwrap_or(u32::MAX));
         self.untold += dropped;
@@ -50,7 +50,7 @@ impl Lines {
     }
 }
 
-/// The lines of a start, of which none are counted against any second.
+/// The lines of a start, which do not count against any second.
 pub(crate) fn of_start((mut log, dropped): (Vec<LogLine>, u64)) -> Vec<LogLine> {
     if dropped > 0 {
         log.push(counted(dropped));
@@ -61,7 +61,7 @@ pub(crate) fn of_start((mut log, dropped): (Vec<LogLine>, u64)) -> Vec<LogLine> 
 fn counted(lines: u64) -> LogLine {
     LogLine {
         level: LogLevel::Warn,
-        text: format!("{lines} more lines were not kept"),
+        text: format!("{lines} more lines were dropped"),
     }
 }
 

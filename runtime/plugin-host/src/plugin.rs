@@ -9,16 +9,16 @@ use crate::{Budget, Component, HostError, v0_1_0};
 /// The largest snapshot, bytes.
 const SNAPSHOT_BYTES: usize = 1 << 20;
 
-/// A plugin that runs, or has failed and waits to be started again.
+/// A plugin that is running, or has failed and waits to be restarted.
 pub struct Plugin {
     component: Component,
     budget: Budget,
     config_json: String,
     judge: Arc<dyn Judge>,
     deadline_ticks: Option<u64>,
-    /// None after a fault that loses it.
+    /// `None` after a fault that loses the instance.
     instance: Option<Instance>,
-    /// The last step's input as the guest gets it, kept for its allocations.
+    /// The last step's input as the guest receives it, kept to reuse its allocations.
     input: v0_1_0::Input,
     snapshot: Option<Vec<u8>>,
     lines: Lines,
@@ -30,24 +30,24 @@ pub struct Plugin {
 pub struct Started {
     /// The plugin.
     pub plugin: Plugin,
-    /// What it says of itself.
+    /// The plugin's description of itself.
     pub description: Description,
-    /// Fuel used.
+    /// The fuel used.
     pub fuel: u64,
-    /// Lines that it logged.
+    /// The lines that it logged.
     pub log: Vec<LogLine>,
 }
 
-/// What came of starting a plugin again.
+/// The result of restarting a plugin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Restarted {
-    /// Fuel used.
+    /// The fuel used.
     pub fuel: u64,
-    /// Lines that it logged.
+    /// The lines that it logged.
     pub log: Vec<LogLine>,
-    /// Whether it runs; if not, why, as [`FaultKind::Start`].
+    /// Whether it is running; if not, the fault, a [`FaultKind::Start`].
     pub result: Result<(), PluginFault>,
-    /// Inputs since the last snapshot, the fatal one too: the new instance has not seen them.
+    /// The number of inputs since the last snapshot, including the fatal one, which the new instance has not seen.
     pub lost_steps: u64,
 }
 
@@ -107,14 +107,14 @@ impl Plugin {
         })
     }
 
-    /// Gives one input. The fuel is that of the step and, where one was taken, of the snapshot; a fault that loses the
-    /// instance takes the whole of the budget of the call that failed.
+    /// Runs one step. The returned fuel includes the snapshot's, if one was taken. A fault that loses the instance uses
+    /// up the whole budget of the call that failed.
     ///
-    /// The judge gets the input without its events.
+    /// The judge receives the input without its events.
     pub fn step(&mut self, input: &StepInput) -> Returned {
         self.inputs_since_snapshot += 1;
         let Some(instance) = &mut self.instance else {
-            let text = "not running: it failed and was not started again".to_owned();
+            let text = "not running: it failed and has not been restarted".to_owned();
             return Returned {
                 fuel: 0,
                 log: Vec::new(),
@@ -179,7 +179,8 @@ impl Plugin {
         Returned { fuel, log, result }
     }
 
-    /// Starts the plugin again: a new instance, `init`, and `restore` where there is a snapshot. Also one that still runs.
+    /// Restarts the plugin: creates an instance, calls `init`, and `restore` if there is a snapshot. The plugin may
+    /// still be running.
     pub fn restart(&mut self) -> Restarted {
         self.instance = None;
         self.steps_to_snapshot = self.budget.snapshot_every_steps;
@@ -210,13 +211,13 @@ impl Plugin {
         }
     }
 
-    /// The wall-clock backstop of a deployed run: how many times [`crate::Host::increment_epoch`] may be called during a
-    /// call of the plugin before that ends as [`FaultKind::Deadline`]. None, as it is at first: any number.
+    /// Sets the wall-clock backstop of a deployed run: how many calls of [`crate::Host::increment_epoch`] a call of the
+    /// plugin may last before it ends with [`FaultKind::Deadline`]. `None`, the default, means no limit.
     pub fn set_deadline_ticks(&mut self, ticks: Option<u64>) {
         self.deadline_ticks = ticks;
     }
 
-    /// Whether it can be stepped, rather than started again.
+    /// Whether it can be stepped; if not, it must be restarted.
     #[must_use]
     pub fn is_running(&self) -> bool {
         self.instance.is_some()
@@ -233,7 +234,7 @@ impl Plugin {
         )
     }
 
-    /// Calls `init` with the fuel that is left; gives what is left of it then.
+    /// Calls `init` on the remaining fuel, and returns what is left.
     fn init(&self, instance: &mut Instance) -> Result<u64, PluginFault> {
         let fuel = instance.fuel_left();
         let called = instance.call(fuel, CALL_BYTES, self.deadline_ticks, |exports, store| {
@@ -246,7 +247,7 @@ impl Plugin {
         Ok(instance.fuel_left())
     }
 
-    /// Calls `restore`, where there is a snapshot, with the fuel that is left; gives what is left of it then.
+    /// Calls `restore` if there is a snapshot, on the remaining fuel, and returns what is left.
     fn restore(&self, instance: &mut Instance, fuel: u64) -> Result<u64, PluginFault> {
         let Some(snapshot) = &self.snapshot else {
             return Ok(fuel);
@@ -266,7 +267,7 @@ fn loses_the_instance(fault: &PluginFault) -> bool {
     fault.kind != FaultKind::Error
 }
 
-/// A trap says nothing of why; the line that the plugin logged before it often does.
+/// Adds the last line that the plugin logged, because a trap gives no reason and that line often does.
 fn with_last_line(fault: PluginFault, log: &[LogLine]) -> PluginFault {
     match log.last() {
         Some(line) if fault.kind == FaultKind::Trap => PluginFault {

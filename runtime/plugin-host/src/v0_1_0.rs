@@ -1,4 +1,4 @@
-//! `wit/v0.1.0` on the host's side: its imports, and the conversions between its types and core's.
+//! The host's side of `wit/v0.1.0`: its imports, and the conversions between its types and those of core.
 
 use std::time::Duration;
 
@@ -33,17 +33,17 @@ pub(crate) mod bindings {
 use bindings::backseat::plugin::log::Level;
 use bindings::backseat::plugin::types as wit;
 
-/// What this file speaks.
+/// The version of the interface in this file.
 pub(crate) const INTERFACE: &str = "backseat:plugin@0.1.0";
-/// What a plugin may import. `types` are names only.
+/// The imports that a plugin may have. `types` has names only.
 pub(crate) const IMPORTS: [&str; 3] = [
     "backseat:plugin/types@0.1.0",
     "backseat:plugin/log@0.1.0",
     "backseat:plugin/fence@0.1.0",
 ];
-/// The same, for people.
+/// The same as text for messages.
 pub(crate) const IMPORTS_TEXT: &str = "log and fence of backseat:plugin@0.1.0";
-/// What a plugin exports.
+/// The exports that a plugin must have.
 pub(crate) const EXPORTS: [&str; 5] = ["describe", "init", "step", "snapshot", "restore"];
 
 /// Defines the imports.
@@ -53,7 +53,7 @@ pub(crate) fn link(linker: &mut Linker<State>) -> wasmtime::Result<()> {
     linker.instance(IMPORTS[2])?.func_wrap("check", check)
 }
 
-/// `log.write`. The text stays in the plugin's memory until it is known to be wanted.
+/// `log.write`. The text is read from the plugin's memory only if the line is kept.
 fn write(mut store: StoreContextMut<'_, State>, (level, text): (Level, WasmStr)) -> wasmtime::Result<()> {
     charge(&mut store, LOG_FUEL)?;
     if !store.data_mut().admit_line() {
@@ -91,7 +91,7 @@ fn check(
         .map_err(|refusal| wit::Refusal::from(&refusal)),))
 }
 
-/// A step's input as the guest gets it.
+/// A step's input as the guest receives it.
 pub(crate) struct Input(wit::StepInput);
 
 impl Default for Input {
@@ -109,7 +109,7 @@ impl Default for Input {
 }
 
 impl Input {
-    /// Takes the place of the input before, in its allocations.
+    /// Replaces the previous input and reuses its allocations.
     pub(crate) fn fill(&mut self, input: &core::StepInput) -> &wit::StepInput {
         self.0.now_ns = input.now.as_nanos();
         self.0.utc_ns = input.utc.as_unix_nanos();
@@ -134,7 +134,7 @@ impl Input {
     }
 }
 
-/// How long before a step something was, nanoseconds.
+/// The age of a moment at the step, nanoseconds.
 fn age_ns(then: Timestamp, now: Timestamp) -> u64 {
     nanos(now.since(then))
 }
@@ -148,7 +148,7 @@ impl From<backseat_units::Position> for wit::Position {
     }
 }
 
-/// Nanoseconds of a duration between two timestamps, which always fits.
+/// The nanoseconds of a duration between two timestamps, which always fit.
 fn nanos(duration: Duration) -> u64 {
     u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }

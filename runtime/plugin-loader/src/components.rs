@@ -11,7 +11,7 @@ use crate::load::{LoadError, Loaded};
 
 /// Components, compiled once and started for any number of runs, by the names that `component` has in mission files.
 ///
-/// A clone shares the code, and may be used on another thread.
+/// A clone shares the code and may be used on another thread.
 #[derive(Clone, Default)]
 pub struct Components {
     by_name: BTreeMap<String, Compiled>,
@@ -20,22 +20,23 @@ pub struct Components {
 #[derive(Clone)]
 struct Compiled {
     component: Component,
-    /// What errors call it by.
+    /// The path for errors.
     path: PathBuf,
     bytes: Arc<[u8]>,
 }
 
 impl Components {
-    /// None.
+    /// Creates an empty set.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Finds and compiles those of a mission, each one once. `folder` is where bare names are looked up first.
+    /// Finds and compiles the components of a mission, each once. Bare names are looked up in `folder` first.
     ///
     /// # Errors
-    /// [`LoadError`] names the plugin and the file.
+    ///
+    /// [`LoadError`] with the plugin and the file.
     pub fn load(host: &Host, mission: &Mission, folder: Option<&Path>) -> Result<Self, LoadError> {
         let mut components = Self::new();
         let paths = mission.components(folder)?;
@@ -53,10 +54,11 @@ impl Components {
         Ok(components)
     }
 
-    /// Compiles one that is found elsewhere. One of that name is replaced; plugins that run keep theirs.
+    /// Compiles a component from bytes. It replaces a component of the same name; running plugins keep the old one.
     ///
     /// # Errors
-    /// [`LoadError::Host`] where the host refuses it.
+    ///
+    /// [`LoadError::Host`] if the host refuses it.
     pub fn insert(&mut self, host: &Host, name: &str, bytes: &[u8]) -> Result<(), LoadError> {
         self.compile(host, name, name, PathBuf::from(name), bytes)
     }
@@ -64,7 +66,8 @@ impl Components {
     /// Starts all plugins of a mission.
     ///
     /// # Errors
-    /// [`LoadError`] names the plugin and its component.
+    ///
+    /// [`LoadError`] with the plugin and its component.
     pub fn start(&self, mission: &Mission) -> Result<Loaded, LoadError> {
         let mut loaded = Loaded {
             setups: Vec::new(),
@@ -87,11 +90,12 @@ impl Components {
         Ok(loaded)
     }
 
-    /// Starts one plugin from a component, whatever component its table names: with the table's budget and
-    /// configuration, for a mission whose fence and limits it can ask about.
+    /// Starts one plugin from a component, whichever component its table names. It gets the table's budget and
+    /// configuration, and can ask about the fence and limits of `mission`.
     ///
     /// # Errors
-    /// [`LoadError`] names the plugin and the component.
+    ///
+    /// [`LoadError`] with the plugin and the component.
     pub fn start_one(&self, component: &str, table: &PluginTable, mission: &Mission) -> Result<Plugin, LoadError> {
         let compiled = self.find(&table.name, component)?;
         Ok(compiled.start(table, mission)?.plugin)

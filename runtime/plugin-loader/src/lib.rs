@@ -1,6 +1,8 @@
-//! The plugins of a mission: found where `component` says, compiled once, and started for as many runs as there are.
+//! Loads the plugins of a mission: finds them by `component`, compiles them once, and starts them for any number of
+//! runs.
 //!
-//! A mission says what a plugin may do and use; the host runs it and knows no mission. Between them is this.
+//! A mission says what a plugin may do and use. The host runs plugins and knows nothing of missions. This crate
+//! connects the two.
 
 mod components;
 mod load;

@@ -6,10 +6,10 @@ use backseat_plugin_host::{Host, HostError, Plugin};
 
 use crate::components::Components;
 
-/// A mission's plugin that cannot be used.
+/// Why a mission's plugin cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
-    /// Its component is nowhere.
+    /// Its component was not found.
     #[error(transparent)]
     Mission(#[from] MissionError),
     /// Its component cannot be read.
@@ -19,7 +19,7 @@ pub enum LoadError {
         plugin: String,
         /// The component.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: std::io::Error,
     },
     /// The host refuses it.
@@ -29,43 +29,44 @@ pub enum LoadError {
         plugin: String,
         /// The component.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: HostError,
     },
     /// Its component was not loaded.
-    #[error("plugin `{plugin}`: component `{component}` is not loaded, there are: {loaded}")]
+    #[error("plugin `{plugin}`: component `{component}` is not loaded; loaded are: {loaded}")]
     Unknown {
         /// The plugin's name in the mission.
         plugin: String,
         /// Its `component` key.
         component: String,
-        /// Those that are, separated by commas.
+        /// The loaded components, separated by commas.
         loaded: String,
     },
-    /// Its configuration cannot be handed over.
+    /// Its configuration cannot be passed on.
     #[error("plugin `{plugin}`: its config cannot be written as JSON: {message}")]
     Config {
         /// The plugin's name in the mission.
         plugin: String,
-        /// Why.
+        /// The reason.
         message: String,
     },
 }
 
 /// A mission's plugins, started.
 pub struct Loaded {
-    /// For core, in priority order.
+    /// The setups for core, in priority order.
     pub setups: Vec<PluginSetup>,
-    /// For the driver, in the same order.
+    /// The plugins for the driver, in the same order.
     pub plugins: Vec<Plugin>,
-    /// Names and bytes of the components, for the log.
+    /// The names and bytes of the components, for the log.
     pub components: Vec<(String, Vec<u8>)>,
 }
 
 /// Finds, compiles and starts a mission's plugins.
 ///
 /// # Errors
-/// [`LoadError`] names the plugin and the file.
+///
+/// [`LoadError`] with the plugin and the file.
 pub fn load_plugins(host: &Host, mission: &Mission, folder: Option<&Path>) -> Result<Loaded, LoadError> {
     Components::load(host, mission, folder)?.start(mission)
 }

@@ -1,4 +1,4 @@
-//! Bytes in JSON: a string where they are UTF-8, as sentences are, so that people can read them; else their numbers.
+//! Bytes in JSON: as a string if they are UTF-8, as sentences are, so that people can read them; otherwise as numbers.
 
 use std::borrow::Cow;
 

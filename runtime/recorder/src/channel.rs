@@ -1,30 +1,30 @@
 /// A channel of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Channel {
-    /// Bytes of one read of the link.
+    /// The bytes of one read from the link.
     FromVehicle,
-    /// Bytes of one write to the link.
+    /// The bytes of one write to the link.
     ToVehicle,
     /// Every other input of core.
     Input,
     /// Every other output of core.
     Output,
-    /// Notes, but for those of the next two.
+    /// Notes other than those of the next two channels.
     Notes,
-    /// States that requests came to.
+    /// New states of requests.
     Requests,
     /// Control gained and lost.
     Control,
-    /// Navigation as the monitor sees it.
+    /// Navigation as the safety monitor uses it.
     Navigation,
-    /// What only the simulation knows.
+    /// Values that only the simulation knows.
     Truth,
-    /// The simulated vehicle's own lines.
+    /// Lines of the simulated vehicle's own log.
     Vehicle,
 }
 
 impl Channel {
-    /// All of them, in the order of their MCAP identifiers.
+    /// All channels, in the order of their MCAP identifiers.
     pub const ALL: [Self; 10] = [
         Self::FromVehicle,
         Self::ToVehicle,
@@ -38,7 +38,7 @@ impl Channel {
         Self::Vehicle,
     ];
 
-    /// Its MCAP topic.
+    /// The channel's MCAP topic.
     #[must_use]
     pub const fn topic(self) -> &'static str {
         match self {
@@ -55,13 +55,13 @@ impl Channel {
         }
     }
 
-    /// The channel of a topic.
+    /// The channel with this topic.
     #[must_use]
     pub fn from_topic(topic: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|channel| channel.topic() == topic)
     }
 
-    /// Its MCAP message encoding.
+    /// The channel's MCAP message encoding.
     #[must_use]
     pub const fn encoding(self) -> &'static str {
         match self.schema() {
@@ -70,7 +70,7 @@ impl Channel {
         }
     }
 
-    /// The name and the text of its JSON schema; `None` for raw bytes.
+    /// The name and the text of the channel's JSON schema; `None` for raw bytes.
     #[must_use]
     pub const fn schema(self) -> Option<(&'static str, &'static str)> {
         match self {
@@ -98,10 +98,10 @@ const INPUT: &str = r#"{
     "restarted": {"type": "object", "description": "Fuel, lost steps, and fault, if any, of a restart."},
     "act": {
       "type": ["string", "object"],
-      "description": "What the operator did: hold, release, stop; or {\"order\": ...} with what no plugin may ask for."
+      "description": "What the operator did: hold, release, stop; or {\"order\": ...} for requests that no plugin may make."
     },
     "external": {"type": "integer", "description": "Place in the mission file, 0 first (external)."},
-    "bytes": {"type": ["string", "array"], "description": "As text where they are UTF-8, else as numbers (external)."},
+    "bytes": {"type": ["string", "array"], "description": "As text if they are UTF-8, else as numbers (external)."},
     "below": {"type": "integer", "description": "All SPI identifiers below this are reserved (reserved)."},
     "since_s": {"type": "number", "description": "Since when records are missing, seconds of the run (gap)."},
     "records": {"type": "integer", "description": "How many are missing (gap)."},
@@ -118,7 +118,7 @@ const OUTPUT: &str = r#"{
     "plugin": {"type": "integer", "description": "Place in priority order, 0 first (invoke, restart)."},
     "step": {"type": "object", "description": "The step's whole input (invoke in a deployed log)."},
     "external": {"type": "integer", "description": "Place in the mission file, 0 first (external)."},
-    "bytes": {"type": ["string", "array"], "description": "As text where they are UTF-8, else as numbers (external)."},
+    "bytes": {"type": ["string", "array"], "description": "As text if they are UTF-8, else as numbers (external)."},
     "after_s": {"type": "number", "description": "Back-off, seconds (connect)."},
     "below": {"type": "integer", "description": "Reserve all SPI identifiers below this (reserve)."}
   }
@@ -126,25 +126,25 @@ const OUTPUT: &str = r#"{
 
 const NOTE: &str = r#"{
   "type": "object",
-  "description": "What is worth knowing of a run.",
+  "description": "An event of the run.",
   "required": ["text", "note"],
   "properties": {
-    "text": {"type": "string", "description": "All of it in a line."},
-    "note": {"type": "string", "description": "Which kind of note; its own fields follow."}
+    "text": {"type": "string", "description": "All of it in one line."},
+    "note": {"type": "string", "description": "The kind of note; its own fields follow."}
   }
 }"#;
 
 const REQUEST: &str = r#"{
   "type": "object",
-  "description": "A request of a plugin, the operator or an external source has come to another state.",
+  "description": "A request of a plugin, the operator or an external source has a new state.",
   "required": ["text", "request", "owner", "tag", "kind", "state"],
   "properties": {
-    "text": {"type": "string", "description": "All of it in a line."},
+    "text": {"type": "string", "description": "All of it in one line."},
     "request": {"type": "integer", "description": "Its number in this run."},
-    "owner": {"enum": ["plugin", "operator", "external"], "description": "Whose it is."},
-    "plugin": {"type": "integer", "description": "Place in priority order, 0 first; of a plugin's."},
-    "external": {"type": "integer", "description": "Place in the mission file, 0 first; of an external source's."},
-    "tag": {"type": "integer", "description": "Its owner's name for it."},
+    "owner": {"enum": ["plugin", "operator", "external"], "description": "Who made the request."},
+    "plugin": {"type": "integer", "description": "Place in priority order, 0 first; only for a plugin."},
+    "external": {"type": "integer", "description": "Place in the mission file, 0 first; only for an external source."},
+    "tag": {"type": "integer", "description": "The number by which its owner knows it."},
     "kind": {"enum": [
       "modify", "trackline", "trackcircle", "cancel", "gps-hit", "cancel-all", "cancel-current", "cancel-element",
       "abort", "kill", "start-empty-mission", "topside", "relay", "dvl-trigger", "silent", "trim", "buoyancy", "packet",
@@ -152,14 +152,14 @@ const REQUEST: &str = r#"{
     ]},
     "identifier": {"type": ["integer", "null"], "description": "SPI identifier of an insert."},
     "state": {"enum": ["rejected", "sent", "pending", "accepted", "failed", "timed-out", "unknown", "started", "ended", "cancelled"]},
-    "reason": {"type": ["string", "null"], "description": "Why, where it was rejected, failed or ended: a line."},
+    "reason": {"type": ["string", "null"], "description": "Why it was rejected, failed or ended, in one line."},
     "why": {
       "type": "object",
-      "description": "The same for programs. Beside these, of what was rejected: its zone, edge, figure and range.",
+      "description": "The same for programs. A rejected request also has zone, edge, value and range.",
       "properties": {
-        "rule": {"type": "string", "description": "Which rule of the monitor rejected it."},
-        "kind": {"type": "string", "description": "What kind of end it came to."},
-        "cause": {"type": "string", "description": "The name of what exactly rejected, failed or ended it."}
+        "rule": {"type": "string", "description": "The rule of the monitor that rejected it."},
+        "kind": {"type": "string", "description": "The way in which it ended."},
+        "cause": {"type": "string", "description": "The name of the exact cause."}
       }
     }
   }
@@ -173,13 +173,13 @@ const CONTROL: &str = r#"{
     "text": {"type": "string"},
     "granted": {"type": "boolean", "description": "Requests can be sent."},
     "reason": {"type": "string", "description": "Why it was lost."},
-    "cause": {"type": "string", "description": "The name of that: vehicle-has-control."}
+    "cause": {"type": "string", "description": "The name of the reason, such as vehicle-has-control."}
   }
 }"#;
 
 const NAVIGATION: &str = r#"{
   "type": "object",
-  "description": "Navigation as the monitor sees it (SPI 6.1, 6.2).",
+  "description": "Navigation as the safety monitor uses it (SPI 6.1, 6.2).",
   "properties": {
     "time_s": {"type": "number", "description": "When the solution was computed, since the start of the run."},
     "latitude_deg": {"type": "number"},
@@ -201,7 +201,7 @@ const NAVIGATION: &str = r#"{
 
 const TRUTH: &str = r#"{
   "type": "object",
-  "description": "What only the simulation knows; its fields are the simulation's."
+  "description": "Values that only the simulation knows; the simulation defines the fields."
 }"#;
 
 const VEHICLE: &str = r#"{

@@ -1,62 +1,62 @@
 use std::path::PathBuf;
 
-/// What can go wrong with a log.
+/// Errors of writing and reading logs.
 #[derive(Debug, thiserror::Error)]
 pub enum RecorderError {
-    /// The file cannot be made.
+    /// The file cannot be created.
     #[error("cannot create log {}: {source}", path.display())]
     Create {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: std::io::Error,
     },
-    /// The log cannot be written: most often the disk is full. Nothing after this is recorded.
+    /// The log cannot be written, usually because the disk is full. Nothing is recorded after this.
     #[error("cannot write log {log}: {source}")]
     Write {
         /// Path of the file, or `in memory`.
         log: String,
-        /// Why.
+        /// The reason.
         source: Box<mcap::McapError>,
     },
-    /// A message has no JSON: a map of the simulation's truth whose keys are not text.
+    /// A message cannot be written as JSON: the simulation's truth has a map whose keys are not text.
     #[error("cannot write channel {channel} of log {log}: {source}")]
     Encode {
         /// Path of the file, or `in memory`.
         log: String,
         /// The channel's topic.
         channel: &'static str,
-        /// Why.
+        /// The reason.
         source: serde_json::Error,
     },
     /// The file cannot be read.
     #[error("cannot read log {}: {source}", path.display())]
     Open {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: std::io::Error,
     },
-    /// The file is not MCAP, or is damaged in its middle (a missing end is no error).
-    #[error("log {log} is no intact MCAP file: {source}")]
+    /// The file is not MCAP, or is damaged in the middle. (A missing end is not an error.)
+    #[error("log {log} is not an intact MCAP file: {source}")]
     Damaged {
         /// Path of the file, or `in memory`.
         log: String,
-        /// Where it fails.
+        /// Where reading fails.
         source: Box<mcap::McapError>,
     },
-    /// An MCAP file, but not one of ours or of another format.
-    #[error("log {log} is no backseat log: {what}, expected {expected}")]
+    /// The file is MCAP, but not a log of this project or not in this format.
+    #[error("log {log} is not a backseat log: {what}, expected {expected}")]
     Foreign {
         /// Path of the file, or `in memory`.
         log: String,
         /// What was found.
         what: String,
-        /// What should be there.
+        /// What was expected.
         expected: &'static str,
     },
-    /// A message does not read as its channel's schema says.
-    #[error("log {log}: message {sequence} of {channel} does not read: {source}")]
+    /// A message does not match its channel's schema.
+    #[error("log {log}: message {sequence} of {channel} is invalid: {source}")]
     Message {
         /// Path of the file, or `in memory`.
         log: String,
@@ -64,7 +64,7 @@ pub enum RecorderError {
         channel: &'static str,
         /// The message's sequence number.
         sequence: u32,
-        /// Where it fails.
+        /// Where reading fails.
         source: serde_json::Error,
     },
 }

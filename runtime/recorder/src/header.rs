@@ -6,22 +6,22 @@ use std::time::Duration;
 use backseat_units::Utc;
 use sha2::{Digest, Sha256};
 
-/// A component larger than this is recorded by its SHA-256 alone, bytes.
+/// Of a component larger than this, only the SHA-256 is recorded, bytes.
 pub const COMPONENT_LIMIT: usize = 8 << 20;
 
-/// The format that this crate writes and reads.
+/// The version of the format that this crate writes and reads.
 pub(crate) const FORMAT: &str = "1";
 /// Name of the metadata record about the run.
 pub(crate) const RUN: &str = "backseat";
 /// Name of the metadata record of the components' hashes.
 pub(crate) const COMPONENTS: &str = "components";
 
-/// How much is decoded, and how often the log is written out.
+/// How much is decoded, and how often the log is written to the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rate {
-    /// Navigation and truth once a second; written out every 60 s of the run's time.
+    /// Navigation and truth once a second; written every 60 s of the run's time.
     Simulation,
-    /// All of it; written out every 3 s.
+    /// Everything; written every 3 s.
     Deployed,
 }
 
@@ -56,10 +56,10 @@ impl Rate {
     }
 }
 
-/// What is known of a run before it begins.
+/// Facts about a run that are known before it begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Header<'a> {
-    /// The run's UTC at its time zero.
+    /// The UTC at the run's time zero.
     pub utc_at_start: Utc,
     /// How much is decoded.
     pub rate: Rate,
@@ -103,7 +103,7 @@ impl Header<'_> {
             .collect()
     }
 
-    /// What is attached: name, media type and content.
+    /// The attachments: name, media type and content.
     pub(crate) fn attachments(&self) -> impl Iterator<Item = (Cow<'static, str>, &'static str, &[u8])> {
         let texts = [
             ("mission.toml", "application/toml", self.resolved_mission.as_bytes()),

@@ -1,13 +1,13 @@
 //! The log of a run, in MCAP.
 //!
-//! One MCAP file a run (<https://mcap.dev/spec>), uncompressed, written by [`Recorder`] and read back by [`read`]. It
-//! holds every input of core in the order in which core handled it, so that core can be replayed from the file alone,
-//! and beside that what people and plotting tools want decoded.
+//! Each run has one MCAP file (<https://mcap.dev/spec>), uncompressed, which [`Recorder`] writes and [`read`] reads. It
+//! holds every input of core in the order in which core handled them, so that core can be replayed from the file alone.
+//! It also holds decoded data for people and plotting tools.
 //!
-//! `log_time` (and `publish_time`, the same) is the run's UTC at its start plus the run's own time, nanoseconds since
-//! 1970. `sequence` counts all messages of all channels from 0 in the order in which they were written (it wraps at
-//! 2^32): it puts messages of the same instant in order. [`Recorder::start`] comes first; after each input come the
-//! outputs that core gave for it.
+//! `log_time` (and `publish_time`, which is the same) is the UTC at the run's start plus the run's own time,
+//! nanoseconds since 1970. `sequence` counts the messages of all channels from 0 in the order in which they were
+//! written (it wraps at 2^32), which orders messages of the same instant. [`Recorder::start`] comes first. After each
+//! input come the outputs that core produced for it.
 //!
 //! | channel | encoding | what | how much |
 //! |---|---|---|---|
@@ -22,13 +22,13 @@
 //! | `/truth` | JSON | what only the simulation knows | by [`Rate`] |
 //! | `/vehicle` | JSON | lines of the simulated vehicle's own log | all |
 //!
-//! Raw channels have the message encoding `application/octet-stream` and no schema: a chunk holds any part of any
-//! number of sentences. JSON channels carry a JSON schema, which is their reference ([`Channel::schema`]). Figures in
-//! `/core/input` survive bit for bit; what JSON has no number for is written `"nan"`, `"inf"` and `"-inf"`, for a
-//! plugin may ask for anything.
+//! Raw channels have the message encoding `application/octet-stream` and no schema: a message may hold any part of any
+//! number of sentences. JSON channels have a JSON schema, which documents them ([`Channel::schema`]). Numbers in
+//! `/core/input` are preserved bit for bit. Values that JSON cannot express are written as `"nan"`, `"inf"` and
+//! `"-inf"`, because a plugin's request may contain any value.
 //!
-//! `invoke` outputs carry the whole step input in a deployed log. In a simulation's they carry the plugin alone:
-//! core makes the rest again from the inputs, and it would be half of the file.
+//! In a deployed log, `invoke` outputs hold the whole input of the step. In a simulation's log they hold the plugin
+//! only: core can compute the rest again from its inputs, and it would be half of the file.
 //!
 //! **Metadata**, one record named `backseat`: `format` (1), `version`, `mission`, `seed` (absent at sea), `rate`
 //! (`simulation` or `deployed`), `utc_at_start_ns`, `mission_sha256` and `fence_sha256` (of the attachments). One
@@ -37,14 +37,15 @@
 //! **Attachments**: `mission.toml` (as resolved), `fence.geojson`, `components/NAME.wasm` (those over
 //! [`COMPONENT_LIMIT`] only by their hash).
 //!
-//! **Gaps.** A deployed runtime waits for no disk. What the disk does not take in time is left out, and a `gap` on
-//! `/core/input` says since when and how many records: whatever follows one can no longer be replayed from the start.
+//! **Gaps.** A deployed runtime does not wait for the disk. Records that the disk does not accept in time are left out.
+//! A `gap` on `/core/input` has the time since when records are missing, and their number. What follows a gap cannot be
+//! replayed from the start.
 //!
-//! **What a killed process leaves.** Each MCAP chunk is put together in memory and written whole, then handed to the
-//! operating system: every 3 s of the run's time when deployed, every 60 s or 256 KiB in simulation. A file that
-//! lacks its end is read up to its last whole chunk by [`read`], by `mcap recover`, and by the Python package's
-//! streaming reader (`NonSeekingReader`), which raises at the end of what there is. Nothing is forced to the disk: a power cut
-//! can cost what the operating system had not written, as a rule the last 30 s.
+//! **After a killed process.** Each MCAP chunk is assembled in memory, written whole, and handed to the operating
+//! system: every 3 s of the run's time when deployed, every 60 s or 256 KiB in simulation. A file without its end can
+//! be read up to its last whole chunk by [`read`], by `mcap recover`, and by the Python package's streaming reader
+//! (`NonSeekingReader`), which raises an exception there. The recorder does not sync the file to the disk, so a power
+//! cut can lose what the operating system had not written, usually the last 30 s.
 
 mod bytes;
 mod channel;

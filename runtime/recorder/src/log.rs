@@ -12,20 +12,20 @@ use crate::header::{COMPONENTS, FORMAT, RUN, Rate};
 use crate::message::{InputOwned, Line, LoggedInput};
 use crate::raw::Records;
 
-/// A log, read back whole.
+/// A log, read as a whole.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Log {
-    /// What the run was.
+    /// Facts about the run.
     pub run: Run,
-    /// What is attached to it, in file order.
+    /// The attachments, in the order of the file.
     pub attachments: Vec<Attachment>,
     /// All messages in the order of their sequence numbers.
     pub entries: Vec<Entry>,
-    /// The file has its end; without it, the process was killed and what it had not yet written out is missing.
+    /// Whether the file has its end. If not, the process was killed, and what it had not yet written is missing.
     pub complete: bool,
 }
 
-/// What a log says of its run.
+/// The facts about its run that a log holds.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Run {
     /// The program's version.
@@ -36,7 +36,7 @@ pub struct Run {
     pub seed: Option<u64>,
     /// How much was decoded.
     pub rate: Rate,
-    /// The run's UTC at its time zero.
+    /// The UTC at the run's time zero.
     pub utc_at_start: Utc,
     /// SHA-256 of the resolved mission, hexadecimal.
     pub mission_sha256: String,
@@ -64,22 +64,22 @@ pub struct Entry {
     pub sequence: u32,
     /// The run's time.
     pub now: Timestamp,
-    /// What it says.
+    /// Its contents.
     pub record: Record,
 }
 
-/// What a message says. JSON is as its channel's schema has it.
+/// The contents of a message. JSON is as in its channel's schema.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Record {
-    /// What core was started with.
+    /// The values with which core was started.
     Start(Start),
-    /// An input of core, the link's bytes included.
+    /// An input of core, including the link's bytes.
     Input(LoggedInput),
-    /// Here records are missing, inputs among them: the disk did not take them in time.
+    /// Records are missing here, possibly inputs too: the disk did not accept them in time.
     Gap {
         /// Since when, seconds of the run.
         since_s: f64,
-        /// How many.
+        /// The number of records.
         records: u64,
     },
     /// Bytes written to the link.
@@ -88,7 +88,7 @@ pub enum Record {
     Output(Value),
     /// A note.
     Note(Value),
-    /// A state that a request came to.
+    /// A new state of a request.
     Request(Value),
     /// Control gained or lost.
     Control(Value),
@@ -101,7 +101,7 @@ pub enum Record {
 }
 
 impl Log {
-    /// The inputs of core in the order in which it handled them.
+    /// The inputs of core, in the order in which it handled them.
     pub fn inputs(&self) -> impl Iterator<Item = (Timestamp, &LoggedInput)> {
         self.entries.iter().filter_map(|entry| {
             let Record::Input(input) = &entry.record else {
@@ -111,7 +111,7 @@ impl Log {
         })
     }
 
-    /// What core was started with, where it was recorded.
+    /// The values with which core was started, if they were recorded.
     #[must_use]
     pub fn start(&self) -> Option<Start> {
         self.entries.iter().find_map(|entry| {
@@ -122,7 +122,7 @@ impl Log {
         })
     }
 
-    /// All bytes of the link in order: the time, whether they came from the vehicle, and what they were.
+    /// All bytes of the link in order: the time, whether they came from the vehicle, and the bytes.
     pub fn link(&self) -> impl Iterator<Item = (Timestamp, bool, &[u8])> {
         self.entries.iter().filter_map(|entry| {
             if let Record::Input(LoggedInput::Received(bytes)) = &entry.record {
@@ -135,7 +135,7 @@ impl Log {
         })
     }
 
-    /// The lines that say what happened: of notes, requests and control.
+    /// The lines of notes, requests and control.
     pub fn notes(&self) -> impl Iterator<Item = (Timestamp, &str)> {
         self.entries.iter().filter_map(|entry| {
             let (Record::Note(json) | Record::Request(json) | Record::Control(json)) = &entry.record else {
@@ -169,9 +169,10 @@ pub fn read(path: &Path) -> Result<Log, RecorderError> {
 
 /// Reads a log from its bytes.
 ///
-/// Channels that it does not know are passed over: a newer program may write more.
+/// Unknown channels are skipped, because a newer program may write more.
 ///
 /// # Errors
+///
 /// [`RecorderError::Damaged`], [`RecorderError::Foreign`], [`RecorderError::Message`].
 pub fn parse(bytes: &[u8]) -> Result<Log, RecorderError> {
     parse_named(bytes, "in memory")

@@ -1,4 +1,4 @@
-//! The shapes of the JSON channels' messages. Their schemas are in [`crate::Channel::schema`].
+//! The JSON channels' messages. Their schemas are in [`crate::Channel::schema`].
 
 use backseat_core::plugin::{EndKind, NavigationSample, PluginId, Refusal, RequestState, Returned, Rule, StepInput};
 use backseat_core::{ExternalId, Input, Note, Operator, Owner, RequestKind, Reservation, Restarted, Start, Transition};
@@ -7,28 +7,28 @@ use serde::{Deserialize, Serialize};
 use crate::bytes;
 use crate::request::{ReturnedJson, ReturnedRef};
 
-/// An input of core as the log has it, to be handed to core again.
+/// An input of core as logged, which can be given to core again.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LoggedInput {
-    /// The connection to the vehicle was up.
+    /// The connection to the vehicle was established.
     LinkUp,
-    /// The connection was gone.
+    /// The connection was lost.
     LinkDown,
     /// Bytes from the vehicle.
     Received(Vec<u8>),
-    /// A plugin's step had returned.
+    /// A plugin's step returned.
     Returned(PluginId, Returned),
-    /// A plugin had been restarted, or not.
+    /// A plugin was restarted, or could not be.
     Restarted(PluginId, Restarted),
-    /// The operator had acted.
+    /// The operator acted.
     Operator(Operator),
     /// Bytes from an external source.
     External(ExternalId, Vec<u8>),
     /// Identifiers and inserts were reserved.
     Reserved(Reservation),
-    /// The computer's clock was set since the start, in all by so many nanoseconds.
+    /// How far the computer's clock has been set since the start in total, nanoseconds.
     UtcSet(i64),
-    /// The time that core had asked for had come.
+    /// The time that core had requested was reached.
     Timeout,
 }
 
@@ -51,7 +51,7 @@ impl LoggedInput {
     }
 }
 
-/// What goes into `/core/input`, borrowed. `timeout` is written without it.
+/// A message of `/core/input`, borrowed, for writing. `timeout` is written without it.
 #[derive(Serialize)]
 #[serde(tag = "input", rename_all = "kebab-case")]
 pub(crate) enum InputRef<'a> {
@@ -89,7 +89,7 @@ pub(crate) enum InputRef<'a> {
     },
 }
 
-/// What comes out of `/core/input`.
+/// A message of `/core/input`, for reading.
 #[derive(Deserialize)]
 #[serde(tag = "input", rename_all = "kebab-case")]
 pub(crate) enum InputOwned {
@@ -129,7 +129,7 @@ pub(crate) enum InputOwned {
     },
 }
 
-/// What goes into `/core/output`.
+/// A message of `/core/output`, for writing.
 #[derive(Serialize)]
 #[serde(tag = "output", rename_all = "kebab-case")]
 pub(crate) enum OutputRef<'a> {
@@ -157,7 +157,7 @@ pub(crate) enum OutputRef<'a> {
     Finish,
 }
 
-/// What goes into `/notes`.
+/// A message of `/notes`, for writing.
 #[derive(Serialize)]
 pub(crate) struct NoteRef<'a> {
     pub(crate) text: &'a str,
@@ -165,7 +165,7 @@ pub(crate) struct NoteRef<'a> {
     pub(crate) note: &'a Note,
 }
 
-/// What goes into `/control`.
+/// A message of `/control`, for writing.
 #[derive(Serialize)]
 pub(crate) struct ControlRef<'a> {
     pub(crate) text: &'a str,
@@ -175,7 +175,7 @@ pub(crate) struct ControlRef<'a> {
     pub(crate) cause: Option<&'static str>,
 }
 
-/// What goes into `/requests`.
+/// A message of `/requests`, for writing.
 #[derive(Serialize)]
 pub(crate) struct RequestRef<'a> {
     text: &'a str,
@@ -190,12 +190,12 @@ pub(crate) struct RequestRef<'a> {
     identifier: Option<u32>,
     state: &'static str,
     reason: Option<String>,
-    /// Why exactly, for programs.
+    /// The exact reason, for programs.
     #[serde(skip_serializing_if = "Option::is_none")]
     why: Option<Why<'a>>,
 }
 
-/// Why a request was refused, has failed or is over.
+/// Why a request was refused, has failed or has ended.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Why<'a> {
@@ -268,7 +268,7 @@ impl<'a> RequestRef<'a> {
     }
 }
 
-/// What goes into `/navigation`.
+/// A message of `/navigation`, for writing.
 #[derive(Serialize)]
 pub(crate) struct NavigationRow {
     time_s: f64,
@@ -310,7 +310,7 @@ impl From<&NavigationSample> for NavigationRow {
     }
 }
 
-/// What goes into `/vehicle`.
+/// A message of `/vehicle`.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Line<T> {
     pub(crate) text: T,

@@ -1,13 +1,13 @@
-//! The records of a file's bytes, none of which can be trusted (safety requirement 013).
+//! Splits a file's bytes, which cannot be trusted, into records (safety requirement 013).
 //!
-//! The lengths that enclose one another are checked here, and only then is a record given to [`mcap`] to be read:
-//! its own readers subtract them first.
+//! This module checks the nested lengths first, and only then lets [`mcap`] read a record: the readers of [`mcap`]
+//! subtract these lengths unchecked.
 
 use mcap::read::ChunkReader;
 use mcap::records::{Record, op};
 use mcap::{MAGIC, McapError, McapResult, parse_record};
 
-/// The records of a file in order, those of chunks in place of the chunks, up to where the file was cut.
+/// The records of a file in order, up to where the file was cut. A chunk is replaced by its records.
 pub(crate) struct Records<'a> {
     rest: &'a [u8],
     chunk: Option<ChunkReader<'a>>,
@@ -17,7 +17,8 @@ impl<'a> Records<'a> {
     /// The records of a whole file or of its beginning.
     ///
     /// # Errors
-    /// [`McapError::BadMagic`] where it does not begin as an MCAP file does.
+    ///
+    /// [`McapError::BadMagic`] if the file does not begin as MCAP.
     pub(crate) fn new(file: &'a [u8]) -> McapResult<Self> {
         let rest = file.strip_prefix(MAGIC).ok_or(McapError::BadMagic)?;
         Ok(Self { rest, chunk: None })
@@ -58,7 +59,7 @@ impl<'a> Iterator for Records<'a> {
     }
 }
 
-/// The first record's opcode and content, and what comes after it; `None` where it was cut.
+/// The first record's opcode and content, and the bytes after it; `None` if the record is cut.
 fn split_record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     let (&opcode, rest) = bytes.split_first()?;
     let (length, rest) = rest.split_first_chunk()?;
@@ -67,7 +68,7 @@ fn split_record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     Some((opcode, body, rest))
 }
 
-/// A chunk's records, which are the end of its content but for padding.
+/// A chunk's records, which fill the end of its content except for padding.
 fn chunk_data(body: &[u8], size: u64) -> McapResult<&[u8]> {
     const BEFORE_COMPRESSION: usize = 28;
     let bad = || McapError::BadChunkLength {
@@ -80,7 +81,7 @@ fn chunk_data(body: &[u8], size: u64) -> McapResult<&[u8]> {
     data.get(..usize::try_from(size).map_err(|_| bad())?).ok_or_else(bad)
 }
 
-/// Every record of an uncompressed chunk ends within it.
+/// Checks that every record of an uncompressed chunk ends within the chunk.
 fn check_chunk(data: &[u8]) -> McapResult<()> {
     let mut rest = data;
     while !rest.is_empty() {
@@ -89,7 +90,7 @@ fn check_chunk(data: &[u8]) -> McapResult<()> {
     Ok(())
 }
 
-/// An attachment's names and its checksum have room in it.
+/// Checks that an attachment has room for its names and its checksum.
 fn check_attachment(body: &[u8]) -> McapResult<()> {
     const TIMES: usize = 2 * size_of::<u64>();
     const LENGTH_AND_CRC: usize = size_of::<u64>() + size_of::<u32>();
@@ -101,7 +102,7 @@ fn check_attachment(body: &[u8]) -> McapResult<()> {
         .ok_or(McapError::UnexpectedEof)
 }
 
-/// What comes after a text and its length.
+/// The bytes after a text and its length.
 fn skip_text(bytes: &[u8]) -> Option<&[u8]> {
     let (length, rest) = bytes.split_first_chunk()?;
     rest.get(usize::try_from(u32::from_le_bytes(*length)).ok()?..)

@@ -18,16 +18,16 @@ use crate::header::{COMPONENTS, Header, RUN, Rate};
 use crate::message::{ControlRef, InputRef, Line, NavigationRow, NoteRef, OutputRef, RequestRef};
 use crate::request::ReturnedRef;
 
-/// A chunk is closed when it is larger than this, bytes: small enough that it is still in the processor's cache when
-/// it is copied out, large enough that closing it costs nothing.
+/// A chunk that is larger than this is closed, bytes. At this size it is still in the processor's cache when it is
+/// copied, and closing it costs little.
 const CHUNK_SIZE: u64 = 256 << 10;
 
-/// Writes the log of a run. The format is described at the top of this crate.
+/// Writes the log of a run. The crate's documentation describes the format.
 ///
-/// Dropped without [`Recorder::finish`], it still writes the file's end, and errors are lost.
+/// If dropped without [`Recorder::finish`], it still writes the file's end, but errors are lost.
 pub struct Recorder<W: Write + Seek> {
     writer: mcap::Writer<W>,
-    /// For errors: the file's path.
+    /// The file's path, for errors.
     log: String,
     /// MCAP identifiers, in the order of [`Channel::ALL`].
     ids: [u16; Channel::ALL.len()],
@@ -37,17 +37,18 @@ pub struct Recorder<W: Write + Seek> {
     flush_at: Timestamp,
     navigation: Decimation,
     truth: Decimation,
-    /// Message under way, kept for its allocation.
+    /// The current message, kept to reuse its allocation.
     json: Vec<u8>,
-    /// A note's line, kept for its allocation.
+    /// The line of a note, kept to reuse its allocation.
     text: String,
 }
 
 impl Recorder<BufWriter<File>> {
-    /// Creates a log file; one of that name is replaced.
+    /// Creates a log file, and replaces an existing one.
     ///
     /// # Errors
-    /// [`RecorderError::Create`] and [`RecorderError::Write`], which name the path.
+    ///
+    /// [`RecorderError::Create`] and [`RecorderError::Write`], with the path.
     pub fn create(path: &Path, header: &Header<'_>) -> Result<Self, RecorderError> {
         let file = File::create(path).map_err(|source| RecorderError::Create {
             path: path.to_owned(),
@@ -58,17 +59,19 @@ impl Recorder<BufWriter<File>> {
 }
 
 impl<W: Write + Seek> Recorder<W> {
-    /// Writes a log to anything.
+    /// Writes a log to any writer.
     ///
     /// # Errors
+    ///
     /// [`RecorderError::Write`].
     pub fn new(writer: W, header: &Header<'_>) -> Result<Self, RecorderError> {
         Self::named(writer, "in memory".to_owned(), header)
     }
 
-    /// Writes a log to anything, which errors call by this name.
+    /// Writes a log to any writer, with a name for errors.
     ///
     /// # Errors
+    ///
     /// [`RecorderError::Write`].
     pub fn named(writer: W, log: String, header: &Header<'_>) -> Result<Self, RecorderError> {
         let (writer, ids) = open(writer, header).map_err(|source| write_error(&log, source))?;
@@ -87,30 +90,35 @@ impl<W: Write + Seek> Recorder<W> {
         })
     }
 
-    /// What core was started with: before the first input, so that a replay starts it the same.
+    /// Records the values with which core was started. This comes before the first input, so that a replay starts core
+    /// in the same way.
     ///
     /// # Errors
+    ///
     /// [`RecorderError::Write`].
     pub fn start(&mut self, start: &Start) -> Result<(), RecorderError> {
         self.put_json(Channel::Input, Timestamp::ZERO, &InputRef::Start { start })
     }
 
-    /// What a later process of a simulation was started with; a deployed one has a log of its own.
+    /// Records the values with which a later process of a simulation was started. (A deployed process has a log of its
+    /// own.)
     ///
     /// # Errors
+    ///
     /// [`RecorderError::Write`].
     pub fn restart(&mut self, now: Timestamp, start: &Start) -> Result<(), RecorderError> {
         self.put_json(Channel::Input, now, &InputRef::Start { start })
     }
 
-    /// An input, before or after core handles it, but before its outputs.
+    /// Records an input. Call this before or after core handles it, but before recording its outputs.
     ///
     /// # Errors
+    ///
     /// [`RecorderError::Write`].
     pub fn input(&mut self, now: Timestamp, input: &Input<'_>) -> Result<(), RecorderError> {
         let message = match input {
             Input::Received(bytes) => return self.put(Channel::FromVehicle, now, bytes),
-            // The commonest of the rest, spared the encoder.
+            // The most frequent input is written without the encoder.
             Input::Timeout => return self.put(Channel::Input, now, br#"{"input":"timeout"}"#),
             Input::LinkUp => InputRef::LinkUp,
             Input::LinkDown => InputRef::LinkDown,
@@ -135,9 +143,10 @@ impl<W: Write + Seek> Recorder<W> {
         self.put_json(Channel::Input, now, &message)
     }
 
-    /// An output.
+    /// Records an output.
     ///
     /// # Errors
+    ///
     /// [`RecorderError::Write`].
     pub fn output(&mut self, now: Timestamp, output: &Output) -> Result<(), RecorderError> {
         let message = match output {
@@ -167,9 +176,10 @@ impl<W: Write + Seek> Recorder<W> {
         self.put_json(Channel::Output, now, &message)
     }
 
-    /// Navigation as the monitor sees it; in simulation all but one a second are left out.
+    /// Records navigation as the safety monitor uses it; in simulation only once a second.
     ///
     /// # Errors
+    ///
     /// [`RecorderError::Write`].
     pub fn navigation(&mut self, now: Timestamp, sample: &NavigationSample) -> Result<(), RecorderError> {
         if !self.navigation.take(now) {
@@ -178,25 +188,27 @@ impl<W: Write + Seek> Recorder<W> {
         self.put_json(Channel::Navigation, now, &NavigationRow::from(sample))
     }
 
-    /// Records were left out from `since` until now.
+    /// Records that records were left out from `since` until now.
     ///
     /// # Errors
+    ///
     /// [`RecorderError::Write`].
     pub fn gap(&mut self, now: Timestamp, since: Timestamp, records: u64) -> Result<(), RecorderError> {
         let since_s = since.since(Timestamp::ZERO).as_secs_f64();
         self.put_json(Channel::Input, now, &InputRef::Gap { since_s, records })
     }
 
-    /// Whether [`Recorder::truth`] would be written now, for callers to whom it is work.
+    /// Whether [`Recorder::truth`] would write anything now, so that a caller can avoid needless work.
     #[must_use]
     pub fn truth_is_due(&self, now: Timestamp) -> bool {
         self.truth.is_due(now)
     }
 
-    /// The simulation's truth, a JSON object; in simulation all but one a second are left out.
+    /// Records the simulation's truth, a JSON object; in simulation only once a second.
     ///
     /// # Errors
-    /// [`RecorderError::Write`]; [`RecorderError::Encode`] where it has no JSON.
+    ///
+    /// [`RecorderError::Write`]; [`RecorderError::Encode`] if it cannot be written as JSON.
     pub fn truth(&mut self, now: Timestamp, json: &impl Serialize) -> Result<(), RecorderError> {
         if !self.truth.take(now) {
             return Ok(());
@@ -204,18 +216,20 @@ impl<W: Write + Seek> Recorder<W> {
         self.put_json(Channel::Truth, now, json)
     }
 
-    /// A line of the simulated vehicle's own log.
+    /// Records a line of the simulated vehicle's own log.
     ///
     /// # Errors
+    ///
     /// [`RecorderError::Write`].
     pub fn vehicle_event(&mut self, now: Timestamp, text: &str) -> Result<(), RecorderError> {
         self.put_json(Channel::Vehicle, now, &Line { text })
     }
 
-    /// Closes the open chunk and hands it to the operating system. It happens by itself as the run's time passes; a
-    /// driver calls it where nothing may come for long.
+    /// Closes the open chunk and hands it to the operating system. This also happens by itself as the run's time
+    /// passes. A driver calls it when no record may come for a long time.
     ///
     /// # Errors
+    ///
     /// [`RecorderError::Write`].
     pub fn flush(&mut self) -> Result<(), RecorderError> {
         self.writer.flush().map_err(|source| write_error(&self.log, source))
@@ -298,12 +312,12 @@ impl<W: Write + Seek> Recorder<W> {
 
 type Opened<W> = (mcap::Writer<W>, [u16; Channel::ALL.len()]);
 
-/// Opens the file and writes all that is known before the run.
+/// Opens the file and writes everything that is known before the run.
 fn open<W: Write + Seek>(writer: W, header: &Header<'_>) -> Result<Opened<W>, McapError> {
     let mut writer = WriteOptions::new()
         .library(concat!("backseat ", env!("CARGO_PKG_VERSION")))
         .chunk_size(Some(CHUNK_SIZE))
-        // Chunks are put together in memory: a killed process leaves whole ones only.
+        // Chunks are assembled in memory, so that a killed process leaves only whole ones.
         .disable_seeking(true)
         .create(writer)?;
     let time = header.utc_at_start.as_unix_nanos();
@@ -322,7 +336,7 @@ fn open<W: Write + Seek>(writer: W, header: &Header<'_>) -> Result<Opened<W>, Mc
             data: Cow::Borrowed(data),
         })?;
     }
-    // A process killed in its first seconds has at least said what it was to do.
+    // Even a process that is killed in its first seconds has then recorded its task.
     writer.flush()?;
     let mut ids = [0; Channel::ALL.len()];
     for (id, channel) in ids.iter_mut().zip(Channel::ALL) {
@@ -342,7 +356,7 @@ fn write_error(log: &str, source: McapError) -> RecorderError {
     }
 }
 
-/// Lets one message pass in each period, counted from time zero: the first of each second, not one a second after
+/// Passes the first message of each period, counted from time zero: the first of each second, not one a second after
 /// another, so that channels stay in step.
 struct Decimation {
     period: Duration,

@@ -1,7 +1,8 @@
-//! Requests in JSON, every figure bit for bit: a plugin may ask for a heading of NaN, and a replay must ask for it too.
+//! Requests in JSON with every number preserved bit for bit: a plugin may request a heading of NaN, and a replay must
+//! do the same.
 //!
-//! The derives of `backseat_core` serve for everything that cannot hold such a figure. These definitions mirror the
-//! rest, and do not compile where they lack a field.
+//! The derives of `backseat_core` suffice for types that cannot hold such a number. The definitions here mirror the
+//! other types, and fail to compile if a field is missing.
 
 use std::time::Duration;
 
@@ -21,7 +22,7 @@ pub(crate) struct ReturnedJson {
     result: Result<Vec<Request>, PluginFault>,
 }
 
-/// A step's return, borrowed.
+/// The result of a step, borrowed.
 pub(crate) struct ReturnedRef<'a>(pub(crate) &'a Returned);
 
 impl Serialize for ReturnedRef<'_> {
@@ -44,7 +45,7 @@ mod requests {
         serializer: S,
     ) -> Result<S::Ok, S::Error> {
         match result {
-            // Most steps ask for nothing.
+            // Most steps return no request.
             Ok(requests) if requests.is_empty() => Ok::<[(); 0], ()>([]).serialize(serializer),
             Ok(requests) => {
                 let requests: Vec<_> = requests.iter().map(RequestRef).collect();
@@ -206,8 +207,8 @@ struct PositionJson {
     longitude_deg: f64,
 }
 
-/// A number, or the name of what JSON has no number for. The sign and payload of NaN are not kept: the host makes
-/// every NaN the same one.
+/// A number, or the name of a value that JSON cannot express. The sign and payload of NaN are not kept, because the
+/// host makes all NaNs the same.
 mod figure {
     use std::fmt;
 

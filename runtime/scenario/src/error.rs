@@ -4,32 +4,32 @@ use backseat_mission::MissionError;
 use backseat_mvc::MvcError;
 use backseat_world::WorldError;
 
-/// A scenario that cannot be used. Always one line: file, place, what was expected.
+/// A scenario that cannot be used. The message is one line: the file, the place in it, what was expected.
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
-    /// There is none.
-    #[error("{}: not there: a mission needs its world to be simulated", path.display())]
+    /// The mission has no scenario.
+    #[error("{}: not found: to be simulated, a mission needs this file", path.display())]
     NoWorld {
-        /// Where `world.toml` would be.
+        /// Where `world.toml` should be.
         path: PathBuf,
     },
-    /// A file that cannot be read.
+    /// A file cannot be read.
     #[error("{}: {source}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: std::io::Error,
     },
-    /// `world.toml` or a plan of faults is wrong.
+    /// `world.toml` or a file of faults is invalid.
     #[error("{}: {source}", path.display())]
     World {
         /// The file.
         path: PathBuf,
-        /// Where, what, and what was expected.
+        /// The place, the error, and what was expected.
         source: MvcError,
     },
-    /// A seabed's grid is none.
+    /// A seabed's grid is invalid.
     #[error("{}: {source}", path.display())]
     Grid {
         /// The file.
@@ -37,15 +37,15 @@ pub enum ScenarioError {
         /// The line or tag.
         source: WorldError,
     },
-    /// A seabed's grid that is too large to be read.
-    #[error("{}: the file is over {bytes_max} bytes, expected at most that", path.display())]
+    /// A seabed's grid is too large to be read.
+    #[error("{}: the file is larger than the limit of {bytes_max} bytes", path.display())]
     GridSize {
         /// The file.
         path: PathBuf,
-        /// The most that is read.
+        /// The largest size that is read.
         bytes_max: u64,
     },
-    /// A file of the front seat's plan.
+    /// The file of the front seat's plan is invalid.
     #[error(transparent)]
     Plan(#[from] MissionError),
 }

@@ -4,9 +4,10 @@ use backseat_mvc::FaultPlan;
 
 use crate::error::ScenarioError;
 
-/// Reads faults from a file of their own, which take the place of those of `world.toml`.
+/// Reads faults from a separate file, which replaces the faults of `world.toml`.
 ///
 /// # Errors
+///
 /// [`ScenarioError`] with the file and the fault's number.
 pub fn read_faults(path: &Path) -> Result<FaultPlan, ScenarioError> {
     let text = std::fs::read_to_string(path).map_err(|source| ScenarioError::Read {

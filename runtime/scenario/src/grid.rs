@@ -12,7 +12,9 @@ const BYTES_MAX: u64 = 2_000_000_000;
 /// Reads a seabed's grid.
 ///
 /// # Errors
-/// [`ScenarioError`] where the file cannot be read, is too large or is no grid: the file, and its line or tag.
+///
+/// [`ScenarioError`] with the file and its line or tag, if the file cannot be read, is too large or is not a valid
+/// grid.
 pub(crate) fn read_grid(path: &Path) -> Result<Grid, ScenarioError> {
     let failed = |source| ScenarioError::Read {
         path: path.to_path_buf(),

@@ -1,8 +1,8 @@
-//! What only simulation knows of a mission: `world.toml`, with the vehicle, the front seat's plan, faults and
+//! The part of a mission that only simulation needs: `world.toml` with the vehicle, the front seat's plan, faults and
 //! expectations, and the files that it names.
 //!
-//! A mission goes to sea without any of it. What is wrong here keeps nobody from a dive, but for whoever asks for the
-//! scenario: it gets one line with the file and the place.
+//! A mission goes to sea without any of this, so an error here does not prevent a dive. A command that needs the
+//! scenario reports the error in one line, with the file and the place.
 
 mod error;
 mod faults;

@@ -9,14 +9,14 @@ use backseat_world::Grid;
 use crate::error::ScenarioError;
 use crate::grid::read_grid;
 
-/// What a mission is simulated in.
+/// The world in which a mission is simulated.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// `world.toml`.
+    /// The contents of `world.toml`.
     pub world: WorldFile,
-    /// Where that is.
+    /// The path of `world.toml`.
     pub path: PathBuf,
-    /// The seabed's grid, where `world.toml` names one; clones share it.
+    /// The seabed's grid, if `world.toml` names one; clones share it.
     pub grid: Option<Grid>,
 }
 
@@ -24,16 +24,18 @@ impl Scenario {
     /// Reads the scenario of a mission.
     ///
     /// # Errors
-    /// [`ScenarioError`] on one line, with file and place, also where there is none.
+    ///
+    /// [`ScenarioError`] in one line, with file and place; also if the mission has no scenario.
     pub fn load(mission: &Mission) -> Result<Self, ScenarioError> {
         let path = world_path(mission);
         Self::find(mission)?.ok_or(ScenarioError::NoWorld { path })
     }
 
-    /// Reads the scenario of a mission that may have none.
+    /// Reads the scenario of a mission, if it has one.
     ///
     /// # Errors
-    /// [`ScenarioError`] on one line, with file and place.
+    ///
+    /// [`ScenarioError`] in one line, with file and place.
     pub fn find(mission: &Mission) -> Result<Option<Self>, ScenarioError> {
         let path = world_path(mission);
         if !path.is_file() {
@@ -54,15 +56,16 @@ impl Scenario {
         Ok(Some(Self { world, path, grid }))
     }
 
-    /// The mock vehicle in this seed's world, over its grid.
+    /// The mock vehicle in the world of this seed, over the scenario's grid.
     ///
     /// # Errors
-    /// [`MvcError`] where this seed's world or plan cannot be flown: see [`Mvc::with_grid`].
+    ///
+    /// [`MvcError`] if the plan cannot be flown in the world of this seed: see [`Mvc::with_grid`].
     pub fn vehicle(&self, seed: u64) -> Result<Mvc, MvcError> {
         Mvc::with_grid(&self.world, seed, self.grid.clone())
     }
 
-    /// The vehicle of `world.toml`, but of the class that the mission says where it says one.
+    /// The vehicle of `world.toml`; if the mission names a class, of that class.
     #[must_use]
     pub fn vehicle_of(&self, mission: &Mission) -> VehicleConfig {
         VehicleConfig {
@@ -71,10 +74,12 @@ impl Scenario {
         }
     }
 
-    /// The plan that the front seat flies: that of a file, else the mission's `[plan]`, else that of `world.toml`. It is held
-    /// against the vehicle of this scenario, and what counts from no origin of its own counts from this world's.
+    /// The plan that the front seat flies: that of `file`, else the mission's `[plan]`, else that of `world.toml`. It
+    /// is checked against this scenario's vehicle. Positions of a plan without an origin are relative to this world's
+    /// origin.
     ///
     /// # Errors
+    ///
     /// [`ScenarioError`] with the file, and the line or the element.
     pub fn plan(&self, mission: &Mission, file: Option<&Path>) -> Result<FrontSeatPlan, ScenarioError> {
         let named = mission.file.plan.as_ref().map(|plan| mission.folder.join(&plan.file));
@@ -83,7 +88,7 @@ impl Scenario {
         Ok(FrontSeatPlan::read(path, &limits, self.origin())?)
     }
 
-    /// Where the vehicle begins; `None` where the origin is no place.
+    /// Where the vehicle begins; `None` if the origin is not a valid position.
     #[must_use]
     pub fn start(&self) -> Option<Position> {
         let frame = LocalFrame::new(self.origin()?);

@@ -3,7 +3,7 @@ use std::str::FromStr;
 
 use crate::error::Error;
 
-/// Where a vehicle listens. Vehicles listen on port 29500 (SPI 4.1), which need not be given.
+/// The address on which a vehicle listens. The port may be omitted; it is 29500 by default (SPI 4.1).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Address {
     pub(crate) host: String,
@@ -15,7 +15,7 @@ const PORT: u16 = 29_500;
 impl FromStr for Address {
     type Err = Error;
 
-    /// From `HOST` or `HOST:PORT`; a numeric IPv6 host with a port stands in brackets.
+    /// Parses `HOST` or `HOST:PORT`. A numeric IPv6 host with a port must be in brackets.
     fn from_str(text: &str) -> Result<Self, Error> {
         let wrong = || Error::Address { text: text.to_owned() };
         let (host, port) = match text.strip_prefix('[') {

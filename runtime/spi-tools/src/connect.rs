@@ -19,37 +19,37 @@ use crate::splitter::Splitter;
 use crate::subscription::Subscription;
 use crate::watch::Watch;
 
-/// What is watched, and how it is shown.
+/// What to watch, and how to show it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Connection {
     /// The vehicle.
     pub address: Address,
-    /// What it is asked for.
+    /// The messages to subscribe to.
     pub subscription: Subscription,
-    /// How it is shown.
+    /// How they are shown.
     pub view: View,
-    /// How long, seconds; `None` until it is stopped.
+    /// How long to watch, seconds; `None` until it is stopped.
     pub seconds: Option<u64>,
 }
 
 /// How a live vehicle is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum View {
-    /// A panel, rewritten in place on a terminal.
+    /// A panel that is redrawn in place on a terminal.
     Panel {
-        /// Whether the terminal shows colours.
+        /// Whether the terminal supports colours.
         colour: bool,
     },
-    /// A line a message. What happens to the connection goes to the program's own log.
+    /// One line for each message. Events of the connection go to the program's own log.
     Lines(Form),
 }
 
-/// What came of a watch.
+/// The result of a watch.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Watched {
-    /// One line: how long, and what was met.
+    /// One line: the duration and the counts of messages and faults.
     pub summary: String,
-    /// Whether a message was read at all.
+    /// Whether any message was received.
     pub heard: bool,
 }
 
@@ -57,19 +57,20 @@ const CONNECT_WITHIN: Duration = Duration::from_secs(5);
 const WRITE_WITHIN: Duration = Duration::from_secs(1);
 const RETRY_MIN: Duration = Duration::from_millis(500);
 const RETRY_MAX: Duration = Duration::from_secs(10);
-/// How long to wait, where the vehicle stays silent, before it is subscribed to once more.
+/// How long a vehicle may stay silent before the subscription is sent again.
 const ASK_AGAIN: Duration = Duration::from_secs(10);
 const REDRAW: Duration = Duration::from_millis(200);
 const READ: usize = 1 << 14;
 
-/// Watches a vehicle until `stop` comes or the time is over: connects, subscribes, shows what comes, and connects again
-/// with back-off where the link is lost.
+/// Watches a vehicle until `stop` completes or the time is over: connects, subscribes, shows the messages, and
+/// reconnects with back-off when the link is lost.
 ///
-/// It sends BPLOG and nothing else: not even BPVER, so that it is no payload to the vehicle. A reader of the output that
-/// goes away ends it too, quietly.
+/// It sends BPLOG and nothing else. Without BPVER the vehicle does not regard it as a payload. A closed output ends the
+/// watch too, without an error.
 ///
 /// # Errors
-/// [`Error::Output`]. A vehicle that cannot be reached is no error, and is tried again.
+///
+/// [`Error::Output`]. A vehicle that cannot be reached is not an error; the connection is tried again.
 pub async fn connect(
     connection: &Connection,
     stop: impl Future<Output = ()>,
@@ -97,7 +98,7 @@ struct Driver<'a, W> {
     watch: Watch,
     splitter: Splitter,
     lines: Vec<u8>,
-    /// How many lines of the panel stand on the terminal.
+    /// The number of lines of the panel that are on the terminal.
     drawn: usize,
     retry: Duration,
     ask_again: Option<Timestamp>,
@@ -117,7 +118,7 @@ enum Step {
 }
 
 impl Phase {
-    /// Waits for what comes next. Dropped before that, nothing is lost.
+    /// Waits for the next event. Dropping the future before it completes loses nothing.
     async fn step(&mut self, buffer: &mut [u8]) -> Step {
         match self {
             Self::Waiting(until) => {
@@ -129,7 +130,7 @@ impl Phase {
                 Err(error) => Step::Lost(format!("no connection: {error}")),
             },
             Self::Up(stream) => match stream.read(buffer).await {
-                Ok(0) => Step::Lost("the vehicle has closed the connection".to_owned()),
+                Ok(0) => Step::Lost("the vehicle closed the connection".to_owned()),
                 Ok(read) => Step::Read(read),
                 Err(error) => Step::Lost(format!("connection lost: {error}")),
             },
@@ -214,7 +215,7 @@ impl<'a, W: Write> Driver<'a, W> {
         self.watch.connected(now);
         self.ask_again = None;
         self.tell(format!("connected to {}", self.address));
-        // Where it fails the read that follows tells of it.
+        // If this fails, the read that follows reports it.
         let _told_by_read = write(&mut stream, &self.connection.subscription.sentences()).await;
         Phase::Up(stream)
     }
@@ -225,7 +226,7 @@ impl<'a, W: Write> Driver<'a, W> {
     }
 
     fn lost(&mut self, why: &str) -> io::Result<Phase> {
-        // What has begun is not whole, and is told as such.
+        // A partial sentence is reported as cut off.
         self.splitter.end();
         self.take_in()?;
         self.watch.disconnected();
@@ -258,7 +259,10 @@ impl<'a, W: Write> Driver<'a, W> {
         }
         self.count_passed();
         if let Some(silent) = returned {
-            self.tell(format!("the vehicle is heard again after {}", panel::duration(silent)));
+            self.tell(format!(
+                "received from the vehicle again after {} of silence",
+                panel::duration(silent)
+            ));
         }
         self.out.write_all(&self.lines)?;
         self.lines.clear();
@@ -274,7 +278,7 @@ impl<'a, W: Write> Driver<'a, W> {
             return;
         }
         self.ask_again = Some(now + ASK_AGAIN);
-        // Where it fails the read that follows tells of it.
+        // If this fails, the read that follows reports it.
         let _told_by_read = write(stream, &self.connection.subscription.sentences_again()).await;
     }
 
@@ -298,7 +302,7 @@ impl<'a, W: Write> Driver<'a, W> {
         }
     }
 
-    /// Rewrites the panel where it stands.
+    /// Redraws the panel in place.
     fn draw(&mut self) -> io::Result<()> {
         let View::Panel { colour } = self.connection.view else {
             return Ok(());
@@ -311,7 +315,8 @@ impl<'a, W: Write> Driver<'a, W> {
             usize::from(width),
             Paint::new(colour),
         );
-        // The cursor does not go up beyond the top: what does not fit is left out, the oldest events last of all.
+        // The cursor cannot move above the top of the screen, so what does not fit is left out, starting with the
+        // newest events.
         lines.truncate(usize::from(height).saturating_sub(1));
         let mut frame = Vec::new();
         if self.drawn > 0 {

@@ -6,25 +6,26 @@ use crate::sheet::{Form, write_reading};
 use crate::splitter::Splitter;
 use crate::tally::Tally;
 
-/// How a recording is decoded.
+/// How to decode a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decoding {
-    /// How the sentences are shown.
+    /// The output format.
     pub form: Form,
-    /// Whether a sentence with a wrong checksum is read all the same. It stays marked as such.
+    /// Whether to decode sentences with a wrong checksum too. They stay marked as such.
     pub ignore_checksum: bool,
 }
 
 const CHUNK: usize = 1 << 16;
 
-/// Decodes bytes of any kind, a line out for each sentence in, and gives the counts of all that was met.
+/// Decodes bytes of any kind: writes one line for each sentence and returns the counts.
 ///
-/// A sentence begins with `$` and a name. The name says which way it goes: `BF…` comes from the vehicle, `BP…` goes to it.
-/// Each gives its message or why it has none; what is no sentence is counted. What has been read is written before more is
-/// waited for, so that a live pipe can be watched. Memory does not grow with the input.
+/// A sentence begins with `$` and a name. The name gives the direction: `BF…` comes from the vehicle, `BP…` goes to it.
+/// For each sentence the output has its message, or the reason why it has none. Other bytes are counted. What has been
+/// read is written before waiting for more, so that a live pipe can be watched. Memory does not grow with the input.
 ///
 /// # Errors
-/// [`Error::Input`], [`Error::Output`]; a faulty sentence is none.
+///
+/// [`Error::Input`] and [`Error::Output`]. A faulty sentence is not an error.
 pub fn decode(mut input: impl Read, decoding: Decoding, out: &mut impl Write) -> Result<Tally, Error> {
     let mut splitter = Splitter::default();
     let mut tally = Tally::default();
@@ -97,7 +98,7 @@ mod tests {
         (objects, tally)
     }
 
-    /// Each kind of dirt that recordings of real traffic have.
+    /// Every kind of fault that recordings of real traffic have.
     const NASTY: &[u8] = b"login: \r\n\
         $BFCTL,081025.987,1*78\r\n\
         $BPLOG,NVG,ON\n\
@@ -217,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_live_pipe_is_shown_before_more_is_waited_for() {
-        /// Gives a sentence at a time, and sees what has been written when it is asked for the next.
+        /// Gives one sentence at a time, and records what has been written when the next is requested.
         struct Live(usize, Rc<RefCell<Vec<u8>>>);
         impl Read for Live {
             fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {

@@ -12,21 +12,22 @@ use crate::sheet::entry;
 /// The longest line of JSON that is read, bytes: many times the longest message.
 const MAX_OBJECT: usize = 1 << 16;
 
-/// Encodes JSON objects, one a line, as sentences with checksum and line end; gives how many there were.
+/// Encodes JSON objects, one a line, as sentences with checksum and line end. Returns the number of sentences.
 ///
-/// An object has `name` and `message`, as [`crate::decode`] writes them; `checksum` and `received_s` are passed by, the
-/// checksum is always a right one. Blank lines are passed by. Reading ends at the first line that is wrong; the sentences
-/// before it have been written.
+/// An object has `name` and `message`, as written by [`crate::decode`]. `checksum` and `received_s` are ignored: the
+/// checksum is always computed. Blank lines are skipped. Reading ends at the first invalid line; the sentences before
+/// it have been written by then.
 ///
 /// # Errors
-/// Name the line, the message and its field, and what was expected.
+///
+/// The error gives the line, the message and its field, and what was expected.
 pub fn encode(input: impl Read, out: &mut impl Write) -> Result<u64, Error> {
     let mut input = BufReader::with_capacity(MAX_OBJECT, input);
     let mut text = Vec::new();
     let mut sentences = Vec::new();
     let mut count = 0;
     for line in 1.. {
-        // Before more is waited for, what there is goes out.
+        // Writes what there is before waiting for more input.
         if sentences.len() > MAX_OBJECT || memchr::memchr(b'\n', input.buffer()).is_none() {
             flush(&mut sentences, out)?;
         }
@@ -119,7 +120,7 @@ fn object(line: u64, text: &[u8]) -> Result<Message, Error> {
     })
 }
 
-/// An error of the JSON parser without its own `at line 1 column 7`: the line is ours.
+/// An error of the JSON parser without its own `at line 1 column 7`, because the line number must be that of our input.
 fn without_place(text: &str) -> String {
     text.split(" at line ").next().unwrap_or(text).to_owned()
 }
@@ -190,11 +191,11 @@ mod tests {
             fault("{\"name\":\"BPSPD\",\"message\":{\"created\":\"8 o'clock\",\"speed_mps\":1}}")
                 .starts_with("line 1: BPSPD field created: ")
         );
-        assert!(fault("{\"name\":\"BPXYZ\",\"message\":{}}").starts_with("line 1: \"BPXYZ\" is no message"));
+        assert!(fault("{\"name\":\"BPXYZ\",\"message\":{}}").starts_with("line 1: unknown message \"BPXYZ\""));
         assert!(fault("$BFCTL,081025.987,1*78").starts_with("line 1 column 1: expected value; expected {\"name\""));
         assert!(fault("{\"name\":\"BPRMP\"}").starts_with("line 1: no `message`; expected"));
         assert!(fault("{\"name\":\"BPRMP\",\"mesage\":{}}").contains("unknown field `mesage`"));
-        assert!(fault(&decoded("$BFCTL,1*00\n")).starts_with("line 1: BFCTL has an error in place of a message"));
+        assert!(fault(&decoded("$BFCTL,1*00\n")).starts_with("line 1: BFCTL has an error instead of a message"));
         assert!(fault(&"x".repeat(1 << 20)).starts_with("line 1: longer than 65536 bytes"));
         assert!(fault("\u{fffd}").starts_with("line 1"));
     }

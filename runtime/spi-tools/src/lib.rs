@@ -1,8 +1,8 @@
-//! What people look at the Standard Payload Interface with: the catalogue, recordings, hand-written sentences, a live
-//! vehicle.
+//! Tools for people who work with the Standard Payload Interface: its catalogue, recordings, hand-written sentences, a
+//! live vehicle.
 //!
-//! [`list`], [`decode`] and [`encode`] are functions over `Read` and `Write`; [`connect`] is a driver, with a socket and a
-//! clock. None of them decides anything for a vehicle, and the only sentence that any of them sends is BPLOG.
+//! [`list`], [`decode`] and [`encode`] are functions over `Read` and `Write`; [`connect`] is a driver with a socket and
+//! a clock. None of them makes decisions for a vehicle, and BPLOG is the only sentence that any of them sends.
 
 mod address;
 mod connect;

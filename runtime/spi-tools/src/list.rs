@@ -9,24 +9,25 @@ use crate::reading::Reading;
 use crate::sheet::{Form, write_reading};
 use crate::splitter::{End, Piece};
 
-/// How the catalogue is shown.
+/// The format in which the catalogue is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Listing {
-    /// A line a message; with the terminal's colours or without.
+    /// One line for each message, with or without colours.
     Text {
-        /// Whether the output takes escape sequences.
+        /// Whether the output supports escape sequences.
         colour: bool,
     },
-    /// A JSON object a line.
+    /// One JSON object a line.
     Json,
 }
 
-/// Writes the catalogue, a line a message and nothing else; or, where names are given, all that is known of those.
+/// Writes the catalogue, one line for each message; or, if names are given, everything about those messages.
 ///
-/// A name is `BFNVG` or its three letters, in either case; `CTD` is two messages.
+/// A name is `BFNVG` or its last three letters, in either case; `CTD` is two messages.
 ///
 /// # Errors
-/// [`Error::NoMessage`] where a name is no message's; [`Error::Output`].
+///
+/// [`Error::NoMessage`] for an unknown name; [`Error::Output`].
 pub fn list(names: &[String], listing: Listing, out: &mut impl Write) -> Result<(), Error> {
     let mut entries = Vec::new();
     for name in names {
@@ -52,7 +53,7 @@ pub fn list(names: &[String], listing: Listing, out: &mut impl Write) -> Result<
     shown.and_then(|()| out.flush()).map_err(Error::Output)
 }
 
-/// Whether an entry bears a name: its five letters, or the last three of them.
+/// Whether an entry has this name: its five letters, or the last three of them.
 pub(crate) fn is_named(entry: &Entry, name: &str) -> bool {
     entry.name.eq_ignore_ascii_case(name) || entry.name[2..].eq_ignore_ascii_case(name)
 }
@@ -83,7 +84,7 @@ fn rows(paint: Paint, out: &mut impl Write) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Name, unit, and the range where there is one that says something in a few characters.
+/// The name, the unit, and the range if it is short.
 fn brief(field: &EntryField) -> String {
     let EntryField { name, unit, range, .. } = field;
     if *range == "any" || range.len() > BRIEF_RANGE || *unit == "UTC" {
@@ -95,7 +96,7 @@ fn brief(field: &EntryField) -> String {
     }
 }
 
-/// Longer ranges are for a message shown alone.
+/// Longer ranges are shown only with a single message.
 const BRIEF_RANGE: usize = 16;
 
 fn whole(entry: &Entry, paint: Paint, out: &mut impl Write) -> std::io::Result<()> {
@@ -134,7 +135,7 @@ fn whole(entry: &Entry, paint: Paint, out: &mut impl Write) -> std::io::Result<(
     Ok(())
 }
 
-/// The example as `decode --json` shows it and `encode` takes it.
+/// The example as `decode --json` writes it and `encode` reads it.
 fn as_json(entry: &Entry) -> std::io::Result<String> {
     let piece = Piece {
         bytes: entry.example.as_bytes(),
@@ -251,7 +252,7 @@ mod tests {
         let error = list(&["NVX".to_owned()], PLAIN, &mut Vec::new()).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "no message is named \"NVX\": `backseat spi list` names all 71"
+            "unknown message \"NVX\": `backseat spi list` lists all 71"
         );
     }
 }

@@ -1,4 +1,4 @@
-/// Escape sequences for a terminal that takes them, and nothing for all else.
+/// Escape sequences for a terminal that supports them, and empty strings otherwise.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Paint(bool);
 
@@ -19,7 +19,7 @@ impl Paint {
         if self.0 { "\x1b[31m" } else { "" }
     }
 
-    /// The end of each of them.
+    /// Ends each of the other sequences.
     pub(crate) const fn plain(self) -> &'static str {
         if self.0 { "\x1b[0m" } else { "" }
     }

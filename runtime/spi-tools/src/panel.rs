@@ -1,4 +1,4 @@
-//! A live vehicle at a glance: what is known of it, as lines of a terminal.
+//! A live vehicle's state in one view, as lines of a terminal.
 
 use std::time::Duration;
 
@@ -9,11 +9,11 @@ use crate::paint::Paint;
 use crate::text::place;
 use crate::watch::{SILENT_AFTER, Watch, behavior};
 
-/// Navigation over this age is shown as an alarm: a runtime ends its leases there by default.
+/// Navigation older than this is shown as an alarm, because a runtime ends its leases at this age by default.
 const NAVIGATION_OLD: Duration = Duration::from_secs(1);
 const UNKNOWN: &str = "unknown";
 
-/// The lines, none of them wider than `width` characters.
+/// The lines, each at most `width` characters wide.
 pub(crate) fn lines(watch: &Watch, address: &str, now: Timestamp, width: usize, paint: Paint) -> Vec<String> {
     let mut panel = Panel {
         lines: Vec::new(),
@@ -55,8 +55,8 @@ pub(crate) fn lines(watch: &Watch, address: &str, now: Timestamp, width: usize, 
     let control = match watch.control {
         Some(true) => "the backseat's",
         Some(false) => "the vehicle's",
-        // Vehicles tell it only when it changes.
-        None => "unknown until the vehicle tells",
+        // Vehicles send it only when it changes.
+        None => "unknown until the vehicle reports it",
     };
     panel.row("control", control);
     panel.row(
@@ -239,7 +239,7 @@ impl Panel {
             .push(console::truncate_str(&line, self.width, "…").into_owned());
     }
 
-    /// As many rows as the items need.
+    /// Adds as many rows as the items need.
     fn wrapped(&mut self, label: &str, items: Vec<String>) {
         let mut row = String::new();
         let mut label = label;
@@ -262,7 +262,7 @@ impl Panel {
     }
 }
 
-/// How a silence is told.
+/// The message about a silence.
 pub(crate) fn silence(silent: Duration) -> String {
     format!(
         "the vehicle has been silent for {} ({} s are too long): subscribing again",

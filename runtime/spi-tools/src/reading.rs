@@ -6,12 +6,12 @@ use serde::Serialize;
 use crate::sheet::entry;
 use crate::splitter::{End, Piece};
 
-/// One sentence as it was met: what it says, or why nobody can tell.
+/// One sentence of the input: its message, or why it has none.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Reading<'a> {
-    /// The name as it stands, letters and digits.
+    /// The name as it was read, letters and digits.
     pub(crate) name: &'a str,
-    /// The row of the catalogue that it has by its name.
+    /// The row of the catalogue with this name.
     pub(crate) entry: Option<&'static Entry>,
     pub(crate) checksum: Checksum,
     pub(crate) line: u64,
@@ -19,7 +19,7 @@ pub(crate) struct Reading<'a> {
     pub(crate) outcome: Result<Message, ReadingError>,
 }
 
-/// What the checksum says.
+/// The state of the checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Checksum {
@@ -55,7 +55,7 @@ pub(crate) enum ReadingError {
     Malformed,
 }
 
-/// How [`ReadingError`]s are counted.
+/// The kinds under which [`ReadingError`]s are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Cause {
     Checksum,
@@ -93,9 +93,10 @@ impl ReadingError {
 }
 
 impl<'a> Reading<'a> {
-    /// Reads a piece; `None` where it has not even a name: then it is noise.
+    /// Reads a piece; `None` if it does not even have a name, and so is noise.
     ///
-    /// With `ignore_checksum`, a wrong checksum is told and the message is read all the same.
+    /// With `ignore_checksum`, a sentence with a wrong checksum is decoded too, and its checksum is reported as
+    /// invalid.
     pub(crate) fn of(piece: Piece<'a>, ignore_checksum: bool) -> Option<Self> {
         let rest = piece.bytes.get(1..)?;
         let length = rest.iter().take_while(|byte| byte.is_ascii_alphanumeric()).count();
@@ -149,7 +150,7 @@ fn read(
 }
 
 impl Checksum {
-    /// On bytes, so that a line that is not UTF-8 has one too.
+    /// Works on bytes, so that a line that is not UTF-8 has a checksum too.
     fn of(bytes: &[u8]) -> Self {
         let bytes = &bytes[1..];
         let Some(star) = memchr::memrchr(b'*', bytes) else {
@@ -180,7 +181,8 @@ impl Message {
     }
 }
 
-/// A line of raw input for people: what is no printable ASCII is escaped, and it ends after so many characters.
+/// A line of raw input to show to people: bytes other than printable ASCII are escaped, and the line is cut at a fixed
+/// number of characters.
 pub(crate) struct Raw<'a>(pub(crate) &'a [u8]);
 
 impl Raw<'_> {

@@ -12,12 +12,12 @@ use crate::text::write_fields;
 /// How sentences are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// A line for people; with the terminal's colours or without.
+    /// One line of text, with or without colours.
     Text {
-        /// Whether the output takes escape sequences.
+        /// Whether the output supports escape sequences.
         colour: bool,
     },
-    /// A JSON object a line.
+    /// One JSON object a line.
     Json,
 }
 
@@ -35,7 +35,7 @@ struct Object<'a> {
     line: Option<u64>,
 }
 
-/// Appends a sentence in its form, with a line end. `received_s` is when it came, where that matters.
+/// Appends a sentence in the given form, with a line end. `received_s` is when it was received, for a live link.
 pub(crate) fn write_reading(
     out: &mut Vec<u8>,
     form: Form,
@@ -51,7 +51,7 @@ pub(crate) fn write_reading(
                 checksum: reading.checksum,
                 message: reading.outcome.as_ref().ok(),
                 error: error.map(ToString::to_string),
-                // A recording's; on a live link nobody can look there.
+                // Only a recording has line numbers that someone can look up.
                 line: error.filter(|_| received_s.is_none()).map(|_| reading.line),
             };
             serde_json::to_writer(&mut *out, &object)?;

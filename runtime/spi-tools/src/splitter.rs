@@ -1,35 +1,35 @@
 use backseat_spi::{MAX_LINE, Policy, sentence_start};
 use memchr::{memchr, memchr_iter, memrchr};
 
-/// Cuts a stream of bytes into pieces that begin with `$`, and keeps all of them, the broken ones too.
+/// Splits a stream of bytes into pieces that begin with `$`, and keeps all of them, the broken ones too.
 ///
-/// [`backseat_spi::Framer`] drops what a runtime must not act on. Here somebody looks for what is wrong, so that each
-/// piece is given out with how it ended, and only what is no sentence at all is counted and passed by. A `$` inside a line
-/// begins a new piece unless the checksum shows that it belongs to the sentence, as for the framer. Memory stays within a
-/// push and [`MAX_LINE`].
+/// [`backseat_spi::Framer`] drops what a runtime must not act on. These tools are for finding faults, so each piece is
+/// given out with the way in which it ended, and only bytes outside of any sentence are counted and skipped. A `$`
+/// inside a line begins a new piece unless the checksum shows that it belongs to the sentence, as in the framer. Memory
+/// is bounded by one push and [`MAX_LINE`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Splitter {
     buffer: Vec<u8>,
-    /// All before has been given out.
+    /// Everything before this has been given out.
     start: usize,
-    /// Between `start` and here there is no line feed.
+    /// There is no line feed between `start` and here.
     searched: usize,
-    /// Where the sentence begins that ends with the line, once that is known: what is before was cut short.
+    /// Where the sentence begins that ends with the line, once that is known; a piece before it was cut short.
     whole: Option<usize>,
-    /// Line feeds before `start`.
+    /// The number of line feeds before `start`.
     lines: u64,
     ended: bool,
     pub(crate) noise_bytes: u64,
     pub(crate) too_long: u64,
 }
 
-/// What began with `$`.
+/// Bytes that began with `$`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Piece<'a> {
     /// From the dollar sign on, without the line end.
     pub(crate) bytes: &'a [u8],
     pub(crate) end: End,
-    /// The line that it stands in, 1 for the first; lines end with a line feed.
+    /// The number of its line, from 1; lines end with a line feed.
     pub(crate) line: u64,
 }
 
@@ -40,15 +40,15 @@ pub(crate) enum End {
     Line,
     /// The next `$` came first.
     Dollar,
-    /// The input ended, or the connection.
+    /// The input or the connection ended.
     Input,
 }
 
 enum Extent {
-    /// So many bytes, and so many more to pass over.
+    /// The piece's length in bytes, and the number of bytes to skip after it.
     Piece(usize, End, usize),
     TooLong,
-    /// More bytes have to come.
+    /// More bytes are needed.
     Unknown,
 }
 
@@ -62,7 +62,7 @@ impl Splitter {
         self.buffer.extend_from_slice(bytes);
     }
 
-    /// Nothing follows: what is left is given out too. After that the next push begins anew.
+    /// Marks the end of the input: what is left is given out too. The next push starts over.
     pub(crate) const fn end(&mut self) {
         self.ended = true;
     }
@@ -82,7 +82,7 @@ impl Splitter {
             let (length, end, skip) = match self.extent() {
                 Extent::Piece(length, end, skip) => (length, end, skip),
                 Extent::TooLong => {
-                    // What follows up to the next dollar sign is noise, whether it has arrived or not.
+                    // The bytes up to the next dollar sign are noise, whether they have arrived or not.
                     self.too_long += 1;
                     self.start += MAX_LINE;
                     continue;
@@ -101,7 +101,7 @@ impl Splitter {
         }
     }
 
-    /// How far the piece goes that begins at `start`.
+    /// Where the piece that begins at `start` ends.
     fn extent(&mut self) -> Extent {
         let pending = &self.buffer[self.start..];
         let window = &pending[..pending.len().min(MAX_LINE)];
@@ -125,7 +125,7 @@ impl Splitter {
         Extent::Piece(length, end, skip)
     }
 
-    /// A line that is to be noise after all.
+    /// Counts a piece as noise.
     pub(crate) const fn count_noise(&mut self, bytes: u64) {
         self.noise_bytes += bytes;
     }
@@ -222,7 +222,7 @@ mod tests {
     }
 
     proptest! {
-        /// What the runtime's own framer lets through is here too, however the stream is cut.
+        /// Every sentence that the runtime's framer passes on is found here too, wherever the stream is split.
         #[test]
         fn the_good_pieces_are_the_framers_sentences(
             parts in proptest::collection::vec(

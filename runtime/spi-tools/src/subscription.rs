@@ -3,15 +3,15 @@ use backseat_spi::{Direction, LoggingControl, Text, ToVehicle, catalogue};
 use crate::error::Error;
 use crate::list::is_named;
 
-/// What a watch asks the vehicle for. These BPLOG sentences are all that it ever sends.
+/// The messages that a watch requests from the vehicle. It sends these BPLOG sentences and nothing else.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Subscription {
-    /// Three letters each; empty for everything.
+    /// Three letters each; empty means every message.
     only: Vec<&'static str>,
 }
 
 impl Subscription {
-    /// Every message that the vehicle has.
+    /// Every message from the vehicle.
     #[must_use]
     pub const fn everything() -> Self {
         Self { only: Vec::new() }
@@ -36,10 +36,10 @@ impl Subscription {
         Ok(Self { only })
     }
 
-    /// The sentences, as they are sent first.
+    /// The sentences for the first subscription.
     ///
-    /// CTL before all: vehicles send BFCTL only when control changes, and who subscribes late misses it. ACK is not within
-    /// ALL (SPI 7.1).
+    /// CTL comes first: vehicles send BFCTL only when control changes, so a late subscriber misses it. ACK is not part
+    /// of ALL (SPI 7.1).
     pub(crate) fn sentences(&self) -> Vec<u8> {
         if self.only.is_empty() {
             sentences(["CTL", "ACK", "MIS", "ALL"])
@@ -48,7 +48,8 @@ impl Subscription {
         }
     }
 
-    /// The sentences for a vehicle that stays silent: each message by its name, for one that does not know ALL.
+    /// The sentences for a vehicle that stays silent: each message by its own name, for a vehicle that does not know
+    /// ALL.
     pub(crate) fn sentences_again(&self) -> Vec<u8> {
         if !self.only.is_empty() {
             return self.sentences();
@@ -108,7 +109,7 @@ mod tests {
             Subscription::only(["NVG", ""])
                 .unwrap_err()
                 .to_string()
-                .contains("no message is named")
+                .contains("unknown message")
         );
         assert!(
             Subscription::only(["RMB"])

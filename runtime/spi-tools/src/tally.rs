@@ -5,10 +5,10 @@ use backseat_spi::catalogue;
 
 use crate::reading::{Cause, Checksum, Reading};
 
-/// What has been met, by message and by fault.
+/// Counts of messages and faults.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Sentences that were read, by their name. Names that are not known are counted as a fault.
+    /// Decoded sentences by name. Unknown names count as a fault.
     pub(crate) messages: BTreeMap<&'static str, u64>,
     faults: BTreeMap<Cause, u64>,
     ignored_checksums: u64,
@@ -20,7 +20,7 @@ impl Tally {
     pub(crate) fn count(&mut self, reading: &Reading<'_>) {
         match &reading.outcome {
             Ok(_) => {
-                // What has been read has a row.
+                // Every decoded sentence has a row.
                 let name = reading.entry.map_or("", |entry| entry.name);
                 *self.messages.entry(name).or_default() += 1;
                 if reading.checksum == Checksum::Invalid {
@@ -31,32 +31,32 @@ impl Tally {
         }
     }
 
-    /// What a splitter has passed by; the counts of all its life.
+    /// Sets the splitter's counts of skipped bytes, which cover its whole life.
     pub(crate) const fn set_passed(&mut self, too_long: u64, noise_bytes: u64) {
         self.too_long = too_long;
         self.noise_bytes = noise_bytes;
     }
 
-    /// All sentences, the faulty ones too.
+    /// All sentences, including the faulty ones.
     #[must_use]
     pub fn sentences(&self) -> u64 {
         self.read() + self.faults.values().sum::<u64>()
     }
 
-    /// Sentences that were read.
+    /// Decoded sentences.
     #[must_use]
     pub fn read(&self) -> u64 {
         self.messages.values().sum()
     }
 
-    /// How many messages of each name have been read, in the order of the specification.
+    /// How many messages of each name have been decoded, in the order of the specification.
     pub(crate) fn by_message(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
         catalogue()
             .iter()
             .filter_map(|entry| Some((entry.name, *self.messages.get(entry.name)?)))
     }
 
-    /// What is wrong, in words; nothing where all is well.
+    /// The faults in words; empty if there are none.
     pub(crate) fn faults(&self) -> Vec<String> {
         let mut faults: Vec<String> = self
             .faults

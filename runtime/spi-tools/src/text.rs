@@ -1,4 +1,4 @@
-//! A message as a line for people. It is the message's JSON in another dress, so that no list of fields is kept twice.
+//! A message as a line of text. It is made from the message's JSON, so that the list of fields exists only once.
 
 use std::io::{self, Write};
 
@@ -23,7 +23,7 @@ pub(crate) fn write_fields(out: &mut Vec<u8>, fields: &[EntryField], message: &M
     message.serialize(&mut Serializer::with_formatter(out, plain))
 }
 
-/// A field's name without the unit that is shown beside its value: `roll_deg` is `roll`.
+/// A field's name without the unit, which is shown after its value: `roll_deg` becomes `roll`.
 pub(crate) fn bare_name(field: &EntryField) -> &'static str {
     let suffix = match field.unit {
         "m" => "_m",
@@ -46,7 +46,7 @@ pub(crate) fn bare_name(field: &EntryField) -> &'static str {
     field.name.strip_suffix(suffix).unwrap_or(field.name)
 }
 
-/// The unit, where it is one and not a word for a kind of value; a position has its own letters.
+/// The unit, unless it is a word for a kind of value. A position shows its own letters.
 fn unit(field: &EntryField) -> Option<&'static str> {
     let is_word = matches!(
         field.unit,
@@ -62,9 +62,9 @@ struct Plain<'a> {
     depth: usize,
     arrays: usize,
     in_key: bool,
-    /// The key before the value that comes now, where it matters.
+    /// The key of the next value, if it matters.
     key: Option<Key>,
-    /// A blank is due before the next value, if it is not empty.
+    /// Whether a space is due before the next value, unless that is empty.
     blank: bool,
     absent: bool,
 }
@@ -171,7 +171,7 @@ impl Formatter for Plain<'_> {
                 "longitude_deg" => Some(Key::Longitude),
                 _ => None,
             };
-            // A choice by its number only.
+            // An option that is known by its number only.
             return if fragment == "other" && self.depth > 1 {
                 out.write_all(b"other ")
             } else {
@@ -183,7 +183,7 @@ impl Formatter for Plain<'_> {
     }
 
     fn write_char_escape<W: ?Sized + Write>(&mut self, out: &mut W, escape: CharEscape) -> io::Result<()> {
-        // Texts of messages are printable ASCII: only these two are ever escaped in JSON.
+        // Texts in messages are printable ASCII, so JSON escapes only these two characters.
         match escape {
             CharEscape::Quote => out.write_all(b"\""),
             CharEscape::ReverseSolidus => out.write_all(b"\\"),
@@ -211,7 +211,7 @@ impl Formatter for Plain<'_> {
         let letters = match self.key.take() {
             Some(Key::Latitude) => ["N", "S"],
             Some(Key::Longitude) => ["E", "W"],
-            // Without the `.0` of JSON.
+            // Without the `.0` that JSON has.
             None if value.trunc() == value && value.abs() < WHOLE_MAX => {
                 return CompactFormatter.write_i64(out, value as i64);
             }
@@ -221,10 +221,10 @@ impl Formatter for Plain<'_> {
     }
 }
 
-/// Beyond this a number has an exponent.
+/// Larger numbers have an exponent.
 const WHOLE_MAX: f64 = 1e15;
 
-/// `42.363515 N`: six decimals are a decimetre.
+/// `42.363515 N`: six decimals are about a decimetre.
 pub(crate) fn place(degrees: f64, [positive, negative]: [&str; 2]) -> String {
     let letter = if degrees < 0.0 { negative } else { positive };
     format!("{:.6} {letter}", degrees.abs())

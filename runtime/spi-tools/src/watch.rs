@@ -1,4 +1,4 @@
-//! What is known of a live vehicle. No I/O and no clock: the time is given in.
+//! The known state of a live vehicle. No I/O and no clock: the caller passes the time.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -11,9 +11,9 @@ use backseat_units::{TimeOfDay, Timestamp};
 use crate::reading::{Message, Reading};
 use crate::tally::Tally;
 
-/// Navigation comes at 10 Hz: nothing for this long, and the vehicle is silent.
+/// Navigation comes at 10 Hz, so a vehicle that sends nothing for this long counts as silent.
 pub(crate) const SILENT_AFTER: Duration = Duration::from_secs(5);
-/// How many events are kept.
+/// The number of events that are kept.
 const EVENTS: usize = 8;
 
 #[derive(Debug, Default)]
@@ -32,7 +32,7 @@ pub(crate) struct Watch {
     pub(crate) behavior: Option<BehaviorBegin>,
     pub(crate) battery: Option<Battery>,
     pub(crate) last_fault: Option<String>,
-    /// When the solution time of navigation advanced last, and how old the solution was then.
+    /// When the solution time of navigation last advanced, and how old the solution was then.
     solution: Option<(Timestamp, Duration)>,
     heard: Option<Timestamp>,
     silence_told: bool,
@@ -46,7 +46,7 @@ impl Watch {
         self.connections += 1;
     }
 
-    /// What comes only on change is unknown from now on.
+    /// Forgets the values that the vehicle sends only when they change.
     pub(crate) fn disconnected(&mut self) {
         self.up_since = None;
         self.control = None;
@@ -54,7 +54,7 @@ impl Watch {
         self.behavior = None;
     }
 
-    /// Adds an event, after which the oldest may be forgotten.
+    /// Adds an event, and drops the oldest if there are too many.
     pub(crate) fn note(&mut self, now: Timestamp, text: String) {
         if self.events.len() == EVENTS {
             self.events.pop_front();
@@ -62,12 +62,12 @@ impl Watch {
         self.events.push_back((now, text));
     }
 
-    /// Takes a sentence in. Says how long the vehicle had been silent, where that had been told.
+    /// Takes in a sentence. Returns how long the vehicle had been silent, if that had been reported.
     pub(crate) fn take(&mut self, now: Timestamp, reading: &Reading<'_>) -> Option<Duration> {
         self.tally.count(reading);
         let message = match &reading.outcome {
             Ok(Message::FromVehicle(message)) => message,
-            // A vehicle that sends what only payloads send: counted like all else.
+            // A vehicle that sends what only payloads should send; it is only counted.
             Ok(Message::ToVehicle(_)) => return None,
             Err(error) => {
                 let name: String = reading.name.chars().take(12).collect();
@@ -79,7 +79,7 @@ impl Watch {
             self.note(now, text);
         }
         self.learn(now, message);
-        // An acknowledgement answers us; it does not show that anything else would come.
+        // An acknowledgement answers our own sentence; it does not show that the vehicle sends anything else.
         if matches!(message, FromVehicle::Acknowledgement(_)) {
             return None;
         }
@@ -87,21 +87,21 @@ impl Watch {
         std::mem::take(&mut self.silence_told).then(|| now.since(since))
     }
 
-    /// How long the vehicle has been silent, once for each time that it falls silent.
+    /// How long the vehicle has been silent; returned once for each silence.
     pub(crate) fn silence(&mut self, now: Timestamp) -> Option<Duration> {
         let silent = self.silent_for(now).filter(|_| !self.silence_told)?;
         self.silence_told = true;
         Some(silent)
     }
 
-    /// How long nothing has come on a connection, where that is long.
+    /// How long nothing has been received on a connection, if that is long.
     pub(crate) fn silent_for(&self, now: Timestamp) -> Option<Duration> {
         let since = self.heard.max(self.up_since).filter(|_| self.up_since.is_some())?;
         Some(now.since(since)).filter(|silent| *silent >= SILENT_AFTER)
     }
 
-    /// How old the newest navigation solution is: since its time last advanced, with what it took on its way by the
-    /// vehicle's own account. A solution that is sent again and again grows old too.
+    /// The age of the newest navigation solution: the time since its solution time last advanced, plus its age at
+    /// reception by the vehicle's own times. A solution that is repeated therefore grows old too.
     pub(crate) fn navigation_age(&self, now: Timestamp) -> Option<Duration> {
         self.solution.map(|(at, lag)| now.since(at) + lag)
     }
@@ -112,7 +112,7 @@ impl Watch {
         }
         #[expect(
             clippy::wildcard_enum_match_arm,
-            reason = "all messages are counted; these few make up the picture"
+            reason = "all messages are counted; only these change the view"
         )]
         match message {
             FromVehicle::VehicleVersion(version) => self.version = Some(version.version.to_string()),
@@ -133,7 +133,7 @@ impl Watch {
             FromVehicle::BackseatControl(control) => self.control = Some(control.granted),
             FromVehicle::BehaviorBegin(behavior) => self.behavior = Some(behavior.clone()),
             FromVehicle::BehaviorEnd(_) => self.behavior = None,
-            // 0 is all batteries together; where a vehicle never sends that, the newest of any.
+            // 0 is all batteries together. For a vehicle that never sends 0, the newest message of any battery counts.
             FromVehicle::Battery(battery)
                 if battery.number == 0 || self.battery.as_ref().is_none_or(|known| known.number != 0) =>
             {
@@ -144,7 +144,7 @@ impl Watch {
     }
 }
 
-/// What is told as an event, in words.
+/// The text for a message that counts as an event.
 fn event(message: &FromVehicle) -> Option<String> {
     let quoted = |what: &str, text: &str| {
         if text.is_empty() {
@@ -153,7 +153,10 @@ fn event(message: &FromVehicle) -> Option<String> {
             format!("{what} {text:?}")
         }
     };
-    #[expect(clippy::wildcard_enum_match_arm, reason = "what comes all the time is no event")]
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "messages that come all the time are not events"
+    )]
     Some(match message {
         FromVehicle::VehicleVersion(version) => format!("the vehicle speaks SPI {}", version.version),
         FromVehicle::MissionCommand(command) => quoted("mission command", command.text.as_str()),

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 
 /// The workspace's folder.
 pub(crate) fn root() -> Result<PathBuf> {
-    // As Cargo runs it: two checkouts that share a target folder share the program too.
+    // As Cargo runs it, because two checkouts that share a target folder share the program too.
     let here =
         env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
     let root = here
@@ -16,28 +16,28 @@ pub(crate) fn root() -> Result<PathBuf> {
     Ok(root.to_path_buf())
 }
 
-/// Where Cargo builds.
+/// The folder in which Cargo builds.
 pub(crate) fn target() -> Result<PathBuf> {
     let root = root()?;
     let set = env::var_os("CARGO_TARGET_DIR").or_else(|| env::var_os("CARGO_BUILD_TARGET_DIR"));
     Ok(set.map_or_else(|| root.join("target"), |target| root.join(target)))
 }
 
-/// Runs Cargo in the workspace; its failure is ours.
+/// Runs Cargo in the workspace, and fails if it fails.
 pub(crate) fn cargo(arguments: &[&str]) -> Result<()> {
     run(&mut cargo_command(arguments))
 }
 
-/// A command of Cargo's, which is told.
+/// Prints and returns a command of Cargo.
 pub(crate) fn cargo_command(arguments: &[&str]) -> Command {
     println!("> cargo {}", arguments.join(" "));
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    // Programs are looked for where Cargo puts them for this machine.
+    // Programs are expected in the folder that Cargo uses for this machine.
     command.args(arguments).env_remove("CARGO_BUILD_TARGET");
     command
 }
 
-/// The program, without what the user's environment sets for it: what is flown here is flown as it stands in the tree.
+/// The program, without the user's environment variables for it, so that missions are flown as they are in the tree.
 pub(crate) fn backseat(program: &Path) -> Command {
     let mut command = Command::new(program);
     for (name, _) in env::vars_os() {
@@ -48,7 +48,7 @@ pub(crate) fn backseat(program: &Path) -> Command {
     command
 }
 
-/// Runs a command in the workspace; its failure is ours.
+/// Runs a command in the workspace, and fails if it fails.
 pub(crate) fn run(command: &mut Command) -> Result<()> {
     let status = command
         .current_dir(root()?)
@@ -60,7 +60,7 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// Rustup adds a target's standard library where it is missing. Without rustup the build itself says what is missing.
+/// Lets rustup add a target's standard library if it is missing. Without rustup, the build reports what is missing.
 pub(crate) fn add_target(target: &str) -> Result<()> {
     let installed = Command::new("rustup")
         .args(["target", "list", "--installed"])
@@ -75,5 +75,5 @@ pub(crate) fn add_target(target: &str) -> Result<()> {
     }
     println!("> rustup target add {target}");
     run(Command::new("rustup").args(["target", "add", target]))
-        .with_context(|| format!("add it by `rustup target add {target}` where the network allows"))
+        .with_context(|| format!("add it with `rustup target add {target}` on a machine with a network"))
 }

@@ -14,9 +14,9 @@ use crate::tests::{Which, run_examples, run_tests};
 use crate::tidy::tidy;
 use crate::workspace::Workspace;
 
-/// What is installed where there is none of any version.
+/// The version that is installed if none is.
 const DENY: (&str, &str) = ("cargo-deny", "0.20.2");
-/// Whose tests read what belongs to no crate.
+/// Crates whose tests read files that belong to no crate.
 const READERS: [(&str, &str); 9] = [
     ("wit/", "backseat-sdk"),
     ("wit/", "backseat-plugin-host"),
@@ -28,10 +28,10 @@ const READERS: [(&str, &str); 9] = [
     ("missions/", "backseat-suite"),
     ("missions/", "backseat-sim"),
 ];
-/// What every change must still fly.
+/// The missions that must still fly after every change.
 const REFERENCE: [&str; 2] = ["missions/isobath", "missions/plume"];
 
-/// The second of the README's two commands: everything but the long runs.
+/// The second of the README's two commands: everything except the long runs.
 pub(crate) fn test() -> Result<()> {
     let mut steps = Steps::default();
     let result = test_in(&mut steps);
@@ -43,23 +43,24 @@ fn test_in(steps: &mut Steps) -> Result<()> {
     steps.run("format", || cargo(&["fmt", "--all", "--check"]))?;
     steps.run("project rules", tidy)?;
     steps.run("dependencies: licences, sources", dependencies)?;
-    // Before the whole, whose program takes its place.
+    // Before the whole program, which then takes its place.
     steps.run("compile the program for sea", sea::build)?;
     let compiled = steps.run("compile, with lints", compile)?;
     steps.run("compile the plugins", || plugins::build(&componentize(&compiled)))?;
-    // What fails does not hide what else fails.
+    // A failure does not prevent the later steps, which may fail too.
     let tests = steps.run("tests", || run_tests(&compiled, None, Which::Computing));
     let real_time = steps.run("tests in real time", || run_tests(&compiled, None, Which::RealTime));
     let examples = steps.run("examples of the documentation", || run_examples(&compiled));
     tests.and(real_time).and(examples)
 }
 
-/// The part of `test` that a change needs, in a minute or three. Left out are tests in real time, the documentation's
-/// examples and the check of dependencies. A change of what all crates are compiled by tests all of them.
+/// The part of `test` that a change needs, in one to three minutes. It leaves out the tests in real time, the
+/// documentation's examples and the check of dependencies. A change of a file that affects all crates runs the tests of
+/// all crates.
 #[derive(Args)]
 pub(crate) struct Quick {
-    /// The crates that have changed, by name or by folder [default: those in which git sees a change; where it sees none,
-    /// those that the last commit has changed]
+    /// The crates that have changed, by name or by folder [default: those in which git sees a change or, without any,
+    /// those that the last commit changed]
     crates: Vec<String>,
 }
 
@@ -86,7 +87,7 @@ fn quick_in(arguments: &Quick, steps: &mut Steps) -> Result<()> {
     println!("tested: {}", list(&crates));
     steps.run("format", || cargo(&["fmt", "--all", "--check"]))?;
     steps.run("project rules", tidy)?;
-    // Before the whole, whose program takes its place.
+    // Before the whole program, which then takes its place.
     steps.run("compile the program for sea", sea::build)?;
     let compiled = steps.run("compile, with lints", compile)?;
     steps.run("compile the plugins", || plugins::build(&componentize(&compiled)))?;
@@ -107,7 +108,7 @@ fn changed_crates(workspace: &Workspace) -> Result<BTreeSet<String>> {
     let mut files = git(&["diff", "--name-only", "--no-renames", "--relative", "-z", "HEAD"])?;
     files.extend(git(&["ls-files", "--others", "--exclude-standard", "-z"])?);
     if files.is_empty() {
-        println!("git sees no change: taking the last commit's");
+        println!("git sees no change, so the changes of the last commit are used");
         files = git(&[
             "diff",
             "--name-only",
@@ -124,7 +125,8 @@ fn changed_crates(workspace: &Workspace) -> Result<BTreeSet<String>> {
             Some(owner) => {
                 changed.insert(owner.to_owned());
             }
-            // What all crates are compiled or tested by. (A new plugin's name in the lock file changes no other crate.)
+            // A file that affects how all crates are compiled or tested. (A new plugin's name in the lock file changes
+            // no other crate.)
             None if file.ends_with(".toml") && !file.starts_with("missions/") && !file.starts_with("tests/") => {
                 return Ok(workspace.all());
             }
@@ -148,13 +150,13 @@ fn lock_changes_others() -> Result<bool> {
         .any(|line| line.starts_with(['+', '-']) && line.contains("source = ")))
 }
 
-/// What git prints, cut where it puts a NUL.
+/// The output of git, split at each NUL.
 fn git(arguments: &[&str]) -> Result<Vec<String>> {
     let output = Command::new("git")
         .args(arguments)
         .current_dir(root()?)
         .output()
-        .context("git, which knows what has changed; or name the crates")?;
+        .context("git is needed to find what has changed; or name the crates")?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
         bail!(
@@ -171,7 +173,7 @@ fn git(arguments: &[&str]) -> Result<Vec<String>> {
         .collect())
 }
 
-/// One seed of each reference mission must hold its expectations.
+/// One seed of each reference mission must meet its expectations.
 fn reference_missions(compiled: &Compiled) -> Result<()> {
     for mission in REFERENCE {
         run(backseat(&compiled.programs.join("backseat"))
@@ -181,8 +183,8 @@ fn reference_missions(compiled: &Compiled) -> Result<()> {
     Ok(())
 }
 
-/// What the project depends on may be used, and comes from where it says. (Known faults of dependencies are `cargo deny
-/// check advisories`, which needs a network.)
+/// Checks that the licences of dependencies are allowed, and that they come from known sources. (`cargo deny check
+/// advisories` looks for known vulnerabilities, but needs a network.)
 fn dependencies() -> Result<()> {
     let (name, version) = DENY;
     let mut installed = Command::new(name);
@@ -201,7 +203,7 @@ fn dependencies() -> Result<()> {
     ])
 }
 
-/// The program that builds plugins, among what was compiled for the tests.
+/// The program that builds plugins, from what was compiled for the tests.
 fn componentize(compiled: &Compiled) -> PathBuf {
     compiled.programs.join("backseat-componentize")
 }

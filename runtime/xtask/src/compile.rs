@@ -9,30 +9,30 @@ use serde_json::Value;
 
 use crate::cargo::{cargo_command, root, target};
 
-/// What a compilation for the tests has made.
+/// The result of a compilation for the tests.
 #[derive(Debug)]
 pub(crate) struct Compiled {
-    /// The test programs, each with its crate's folder.
+    /// The test programs, each with the folder of its crate.
     pub(crate) tests: Vec<TestProgram>,
-    /// Where the other programs are.
+    /// The folder of the other programs.
     pub(crate) programs: PathBuf,
 }
 
-/// A program of tests, as the compiler made it.
+/// A test program.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct TestProgram {
     pub(crate) folder: PathBuf,
     pub(crate) program: PathBuf,
 }
 
-/// Compiles every target of the workspace once, with Clippy in the compiler's place: Clippy is the compiler with lints
-/// added, and `cargo clippy` puts it there in the same way, but throws the code away. A warning fails in each crate that
-/// takes the workspace's lints (`[lints] workspace = true`); in others, a plugin of your own say, it is only shown.
+/// Compiles every target of the workspace once, with Clippy in place of the compiler. Clippy is the compiler with more
+/// lints; `cargo clippy` uses it in the same way but discards the code. A warning is an error in each crate that takes
+/// the workspace's lints (`[lints] workspace = true`). In others, such as a plugin of your own, it is only shown.
 pub(crate) fn compile() -> Result<Compiled> {
     compile_with(&["--workspace", "--all-targets"])
 }
 
-/// Compiles what Cargo is told to in the same way.
+/// Compiles with these arguments for Cargo, in the same way.
 pub(crate) fn compile_with(arguments: &[&str]) -> Result<Compiled> {
     let colours = if std::io::stderr().is_terminal() {
         "--message-format=json-diagnostic-rendered-ansi"
@@ -54,7 +54,7 @@ pub(crate) fn compile_with(arguments: &[&str]) -> Result<Compiled> {
         let Ok(message) = serde_json::from_str::<Value>(&line?) else {
             continue;
         };
-        // A library is compiled for itself and for its tests: what is the same of both is shown once.
+        // A library is compiled for itself and for its tests; a message of both is shown once.
         if let Some(text) = message["message"]["rendered"].as_str()
             && shown.insert(text.to_owned())
         {
@@ -80,7 +80,7 @@ pub(crate) fn compile_with(arguments: &[&str]) -> Result<Compiled> {
     })
 }
 
-/// Puts Clippy in the compiler's place, so that all that Cargo does for the tests is done with the same code.
+/// Puts Clippy in place of the compiler, so that everything that Cargo does for the tests uses the same code.
 pub(crate) fn with_lints(command: &mut Command) -> Result<()> {
     match clippy()? {
         Some(clippy) => {
@@ -110,22 +110,22 @@ fn clippy() -> Result<Option<OsString>> {
     Ok(program.is_file().then(|| program.into_os_string()))
 }
 
-/// The manifest of the crate that this message of Cargo's warns of.
+/// The manifest of the crate that a message of Cargo warns about.
 fn warned_manifest(message: &Value) -> Option<PathBuf> {
     let warns = message["reason"] == "compiler-message" && message["message"]["level"] == "warning";
-    // The sum at the end of a crate's warnings has no code and no place.
+    // The summary at the end of a crate's warnings has no code and no place.
     let placed = message["message"]["spans"]
         .as_array()
         .is_some_and(|spans| !spans.is_empty());
     (warns && placed).then(|| message["manifest_path"].as_str().map(PathBuf::from))?
 }
 
-/// The program of tests that this message of Cargo's tells of.
+/// The test program in a message of Cargo.
 fn test_program(message: &Value) -> Option<TestProgram> {
     if message["reason"] != "compiler-artifact" || message["profile"]["test"] != true {
         return None;
     }
-    // Benchmarks have main functions of their own, and are no tests.
+    // Benchmarks have main functions of their own, and are not tests.
     if message["target"]["kind"].as_array()?.iter().any(|kind| kind == "bench") {
         return None;
     }
@@ -136,7 +136,7 @@ fn test_program(message: &Value) -> Option<TestProgram> {
     })
 }
 
-/// Whether a crate is held to the workspace's lints.
+/// Whether a crate takes the workspace's lints.
 fn takes_lints(manifest: &Path) -> bool {
     let text = std::fs::read_to_string(manifest).unwrap_or_default();
     text.split("\n[lints]").nth(1).is_some_and(|lints| {

@@ -7,11 +7,11 @@ use anyhow::{Context, Result, bail};
 
 use crate::cargo::{add_target, run, target};
 
-/// Linked statically, so that it runs under qemu without a sysroot.
+/// Linked statically, so that the program runs under qemu without a sysroot.
 const TARGET: &str = "aarch64-unknown-linux-musl";
-/// From PyPI: a C compiler and linker for every platform, and what puts it under Cargo.
+/// From PyPI: a C compiler and linker for every platform, and a wrapper that makes Cargo use it.
 const PACKAGES: [&str; 2] = ["ziglang==0.17.1", "cargo-zigbuild==0.24.0"];
-/// Debian's package of emulators, and the names that they go by on a PATH.
+/// Debian's package of emulators, and the names that they have on a PATH.
 const EMULATORS: &str = "qemu-user-static";
 const EMULATOR: [&str; 2] = ["qemu-aarch64-static", "qemu-aarch64"];
 
@@ -31,7 +31,7 @@ pub(crate) fn release() -> Result<PathBuf> {
     Ok(target()?.join(TARGET).join("release/backseat"))
 }
 
-/// The folder with `cargo-zigbuild` and its Zig, made where it is missing.
+/// The folder with `cargo-zigbuild` and its Zig; creates it if it is missing.
 fn zig() -> Result<PathBuf> {
     let environment = target()?.join("tools/zig");
     let programs = environment.join("bin");
@@ -48,7 +48,7 @@ fn zig() -> Result<PathBuf> {
     Ok(programs)
 }
 
-/// The program that runs aarch64's, fetched without root where it is missing.
+/// The emulator for aarch64 programs; downloaded without root if it is missing.
 pub(crate) fn emulator() -> Result<PathBuf> {
     let unpacked = target()?.join("tools/qemu");
     let find = || {

@@ -39,7 +39,7 @@ pub(crate) fn bench() -> Result<()> {
     cargo(&["bench", "--package", "backseat-bench"])
 }
 
-/// The program, built for release, and beside it the one that builds plugins: together, so that what both are made of is
+/// The program, built for release together with the one that builds plugins, so that their common dependencies are
 /// compiled once.
 pub(crate) fn release() -> Result<PathBuf> {
     cargo(&[

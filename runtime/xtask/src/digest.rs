@@ -9,16 +9,16 @@ use crate::cross;
 use crate::demo::release;
 use crate::plugins::plugins;
 
-/// Flies the same missions in several processes and builds: what they tell must be the same in all, to the byte.
+/// Flies the same missions in several processes and builds. Their reports must be the same to the byte.
 #[derive(Args)]
 pub(crate) struct Digest {
     /// The missions' folders
     #[arg(default_values = ["missions/isobath", "missions/plume"])]
     pub(crate) missions: Vec<PathBuf>,
-    /// How many seeds of each mission, from 1 on
+    /// Number of seeds of each mission, from 1 on
     #[arg(long, default_value_t = 5)]
     pub(crate) seeds: u64,
-    /// A plan of faults, played in every run
+    /// Inject the faults in this file into every run
     #[arg(long, value_name = "FILE")]
     pub(crate) faults: Option<PathBuf>,
     /// Build the program for aarch64 too, and fly it under qemu
@@ -26,18 +26,18 @@ pub(crate) struct Digest {
     pub(crate) aarch64: bool,
 }
 
-/// A program, and what runs it.
+/// A program, and the command that runs it.
 struct Build {
     name: &'static str,
     program: PathBuf,
     emulator: Option<PathBuf>,
 }
 
-/// What a run tells.
+/// The results of a run.
 #[derive(Debug, PartialEq)]
 struct Flight {
     digest: String,
-    /// The whole report, but for the real time that it took.
+    /// The whole report, without the real time that the run took.
     report: Value,
     log: Vec<u8>,
 }
@@ -86,7 +86,7 @@ fn builds(aarch64: bool) -> Result<Vec<Build>> {
     Ok(builds)
 }
 
-/// Flies a seed in every build and prints its row. The first build is what the others are measured by.
+/// Flies a seed in every build and prints its row. All builds are compared with the first.
 fn compare(builds: &[Build], mission: &Path, seed: u64, faults: Option<&Path>) -> Result<bool> {
     let mut flights = Vec::new();
     for build in builds {
@@ -127,11 +127,11 @@ fn fly(build: &Build, mission: &Path, seed: u64, faults: Option<&Path>) -> Resul
         .current_dir(root()?)
         .output()
         .with_context(|| format!("{command:?}"))?;
-    // A run that did not hold its expectations is as good a comparison: only one without a report is none.
+    // A run that did not meet its expectations can be compared too, but a run without a report cannot.
     let mut report: Value = serde_json::from_slice(&output.stdout)
         .with_context(|| String::from_utf8_lossy(&output.stderr).trim().to_owned())?;
     std::fs::write(log.with_extension("json"), &output.stdout)?;
-    let keys = report.as_object_mut().context("the report is no object")?;
+    let keys = report.as_object_mut().context("the report is not a JSON object")?;
     for real_time in ["wall_seconds", "load_seconds"] {
         keys.remove(real_time);
     }
@@ -143,7 +143,7 @@ fn fly(build: &Build, mission: &Path, seed: u64, faults: Option<&Path>) -> Resul
     Ok(Flight { digest, report, log })
 }
 
-/// What is different, in a few words.
+/// The differences, in a few words.
 fn difference(first: &Flight, other: &Flight) -> String {
     let mut different = Vec::new();
     if first.digest != other.digest {

@@ -8,47 +8,47 @@ use clap::Args;
 use crate::cargo::{cargo, root, target};
 use crate::plugins::plugins;
 
-/// Looks for a mission in which something unsafe is sent, or in which the helm does not come back.
+/// Looks for a mission in which something unsafe is sent, or in which control is not handed back.
 #[derive(Args, Default)]
 pub(crate) struct Hunt {
-    /// How many missions
+    /// Number of missions
     #[arg(long, default_value_t = 1000)]
     runs: u64,
-    /// No mission begins after so many seconds
+    /// Begin no mission after this many seconds
     #[arg(long)]
     seconds: Option<u64>,
     /// The first seed
     #[arg(long, default_value_t = 1)]
     first: u64,
-    /// Threads [default: one a core]
+    /// Number of threads [default: one for each core]
     #[arg(long)]
     workers: Option<usize>,
-    /// Say which pairs of fault and state were met less often
+    /// List the pairs of fault and state that were met less often than this
     #[arg(long)]
     least: Option<u64>,
-    /// Other missions, without faults: among walls, with a plugin that only leads inserts round them and takes back
-    /// what leads round
+    /// Fly other missions instead, without faults: among obstacles, with a plugin that leads inserts around them and
+    /// then cancels the ones that lead around
     #[arg(long, conflicts_with = "coverage")]
     detours: bool,
-    /// Write what was exercised here too; `--sum` adds such files up
+    /// Also write the coverage to this file; `--sum` adds such files up
     #[arg(long)]
     coverage: Option<PathBuf>,
-    /// Fly none, but add up what these hunts have exercised
+    /// Fly no mission, but add up the coverage in these files
     #[arg(long, num_args = 1.., conflicts_with_all = ["without", "every_check", "replay", "coverage", "detours"])]
     sum: Vec<PathBuf>,
-    /// Fly this plan instead, as the hunt keeps them
+    /// Fly this plan instead, a file that the hunt has written
     #[arg(long, conflicts_with_all = ["without", "every_check", "detours"])]
     replay: Option<PathBuf>,
-    /// Switch this check of the monitor off, in a build of its own
+    /// Switch this check of the safety monitor off, in a separate build
     #[arg(long)]
     without: Option<String>,
-    /// Switch each check off in turn: each must be found, if not by these missions then by those of `--detours`
+    /// Switch off each check in turn; each must be found by these missions, or else by those of `--detours`
     #[arg(long, conflicts_with_all = ["without", "detours", "coverage"])]
     every_check: bool,
 }
 
 impl Hunt {
-    /// So many missions from the first seed on.
+    /// A hunt of this many missions, from the first seed on.
     pub(crate) fn of(runs: u64, detours: bool) -> Self {
         Self {
             runs,
@@ -69,7 +69,7 @@ pub(crate) fn hunt(arguments: &Hunt) -> Result<()> {
     if !arguments.sum.is_empty() {
         let mut sum = command(&program, &["sum"])?;
         for file in &arguments.sum {
-            // The program runs in the checkout's folder, and not in the user's.
+            // The program runs in the checkout's folder, not in the user's.
             sum.arg(std::path::absolute(file)?);
         }
         sum.args(["--least", &arguments.least.unwrap_or(0).to_string()]);
@@ -88,8 +88,7 @@ pub(crate) fn hunt(arguments: &Hunt) -> Result<()> {
     ended(&mut fly, "something was found")
 }
 
-/// The hunt's program; with mutations it has another name, so that neither is taken for the
-/// other.
+/// Builds the hunt's program. With mutations it has another name, so that the two cannot be confused.
 fn build(mutated: bool) -> Result<PathBuf> {
     let mut arguments = vec!["build", "--release", "--package", "backseat-hunt"];
     if mutated {
@@ -148,7 +147,7 @@ fn ended(command: &mut Command, otherwise: &str) -> Result<()> {
     }
 }
 
-/// One line a check: in how many missions the hunt found that it was off.
+/// Prints one line for each check: in how many missions the hunt found that it was off.
 fn every_check(program: &PathBuf, arguments: &Hunt) -> Result<()> {
     let listed = command(program, &["checks"])?.output()?;
     let checks = String::from_utf8_lossy(&listed.stdout).into_owned();

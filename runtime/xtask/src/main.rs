@@ -1,4 +1,4 @@
-//! The one door to the project's tasks: `cargo xtask demo`, `cargo xtask test`, and what they are made of.
+//! The entry point for the project's tasks: `cargo xtask demo`, `cargo xtask test`, and their parts.
 
 mod cargo;
 mod check;
@@ -33,24 +33,25 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Build everything and fly the isobath mission in simulation; says where its log and picture are
+    /// Build everything and fly the isobath mission in simulation; prints where its log and picture are
     Demo,
-    /// Run everything that checks a change: format, project rules, dependencies, lints, tests, examples
+    /// Run all checks of a change: format, project rules, dependencies, lints, tests, examples
     Test,
-    /// Run the part of `test` that a change needs: lints, the tests of the crates that have changed and of those that
-    /// stand on them, one flight of each reference mission
+    /// Run the part of `test` that a change needs: lints, the tests of changed crates and of crates that depend on
+    /// them, one flight of each reference mission
     Quick(check::Quick),
-    /// Run what is too long for every change, before a release; `--last` says when and on which commit it last ran
+    /// Run the tests that take too long for every change, before a release; `--last` prints when and on which commit
+    /// they last ran
     Soak(soak::Soak),
     /// Build the project's plugins into target/plugins
     Plugins,
     /// Run the benchmarks and print the speed table
     Bench,
-    /// Fly a mission with many seeds and tell how many held its expectations
+    /// Fly a mission with many seeds and count those that meet its expectations
     Seeds(seeds::Seeds),
-    /// Fly drawn missions with drawn faults on all cores, and look for what must never be
+    /// Fly random missions with random faults on all cores, and look for violations of safety
     Hunt(hunt::Hunt),
-    /// Fly the same seeds in several processes and builds, and compare what they tell
+    /// Fly the same seeds in several processes and builds, and compare the results
     Digest(digest::Digest),
     /// Generate the pages in runtime/docs/reference and the schemas in missions/schemas from runtime/reference/keys
     Reference,

@@ -3,13 +3,13 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-/// The feature that lets a test leave checks of the monitor out.
+/// The feature that lets a test leave out checks of the safety monitor.
 const FEATURE: &str = "mutations";
-/// What goes to sea never names it.
+/// The program for sea never enables it.
 const PROGRAM: &str = "runtime/app/Cargo.toml";
 
-/// No crate has the monitor's mutations unless it is asked for them by name: the feature stands only among the
-/// features, as one that passes it on under the same name.
+/// Checks that no crate gets the monitor's mutations unless it asks for them by name: the feature appears only among
+/// features that pass it on under the same name.
 pub(crate) fn mutations(root: &Path, faults: &mut Vec<String>) -> Result<()> {
     let output = Command::new("git")
         .args(["ls-files", "*Cargo.toml"])
@@ -26,7 +26,7 @@ pub(crate) fn mutations(root: &Path, faults: &mut Vec<String>) -> Result<()> {
     Ok(())
 }
 
-/// The lines of a manifest that may enable it.
+/// The lines of a manifest that may enable the feature.
 fn enabled(file: &str, manifest: &str) -> Vec<String> {
     let mut section = "";
     let mut faults = Vec::new();
@@ -38,7 +38,7 @@ fn enabled(file: &str, manifest: &str) -> Vec<String> {
         let passes_on = section == "[features]" && code.split('=').next().is_some_and(|key| key.trim() == FEATURE);
         if code.contains(FEATURE) && (file == PROGRAM || !passes_on) {
             let place = format!("{file}:{}", number + 1);
-            faults.push(format!("{place}: the monitor's checks can be left out in tests alone"));
+            faults.push(format!("{place}: only tests may leave out the monitor's checks"));
         }
     }
     faults

@@ -6,12 +6,12 @@ use anyhow::Result;
 use crate::cargo::{add_target, root, run, target};
 use crate::demo::release;
 
-/// Where the project's plugins are, as components.
+/// The folder of the project's plugins as components.
 pub(crate) fn folder() -> Result<PathBuf> {
     Ok(target()?.join("plugins"))
 }
 
-/// Builds every plugin in the folder `plugins`, with the program that is built for release.
+/// Builds every plugin in the folder `plugins`, with a release build of the program for it.
 pub(crate) fn plugins() -> Result<()> {
     build(&release()?.with_file_name("backseat-componentize"))
 }

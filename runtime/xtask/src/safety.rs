@@ -3,12 +3,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-/// Where the requirements are.
+/// The document with the requirements.
 const DOCUMENT: &str = "runtime/docs/safety.md";
-/// How many there are.
+/// The number of requirements.
 const REQUIREMENTS: u32 = 25;
 
-/// A requirement as the document has it.
+/// A requirement in the document.
 #[derive(Debug, Default, PartialEq)]
 struct Requirement {
     number: String,
@@ -16,11 +16,11 @@ struct Requirement {
     tests: Vec<String>,
 }
 
-/// The numbers of the requirements that each test says it is of, by its name.
+/// For each test, by its name: the numbers of the requirements that it claims to test.
 type Tests = BTreeMap<String, BTreeSet<String>>;
 
-/// Every requirement has code that cites it and tests that exist, and each test that says it is of a requirement is named
-/// there.
+/// Checks that every requirement has code that cites it and tests that exist, and that the document names each test
+/// that claims to test a requirement.
 pub(crate) fn safety(root: &Path, sources: &[PathBuf], faults: &mut Vec<String>) -> Result<()> {
     let document = std::fs::read_to_string(root.join(DOCUMENT)).with_context(|| DOCUMENT.to_owned())?;
     let requirements = parse(&document);
@@ -63,19 +63,19 @@ fn judge(requirements: &[Requirement], all: &Tests, cites: impl Fn(&str, &str) -
                     "{DOCUMENT}: SR-{number} names the test {test}, which does not exist"
                 )),
                 Some(numbers) if !numbers.contains(number) => faults.push(format!(
-                    "{test}: {DOCUMENT} names it as a test of SR-{number}, which neither its name nor its comment says"
+                    "{test}: {DOCUMENT} names it as a test of SR-{number}, but neither its name nor its comment has that number"
                 )),
                 Some(_) => {}
             }
         }
         let own = format!("sr_{number}");
         if !tests.iter().any(|test| test.contains(&own)) {
-            faults.push(format!("{DOCUMENT}: no test of SR-{number} carries its number"));
+            faults.push(format!("{DOCUMENT}: no test of SR-{number} has the number in its name"));
         }
         let of_it = all.iter().filter(|(_, numbers)| numbers.contains(number));
         for (test, _) in of_it.filter(|(name, _)| !tests.contains(name)) {
             faults.push(format!(
-                "{DOCUMENT}: SR-{number} does not name the test {test}, which says that it is one of it"
+                "{DOCUMENT}: SR-{number} does not name the test {test}, which claims to test it"
             ));
         }
     }
@@ -112,8 +112,8 @@ fn parse(document: &str) -> Vec<Requirement> {
     requirements
 }
 
-/// The functions that are tests: what follows `#[test]`, attributes and comments between. Each with the numbers of its
-/// name, `sr_001_…`, and those that its comment cites.
+/// The test functions: what follows `#[test]`, with attributes and comments between. Each with the numbers in its name,
+/// `sr_001_…`, and those that its comment cites.
 fn tests(text: &str) -> impl Iterator<Item = (&str, BTreeSet<String>)> {
     let mut marked = false;
     let mut comment = String::new();

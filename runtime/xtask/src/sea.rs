@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use crate::cargo::{root, target};
 use crate::compile::compile_with;
 
-/// What only simulation needs.
+/// The crates that only simulation needs.
 const ASHORE: [&str; 6] = [
     "backseat-mvc",
     "backseat-world",
@@ -16,7 +16,7 @@ const ASHORE: [&str; 6] = [
     "backseat-picture",
 ];
 
-/// The program that goes to sea holds no simulator: none of its crates is in the tree, directly or not.
+/// Checks that the program for sea contains no simulator: none of these crates is in its dependency tree.
 pub(crate) fn sea(root: &Path, faults: &mut Vec<String>) -> Result<()> {
     let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
         .args(["tree", "--offline", "--package", "backseat", "--edges", "normal"])
@@ -32,7 +32,7 @@ pub(crate) fn sea(root: &Path, faults: &mut Vec<String>) -> Result<()> {
     Ok(())
 }
 
-/// Those of [`ASHORE`] that a tree has.
+/// The crates of [`ASHORE`] that are in a tree.
 fn found(tree: &str) -> impl Iterator<Item = &'static str> {
     let has = |name: &str| {
         tree.lines()
@@ -41,13 +41,13 @@ fn found(tree: &str) -> impl Iterator<Item = &'static str> {
     ASHORE.into_iter().filter(move |name| has(name))
 }
 
-/// Where the program for sea is kept for the tests: Cargo puts it where the whole program is put after it.
+/// Where the program for sea is kept for the tests, because Cargo later puts the whole program in its place.
 pub(crate) fn program() -> Result<PathBuf> {
     Ok(target()?.join("sea/backseat"))
 }
 
-/// Builds the program as it goes to sea, with lints, for the tests. Its dependencies have the features of the whole
-/// workspace, so that nothing is compiled for it that the tests do not need too, but the program.
+/// Builds the program for sea, with lints, for the tests. Its dependencies have the features of the whole workspace, so
+/// that only the program itself is compiled twice.
 pub(crate) fn build() -> Result<()> {
     let arguments = [
         "--workspace",

@@ -11,18 +11,19 @@ use crate::cargo::{backseat, root, target};
 use crate::demo::release;
 use crate::plugins::plugins;
 
-/// Flies a mission with many seeds, each in a process of its own as a user would, and judges by what it prints.
+/// Flies a mission with many seeds, each in a process of its own as a user would run it, and evaluates the printed
+/// reports.
 #[derive(Args)]
 pub(crate) struct Seeds {
     /// The mission's folder
     pub(crate) mission: PathBuf,
-    /// How many seeds, from --first on
+    /// Number of seeds, from --first on
     #[arg(long, default_value_t = 100)]
     pub(crate) runs: u64,
     /// The first seed
     #[arg(long, default_value_t = 1)]
     pub(crate) first: u64,
-    /// How many runs must hold every expectation [default: all]
+    /// Number of runs that must meet every expectation [default: all]
     #[arg(long)]
     pub(crate) least: Option<u64>,
 }

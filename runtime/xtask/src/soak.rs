@@ -15,27 +15,27 @@ use crate::seeds::{self, Seeds};
 use crate::steps::Steps;
 use crate::tests::prepare;
 
-/// Where it is kept when this last ran, and on what.
+/// The file with the date, commit and results of the last run.
 const RECORD: &str = "tests/soak/last-run.txt";
 
-/// The exit code of a long run that this machine cannot do.
+/// The exit code of a long run that is not possible on this machine.
 const SKIPPED: i32 = 77;
 
-/// What is too long for every change: run it before a release, or after a change of what it is about.
+/// The tests that take too long for every change. Run them before a release, or after a change of what they test.
 #[derive(Args)]
 pub(crate) struct Soak {
-    /// Run nothing; say when it last ran, on which commit, and what was in it
+    /// Run nothing; print when the soak last ran, on which commit, and its results
     #[arg(long)]
     last: bool,
-    /// Only the steps whose names have this in them; what is then run is not kept as a whole run
+    /// Run only the steps whose names contain this text; such a run is not recorded
     #[arg(long, value_name = "TEXT", conflicts_with = "last")]
     only: Option<String>,
 }
 
-/// A step's name and what it does.
+/// A step's name and its function.
 type Task = (&'static str, fn() -> Result<()>);
 
-/// What is longer than a change can wait for, the longest last.
+/// The steps, the longest last.
 const TASKS: [Task; 10] = [
     ("property tests, other and more cases", properties),
     ("seeds of the reference missions", flights),
@@ -53,7 +53,7 @@ pub(crate) fn soak(arguments: &Soak) -> Result<()> {
     let record = root()?.join(RECORD);
     if arguments.last {
         let text = fs::read_to_string(&record)
-            .with_context(|| format!("{RECORD}: no soak is on record, `cargo xtask soak` makes one"))?;
+            .with_context(|| format!("{RECORD}: no soak has been recorded; run `cargo xtask soak`"))?;
         print!("{text}");
         return Ok(());
     }
@@ -62,7 +62,7 @@ pub(crate) fn soak(arguments: &Soak) -> Result<()> {
     if !names.iter().any(|name| chosen(name)) {
         bail!("no step has this in its name; there are: {}", names.join(", "));
     }
-    // Before the hour that it takes: what is committed meanwhile was not run.
+    // Read before the hour that the soak takes, because a commit made meanwhile was not tested.
     let began = format!("last run of `cargo xtask soak`: {}\non commit {}", date()?, commit()?);
     let mut steps = Steps::default();
     let (mut failed, mut not_shown) = (Vec::new(), Vec::new());
@@ -70,7 +70,7 @@ pub(crate) fn soak(arguments: &Soak) -> Result<()> {
         if !chosen(name) {
             continue;
         }
-        // One that fails does not keep the others from being run.
+        // A failed step does not prevent the later ones.
         if let Err(error) = steps.run(name, task) {
             match error.downcast_ref::<NotShown>() {
                 Some(NotShown(why)) => not_shown.push(format!("{name}: {why}")),
@@ -88,7 +88,7 @@ pub(crate) fn soak(arguments: &Soak) -> Result<()> {
     println!("\n{told}");
     if arguments.only.is_none() {
         fs::write(&record, told).with_context(|| RECORD.to_owned())?;
-        println!("kept in {RECORD}: commit it");
+        println!("recorded in {RECORD}: commit this file");
     }
     if failed.is_empty() {
         return Ok(());
@@ -120,7 +120,7 @@ fn long_command(arguments: &[&str]) -> Result<Command> {
     Ok(command)
 }
 
-/// A step that this machine could not do, and why: neither a success nor a failure.
+/// A step that is not possible on this machine, and why: neither a success nor a failure.
 #[derive(Debug)]
 struct NotShown(String);
 
@@ -132,7 +132,8 @@ impl fmt::Display for NotShown {
 
 impl std::error::Error for NotShown {}
 
-/// Where no file system can be frozen (not as root, in most containers) the tool says why, and ends with [`SKIPPED`].
+/// Where a file system cannot be frozen (not as root, in most containers) the tool reports why, and ends with
+/// [`SKIPPED`].
 fn frozen() -> Result<()> {
     let mut command = long_command(&["frozen"])?;
     let output = command
@@ -150,7 +151,7 @@ fn frozen() -> Result<()> {
     Ok(())
 }
 
-/// The property tests of all crates with other cases than every day, and more of them.
+/// The property tests of all crates, with other cases than in `test`, and more of them.
 fn properties() -> Result<()> {
     let compiled = compile()?;
     plugins::build(&compiled.programs.join("backseat-componentize"))?;
@@ -203,12 +204,12 @@ fn hunts() -> Result<()> {
     hunt::hunt(&Hunt::of(500, true))
 }
 
-/// Now, as UTC.
+/// The present time, as UTC.
 fn date() -> Result<String> {
     told_by(Command::new("date").args(["-u", "+%Y-%m-%d %H:%M UTC"]))
 }
 
-/// The commit, and whether what was run differs from it.
+/// The commit, and whether the tested tree differs from it.
 fn commit() -> Result<String> {
     let commit = told_by(Command::new("git").args(["rev-parse", "HEAD"]))?;
     let changes = told_by(Command::new("git").args(["status", "--porcelain", "--", ":!tests/soak/last-run.txt"]))?;

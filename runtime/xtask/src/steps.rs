@@ -3,7 +3,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
-/// What a task is made of, and what each step of it has cost.
+/// The steps of a task, with the cost of each.
 #[derive(Debug, Default)]
 pub(crate) struct Steps {
     done: Vec<Step>,
@@ -13,12 +13,12 @@ pub(crate) struct Steps {
 struct Step {
     name: &'static str,
     wall: Duration,
-    /// Processor time of the processes that the step has run; `None` where the system does not tell.
+    /// Processor time of the processes that the step has run; `None` if the system does not report it.
     processor: Option<Duration>,
 }
 
 impl Steps {
-    /// Runs a step and keeps what it cost, whether it fails or not.
+    /// Runs a step and records its cost, whether it fails or not.
     pub(crate) fn run<T>(&mut self, name: &'static str, step: impl FnOnce() -> Result<T>) -> Result<T> {
         println!("\n== {name}");
         let processor = processor_time();
@@ -33,7 +33,7 @@ impl Steps {
         result
     }
 
-    /// Prints what each step has cost, where there was one.
+    /// Prints the cost of each step, if there was one.
     pub(crate) fn show(&self) {
         if !self.done.is_empty() {
             println!("\n{self}");
@@ -60,7 +60,7 @@ impl fmt::Display for Steps {
 /// `cutime` and `cstime`, in ticks of 10 ms on every Linux that Rust runs on).
 fn processor_time() -> Option<Duration> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The name of the program is in brackets and may hold blanks: the fields are counted behind it, from the third on.
+    // The program's name is in brackets and may contain spaces, so fields are counted after it, from the third on.
     let (_, fields) = stat.rsplit_once(')')?;
     let ticks: u64 = fields
         .split_whitespace()

@@ -10,25 +10,25 @@ use crate::plugins;
 use crate::sea;
 use crate::workspace::Workspace;
 
-/// The module of a test program that has its tests in real time: they wait more than they compute, and some hold the
-/// program to its times, so that nothing else may run beside them.
+/// The module of a test program that contains its tests in real time. They wait more than they compute, and some check
+/// the program's timing, so nothing else may run beside them.
 const REAL_TIME: &str = "real_time::";
 /// How many of those run at once.
 const REAL_TIME_AT_ONCE: &str = "6";
-/// What property tests are drawn with.
+/// The seed of property tests.
 const SEED: &str = "PROPTEST_RNG_SEED";
 
-/// Which tests.
+/// The tests to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Which {
     /// Those that compute.
     Computing,
-    /// Those that wait.
+    /// Those that wait for a clock.
     RealTime,
 }
 
-/// Runs the tests of these crates (of all, where none is named) that have been compiled: with nextest, where it is
-/// installed, or else one program after the other.
+/// Runs the compiled tests of these crates (of all, if none is named): with nextest if it is installed, otherwise one
+/// program after the other.
 pub(crate) fn run_tests(compiled: &Compiled, crates: Option<&BTreeSet<String>>, which: Which) -> Result<()> {
     if crates.is_some_and(BTreeSet::is_empty) {
         println!("no crate, no tests");
@@ -95,7 +95,8 @@ fn one_by_one(compiled: &Compiled, crates: Option<&BTreeSet<String>>, which: Whi
         }
         let mut command = Command::new(&test.program);
         command.arg("--quiet");
-        // What must run alone says so to nextest; here it waits for the others of its program, and no other runs.
+        // With nextest, a test declares itself that it must run alone. Here it waits for the other tests of its
+        // program, and no other program runs.
         match which {
             Which::Computing => command.args(["--skip", REAL_TIME]),
             Which::RealTime => command.args([REAL_TIME, "--test-threads", REAL_TIME_AT_ONCE]),
@@ -115,8 +116,8 @@ fn one_by_one(compiled: &Compiled, crates: Option<&BTreeSet<String>>, which: Whi
     Ok(())
 }
 
-/// Tells a test where the program and the plugins are, and draws the same cases of property tests each time, so that a
-/// change passes or fails by what it is; `PROPTEST_RNG_SEED` draws others.
+/// Tells a test where the program and the plugins are. Also fixes the seed of property tests, so that only a change
+/// decides whether it passes; `PROPTEST_RNG_SEED` selects another seed.
 pub(crate) fn prepare<'a>(command: &'a mut Command, compiled: &Compiled) -> Result<&'a mut Command> {
     if std::env::var_os(SEED).is_none() {
         command.env(SEED, "20261121");

@@ -8,7 +8,7 @@ use crate::mutations::mutations;
 use crate::safety::safety;
 use crate::sea::sea;
 
-/// Which crate may never depend on which of ours: the arrows of `runtime/docs/architecture.md`.
+/// The crates on which each crate must never depend: the arrows of `runtime/docs/architecture.md`.
 const NEVER: [(&str, &[&str]); 15] = [
     (
         "units",
@@ -40,13 +40,13 @@ const NEVER: [(&str, &[&str]); 15] = [
         ],
     ),
     ("world", &["spi", "fence", "core", "tokio"]),
-    // What a mission and the mock both read knows neither of them.
+    // Crates that both a mission and the mock read with depend on neither of them.
     (
         "plan",
         &["fence", "core", "world", "mvc", "mission", "oracle", "sim", "tokio"],
     ),
     ("mvc", &["core", "fence", "oracle", "tokio"]),
-    // The judge shares nothing with what it judges, not even how a sentence or a position is read.
+    // The oracle shares nothing with what it judges, not even how a sentence or a position is read.
     (
         "oracle",
         &[
@@ -64,7 +64,7 @@ const NEVER: [(&str, &[&str]); 15] = [
         ],
     ),
     ("plugin-host", &["spi", "mvc", "world", "tokio"]),
-    // What goes to sea.
+    // The crates that go to sea.
     (
         "mission",
         &[
@@ -93,10 +93,10 @@ const NEVER: [(&str, &[&str]); 15] = [
     ("scenario", &["oracle", "sim", "recorder", "plugin-host", "tokio"]),
     ("sim", &["tokio"]),
 ];
-/// A file longer than this is more than one room.
+/// A longer file must be split.
 const LINES_MAX: usize = 700;
 
-/// What waits for a terminal, and panics where it is gone.
+/// Macros that wait for a terminal, and panic if it is closed.
 const PRINTS: [&str; 4] = ["println!(", "print!(", "eprintln!(", "eprint!("];
 
 /// The project's own rules.
@@ -115,7 +115,8 @@ pub(crate) fn tidy() -> Result<()> {
             faults.push(format!("{}: {lines} lines, at most {LINES_MAX}", file.display()));
         }
         let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
-        // Cargo takes `tests/sea.rs` for a test of its own: what several tests share must be `tests/sea/mod.rs`.
+        // Cargo would treat `tests/sea.rs` as a test of its own, so code that several tests share must be
+        // `tests/sea/mod.rs`.
         let shared_by_tests = stem == "mod" && file.components().any(|part| part.as_os_str() == "tests");
         if ["utils", "helpers", "common", "manager", "mod"].contains(&stem) && !shared_by_tests {
             faults.push(format!("{}: a file is named for what is in it", file.display()));
@@ -125,7 +126,7 @@ pub(crate) fn tidy() -> Result<()> {
                 let code = line.trim_start();
                 if !code.starts_with("//") && PRINTS.iter().any(|mark| code.contains(mark)) {
                     faults.push(format!(
-                        "{}:{}: what deploys prints by tracing or `say!`: a terminal that is stuck or gone would stop it",
+                        "{}:{}: a deployed crate prints through tracing or `say!`, because a stuck or closed terminal would stop it otherwise",
                         file.display(),
                         number + 1
                     ));
@@ -150,14 +151,14 @@ pub(crate) fn tidy() -> Result<()> {
     Ok(())
 }
 
-/// Whether a source is part of the program that goes to sea.
+/// Whether a source is part of the program for sea.
 fn is_deployed(file: &Path) -> bool {
     let ashore = ["runtime/xtask", "runtime/componentize"];
     let in_sources = file.components().nth(2).is_some_and(|part| part.as_os_str() == "src");
     file.starts_with("runtime") && in_sources && !ashore.iter().any(|place| file.starts_with(place))
 }
 
-/// Every Rust source that git knows of.
+/// Every Rust source that git tracks.
 fn sources(root: &Path) -> Result<Vec<PathBuf>> {
     let output = Command::new("git")
         .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard", "*.rs"])

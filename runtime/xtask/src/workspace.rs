@@ -9,10 +9,10 @@ use crate::cargo::root;
 
 /// The program's crate.
 const PROGRAM: &str = "backseat";
-/// What builds the program and the plugins for tests.
+/// The crate that builds the program and the plugins for tests.
 const HANDS_OVER: &str = "backseat-test-support";
 
-/// The crates of this workspace and which of them stand on which.
+/// The crates of this workspace, and their dependencies on each other.
 #[derive(Debug)]
 pub(crate) struct Workspace {
     crates: BTreeMap<String, Crate>,
@@ -20,14 +20,14 @@ pub(crate) struct Workspace {
 
 #[derive(Debug)]
 struct Crate {
-    /// From the workspace's folder.
+    /// Relative to the workspace's folder.
     folder: PathBuf,
-    /// The crates of this workspace that it names, for its tests too.
+    /// The crates of this workspace on which it depends, including for its tests.
     stands_on: BTreeSet<String>,
 }
 
 impl Workspace {
-    /// Asks Cargo.
+    /// Reads the workspace from Cargo's metadata.
     pub(crate) fn read() -> Result<Self> {
         let root = root()?;
         let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
@@ -61,7 +61,7 @@ impl Workspace {
         Ok(Self { crates })
     }
 
-    /// The crate that has this name, or whose folder has it: `core` for `backseat-core`, `runtime/core` too.
+    /// The crate with this name or folder: `core` means `backseat-core`, and so does `runtime/core`.
     pub(crate) fn find(&self, name: &str) -> Result<String> {
         let folder = Path::new(name.trim_start_matches("./").trim_end_matches('/'));
         let by_folder =
@@ -73,7 +73,7 @@ impl Workspace {
         let known = || self.crates.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
         found
             .cloned()
-            .with_context(|| format!("no crate is called {name}; there are {}", known()))
+            .with_context(|| format!("no crate is called {name}; the crates are {}", known()))
     }
 
     /// The crate that a file belongs to, by its path from the workspace's folder.
@@ -89,9 +89,9 @@ impl Workspace {
         self.crates.keys().cloned().collect()
     }
 
-    /// These crates and all that stand on them, directly or not. The tests that [`PROGRAM`] is handed to stand on it, which
-    /// Cargo does not know: they name [`HANDS_OVER`]. (They are handed plugins too. A plugin's change is tried by its own
-    /// tests and by the reference missions, and by the rest of them in `test`.)
+    /// These crates and all that depend on them, directly or indirectly. Tests that are given [`PROGRAM`] depend on it
+    /// without Cargo's knowledge; they depend on [`HANDS_OVER`]. (They are given plugins too. A change of a plugin is
+    /// checked by its own tests and the reference missions, and by all others in `test`.)
     pub(crate) fn and_those_above(&self, crates: BTreeSet<String>) -> BTreeSet<String> {
         let mut reached = crates;
         loop {

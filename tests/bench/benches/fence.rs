@@ -1,5 +1,5 @@
-//! Prints the rows of the fence, each beside parry's plain query of the same distance. Those know neither margin nor
-//! side, and look for the nearest edge however far it is.
+//! Prints the fence's rows, each beside parry's plain query of the same distance. The plain queries know neither margin
+//! nor side, and find the nearest edge however far away it is.
 
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -17,11 +17,11 @@ const EXTENT: VerticalExtent = VerticalExtent {
     altitude_min_m: 5.0,
 };
 const PLAIN: &str = "parry's plain distance to a Polyline";
-/// All shapes some times over in each part of a measurement.
+/// Every part of a measurement uses all shapes several times.
 const CALLS: u32 = 16 * 256;
 
 fn main() {
-    // `cargo test --benches` runs this too, and has no time for it.
+    // `cargo test --benches` runs this too, but should not measure.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
@@ -32,7 +32,7 @@ fn main() {
     load(10_000);
 }
 
-/// A ring of so many vertices around 42 N 70 W, each 3000 m from the middle and some more.
+/// A ring with this many vertices around 42 N 70 W, each 3000 m or a little more from the middle.
 fn ring(vertices: u32, more_m: impl Fn(u32) -> f64) -> Vec<EastNorth> {
     let vertex = |index: u32| {
         let bearing_deg = 360.0 * f64::from(index) / f64::from(vertices);
@@ -107,8 +107,8 @@ fn legs(vertices: u32, aim: &str) {
     row(&format!("leg + margin against {vertices} vertices"), times, PLAIN, aim);
 }
 
-/// What core asks of the fence for a modify: the reachable set with the way back to the planned leg, and with that to
-/// what comes next. The fence is a jagged coast: its radius jumps by up to 20 m from vertex to vertex.
+/// What core asks the fence for a modify: the reachable set with the way back to the planned leg, and from there to the
+/// next one. The fence is a jagged coast: its radius jumps by up to 20 m from vertex to vertex.
 fn reachable() {
     let points = ring(10_000, |vertex| f64::from((vertex * 7919) % 101) / 5.0);
     let (fence, polyline) = (fence(&points), polyline(&points));
@@ -153,7 +153,7 @@ fn reachable() {
     );
 }
 
-/// A fence from its file to its first answer: text, projection, all that makes a polygon refused, and the index.
+/// A fence from its file to its first answer: the text, the projection, all checks of polygons, and the index.
 fn load(vertices: u32) {
     let text = text(&star(vertices));
     let times = in_turn(

@@ -21,7 +21,7 @@ const HZ: u32 = 10;
 const SERVED_FOR: Duration = Duration::from_secs(10);
 
 fn main() {
-    // `cargo test --benches` runs this too, and has no time for it.
+    // `cargo test --benches` runs this too, but should not measure.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
@@ -31,8 +31,8 @@ fn main() {
     hundred_clients();
 }
 
-/// An hour of a mission. BFNVG and BFNVR are built at each step, whoever listens: nobody, or a client in the same process,
-/// what is due to it thrown away. The floor reads one BFNVG by hand.
+/// An hour of a mission. BFNVG and BFNVR are built in each step, whoever receives them: no client, or a client in the
+/// same process whose bytes are dropped. The floor reads one BFNVG by hand.
 fn kinematic(listening: bool) {
     let mission = Mission::load(&backseat_test_support::mission("isobath"), &Layers::default()).expect("a mission");
     let world = Scenario::load(&mission).expect("a world").world;
@@ -73,7 +73,7 @@ fn kinematic(listening: bool) {
     );
 }
 
-/// Processor time of the server while a hundred clients take navigation ten times a second. The floor writes as many
+/// Processor time of the server while a hundred clients receive navigation ten times a second. The floor writes as many
 /// bytes to as many sockets as often.
 fn hundred_clients() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -131,7 +131,7 @@ fn hundred_clients() {
     );
 }
 
-/// Nanoseconds of a processor a second, for writing to each of the sockets as often.
+/// Processor time in nanoseconds for each second, for as many writes to each of the sockets.
 fn writes_only(each: usize) -> f64 {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
     let address = listener.local_addr().expect("it is bound");
@@ -162,7 +162,7 @@ struct Guard(Child);
 
 impl Drop for Guard {
     fn drop(&mut self) {
-        // Nothing is to be done where it has ended already.
+        // If it has ended already, nothing is left to do.
         let _ended = self.0.kill();
         let _status = self.0.wait();
     }
@@ -179,7 +179,7 @@ fn listening(errors: &Path) -> String {
     panic!("the program does not listen")
 }
 
-/// Reads all that has come, bytes.
+/// Reads everything that has arrived, bytes.
 fn drain(streams: &mut [TcpStream]) -> usize {
     let (mut buffer, mut bytes) = ([0; 16_384], 0);
     for stream in streams {
@@ -195,7 +195,7 @@ fn drain(streams: &mut [TcpStream]) -> usize {
     bytes
 }
 
-/// Time on a processor of a process's first thread, nanoseconds: the server has one.
+/// Processor time of a process's first thread, nanoseconds: the server has only one.
 fn processor_ns(process: &str) -> f64 {
     let text = fs::read_to_string(format!("/proc/{process}/schedstat")).expect("the kernel tells it");
     let number = text.split_whitespace().next().and_then(|number| number.parse().ok());

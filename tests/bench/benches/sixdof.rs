@@ -19,7 +19,7 @@ speed_mps = 0.2
 ";
 
 fn main() {
-    // `cargo test --benches` runs this too, and has no time for it.
+    // `cargo test --benches` runs this too, but should not measure.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
@@ -41,7 +41,7 @@ fn main() {
     );
 }
 
-/// Over an hour of legs of 300 m, to and fro.
+/// More than an hour of legs of 300 m, to and fro.
 fn survey() -> WorldFile {
     let mut text = WORLD.to_owned();
     for leg in 0..24 {
@@ -57,7 +57,7 @@ fn survey() -> WorldFile {
     WorldFile::from_toml(&text).expect("this is a world")
 }
 
-/// A vehicle whose BFNVG and BFNVR are built at each step for a client in the same process, and thrown away.
+/// A vehicle whose BFNVG and BFNVR are built in each step for a client in the same process, and dropped.
 struct Vehicle {
     mvc: Mvc,
     out: Vec<u8>,

@@ -18,7 +18,7 @@ use backseat_sim::Simulation;
 use backseat_units::{Altitude, Depth, EastNorth, Heading, Position, Timestamp, Utc};
 
 fn main() {
-    // `cargo test --benches` runs this too, and has no time for it.
+    // `cargo test --benches` runs this too, but should not measure.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
@@ -62,7 +62,7 @@ fn step() {
     let bytes = std::fs::read(backseat_test_support::plugins().join("template.wasm")).expect("the plugin was built");
     let component = host.load("idle", &bytes).expect("a component");
     let judge = std::sync::Arc::new(envelope());
-    // Without control it asks for nothing: what is left is the host's own work. No snapshot comes between.
+    // Without control it makes no requests, so only the host's own work remains. No snapshot is taken in between.
     let budget = Budget {
         snapshot_every_steps: 0,
         ..Budget::default()
@@ -122,8 +122,8 @@ fn flat_module() -> (wasmtime::Store<()>, Flat) {
     (store, step)
 }
 
-/// The isobath mission whole, with its log, beside its mock vehicle alone with one subscriber. One seed some times over:
-/// each minute of it is the same work each time, and its best time counts.
+/// The whole isobath mission with its log, beside its mock vehicle alone with one subscriber. One seed is flown several
+/// times: each of its minutes is the same work each time, and the best time of each counts.
 fn whole_loop() {
     const REPETITIONS: usize = 12;
     let mission = Mission::load(&backseat_test_support::mission("isobath"), &Layers::default()).expect("the mission");
@@ -151,7 +151,8 @@ fn whole_loop() {
 
 const SEED: u64 = 1;
 
-/// The seconds of each minute, of what is before the first and of what comes after the last, and the ticks of 0.1 s.
+/// The seconds of each minute, of the part before the first and of the part after the last, and the number of ticks of
+/// 0.1 s.
 fn fly(mission: &Mission, scenario: &Scenario, host: &Host, log: &Path) -> (Vec<f64>, f64) {
     let loaded = load_plugins(host, mission, Some(backseat_test_support::plugins())).expect("the plugins");
     let header = Header {

@@ -15,7 +15,7 @@ const ACKNOWLEDGEMENT: &[u8] = b"$BFACK,081025.987,RMB,081025.950,0,2,0,accepted
 const DOPPLER: &[u8] = b"$BFDVL,081025.987,1.5,-0.02,0.01,45.1,45.3,,45,10.25,081025.900*7A\r\n";
 
 fn main() {
-    // `cargo test --benches` runs this too, and has no time for it.
+    // `cargo test --benches` runs this too, but should not measure.
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
@@ -36,7 +36,7 @@ fn main() {
     stream();
 }
 
-/// Nanoseconds of one call, for two in turn: many batches that are shorter than a slice of a busy machine.
+/// Nanoseconds of one call, for two in turn: many batches that are shorter than a time slice of a busy machine.
 fn best(calls: u32, mut ours: impl FnMut(), mut floor: impl FnMut()) -> (f64, f64) {
     (0..20)
         .map(|_| in_turn(calls, &mut ours, &mut floor))
@@ -45,7 +45,7 @@ fn best(calls: u32, mut ours: impl FnMut(), mut floor: impl FnMut()) -> (f64, f6
         })
 }
 
-/// Bytes pushed into a framer, and the message out.
+/// Bytes are pushed into a framer, and the message comes out.
 fn decode(name: &str, line: &[u8], floor: impl FnMut()) {
     let mut framer = Framer::new(Policy::FromVehicle);
     let ours = || {
@@ -94,7 +94,7 @@ fn encode() {
     });
 }
 
-/// A message into a buffer with room; both must write the same bytes.
+/// A message is written into a buffer with room; both ways must write the same bytes.
 fn compare(name: &str, message: &ToVehicle, floor: impl Fn(&mut Vec<u8>)) {
     let (mut ours, mut by_hand) = (Vec::new(), Vec::new());
     message.encode(&mut ours).expect("it can be written");
@@ -121,8 +121,9 @@ fn compare(name: &str, message: &ToVehicle, floor: impl Fn(&mut Vec<u8>)) {
     );
 }
 
-/// A minute of a busy vehicle, as they would be read from a socket: 10 Hz of navigation, velocity, DVL and inertial
-/// data, the slower sensors, what the mission says, and a little noise; no number twice, for predictors to remember.
+/// A minute of a busy vehicle as it would be read from a socket: 10 Hz of navigation, velocity, DVL and inertial data,
+/// the slower sensors, the mission's messages, and a little noise. No number occurs twice, so that branch predictors
+/// cannot learn them.
 fn stream() {
     let stream = traffic();
     let reads = || stream.chunks(4096);
@@ -173,7 +174,7 @@ fn traffic() -> Vec<u8> {
     stream.into_bytes()
 }
 
-/// A linear congruential generator: numbers that look as a vehicle's do.
+/// A linear congruential generator of numbers that look like a vehicle's.
 struct Random(u64);
 
 impl Random {
@@ -185,7 +186,7 @@ impl Random {
         (self.0 >> 33) % bound
     }
 
-    /// The catalogue's example of a message with other numbers in it.
+    /// The catalogue's example of a message, with other numbers.
     fn line(&mut self, name: &str, out: &mut String) {
         let entry = catalogue()
             .iter()

@@ -67,7 +67,7 @@ fn fences(random: &mut Stream) -> Vec<(&'static str, Vec<Value>)> {
             .map(|(ring, index)| keep_out(index, core::slice::from_ref(ring))),
     );
     fences.push(("keep-out zones", islands));
-    // Two bays that overlap, and a reef with a lagoon: a leg may be in either bay, and in the lagoon.
+    // Two bays that overlap, and a reef with a lagoon: a leg may be in either bay, or in the lagoon.
     let reef = jagged(random, (-1000.0, 0.0), 800.0, 300, 0.3);
     let lagoon = scaled(&reef, (-1000.0, 0.0), 0.5);
     let bays = vec![
@@ -92,7 +92,7 @@ fn star(vertices: usize) -> Ring {
         .collect()
 }
 
-/// A ring that every ray from its middle meets once, at a random share of its radius.
+/// A ring that every ray from its middle crosses once, at a random fraction of its radius.
 fn jagged(random: &mut Stream, middle: (f64, f64), radius: f64, vertices: usize, roughness: f64) -> Ring {
     (0..vertices)
         .map(|vertex| {
@@ -167,14 +167,14 @@ fn write(folder: &Path, name: &str, fence: &Fence, random: &mut Stream) -> Resul
     Ok(())
 }
 
-/// As the fence itself has it: in metres, its long edges divided.
+/// As in the fence itself: in metres, with its long edges divided.
 fn zone(zone: &Zone) -> Value {
     let mut wkt = String::from("POLYGON (");
     for ring in zone.rings() {
         wkt.push_str(if ring.hole.is_some() { ", (" } else { "(" });
         for (index, point) in ring.points.iter().enumerate() {
             let comma = if index > 0 { ", " } else { "" };
-            // As Rust writes it, a number is read back as the same one.
+            // Rust writes numbers so that they are read back exactly.
             write!(wkt, "{comma}{} {}", point.east_m, point.north_m).expect("a string takes everything");
         }
         wkt.push(')');
@@ -187,7 +187,7 @@ fn zone(zone: &Zone) -> Value {
     })
 }
 
-/// Half of them anywhere, half of them from a place that is between a micrometre and 300 m from a vertex.
+/// Half of them anywhere, half of them from a point between a micrometre and 300 m from a vertex.
 fn legs(fence: &Fence, random: &mut Stream) -> Vec<(EastNorth, EastNorth, f64)> {
     let vertices: Vec<EastNorth> = fence
         .zones()
@@ -206,7 +206,7 @@ fn legs(fence: &Fence, random: &mut Stream) -> Vec<(EastNorth, EastNorth, f64)> 
             };
             let bearing = random.uniform_in(0.0, 360.0);
             let to = match leg % 10 {
-                // A place, no leg.
+                // A point instead of a leg.
                 0 => from,
                 _ => from.offset(bearing, between(random, 0.1, 2000.0)),
             };
@@ -219,7 +219,8 @@ fn legs(fence: &Fence, random: &mut Stream) -> Vec<(EastNorth, EastNorth, f64)> 
         .collect()
 }
 
-/// Nanoseconds of a leg: the best of some rounds of each few, so that what else the machine does is left out.
+/// Nanoseconds of a leg: the best of several rounds of a few legs each, so that other activity of the machine does not
+/// count.
 fn time(fence: &Fence, legs: &[(EastNorth, EastNorth, f64)]) -> f64 {
     let round = |few: &[(EastNorth, EastNorth, f64)]| {
         let start = Instant::now();

@@ -1,16 +1,17 @@
-//! Sentences of SPI read and written by hand, as floors: one function a sentence, which knows that sentence alone.
+//! Sentences of SPI read and written by hand, as floors: one function for each sentence, which only handles that
+//! sentence.
 //!
-//! A reader does its checksum, its fields in their order, and its numbers by their digits. No range is looked at, no error
-//! told, no other sentence known. A writer puts the same bytes down that ours does.
+//! A reader checks the checksum and parses the fields in their order. It checks no ranges, returns no errors and
+//! handles no other sentence. A writer writes the same bytes as ours.
 
-/// Something to read: what is left of a line's fields.
+/// The fields of a line that have not been read yet.
 struct Fields<'a> {
     line: &'a [u8],
     at: usize,
 }
 
 impl<'a> Fields<'a> {
-    /// The fields of a line whose name and checksum are as they must be.
+    /// The fields of a line whose name and checksum are right.
     fn of(line: &'a [u8], name: &[u8]) -> Option<Self> {
         let star = line.iter().position(|byte| *byte == b'*')?;
         let sum = line[1..star].iter().fold(0, |sum, byte| sum ^ byte);
@@ -61,7 +62,7 @@ pub fn velocity(line: &[u8]) -> Option<[f64; 7]> {
     Some(values)
 }
 
-/// What [`acknowledgement`] reads: times in seconds since midnight.
+/// The result of [`acknowledgement`]: times in seconds since midnight.
 #[derive(Debug)]
 #[expect(missing_docs, reason = "the fields of BFACK")]
 pub struct Acknowledgement {

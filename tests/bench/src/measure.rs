@@ -2,16 +2,16 @@
 
 use std::time::Instant;
 
-/// Rounds of a row; ours and the floor take turns.
+/// Rounds of a row; our code and the floor take turns.
 const ROUNDS: usize = 15;
-/// Parts of a round. The best part counts: one is short enough that the machine often leaves it alone.
+/// Parts of a round. The best part counts: a part is short enough to run often without interruption.
 const PARTS: u32 = 16;
 
 /// The first two lines of a table of [`row`]s.
 pub const HEADER: &str = "| work | ours | floor | ratio | aim |\n|---|---|---|---|---|";
 
-/// Nanoseconds of one call, for two in turn. A sixteenth of the calls is one measurement: work that differs from call to
-/// call should have gone through all its kinds in that.
+/// Nanoseconds of one call, for two functions in turn. One measurement is a sixteenth of the calls; work that differs
+/// from call to call should go through all its kinds in that.
 pub fn in_turn(calls: u32, mut ours: impl FnMut(), mut floor: impl FnMut()) -> (f64, f64) {
     let (mut best_ours, mut best_floor) = (f64::MAX, f64::MAX);
     for _ in 0..ROUNDS {
@@ -36,7 +36,7 @@ fn batch(calls: u32, work: &mut impl FnMut()) -> f64 {
     start.elapsed().as_nanos() as f64 / f64::from(calls)
 }
 
-/// Prints one row: nanoseconds of ours and of the floor, what the floor is, and what is aimed at.
+/// Prints one row: nanoseconds of our code and of the floor, a description of the floor, and the aim.
 pub fn row(work: &str, (ours, floor): (f64, f64), floor_is: &str, aim: &str) {
     println!(
         "| {work} | {ours:.0} ns | {floor:.0} ns ({floor_is}) | {:.2} | {aim} |",
@@ -44,8 +44,7 @@ pub fn row(work: &str, (ours, floor): (f64, f64), floor_is: &str, aim: &str) {
     );
 }
 
-/// Seconds of a piece of work whose every repetition is the same: for each of its stages the best of the repetitions,
-/// summed.
+/// Seconds for work that is repeated exactly: the best repetition of each of its stages, summed.
 #[must_use]
 pub fn best_stages(repetitions: &[Vec<f64>]) -> f64 {
     let stages = repetitions.iter().map(Vec::len).min().unwrap_or(0);
@@ -53,7 +52,7 @@ pub fn best_stages(repetitions: &[Vec<f64>]) -> f64 {
     (0..stages).map(best).sum()
 }
 
-/// Tells the time of one stage after another.
+/// Measures one stage after another.
 #[derive(Debug)]
 pub struct Stages {
     start: Instant,

@@ -1,6 +1,6 @@
 use backseat_fence::{Fence, FenceError, Terms};
 
-/// What `fence.plan` cannot say of its zones.
+/// The values that `fence.plan` does not hold.
 const TERMS: Terms = Terms {
     margin_m: 10.0,
     depth_min_m: 0.0,
@@ -9,8 +9,9 @@ const TERMS: Terms = Terms {
     surfacing: false,
 };
 
-/// Reads a text as each of the three forms of a fence: a fence, or one line that says what is wrong. A fence that was
-/// read has zones of finite vertices, and what it is written out as is a fence of as many zones.
+/// Reads a text in each of the three fence formats. The result must be a fence, or an error of one line. A fence that
+/// was read must have zones with finite vertices, and when it is written as GeoJSON and read again, it must have as
+/// many zones.
 pub fn fence(data: &[u8]) {
     let Ok(text) = core::str::from_utf8(data) else {
         return;

@@ -4,7 +4,7 @@ use backseat_spi::{
     ChecksumState, DecodeError, EncodeError, Framer, FromVehicle, MAX_LINE, Policy, Sentence, ToVehicle, TopsideRelay,
 };
 
-/// Fields that may be read with more values than are written: losing the message would be worse.
+/// Fields that may be read with more values than are written, because losing the message would be worse.
 const READ_ONLY: [(&str, &str); 4] = [
     ("BFRBS", "charge_percent"),
     ("BFCPS", "frames"),
@@ -12,8 +12,8 @@ const READ_ONLY: [(&str, &str); 4] = [
     ("BPTMR", "text"),
 ];
 
-/// Decodes a line as the vehicle's. What decodes must encode, and what was encoded must decode to the same message and
-/// encode to the same bytes, which a framer gives out as they are.
+/// Decodes a line as a message from the vehicle. A message that decodes must encode; the result must decode to the same
+/// message and encode to the same bytes; and a framer must return these bytes unchanged.
 pub fn from_vehicle(data: &[u8]) {
     if let Some(sentence) = sentence(data) {
         fixpoint(&sentence, FromVehicle::decode, FromVehicle::encode);
@@ -27,7 +27,7 @@ pub fn to_vehicle(data: &[u8]) {
     }
 }
 
-/// Longer lines never leave a framer.
+/// A framer never returns longer lines.
 fn sentence(data: &[u8]) -> Option<Sentence<'_>> {
     let line = core::str::from_utf8(data)
         .ok()
@@ -51,7 +51,8 @@ fn fixpoint<M: Debug + PartialEq>(
     let mut line = Vec::new();
     if let Err(error) = encode(&first, &mut line) {
         match error {
-            // Our form of a line can be longer than the one that came in: padding, six decimals, the checksum.
+            // Our form of a line may be longer than the one that was read, because of padding, six decimals and the
+            // checksum.
             EncodeError::TooLong { .. } => {
                 assert!(sentence.raw().len() > MAX_LINE / 2, "{first:?} grew beyond all measure");
             }

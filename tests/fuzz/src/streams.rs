@@ -5,10 +5,10 @@ const POLICIES: [Policy; 2] = [Policy::FromVehicle, Policy::FromPayload];
 /// A sentence that both policies allow.
 const CONTROL: &str = "$BFCTL,081025.987,1*78";
 
-/// Frames a stream in one push. Every sentence is whole, in the stream as it stands, and allowed by the policy; a `$`
-/// stands inside it only where its checksum is right; memory stays within its bound; every byte is in a sentence, a counted
-/// drop or counted noise. Whatever the stream is, what follows it on a line of its own comes out, and what follows it on the
-/// same line ends the last sentence.
+/// Frames a stream in one push. Every sentence must be whole, unchanged, and allowed by the policy. A `$` may be inside
+/// it only if its checksum is right. Memory must stay within its bound. Every byte must be in a sentence, in a counted
+/// drop or in counted noise. Whatever the stream is, a sentence after it on a line of its own must be returned, and on
+/// the same line it must end the last sentence.
 pub fn frame(data: &[u8]) {
     for policy in POLICIES {
         let mut framer = Framer::new(policy);
@@ -56,8 +56,9 @@ fn last(framer: &mut Framer) -> Option<String> {
     last
 }
 
-/// Frames a stream cut as its first bytes say, and in one piece: the same sentences and the same counts. Each sentence is
-/// a message or an error that names one of its fields, in both directions.
+/// Frames a stream in pieces, whose lengths come from its first bytes, and as a whole. Both must give the same
+/// sentences and the same counts. In both directions, each sentence must be a message or an error that names one of its
+/// fields.
 pub fn stream(data: &[u8]) {
     let (cuts, data) = data.split_at(data.len().min(8));
     if cuts.is_empty() || data.len() >= Framer::MAX_BACKLOG {
@@ -92,7 +93,7 @@ fn sentences<'a>(policy: Policy, pieces: impl Iterator<Item = &'a [u8]>) -> (Vec
     (out, framer.counts())
 }
 
-/// Every one of these began with a dollar sign of its own.
+/// Each of these began with its own dollar sign.
 fn events(counts: FrameCounts) -> u64 {
     let FrameCounts {
         sentences,

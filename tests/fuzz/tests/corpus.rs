@@ -1,4 +1,4 @@
-//! Each corpus through its target, with deterministic mutations.
+//! Runs each corpus through its target, with deterministic mutations.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use backseat_spi::{Direction, catalogue};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 
-/// Mutations of each seed, so that a target sees a few thousand inputs.
+/// The number of mutations of each seed, so that a target receives a few thousand inputs.
 const MUTATIONS: usize = 600;
 
 /// Safety requirement 013.
@@ -34,7 +34,7 @@ fn no_input_breaks_a_target() {
             let mut random = ChaCha8Rng::seed_from_u64(at as u64);
             let mut mutant = data.clone();
             for round in 0..MUTATIONS {
-                // Walks of a few steps away from the seed, then back to it.
+                // Walks of a few steps away from the seed, and then back to it.
                 if round % 5 == 0 {
                     mutant.clone_from(data);
                 }
@@ -46,7 +46,7 @@ fn no_input_breaks_a_target() {
     }
 }
 
-/// Each row of the tables has its seed, for libFuzzer, which knows no catalogue.
+/// Each row of the tables has a seed for libFuzzer, which does not know the catalogue.
 #[test]
 fn each_message_has_a_seed() {
     for entry in catalogue() {
@@ -60,7 +60,7 @@ fn each_message_has_a_seed() {
     }
 }
 
-/// On a failure the input is shown, to be put into the corpus.
+/// Prints the input of a failure, so that it can be added to the corpus.
 fn run(name: &str, seed: &str, target: Target, data: &[u8]) {
     if let Err(cause) = std::panic::catch_unwind(|| target(data)) {
         println!("target {name}, from {seed}: \"{}\"", data.escape_ascii());
@@ -123,7 +123,7 @@ fn mutate(data: &mut Vec<u8>, other: &[u8], random: &mut ChaCha8Rng) {
             data.splice(at..at, other[from..end].iter().copied());
         }
         5 => {
-            // In place of one whole field.
+            // Replaces one whole field.
             let start = data[..at]
                 .iter()
                 .rposition(|byte| *byte == b',')

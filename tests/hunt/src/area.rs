@@ -3,7 +3,7 @@ use serde_json::{Value, json};
 
 use crate::dice::Dice;
 
-/// Fence and plan of a scenario, in metres around the origin.
+/// The fence and the plan of a scenario, in metres around the origin.
 pub(crate) struct Area {
     pub(crate) origin: Position,
     ring: Vec<EastNorth>,
@@ -13,32 +13,33 @@ pub(crate) struct Area {
     pub(crate) depth_max_m: f64,
     pub(crate) altitude_min_m: f64,
     margin_m: f64,
-    /// Where the plan leads.
+    /// The points of the plan.
     pub(crate) points: Vec<EastNorth>,
-    /// How the plan is flown.
+    /// The depth at which the plan is flown.
     pub(crate) depth_m: f64,
     pub(crate) speed_mps: f64,
 }
 
 struct KeepOut {
     ring: Vec<EastNorth>,
-    /// Its depths, where it is not at all of them.
+    /// The depths at which it is valid; `None` means all.
     depths_m: Option<(f64, f64)>,
 }
 
-/// What lies between the legs keeps so far from them, and its margin: a turn's width, and what the vehicle strays.
+/// The distance of zones from the legs that they lie between, beyond their margin: the width of a turn and the
+/// vehicle's tracking error.
 const ASIDE_M: f64 = 35.0;
 const MIDDLE: EastNorth = EastNorth::new(0.0, 0.0);
 
 impl Area {
-    /// The plan in the middle, what is kept out around it and between its legs, the border beyond: so that there is room
-    /// to fly, and something to run into on every side and on many a way back.
+    /// Draws the plan in the middle, keep-out zones around it and between its legs, and the border farther out. There
+    /// is room to fly, and an obstacle on every side and on many ways back.
     pub(crate) fn draw(dice: &mut Dice, hovering: bool) -> Self {
         let kept_out = |dice: &mut Dice| if hovering { 0 } else { dice.below(4) };
         Self::draw_with(dice, hovering, kept_out, 0.4)
     }
 
-    /// As [`Area::draw`], with as many walls as may find a place.
+    /// Like [`Area::draw`], with as many walls as find a place.
     pub(crate) fn draw_walled(dice: &mut Dice) -> Self {
         Self::draw_with(dice, false, |_| 4, 1.0)
     }
@@ -111,7 +112,7 @@ impl Area {
         }
     }
 
-    /// Half the side of a box around it all, metres.
+    /// Half the side of a box around everything, metres.
     pub(crate) fn reach_m(&self) -> f64 {
         self.ring
             .iter()
@@ -119,7 +120,7 @@ impl Area {
             .fold(0.0, f64::max)
     }
 
-    /// As a mission's `fence.geojson`.
+    /// The fence as a `fence.geojson`.
     pub(crate) fn fence(&self) -> String {
         let mut rings = vec![self.coordinates(&self.ring)];
         rings.extend(self.hole.iter().map(|hole| self.coordinates(hole)));
@@ -167,7 +168,7 @@ impl Area {
     }
 }
 
-/// A place between the legs of a plan, not nearer to any of them; there may be none.
+/// A point between the legs of a plan, at least this far from all of them; `None` if none is found.
 fn beside(dice: &mut Dice, points: &[EastNorth], clear_m: f64) -> Option<EastNorth> {
     let home = [points[points.len() - 1], points[0]];
     let legs = || points.windows(2).chain([home.as_slice()]);
@@ -177,8 +178,8 @@ fn beside(dice: &mut Dice, points: &[EastNorth], clear_m: f64) -> Option<EastNor
         .find(is_clear)
 }
 
-/// Narrow and long, between the legs of a plan and not nearer to any of them: no straight way leads from one of its sides
-/// to the other. There may be no place for one.
+/// A narrow, long zone between the legs of a plan, at least this far from all of them, so that no straight path leads
+/// from one of its sides to the other. `None` if there is no room.
 fn wall(dice: &mut Dice, points: &[EastNorth], clear_m: f64) -> Option<Vec<EastNorth>> {
     const HALF_WIDTH_M: f64 = 8.0;
     let home = [points[points.len() - 1], points[0]];
@@ -205,7 +206,7 @@ fn wall(dice: &mut Dice, points: &[EastNorth], clear_m: f64) -> Option<Vec<EastN
     None
 }
 
-/// From a point to a leg, metres.
+/// The distance from a point to a leg, metres.
 fn to_leg_m(point: EastNorth, start: EastNorth, end: EastNorth) -> f64 {
     let (leg, from) = (end - start, point - start);
     let square_m2 = (leg.east_m * leg.east_m + leg.north_m * leg.north_m).max(1e-6);
@@ -221,9 +222,9 @@ fn feature(properties: &Value, rings: Vec<Value>) -> Value {
     })
 }
 
-/// A ring that is seen whole from its middle, so that it does not cross itself.
+/// A ring all of which is visible from its middle, so that it does not cross itself.
 fn star(dice: &mut Dice, middle: EastNorth, vertices: usize, radius_m: f64, rough: f64) -> Vec<EastNorth> {
-    // Corners of a triangle or a square reach out, so that its sides are as far away as those of the others.
+    // The corners of a triangle or a square are farther out, so that its sides are as far away as those of other rings.
     let reach_m = if vertices < 6 { 1.4 * radius_m } else { radius_m };
     (0..vertices)
         .map(|vertex| {

@@ -1,4 +1,4 @@
-//! Missions in which nothing goes wrong: the monitor must find no flaw in navigation that is merely as good as navigation is
+//! Missions without faults: the safety monitor must not find navigation untrue that is within its normal accuracy
 //! (safety requirement 024).
 
 use backseat_core::IntegrityLimits;
@@ -9,25 +9,25 @@ use crate::flight::Flight;
 use crate::plan::Plan;
 use crate::scenario::Scenario;
 
-/// GPS is heard no deeper than this, metres: what is told of a jump there is its fix.
+/// GPS is received down to this depth, metres. A jump reported in shallower water is due to a GPS fix.
 const SURFACED_M: f64 = 3.0;
-/// What is told of a jump is told so soon after it, seconds.
+/// A jump is reported within this time, seconds.
 const TOLD_WITHIN_S: f64 = 5.0;
 
-/// Something that was found wrong with navigation that is well.
+/// A report that navigation is untrue, although it is not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Alarm {
-    /// When.
+    /// The time.
     pub at: Timestamp,
-    /// What the monitor said of it.
+    /// The monitor's message.
     pub text: String,
 }
 
 impl Plan {
-    /// A mission in which nothing goes wrong, of a vehicle whose navigation is as drawn: with the mock's own errors or three
-    /// times as much, GPS that is up to 200 m off what was reckoned, bottom lock that is lost often or never there, 1 to 10
-    /// steps a second, any class, a fifth of the torpedoes as a body with six degrees of freedom. The limits of
-    /// integrity are `times` the default ones: with less than 1 it shows how near to them a vehicle comes that is well.
+    /// A mission without faults and with a drawn accuracy of navigation: the mock's own errors or three times as much,
+    /// GPS that is up to 200 m away from dead reckoning, bottom lock that is often lost or never there, 1 to 10 steps a
+    /// second, any class, a fifth of the torpedoes as a body with six degrees of freedom. The limits of the integrity
+    /// checks are `times` the default ones. A value below 1 shows how close to the limits a healthy vehicle comes.
     #[must_use]
     pub fn draw_clean(seed: u64, times: f64) -> Self {
         let mut scenario = Scenario::draw(seed);
@@ -40,12 +40,12 @@ impl Plan {
         scenario.world = per_line(&scenario.world, |line| match line.split_once(" = ") {
             Some(("tick_hz", _)) if sixdof => Some(format!("tick_hz = {hz}\nmodel = \"6-dof\"")),
             Some(("tick_hz", _)) => Some(format!("tick_hz = {hz}")),
-            // What is answered within 2 s takes a step of a second less.
+            // A command that is answered within 2 s needs steps of less than a second.
             Some(("pending_s", _)) => Some("pending_s = [0.05, 0.9]".to_owned()),
             _ => None,
         });
         scenario.world += "\n[silence]\nsettle_s = 0.5\n";
-        // A solution a second is no stale navigation here.
+        // One solution a second must not count as stale here.
         scenario.mission = per_line(&scenario.mission, |line| {
             line.starts_with("navigation_age_max_s")
                 .then(|| "navigation_age_max_s = 2.5".to_owned())
@@ -63,8 +63,8 @@ impl Plan {
 }
 
 impl Flight {
-    /// What was found wrong with navigation in a flight of [`Plan::draw_clean`], but for jumps of the solution on the surface,
-    /// which are GPS's.
+    /// The reports of untrue navigation in a flight of [`Plan::draw_clean`], without jumps at the surface, which are
+    /// due to GPS.
     pub fn alarms(&self) -> impl Iterator<Item = Alarm> + '_ {
         self.navigation
             .iter()
@@ -82,7 +82,7 @@ impl Flight {
     }
 }
 
-/// `[sensors]`, with the mock's own errors of navigation or three times as much.
+/// The table `[sensors]`, with the mock's own errors of navigation or three times as much.
 fn sensors(dice: &mut Dice) -> String {
     let times = dice.one(&[1.0, 3.0]);
     let mut text = String::from("[sensors]\n");
@@ -115,7 +115,7 @@ fn sensors(dice: &mut Dice) -> String {
     ] {
         text += &format!("{key} = {:?}\n", times * own);
     }
-    // Nearly all of a normal error is within three of its standard deviations.
+    // Nearly all of a normal distribution is within three standard deviations.
     let error_m = dice.one(&[0.7, 0.7 * times, 5.0, 20.0, 66.0]);
     text + &format!(
         "\n[sensors.gps]\nerror_m = {error_m:?}\nacquisition_s = {:?}\nperiod_s = {:?}\n\n",
@@ -124,7 +124,7 @@ fn sensors(dice: &mut Dice) -> String {
     )
 }
 
-/// The limits that say how far one thing may be from another, so many times the default ones.
+/// The limits of differences between navigation's values, as multiples of the default ones.
 fn integrity(times: f64) -> String {
     let own = IntegrityLimits::default();
     let mut text = String::from("\n[limits.integrity]\n");

@@ -7,33 +7,33 @@ use serde::{Deserialize, Serialize};
 use crate::fault::Fault;
 use crate::flight::Flight;
 
-/// What a hunt has exercised, so that an empty victory is seen.
+/// The states, requests and faults that a hunt has met, to show that it was not passed by doing nothing.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Coverage {
     met: BTreeMap<String, [u64; State::ALL.len()]>,
     /// Missions flown.
     pub flights: u64,
-    /// Of those, with a lease and an accepted insert.
+    /// The number of those with a lease and an accepted insert.
     pub with_both: u64,
-    /// Of hovering vehicles, and those of them with both.
+    /// The number of missions of hovering vehicles, and of those with both.
     pub hovering: [u64; 2],
-    /// Of those, of 20 minutes or more.
+    /// The number of missions of 20 minutes or more.
     pub long: u64,
     /// Virtual seconds.
     pub sim_seconds: f64,
-    /// Faults that came.
+    /// The number of faults that began.
     pub faults: u64,
     /// Leases, inserts accepted, inserts begun, BPRMB, connections, seconds of control, positions judged.
     pub sums: Sums,
-    /// Failures by their rule.
+    /// Failures by rule.
     pub failures: BTreeMap<String, u64>,
     /// Missions with a failure.
     pub failed: u64,
-    /// How missions ended.
+    /// The ends of missions.
     pub outcomes: BTreeMap<String, u64>,
 }
 
-/// What the oracle saw, summed.
+/// The sums of what the oracle counted.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Sums {
     leases: u64,
@@ -77,7 +77,7 @@ impl Coverage {
         *self.outcomes.entry(flight.report.outcome.to_owned()).or_default() += 1;
     }
 
-    /// Adds what other missions have exercised.
+    /// Adds the coverage of other missions.
     pub fn merge(&mut self, other: &Self) {
         for (kind, counts) in &other.met {
             let row = self.met.entry(kind.clone()).or_default();
@@ -109,13 +109,13 @@ impl Coverage {
         }
     }
 
-    /// How often a kind of fault came in a state.
+    /// How often a kind of fault began in a state.
     #[must_use]
     pub fn count(&self, kind: &str, state: State) -> u64 {
         self.met.get(kind).map_or(0, |row| row[state as usize])
     }
 
-    /// What failed and how often, in a line.
+    /// The failures with their counts, in one line.
     #[must_use]
     pub fn brief(&self) -> String {
         let failures: Vec<String> = self
@@ -135,7 +135,7 @@ impl Coverage {
         )
     }
 
-    /// The pairs that came less often than `least`.
+    /// The pairs that were met less often than `least`.
     #[must_use]
     pub fn rare(&self, least: u64) -> Vec<(String, State, u64)> {
         let mut rare = Vec::new();

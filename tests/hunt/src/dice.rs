@@ -2,7 +2,7 @@ use std::time::Duration;
 
 use backseat_world::Stream;
 
-/// What a seed draws from a stream of its own name.
+/// Random numbers of a seed, from a stream with a name of its own.
 pub(crate) struct Dice(Stream);
 
 impl Dice {
@@ -23,7 +23,7 @@ impl Dice {
         self.0.uniform_in(least, most)
     }
 
-    /// Whole thousandths, so that a figure is the same after it was written and read.
+    /// A number in whole thousandths, so that it is the same after being written and read.
     pub(crate) fn figure(&mut self, least: f64, most: f64) -> f64 {
         (self.between(least, most) * 1000.0).round() / 1000.0
     }

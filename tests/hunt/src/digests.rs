@@ -1,4 +1,4 @@
-//! What a change of the code may not change: the bytes on the link of many runs, a line each.
+//! Digests of the bytes on the link in many runs, one a line, which a refactoring must not change.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,15 +20,15 @@ use crate::plan::Plan;
 /// Two digests of a run: change the code, fly the seed again, compare.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Digests {
-    /// Of every write on the vehicle's link, as in `sim --json`.
+    /// The digest of every write on the vehicle's link, as in `sim --json`.
     pub link: String,
-    /// Of the whole report: refusals with their texts, measures, violations, what the oracle saw.
+    /// The digest of the whole report: refusals with their texts, measures, violations, the oracle's counts.
     pub report: String,
 }
 
 impl Digests {
     fn of(report: &Report, failures: &impl Serialize) -> Result<Self> {
-        // A drawn mission is called like the folder that it was written to.
+        // A drawn mission has the name of the folder to which it was written.
         let nameless = Report {
             mission: String::new(),
             ..report.clone()
@@ -41,10 +41,11 @@ impl Digests {
     }
 }
 
-/// Flies drawn plans; the digests by seed.
+/// Flies drawn plans and returns the digests by seed.
 ///
 /// # Errors
-/// Where a plan's mission cannot be made, or a component is missing.
+///
+/// If a plan's mission cannot be created, or a component is missing.
 pub fn of_plans(
     plugins: &Path,
     draw: fn(u64) -> Plan,
@@ -60,10 +61,11 @@ pub fn of_plans(
     })
 }
 
-/// Flies a mission's folder with many seeds; the digests by seed.
+/// Flies a mission's folder with many seeds and returns the digests by seed.
 ///
 /// # Errors
-/// Where the mission or a component of it cannot be read.
+///
+/// If the mission or one of its components cannot be read.
 pub fn of_mission(
     plugins: &Path,
     mission: &Path,
@@ -82,9 +84,10 @@ pub fn of_mission(
     })
 }
 
-/// Does something for each seed on as many threads as there are workers.
+/// Calls a function for each seed, on as many threads as there are workers.
 ///
 /// # Errors
+///
 /// The first error, with its seed.
 pub fn each_seed<W: Send, T: Send>(
     seeds: std::ops::Range<u64>,

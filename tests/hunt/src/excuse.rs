@@ -1,12 +1,12 @@
-//! What excuses a runtime that never sends anything again: that no plugin is left.
+//! The only excuse for a runtime that never sends anything again: no plugin is left.
 
 use std::collections::BTreeMap;
 
 use crate::fault::Fault;
 use crate::plan::Planned;
 
-/// The faults of [`crate::PLUGIN_FAULTS`] by which a plugin fails at each step. By the others it asks for what it is refused, or
-/// for nothing, and is itself again when they are over.
+/// The faults of [`crate::PLUGIN_FAULTS`] with which a plugin fails in each step. With the others it makes requests
+/// that are refused, or none, and recovers when the fault is over.
 const FAILING: [&str; 10] = [
     "trap",
     "loop",
@@ -22,8 +22,8 @@ const FAILING: [&str; 10] = [
 /// A plugin that fails more often is quarantined for good (`runtime/core`, conductor).
 const FAILURES_MAX: u64 = 5;
 
-/// Whether every plugin met a fault that it fails by, and has failed so often that it is quarantined. `plugins` are their
-/// names in the order of their slots.
+/// Whether every plugin met a fault that makes it fail, and has failed so often that it is quarantined. `plugins` has
+/// their names in the order of their slots.
 pub(crate) fn none_is_left<'a>(
     plugins: impl IntoIterator<Item = &'a str>,
     faults: &[Planned],
@@ -79,10 +79,10 @@ mod tests {
     fn only_plugins_that_are_all_quarantined_by_a_fault_that_can_do_it_excuse_silence() {
         assert!(!left(&[planned(Fault::AllTrap { lasts: LASTS })], [6, 6]));
         assert!(!left(&[fault(0, "trap"), fault(1, "grow")], [6, 7]));
-        // One of them is there still.
+        // One of them is still running.
         assert!(left(&[planned(Fault::AllTrap { lasts: LASTS })], [6, 5]));
         assert!(left(&[fault(0, "trap"), fault(0, "grow")], [6, 6]));
-        // Whatever it was, it was not this.
+        // Whatever the cause was, it was not this.
         assert!(left(&[fault(0, "trap"), fault(1, "nan")], [6, 6]));
         assert!(left(&[planned(Fault::Stop { lasts: LASTS })], [6, 6]));
         assert!(left(&[], [0, 0]));

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::dice::Dice;
 use crate::phase::CALM_S;
 
-/// What `plugins/faulty` can do wrong, by the names of its configuration.
+/// The faults of `plugins/faulty`, by their names in its configuration.
 pub const PLUGIN_FAULTS: [&str; 26] = [
     "trap",
     "loop",
@@ -38,52 +38,52 @@ pub const PLUGIN_FAULTS: [&str; 26] = [
     "uninvited",
 ];
 
-/// What goes wrong.
+/// A fault.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fault {
-    /// In the vehicle, its navigation or the link: the mock's own fault. Its time is not used.
+    /// A fault of the vehicle, its navigation or the link, as in the mock. Its own time is not used.
     Vehicle(VehicleFault),
     /// A plugin misbehaves.
     Plugin {
-        /// Which, by its priority from 0.
+        /// The plugin's index by priority, from 0.
         slot: usize,
         /// One of [`PLUGIN_FAULTS`].
         fault: String,
-        /// How long.
+        /// The duration.
         lasts: Duration,
     },
     /// The runtime is killed.
     Kill {
-        /// It is started again after this.
+        /// The time until it is started again.
         away: Duration,
-        /// The computer's clock has been set by so many seconds when it starts again.
+        /// How far the computer's clock has been set when it starts again, seconds.
         clock_s: f64,
     },
-    /// The runtime does not run, its connection stays.
+    /// The runtime is stopped, and its connection stays open.
     Stop {
-        /// How long.
+        /// The duration.
         lasts: Duration,
     },
     /// The operator holds.
     Hold {
-        /// Until the release.
+        /// The time until the release.
         lasts: Duration,
     },
     /// All plugins trap in each step.
     AllTrap {
-        /// Until they are themselves again.
+        /// The time until they recover.
         lasts: Duration,
     },
-    /// Nothing can be written to disk.
+    /// Nothing can be written to the disk.
     DiskFull {
-        /// How long.
+        /// The duration.
         lasts: Duration,
     },
 }
 
-/// A delay that lasts as long as this is the link's own, and no passing fault.
+/// A delay that lasts at least this long is a property of the link, not a passing fault.
 const STANDING: Duration = Duration::from_secs(300);
-/// How many of the vehicle's faults are another dive.
+/// The share of the vehicle's faults that are another dive.
 const DIVE_SHARE: f64 = 0.04;
 
 /// Faults of our own computer.
@@ -98,7 +98,7 @@ const COMPUTER: [&str; 7] = [
 ];
 
 impl Fault {
-    /// A fault of any kind: half of the time the vehicle's, then a plugin's, then the computer's.
+    /// A fault of any kind: half of them the vehicle's, then the plugins', then the computer's.
     pub(crate) fn draw(dice: &mut Dice, lasts_max_s: f64) -> Self {
         let sort = dice.between(0.0, 1.0);
         if sort < 0.5 {
@@ -114,7 +114,7 @@ impl Fault {
         }
     }
 
-    /// A fault that ends the mission or the payload's power.
+    /// A fault that ends the mission or switches off the payload's power.
     pub(crate) fn draw_fatal(dice: &mut Dice) -> Self {
         let (kind, lasts) = if dice.chance(0.5) {
             (FaultKind::MissionAbort, Duration::ZERO)
@@ -128,7 +128,7 @@ impl Fault {
         })
     }
 
-    /// The link loses what the vehicle says.
+    /// A link that loses sentences of the vehicle.
     pub(crate) fn dropping(dice: &mut Dice) -> Self {
         loop {
             let mut drawn = Self::draw_vehicle(dice);
@@ -142,13 +142,12 @@ impl Fault {
         }
     }
 
-    /// Whether the vehicle's mission is over with it.
+    /// Whether the fault ends the vehicle's mission.
     pub(crate) fn ends_mission(&self) -> bool {
         matches!(self, Self::Vehicle(fault) if matches!(fault.kind, FaultKind::MissionAbort))
     }
 
-    /// A link that is slow for the whole of the safety phase, from its first byte on or more and more, whatever connection
-    /// it is.
+    /// A link that is slow, constantly or increasingly, during all of the safety phase and over all connections.
     pub(crate) fn draw_slow_link(dice: &mut Dice) -> Self {
         let grows = dice.chance(0.5);
         let delay = if grows { Duration::ZERO } else { dice.millis(0.02, 2.5) };
@@ -188,7 +187,7 @@ impl Fault {
             return Self::draw_dive(dice);
         }
         loop {
-            // The mock's own draw knows what each kind may be.
+            // The mock's own draw knows the range of each kind.
             let mut plan = FaultPlan::draw(dice.seed(), Duration::from_secs(60), 0.25);
             if let Some(fault) = plan.faults.pop()
                 && !is_fatal(&fault)
@@ -212,7 +211,7 @@ impl Fault {
                 clock_s: dice.one(&[-86_400.0, -3600.0, -70.0, -2.5, 0.2, 30.0, 61.0, 4000.0]),
             },
             "stop" => Self::Stop {
-                // The shorter ones are those after which most looks as before.
+                // After the shorter ones most things look as they did before.
                 lasts: if dice.chance(0.5) {
                     dice.millis(1.0, 4.0)
                 } else {
@@ -234,7 +233,7 @@ impl Fault {
         }
     }
 
-    /// The name of its kind, as coverage counts it.
+    /// The name of its kind, for coverage.
     #[must_use]
     pub fn kind(&self) -> String {
         match self {
@@ -250,7 +249,7 @@ impl Fault {
         }
     }
 
-    /// How long it lasts.
+    /// Its duration.
     #[must_use]
     pub fn lasts(&self) -> Duration {
         match self {
@@ -264,7 +263,7 @@ impl Fault {
         }
     }
 
-    /// The same, over after `most` at the latest.
+    /// The same fault, lasting `most` at the longest.
     #[must_use]
     pub fn at_most(mut self, most: Duration) -> Self {
         match &mut self {
@@ -280,7 +279,7 @@ impl Fault {
         self
     }
 
-    /// Whether it ends the mission, the connection of the payload for good, or is meant to.
+    /// Whether it ends the mission or the payload's connection for good, or is intended to.
     #[must_use]
     pub fn is_fatal(&self) -> bool {
         matches!(self, Self::Vehicle(fault) if is_fatal(fault))
@@ -382,7 +381,7 @@ fn vehicle_kind(fault: &VehicleFault) -> &'static str {
     }
 }
 
-/// A fault as it is written, the mock's own faults apart.
+/// A fault in a plan's file, other than the mock's own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Written {
@@ -395,7 +394,7 @@ pub(crate) enum Written {
 }
 
 impl Written {
-    /// None for the mock's own.
+    /// `None` for the mock's own faults.
     pub(crate) fn of(fault: &Fault) -> Option<Self> {
         let for_s = fault.lasts().as_secs_f64();
         Some(match fault {
@@ -416,7 +415,11 @@ impl Written {
         })
     }
 
-    /// What is wrong with it, in words.
+    /// Converts it to a fault.
+    ///
+    /// # Errors
+    ///
+    /// What is invalid, in words.
     pub(crate) fn fault(self) -> Result<Fault, String> {
         let span = |for_s: f64| {
             Duration::try_from_secs_f64(for_s)

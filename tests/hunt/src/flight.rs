@@ -23,56 +23,56 @@ use crate::fault::Fault;
 use crate::phase::{CALM_S, CHANCE_S, HAND_BACK_S, LEAST_S, LINK_WITHIN, LONGEST_S, LOOK_EVERY, NONE_WITHIN};
 use crate::plan::{Come, Plan, Planned, until_calm};
 
-/// The components that every mission of the hunt flies.
+/// The components of every mission of the hunt.
 const COMPONENTS: [&str; 2] = ["prober", "faulty"];
 
-/// Where plans are flown: the plugins compiled, and a folder for a mission's files. One for each thread.
+/// The means to fly plans: the compiled plugins, and a folder for a mission's files. Each thread has its own.
 pub struct Range {
     components: Arc<Components>,
     folder: TempDir,
 }
 
-/// What a flight came to.
+/// The result of a flight.
 pub struct Flight {
-    /// The plan with the times at which its faults came; those that did not come are left away.
+    /// The plan with the times at which its faults began, without faults that did not begin.
     pub resolved: Plan,
-    /// What kind of fault came in what state.
+    /// Each fault that began, with the state in which it began.
     pub met: Vec<(String, State)>,
     /// The run's own report.
     pub report: Report,
-    /// What was not as it must be.
+    /// Everything that was wrong.
     pub failures: Vec<Failure>,
-    /// What the monitor said of navigation, and when.
+    /// The monitor's messages on navigation, with their times.
     pub navigation: Vec<(Timestamp, String)>,
     /// The vehicle's true depth once a second, metres.
     pub depths_m: Vec<(Timestamp, f64)>,
 }
 
-/// Something that must not be.
+/// Something that must not happen.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// The oracle's rule, or what did not converge.
+    /// The oracle's rule, or the condition that was not reached.
     pub rule: String,
-    /// In words.
+    /// A description.
     pub text: String,
-    /// When it was found, where it has a time.
+    /// The time, if it has one.
     pub at: Option<Timestamp>,
 }
 
-/// What is due in a flight.
+/// The actions that become due in a flight.
 enum Act {
     Begin(Fault),
-    /// A plugin is itself again.
+    /// A plugin recovers.
     Own(usize),
-    /// Nobody has been there to steer for long enough.
+    /// For long enough, no plugin has been able to steer.
     NoneSteers,
     /// The liveness phase begins.
     Calm,
     /// The link must be up.
     LinkIsUp,
-    /// The operator takes the helm for good.
+    /// The operator holds for good, so that the vehicle steers itself.
     HandBack,
-    /// All of ours may be over.
+    /// Check whether everything of ours has ended.
     Look,
     Release,
     DiskHasRoom,
@@ -82,7 +82,8 @@ impl Range {
     /// Compiles the plugins of a folder.
     ///
     /// # Errors
-    /// Names the component that is not there or that the host refuses.
+    ///
+    /// With the component that is missing or that the host refuses.
     pub fn new(plugins: &Path) -> Result<Self> {
         let host = Host::new()?;
         let mut components = Components::new();
@@ -90,7 +91,7 @@ impl Range {
             let path = plugins.join(format!("{name}.wasm"));
             let bytes = fs::read(&path).with_context(|| {
                 format!(
-                    "{}: expected the component, as `cargo xtask plugins` builds it",
+                    "{}: expected the component that `cargo xtask plugins` builds",
                     path.display()
                 )
             })?;
@@ -102,7 +103,8 @@ impl Range {
     /// Another one with the same plugins.
     ///
     /// # Errors
-    /// Where there is no room for its files.
+    ///
+    /// If there is no room for its files.
     pub fn another(&self) -> Result<Self> {
         Self::with(self.components.clone())
     }
@@ -115,15 +117,17 @@ impl Range {
     /// Flies a plan.
     ///
     /// # Errors
-    /// Where the plan's mission is none; what goes wrong in flight, a panic too, is a [`Failure`].
+    ///
+    /// If the plan's mission is invalid. Anything that goes wrong in flight, including a panic, is a [`Failure`].
     pub fn fly(&self, plan: &Plan) -> Result<Flight> {
         self.fly_with(plan, None)
     }
 
-    /// As [`Range::fly`], with its whole log in a file.
+    /// Like [`Range::fly`], and writes the whole log to a file.
     ///
     /// # Errors
-    /// As [`Range::fly`], and where the file cannot be written.
+    ///
+    /// As for [`Range::fly`], and if the file cannot be written.
     pub fn fly_logged(&self, plan: &Plan, log: &Path) -> Result<Flight> {
         self.fly_with(plan, Some(log))
     }
@@ -146,7 +150,7 @@ impl Range {
                     .downcast_ref::<String>()
                     .cloned()
                     .or_else(|| panic.downcast_ref::<&str>().map(|text| (*text).to_owned()))
-                    .unwrap_or_else(|| "a panic without words".to_owned());
+                    .unwrap_or_else(|| "a panic without a message".to_owned());
                 Ok(Flight {
                     resolved: plan.clone(),
                     met: Vec::new(),
@@ -164,30 +168,30 @@ impl Range {
     }
 }
 
-/// A flight under way.
+/// A flight in progress.
 struct Flown<'a> {
     components: &'a Components,
     mission: &'a Mission,
     plan: &'a Plan,
     simulation: Simulation,
-    /// What is due, in the order of its times.
+    /// The actions to come, ordered by time.
     due: Vec<(Timestamp, Act)>,
-    /// How often the run has come to each state.
+    /// How often the run has entered each state.
     entries: [u32; State::ALL.len()],
     state: State,
     resolved: Vec<Planned>,
     met: Vec<(String, State)>,
     failures: Vec<Failure>,
     power_goes: bool,
-    /// At the begin of the liveness phase: requests sent so far, and seconds of control.
+    /// At the beginning of the liveness phase: the requests sent so far, and the seconds of control.
     at_calm: Option<(u64, f64)>,
-    /// How long we had control after the last fault, where nothing was sent in it, seconds.
+    /// For how long the runtime had control after the last fault without sending anything, seconds.
     silent_s: Option<f64>,
-    /// The helm is back, and nothing of ours is open.
+    /// Whether the vehicle steers itself, and none of our requests is open.
     converged: bool,
-    /// When a plugin last became another.
+    /// When a plugin was last replaced.
     none_since: Timestamp,
-    /// Until then the runtime is away, and what it missed is not known to it.
+    /// Until then the runtime is not running, and does not know what it misses.
     away_until: Timestamp,
 }
 
@@ -278,7 +282,7 @@ impl<'a> Flown<'a> {
         self.finish()
     }
 
-    /// What waits for the state that the run has come to.
+    /// Starts the faults that wait for the state that the run has entered.
     fn follow(&mut self) {
         let state = self.simulation.state();
         if state == self.state {
@@ -384,7 +388,7 @@ impl<'a> Flown<'a> {
         Ok(())
     }
 
-    /// The table of a plugin that has gone wrong, in the place of one of the mission's.
+    /// The table of a faulty plugin, which replaces one of the mission's.
     fn bad(&self, slot: usize, fault: &str) -> Result<PluginTable> {
         let mut table = self
             .mission
@@ -399,8 +403,8 @@ impl<'a> Flown<'a> {
         Ok(table)
     }
 
-    /// A plugin that is gone steers no more (safety requirement 006). Where one of them was itself again meanwhile, or the
-    /// runtime was away, nothing can be said.
+    /// Checks that a failed plugin does not steer (safety requirement 006). If one of them recovered in the meantime,
+    /// or the runtime was not running, this cannot be judged.
     fn judge_none(&mut self) {
         let steered = matches!(
             self.simulation.state(),
@@ -426,8 +430,9 @@ impl<'a> Flown<'a> {
         }
     }
 
-    /// Whoever had control for long enough after the last fault has asked and been heard, unless no fault was planned:
-    /// it has nothing to come back from. Whether any plugin is left to ask is known at the end.
+    /// A runtime that had control for long enough after the last fault must have sent a request and received an answer,
+    /// except where no fault was planned, because then it has nothing to recover from. Whether any plugin is left to
+    /// make requests is known only at the end.
     fn judge_sending(&mut self) {
         let seen = self.simulation.statistics();
         if let Some((sent, control_s)) = self.at_calm
@@ -449,11 +454,12 @@ impl<'a> Flown<'a> {
 
     fn finish(mut self) -> Result<Flight> {
         let (truth, open) = (self.simulation.truth(), self.simulation.open_request_states());
-        // Silent mode and the report of a packet have terms of their own, which may outlive the mission.
+        // Silent mode and the report on a packet have time limits of their own, which may be later than the mission's
+        // end.
         let has_term = |line: &String| line.starts_with("Silent ") || line.starts_with("Packet ");
         let open: Vec<String> = open.into_iter().filter(|line| !has_term(line)).collect();
         let over = self.simulation.mission_status() != Status::Running;
-        // A flight that is ended early says nothing of its end, and one without power has none of ours.
+        // A flight that was ended early, or lost its power, has no end to check.
         if self.plan.until.is_none() && !self.power_goes && !self.converged {
             if !over {
                 self.fail("never-ends", || {
@@ -500,7 +506,7 @@ impl<'a> Flown<'a> {
     }
 }
 
-/// Whether the runtime may not hear the vehicle for it.
+/// Whether the runtime may be unable to receive from the vehicle because of it.
 fn is_of_link(fault: &Fault) -> bool {
     matches!(fault, Fault::Vehicle(fault) if matches!(fault.kind, FaultKind::Link(_)))
 }

@@ -11,53 +11,54 @@ use crate::coverage::Coverage;
 use crate::flight::{Failure, Flight, Range};
 use crate::plan::Plan;
 
-/// One mission in so many is flown a second time, by its resolved plan: it must write the same bytes.
+/// Every mission of this number is flown a second time from its resolved plan, and must write the same bytes.
 const REPEAT_EVERY: u64 = 200;
-/// What is kept of a failure goes on for so long after it.
+/// How long a recorded failure's plan continues after the failure.
 const AFTER_FAILURE: Duration = Duration::from_secs(10);
-/// No more plans are kept of one rule.
+/// The most plans that are kept for one rule.
 const KEPT: usize = 5;
 
-/// What is to be flown.
+/// The parameters of a hunt.
 pub struct Order {
     /// The folder of the built plugins.
     pub plugins: PathBuf,
-    /// What a seed draws.
+    /// Draws the plan of a seed.
     pub draw: fn(u64) -> Plan,
     /// The first seed.
     pub first: u64,
-    /// How many.
+    /// The number of missions.
     pub runs: u64,
-    /// On so many threads.
+    /// The number of threads.
     pub workers: usize,
-    /// Stop at the first failure.
+    /// Whether to stop at the first failure.
     pub stop_at_failure: bool,
 }
 
-/// A mission that has been flown, and how far the hunt is with it.
+/// A mission that has been flown, and the progress of the hunt.
 pub struct Flown<'a> {
-    /// How many are flown.
+    /// The number of missions flown.
     pub flown: u64,
-    /// How many of them failed.
+    /// The number of those that failed.
     pub failed: u64,
-    /// What this one failed by first, and its plan as it was flown.
+    /// The first failure of this mission, with its plan as it was flown.
     pub failure: Option<(&'a Plan, &'a Failure)>,
 }
 
-/// What was flown.
+/// The result of a hunt.
 pub struct Hunt {
-    /// What was exercised.
+    /// The states, requests and faults that were met.
     pub coverage: Coverage,
-    /// Plans that failed, by the rule that failed first, as they were flown.
+    /// The plans that failed, as they were flown, by the rule of the first failure.
     pub failed: BTreeMap<String, Vec<(Plan, Failure)>>,
 }
 
 impl Hunt {
-    /// Flies all seeds on so many threads. `tick` is called after each mission, on its thread; no further one begins once it
-    /// says false.
+    /// Flies all seeds on several threads. `tick` is called after each mission, on its thread; when it returns false,
+    /// no further mission begins.
     ///
     /// # Errors
-    /// Where a plan's mission cannot be made: the hunt itself is wrong then.
+    ///
+    /// If a plan's mission cannot be created, which is an error of the hunt itself.
     pub fn fly(order: &Order, tick: impl Fn(&Flown<'_>) -> bool + Sync) -> Result<Self> {
         let range = Range::new(&order.plugins)?;
         let next = AtomicU64::new(order.first);
@@ -129,8 +130,8 @@ impl Hunt {
 fn fly(range: &Range, plan: &Plan) -> Result<Flight> {
     let mut flight = range.fly(plan)?;
     if plan.seed.is_multiple_of(REPEAT_EVERY) {
-        // Through its file, as whoever replays it would.
-        let written = Plan::from_toml(&flight.resolved.to_toml()).context("its own plan, written and read")?;
+        // Through its file, as in a replay.
+        let written = Plan::from_toml(&flight.resolved.to_toml()).context("its own plan, after writing and reading")?;
         let again = range.fly(&written)?;
         if again.report.digest != flight.report.digest {
             flight.failures.push(Failure {
@@ -143,7 +144,7 @@ fn fly(range: &Range, plan: &Plan) -> Result<Flight> {
             });
         }
     }
-    // What is kept of a failure ends soon after it.
+    // A recorded failure's plan ends soon after the failure.
     if let Some(failure) = flight.failures.first()
         && let Some(at) = failure.at
     {

@@ -1,14 +1,14 @@
-//! The hunt: looks for a mission in which something unsafe is sent, or in which the helm does not come back.
+//! The hunt looks for a mission in which something unsafe is sent, or in which control is not handed back.
 //!
-//! A seed draws a [`Scenario`] (fence, limits, the front seat's plan, the world, how it reads what the specification
-//! leaves open, two restless plugins) and [`Fault`]s: faults of link, vehicle and navigation, plugins that go wrong,
-//! the runtime killed, stopped or with a full disk, the operator's hold. Each fault comes at a time, or when the run
-//! is in a state: while an insert is not answered, under a lease. Together they are a [`Plan`], data that is printed,
-//! kept and replayed.
+//! A seed draws a [`Scenario`] (fence, limits, the front seat's plan, the world, the mock's choices where the
+//! specification is open, two plugins that make requests all the time) and [`Fault`]s: faults of link, vehicle and
+//! navigation, plugins that misbehave, a runtime that is killed, stopped or has a full disk, and the operator's hold.
+//! Each fault begins at a time, or when the run is in a certain state, for example while an insert is unanswered or
+//! under a lease. Together they are a [`Plan`], which is data that can be printed, kept and replayed.
 //!
-//! [`Range::fly`] flies it in simulation, on the code that goes to sea: a safety phase with faults, then a liveness
-//! phase without, in which all must converge. `backseat-oracle` judges what is safe from the bytes on the link and the
-//! vehicle's truth alone. A [`Flight`] that fails is [shrunk](shrink) to a plan that is small and fails the same way.
+//! [`Range::fly`] flies it in simulation with the code that goes to sea: a safety phase with faults, then a liveness
+//! phase without, in which everything must converge. `backseat-oracle` judges safety from the bytes on the link and the
+//! vehicle's truth alone. A [`Flight`] that fails is [shrunk](shrink) to a small plan that fails in the same way.
 
 mod area;
 mod clean;

@@ -1,4 +1,4 @@
-//! `backseat-hunt`: see the crate.
+//! The program `backseat-hunt`. The crate's documentation explains it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -15,7 +15,7 @@ use clap::{Args, Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
 
-/// Hunts for a mission in which something unsafe is sent, or in which the helm does not come back
+/// Look for a mission in which something unsafe is sent, or in which control is not handed back
 #[derive(Parser)]
 #[command(max_term_width = 100)]
 struct Cli {
@@ -28,60 +28,60 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Fly drawn missions on all cores and tell what was exercised and found
+    /// Fly random missions on all cores, and print coverage and failures
     Fly(Fly),
-    /// Fly a plan's file and tell what comes of it
+    /// Fly the plan in a file, and print the result
     Replay {
         /// The plan
         plan: PathBuf,
-        /// Write the whole log of the flight here
+        /// Write the whole log of the flight to this file
         #[arg(long)]
         log: Option<PathBuf>,
-        /// A mutation: leave a check of the monitor out, in a build with the feature `mutations`
+        /// Leave out this check of the safety monitor (a mutation), in a build with the feature `mutations`
         #[arg(long)]
         without: Option<String>,
     },
-    /// Add up what several hunts have exercised, by the files that `fly --coverage` wrote
+    /// Add up the coverage of several hunts, from the files that `fly --coverage` has written
     Sum {
         /// The files
         #[arg(required = true)]
         files: Vec<PathBuf>,
-        /// Say which pairs of fault and state were met less often
+        /// List the pairs of fault and state that were met less often than this
         #[arg(long, default_value_t = 0)]
         least: u64,
     },
-    /// Fly missions in which nothing goes wrong, and tell what the monitor finds untrue in their navigation
+    /// Fly missions without faults, and print what the monitor finds untrue in their navigation
     Alarms {
-        /// How many missions
+        /// Number of missions
         #[arg(long, default_value_t = 1000)]
         runs: u64,
         /// The first seed
         #[arg(long, default_value_t = 1)]
         first: u64,
-        /// Threads [default: one a core]
+        /// Number of threads [default: one for each core]
         #[arg(long)]
         workers: Option<usize>,
-        /// So many times the default limits of integrity
+        /// Multiply the default limits of the integrity checks by this
         #[arg(long, default_value_t = 1.0)]
         times: f64,
         /// Write the plans of missions with an alarm or a broken rule into this folder, for `replay`
         #[arg(long, value_name = "DIR")]
         save: Option<PathBuf>,
     },
-    /// Print digests of many runs, a line a seed: those of a refactoring are the same before and after
+    /// Print digests of many runs, one line for each seed; a refactoring must not change them
     Digests(Seeds),
-    /// Print the tree hash alone
+    /// Print only the tree hash
     Tree,
-    /// The mutations of this build: the checks of the monitor that it can leave out, one a line
+    /// List the mutations of this build: the checks of the monitor that it can leave out
     Checks,
-    /// Print the plan that a seed draws, whole
+    /// Print the whole plan that a seed draws
     Show {
         /// The seed
         seed: u64,
-        /// Of the missions that `fly --detours` flies
+        /// From the missions of `fly --detours`
         #[arg(long)]
         detours: bool,
-        /// Of the missions that `alarms` flies
+        /// From the missions of `alarms`
         #[arg(long, conflicts_with = "detours")]
         clean: bool,
     },
@@ -89,64 +89,64 @@ enum Task {
 
 #[derive(Args)]
 struct Seeds {
-    /// A mission's folder [default: the drawn missions that `fly` flies]
+    /// A mission's folder [default: the random missions of `fly`]
     #[arg(long)]
     mission: Option<PathBuf>,
-    /// The drawn missions that `fly --detours` flies
+    /// Use the random missions of `fly --detours`
     #[arg(long, conflicts_with = "mission")]
     detours: bool,
-    /// How many seeds
+    /// Number of seeds
     #[arg(long, default_value_t = 200)]
     runs: u64,
     /// The first seed
     #[arg(long, default_value_t = 1)]
     first: u64,
-    /// Threads [default: one a core]
+    /// Number of threads [default: one for each core]
     #[arg(long)]
     workers: Option<usize>,
 }
 
 #[derive(Args)]
 struct Fly {
-    /// How many missions
+    /// Number of missions
     #[arg(long, default_value_t = 1000)]
     runs: u64,
-    /// No mission begins after so many seconds
+    /// Begin no mission after this many seconds
     #[arg(long)]
     seconds: Option<u64>,
     /// The first seed
     #[arg(long, default_value_t = 1)]
     first: u64,
-    /// Threads [default: one a core]
+    /// Number of threads [default: one for each core]
     #[arg(long)]
     workers: Option<usize>,
-    /// Other missions, without faults: among walls, with a plugin that only leads inserts round them and takes back
-    /// what leads round
+    /// Fly other missions instead, without faults: among obstacles, with a plugin that leads inserts around them and
+    /// then cancels the ones that lead around
     #[arg(long, conflicts_with_all = ["coverage", "both"])]
     detours: bool,
-    /// Say which pairs of fault and state were met less often
+    /// List the pairs of fault and state that were met less often than this
     #[arg(long, default_value_t = 0)]
     least: u64,
-    /// Fail where a smaller share of the missions had a lease and an accepted insert, percent
+    /// Fail if the share of missions with a lease and an accepted insert is smaller, percent
     #[arg(long, default_value_t = 0.0)]
     both: f64,
-    /// Write what was exercised here too, for `sum`
+    /// Also write the coverage to this file, for `sum`
     #[arg(long)]
     coverage: Option<PathBuf>,
-    /// Shrunk plans of what is found are kept here
+    /// Write the shrunk plans of failures into this folder
     #[arg(long, default_value = "target/hunt")]
     save: PathBuf,
     /// Stop at the first mission that fails
     #[arg(long)]
     stop: bool,
-    /// Do not shrink what is found
+    /// Do not shrink failures
     #[arg(long)]
     whole: bool,
-    /// Tell in a few lines
+    /// Print a short summary
     #[arg(long)]
     brief: bool,
-    /// A mutation: leave a check of the monitor out, to see that the hunt finds it, in a build with the feature
-    /// `mutations`
+    /// Leave out this check of the safety monitor (a mutation), to see that the hunt notices, in a build with the
+    /// feature `mutations`
     #[arg(long)]
     without: Option<String>,
 }
@@ -204,14 +204,17 @@ fn run() -> Result<bool> {
     }
 }
 
-/// A digest over the paths and contents of the sources of core, fence, mvc, oracle, sim and spi that this was built from.
+/// A digest of the paths and contents of the sources of core, fence, mvc, oracle, sim and spi that this was built from.
 const TREE: &str = env!("BACKSEAT_TREE");
 
 fn tree_line(tree: Option<&str>) -> String {
-    format!("tree {}", tree.unwrap_or("not known"))
+    format!("tree {}", tree.unwrap_or("unknown"))
 }
 
-#[expect(clippy::disallowed_methods, reason = "the hunt's own time, which no flight sees")]
+#[expect(
+    clippy::disallowed_methods,
+    reason = "the hunt's own time, which does not affect any flight"
+)]
 fn now() -> Instant {
     Instant::now()
 }
@@ -243,7 +246,7 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
         if done.failed > 0 {
             bar.set_message(format!("{} failed", done.failed));
         }
-        // At once: a long hunt may be broken off. With a check off it is what is expected.
+        // Printed at once, because a long hunt may be interrupted. With a check left out, failures are expected.
         if let Some((plan, failure)) = done.failure.filter(|_| arguments.without.is_none()) {
             bar.suspend(|| eprintln!("seed {}: {}", plan.seed, failure.text));
         }
@@ -278,7 +281,7 @@ fn fly(plugins: &Path, arguments: &Fly) -> Result<bool> {
         let empty = share < arguments.both;
         if empty {
             println!(
-                "an empty victory: expected {} % with a lease and an insert",
+                "too little was exercised: expected {} % with a lease and an insert",
                 arguments.both
             );
         }
@@ -306,7 +309,7 @@ fn digests(plugins: &Path, seeds: &Seeds) -> Result<bool> {
     Ok(true)
 }
 
-/// Flies clean missions and tells each alarm. Whether there was none.
+/// Flies missions without faults and prints each alarm. Returns whether there was none.
 fn alarms(
     plugins: &Path,
     seeds: std::ops::Range<u64>,
@@ -339,7 +342,8 @@ fn alarms(
             let what = alarm.text.split(':').next().unwrap_or_default().to_owned();
             *kinds.entry(what).or_default() += 1;
         }
-        // Without bottom lock for hours a vehicle may believe that it makes no way, and never come to the end of a line.
+        // Without bottom lock for hours a vehicle may estimate that it makes no headway, and never reach the end of a
+        // line.
         let (lost, broken): (Vec<_>, Vec<_>) = flight.failures.iter().partition(|of| of.rule == "never-ends");
         astray += lost.len();
         failed += u64::from(!broken.is_empty());
@@ -358,15 +362,15 @@ fn alarms(
         flown.len()
     );
     println!("{}", tree_line(Some(TREE)));
-    // What a vehicle without any bottom lock does in the end is another matter.
+    // The late end of a vehicle without any bottom lock is not an alarm.
     Ok(missions == 0)
 }
 
-/// What a hunt exercised, by the seeds that it drew.
+/// The coverage of a hunt, with the seeds that it drew.
 #[derive(Serialize, Deserialize)]
 struct Flights {
     first: u64,
-    /// What it was flown on. The oldest files do not say.
+    /// The tree hash. The oldest files do not have it.
     #[serde(default)]
     tree: Option<String>,
     coverage: Coverage,
@@ -378,7 +382,7 @@ fn tell_rare(coverage: &Coverage, least: u64) {
     }
 }
 
-/// Several hunts as one. No mission counts twice.
+/// Adds up several hunts. No mission may count twice.
 fn sum(files: &[PathBuf], least: u64) -> Result<bool> {
     let mut hunts: Vec<(&Path, Flights)> = Vec::new();
     for path in files {
@@ -410,7 +414,7 @@ fn sum(files: &[PathBuf], least: u64) -> Result<bool> {
     Ok(all.failed == 0)
 }
 
-/// Shrinks a failure of each rule and keeps its plan.
+/// Shrinks one failure of each rule and writes its plan.
 fn keep(plugins: &Path, arguments: &Fly, hunt: &Hunt) -> Result<()> {
     let range = Range::new(plugins)?;
     let folder = &arguments.save;

@@ -13,59 +13,59 @@ use crate::fault::{Fault, Written};
 use crate::phase::{CALM_S, FIRST_S, SAFETY_S};
 use crate::scenario::Scenario;
 
-/// A mission and what goes wrong in it: all that a flight is made from.
+/// A mission with its faults: everything that decides a flight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// The seed of the world, the links and what faults leave open.
+    /// The seed of the world, the links and the random parts of faults.
     pub seed: u64,
-    /// Fence, limits, plan, world.
+    /// The fence, the limits, the plan and the world.
     pub scenario: Scenario,
-    /// What goes wrong.
+    /// The faults.
     pub faults: Vec<Planned>,
-    /// The flight ends here, where that is before the mission's own end.
+    /// When the flight ends, if before the mission's own end.
     pub until: Option<Timestamp>,
 }
 
-/// A fault and when it comes.
+/// A fault with its beginning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
-    /// When.
+    /// When it begins.
     pub come: Come,
-    /// What.
+    /// The fault.
     pub fault: Fault,
 }
 
-/// When a fault comes.
+/// When a fault begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Come {
     /// At a time.
     At(Timestamp),
-    /// Some time after the run has come to a state.
+    /// Some time after the run has entered a state.
     In {
         /// The state.
         state: State,
-        /// The how manieth time, from 1.
+        /// The number of the entry, from 1.
         nth: u32,
-        /// How long after.
+        /// The time after it.
         after: Duration,
     },
 }
 
 /// The least and the most faults of a drawn plan.
 const FAULTS: (usize, usize) = (3, 9);
-/// One mission in so many is ended from outside.
+/// The share of missions that are ended from outside.
 const FATAL_SHARE: f64 = 0.04;
-/// How often what waits for a state waits for an insert to be asked for.
+/// The share of faults waiting for a state that wait for a request for an insert.
 const ASKED_SHARE: f64 = 0.2;
-/// One link in so many is slow from the first byte on, or more and more.
+/// The share of links that are constantly or increasingly slow.
 const SLOW_SHARE: f64 = 0.1;
 
 impl Plan {
-    /// What a seed draws.
+    /// Draws the plan of a seed.
     #[must_use]
     pub fn draw(seed: u64) -> Self {
         let scenario = Scenario::draw(seed);
-        // The stream has the name that faults had before: by another, a seed would draw another mission.
+        // The stream keeps the former name of faults, because with another name a seed would draw another mission.
         let mut dice = Dice::new(seed, "troubles");
         let count = FAULTS.0 + dice.below(FAULTS.1 - FAULTS.0 + 1);
         let states = scenario.states();
@@ -81,7 +81,7 @@ impl Plan {
             let fault = Fault::draw_fatal(&mut dice);
             let come = draw_come(&mut dice, states);
             if fault.ends_mission() && dice.chance(0.5) {
-                // And some of what is said of it is not heard.
+                // Some of its sentences are lost.
                 let lasts = Duration::from_secs(2);
                 faults.push(Planned {
                     come,
@@ -96,7 +96,7 @@ impl Plan {
                 fault: Fault::draw_slow_link(&mut dice),
             });
         }
-        // A fault while the link is down needs one that takes it down.
+        // A fault that begins while the link is down needs another that takes it down.
         if faults
             .iter()
             .any(|planned| matches!(planned.come, Come::In { state: State::Down, .. }))
@@ -116,7 +116,7 @@ impl Plan {
         }
     }
 
-    /// A mission of [`Scenario::draw_detours`] in which nothing goes wrong.
+    /// A mission of [`Scenario::draw_detours`] without faults.
     #[must_use]
     pub fn draw_detours(seed: u64) -> Self {
         Self {
@@ -130,7 +130,8 @@ impl Plan {
     /// Reads a plan's file.
     ///
     /// # Errors
-    /// In a line: which table, which key, what was expected.
+    ///
+    /// In one line: the table, the key, what was expected.
     pub fn from_toml(text: &str) -> Result<Self> {
         let file: File = toml::from_str(text).map_err(|error| {
             let place = error
@@ -154,7 +155,7 @@ impl Plan {
         })
     }
 
-    /// The whole plan as [`Plan::from_toml`] reads it.
+    /// The whole plan, in the form that [`Plan::from_toml`] reads.
     #[must_use]
     pub fn to_toml(&self) -> String {
         let file = File {
@@ -166,7 +167,7 @@ impl Plan {
         toml::to_string_pretty(&file).expect("a plan has only numbers, strings and tables")
     }
 
-    /// The faults in a line each.
+    /// The faults, one line each.
     pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
         self.faults.iter().map(|planned| {
             let when = match planned.come {
@@ -184,19 +185,19 @@ impl Plan {
     }
 }
 
-/// Half of them at any time; half in a state that is drawn, so that the short ones are met too.
+/// Half of them begin at any time, half in a drawn state, so that short states are met too.
 fn draw_come(dice: &mut Dice, states: &[State]) -> Come {
     if dice.chance(0.35) {
         return Come::At(Timestamp::ZERO + dice.millis(FIRST_S, SAFETY_S));
     }
-    // The shortest is hard to meet.
+    // The shortest state is met rarely otherwise.
     let state = if dice.chance(ASKED_SHARE) {
         State::Asked
     } else {
         dice.one(states)
     };
     let nth = 1 + dice.below(if state == State::Asked { 2 } else { 4 }) as u32;
-    // Short states are over soon.
+    // Short states end soon.
     let most_s = match state {
         State::Asked => 0.05,
         State::Down => 1.0,
@@ -211,7 +212,7 @@ fn draw_come(dice: &mut Dice, states: &[State]) -> Come {
     }
 }
 
-/// How long a fault that comes now may last, so that it is over when the liveness phase begins.
+/// The longest that a fault that begins now may last, so that it is over when the liveness phase begins.
 pub(crate) fn until_calm(now: Timestamp) -> Duration {
     (Timestamp::ZERO + Duration::from_secs_f64(CALM_S)).since(now)
 }
@@ -227,8 +228,8 @@ struct File {
     scenario: Scenario,
 }
 
-/// A `[[fault]]` table: `at_s`, or `state`, `nth` and `after_s`; and either a `vehicle` table, as the mock's own
-/// files of faults have them, or an `ours` table.
+/// A `[[fault]]` table: `at_s`, or `state`, `nth` and `after_s`; and either a `vehicle` table, in the form of the
+/// mock's own files of faults, or an `ours` table.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
@@ -283,7 +284,7 @@ impl Entry {
                 let state = State::ALL.into_iter().find(|state| state.name() == name);
                 let Some(state) = state else {
                     if let Some(now) = renamed::state(&name) {
-                        bail!("state is {name:?}, which is called {now:?} now");
+                        bail!("state is {name:?}, whose name is {now:?} now");
                     }
                     let names: Vec<&str> = State::ALL.iter().map(|state| state.name()).collect();
                     bail!("state is {name:?}: expected one of {}", names.join(", "));
@@ -312,7 +313,7 @@ fn span(s: f64, key: &str) -> Result<Duration> {
     }
 }
 
-/// A fault as the mock's own files have it.
+/// A fault in the form of the mock's own files.
 fn fault_table(fault: &VehicleFault) -> toml::Table {
     let plan = FaultPlan {
         faults: vec![fault.clone()],
@@ -321,7 +322,7 @@ fn fault_table(fault: &VehicleFault) -> toml::Table {
     match file.remove("fault") {
         Some(toml::Value::Array(mut faults)) => match faults.pop() {
             Some(toml::Value::Table(mut table)) => {
-                // Its time is the fault's.
+                // The time is that of the plan's fault.
                 table.remove("at_s");
                 table
             }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use crate::area::Area;
 use crate::dice::Dice;
 
-/// A mission's three files, as they would stand in its folder.
+/// The three files of a mission's folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
@@ -18,9 +18,9 @@ pub struct Scenario {
     pub world: String,
 }
 
-/// One mission in so many is of a hovering vehicle.
+/// The share of missions with a hovering vehicle.
 const HOVERING_SHARE: f64 = 0.1;
-/// What the specification leaves open, drawn in every world (the keys of `[interpretation]`).
+/// The points that the specification leaves open, drawn for every world (the keys of `[interpretation]`).
 const OPEN: [&str; 22] = [
     "inserts_after_control",
     "after_interrupt",
@@ -45,7 +45,7 @@ const OPEN: [&str; 22] = [
     "acknowledged",
     "echo_decimals",
 ];
-/// Limits of every mission.
+/// The limits of every mission.
 const LIMITS: &str = "turn_rate_dps = 8.0
 seabed_slope_max = 0.03
 gps_hits_total_max = 1
@@ -97,16 +97,17 @@ length_s = 20
 
 ";
 
-/// Caps that keep nobody from queueing.
+/// Limits that leave room to queue inserts.
 const DETOUR_CAPS: &str = "inserts_open_max = 3\ninserts_total_max = 60\ninserts_duration_max_s = 9000.0\n";
-/// The first plugin leads round what is in its way, and takes back what leads round it; the other one steers meanwhile.
+/// The first plugin leads inserts around obstacles, and then cancels the ones that lead around. The other one steers in
+/// between.
 const DETOURS: [&str; 2] = [
     "kinds = [\"trackline\"]\nboldness = 0.0\ninsert_every_s = 10.0\n",
     "kinds = [\"modify\"]\nboldness = 0.0\nmodify_share = 0.3\n",
 ];
 
 impl Scenario {
-    /// The scenario of a seed.
+    /// Draws the scenario of a seed.
     #[must_use]
     pub fn draw(seed: u64) -> Self {
         let mut dice = Dice::new(seed, "scenario");
@@ -124,8 +125,7 @@ impl Scenario {
         }
     }
 
-    /// As [`Scenario::draw`], with walls between the legs, and one plugin that does nothing but lead inserts round what is
-    /// in its way.
+    /// Like [`Scenario::draw`], with walls between the legs, and a plugin that only leads inserts around obstacles.
     #[must_use]
     pub fn draw_detours(seed: u64) -> Self {
         let mut dice = Dice::new(seed, "detours");
@@ -139,7 +139,7 @@ impl Scenario {
         }
     }
 
-    /// The states that a mission of this kind comes to, each as often as faults are to come in it.
+    /// The states that a mission of this kind reaches, in proportion to how often faults begin in them.
     pub(crate) const fn states(&self) -> &'static [State] {
         use State as S;
         if self.hovering {
@@ -174,7 +174,7 @@ impl Scenario {
     }
 }
 
-/// What the mission says of how the vehicle reads a BPRTC, and how it does: it is right, or says nothing.
+/// How the vehicle reads a BPRTC, and what the mission says of it, which is either right or nothing.
 struct Layout {
     mission: &'static str,
     world: &'static str,
@@ -194,14 +194,14 @@ impl Layout {
     }
 }
 
-/// What the operator has ordered ahead: how far a recovery goes, and policies with what sets them off.
+/// The operator's orders for the mission: how far a recovery goes, and policies with their conditions.
 struct Ahead {
     mission: String,
     world: String,
 }
 
 impl Ahead {
-    /// What the topside says, and what the plan does.
+    /// Texts of the topside, and of commands in the plan.
     const TEXTS: [&str; 2] = ["home", "clear the way"];
 
     fn draw(seed: u64) -> Self {
@@ -232,8 +232,8 @@ impl Ahead {
         Self { mission, world }
     }
 
-    /// What takes something back or ends the mission. The hunt itself holds and releases: a policy's hold would be one
-    /// that it knows nothing of.
+    /// An order that cancels something or ends the mission. The hunt itself holds and releases, and would not know of a
+    /// policy's hold.
     fn order(dice: &mut Dice) -> &'static str {
         dice.one(&[
             "\"cancel-all\"",
@@ -249,17 +249,17 @@ impl Ahead {
 fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area, layout: &str, detours: bool) -> String {
     let control = if dice.chance(0.85) { "bfctl" } else { "running" };
     let mut text = format!("[vehicle]\n{layout}\n\n[session]\ncontrol = \"{control}\"\n\n[limits]\n{LIMITS}");
-    // What the vehicle can do, and the worst current of its water.
+    // What the vehicle can do, and the strongest current of its water.
     let ([slowest, fastest], current_mps) = speeds(hovering);
     text += &format!(
         "speed_min_mps = {slowest:?}\nspeed_max_mps = {fastest:?}\ncurrent_max_mps = {:?}\n",
         current_mps + 0.1
     );
-    // Either the chart tells the depths, which are true in every world here, or only bottom lock does.
+    // Depths are limited either by the chart, which is right in every world here, or only with bottom lock.
     if hovering || dice.chance(0.5) {
         text += "water_depth_min_m = 45.0\nwater_depth_max_m = 75.0\n";
     }
-    // A standstill that makes no navigation stale must end the lease all the same.
+    // A stop of the process that does not make navigation stale must end the lease nevertheless.
     text += &format!("navigation_age_max_s = {:?}\n", dice.one(&[1.0, 1.0, 2.5]));
     text += &format!("modify_term_max_s = {:?}\n", dice.figure(15.0, 60.0));
     if detours {
@@ -280,7 +280,7 @@ fn mission(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area, layout:
     } else {
         r#"["modify", "insert", "interrupt", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy", "acoustic"]"#
     };
-    // Some of what is asked for lies outside.
+    // Some of the requests lie outside.
     let reach_m = 1.1 * area.reach_m();
     for (name, detour) in ["first", "second"].into_iter().zip(DETOURS) {
         let failure = dice.one(&[
@@ -362,14 +362,15 @@ fn world(dice: &mut Dice, (hovering, ship): (bool, bool), area: &Area, layout: &
     for key in OPEN {
         text += &format!("{key} = \"seed\"\n");
     }
-    // Where it is not repeated, a lost connection ends the payload's control of the leg: most missions would be idle.
+    // If it is not repeated, a lost connection ends the payload's control during the leg, and most missions would be
+    // idle.
     let replay = if dice.chance(0.7) { "true" } else { "\"seed\"" };
     text += &format!("control_replay = {replay}\n");
     text += &if hovering { station() } else { lines(dice, area) };
     text
 }
 
-/// The speeds that may be asked for, and the strongest current, m/s.
+/// The speeds that may be requested, and the strongest current, metres a second.
 const fn speeds(hovering: bool) -> ([f64; 2], f64) {
     if hovering { ([0.3, 0.7], 0.1) } else { ([1.0, 2.0], 0.3) }
 }
@@ -386,7 +387,7 @@ fn station() -> String {
     text
 }
 
-/// Lines under the backseat, and the way home without it.
+/// Lines during which the backseat may steer, and the way home without it.
 fn lines(dice: &mut Dice, area: &Area) -> String {
     let mut text = String::new();
     let flown = format!("depth_m = {:.1}\nspeed_mps = {:?}\n", area.depth_m, area.speed_mps);

@@ -5,13 +5,14 @@ use anyhow::Result;
 use crate::flight::Range;
 use crate::plan::Plan;
 
-/// How many flights a shrinking may take.
+/// The most flights for shrinking one plan.
 const FLIGHTS: usize = 300;
 
-/// The smallest plan that was found to fail by the same rule: fewer faults, shorter ones.
+/// The smallest plan found that fails by the same rule, with fewer and shorter faults.
 ///
 /// # Errors
-/// Where a plan cannot be flown.
+///
+/// If a plan cannot be flown.
 pub fn shrink(range: &Range, plan: &Plan, rule: &str) -> Result<Plan> {
     smallest(plan, |plan| {
         let flight = range.fly(plan)?;
@@ -32,7 +33,7 @@ fn smallest(plan: &Plan, mut fails: impl FnMut(&Plan) -> Result<bool>) -> Result
     if !fails(&best)? {
         return Ok(best);
     }
-    // Away with halves, quarters, and so on down to single ones, until no single one can go.
+    // Removes halves, then quarters, down to single faults, until none can be removed.
     let mut size = best.faults.len().div_ceil(2);
     while size > 0 {
         let mut start = 0;

@@ -7,7 +7,7 @@ use backseat_core::{FailAction, Grant, Limits, PluginLimits, PluginSetup};
 use backseat_fence::Fence;
 use backseat_units::EastNorth;
 
-/// Some four by four kilometres about 42 N 70 W, a harbour in the middle where the vehicle may surface.
+/// About four by four kilometres around 42 N 70 W, with a harbour in the middle where the vehicle may surface.
 const FENCE: &str = r#"{"type":"FeatureCollection","features":[
 {"type":"Feature","properties":{"name":"box","kind":"keep-in","margin_m":10,"depth_max_m":60,"altitude_min_m":2},
  "geometry":{"type":"Polygon","coordinates":[[[-70.024,41.982],[-69.976,41.982],[-69.976,42.018],[-70.024,42.018],[-70.024,41.982]]]}},
@@ -15,8 +15,8 @@ const FENCE: &str = r#"{"type":"FeatureCollection","features":[
  "geometry":{"type":"Polygon","coordinates":[[[-70.0218,41.9919],[-69.9782,41.9919],[-69.9782,42.0081],[-70.0218,42.0081],[-70.0218,41.9919]]]}}
 ]}"#;
 
-/// The vehicle's world: flat, 90 m deep, calm, exact sensors; a long line to the east under the backseat, then two
-/// waypoints without it. Sections of a test come behind it.
+/// The vehicle's world: flat, 90 m deep, calm, with exact sensors; a long line to the east during which the backseat
+/// may steer, then two waypoints without it. A test may append sections.
 const WORLD: &str = r#"
 [start]
 utc = 2026-06-01T08:00:00Z
@@ -61,7 +61,7 @@ pub(crate) fn fence() -> Fence {
     Fence::from_geojson(FENCE).expect("the course's fence is right")
 }
 
-/// What the plugin may ask for at most.
+/// The limits of the plugin's requests.
 #[must_use]
 pub fn limits() -> Limits {
     Limits {
@@ -99,7 +99,7 @@ pub fn limits() -> Limits {
     }
 }
 
-/// A plugin with these grants that hears these, stepped every 100 ms.
+/// A plugin with these grants and topics, stepped every 100 ms.
 #[must_use]
 pub fn course_plugin(grants: &[Grant], topics: &[Topic]) -> PluginSetup {
     PluginSetup {
@@ -116,13 +116,13 @@ pub fn course_plugin(grants: &[Grant], topics: &[Topic]) -> PluginSetup {
     }
 }
 
-/// So many metres east and north of the course's middle.
+/// A point this many metres east and north of the course's middle.
 #[must_use]
 pub fn place(east_m: f64, north_m: f64) -> PositionRequest {
     fence().frame().to_position(EastNorth::new(east_m, north_m)).into()
 }
 
-/// A heading for a while, at 25 m and 1.5 m/s.
+/// A heading for some time, at 25 m and 1.5 m/s.
 #[must_use]
 pub fn modify(tag: u64, heading_deg: f64, seconds: u64) -> ModifyRequest {
     ModifyRequest {

@@ -13,16 +13,16 @@ use backseat_units::Timestamp;
 
 use crate::course;
 
-/// What a byte takes from one side to the other.
+/// The time that a byte takes from one side to the other.
 const DELAY: Duration = Duration::from_millis(5);
-/// What a step of the plugin takes.
+/// The time that a step of the plugin takes.
 const STEP: Duration = Duration::from_millis(1);
 
-/// What a dive is made from.
+/// The settings of a dive.
 pub struct Setup {
-    /// Sections of `world.toml` that come behind the course's own.
+    /// Sections of `world.toml` that are appended to the course's own.
     pub world: String,
-    /// A whole `world.toml` in place of the course's own.
+    /// A whole `world.toml` that replaces the course's own.
     pub other_world: Option<String>,
     /// Replacements in the course's own sections.
     pub replaced: Vec<(&'static str, &'static str)>,
@@ -32,7 +32,7 @@ pub struct Setup {
     pub settings: Settings,
     /// The plugin.
     pub plugin: PluginSetup,
-    /// The mission's fence, as GeoJSON, in place of the course's own.
+    /// The mission's fence, as GeoJSON, instead of the course's own.
     pub fence: Option<String>,
     /// The seed of the world.
     pub seed: u64,
@@ -61,7 +61,7 @@ enum Answer {
     Restarted(Restarted),
 }
 
-/// A dive of both sides: see the crate.
+/// A dive of both sides; the crate's documentation explains it.
 pub struct Dive {
     /// The runtime's side.
     pub core: Core,
@@ -69,21 +69,21 @@ pub struct Dive {
     pub mvc: Mvc,
     /// The time of both.
     pub now: Timestamp,
-    /// What core has told.
+    /// The notes of core.
     pub notes: Vec<(Timestamp, Note)>,
-    /// What the plugin was told.
+    /// The plugin's inputs.
     pub events: Vec<Event>,
     /// The vehicle's log.
     pub log: Vec<MvcEvent>,
-    /// What core has sent, with its time.
+    /// The sentences of core, with their times.
     pub sent: Vec<(Timestamp, String)>,
-    /// Connections fail.
+    /// Whether connections fail.
     pub unreachable: bool,
-    /// What a byte takes from core to the vehicle, and from the vehicle to core. What was said before arrives before.
+    /// The time that a byte takes from core to the vehicle, and from the vehicle to core. Bytes arrive in their order.
     pub delay: [Duration; 2],
-    /// Sentences of core that begin like one of these are lost on the way.
+    /// Sentences of core that begin with one of these are lost on the way.
     pub lost: Vec<&'static str>,
-    /// Sentences of the vehicle that begin like one of these are lost on the way.
+    /// Sentences of the vehicle that begin with one of these are lost on the way.
     pub unheard: Vec<&'static str>,
     client: ClientId,
     connected: bool,
@@ -101,12 +101,13 @@ impl Dive {
     /// Both sides at their start, not connected.
     ///
     /// # Panics
-    /// Where the setup's world cannot be: it is a test's own.
+    ///
+    /// If the setup's world is invalid, because it is the test's own.
     #[must_use]
     pub fn new(setup: Setup) -> Self {
         let mut text = setup.other_world.unwrap_or_else(|| course::world(&setup.world));
         for (from, to) in &setup.replaced {
-            assert!(text.contains(from), "{from} is in no world");
+            assert!(text.contains(from), "{from} is not in the world");
             text = text.replace(from, to);
         }
         let file = WorldFile::from_toml(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -161,10 +162,11 @@ impl Dive {
         dive
     }
 
-    /// Some seconds into the mission: connected, in control, the plan known.
+    /// A dive some seconds into the mission: connected, with control, and with a known plan.
     ///
     /// # Panics
-    /// Where control does not come.
+    ///
+    /// If the runtime does not get control.
     #[must_use]
     pub fn under_way(setup: Setup) -> Self {
         let mut dive = Self::new(setup);
@@ -173,24 +175,24 @@ impl Dive {
         dive
     }
 
-    /// The plugin's next step returns this too.
+    /// Adds a request to what the plugin's next step returns.
     pub fn ask(&mut self, request: Request) {
         self.asked.push(request);
     }
 
-    /// The operator acts.
+    /// Lets the operator act.
     pub fn operator(&mut self, act: Operator) {
         self.feed(Input::Operator(act));
     }
 
-    /// Lets the time pass.
+    /// Advances the time.
     pub fn run_for(&mut self, seconds: f64) {
         let until = self.now + Duration::from_secs_f64(seconds);
         while self.step(until) {}
         self.now = until;
     }
 
-    /// Lets the time pass until something holds; false where it does not within so many seconds.
+    /// Advances the time until a condition is true. Returns false if it is not within this many seconds.
     pub fn run_until(&mut self, seconds: f64, holds: impl Fn(&Self) -> bool) -> bool {
         let until = self.now + Duration::from_secs_f64(seconds);
         while !holds(self) {
@@ -201,7 +203,7 @@ impl Dive {
         true
     }
 
-    /// The connection is gone, and all that was under way.
+    /// Cuts the connection, and loses everything in transit.
     pub fn cut(&mut self) {
         self.to_core.clear();
         self.to_vehicle.clear();
@@ -211,7 +213,7 @@ impl Dive {
         }
     }
 
-    /// The process is killed, and another takes its place, which knows that so many inserts were sent.
+    /// Kills the process. Another one replaces it, and knows that this many inserts were sent.
     pub fn kill(&mut self, sent: u32) {
         self.cut();
         let start = Start {
@@ -234,7 +236,7 @@ impl Dive {
         self.drain();
     }
 
-    /// The states that the plugin's request under a tag came to, without their texts; cancels apart.
+    /// The states of the plugin's request with this tag, without texts; those of cancels are left out.
     #[must_use]
     pub fn states(&self, tag: u64) -> Vec<&'static str> {
         let state = |(_, note): &(Timestamp, Note)| {
@@ -245,7 +247,7 @@ impl Dive {
         self.notes.iter().filter_map(state).collect()
     }
 
-    /// How many sentences that begin like this core has sent.
+    /// The number of sentences of core that begin with this.
     #[must_use]
     pub fn count(&self, begin: &str) -> usize {
         self.sent.iter().filter(|(_, line)| line.starts_with(begin)).count()
@@ -309,7 +311,7 @@ impl Dive {
         self.listen();
     }
 
-    /// Takes what the vehicle says.
+    /// Takes the vehicle's output.
     fn listen(&mut self) {
         let mut bytes = Vec::new();
         while let Some(client) = self.mvc.poll_transmit(&mut bytes) {
@@ -378,7 +380,7 @@ impl Dive {
     }
 }
 
-/// When bytes arrive that are due then: not before those that are under way.
+/// When bytes that are due at a time arrive: not before those that are already in transit.
 fn after(under_way: &VecDeque<(Timestamp, Vec<u8>)>, due: Timestamp) -> Timestamp {
     under_way.back().map_or(due, |(at, _)| due.max(*at))
 }

@@ -1,5 +1,5 @@
-//! Core and the mock vehicle against each other, on a virtual clock and with a scripted plugin: what the two sides of
-//! the interface make of each other, before any sandbox, socket or mission file.
+//! Core and the mock vehicle connected to each other, on a virtual clock and with a scripted plugin. The tests show how
+//! the two sides of the interface work together, without sandbox, socket or mission file.
 
 mod course;
 mod dive;

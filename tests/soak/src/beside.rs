@@ -1,5 +1,5 @@
-//! Every fault of the plugin `faulty` beside a good plugin, by the programs themselves on real time (safety requirement
-//! 006): how long the vehicle waits for the good one's modifies, by its own clock.
+//! Every fault of the plugin `faulty` beside a good plugin, with the programs themselves in real time (safety
+//! requirement 006). Measures how long the vehicle waits for the good plugin's modifies, by its own clock.
 
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -14,30 +14,30 @@ use clap::Args;
 use faulty::Fault;
 
 const STARTS_WITHIN: Duration = Duration::from_secs(180);
-/// A modify is refreshed within this, seconds (safety requirement 003).
+/// A modify must be refreshed within this time, seconds (safety requirement 003).
 const GAP_MAX_S: f64 = 2.5;
-/// When the fault comes, seconds after the plugin's first step.
+/// When the fault begins, seconds after the plugin's first step.
 const AFTER_S: f64 = 2.0;
-/// The heading that the good plugin alone asks for.
+/// The heading that only the good plugin requests.
 const HEADING: &str = "90";
 const EVERY_GRANT: &str = r#"["modify", "insert", "interrupt", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy",
     "acoustic", "station", "devices"]"#;
 
-/// What to try.
+/// The parameters.
 #[derive(Clone, Debug, Args)]
 pub struct Beside {
-    /// Only these faults, as in trap,loop [default: all that there are]
+    /// Only these faults, such as trap,loop [default: all]
     #[arg(long, value_delimiter = ',')]
     pub faults: Vec<String>,
-    /// So long with the fault, seconds of the vehicle's time
+    /// Duration of the fault, seconds of the vehicle's time
     #[arg(long, default_value_t = 10.0)]
     pub seconds: f64,
-    /// So many at once
+    /// Number of faults flown at once
     #[arg(long, default_value_t = 8)]
     pub at_once: usize,
 }
 
-/// What came of it.
+/// The results.
 #[derive(Clone, Debug, Default)]
 pub struct BesideReport {
     rows: Vec<Row>,
@@ -52,10 +52,11 @@ struct Row {
     failures: usize,
 }
 
-/// Flies them.
+/// Flies the faults.
 ///
 /// # Errors
-/// Where a fault has no such name.
+///
+/// If a fault's name is unknown.
 pub fn run(arguments: &Beside) -> Result<BesideReport> {
     let all = Fault::names();
     let faults = if arguments.faults.is_empty() {
@@ -64,9 +65,12 @@ pub fn run(arguments: &Beside) -> Result<BesideReport> {
         &arguments.faults
     };
     if let Some(unknown) = faults.iter().find(|fault| !all.contains(fault)) {
-        bail!("--faults: {unknown:?} is none of {}", all.join(", "));
+        bail!(
+            "--faults: unknown fault {unknown:?}, expected one of {}",
+            all.join(", ")
+        );
     }
-    // Before there are threads that would all build it.
+    // Built here, before several threads try to build it.
     let _program = backseat_test_support::program();
     let _plugins = backseat_test_support::plugins();
     let (next, report) = (AtomicUsize::new(0), Mutex::new(BesideReport::default()));
@@ -117,7 +121,7 @@ fn fly(fault: &str, seconds: f64) -> Row {
         .spawn();
     let first = vehicle.sees("the good one steer", STARTS_WITHIN, is_good);
     let until_s = first.at_s + AFTER_S + seconds;
-    // Navigation that the runtime has asked for keeps the log's clock going.
+    // Navigation, to which the runtime has subscribed, advances the log's clock.
     let end = vehicle.sees("the end", STARTS_WITHIN, |line| line.at_s >= until_s);
     let mut times: Vec<f64> = vehicle
         .lines()
@@ -141,7 +145,7 @@ fn is_good(line: &Line) -> bool {
 }
 
 impl BesideReport {
-    /// What is not as it must be.
+    /// Everything that is not as required.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let late = self.rows.iter().filter(|row| row.worst_gap_s >= GAP_MAX_S);
@@ -154,7 +158,7 @@ impl BesideReport {
         self.misses.iter().cloned().chain(late).collect()
     }
 
-    /// How often the runtime told that the bad plugin failed, with this fault.
+    /// How many times the runtime reported that the faulty plugin failed, for each fault.
     #[must_use]
     pub fn failures(&self, fault: &str) -> usize {
         let row = self.rows.iter().find(|row| row.fault == fault);

@@ -1,9 +1,9 @@
-//! The runtime killed, stopped, suspended, cut off and told to end at random instants while it steers, as a program of
-//! its own beside the mock vehicle, over TCP (safety requirement 007).
+//! The runtime is killed, stopped, suspended, cut off and told to end at random instants while it steers, as a separate
+//! program beside the mock vehicle, over TCP (safety requirement 007).
 //!
-//! The vehicle's log decides, by the vehicle's own clock: however loaded the machine is, a modify ends within 5 s, and
-//! station keeping within 2 s, of the last message that the vehicle received for it; a runtime that is not there is not
-//! heard; what was judged before a suspension is not sent after it; no identifier is used twice.
+//! The vehicle's log decides, by the vehicle's own clock. However loaded the machine is, a modify ends within 5 s, and
+//! station keeping within 2 s, of the last message that the vehicle received for it. A runtime that is not running
+//! sends nothing. A request that was judged before a suspension is not sent after it. No identifier is used twice.
 
 mod judge;
 mod plan;
@@ -26,28 +26,28 @@ pub use report::KillsReport;
 use judge::judge;
 use trial::fly;
 
-/// What to try.
+/// The parameters.
 #[derive(Clone, Debug, Args)]
 pub struct Kills {
-    /// So many missions, each with one fault
+    /// Number of missions, each with one fault
     #[arg(long, default_value_t = 500)]
     pub trials: u32,
-    /// Draws the faults and their instants
+    /// Seed for the faults and their instants
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Of these so many on a hovering vehicle, from 0 to 1
+    /// Fraction of missions with a hovering vehicle, from 0 to 1
     #[arg(long, default_value_t = 0.2)]
     pub hovering_share: f64,
-    /// And so many that insert instead of steering, from 0 to 1
+    /// Fraction of missions with inserts instead of steering, from 0 to 1
     #[arg(long, default_value_t = 0.1)]
     pub inserting_share: f64,
-    /// So many at once
+    /// Number of missions flown at once
     #[arg(long, default_value_t = 20)]
     pub at_once: u32,
-    /// Only this trial of the seed's, counted from 1
+    /// Fly only this trial of the seed, counted from 1
     #[arg(long)]
     pub only: Option<u32>,
-    /// Keep the vehicle's log of every trial that missed in this folder
+    /// Write the vehicle's log of every failed trial into this folder
     #[arg(long, value_name = "DIR")]
     pub keep: Option<PathBuf>,
 }
@@ -55,13 +55,14 @@ pub struct Kills {
 /// Flies the trials.
 ///
 /// # Errors
-/// Where shares make no sense, or nothing can be kept.
+///
+/// If the fractions are invalid, or logs cannot be written.
 pub fn run(arguments: &Kills) -> Result<KillsReport> {
     let (hovering, inserting) = (arguments.hovering_share, arguments.inserting_share);
     if !(hovering >= 0.0 && inserting >= 0.0 && hovering + inserting <= 1.0) {
         bail!("--hovering-share {hovering} and --inserting-share {inserting}: expected 0 or more, together at most 1");
     }
-    // Before there are threads that would all build it.
+    // Built here, before several threads try to build it.
     let _program = backseat_test_support::program();
     let _plugins = backseat_test_support::plugins();
     let plans: Vec<Plan> = (1..=arguments.trials)

@@ -1,10 +1,10 @@
-//! Long runs: of the mock vehicle, whether its memory stays flat, its clock exact and its log whole; of the runtime,
-//! whether the vehicle has its helm again in time, whatever happens to the process.
+//! Long runs. For the mock vehicle they check that its memory stays flat, its clock exact and its log complete; for the
+//! runtime, that the vehicle steers itself again in time, whatever happens to the process.
 //!
-//! [`year`] flies days on a virtual clock as fast as they go, with faults that the seed draws; [`tcp`] serves clients in
-//! real time by the program itself; [`kills`] kills, stops and cuts off the runtime in real time; [`beside`] has a bad plugin beside a good one;
-//! [`stuck`] has terminals and disks that are slow, stuck, full or gone around the runtime. Each ends with a report
-//! and says what was not as it must be.
+//! [`year`] flies days on a virtual clock as fast as possible, with faults that the seed draws. [`tcp`] serves clients
+//! in real time with the program itself. [`kills`] kills, stops and cuts off the runtime in real time. [`beside`] runs
+//! a faulty plugin beside a good one. [`stuck`] runs the runtime with terminals and disks that are slow, stuck, full or
+//! closed. Each ends with a report, which lists everything that is not as required.
 
 #![expect(clippy::disallowed_methods, reason = "a soak run measures itself by the real clock")]
 

@@ -7,25 +7,26 @@ use backseat_soak::stuck::{self, frozen};
 use backseat_soak::{beside, kills, tcp, year};
 use clap::Parser;
 
-/// Long runs; exit code 1 where something was not as it must be
+/// Long runs; exit code 1 if something is not as required
 #[derive(Parser)]
 #[command(max_term_width = 100)]
 enum Cli {
-    /// Fly days of simulated time as fast as they go, with faults, one client that asks for all
+    /// Simulate days as fast as possible, with faults and one client that subscribes to everything
     Year(year::Year),
-    /// Serve clients over TCP in real time by `backseat mvc --log`
+    /// Serve clients over TCP in real time with `backseat mvc --log`
     Tcp(tcp::Tcp),
     /// Kill, stop, suspend and cut off `backseat run` at random instants while it steers `backseat mvc`
     Kills(kills::Kills),
     /// Fly every fault of the plugin `faulty` beside a good plugin, and measure the good one's modifies
     Beside(beside::Beside),
-    /// Measure the runtime's modifies and how soon it obeys, while standard error and disks are slow, stuck, full or gone
+    /// Measure the runtime's modifies and its response to the operator while standard error and disks are slow, stuck,
+    /// full or closed
     Stuck(stuck::Stuck),
-    /// The same while the log's file system is frozen, as root; exit code 77 where none can be frozen
+    /// The same while the log's file system is frozen, as root; exit code 77 if no file system can be frozen
     Frozen(frozen::Frozen),
 }
 
-/// Nothing was shown. Automake's tests say by this code that they were skipped.
+/// Nothing was shown. Automake's tests use this code when they are skipped.
 const NOT_SHOWN: u8 = 77;
 
 fn main() -> Result<ExitCode> {

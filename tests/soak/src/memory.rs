@@ -1,9 +1,10 @@
 use anyhow::{Context, Result};
 
-/// The memory that a process holds, KiB: `self` or a number.
+/// The memory that a process uses, KiB. The process is `self` or a number.
 ///
 /// # Errors
-/// Where the process has gone, or where there is no /proc.
+///
+/// If the process has ended, or if there is no /proc.
 pub fn resident_kib(process: &str) -> Result<u64> {
     let path = format!("/proc/{process}/status");
     let status = std::fs::read_to_string(&path).with_context(|| path.clone())?;

@@ -1,5 +1,5 @@
-//! Whatever is around the runtime is slow, stuck, full or gone: how long the vehicle waits for a modify, and for the end of
-//! the lease when the operator ends it, by the vehicle's own clock (safety requirement 022).
+//! Terminals and disks around the runtime are slow, stuck, full or closed. Measures how long the vehicle waits for a
+//! modify, and for the end of the lease when the operator ends it, by the vehicle's own clock (safety requirement 022).
 
 mod flight;
 pub mod frozen;
@@ -22,32 +22,33 @@ use flight::Figures;
 
 const STARTS_WITHIN: Duration = Duration::from_secs(60);
 const ACTS_WITHIN: Duration = Duration::from_secs(30);
-/// Plugins that say as much as they may.
+/// The number of plugins that log as much as they may.
 const TALKERS: u32 = 12;
-/// What is wanted on a machine that does nothing else, seconds.
+/// The aims on an otherwise idle machine, seconds.
 const AIM_GAP_S: f64 = 1.5;
 const AIM_OBEYED_S: f64 = 0.2;
-/// What is not as it must be, however busy the machine is, seconds. A gap of 2.5 s is safety requirement 003's.
+/// The limits, however busy the machine is, seconds. A gap of 2.5 s is the limit of safety requirement 003.
 const GAP_MAX_S: f64 = 2.5;
 const OBEYED_MAX_S: f64 = 1.0;
-/// The end gives the log 2 s, the state folder, the link and standard error less than half a second each.
+/// At its end the runtime gives the log 2 s, and the state folder, the link and standard error less than half a second
+/// each.
 const GONE_MAX_S: f64 = 5.0;
 
-/// What to measure.
+/// The parameters.
 #[derive(Clone, Debug, Args)]
 pub struct Stuck {
-    /// So many flights of each kind; the worst counts
+    /// Number of flights of each kind; the worst counts
     #[arg(long, default_value_t = 3)]
     pub flights: u32,
-    /// How long modifies are watched in each, seconds
+    /// How long modifies are watched in each flight, seconds
     #[arg(long, default_value_t = 8.0)]
     pub seconds: f64,
-    /// Only what has this in its name
+    /// Only the faults whose names contain this text
     #[arg(long, value_name = "TEXT")]
     pub only: Option<String>,
 }
 
-/// What is wrong around the runtime.
+/// The fault around the runtime.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
     Nothing,
@@ -75,22 +76,26 @@ const FAULTS: [(Fault, &str); 10] = [
     (Fault::StateHangs, "state: disk hangs"),
 ];
 
-/// What came of it.
+/// The results.
 #[derive(Clone, Debug, Default)]
 pub struct StuckReport {
     rows: Vec<(String, Figures)>,
     misses: Vec<String>,
 }
 
-/// Flies them, one after the other.
+/// Flies the faults, one after the other.
 ///
 /// # Errors
-/// Where nothing has such a name.
+///
+/// If no fault has such a name.
 pub fn run(arguments: &Stuck) -> Result<StuckReport> {
     let chosen = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only.as_str()));
     if !FAULTS.iter().any(|(_, name)| chosen(name)) {
         let names: Vec<&str> = FAULTS.iter().map(|(_, name)| *name).collect();
-        bail!("--only: nothing has this in its name; there are: {}", names.join("; "));
+        bail!(
+            "--only: no fault has this in its name; the faults are: {}",
+            names.join("; ")
+        );
     }
     let mut report = StuckReport::default();
     for (fault, name) in FAULTS.into_iter().filter(|(_, name)| chosen(name)) {
@@ -110,7 +115,7 @@ pub fn run(arguments: &Stuck) -> Result<StuckReport> {
     Ok(report)
 }
 
-/// One flight. What is wrong from the start is wrong from the start; a disk hangs once the vehicle is steered.
+/// One flight. A disk hangs only once the vehicle is steered; any other fault begins before the start.
 fn fly(fault: Fault, seconds: f64) -> Result<Figures> {
     let (mission, stall) = (mission(fault), Stall::new());
     let vehicle = Scripted::start(Behavior::default());
@@ -121,7 +126,7 @@ fn fly(fault: Fault, seconds: f64) -> Result<Figures> {
         .arg("--state")
         .arg(&state)
         .mission(&mission);
-    // Kept to the end of the flight.
+    // Kept until the end of the flight.
     let (mut unread, mut slow) = (None, None);
     match fault {
         Fault::Nothing => {}
@@ -133,7 +138,7 @@ fn fly(fault: Fault, seconds: f64) -> Result<Figures> {
         }
         Fault::ErrorsStuck => {
             let (reader, mut writer) = pipe()?;
-            // It takes 64 KiB, of which a page is left.
+            // It holds 64 KiB, of which a page is left.
             writer.write_all(&[b'\n'; 15 << 12])?;
             unread = Some(reader);
             program = program.env("BACKSEAT_LOG", "trace").stderr_to(writer);
@@ -147,7 +152,7 @@ fn fly(fault: Fault, seconds: f64) -> Result<Figures> {
             program = program.env("BACKSEAT_LOG", "trace").stderr_to(writer);
         }
         Fault::LogFull => {
-            // The plugin is attached to the log, and then there is room for some seconds.
+            // After the plugin is attached to the log, there is room for some seconds.
             let attached = fs::metadata(backseat_test_support::plugins().join("faulty.wasm"))?.len();
             program = program.file_max_kib(attached / 1024 + 40);
         }
@@ -184,7 +189,7 @@ fn fly(fault: Fault, seconds: f64) -> Result<Figures> {
         Fault::Nothing | Fault::ErrorsStuck | Fault::ErrorsFull | Fault::ErrorsGone => true,
     };
     if !happened {
-        bail!("it did not come to it\n{}", last_lines(&said));
+        bail!("the fault had no effect\n{}", last_lines(&said));
     }
     Ok(Figures {
         modifies,
@@ -209,7 +214,7 @@ fn mission(fault: Fault) -> Mission {
     }
 }
 
-/// The pilot steers, and others beside it say more lines at each step than they may: 25 KB/s in all.
+/// The pilot steers, and other plugins beside it log more in each step than they may: 25 KB/s in total.
 fn talkative() -> Mission {
     (1..=TALKERS).fold(Mission::steady(), |mission, number| {
         let table = format!(
@@ -220,7 +225,7 @@ fn talkative() -> Mission {
     })
 }
 
-/// Reads as a serial console of 115,200 baud writes: 11 KB/s.
+/// Reads at the speed of a serial console of 115,200 baud: 11 KB/s.
 struct SlowReader {
     hurries: Arc<AtomicBool>,
     thread: JoinHandle<bool>,
@@ -243,7 +248,8 @@ impl SlowReader {
         Self { hurries, thread }
     }
 
-    /// The process has ended: whether it was told that lines were dropped, because it read too slowly.
+    /// Called when the process has ended. Returns whether the text reports dropped lines, which this slow reader has
+    /// caused.
     fn missed_some(self) -> bool {
         self.hurries.store(true, Ordering::Relaxed);
         self.thread.join().unwrap_or(false)
@@ -256,7 +262,7 @@ fn last_lines(said: &str) -> String {
 }
 
 impl StuckReport {
-    /// What is not as it must be.
+    /// Everything that is not as required.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let mut faults = self.misses.clone();
@@ -267,7 +273,7 @@ impl StuckReport {
     }
 }
 
-/// Which of the figures are not as they must be.
+/// The measurements that exceed their limits.
 fn late<'a>(name: &'a str, figures: &Figures) -> impl Iterator<Item = String> + 'a {
     let Figures {
         gap_s,
@@ -296,7 +302,7 @@ impl fmt::Display for StuckReport {
         write!(
             f,
             "the worst of all flights, seconds; aims: {AIM_GAP_S} s without a modify, {AIM_OBEYED_S} s to BPEMB\n\
-             slip: how late the loop woke at worst, by its own words; 0 where that was less than 0.05"
+             slip: how late the loop woke at worst, as it reports; 0 if less than 0.05"
         )
     }
 }

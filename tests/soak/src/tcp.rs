@@ -16,16 +16,16 @@ use clap::Args;
 use crate::memory::resident_kib;
 
 const GROWTH_MAX_KIB: u64 = 4096;
-/// Clients stop asking so long before the end, so that nothing is under way then.
+/// Clients stop sending this long before the end, so that nothing is in transit then.
 const QUIET_BEFORE_END: Duration = Duration::from_secs(2);
 
-/// What to serve.
+/// The parameters.
 #[derive(Clone, Debug, Args)]
 pub struct Tcp {
-    /// Minutes of real time
+    /// Duration in minutes of real time
     #[arg(long, default_value_t = 60.0)]
     pub minutes: f64,
-    /// Clients, at most 16
+    /// Number of clients, at most 16
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub clients: u32,
     /// The program [default: built from the tree]
@@ -33,26 +33,26 @@ pub struct Tcp {
     pub program: Option<PathBuf>,
 }
 
-/// What came of it.
+/// The results.
 #[derive(Clone, Debug)]
 pub struct TcpReport {
     /// Real time.
     pub real: Duration,
-    /// The program's memory at a tenth, in the middle and at the end, KiB.
+    /// The program's memory after a tenth, in the middle and at the end, KiB.
     pub resident_kib: Vec<u64>,
-    /// Sentences by the clients' own count: received and sent.
+    /// Sentences counted by the clients: received and sent.
     pub by_clients: (u64, u64),
-    /// The same by the log.
+    /// Sentences in the log.
     pub by_log: (u64, u64),
-    /// Clients whose sentences are not, one by one and in order, those of the log.
+    /// Clients whose sentences differ from the log's, compared one by one and in order.
     pub different: Vec<String>,
-    /// BFNVG in the log whose stamp is not their line's time.
+    /// The number of BFNVG in the log whose stamp differs from their line's time.
     pub clock_wrong: u64,
-    /// The vehicle's time at the end of the log, seconds, and what it should be.
+    /// The vehicle's time at the end of the log, seconds, and the expected time.
     pub clock_s: (f64, f64),
 }
 
-/// A count and a sum over lines in their order: two equal ones have seen the same.
+/// A count and a hash of lines in their order: two equal ones stand for the same lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Tally {
     lines: u64,
@@ -62,7 +62,7 @@ struct Tally {
 impl Tally {
     fn add(&mut self, line: &[u8]) {
         self.lines += 1;
-        // FNV-1a, with the line's end.
+        // FNV-1a, including the line's end.
         for byte in line.iter().chain(b"\n") {
             self.sum = (self.sum ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
@@ -72,7 +72,8 @@ impl Tally {
 /// Serves the clients.
 ///
 /// # Errors
-/// Where the program does not run, or a connection fails.
+///
+/// If the program does not run, or a connection fails.
 pub fn run(arguments: &Tcp) -> Result<TcpReport> {
     let program = match &arguments.program {
         Some(program) => program.clone(),
@@ -135,7 +136,7 @@ struct Guard(Child);
 
 impl Drop for Guard {
     fn drop(&mut self) {
-        // It has ended already where all went well.
+        // It has usually ended already.
         let _ended = self.0.kill();
         let _status = self.0.wait();
     }
@@ -154,7 +155,7 @@ fn listening(errors: &PathBuf) -> Result<String> {
 
 type Counted = Result<(u16, Tally, Tally)>;
 
-/// A client that switches all on, talks each second in pieces, and reads to the end.
+/// A client that subscribes to everything, sends sentences in pieces each second, and reads to the end.
 fn client(address: &str, number: u32, start: Instant, quiet: Duration) -> Result<JoinHandle<Counted>> {
     let mut stream = TcpStream::connect(address)?;
     let port = stream.local_addr()?.port();
@@ -206,7 +207,7 @@ fn compare(log: &PathBuf, by_port: BTreeMap<u16, (Tally, Tally)>, report: &mut T
         let line = line?;
         let (at, rest) = line.split_once(' ').context("a line without a time")?;
         if let Some(event) = rest.strip_prefix("-- ") {
-            if let Some((client, address)) = event.split_once(" is 127.0.0.1:") {
+            if let Some((client, address)) = event.split_once(" connected from 127.0.0.1:") {
                 ports.insert(client.trim_start_matches("client ").to_owned(), address.parse()?);
             }
             continue;
@@ -217,7 +218,7 @@ fn compare(log: &PathBuf, by_port: BTreeMap<u16, (Tally, Tally)>, report: &mut T
         match way {
             ">" => tally.0.add(text.as_bytes()),
             "<" => tally.1.add(text.as_bytes()),
-            _ => bail!("a line of no direction: {line}"),
+            _ => bail!("a line without a direction: {line}"),
         }
         if way == ">" && text.starts_with("$BFNVG,") {
             report.clock_s.0 = at.parse()?;
@@ -246,7 +247,7 @@ fn compare(log: &PathBuf, by_port: BTreeMap<u16, (Tally, Tally)>, report: &mut T
 }
 
 impl TcpReport {
-    /// What is not as it must be.
+    /// Everything that is not as required.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let mut faults = self.different.clone();
@@ -262,11 +263,13 @@ impl TcpReport {
             ));
         }
         if self.clock_wrong > 0 {
-            faults.push(format!("{} BFNVG have not their line's time", self.clock_wrong));
+            faults.push(format!("{} BFNVG differ from their line's time", self.clock_wrong));
         }
         let (clock, expected) = self.clock_s;
         if (clock - expected).abs() > 0.1001 {
-            faults.push(format!("the last BFNVG is of {clock} s, the end of {expected} s"));
+            faults.push(format!(
+                "the last BFNVG is from {clock} s, expected the end at {expected} s"
+            ));
         }
         faults
     }
@@ -282,7 +285,7 @@ impl fmt::Display for TcpReport {
         )?;
         writeln!(
             f,
-            "the last BFNVG is of {:.3} s; {} at another time than their line",
+            "the last BFNVG is from {:.3} s; {} differ from their line's time",
             self.clock_s.0, self.clock_wrong
         )?;
         write!(

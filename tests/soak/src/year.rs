@@ -12,24 +12,24 @@ use crate::memory::resident_kib;
 
 const DAY: Duration = Duration::from_secs(86_400);
 const DAY_MS: u64 = 86_400_000;
-/// Memory counts as flat where it has grown by less from the middle to the end, KiB.
+/// Memory counts as flat if it grows by less than this from the middle to the end, KiB.
 const GROWTH_MAX_KIB: u64 = 4096;
 
-/// What to fly.
+/// The parameters.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Year {
-    /// Days of simulated time, each a mission of its own
+    /// Days of simulated time, each a separate mission
     #[arg(long, default_value_t = 365)]
     pub days: u32,
-    /// Draws the worlds and the faults
+    /// Seed for the worlds and the faults
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// How many faults: 0 is none, 1 is one each 15 s
+    /// Intensity of faults: 0 for none, 1 for one each 15 s
     #[arg(long, default_value_t = 0.02)]
     pub intensity: f64,
 }
 
-/// What came of it.
+/// The results.
 #[derive(Clone, Debug, Default)]
 pub struct YearReport {
     /// Simulated time.
@@ -38,34 +38,35 @@ pub struct YearReport {
     pub real: Duration,
     /// Memory after the first day, in the middle and at the end, KiB.
     pub resident_kib: [u64; 3],
-    /// Steps of the vehicle, and of these those with one BFNVG of that very millisecond.
+    /// The vehicle's steps, and those with exactly one BFNVG of their millisecond.
     pub steps: u64,
-    /// BFNVG that came with the time of their step.
+    /// BFNVG with the time of their step.
     pub navigation: u64,
     /// BFNVG with another time.
     pub clock_wrong: u64,
-    /// Steps without a BFNVG although no fault was on and the client connected.
+    /// Steps without a BFNVG, although there was no fault and the client was connected.
     pub missing: u64,
     /// Steps without one because of a fault.
     pub excused: u64,
-    /// Sentences that the client received, all kinds.
+    /// Sentences of all kinds that the client received.
     pub sentences: u64,
-    /// Commands that it sent.
+    /// Commands that the client sent.
     pub commands: u64,
     /// Lines of the vehicle's log, and how many were lost.
     pub events: u64,
     /// Lines of the log that were lost.
     pub events_lost: u64,
-    /// Faults that were played.
+    /// Faults that were injected.
     pub faults_played: u64,
-    /// Times that the client had to connect again.
+    /// How many times the client had to reconnect.
     pub reconnects: u64,
 }
 
 /// Flies the days.
 ///
 /// # Errors
-/// Where a world cannot be made, or memory not be read.
+///
+/// If a world cannot be created, or the memory cannot be read.
 pub fn run(arguments: &Year) -> Result<YearReport> {
     let mut report = YearReport::default();
     let start = Instant::now();
@@ -87,7 +88,7 @@ pub fn run(arguments: &Year) -> Result<YearReport> {
     Ok(report)
 }
 
-/// A day begins at noon, so that midnight passes in each.
+/// A day begins at noon, so that each has a midnight.
 const START_MS: u64 = DAY_MS / 2;
 
 fn world() -> Result<WorldFile> {
@@ -96,7 +97,7 @@ fn world() -> Result<WorldFile> {
          current = { speed_mps = [0.0, 0.2], rotation_h = 12.42 }\nspi = { profile = \"field\" }\n\
          mission = { starts_after_s = 1 }\n[seabed]\ndepth_m = [50, 60]\nslope = 0\n",
     );
-    // A circle for each hour that no day gets to the end of: an insert interrupts it and the next follows.
+    // A circle for each hour, which is never completed: an insert interrupts it and the next one follows.
     for _ in 0..30 {
         text.push_str(
             "[[plan]]\nkind = \"trackcircle\"\ncentre = { east_m = 100, north_m = 0 }\nradius_m = 100\norbits = 1000\n\
@@ -109,14 +110,14 @@ fn world() -> Result<WorldFile> {
 fn fly(day: u64, arguments: &Year, report: &mut YearReport) -> Result<()> {
     let seed = arguments.seed.wrapping_add(day);
     let mut plan = FaultPlan::draw(seed, DAY, arguments.intensity);
-    // The clock is what is measured here, and links have drivers of their own.
+    // This measures the clock; links are tested elsewhere.
     plan.faults
         .retain(|fault| !matches!(fault.kind, FaultKind::ClockStep(_) | FaultKind::Link(_)));
     let windows: Vec<(Timestamp, Timestamp)> = plan
         .faults
         .iter()
         .map(|fault| {
-            // The power does not come back.
+            // The power stays off.
             let off = matches!(fault.kind, FaultKind::Shutdown);
             let until = if off {
                 Timestamp::MAX
@@ -170,7 +171,7 @@ fn fly(day: u64, arguments: &Year, report: &mut YearReport) -> Result<()> {
         while vehicle.poll_disconnect().is_some() {
             report.reconnects += 1;
             client = Client::connect(&mut vehicle, at, client.id.0 + 1);
-            // Where it is turned away again there is no power: it does not come back.
+            // If it is refused again, the power is off and stays off.
             while vehicle.poll_disconnect().is_some() {}
         }
         while let Some(event) = vehicle.poll_event() {
@@ -184,7 +185,7 @@ fn fly(day: u64, arguments: &Year, report: &mut YearReport) -> Result<()> {
     Ok(())
 }
 
-/// `hhmmss.sss`, made here anew: the run shares no code with what it judges.
+/// `hhmmss.sss`, formatted here again, because the run shares no code with what it judges.
 fn stamp(ms: u64) -> [u8; 10] {
     let (seconds, millis) = (ms / 1000, ms % 1000);
     let clock = (seconds / 3600) * 10_000 + (seconds / 60 % 60) * 100 + seconds % 60;
@@ -209,14 +210,14 @@ impl Client {
         let id = ClientId(number);
         vehicle.connect(at, id);
         vehicle.receive(at, id, b"$BPLOG,ALL,ON\r\n$BPLOG,ACK,ON\r\n");
-        // Identifiers are never used twice in a mission, reconnects included (SPI 7.5).
+        // Identifiers are never used twice in a mission, also after reconnections (SPI 7.5).
         Self {
             id,
             inserts: number * 100_000,
         }
     }
 
-    /// What a payload asks in this second: modifies, an insert each hour and one that it cancels, the plan.
+    /// The requests of a payload in this second: modifies, an insert each hour, one that it cancels, the plan.
     fn ask(&mut self, vehicle: &mut Mvc, at: Timestamp, second: u64) -> u64 {
         const LINE: &str = "4218.01,N,07053.95,W,4218.03,N,07053.95,W,0,10,1.5,0";
         let mut sentences: Vec<String> = Vec::new();
@@ -246,7 +247,7 @@ impl Client {
 }
 
 impl YearReport {
-    /// What is not as it must be.
+    /// Everything that is not as required.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
@@ -255,8 +256,8 @@ impl YearReport {
             faults.push(format!("memory grew from {middle} to {end} KiB in the second half"));
         }
         for (count, what) in [
-            (self.clock_wrong, "BFNVG have not their step's time"),
-            (self.missing, "steps have no BFNVG, and no fault"),
+            (self.clock_wrong, "BFNVG differ from their step's time"),
+            (self.missing, "steps without a fault have no BFNVG"),
             (self.events_lost, "lines of the vehicle's log are lost"),
         ] {
             if count > 0 {

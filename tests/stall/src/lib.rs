@@ -1,32 +1,33 @@
-//! A disk that hangs on command. Loaded into a program by `LD_PRELOAD`, this library takes the place of the functions of
-//! libc by which the program reaches files. Each of them waits while a flag file exists, where it is about a file in one of
-//! the given folders; everything else goes straight to the kernel.
+//! A disk that hangs on command. Loaded into a program with `LD_PRELOAD`, this library replaces the functions of libc
+//! through which the program accesses files. A call that concerns a file in one of the given folders waits while a flag
+//! file exists. Every other call goes straight to the kernel.
 //!
-//! | variable of the environment | meaning |
+//! | environment variable | meaning |
 //! |---|---|
 //! | `STALL_WHILE` | the flag file: while it exists, calls wait. Each call that waits adds a line to the file of this name with `.held` at its end, such as `write /tmp/logs/a.mcap` |
 //! | `STALL_UNDER` | the folders or files, with `:` between them |
 //!
-//! It shows what a hard NFS mount without its server does to a program: the call does not return, and a signal that ends the
-//! process ends the call. It cannot show a frozen file system, whose calls nothing ends (`backseat-soak frozen` shows that),
-//! nor what reaches a file without these functions: a mapped file, a system call made directly, and what libc does inside of
-//! itself (`fopen`, say). Of the last, the resolver is caught as a whole: `getaddrinfo` counts as a read of `/etc/hosts`.
+//! This shows what a hard NFS mount without its server does to a program: the call does not return, and a signal that
+//! ends the process ends the call. It cannot show a frozen file system, whose calls nothing ends (`backseat-soak frozen`
+//! shows that). It also misses accesses that do not use these functions: a mapped file, a direct system call, and
+//! accesses within libc, such as those of `fopen`. Of the last, only the resolver is covered: `getaddrinfo` counts as a
+//! read of `/etc/hosts`.
 
 #![cfg(target_os = "linux")]
 #![expect(
     unsafe_code,
-    reason = "it has the signatures of libc's own functions, and hands their arguments to the kernel unread"
+    reason = "it has the signatures of libc's own functions, and passes their arguments to the kernel unread"
 )]
 
 use std::ffi::{CStr, c_char, c_int, c_long, c_uint, c_void};
 
 use libc::{mode_t, off_t, size_t, ssize_t};
 
-/// How long between two looks for the flag file, nanoseconds.
+/// The time between two checks for the flag file, nanoseconds.
 const LOOK_EVERY_NANOS: c_long = 10_000_000;
 const PATH_BYTES: usize = 4096;
 
-/// A text that is put together without an allocation, for `write` may be called by a signal's handler.
+/// A text that is built without allocating, because a signal handler may call `write`.
 struct Text {
     bytes: [u8; PATH_BYTES],
     length: usize,
@@ -40,7 +41,7 @@ impl Text {
         }
     }
 
-    /// Adds what there is room for, and leaves a NUL at the end.
+    /// Adds as much as there is room for, and keeps a NUL at the end.
     fn add(&mut self, bytes: &[u8]) {
         for byte in bytes.iter().take(PATH_BYTES - 1 - self.length) {
             self.bytes[self.length] = *byte;
@@ -58,9 +59,9 @@ impl Text {
 }
 
 fn variable(name: &CStr) -> Option<&'static [u8]> {
-    // SAFETY: the name ends with a NUL. Nobody changes the environment of a program under test while it runs.
+    // SAFETY: the name ends with a NUL. Nothing changes the environment of a program under test while it runs.
     let value = unsafe { libc::getenv(name.as_ptr()) };
-    // SAFETY: what is there ends with a NUL and stays.
+    // SAFETY: the value ends with a NUL and stays valid.
     (!value.is_null()).then(|| unsafe { CStr::from_ptr(value) }.to_bytes())
 }
 
@@ -81,7 +82,7 @@ fn is_under(path: &[u8], folders: &[u8]) -> bool {
     })
 }
 
-/// Says in the file beside the flag that a call waits.
+/// Notes in the file beside the flag that a call waits.
 fn tell(flag: &[u8], call: &str, about: &[u8]) {
     let (mut path, mut line) = (Text::new(), Text::new());
     path.add(flag);
@@ -90,7 +91,8 @@ fn tell(flag: &[u8], call: &str, about: &[u8]) {
         line.add(part);
     }
     let flags = libc::O_WRONLY | libc::O_CREAT | libc::O_APPEND | libc::O_CLOEXEC;
-    // SAFETY: the path ends with a NUL, the line is as long as it says, and the file is closed by whoever opened it.
+    // SAFETY: the path ends with a NUL, the length is that of the line, and the file is closed here, where it was
+    // opened.
     unsafe {
         let file = libc::syscall(libc::SYS_openat, libc::AT_FDCWD, path.pointer(), flags, 0o600);
         if file >= 0 {
@@ -100,14 +102,15 @@ fn tell(flag: &[u8], call: &str, about: &[u8]) {
     }
 }
 
-/// Waits while the flag file exists, where this call is about a file in one of the folders. `about` is asked only then.
+/// Waits while the flag file exists, if this call concerns a file in one of the folders. `about` is only called in that
+/// case.
 fn wait(call: &str, about: impl FnOnce(&mut Text)) {
     let (Some(flag), Some(folders)) = (variable(c"STALL_WHILE"), variable(c"STALL_UNDER")) else {
         return;
     };
-    // SAFETY: libc gives each thread a place of its own.
+    // SAFETY: libc gives each thread its own `errno`.
     let errno = unsafe { libc::__errno_location() };
-    // SAFETY: as above. A signal's handler must leave it as it was.
+    // SAFETY: as above. A signal handler must leave `errno` unchanged.
     let before = unsafe { *errno };
     if stalled(flag) {
         let mut path = Text::new();
@@ -119,7 +122,7 @@ fn wait(call: &str, about: impl FnOnce(&mut Text)) {
                     tv_sec: 0,
                     tv_nsec: LOOK_EVERY_NANOS,
                 };
-                // SAFETY: the time is ours, and what is left of it is of no interest.
+                // SAFETY: the time is a local variable, and the remaining time is not needed.
                 unsafe { libc::nanosleep(&raw const pause, std::ptr::null_mut()) };
             }
         }
@@ -132,7 +135,7 @@ fn wait(call: &str, about: impl FnOnce(&mut Text)) {
 /// The path ends with a NUL.
 unsafe fn wait_for_path(call: &str, path: *const c_char) {
     wait(call, |text| {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         text.add(unsafe { CStr::from_ptr(path) }.to_bytes());
     });
 }
@@ -153,7 +156,7 @@ fn wait_for_file(call: &str, file: c_int) {
             }
         }
         link.add(&digits[first..]);
-        // SAFETY: the path ends with a NUL, and no more is written than there is room for.
+        // SAFETY: the path ends with a NUL, and no more is written than fits.
         let length = unsafe {
             libc::syscall(
                 libc::SYS_readlinkat,
@@ -167,7 +170,7 @@ fn wait_for_file(call: &str, file: c_int) {
     });
 }
 
-/// What the kernel returned, as the function of libc returns it.
+/// The kernel's return value, converted to that of a libc function.
 fn int(returned: c_long) -> c_int {
     c_int::try_from(returned).unwrap_or(-1)
 }
@@ -176,18 +179,18 @@ fn size(returned: c_long) -> ssize_t {
     ssize_t::try_from(returned).unwrap_or(-1)
 }
 
-/// Functions that are given an open file, with the system call that each is.
+/// Functions that take an open file, each with its system call.
 macro_rules! of_a_file {
     ($($name:ident($call:ident $(, $argument:ident: $kind:ty)*) -> $convert:ident $returned:ty;)*) => {
         $(
-            /// As in libc, once it may.
+            /// As in libc, after a stall has ended.
             ///
             /// # Safety
             /// As in libc.
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name(file: c_int $(, $argument: $kind)*) -> $returned {
                 wait_for_file(stringify!($name), file);
-                // SAFETY: the caller keeps what libc's function asks of it, and the kernel's is the same.
+                // SAFETY: the caller meets the requirements of libc's function, and those of the kernel are the same.
                 $convert(unsafe { libc::syscall(libc::$call, file $(, $argument)*) })
             }
         )*
@@ -206,19 +209,19 @@ of_a_file! {
     close(SYS_close) -> int c_int;
 }
 
-/// Functions that are given a path, with the system call that each is.
+/// Functions that take a path, each with its system call.
 macro_rules! of_a_path {
     ($($name:ident($call:ident, $($before:expr,)? path $(, $argument:ident: $kind:ty)* $(; $after:expr)?);)*) => {
         $(
-            /// As in libc, once it may.
+            /// As in libc, after a stall has ended.
             ///
             /// # Safety
             /// As in libc.
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name(path: *const c_char $(, $argument: $kind)*) -> c_int {
-                // SAFETY: a path that libc is given ends with a NUL.
+                // SAFETY: a path passed to libc ends with a NUL.
                 unsafe { wait_for_path(stringify!($name), path) };
-                // SAFETY: the caller keeps what libc's function asks of it, and the kernel's is the same.
+                // SAFETY: the caller meets the requirements of libc's function, and those of the kernel are the same.
                 int(unsafe { libc::syscall(libc::$call, $($before,)? path $(, $argument)* $(, $after)?) })
             }
         )*
@@ -232,19 +235,19 @@ of_a_path! {
     mkdir(SYS_mkdirat, libc::AT_FDCWD, path, mode: mode_t);
 }
 
-/// As in libc, once it may.
+/// As in libc, after a stall has ended.
 ///
 /// # Safety
 /// As in libc.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rename(from: *const c_char, to: *const c_char) -> c_int {
-    // SAFETY: a path that libc is given ends with a NUL.
+    // SAFETY: a path passed to libc ends with a NUL.
     unsafe { wait_for_path("rename", from) };
-    // SAFETY: the caller keeps what libc's function asks of it, and the kernel's is the same.
+    // SAFETY: the caller meets the requirements of libc's function, and those of the kernel are the same.
     int(unsafe { libc::syscall(libc::SYS_renameat2, libc::AT_FDCWD, from, libc::AT_FDCWD, to, 0) })
 }
 
-/// As in libc, once it may. (Rust's `std` looks whether a file is there by this.)
+/// As in libc, after a stall has ended. (Rust's `std` uses this to check whether a file exists.)
 ///
 /// # Safety
 /// As in libc.
@@ -256,16 +259,16 @@ pub unsafe extern "C" fn statx(
     mask: c_uint,
     told: *mut libc::statx,
 ) -> c_int {
-    // SAFETY: a path that libc is given ends with a NUL.
+    // SAFETY: a path passed to libc ends with a NUL.
     unsafe { wait_for_path("statx", path) };
-    // SAFETY: the caller keeps what libc's function asks of it, and the kernel's is the same.
+    // SAFETY: the caller meets the requirements of libc's function, and those of the kernel are the same.
     int(unsafe { libc::syscall(libc::SYS_statx, folder, path, flags, mask, told) })
 }
 
 type Resolve =
     unsafe extern "C" fn(*const c_char, *const c_char, *const libc::addrinfo, *mut *mut libc::addrinfo) -> c_int;
 
-/// As in libc, once it may.
+/// As in libc, after a stall has ended.
 ///
 /// # Safety
 /// As in libc.
@@ -282,8 +285,8 @@ pub unsafe extern "C" fn getaddrinfo(
     if next.is_null() {
         return libc::EAI_SYSTEM;
     }
-    // SAFETY: libc's function of this name is of this type.
+    // SAFETY: libc's function of this name has this type.
     let resolve: Resolve = unsafe { std::mem::transmute::<*mut c_void, Resolve>(next) };
-    // SAFETY: the caller keeps what it asks.
+    // SAFETY: the caller meets its requirements.
     unsafe { resolve(node, service, hints, found) }
 }

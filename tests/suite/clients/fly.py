@@ -1,8 +1,8 @@
-"""An SPI client in a few lines: it turns the vehicle, then has it fly a line.
+"""A small SPI client: it turns the vehicle, and then lets it fly a line.
 
-usage: fly.py HOST PORT SPEED    (SPEED: how many times faster than life the vehicle runs)
+usage: fly.py HOST PORT SPEED    (SPEED: how many times faster than real time the vehicle runs)
 
-It uses nothing of this project: the sentences are written and checked here. It ends with code 0 and prints what it saw.
+It uses no code of this project: it formats and checks the sentences itself. It prints each success, and exits with 0.
 """
 
 import socket
@@ -34,7 +34,7 @@ class Vehicle:
         self.socket.sendall(f"${body}*{xor(body):02X}\r\n".encode())
 
     def sentence(self):
-        """The next sentence, checksum checked, as its fields; None where none has come."""
+        """Returns the fields of the next sentence, after checking its checksum; None if none has arrived."""
         if not self.come:
             self.read()
         return self.come.pop(0) if self.come else None
@@ -43,7 +43,7 @@ class Vehicle:
         try:
             read = self.socket.recv(65536)
             if not read:
-                sys.exit("the vehicle has closed the connection")
+                sys.exit("the vehicle closed the connection")
             self.buffer += read
         except TimeoutError:
             pass
@@ -61,7 +61,7 @@ class Vehicle:
             self.come.append(fields)
 
     def wait(self, what, holds, each=None, every_s=0.0):
-        """Reads until `holds(fields)` of a sentence; says `each()` every so many of the vehicle's seconds meanwhile."""
+        """Reads until `holds(fields)` is true for a sentence. Calls `each()` every `every_s` of the vehicle's seconds."""
         start, said = time.monotonic(), 0.0
         while time.monotonic() - start < PATIENCE_S:
             if each and time.monotonic() - said >= every_s / SPEED:
@@ -93,7 +93,7 @@ vehicle.say("BPEMB,120001.000")
 vehicle.wait("the modify ended", vehicle.acknowledged("EMB", "2"))
 print(f"modified to heading {vehicle.heading:.0f}")
 
-# A trackline that interrupts what is flown (SPI 7.5), from its acknowledgement to its end.
+# A trackline that interrupts the current behavior (SPI 7.5), from its acknowledgement to its end.
 vehicle.say("BPRTK,120002.000,41,4221.03,N,07042.10,W,4221.06,N,07042.05,W,0,8,1.5,0,4")
 vehicle.wait("the trackline accepted", vehicle.acknowledged("RTK", "2"))
 vehicle.wait("the trackline begun", lambda f: f[0] == "BFMBS" and f[4] == "41")

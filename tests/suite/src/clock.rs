@@ -1,7 +1,7 @@
 //! The only clock of the suite.
 #![expect(
     clippy::disallowed_methods,
-    reason = "the program runs on real time, so who watches it does too"
+    reason = "the program runs in real time, and so must its observer"
 )]
 
 use std::thread::sleep;
@@ -9,10 +9,11 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 const LOOK_EVERY: Duration = Duration::from_millis(40);
 
-/// Waits until `look` finds something, and gives it.
+/// Waits until `look` finds something, and returns it.
 ///
 /// # Panics
-/// Where it has found nothing within the time; the message is `failed`'s, made then.
+///
+/// If it has found nothing within the time. The message comes from `failed`, which is called then.
 pub fn eventually<T>(within: Duration, mut look: impl FnMut() -> Option<T>, failed: impl FnOnce() -> String) -> T {
     let start = Instant::now();
     loop {
@@ -30,17 +31,17 @@ pub(crate) fn utc_millis() -> u64 {
     u64::try_from(since.as_millis()).unwrap_or(0)
 }
 
-/// Lets time pass in which something must not happen.
+/// Waits for a time in which something must not happen.
 pub fn settle(duration: Duration) {
     sleep(duration);
 }
 
-/// Real time since it was started.
+/// A stopwatch in real time.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch(Instant);
 
 impl Stopwatch {
-    /// From now on.
+    /// Starts a stopwatch.
     #[must_use]
     pub fn start() -> Self {
         Self(Instant::now())

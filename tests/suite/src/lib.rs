@@ -1,8 +1,8 @@
-//! Behavior tests of the program, at the level where users meet it: a command line, exit codes, two streams, files,
-//! signals and a TCP port. Here is the harness; the tests are in `tests/it`, a file a behavior.
+//! Behavior tests of the program from a user's point of view: a command line, exit codes, two streams, files, signals
+//! and a TCP port. This crate is the harness; the tests are in `tests/it`, one file for each behavior.
 //!
-//! The program is built once a process by [`backseat_test_support::program`], the plugins by
-//! [`backseat_test_support::plugins`], so nothing has to be done by hand before `cargo test`.
+//! [`backseat_test_support::program`] builds the program once for each process, and [`backseat_test_support::plugins`]
+//! the plugins, so that `cargo test` needs no preparation.
 //!
 //! ```no_run
 //! use backseat_suite::{Backseat, Mission};
@@ -12,8 +12,8 @@
 //! assert_eq!(report["outcome"], "completed");
 //! ```
 //!
-//! Tests on real time wait for what must happen with [`eventually`], generously; only safety bounds are held to the
-//! second, and those by the vehicle's own clock in its log.
+//! Tests in real time wait with [`eventually`] for what must happen, and allow it plenty of time. Only safety bounds
+//! are checked to the second, by the vehicle's own clock in its log.
 
 mod clock;
 mod mission;

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-/// A mission in a temporary folder of its own, to be edited at will.
+/// A mission in a temporary folder, which a test may edit.
 #[derive(Debug)]
 pub struct Mission {
     folder: TempDir,
@@ -17,14 +17,14 @@ impl Mission {
         Self::copy_of(&backseat_test_support::mission(name), name)
     }
 
-    /// The suite's own mission: `faulty` without a fault holds a heading along a straight plan over a flat seabed,
-    /// from two seconds after the start on.
+    /// The suite's own mission: `faulty` without a fault keeps a heading along a straight plan over a flat seabed, from
+    /// two seconds after the start on.
     #[must_use]
     pub fn steady() -> Self {
         Self::own("steady")
     }
 
-    /// The suite's own mission of a hovering vehicle: `faulty` without a fault keeps it at its station beside a ship,
+    /// The suite's own mission with a hovering vehicle: `faulty` without a fault keeps it at its station beside a ship,
     /// from two seconds after the start on.
     #[must_use]
     pub fn hovering() -> Self {
@@ -48,7 +48,7 @@ impl Mission {
         Self { folder, path }
     }
 
-    /// Replaces a text that must be there.
+    /// Replaces a text, which must be there.
     #[must_use]
     pub fn edit(self, file: &str, from: &str, to: &str) -> Self {
         let text = self.read(file);
@@ -56,8 +56,8 @@ impl Mission {
         self.write(file, text.replace(from, to))
     }
 
-    /// The steady mission's line in pieces, of which one begins every 10 s: who connects while it is flown soon hears what is
-    /// flown, without which no insert is sent.
+    /// Splits the steady mission's line into pieces, of which one begins every 10 s. A runtime that connects in between
+    /// soon learns the current behavior, without which no insert is sent.
     #[must_use]
     pub fn in_legs(self) -> Self {
         let leg = |number: i32| {
@@ -76,7 +76,7 @@ impl Mission {
         self.write("world.toml", text)
     }
 
-    /// Leaves out everything from a text on, which must be there.
+    /// Removes everything from a text on, which must be there.
     #[must_use]
     pub fn cut(self, file: &str, from: &str) -> Self {
         let text = self.read(file);
@@ -93,7 +93,7 @@ impl Mission {
         self.write(file, format!("{text}\n{lines}\n"))
     }
 
-    /// Writes a file anew.
+    /// Replaces a file.
     #[must_use]
     pub fn write(self, file: &str, content: impl AsRef<[u8]>) -> Self {
         fs::write(self.path.join(file), content).expect("the folder is ours");
@@ -107,7 +107,7 @@ impl Mission {
         self
     }
 
-    /// A mission file's text.
+    /// The text of one of the mission's files.
     #[must_use]
     pub fn read(&self, file: &str) -> String {
         fs::read_to_string(self.path.join(file)).expect("the file is there")
@@ -119,7 +119,7 @@ impl Mission {
         &self.path
     }
 
-    /// A place beside the mission for what a run writes; it goes with the mission.
+    /// A path beside the mission for the output of a run; it is removed with the mission.
     #[must_use]
     pub fn beside(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)

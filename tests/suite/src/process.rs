@@ -8,11 +8,11 @@ use tempfile::TempDir;
 
 use crate::clock::eventually;
 
-/// The program while it runs. Dropped, it is killed.
+/// The program while it runs. It is killed when this is dropped.
 #[derive(Debug)]
 pub struct Process {
     child: Child,
-    /// Its streams go into files: a pipe that nobody reads would stop it.
+    /// Its streams go to files, because a pipe that nobody reads would block it.
     streams: TempDir,
 }
 
@@ -44,16 +44,17 @@ impl Process {
         Self { child, streams }
     }
 
-    /// The exit code where it has ended: `None` inside where a signal ended it.
+    /// The exit code if the program has ended; `Some(None)` if a signal ended it.
     pub fn ended(&mut self) -> Option<Option<i32>> {
         let status = self.child.try_wait().expect("a child of ours can be waited for");
         status.map(|status| status.code())
     }
 
-    /// Waits for its end, and gives its exit code.
+    /// Waits for its end and returns the exit code.
     ///
     /// # Panics
-    /// Where it goes on.
+    ///
+    /// If it does not end.
     pub fn wait(&mut self, within: Duration) -> Option<i32> {
         let streams = self.streams.path().to_path_buf();
         eventually(
@@ -61,27 +62,28 @@ impl Process {
             || self.ended(),
             || {
                 let said = fs::read_to_string(streams.join("stderr")).unwrap_or_default();
-                format!("it goes on\n{said}")
+                format!("it does not end\n{said}")
             },
         )
     }
 
-    /// What it has written to standard output so far.
+    /// Its standard output so far.
     #[must_use]
     pub fn stdout(&self) -> String {
         self.read("stdout")
     }
 
-    /// What it has written to standard error so far.
+    /// Its standard error so far.
     #[must_use]
     pub fn stderr(&self) -> String {
         self.read("stderr")
     }
 
-    /// Waits for a line on standard error that has this text, and gives it.
+    /// Waits for a line on standard error that contains this text, and returns it.
     ///
     /// # Panics
-    /// Where it does not come.
+    ///
+    /// If no such line appears.
     pub fn says(&self, text: &str, within: Duration) -> String {
         eventually(
             within,
@@ -91,14 +93,15 @@ impl Process {
                     .find(|line| line.contains(text))
                     .map(str::to_owned)
             },
-            || format!("it has not said `{text}`\n{}", self.stderr()),
+            || format!("no line with `{text}`\n{}", self.stderr()),
         )
     }
 
-    /// The memory that it holds, KiB.
+    /// The memory that it uses, KiB.
     ///
     /// # Panics
-    /// Where it has ended, or where there is no /proc.
+    ///
+    /// If it has ended, or if there is no /proc.
     #[must_use]
     pub fn memory_kib(&self) -> u64 {
         let path = format!("/proc/{}/status", self.child.id());
@@ -113,7 +116,8 @@ impl Process {
     /// Sends it a signal.
     ///
     /// # Panics
-    /// Where it has ended.
+    ///
+    /// If it has ended.
     pub fn signal(&self, signal: Signal) {
         let pid = i32::try_from(self.child.id())
             .ok()
@@ -122,9 +126,9 @@ impl Process {
         kill_process(pid, signal).expect("the process is there");
     }
 
-    /// Kills it as `kill -9` does, and waits for its end.
+    /// Kills it like `kill -9`, and waits for its end.
     pub fn kill(&mut self) {
-        // Where it fails the process has ended already.
+        // If this fails, the process has ended already.
         let _ended = self.child.kill();
         self.child.wait().expect("a child of ours can be waited for");
     }
@@ -137,7 +141,7 @@ impl Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // Nothing is to be done where it has ended already.
+        // If it has ended already, nothing is left to do.
         let _ended = self.child.kill();
         let _status = self.child.wait();
     }

@@ -10,13 +10,13 @@ use crate::mission::Mission;
 use crate::process::Process;
 use crate::stall::Stall;
 
-/// The longest that a command may take which ends by itself.
+/// The longest time for a command that ends by itself.
 const ENDS_WITHIN: Duration = Duration::from_secs(180);
 
 /// A command line of the program.
 ///
-/// It runs in an empty folder, with the project's plugins in `$BACKSEAT_PLUGINS`, without any other `BACKSEAT*` of the
-/// environment, and with the user's state in that folder.
+/// It runs in an empty folder, with the project's plugins in `$BACKSEAT_PLUGINS`, without other `BACKSEAT*` variables,
+/// and with the user's state in that folder.
 #[derive(Debug, Default)]
 pub struct Backseat {
     arguments: Vec<OsString>,
@@ -36,7 +36,7 @@ impl Backseat {
         Self::default()
     }
 
-    /// The program as it goes to sea, which has no simulation.
+    /// The program for sea, without the simulation.
     #[must_use]
     pub fn for_sea(mut self) -> Self {
         self.for_sea = true;
@@ -62,7 +62,7 @@ impl Backseat {
         self.arg(mission.path())
     }
 
-    /// Sets a variable of the environment.
+    /// Sets an environment variable.
     #[must_use]
     pub fn env(mut self, name: &str, value: impl Into<OsString>) -> Self {
         self.environment.push((name.into(), value.into()));
@@ -83,28 +83,28 @@ impl Backseat {
         self
     }
 
-    /// Sends its standard error there, and not where [`Process::stderr`] reads it.
+    /// Sends its standard error to this file, where [`Process::stderr`] does not read it.
     #[must_use]
     pub fn stderr_to(mut self, stream: impl Into<Stdio>) -> Self {
         self.stderr = Some(stream.into());
         self
     }
 
-    /// Gives it this on its standard input; without, there is nothing to be read.
+    /// Gives it this standard input; without this call, the input is empty.
     #[must_use]
     pub fn stdin(mut self, bytes: impl Into<Vec<u8>>) -> Self {
         self.stdin = bytes.into();
         self
     }
 
-    /// No file that it writes grows beyond this: what is written after fails as on a full disk.
+    /// Limits the size of the files that it writes: later writes fail as on a full disk.
     #[must_use]
     pub fn file_max_kib(mut self, kib: u64) -> Self {
         self.file_max_kib = Some(kib);
         self
     }
 
-    /// Its files under these folders hang while the stall stands.
+    /// Its files in these folders hang during the stall.
     #[must_use]
     pub fn stalled(self, stall: &Stall, folders: &[&Path]) -> Self {
         let folders: Vec<_> = folders.iter().map(|folder| folder.as_os_str()).collect();
@@ -113,10 +113,11 @@ impl Backseat {
             .env("STALL_UNDER", folders.join(OsStr::new(":")))
     }
 
-    /// Runs it to its end.
+    /// Runs it until it ends.
     ///
     /// # Panics
-    /// Where it has not ended after three minutes.
+    ///
+    /// If it has not ended after three minutes.
     #[must_use]
     pub fn run(self) -> Finished {
         let mut process = self.spawn();
@@ -132,7 +133,7 @@ impl Backseat {
         }
     }
 
-    /// Starts it and lets it run; it ends with the [`Process`] at the latest.
+    /// Starts it. It ends with the [`Process`] at the latest.
     #[must_use]
     pub fn spawn(self) -> Process {
         let program = if self.for_sea {
@@ -143,7 +144,7 @@ impl Backseat {
         let mut command = match self.file_max_kib {
             None => Command::new(program),
             Some(kib) => {
-                // The signal of that limit would end the program; ignored, the write fails. The unit is 512 bytes.
+                // The limit's signal would end the program; if it is ignored, the write fails. The unit is 512 bytes.
                 let script = format!("trap '' XFSZ; ulimit -f {}; exec \"$0\" \"$@\"", 2 * kib);
                 let mut shell = Command::new("sh");
                 shell.args(["-c", &script]).arg(program);
@@ -162,10 +163,10 @@ impl Backseat {
     }
 }
 
-/// What came of a command.
+/// The result of a command.
 #[derive(Debug)]
 pub struct Finished {
-    /// The exit code; `None` where a signal ended it.
+    /// The exit code; `None` if a signal ended it.
     pub code: Option<i32>,
     /// Standard output.
     pub stdout: String,
@@ -174,20 +175,22 @@ pub struct Finished {
 }
 
 impl Finished {
-    /// It must have ended with this code.
+    /// Requires this exit code.
     ///
     /// # Panics
-    /// Where it did not.
+    ///
+    /// If the command ended with another.
     #[must_use]
     pub fn exit(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "{self}");
         self
     }
 
-    /// Standard output as one JSON object and nothing else.
+    /// Standard output as one JSON object.
     ///
     /// # Panics
-    /// Where it is not.
+    ///
+    /// If it is anything else.
     #[must_use]
     pub fn json(&self) -> Value {
         let value: Value = serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}\n{self}"));
@@ -196,11 +199,12 @@ impl Finished {
         value
     }
 
-    /// It must have refused its input: exit code 2, nothing on standard output, and one line on standard error that is
-    /// no panic. Gives that line.
+    /// Requires that the command refused its input: exit code 2, nothing on standard output, and one line on standard
+    /// error that is not a panic. Returns that line.
     ///
     /// # Panics
-    /// Where it did otherwise.
+    ///
+    /// If the command did anything else.
     #[must_use]
     pub fn refusal(self) -> String {
         assert_eq!(self.code, Some(2), "{self}");

@@ -1,5 +1,5 @@
-//! A vehicle of few words over TCP, written from the interface's specification alone: it shares no code with the runtime or
-//! the mock. It flies straight east, answers as it is told to, and can be late, deaf or wrong.
+//! A simple vehicle over TCP, written from the interface's specification alone: it shares no code with the runtime or
+//! the mock. It flies straight east, answers as a test tells it, and can be late, deaf or wrong.
 
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
@@ -11,15 +11,15 @@ use std::time::Duration;
 
 use crate::clock::{Stopwatch, settle, utc_millis};
 
-/// No more lines of noise wait to be sent than this, each of a KiB.
+/// The most lines of noise that wait to be sent, each of a KiB.
 const NOISE_WAITING_MAX: usize = 1024;
 
-/// How it behaves from now on.
+/// The vehicle's behavior from now on.
 #[derive(Clone, Debug)]
 pub struct Behavior {
-    /// Its words leave so much later, in order.
+    /// Its sentences leave this much later, in order.
     pub late: Duration,
-    /// What it is sent is heard so much later, in order.
+    /// It receives sentences this much later, in order.
     pub slow: Duration,
     /// It reads nothing.
     pub deaf: bool,
@@ -27,17 +27,17 @@ pub struct Behavior {
     pub mute: bool,
     /// It does not answer BPRMP.
     pub hides_plan: bool,
-    /// The dive file that it names.
+    /// The dive file that it reports.
     pub dive: &'static str,
-    /// Its position moves north by so many metres a second beside what its velocity says.
+    /// Its position moves north at this speed, metres a second, in contradiction to its velocity.
     pub creep_mps: f64,
-    /// It sends BFNVR beside BFNVG.
+    /// It sends BFNVR as well as BFNVG.
     pub velocities: bool,
-    /// BFMSC a second.
+    /// The number of BFMSC a second.
     pub commands_per_s: u32,
-    /// BFMBS of behaviors that its plan does not have, a second.
+    /// The number of BFMBS a second for behaviors that are not in its plan.
     pub begins_per_s: u32,
-    /// Sentences that nobody knows, KiB a second, as far as the other side reads them.
+    /// Unknown sentences, KiB a second, as far as the other side reads them.
     pub noise_kib_per_s: u32,
 }
 
@@ -59,7 +59,7 @@ impl Default for Behavior {
     }
 }
 
-/// A sentence that it was sent, with when it was heard, seconds since the vehicle's start.
+/// A sentence that it received, with the time, seconds since the vehicle's start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heard {
     /// Seconds since the vehicle's start.
@@ -70,7 +70,7 @@ pub struct Heard {
 
 /// The vehicle.
 pub struct Scripted {
-    /// Where it listens.
+    /// The address on which it listens.
     pub address: String,
     behavior: Arc<Mutex<Behavior>>,
     heard: Arc<Mutex<Vec<Heard>>>,
@@ -81,7 +81,7 @@ pub struct Scripted {
 }
 
 impl Scripted {
-    /// Begins to listen.
+    /// Starts to listen.
     pub fn start(behavior: Behavior) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
         let address = listener.local_addr().expect("it is bound").to_string();
@@ -109,12 +109,12 @@ impl Scripted {
         }
     }
 
-    /// Changes how it behaves.
+    /// Changes its behavior.
     pub fn change(&self, change: impl FnOnce(&mut Behavior)) {
         change(&mut self.behavior.lock().expect("no thread panicked"));
     }
 
-    /// It says that power goes (BFSHT).
+    /// It announces that the power goes off (BFSHT).
     pub fn shut_down(&self) {
         self.shut_down.store(true, Ordering::Relaxed);
     }
@@ -124,7 +124,7 @@ impl Scripted {
         self.since.elapsed().as_secs_f64()
     }
 
-    /// What it was sent under this name.
+    /// The sentences of this name that it received.
     pub fn heard(&self, name: &str) -> Vec<Heard> {
         let heard = self.heard.lock().expect("no thread panicked");
         let is = |heard: &&Heard| heard.sentence.get(1..6) == Some(name);
@@ -138,10 +138,11 @@ impl Scripted {
         heard
     }
 
-    /// Waits until it was sent so many of this name.
+    /// Waits until it has received this many sentences of a name.
     ///
     /// # Panics
-    /// Where that does not come to pass in time.
+    ///
+    /// If it does not receive them in time.
     pub fn hears(&self, name: &str, count: usize, within: Duration) {
         let watch = Stopwatch::start();
         while self.heard(name).len() < count {
@@ -172,7 +173,7 @@ struct Serving {
     since: Stopwatch,
 }
 
-/// A connection: what waits each way, with when it is due.
+/// A connection: what waits in each direction, with the times when it is due.
 struct Connection {
     stream: TcpStream,
     partial: Vec<u8>,
@@ -242,7 +243,7 @@ impl Serving {
         }
     }
 
-    /// The other side has closed: what it said before is heard all the same, each word when it is due.
+    /// The other side has closed the connection. What it sent before is still received, each sentence when it is due.
     fn hear_the_rest(&self, connection: &mut Connection, behavior: &Behavior) {
         while let Some((due, sentence)) = connection.to_hear.pop_front() {
             settle(due.saturating_sub(self.since.elapsed()));
@@ -257,7 +258,8 @@ impl Serving {
         let minutes = |degrees: f64| (degrees.floor(), (degrees - degrees.floor()) * 60.0);
         let ((lat_deg, lat_min), (lon_deg, lon_min)) = (minutes(latitude), minutes(longitude));
         let created = utc();
-        // BFNVG's heading counts from grid north; here, 70.7 W in zone 19, that is 1.15 degrees east of true north.
+        // BFNVG's heading is relative to grid north, which here, at 70.7 W in zone 19, is 1.15 degrees east of true
+        // north.
         let grid_deg = 90.0 + 1.146;
         self.say(
             connection,
@@ -270,7 +272,7 @@ impl Serving {
         }
     }
 
-    /// A tenth of a second's flood.
+    /// A tenth of a second of the flood.
     fn flood(&self, connection: &mut Connection, behavior: &Behavior) {
         for number in 0..behavior.commands_per_s / 10 {
             self.say(connection, format!("BFMSC,{},flood {number}", utc()));
@@ -282,10 +284,10 @@ impl Serving {
                 format!("BFMBS,{},{},{unknown},,trackline", utc(), behavior.dive),
             );
         }
-        // What waits already would make navigation behind it late.
+        // With more waiting, the navigation behind it would be late.
         let room = usize::saturating_sub(NOISE_WAITING_MAX, connection.to_say.len());
         for _ in 0..room.min(behavior.noise_kib_per_s as usize / 10) {
-            // Of a name that the interface does not have: what is no sentence might have hidden one.
+            // The names are not in the interface: lines that are not sentences could have hidden a sentence.
             let body = format!("BFXYZ,{},{}", utc(), "-".repeat(180));
             let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
             let noise = format!("${body}*{sum:02X}\r\n").repeat(5);
@@ -376,7 +378,7 @@ impl Serving {
     }
 }
 
-/// UTC as the interface has it, `hhmmss.sss`.
+/// UTC in the interface's format, `hhmmss.sss`.
 fn utc() -> String {
     let millis = utc_millis() % 86_400_000;
     let (hours, minutes) = (millis / 3_600_000, millis / 60_000 % 60);

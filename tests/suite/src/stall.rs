@@ -6,8 +6,8 @@ use tempfile::TempDir;
 
 use crate::clock::eventually;
 
-/// A disk that hangs on command, for a program started by [`crate::Backseat::stalled`]: `tests/stall` says what that is.
-/// It thaws when this is dropped.
+/// A disk that hangs on command, for a program started by [`crate::Backseat::stalled`]; `tests/stall` explains how. The
+/// disk recovers when this is dropped.
 #[derive(Debug)]
 pub struct Stall {
     flag: PathBuf,
@@ -21,10 +21,11 @@ impl Default for Stall {
 }
 
 impl Stall {
-    /// One that has not begun.
+    /// A stall that has not begun.
     ///
     /// # Panics
-    /// Where there is no room for a temporary folder.
+    ///
+    /// If there is no room for a temporary folder.
     #[must_use]
     pub fn new() -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder can be made");
@@ -41,15 +42,17 @@ impl Stall {
     /// From now on calls hang.
     ///
     /// # Panics
-    /// Where the flag cannot be set.
+    ///
+    /// If the flag cannot be set.
     pub fn begin(&self) {
         File::create(&self.flag).expect("the folder is ours");
     }
 
-    /// The calls that hang go on, and no more hang.
+    /// Calls that hang continue, and no further call hangs.
     ///
     /// # Panics
-    /// Where the flag cannot be taken away.
+    ///
+    /// If the flag cannot be removed.
     pub fn end(&self) {
         fs::remove_file(&self.flag).expect("it has begun");
     }
@@ -61,10 +64,11 @@ impl Stall {
         text.lines().map(str::to_owned).collect()
     }
 
-    /// Waits until a call hangs whose function and file have these texts in them.
+    /// Waits until a call hangs whose function and file contain these texts.
     ///
     /// # Panics
-    /// Where none does.
+    ///
+    /// If none does.
     pub fn holds(&self, function: &str, file: &str, within: Duration) {
         let is = |call: &String| call.starts_with(function) && call.contains(file);
         eventually(

@@ -10,27 +10,27 @@ use crate::program::Backseat;
 
 const STARTS_WITHIN: Duration = Duration::from_secs(30);
 
-/// Which way a line of the vehicle's log went.
+/// The direction of a line of the vehicle's log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// A sentence that the vehicle received.
     Received,
     /// A sentence that the vehicle sent.
     Sent,
-    /// Something that happened to the vehicle.
+    /// An event of the vehicle.
     Event,
 }
 
 /// A line of the vehicle's log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// By the vehicle's clock, seconds since its start.
+    /// The vehicle's clock, seconds since its start.
     pub at_s: f64,
-    /// Which way.
+    /// The direction.
     pub way: Way,
-    /// Which client's, counted from 1; 0 for events.
+    /// The client's number, from 1; 0 for events.
     pub client: u32,
-    /// The sentence, or what happened.
+    /// The sentence or the event.
     pub text: String,
 }
 
@@ -81,12 +81,12 @@ impl Line {
     }
 }
 
-/// The mock vehicle as a program of its own, on real time, with its log.
+/// The mock vehicle as a separate program in real time, with its log.
 #[derive(Debug)]
 pub struct Vehicle {
     /// The program.
     pub process: Process,
-    /// Where it listens.
+    /// The address on which it listens.
     pub address: String,
     log: PathBuf,
 }
@@ -104,13 +104,13 @@ impl Vehicle {
         Self::start_with(mission, address, &[])
     }
 
-    /// Starts it on a free port of a machine that is busier than most.
+    /// Starts it on a free port of a very busy machine.
     #[must_use]
     pub fn start_within(mission: &Mission, within: Duration) -> Self {
         Self::begin(mission, "127.0.0.1:0", &[], within)
     }
 
-    /// Starts it on this address, with these flags.
+    /// Starts it on this address with these options.
     #[must_use]
     pub fn start_with(mission: &Mission, address: &str, flags: &[&str]) -> Self {
         Self::begin(mission, address, flags, STARTS_WITHIN)
@@ -133,11 +133,12 @@ impl Vehicle {
     /// Its log so far.
     ///
     /// # Panics
-    /// Where it holds what is no line of a log.
+    ///
+    /// If a line is not in the format of the log.
     #[must_use]
     pub fn lines(&self) -> Vec<Line> {
         let text = self.log_text();
-        // The last one may be half written.
+        // The last line may be half written.
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
         whole
             .lines()
@@ -145,16 +146,17 @@ impl Vehicle {
             .collect()
     }
 
-    /// Its log so far, as it is.
+    /// The text of its log so far.
     #[must_use]
     pub fn log_text(&self) -> String {
         fs::read_to_string(&self.log).unwrap_or_default()
     }
 
-    /// Waits for a line, and gives it.
+    /// Waits for a line and returns it.
     ///
     /// # Panics
-    /// Where it does not come; the message has the log but for navigation.
+    ///
+    /// If it does not appear. The message has the log without navigation.
     pub fn sees(&self, what: &str, within: Duration, is: impl Fn(&Line) -> bool) -> Line {
         eventually(
             within,
@@ -163,10 +165,11 @@ impl Vehicle {
         )
     }
 
-    /// Waits for so many sentences of a name, and gives the last.
+    /// Waits for this many sentences of a name, and returns the last.
     ///
     /// # Panics
-    /// Where they do not come.
+    ///
+    /// If it does not receive them.
     pub fn receives(&self, name: &str, count: usize, within: Duration) -> Line {
         eventually(
             within,
@@ -181,7 +184,7 @@ impl Vehicle {
         self.lines().into_iter().filter(|line| line.is_received(name)).collect()
     }
 
-    /// The log without what comes ten times a second, for people.
+    /// The log without what is repeated ten times a second, for people.
     #[must_use]
     pub fn story(&self) -> String {
         let lines = self.lines();
@@ -195,10 +198,11 @@ impl Vehicle {
     }
 }
 
-/// An address where nothing listened a moment ago.
+/// An address on which nothing listened a moment ago.
 ///
 /// # Panics
-/// Where the machine has no free port.
+///
+/// If the machine has no free port.
 #[must_use]
 pub fn free_address() -> String {
     let listener = TcpListener::bind("127.0.0.1:0").expect("the machine has a free port");

@@ -1,7 +1,7 @@
-//! What tests and benchmarks share: where the project is, its program and its plugins.
+//! The paths that tests and benchmarks need: the project, its program and its plugins.
 //!
-//! `cargo xtask` builds both before the tests and says where they are (`BACKSEAT_TEST_PROGRAM`, `BACKSEAT_TEST_PLUGINS`).
-//! Where it does not, under `cargo test` by hand, each test program builds them once.
+//! `cargo xtask` builds program and plugins before the tests, and passes their paths in `BACKSEAT_TEST_PROGRAM` and
+//! `BACKSEAT_TEST_PLUGINS`. Without these, as with plain `cargo test`, each test program builds them once.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -20,17 +20,18 @@ pub fn workspace() -> &'static Path {
     })
 }
 
-/// A mission of the project.
+/// The folder of one of the project's missions.
 #[must_use]
 pub fn mission(name: &str) -> PathBuf {
     workspace().join("missions").join(name)
 }
 
-/// The folder with the project's plugins as components, built from what is in the tree: every package in the folder
-/// `plugins` that is one.
+/// The folder with the project's plugins as components, built from the tree: every package in the folder `plugins` that
+/// is a plugin.
 ///
 /// # Panics
-/// Where they cannot be built; the message says why.
+///
+/// If they cannot be built; the message has the reason.
 #[must_use]
 pub fn plugins() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
@@ -52,11 +53,12 @@ pub fn plugins() -> &'static Path {
     })
 }
 
-/// The program `backseat`, built from what is in the tree, in the target folder and with the profile of the test that
-/// asks. (Cargo tells a test where a program is only where both are of one package.)
+/// The program `backseat`, built from the tree, in the target folder and with the profile of the calling test. (Cargo
+/// only tells a test where a program is if both are in the same package.)
 ///
 /// # Panics
-/// Where it cannot be built; the message says why.
+///
+/// If it cannot be built; the message has the reason.
 #[must_use]
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
@@ -66,11 +68,12 @@ pub fn program() -> &'static Path {
     })
 }
 
-/// The program as it goes to sea, without the simulation, in the same way. Built by hand it has a target folder of its own,
-/// beside that of the test, for both programs have one name.
+/// The same for the program for sea, without the simulation. Without `cargo xtask` it is built in a separate target
+/// folder beside the test's, because both programs have the same name.
 ///
 /// # Panics
-/// Where it cannot be built; the message says why.
+///
+/// If it cannot be built; the message has the reason.
 #[must_use]
 pub fn sea_program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
@@ -83,7 +86,8 @@ pub fn sea_program() -> &'static Path {
 /// The program that builds plugins. It lies beside the program.
 ///
 /// # Panics
-/// Where it cannot be built; the message says why.
+///
+/// If it cannot be built; the message has the reason.
 #[must_use]
 pub fn componentize() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
@@ -96,10 +100,12 @@ pub fn componentize() -> &'static Path {
     })
 }
 
-/// The library of `tests/stall`, which makes files hang for a program that loads it. It lies beside the program.
+/// The library of `tests/stall`, which makes files hang for a program that loads it. It is in the folder of the
+/// program.
 ///
 /// # Panics
-/// Where it cannot be built; the message says why.
+///
+/// If it cannot be built; the message has the reason.
 #[must_use]
 pub fn stall() -> &'static Path {
     static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
@@ -109,24 +115,25 @@ pub fn stall() -> &'static Path {
             Some(program) => Path::new(&program).with_file_name(name),
             None => build("backseat-stall").join(name),
         };
-        // The loader goes on without a library that it does not find, and the test would show nothing.
+        // The loader ignores a library that it does not find, and the test would then show nothing.
         assert!(
             library.is_file(),
-            "{}: not there; `cargo build --package backseat-stall` builds it",
+            "{}: not found; `cargo build --package backseat-stall` builds it",
             library.display()
         );
         library
     })
 }
 
-/// Builds a package in the target folder and with the profile of the program that asks. Gives the folder with what it built.
+/// Builds a package in the target folder and with the profile of the calling program. Returns the folder with the
+/// result.
 fn build(package: &str) -> PathBuf {
     build_in(package, &[], None)
 }
 
-/// The same with more arguments, and in a folder of the target folder where one is given.
+/// The same with more arguments, and in a subfolder of the target folder if one is given.
 fn build_in(package: &str, arguments: &[&str], own: Option<&str>) -> PathBuf {
-    // TARGET/PROFILE/deps/TEST, or one folder less where the test is a program itself.
+    // The path is TARGET/PROFILE/deps/TEST, or one folder less if the test is a program itself.
     let test = std::env::current_exe().expect("a running program has a path");
     let folder = test
         .ancestors()

@@ -51,7 +51,7 @@ impl Sea {
         let mut chance = Chance::new(seed);
         let steepness = chance.within(0.02, 0.06);
         let downslope_deg = chance.within(0.0, 360.0);
-        // The meanders together add at most 0.4 of the slope, so that the contour stays one line.
+        // Together the meanders add at most 0.4 of the slope, so that the contour stays a single line.
         let meanders = (0..3)
             .map(|_| {
                 let number = TAU / chance.within(400.0, 1500.0);
@@ -96,7 +96,7 @@ impl Sea {
         (depth_m, gradient)
     }
 
-    /// Horizontal distance to the contour: down or up the gradient until the depth is right, metres.
+    /// Horizontal distance to the contour, metres: the distance along the gradient to where the depth is right.
     pub(crate) fn off_m(&self, at: EastNorth) -> f64 {
         let mut on = at;
         for _ in 0..8 {
@@ -109,7 +109,7 @@ impl Sea {
 }
 
 pub(crate) fn config(sea: &Sea) -> Config {
-    // What an operator knows: the general directions to 20 degrees, a usual slope.
+    // An operator knows the general directions to within 20 degrees, and a typical slope.
     serde_json::from_value(serde_json::json!({
         "contour_m": sea.contour_m,
         "depth_m": 12.0,
@@ -197,7 +197,7 @@ impl Trial {
         }
     }
 
-    /// Half a second under what was asked for last.
+    /// Half a second under the latest request.
     pub(crate) fn fly(&mut self, requests: &[Request]) {
         for request in requests {
             match request {

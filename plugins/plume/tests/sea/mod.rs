@@ -77,7 +77,7 @@ pub(crate) fn config(field: &Field) -> Config {
     .unwrap()
 }
 
-/// What the vehicle flies: way points, then the end.
+/// What the vehicle flies: waypoints, then the end.
 struct Insert {
     tag: u64,
     points: VecDeque<EastNorth>,
@@ -96,10 +96,10 @@ pub(crate) struct Trial {
     flying: Option<Insert>,
     pub(crate) events: Vec<Event>,
     pub(crate) control: bool,
-    /// Answers a request; none accepts it.
+    /// Replaces the answer to a request; `None` accepts it.
     pub(crate) answer: fn(&Request, u32) -> Option<State>,
     pub(crate) asked: u32,
-    /// Half seconds with nothing of ours to fly, between the end of the first leg and the circle.
+    /// Half seconds with none of our legs to fly, between the end of the first leg and the circle.
     pub(crate) gaps: u32,
     pub(crate) circle: Option<Trackcircle>,
     pub(crate) messages: Vec<String>,
@@ -146,7 +146,7 @@ impl Trial {
         self.drift = self.drift + EastNorth::new(chance.gaussian(), chance.gaussian()) * drift_m;
         let mut events = std::mem::take(&mut self.events);
         if self.now_ns.is_multiple_of(1_000_000_000) {
-            // Measured a while ago: where the vehicle was then.
+            // Measured a short time ago, at the vehicle's position of then.
             let age_s = chance.within(0.0, 0.4);
             let there = self.at - self.velocity * age_s;
             events.push(Event::Ctd(Ctd {
@@ -241,7 +241,7 @@ impl Trial {
         self.flying.iter().chain(&self.queue).map(|insert| insert.tag).collect()
     }
 
-    /// Half a second of flying.
+    /// Flies for half a second.
     pub(crate) fn fly(&mut self, requests: &[Request]) {
         for request in requests {
             self.take(request);
@@ -270,7 +270,7 @@ impl Trial {
                 self.tell(tag, State::Ended(Ended::new(EndKind::Done, "flown")));
                 continue;
             };
-            // It navigates by what it believes to be its position.
+            // It navigates by its estimated position.
             let believed = self.at + self.drift;
             let way_m = believed.distance_m(point);
             let step_m = left_m.min(way_m);
@@ -290,7 +290,7 @@ impl Trial {
         self.fly(&requests);
     }
 
-    /// Until the plugin says that it is done; how many seconds that took.
+    /// Runs until the plugin reports that it is done; returns how many seconds that took.
     pub(crate) fn run(&mut self) -> u64 {
         for _ in 0..2 * 3 * 3600 {
             self.step();

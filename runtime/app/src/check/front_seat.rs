@@ -1,4 +1,5 @@
-//! The front seat's plan, held against the fence, and what a vehicle of the class can do, against limits and fence.
+//! Checks the front seat's plan against the fence, and the limits and the fence against what the vehicle's class can
+//! do.
 
 use std::path::Path;
 use std::time::Duration;
@@ -11,24 +12,24 @@ use backseat_units::{Position, Utc};
 
 use crate::output::say;
 
-/// What is known ashore of the vehicle and of what it will do by itself.
+/// What is known before the dive about the vehicle and the plan that it flies by itself.
 pub(super) struct FrontSeat {
-    /// What it can do, where its class is known.
+    /// The vehicle's class with its limits, where the class is known.
     pub(super) vehicle: Option<(VehicleClass, VehicleLimits)>,
     pub(super) plan: Option<FrontSeatPlan>,
-    /// Where it begins.
+    /// Where the plan begins.
     pub(super) start: Option<Position>,
     pub(super) start_depth_m: f64,
-    /// From the begin of the dive to that of the plan, seconds.
+    /// From the beginning of the dive to that of the plan, seconds.
     pub(super) starts_after_s: f64,
     /// When the simulation begins.
     pub(super) simulated_at: Option<Utc>,
-    /// What is to be said of `world.toml`.
+    /// A remark about `world.toml` to print.
     pub(super) remark: Option<&'static str>,
 }
 
 impl FrontSeat {
-    /// What the mission says, with the plan of a file in the place of its own.
+    /// The mission's vehicle and plan. `file` replaces the mission's plan.
     pub(super) fn of_mission(mission: &Mission, file: Option<&Path>) -> Result<Self> {
         let vehicle = mission.file.vehicle.class.map(|class| (class, class.limits()));
         let limits = vehicle.map_or_else(VehicleLimits::of_any_class, |(_, limits)| limits);
@@ -47,14 +48,14 @@ impl FrontSeat {
         })
     }
 
-    /// Says what is judged, and gives back what is amiss, a line each. `at` is when the dive begins, where the operator has
-    /// named it.
+    /// Prints what is checked and returns the findings, one line each. `at` is when the dive begins, where the operator
+    /// has given it.
     pub(super) fn findings(&self, mission: &Mission, at: Option<Utc>, now: Utc) -> Result<Vec<String>> {
         let (fence, limits) = (mission.envelope.fence(), &mission.file.limits);
         let mut findings = match &self.vehicle {
             Some((class, vehicle)) => beyond_class(limits, fence, *class, vehicle),
             None => {
-                say!("no [vehicle] class: what its hull can do is held against nothing");
+                say!("no [vehicle] class: limits and fence are not checked against what the vehicle can do");
                 Vec::new()
             }
         };
@@ -62,7 +63,7 @@ impl FrontSeat {
             say!("{remark}");
         }
         let Some(plan) = &self.plan else {
-            say!("no plan of the front seat: it is held against nothing; name one by --plan or [plan]");
+            say!("no plan of the front seat, so none is checked against the fence; name one with --plan or [plan]");
             return Ok(findings);
         };
         let begun_at = |utc: Utc| Dive {
@@ -74,7 +75,7 @@ impl FrontSeat {
             utc: utc + Duration::try_from_secs_f64(self.starts_after_s).unwrap_or_default(),
         };
         if begun_at(now).bottom_is_unknown() {
-            say!("plan: how far from the bottom it keeps is not judged: [limits] has no water_depth_min_m");
+            say!("plan: altitude not checked, because [limits] has no water_depth_min_m");
         }
         let begins = self.begins(at, fence, now);
         if fence.changes() {
@@ -83,7 +84,7 @@ impl FrontSeat {
                 .map(|(utc, why)| format!("{} ({why})", Rfc3339(*utc)))
                 .collect();
             say!(
-                "plan: judged as begun at {}; --at names another time",
+                "plan: checked for a dive that begins at {}; --at sets another time",
                 times.join(" and at ")
             );
         }
@@ -99,31 +100,31 @@ impl FrontSeat {
             let whence = if self.start.is_some() {
                 "its start"
             } else {
-                "its first place"
+                "its first position"
             };
             say!(
-                "plan: {whence} and all {} behaviors, with the ways between them, lie inside the fence",
+                "plan: {whence}, all {} behaviors and the paths between them lie inside the fence",
                 plan.behaviors.len()
             );
         }
         findings.extend(outside.into_iter().map(|(finding, why)| match fence.changes() {
-            true => format!("{finding} (begun {why})"),
+            true => format!("{finding} (start of the dive: {why})"),
             false => finding,
         }));
         Ok(findings)
     }
 
-    /// When the dive is taken to begin, and why then. Zones that come and go count on the day of the dive, which is not that
-    /// of the simulation.
+    /// The times at which the dive may begin, each with where the time comes from. Zones with a time window are also
+    /// checked for a dive that begins now, because the real dive is not on the day of the simulation.
     fn begins(&self, at: Option<Utc>, fence: &Fence, now: Utc) -> Vec<(Utc, &'static str)> {
         let today = (
             Utc::from_unix_nanos(now.as_unix_nanos() / 1_000_000_000 * 1_000_000_000),
             "now",
         );
         match (at, self.simulated_at) {
-            (Some(at), _) => vec![(at, "as --at says")],
+            (Some(at), _) => vec![(at, "from --at")],
             (None, Some(simulated_at)) => {
-                let mut begins = vec![(simulated_at, "as world.toml says")];
+                let mut begins = vec![(simulated_at, "from world.toml")];
                 begins.extend(fence.changes().then_some(today));
                 begins
             }

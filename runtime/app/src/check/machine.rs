@@ -1,4 +1,4 @@
-//! What the computer itself must have for a dive: folders that can be written, room for the logs, a clock.
+//! What this computer needs for a dive: folders that can be written, room for the logs, a clock that is right.
 
 use std::fs;
 use std::net::TcpListener;
@@ -13,18 +13,18 @@ use crate::output::say;
 use crate::run::names_requests;
 use crate::state::State;
 
-/// A log of a day at sea: 10 Hz of navigation and all else that is heard, some 3 kB/s, fourfold.
+/// Room for the log of a day at sea: 10 Hz of navigation and all other messages, about 3 kB/s, times four.
 const LOG_ROOM: u64 = 1 << 30;
-/// The records of identifiers and hold are a few bytes, and a block each.
+/// The records of identifiers and hold are a few bytes each, and occupy one block each.
 const STATE_ROOM: u64 = 1 << 20;
-/// 2025-01-01: a clock without power begins in 1970, or when its firmware was made.
+/// 2025-01-01. A clock that has lost power starts in 1970, or when its firmware was built.
 const CLOCK_MIN: Utc = Utc::from_unix_nanos(1_735_689_600_000_000_000);
 /// 2100-01-01.
 const CLOCK_MAX: Utc = Utc::from_unix_nanos(4_102_444_800_000_000_000);
-/// A mission was not written later than now. Clocks of other machines may be a little ahead.
+/// A mission's files are not written in the future, but the clock of the machine that wrote them may be this far ahead.
 const AHEAD_MAX: Duration = Duration::from_secs(3600);
 
-/// Whatever this computer lacks, a line each.
+/// Everything that this computer lacks, one line each.
 pub(super) fn findings(mission: &Mission, log: &Path, state: &Path, now: Utc) -> Vec<String> {
     let folders = [("logs", log, LOG_ROOM), ("state", state, STATE_ROOM)];
     let mut findings: Vec<String> = folders
@@ -33,22 +33,23 @@ pub(super) fn findings(mission: &Mission, log: &Path, state: &Path, now: Utc) ->
         .collect();
     if now < CLOCK_MIN || now > CLOCK_MAX {
         findings.push(format!(
-            "clock: it says {} s since 1970, expected a time from 2025 to 2100",
+            "clock: the time is {} s since 1970, expected a time from 2025 to 2100",
             now.as_unix_nanos() / 1_000_000_000
         ));
     } else if let Some((file, ahead)) = written_later(mission, now) {
         findings.push(format!(
-            "clock: {file} was written {} s later than now, expected a clock that is not behind",
+            "clock: {file} was written {} s in the future, so this computer's clock is probably behind; set it",
             ahead.as_secs()
         ));
     }
     findings
 }
 
-/// Whatever earlier runs, the operator or other programs have left that keeps this mission from being flown, a line each.
+/// What earlier runs, the operator or other programs have left behind that prevents this mission from being flown, one
+/// line each.
 pub(super) fn kept(mission: &Mission, folder: &Path) -> Result<Vec<String>> {
     let mut findings = Vec::new();
-    // Where it is not there yet it is not made.
+    // A check does not create the folder where it is missing.
     let state = folder
         .is_dir()
         .then(|| State::open(folder, mission.file.vehicle.name.as_deref()));
@@ -57,7 +58,7 @@ pub(super) fn kept(mission: &Mission, folder: &Path) -> Result<Vec<String>> {
         Ok(Some(state)) => {
             if state.held() {
                 findings.push(format!(
-                    "hold: {} stands, and with it nothing that steers is sent: expected no such file",
+                    "hold: {} exists, so nothing that steers is sent; release the hold or delete the file",
                     state.hold_path().display()
                 ));
             }
@@ -71,8 +72,8 @@ pub(super) fn kept(mission: &Mission, folder: &Path) -> Result<Vec<String>> {
     }
     if recorded.is_none() && findings.is_empty() && names_requests(mission) {
         say!(
-            "no record of SPI identifiers in {}: `run` sends no tracklines, circles, GPS hits and acoustic packets unless it \
-             begins one, with --first-identifier N",
+            "no record of SPI identifiers in {}: `run` sends no tracklines, circles, GPS hits or acoustic packets \
+             until you begin one with --first-identifier N",
             folder.display()
         );
     }
@@ -84,12 +85,12 @@ pub(super) fn kept(mission: &Mission, folder: &Path) -> Result<Vec<String>> {
     Ok(findings)
 }
 
-/// The folder, or the one in which it will be made, takes a file and has room.
+/// Checks that the folder, or the existing one in which it will be created, can be written to and has room.
 fn writable(folder: &Path, room: u64) -> Result<()> {
     let there = existing(folder);
     let place = || there.display().to_string();
     let probe = there.join(format!(".backseat-check-{}", std::process::id()));
-    let written = fs::write(&probe, b"can this be written\n");
+    let written = fs::write(&probe, b"write test by backseat check\n");
     let removed = fs::remove_file(&probe);
     written.with_context(place)?;
     removed.with_context(place)?;
@@ -107,14 +108,14 @@ fn writable(folder: &Path, room: u64) -> Result<()> {
     Ok(())
 }
 
-/// The folder itself, or the nearest above it that is there.
+/// The folder itself, or its nearest ancestor that exists.
 fn existing(folder: &Path) -> PathBuf {
     let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
     let there = whole.ancestors().find(|folder| folder.exists());
     there.unwrap_or(&whole).to_path_buf()
 }
 
-/// The first file of the mission that comes from the future, and by how much.
+/// The first file of the mission that was written in the future, and how far.
 fn written_later(mission: &Mission, now: Utc) -> Option<(&'static str, Duration)> {
     let now = UNIX_EPOCH + Duration::from_nanos(now.as_unix_nanos());
     ["mission.toml", mission.fence_file, "world.toml", "plan.toml"]

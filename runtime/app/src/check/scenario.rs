@@ -1,4 +1,4 @@
-//! What `world.toml` adds to a check: the vehicle and the plan that are simulated, and whether they can be.
+//! What `world.toml` adds to a check: the vehicle and the plan to simulate, and whether they are possible.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use backseat_scenario::Scenario;
 
 use super::front_seat::FrontSeat;
 
-/// The front seat of the mission's scenario, where it has one.
+/// The front seat of the mission's scenario, where the mission has one.
 pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>) -> Result<FrontSeat> {
     let Some(scenario) = Scenario::find(mission)? else {
         return Ok(FrontSeat {
@@ -18,7 +18,7 @@ pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>) -> Result<Front
     };
     let vehicle = scenario.vehicle_of(mission);
     let plan = scenario.plan(mission, plan)?;
-    // What only a seed shows: a vehicle or a seabed that cannot be.
+    // Some errors show only with a seed: a vehicle or a seabed that is not possible.
     drop(
         scenario
             .vehicle(1)

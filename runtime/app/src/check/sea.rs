@@ -1,4 +1,4 @@
-//! A check without the simulation: `world.toml` is not looked at.
+//! A check in the program without the simulation: it does not read `world.toml`.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use backseat_mission::Mission;
 
 use super::front_seat::FrontSeat;
 
-/// The front seat, as far as the mission itself says.
+/// The front seat, as far as the mission itself describes it.
 pub(super) fn front_seat(mission: &Mission, plan: Option<&Path>) -> Result<FrontSeat> {
     Ok(FrontSeat {
-        remark: Some("world.toml was not looked at: this program was built for sea, without the simulation"),
+        remark: Some("world.toml not read: this program was built for sea, without the simulation"),
         ..FrontSeat::of_mission(mission, plan)?
     })
 }

@@ -1,4 +1,4 @@
-//! `backseat log info`: what a log is of, and whether it is whole.
+//! `backseat log info`: what a log contains, and whether it is complete.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use crate::output::say;
 
 #[derive(Debug, Args)]
 pub(crate) struct LogInfo {
-    /// The log, as `run` or `sim --log` writes it
+    /// The log, written by `run` or `sim --log`
     #[arg(value_name = "DIVE.mcap")]
     file: PathBuf,
     /// Print one JSON object on standard output and nothing else
@@ -32,11 +32,11 @@ pub(super) fn info(arguments: &LogInfo) -> Result<bool> {
     Ok(true)
 }
 
-/// What is counted in a log.
+/// Counts of a log's records.
 #[derive(Default)]
 struct Summary {
     seconds: f64,
-    /// Bytes of the link, from the vehicle and to it.
+    /// Bytes on the link, from the vehicle and to it.
     received: usize,
     sent: usize,
     notes: usize,
@@ -95,9 +95,9 @@ impl Summary {
         say!(
             "  {}",
             if log.complete {
-                "the log has its end"
+                "the log is complete"
             } else {
-                "cut short: the log has no end, and what was not yet written is missing"
+                "cut short: the log does not end properly, and its last records may be missing"
             }
         );
         Ok(())

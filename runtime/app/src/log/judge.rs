@@ -1,4 +1,4 @@
-//! `backseat log judge`: what the oracle says of a run.
+//! `backseat log judge`: the oracle's verdict on a run.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use crate::output::say;
 
 #[derive(Debug, Args)]
 pub(crate) struct LogJudge {
-    /// The log, as `run` or `sim --log` writes it
+    /// The log, written by `run` or `sim --log`
     #[arg(value_name = "DIVE.mcap")]
     pub(crate) file: PathBuf,
     /// Print one JSON object on standard output and nothing else
@@ -48,7 +48,8 @@ fn print(path: &Path, verdict: &Verdict) -> Result<()> {
     );
     for gap in &verdict.gaps {
         say!(
-            "  gap: {} records are missing from {:.3} s to {:.3} s; what hangs on them is unknown until the log tells it again",
+            "  gap: {} records are missing from {:.3} s to {:.3} s; what depends on \
+             them is not judged until the log states it again",
             gap.records,
             gap.since_s,
             gap.until_s
@@ -56,7 +57,7 @@ fn print(path: &Path, verdict: &Verdict) -> Result<()> {
     }
     if verdict.standstills > 0 {
         say!(
-            "  the process stood still {} times, for over a second: its silence is not judged",
+            "  the process stood still {} times, for over a second: its silence then is not judged",
             verdict.standstills
         );
     }
@@ -66,8 +67,8 @@ fn print(path: &Path, verdict: &Verdict) -> Result<()> {
             .map_or_else(|| "   ".to_owned(), |requirement| format!("{requirement:03}"));
         let fared = match (rule.unjudged, rule.broken) {
             (Some(why), _) => format!("not judged: {why}"),
-            (None, 0) => format!("held, {} to judge", rule.judged),
-            (None, broken) => format!("broke {broken} of {} to judge", rule.judged),
+            (None, 0) => format!("held, judged {} times", rule.judged),
+            (None, broken) => format!("broken {broken} of {} times", rule.judged),
         };
         say!("  {requirement} {:27} {:9} {fared}", rule.rule, rule.side);
     }

@@ -12,40 +12,40 @@ use tokio::task::AbortHandle;
 use crate::clock::Clock;
 use crate::mvc::log::LineCutter;
 
-/// What is read from a client at once, bytes. The next is read when the vehicle has dealt with it, so that a flood waits
-/// in its sender's own buffers and each client has its turn.
+/// Bytes of one read from a client at most. The next read waits until the vehicle has handled this one, so that a flood
+/// waits in its sender's own buffers and each client gets its turn.
 const READ: usize = 8 * 1024;
-/// A client is read at this pace after a first burst, bytes a second and bytes: a hundred times what SPI needs, and
-/// little enough that floods leave the vehicle its processor.
+/// How fast a client is read: bytes a second, and bytes of a first burst. This is a hundred times what SPI needs, and
+/// little enough that a flood leaves the vehicle its processor time.
 const PACE: f64 = 1e6;
 const BURST: f64 = 256e3;
-/// A dead peer holds its place and its role no longer than about this.
+/// A dead peer loses its connection and its role after about this time.
 const KEEPALIVE: TcpKeepalive = TcpKeepalive::new()
     .with_time(Duration::from_secs(10))
     .with_interval(Duration::from_secs(5))
     .with_retries(3);
 
-/// What a client's socket says.
+/// An event of a client's socket.
 pub(crate) enum Heard {
     Bytes(ClientId, Box<[u8]>, OwnedSemaphorePermit),
-    /// It can be written again.
+    /// The socket can be written to again.
     Writable(ClientId),
     Gone(ClientId),
 }
 
-/// A client's connection: what waits to be written, and the part of a line that has been read.
+/// A client's connection: the bytes that wait to be written, and the part of a line that has been read.
 pub(crate) struct Connection {
     client: ClientId,
     stream: Arc<TcpStream>,
     out: Vec<u8>,
-    /// So much of `out` is written.
+    /// How many bytes of `out` have been written.
     written: usize,
     awaits_writable: bool,
     resets: bool,
-    /// When writing has stopped, since the program's start.
+    /// When writing stalled, since the program's start.
     pub(crate) stalled: Option<Duration>,
     pub(crate) cutter: LineCutter,
-    /// The link's faults, where it has any: to the vehicle and from it.
+    /// The link's faults to the vehicle and from it, where it has any.
     pub(crate) faults: Option<Box<(FaultyLink, FaultyLink)>>,
     heard: mpsc::UnboundedSender<Heard>,
     reader: AbortHandle,
@@ -77,7 +77,7 @@ impl Connection {
         })
     }
 
-    /// The vehicle sends this.
+    /// Sends bytes from the vehicle.
     pub(crate) fn send(&mut self, now: Timestamp, bytes: &[u8]) {
         let passed = match &mut self.faults {
             Some(faults) => faults.1.pass(now, bytes),
@@ -86,8 +86,8 @@ impl Connection {
         self.out.extend_from_slice(passed.unwrap_or_default());
     }
 
-    /// What has arrived over a link with faults: towards the client it is written, towards the vehicle it is given back.
-    /// None where the link is cut.
+    /// Takes what has arrived over a link with faults: writes it to the client, or returns it if it is for the vehicle.
+    /// `None` where the link is cut.
     pub(crate) fn arrived(&mut self, now: Timestamp) -> Option<Vec<u8>> {
         let mut bytes = Vec::new();
         let Some(faults) = &mut self.faults else {
@@ -116,24 +116,24 @@ impl Connection {
             .min()
     }
 
-    /// From now on the peer finds its connection reset, not closed.
+    /// From now on, closing resets the connection.
     pub(crate) fn reset(&mut self) {
-        // Where it fails the connection is gone already.
+        // If this fails, the connection is already closed.
         let _gone = SockRef::from(&*self.stream).set_linger(Some(Duration::ZERO));
         self.resets = true;
     }
 
-    /// What waits, bytes.
+    /// Bytes that wait to be written.
     pub(crate) fn waiting(&self) -> usize {
         self.out.len() - self.written
     }
 
-    /// It can be written again.
+    /// The socket can be written to again.
     pub(crate) fn writable(&mut self) {
         self.awaits_writable = false;
     }
 
-    /// Writes what can be written now, mostly in one call.
+    /// Writes what can be written now, usually in one call.
     pub(crate) fn flush(&mut self, now: Duration) -> io::Result<()> {
         if self.awaits_writable {
             return Ok(());
@@ -149,7 +149,7 @@ impl Connection {
                     self.stalled.get_or_insert(now);
                     self.awaits_writable = true;
                     tokio::spawn(tell_writable(self.client, Arc::clone(&self.stream), self.heard.clone()));
-                    // What is written is thrown away only where little has to be moved.
+                    // Drops the written bytes only when few bytes have to be moved for it.
                     if self.written > self.out.len() / 2 {
                         self.out.drain(..self.written);
                         self.written = 0;
@@ -172,7 +172,7 @@ impl Drop for Connection {
         if self.resets {
             return;
         }
-        // The task that waits for room holds the socket too. Where this fails the peer has gone already.
+        // The task that waits for room also holds the socket. If this fails, the peer has already disconnected.
         let _gone = SockRef::from(&*self.stream).shutdown(std::net::Shutdown::Both);
     }
 }
@@ -197,7 +197,7 @@ async fn read(client: ClientId, stream: Arc<TcpStream>, heard: mpsc::UnboundedSe
         } else {
             Heard::Bytes(client, bytes.into(), permit)
         };
-        // The server has ended where nobody listens.
+        // The server has ended if nothing receives this.
         if heard.send(what).is_err() || read == 0 {
             return;
         }
@@ -216,6 +216,6 @@ async fn tell_writable(client: ClientId, stream: Arc<TcpStream>, heard: mpsc::Un
         Ok(()) => Heard::Writable(client),
         Err(_) => Heard::Gone(client),
     };
-    // The server has ended where nobody listens.
+    // The server has ended if nothing receives this.
     let _ended = heard.send(what);
 }

@@ -7,14 +7,14 @@ use backseat_mvc::ClientId;
 use backseat_units::Timestamp;
 use tracing::warn;
 
-/// A line that is longer is logged in pieces of this size, bytes: it is longer than any sentence.
+/// A longer line is logged in pieces of this many bytes, more than any sentence has.
 const PIECE_MAX: usize = 4352;
 
-/// Every sentence both ways and every event, in order, one a line, each with the vehicle's clock:
-/// `12.300 < client 1 $BPRMB,…` came, `12.300 > client 1 $BFACK,…` went, `12.300 -- …` happened.
+/// Every sentence in both directions and every event, in order, one a line, each with the vehicle's clock: `12.300 <
+/// client 1 $BPRMB,…` was received, `12.300 > client 1 $BFACK,…` was sent, `12.300 -- …` happened.
 ///
-/// What is no printable ASCII is escaped as `\x1b`, a backslash as `\\`; a line that ends with one backslash goes on or
-/// was cut off.
+/// Bytes other than printable ASCII are escaped as `\x1b`, a backslash as `\\`. A line that ends with one backslash is
+/// continued or was cut off.
 pub(crate) struct Log {
     file: BufWriter<File>,
     path: PathBuf,
@@ -33,20 +33,20 @@ impl Log {
         })
     }
 
-    /// What the vehicle has sent: whole sentences.
+    /// Logs what the vehicle has sent: whole sentences.
     pub(crate) fn sent(&mut self, now: Timestamp, client: ClientId, bytes: &[u8]) {
         for line in bytes.split(|byte| *byte == b'\n') {
             self.line(now, ">", Some(client), line, "");
         }
     }
 
-    /// A line that a client has sent, or a piece of one.
+    /// Logs a line, or a piece of one, that a client has sent.
     pub(crate) fn received(&mut self, now: Timestamp, client: ClientId, piece: &[u8]) {
         let end = if piece.ends_with(b"\n") { "" } else { "\\" };
         self.line(now, "<", Some(client), piece, end);
     }
 
-    /// Something that happened.
+    /// Logs an event.
     pub(crate) fn event(&mut self, now: Timestamp, text: &str) {
         self.line(now, "--", None, text.as_bytes(), "");
     }
@@ -88,11 +88,15 @@ impl Log {
         }
     }
 
-    /// Writes what is left. An error where the log is not whole.
+    /// Writes what is left.
+    ///
+    /// # Errors
+    ///
+    /// If the log is incomplete.
     pub(crate) fn finish(mut self) -> Result<()> {
         self.flush();
         if self.failed {
-            bail!("{}: the log could not be written to its end", self.path.display());
+            bail!("{}: the log is incomplete", self.path.display());
         }
         Ok(())
     }
@@ -108,14 +112,14 @@ impl Log {
     }
 }
 
-/// Cuts what a client sends into lines, however the reads split them.
+/// Splits what a client sends into lines, whatever the reads were.
 #[derive(Debug, Default)]
 pub(crate) struct LineCutter {
     partial: Vec<u8>,
 }
 
 impl LineCutter {
-    /// Gives every whole line with its line feed, and of a line that is too long every piece.
+    /// Passes on every whole line with its line feed, and every piece of a line that is too long.
     pub(crate) fn cut(&mut self, bytes: &[u8], mut take: impl FnMut(&[u8])) {
         for part in bytes.split_inclusive(|byte| *byte == b'\n') {
             let mut part = part;
@@ -138,7 +142,7 @@ impl LineCutter {
         }
     }
 
-    /// What has come of a line that is not whole.
+    /// The beginning of a line that is not complete yet.
     pub(crate) fn rest(&self) -> &[u8] {
         &self.partial
     }
@@ -187,12 +191,12 @@ mod tests {
         log.received(now, ClientId(7), b"half");
         log.received(now, ClientId(7), b"\r\n");
         log.sent(now, ClientId(7), b"$BFX\r\n$BFY\r\n");
-        log.event(now, "so it is");
+        log.event(now, "an event");
         log.finish().unwrap();
         let text = std::fs::read_to_string(&folder).unwrap();
         std::fs::remove_file(&folder).unwrap();
         let expected = "12.345 < client 7 \\xffa\\\\b\\x1b\n12.345 < client 7 half\\\n12.345 > client 7 $BFX\n\
-                        12.345 > client 7 $BFY\n12.345 -- so it is\n";
+                        12.345 > client 7 $BFY\n12.345 -- an event\n";
         assert_eq!(text, expected);
     }
 }

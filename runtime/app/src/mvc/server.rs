@@ -15,19 +15,19 @@ use crate::mvc::log::Log;
 use crate::mvc::status::Status;
 use crate::speed::Speed;
 
-/// What may wait for one client, bytes, before it is cut off: it is too slow, and nobody else waits for it.
+/// A client with more unread bytes than this is disconnected: it is too slow, and nothing else waits for it.
 const WAITING_MAX: usize = 1 << 20;
-/// As fast as it goes is as fast as its clients read: the vehicle waits where so much waits for one of them, bytes, and
-/// cuts off one that reads nothing for so long.
+/// At `--speed max` the vehicle goes as fast as its clients read: it waits while this many bytes wait for one of them.
+/// A client that reads nothing for [`STALL_MAX`] is disconnected.
 const WAITING_AT_MAX_SPEED: usize = 1 << 16;
 const STALL_MAX: Duration = Duration::from_secs(2);
-/// Steps that are late are taken for so long at once before clients are heard.
+/// Overdue steps are taken for this long at most before clients are read again.
 const STEPS_FOR: Duration = Duration::from_millis(5);
-/// How much of the log a killed process can cost, real time.
+/// How much real time of the log a killed process can lose.
 const FLUSH_EVERY: Duration = Duration::from_millis(200);
-/// At the end clients are given this long to take what is due to them.
+/// How long clients may take to read the last bytes at the end.
 const FAREWELL: Duration = Duration::from_secs(1);
-/// After a client could not be accepted, as where there are no more file descriptors.
+/// The pause after a client could not be accepted, for example when no file descriptor is left.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 struct Server {
@@ -35,7 +35,7 @@ struct Server {
     faults: LinkFaults,
     clock: Clock,
     speed: Speed,
-    /// The vehicle's time, which never goes back.
+    /// The vehicle's time, which never goes backwards.
     at: Timestamp,
     end: Option<Timestamp>,
     connections: BTreeMap<ClientId, Connection>,
@@ -49,7 +49,7 @@ struct Server {
     sentences: (u64, u64),
 }
 
-/// Serves until a signal or the end of the wanted duration.
+/// Serves until a signal arrives or the given duration is over.
 pub(crate) async fn serve(
     arguments: &Mvc,
     vehicle: backseat_mvc::Mvc,
@@ -60,7 +60,7 @@ pub(crate) async fn serve(
         Ok(listener) => listener,
         Err(error) if error.kind() == std::io::ErrorKind::AddrInUse => {
             bail!(
-                "{} is in use: stop what listens there, or choose another with --listen",
+                "{} is in use: stop the program that listens there, or choose another address with --listen",
                 arguments.listen
             )
         }
@@ -92,7 +92,7 @@ pub(crate) async fn serve(
     let mut terminate = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate())?;
     let mut interrupt = tokio::signal::unix::signal(tokio::signal::unix::SignalKind::interrupt())?;
     while !server.ended() {
-        // The vehicle first, whatever its clients do; each of them has at most one read waiting here.
+        // The vehicle comes first, whatever its clients do; each client has at most one read waiting here.
         server.step();
         while let Ok(what) = heard.try_recv() {
             server.hear(what);
@@ -117,7 +117,7 @@ pub(crate) async fn serve(
 }
 
 impl Server {
-    /// The vehicle's time, which is never past a step that is still to be taken.
+    /// The vehicle's time, never later than the next step.
     fn now(&mut self) -> Timestamp {
         let now = match self.speed {
             Speed::Times(times) => Timestamp::ZERO + self.clock.elapsed().mul_f64(times),
@@ -133,7 +133,7 @@ impl Server {
         self.end.is_some_and(|end| self.at >= end)
     }
 
-    /// Until there is something to do.
+    /// Waits until there is something to do.
     async fn wait(&self) {
         let soon = self.clock.now() + Duration::from_millis(100);
         match (self.vehicle.poll_timeout(), self.speed) {
@@ -158,7 +158,7 @@ impl Server {
                 .any(|connection| connection.waiting() > WAITING_AT_MAX_SPEED)
     }
 
-    /// Takes the steps that are due, each at its own time, so that a late wake-up changes nothing.
+    /// Takes all due steps, each at its own time, so that a late wake-up changes no result.
     fn step(&mut self) {
         let until = self.clock.elapsed() + STEPS_FOR;
         while !self.ended() && !self.held() {
@@ -183,7 +183,7 @@ impl Server {
         self.clients = self.clients.wrapping_add(1);
         let client = ClientId(self.clients);
         let now = self.now();
-        self.tell(now, &format!("{client} is {address}"));
+        self.tell(now, &format!("{client} connected from {address}"));
         match Connection::open(client, stream, self.heard.clone(), self.clock) {
             Ok(mut connection) => {
                 if self.faults.refuses(now, client, None) {
@@ -206,7 +206,7 @@ impl Server {
                 self.collect(now);
                 self.flush();
             }
-            Err(error) => self.tell(now, &format!("{client} is gone: {error}")),
+            Err(error) => self.tell(now, &format!("{client} disconnected: {error}")),
         }
     }
 
@@ -219,7 +219,7 @@ impl Server {
     fn hear(&mut self, what: Heard) {
         let now = self.now();
         match what {
-            // The permit falls at the end: the client's next read may come.
+            // The permit is dropped at the end, which allows the client's next read.
             Heard::Bytes(client, bytes, _permit) => {
                 let connection = self.connections.get_mut(&client);
                 let passed = match connection.and_then(|connection| connection.faults.as_mut()) {
@@ -239,7 +239,7 @@ impl Server {
         self.flush();
     }
 
-    /// Line by line, so that the log has each answer after what it answers.
+    /// Handles the bytes line by line, so that the log has each answer after its command.
     fn receive(&mut self, now: Timestamp, client: ClientId, bytes: &[u8]) {
         let Some(connection) = self.connections.get_mut(&client) else {
             return;
@@ -262,7 +262,7 @@ impl Server {
         }
     }
 
-    /// Lets arrive what links with faults have held back, and resets those that are cut.
+    /// Delivers what links with faults have held back, and resets connections that a fault cuts.
     fn play_faults(&mut self) {
         if self.faults.is_empty() {
             return;
@@ -283,7 +283,7 @@ impl Server {
         self.flush();
     }
 
-    /// When the next link with a fault has something.
+    /// When the next link with a fault delivers something.
     fn arrives(&self) -> Option<Timestamp> {
         self.connections.values().filter_map(Connection::arrives).min()
     }
@@ -307,7 +307,7 @@ impl Server {
         self.collect(now);
     }
 
-    /// Takes what the vehicle has to say: to its clients, of them, and to its log.
+    /// Takes the vehicle's output: bytes for its clients, disconnections and log events.
     fn collect(&mut self, now: Timestamp) {
         let real = self.clock.elapsed();
         while let Some(event) = self.vehicle.poll_event() {
@@ -332,7 +332,7 @@ impl Server {
         }
     }
 
-    /// Writes to every client what it takes now, and cuts off who takes too little.
+    /// Writes to every client what it takes now, and disconnects clients that read too slowly.
     fn flush(&mut self) {
         let real = self.clock.elapsed();
         let max_speed = self.speed == Speed::Max;
@@ -342,7 +342,7 @@ impl Server {
                 continue;
             }
             if let Err(error) = connection.flush(real) {
-                lost.push((*client, format!("{client} is lost: {error}")));
+                lost.push((*client, format!("{client} disconnected: {error}")));
             } else if connection.waiting() > WAITING_MAX
                 || max_speed && connection.stalled.is_some_and(|since| real > since + STALL_MAX)
             {
@@ -356,7 +356,7 @@ impl Server {
         }
     }
 
-    /// What is done now and then.
+    /// Occasional work: flushes the log and updates the status line.
     fn look_after(&mut self) {
         let real = self.clock.elapsed();
         if real < self.flush_at {
@@ -377,7 +377,7 @@ impl Server {
         }
     }
 
-    /// Lets the clients take what is due to them.
+    /// Waits for the clients to read their last bytes.
     async fn say_farewell(&mut self, heard: &mut mpsc::UnboundedReceiver<Heard>) {
         let until = self.clock.now() + FAREWELL;
         while self.connections.values().any(|connection| connection.waiting() > 0) {

@@ -5,15 +5,15 @@ use backseat_mvc::{Activity, Behavior, ClientId, Mvc, MvcEvent, MvcEventKind};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use tracing::info;
 
-/// How often a person is shown where the vehicle is, real time: on a terminal in one line, else by a line of text.
+/// How often the vehicle's state is shown, real time: on a terminal as a status line, else as a line of text.
 const REDRAW_EVERY: Duration = Duration::from_millis(250);
 const LINE_EVERY: Duration = Duration::from_secs(60);
-/// So many events a second are shown to a person; a flood of them is counted.
+/// How many events a second are shown; further ones are counted.
 const EVENTS_PER_S: u32 = 20;
 
-/// What a person sees of the vehicle.
+/// What the screen shows about the vehicle.
 pub(crate) struct Status {
-    /// On a terminal.
+    /// Present on a terminal.
     bar: Option<ProgressBar>,
     next: Duration,
     behavior: Option<Behavior>,
@@ -27,7 +27,7 @@ impl Status {
     pub(crate) fn new() -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(8));
-            bar.set_style(ProgressStyle::with_template("{wide_msg}\n{prefix}").expect("a template without a fault"));
+            bar.set_style(ProgressStyle::with_template("{wide_msg}\n{prefix}").expect("the template is valid"));
             bar
         });
         Self {
@@ -41,7 +41,7 @@ impl Status {
         }
     }
 
-    /// Shows a text of its own line.
+    /// Prints a line of text.
     pub(crate) fn say(&mut self, now: Duration, text: &str) {
         if now.as_secs() != self.second {
             self.second = now.as_secs();
@@ -66,7 +66,7 @@ impl Status {
         self.say(now, &event.to_string());
     }
 
-    /// A command has come.
+    /// Notes a client's command.
     pub(crate) fn command(&mut self, client: ClientId, line: &[u8]) {
         let name: String = line
             .trim_ascii_start()
@@ -81,7 +81,7 @@ impl Status {
         }
     }
 
-    /// Shows where the vehicle is, where it is time to.
+    /// Shows where the vehicle is, if an update is due.
     pub(crate) fn update(&mut self, now: Duration, vehicle: &Mvc, clients: usize) {
         if now < self.next {
             return;
@@ -143,7 +143,7 @@ impl Status {
     }
 }
 
-/// Where the vehicle is and how it goes.
+/// Where the vehicle is, and how it moves.
 fn place(vehicle: &Mvc) -> String {
     let truth = vehicle.truth();
     let (east, north) = (truth.local.east_m, truth.local.north_m);

@@ -52,7 +52,7 @@ fn flags_lie_over_the_file() {
     assert_eq!(mission.file.plugins[0].config["contour_m"].as_float(), Some(30.0));
     assert!(
         mission.resolved.contains("navigation_age_max_s = 1.0"),
-        "defaults are in the resolved whole"
+        "defaults are in the resolved mission"
     );
     assert_eq!(mission.hash().len(), 64);
 }
@@ -134,7 +134,7 @@ fn policies_are_read_in_order_and_are_the_sessions() {
         ]
         .map(|(when, order)| Policy { when, order });
         assert_eq!(policies[..], expected);
-        // The resolved whole, which is hashed and logged, holds them and reads back as the same.
+        // The resolved mission, which is hashed and logged, holds the policies and parses to the same value.
         let again = load(&mission.resolved, FENCE, &[]).unwrap();
         assert_eq!(again.file, mission.file);
     }
@@ -160,7 +160,11 @@ fn a_policy_that_makes_no_sense_is_named() {
             r#""hold""#,
             "policy 5: when.topside-message is \"a,b\"",
         ),
-        (r#"{ mission-command = " x" }"#, r#""hold""#, "no blank around them"),
+        (
+            r#"{ mission-command = " x" }"#,
+            r#""hold""#,
+            "leading or trailing spaces",
+        ),
         (
             "{ navigation-stale-for-s = 0.0 }",
             r#""hold""#,
@@ -220,7 +224,7 @@ fn recovery_and_the_operators_texts_are_the_sessions_and_what_makes_no_sense_is_
     assert_eq!(release_text.as_deref(), Some("backseat go"));
     assert_eq!((recovery.cancel_after_s, recovery.abort_after_s), (3.0, Some(30.0)));
     assert_eq!(recovery, &mission.file.recovery);
-    // The resolved whole, which is hashed and logged, holds them and reads back as the same.
+    // The resolved mission, which is hashed and logged, holds the texts and parses to the same value.
     assert_eq!(load(&mission.resolved, FENCE, &[]).unwrap().file, mission.file);
     for (tables, said) in [
         ("[recovery]\nouside_for_s = 1.0", "unknown field `ouside_for_s`"),
@@ -236,16 +240,16 @@ fn recovery_and_the_operators_texts_are_the_sessions_and_what_makes_no_sense_is_
         ("release_text = \"a,b\"", "session.release_text is \"a,b\""),
         (
             "hold_text = \"x\"\nrelease_text = \"x\"",
-            "session.release_text is session.hold_text too",
+            "session.release_text equals session.hold_text",
         ),
         (
             "hold_text = \"x\"\n[[policy]]\nwhen = { mission-command = \"x\" }\norder = \"release\"",
-            "policy 1 is to release on what session.hold_text is to hold on",
+            "policy 1 would release on the same condition on which session.hold_text would hold",
         ),
         (
             "[[policy]]\nwhen = \"plugin-quarantined\"\norder = \"hold\"\n\
              [[policy]]\nwhen = \"plugin-quarantined\"\norder = \"release\"",
-            "policy 2 is to release on what policy 1 is to hold on",
+            "policy 2 would release on the same condition on which policy 1 would hold",
         ),
     ] {
         let message = fault(&with(tables), &[]);
@@ -307,7 +311,7 @@ fn external_sources_are_read_and_are_the_sessions() {
     );
     let setups: Vec<_> = externals.iter().map(ExternalTable::setup).collect();
     assert_eq!(mission.file.session.externals, setups);
-    // The resolved whole, which is hashed and logged, holds them and reads back as the same.
+    // The resolved mission, which is hashed and logged, holds the sources and parses to the same value.
     assert!(mission.resolved.contains("conductivity_out = \"S/m\""));
     assert_eq!(load(&mission.resolved, FENCE, &[]).unwrap().file, mission.file);
 }
@@ -329,12 +333,12 @@ fn an_external_source_that_makes_no_sense_is_named() {
         (
             "[\"BPNPU\"]",
             "[]",
-            "external source `usbl`: sends needs one sentence at least",
+            "external source `usbl`: sends needs at least one sentence",
         ),
         (
             "\"BPTMR\"]",
             "\"BPCTD\"]",
-            "external source `pod`: sends needs one sentence at least, and none twice",
+            "external source `pod`: sends needs at least one sentence, and each only once",
         ),
         ("\"BPTMR\"]", "\"BPABT\"]", "unknown variant `BPABT`, expected one of"),
         ("127.0.0.1:29511", "", "external source `pod`: listen is \"\""),
@@ -342,7 +346,7 @@ fn an_external_source_that_makes_no_sense_is_named() {
         (
             "127.0.0.1:29511",
             "127.0.0.1:29510",
-            "where another external source is listened for",
+            "which another external source uses already",
         ),
         (
             "= 200.0",
@@ -363,20 +367,20 @@ fn a_missing_file_or_component_is_named() {
     let empty = tempfile::tempdir().unwrap();
     let error = Mission::load(empty.path(), &Layers::default())
         .err()
-        .expect("no mission")
+        .expect("the folder has no mission")
         .to_string();
     assert!(error.contains("expected a folder with mission.toml"), "{error}");
     std::fs::write(empty.path().join("mission.toml"), MISSION).unwrap();
     std::fs::create_dir(empty.path().join("fence.kml")).unwrap();
     let unreadable = Mission::load(empty.path(), &Layers::default())
         .err()
-        .expect("a folder is no fence")
+        .expect("a folder is not a fence")
         .to_string();
     assert!(
         unreadable.contains("fence.kml") && !unreadable.contains("no fence here"),
         "{unreadable}"
     );
-    let broken = load(MISSION, "{", &[]).err().expect("no fence").to_string();
+    let broken = load(MISSION, "{", &[]).err().expect("the fence is broken").to_string();
     assert!(broken.contains("fence.geojson"), "{broken}");
     let error = find_component(empty.path(), "x", "nowhere", Some(empty.path()))
         .unwrap_err()

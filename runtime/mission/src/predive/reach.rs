@@ -1,6 +1,6 @@
-//! Keep-in zones that nobody can come to: what is flown must lie in one polygon, so that the vehicle changes from one
-//! to another only where they overlap, at a depth that both allow; and in each there must be a place that the margins,
-//! the keep-out zones and the water leave.
+//! Finds keep-in zones that cannot be reached. Each behavior must lie in one polygon, so the vehicle changes from one
+//! polygon to another only where they overlap, at a depth that both allow. In each polygon, the margins, the keep-out
+//! zones and the water depth must leave room for the vehicle.
 
 use backseat_core::Limits;
 use backseat_fence::{Band, Fence, Kind, Shape, Sweep, VerticalExtent, Zone};
@@ -8,18 +8,18 @@ use backseat_units::EastNorth;
 
 use super::ALTITUDE_UNKNOWN_M;
 
-/// Pairs of edges that are looked at; zones with more are taken to overlap where their boxes do.
+/// The most pairs of edges that are compared; zones with more pairs count as overlapping where their boxes do.
 const PAIRS_MAX: usize = 20_000_000;
-/// Places that are tried along a polygon's edges, and on each side of a grid over it.
+/// The number of positions that are tried along a polygon's edges, and on each side of a grid over it.
 const ALONG_EDGES: usize = 4096;
 const GRID: u32 = 48;
-/// How far inside the margin a place is tried, metres.
+/// How far inside the margin a position is tried, metres.
 const INSIDE_M: [f64; 2] = [0.01, 1.0];
 
 /// A polygon of a keep-in zone: its rings, the outer one first.
 struct Part<'a> {
     zone: &'a Zone,
-    /// Which of the zone's, from 1.
+    /// Its number within the zone, from 1.
     number: usize,
     depth: Band,
     altitude_min_m: f64,
@@ -28,8 +28,8 @@ struct Part<'a> {
     max: EastNorth,
 }
 
-/// The polygons that hold none of the places and overlap none that does, however many others between; and those in which
-/// nobody can be at all.
+/// Polygons that contain none of the positions and are not connected by overlaps to one that does, and polygons that
+/// leave no room for the vehicle.
 pub(super) fn unreachable(fence: &Fence, limits: &Limits, places: &[EastNorth]) -> Vec<String> {
     let parts = parts(fence);
     let mut findings: Vec<String> = parts
@@ -41,7 +41,7 @@ pub(super) fn unreachable(fence: &Fence, limits: &Limits, places: &[EastNorth]) 
         .map(|part| places.iter().any(|place| part.holds(*place)))
         .collect();
     if !reached.contains(&true) {
-        // The start is told of already, and all else follows from it.
+        // The start is reported already, and all else would follow from it.
         return findings;
     }
     let mut waiting: Vec<usize> = (0..parts.len()).filter(|part| reached[*part]).collect();
@@ -55,8 +55,8 @@ pub(super) fn unreachable(fence: &Fence, limits: &Limits, places: &[EastNorth]) 
     }
     findings.extend(parts.iter().zip(reached).filter(|(_, reached)| !reached).map(|(part, _)| {
         format!(
-            "{}: neither start nor plan comes into it, nor into a zone that overlaps it at a depth of both, expected one \
-             that can be reached",
+            "{}: cannot be reached: neither start nor plan enters it, or a zone that overlaps it at a depth that \
+             both allow",
             part.name()
         )
     }));
@@ -109,14 +109,14 @@ impl Part<'_> {
         format!("keep-in zone '{}'{number}", self.zone.name())
     }
 
-    /// What leaves no place in it, if nothing is left. Where zones change with time that is not asked.
+    /// What leaves no room in the polygon, if anything does. This is not checked where zones change with time.
     fn without_room(&self, fence: &Fence, limits: &Limits) -> Option<String> {
         if let Some(deepest_m) = limits.water_depth_max_m
             && self.depth.min_m + self.altitude_min_m > deepest_m
         {
             return Some(format!(
-                "{}: depth_min_m {} and altitude_min_m {} need more water than limits.water_depth_max_m of {deepest_m}, \
-                 expected some room between them",
+                "{}: depth_min_m {} and altitude_min_m {} need more water than limits.water_depth_max_m of \
+                 {deepest_m}, expected room between them",
                 self.name(),
                 self.depth.min_m,
                 self.altitude_min_m
@@ -136,14 +136,14 @@ impl Part<'_> {
         let none = !fence.changes() && !self.tried().any(|at| free(at) && self.holds(at));
         none.then(|| {
             format!(
-                "{}: its margin of {} m and the keep-out zones leave no place in it, expected one where the vehicle can be",
+                "{}: its margin of {} m and the keep-out zones leave no room for the vehicle in it",
                 self.name(),
                 self.zone.margin_m()
             )
         })
     }
 
-    /// Places in it and about: on a grid, and along the edges, where the narrowest room is.
+    /// Positions in the polygon that are tried: on a grid, and along the edges, where the narrowest room is.
     fn tried(&self) -> impl Iterator<Item = EastNorth> + '_ {
         let edges = self.edges().count().max(1);
         let (every, each) = (edges.div_ceil(ALONG_EDGES), (ALONG_EDGES / edges).clamp(1, 64));
@@ -151,7 +151,7 @@ impl Part<'_> {
             let (length_m, bearing_deg) = (a.distance_m(b), a.bearing_deg(b));
             (0..each).flat_map(move |index| {
                 let on = a.offset(bearing_deg, length_m * (index as f64 + 0.5) / each as f64);
-                // Inside is to the left: outer rings run counterclockwise, holes clockwise.
+                // The inside is on the left: outer rings run counterclockwise, holes clockwise.
                 INSIDE_M.map(|inside_m| on.offset(bearing_deg - 90.0, self.zone.margin_m() + inside_m))
             })
         });
@@ -174,7 +174,7 @@ impl Part<'_> {
             .flat_map(|ring| ring.windows(2).map(|ends| (ends[0], ends[1])))
     }
 
-    /// By the number of edges that a ray to the east crosses.
+    /// Whether a point is inside, by the number of edges that a ray to the east crosses.
     fn holds(&self, at: EastNorth) -> bool {
         let crossed = self.edges().filter(|(a, b)| {
             let spans = (a.north_m > at.north_m) != (b.north_m > at.north_m);

@@ -1,5 +1,5 @@
 //! The front seat's plan that a mission names.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
+#![expect(clippy::unwrap_used, reason = "a failed unwrap in a test shows where")]
 
 use backseat_mission::{Layers, Mission, MissionError};
 
@@ -10,7 +10,7 @@ const WAYPOINT: &str =
     "[[plan]]\nkind = \"waypoint\"\nat = { east_m = 0, north_m = 100 }\ndepth_m = 250\nspeed_mps = 1.5\n";
 const ORIGIN: &str = "[origin]\nlatitude_deg = 42.305\nlongitude_deg = -70.895\n";
 
-/// A mission with some more in its file, beside files of these names.
+/// Loads a mission with more text in its file and with other files beside it.
 fn load(more: &str, files: &[(&str, &str)]) -> Result<Mission, MissionError> {
     let folder = tempfile::tempdir().unwrap();
     let mission = format!("{MISSION}{more}");
@@ -26,7 +26,7 @@ fn what_only_simulation_knows_keeps_no_mission_from_being_read() {
     for world in ["nonsense", "[seabed]\ngrid = \"nowhere.asc\"\n", ""] {
         assert!(load("", &[("world.toml", world)]).is_ok(), "{world}");
     }
-    // Nor does it where the plan is in the same file.
+    // The same holds if the plan is in the same file.
     let world = format!("[seabed]\nbanks = \"many\"\n\n[nonsense]\n{ORIGIN}\n{WAYPOINT}");
     let mission = load("[plan]\nfile = \"world.toml\"\n", &[("world.toml", &world)]).unwrap();
     assert_eq!(mission.plan.unwrap().behaviors.len(), 1);
@@ -44,7 +44,7 @@ fn a_plan_that_cannot_be_read_is_named_with_its_place() {
     assert!(unknown.contains("world.toml:9: unknown field `wher`"), "{unknown}");
     let garbage = fault("", "world.toml", "nonsense");
     assert!(garbage.contains("world.toml:1: "), "{garbage}");
-    // A world's origin is simulation's: a plan says its own.
+    // A world's origin is for simulation only, so a plan needs its own.
     let error = load(
         "[plan]\nfile = \"plan.toml\"\n",
         &[("plan.toml", WAYPOINT), ("world.toml", ORIGIN)],

@@ -1,5 +1,5 @@
-//! Keys of a mission by the names that they had before.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
+//! Former keys of a mission.
+#![expect(clippy::unwrap_used, reason = "a failed unwrap in a test shows where")]
 
 use backseat_mission::{Layers, Mission};
 

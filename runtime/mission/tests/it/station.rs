@@ -1,5 +1,5 @@
 //! The tables of a hovering vehicle in a mission file.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
+#![expect(clippy::unwrap_used, reason = "a failed unwrap in a test shows where")]
 
 use backseat_mission::{Layers, Mission, MissionError};
 

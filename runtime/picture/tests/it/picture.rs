@@ -1,4 +1,4 @@
-//! A picture shows what it was given, the same each time, whatever it was given.
+//! A picture shows the values that it is given, whatever they are, and is the same each time.
 
 use backseat_picture::{Extent, Palette, Picture, Raster, Rejected, Shape, Steer, TrackPoint, Zone, ZoneKind, render};
 use backseat_units::EastNorth;
@@ -39,7 +39,7 @@ fn raster(width: usize, height: usize) -> Raster {
     }
 }
 
-/// A survey that leaves the plan, follows an isobath by a lease, flies an insert and comes back.
+/// A survey that leaves the plan, follows an isobath under a lease, flies an insert and returns.
 fn survey() -> Picture {
     let mut flown = Vec::new();
     for tick in 0..4000 {

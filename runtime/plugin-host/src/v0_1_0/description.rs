@@ -11,7 +11,11 @@ const PERIOD_MIN: Duration = Duration::from_millis(20);
 /// The longest step period.
 const PERIOD_MAX: Duration = Duration::from_secs(60);
 
-/// A description within its bounds, or what is out of them and what was expected.
+/// Converts a description that is within its bounds.
+///
+/// # Errors
+///
+/// What is out of bounds, and what was expected.
 pub(crate) fn description(described: wit::Description) -> Result<core::Description, (String, &'static str)> {
     for (what, text) in [("name", &described.name), ("version", &described.version)] {
         if text.is_empty() || text.len() > NAME_BYTES || text.chars().any(char::is_control) {

@@ -3,7 +3,7 @@ use backseat_units::Timestamp;
 
 use super::{age_ns, sample, wit};
 
-/// An event as the guest gets it in the step at `now`.
+/// An event as the guest receives it in the step at `now`.
 pub(super) fn event(happened: &core::Event, now: Timestamp) -> wit::Event {
     match happened {
         core::Event::Control(held) => wit::Event::Control(*held),

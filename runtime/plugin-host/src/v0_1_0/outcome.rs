@@ -1,4 +1,4 @@
-//! Why a request was refused, has failed or is over, as the guest gets it.
+//! Why a request was refused, has failed or has ended, as the guest receives it.
 
 use backseat_core::plugin as core;
 

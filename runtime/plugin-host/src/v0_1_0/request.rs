@@ -5,14 +5,14 @@ use backseat_core::plugin as core;
 use super::wit;
 use crate::instance::TEXT_BYTES;
 
-/// Requests of one step.
+/// The most requests in one step.
 const REQUESTS: usize = 256;
-/// Frames of an acoustic packet (SPI 9.4).
+/// The most frames in an acoustic packet (SPI 9.4).
 const FRAMES: usize = 8;
-/// The longest frame, bytes: more than any modem's mode takes.
+/// The longest frame, bytes: more than any mode of a modem can carry.
 const FRAME_BYTES: usize = 1024;
 
-/// A step's requests, where they are within their bounds.
+/// Converts the requests of a step, if they are within their bounds.
 pub(crate) fn requests(requests: Vec<wit::Request>) -> Result<Vec<core::Request>, core::PluginFault> {
     let too_much = |text| {
         Err(core::PluginFault {

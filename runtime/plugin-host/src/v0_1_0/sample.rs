@@ -55,7 +55,7 @@ pub(super) fn ctd(sample: &core::CtdSample, now: Timestamp) -> wit::Ctd {
     }
 }
 
-/// A sensor's sample as the guest gets it in the step at `now`.
+/// A sensor's sample as the guest receives it in the step at `now`.
 pub(super) fn sample(sample: &core::Sample, now: Timestamp) -> wit::Sample {
     let age_ns = |measured| age_ns(measured, now);
     match sample {

@@ -22,7 +22,8 @@ fn memory_is_bounded_at_the_start_too() {
 
 #[test]
 fn more_memory_takes_more_fuel_before_it_is_refused() {
-    // The plugin takes a mebibyte at a time, at 16 pages of 255 units: it ends by fuel where memory does not end it.
+    // The plugin takes one mebibyte at a time, 16 pages of 255 units each. It runs out of fuel if it does not run out
+    // of memory.
     let fault = |memory_bytes| {
         let mut plugin = faulty(
             "grow",
@@ -45,10 +46,10 @@ fn log_lines_are_bounded_and_the_rest_are_counted() {
     only_modify(&returned);
     assert_eq!(returned.log.len(), 33);
     assert_eq!(returned.log[31].text, "line 31");
-    assert_eq!(returned.log[32].text, "968 more lines were not kept");
+    assert_eq!(returned.log[32].text, "968 more lines were dropped");
     assert!(
         returned.fuel > 1_000 * LOG_FUEL,
-        "each line has its price, kept or not: {}",
+        "each line is charged, kept or not: {}",
         returned.fuel
     );
     let poor = Budget {

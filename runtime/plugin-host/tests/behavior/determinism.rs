@@ -8,7 +8,7 @@ use backseat_plugin_host::{Budget, Host};
 
 use crate::fixture::{Latitude, breach, components, faulty, input, template};
 
-/// All events there are, in one input.
+/// One input with an event of every kind.
 fn eventful(second: u64) -> StepInput {
     let now = input(second).now;
     let behavior = Behavior {
@@ -73,7 +73,7 @@ fn two_runs_return_the_same_with_the_same_fuel() {
     let second = run(&other_host.load("template", &components().template_bytes).unwrap());
     assert_eq!(first, second);
     assert!(first.iter().all(|returned| returned.fuel > 0));
-    // What the guest saw of the events: it logs the two outcomes that it is to log.
+    // What the guest received: it logs the two outcomes that it was told to log.
     let lines: Vec<&str> = first[3].log.iter().map(|line| &*line.text).collect();
     assert_eq!(
         lines,

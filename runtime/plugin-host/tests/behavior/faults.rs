@@ -3,7 +3,7 @@ use backseat_plugin_host::Budget;
 
 use crate::fixture::{fault_kind, faulty, input, only_modify, template};
 
-/// Every fault that ends the instance, and what it is called.
+/// Every fault that loses the instance, with its kind.
 const LOST: [(&str, FaultKind); 8] = [
     ("trap", FaultKind::Trap),
     ("loop", FaultKind::OutOfFuel),
@@ -15,7 +15,7 @@ const LOST: [(&str, FaultKind); 8] = [
     ("long_topside", FaultKind::TooMuch),
 ];
 
-/// Room for all that the faults do within their budget.
+/// A budget with room for everything that the faults do.
 fn roomy() -> Budget {
     Budget {
         fuel_per_step: 100_000_000,
@@ -50,7 +50,7 @@ fn a_lost_plugin_answers_start_until_it_is_started_again() {
         assert_eq!((fault_kind(&dead), dead.fuel), (Some(FaultKind::Start), 0), "{fault}");
         let restarted = plugin.restart();
         assert_eq!(restarted.result, Ok(()), "{fault}");
-        // Nothing was snapshot, so the new instance counts its seconds anew.
+        // No snapshot was taken, so the new instance counts its seconds from the start.
         only_modify(&plugin.step(&input(3)));
     }
 }
@@ -86,7 +86,11 @@ fn an_error_of_its_own_leaves_the_instance() {
         (fault.kind, &*fault.text),
         (FaultKind::Error, "faulty was told to fail")
     );
-    assert!(failed.fuel < 1_000_000, "only what was used: {}", failed.fuel);
+    assert!(
+        failed.fuel < 1_000_000,
+        "only the fuel used is charged: {}",
+        failed.fuel
+    );
     assert!(plugin.is_running());
 }
 
@@ -226,7 +230,7 @@ fn the_fence_answers_from_the_judge_with_this_steps_input() {
     let [Request::Trackline(line), Request::Modify(modify)] = &requests[..] else {
         panic!("{requests:?}")
     };
-    // 20 km north-east of the frame's origin, seen from 100 m east and 200 m north of it.
+    // The point 20 km north-east of the frame's origin, in an input 100 m east and 200 m north of it.
     assert!(
         (line.end.latitude_deg - 42.178).abs() < 0.01 && (line.end.longitude_deg + 69.76).abs() < 0.01,
         "{line:?}"
@@ -234,6 +238,6 @@ fn the_fence_answers_from_the_judge_with_this_steps_input() {
     assert!((modify.heading_deg - 45.0).abs() < 1.0, "{modify:?}");
     assert!(
         returned.fuel > backseat_plugin_host::FENCE_FUEL,
-        "the question has its price"
+        "the question is charged"
     );
 }

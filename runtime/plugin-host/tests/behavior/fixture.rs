@@ -34,7 +34,7 @@ pub(crate) fn components() -> &'static Components {
     })
 }
 
-/// A fence that refuses what goes beyond latitude 42.01.
+/// A fence that refuses everything beyond latitude 42.01.
 pub(crate) struct Latitude;
 
 /// A breach of a zone, at the first edge of its second hole.
@@ -70,7 +70,7 @@ impl Judge for Latitude {
     }
 }
 
-/// The faulty plugin with a fault that comes after some seconds.
+/// The faulty plugin with this fault after some seconds.
 pub(crate) fn faulty(fault: &str, after_s: u64, budget: Budget) -> Plugin {
     let config = format!(r#"{{"fault": "{fault}", "after_s": {after_s}, "heading_deg": 45.0}}"#);
     components()
@@ -80,7 +80,7 @@ pub(crate) fn faulty(fault: &str, after_s: u64, budget: Budget) -> Plugin {
         .plugin
 }
 
-/// The template, which never fails.
+/// The template plugin, which never fails.
 pub(crate) fn template() -> Plugin {
     let config = r#"{"heading_deg": 90.0, "depth_m": 10.0, "speed_mps": 1.5}"#;
     components()
@@ -90,7 +90,7 @@ pub(crate) fn template() -> Plugin {
         .plugin
 }
 
-/// The input of a second, at 42 N 70 W, with control.
+/// The input at a second, at 42 N 70 W, with control.
 pub(crate) fn input(second: u64) -> StepInput {
     let now = Timestamp::from_secs(second);
     StepInput {
@@ -119,12 +119,12 @@ pub(crate) fn input(second: u64) -> StepInput {
     }
 }
 
-/// The kind of a step's fault; none where it was successful.
+/// The kind of a step's fault; `None` if the step succeeded.
 pub(crate) fn fault_kind(returned: &Returned) -> Option<FaultKind> {
     returned.result.as_ref().err().map(|fault| fault.kind)
 }
 
-/// The one modify that a good step asks for.
+/// The single modify that a good step requests.
 pub(crate) fn only_modify(returned: &Returned) -> ModifyRequest {
     match returned.result.as_deref() {
         Ok([Request::Modify(modify)]) => *modify,

@@ -62,12 +62,12 @@ fn a_restart_goes_on_from_the_last_snapshot() {
     let restarted = plugin.restart();
     assert_eq!(restarted.result, Ok(()));
     assert!(restarted.fuel > 0);
-    // The snapshot is of after the sixth input: the seventh, the eighth and the fatal one are lost.
+    // The snapshot was taken after the sixth input, so the seventh, the eighth and the fatal one are lost.
     assert_eq!(restarted.lost_steps, 3);
-    // It knows when its first step was, and so that its time has come again.
+    // The restored state has the time of the first step, so the plugin knows that its time has come again.
     assert_eq!(only_modify(&plugin.step(&input(7))).tag, 7);
     assert_eq!(fault_kind(&plugin.step(&input(9))), Some(FaultKind::Trap));
-    // The first loss counts on: no snapshot was taken between.
+    // The first loss is still counted, because no snapshot was taken since.
     assert_eq!(plugin.restart().lost_steps, 5);
 }
 

@@ -1,8 +1,8 @@
-//! What the host does with plugins, good and bad: real components, built from `plugins/`.
+//! What the host does with good and bad plugins: real components, built from `plugins/`.
 
 #![expect(
     clippy::unwrap_used,
-    reason = "the lint knows only test functions as tests, not what they call"
+    reason = "the lint exempts test functions only, not the functions that they call"
 )]
 
 mod admission;

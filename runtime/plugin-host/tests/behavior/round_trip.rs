@@ -1,4 +1,4 @@
-//! What core says arrives in a plugin, and what a plugin asks for arrives in core, to the last bit.
+//! Every value from core arrives in a plugin, and every request of a plugin in core, to the last bit.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -20,7 +20,7 @@ use samples::samples;
 
 fn echo(answer: &str, judge: Arc<dyn Judge>) -> Started {
     let config = format!(r#"{{"answer": "{answer}"}}"#);
-    // What is said back in full takes some formatting.
+    // The plugin formats all of its input, which takes some fuel.
     let budget = Budget {
         fuel_per_step: 100_000_000,
         ..Budget::default()
@@ -28,7 +28,7 @@ fn echo(answer: &str, judge: Arc<dyn Judge>) -> Started {
     components().echo.start(budget, &config, judge).unwrap()
 }
 
-/// What the guest was given, as it says itself.
+/// What the guest received, as it logs it.
 #[track_caller]
 fn heard(input: &StepInput) -> String {
     let returned = echo("input", Arc::new(Latitude)).plugin.step(input);
@@ -42,7 +42,7 @@ fn heard(input: &StepInput) -> String {
     String::from_utf8(bytes).unwrap()
 }
 
-/// What a guest gets of [`input`], but for its events.
+/// What a guest receives for [`input`], without the events.
 fn guest_input(second: u64) -> sdk::StepInput {
     sdk::StepInput {
         now_ns: second * 1_000_000_000,
@@ -200,11 +200,11 @@ fn a_plugin_hears_nothing_of_the_step_before() {
 fn every_request_arrives_in_core() {
     let returned = echo("every_request", Arc::new(Latitude)).plugin.step(&input(0));
     let requests = returned.result.unwrap();
-    // Compared as text, which tells -0 from 0.
+    // Compared as text, which distinguishes -0 from 0.
     assert_eq!(format!("{requests:#?}"), format!("{:#?}", every_request()));
 }
 
-/// Holds by as many metres as requests were asked of before, and keeps them.
+/// Answers each request with a clearance of as many metres as there were requests, and keeps the requests.
 #[derive(Default)]
 struct Listening(Mutex<Vec<Request>>);
 

@@ -1,5 +1,5 @@
-//! Components: what is loaded is started, and what is not is named.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
+//! A loaded component can be started; one that is not loaded is named in the error.
+#![expect(clippy::unwrap_used, reason = "a failed unwrap in a test shows where")]
 
 use backseat_mission::{Layers, Mission};
 use backseat_plugin_host::Host;
@@ -38,7 +38,7 @@ fn what_was_not_loaded_is_named_with_what_was() {
     let error = components.start(&mission).err().unwrap().to_string();
     assert_eq!(
         error,
-        "plugin `pilot`: component `faulty` is not loaded, there are: template"
+        "plugin `pilot`: component `faulty` is not loaded; loaded are: template"
     );
     assert!(components.insert(&host, "nothing", b"").is_err());
     assert!(

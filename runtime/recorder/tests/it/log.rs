@@ -1,5 +1,8 @@
-//! What is written to a log comes back from it.
-#![expect(clippy::unwrap_used, reason = "a test may panic, in its helpers too")]
+//! What is written to a log can be read back.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test may panic, and so may the functions that it calls"
+)]
 
 use std::io::Cursor;
 use std::path::Path;
@@ -54,7 +57,7 @@ fn navigation(solution: Timestamp) -> NavigationSample {
     }
 }
 
-/// Records by a closure and gives the file's bytes.
+/// Runs a closure that records, and returns the file's bytes.
 fn recorded(rate: Rate, record: impl FnOnce(&mut Recorder<&mut Cursor<Vec<u8>>>)) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
     let mut recorder = Recorder::new(&mut file, &header(rate, &[])).unwrap();
@@ -259,7 +262,7 @@ fn every_input_comes_back_in_handle_order() {
 }
 
 proptest! {
-    /// A replay of a step must hand core the very bits that the plugin gave.
+    /// The replay of a step must give core the exact bits that the plugin returned.
     #[test]
     fn figures_survive_bit_for_bit(heading_deg in any::<f64>(), speed_mps in any::<f64>(), depth_m in any::<f64>()) {
         let request = ModifyRequest {
@@ -283,7 +286,7 @@ proptest! {
         }
     }
 
-    /// As above, for the figures of what is no modify.
+    /// The same for the numbers in requests other than modifies.
     #[test]
     fn figures_of_every_request_survive_bit_for_bit(figures in proptest::array::uniform7(any::<f64>())) {
         let [x_m, y_m, depth_m, speed_mps, angle_deg, latitude_deg, longitude_deg] = figures;
@@ -303,11 +306,11 @@ proptest! {
         let Some((_, LoggedInput::Returned(_, Returned { result: Ok(requests), .. }))) = log.inputs().next() else {
             panic!("no step returned: {log:?}");
         };
-        // The shortest decimal that reads back as the same figure, with its sign; NaN whatever its bits.
+        // The shortest decimal that parses to the same number, with its sign; NaN whatever its bits.
         prop_assert_eq!(format!("{requests:?}"), format!("{asked:?}"));
     }
 
-    /// Whatever is wrong in it; checksums say no more where they are zero.
+    /// With any bytes damaged. The format allows a checksum of zero to mean that there is none, so zeros disable checks.
     #[test]
     fn sr_013_no_bytes_make_the_reader_panic(
         cut in any::<prop::sample::Index>(),
@@ -466,7 +469,7 @@ fn outputs_go_to_their_channels() {
     assert_eq!(log.notes().count(), 5);
     assert_eq!(log.link().count(), 1);
 
-    // At sea an invocation is logged whole, so that a plugin's author has it without a replay.
+    // At sea an invocation is logged whole, so that a plugin's author can read it without a replay.
     let log = parse(&recorded(Rate::Deployed, write)).unwrap();
     let Record::Output(invoke) = &log.entries[3].record else {
         panic!("{:?}", log.entries[3]);
@@ -520,7 +523,7 @@ fn a_run_is_named_and_its_files_attached() {
     );
     assert_eq!(log.attachment("components/isobath.wasm"), Some(b"\0asm".as_slice()));
     assert_eq!(log.attachment("components/python.wasm"), None, "over the limit");
-    // sha256sum of the four bytes.
+    // From sha256sum of the four bytes.
     assert_eq!(
         log.run.components["components/isobath.wasm"],
         "cd5d4935a48c0672cb06407bb443bc0087aff947c6b864bac886982c73b3027f"
@@ -539,14 +542,14 @@ fn a_killed_process_loses_its_open_chunk_and_nothing_else() {
         recorder.input(now, &Input::Received(b"$BFNVG\r\n")).unwrap();
         last_on_disk = now;
     }
-    // What a killed process leaves is what the operating system has: nothing flushes after the last chunk.
+    // A killed process leaves what the operating system has received, because nothing flushes after the last chunk.
     let killed = std::fs::read(&path).unwrap();
     let log = parse(&killed).unwrap();
     assert!(!log.complete);
     assert_eq!(log.attachments.len(), 2);
     let last = log.inputs().last().unwrap().0;
     assert!(last_on_disk.since(last) <= Duration::from_secs(3), "{last}");
-    // Cut at any byte, all whole chunks are read.
+    // Whatever byte it is cut at, all whole chunks can be read.
     let all = log.entries.len();
     let mut counts = Vec::new();
     for cut in (killed.len() / 2..killed.len()).step_by(7) {
@@ -574,7 +577,7 @@ fn errors_name_the_file_and_what_was_expected() {
     let text = parse(foreign.get_ref()).unwrap_err().to_string();
     assert_eq!(
         text,
-        "log in memory is no backseat log: no metadata, expected a metadata record named backseat"
+        "log in memory is not a backseat log: no metadata, expected a metadata record named backseat"
     );
 }
 

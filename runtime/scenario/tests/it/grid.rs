@@ -1,5 +1,5 @@
-//! A seabed's grid that a mission brings along.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
+//! A seabed's grid in a mission's folder.
+#![expect(clippy::unwrap_used, reason = "a failed unwrap in a test shows where")]
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ fn mission() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/missions/charted")
 }
 
-/// A copy of it, with one file written anew, or left out.
+/// A copy of it with one file replaced, or left out.
 fn changed(file: &str, content: Option<&[u8]>) -> tempfile::TempDir {
     let copy = tempfile::tempdir().unwrap();
     for entry in std::fs::read_dir(mission()).unwrap() {
@@ -58,7 +58,7 @@ fn the_grid_is_read_from_beside_the_world_and_flown_over() {
         assert_eq!(truth.water_depth_m, mvc.world().water_depth_m(truth.local));
     }
     assert!(mvc.mission_over());
-    // It is planned at 6 m over the mound.
+    // The plan keeps an altitude of 6 m over the mound.
     assert!((5.0..12.0).contains(&nearest_m), "{nearest_m}");
 }
 
@@ -86,7 +86,7 @@ fn a_grid_that_cannot_be_used_is_named_with_its_place() {
     std::fs::create_dir(folder.path().join("bed.asc")).unwrap();
     assert!(fault(folder.path()).contains("bed.asc: "));
 
-    // A seed's world is drawn over it: what does not fit is told then.
+    // The world of a seed is drawn over the grid, so a grid that does not fit is reported then.
     let folder = changed("bed.asc", Some(text.replacen(" 14 ", " -9999 ", 1).as_bytes()));
     let error = scenario(folder.path()).unwrap().vehicle(1).unwrap_err().to_string();
     assert!(error.contains("row 4, column 7: no data"), "{error}");
@@ -106,7 +106,7 @@ fn a_plan_into_the_grids_bottom_is_refused_with_the_place() {
     );
 }
 
-/// Many worlds are drawn: none of the project's own missions is refused for its seed.
+/// Draws many worlds: no mission of the project may be refused for any seed.
 #[test]
 fn the_projects_missions_have_water_enough_whatever_the_seed() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

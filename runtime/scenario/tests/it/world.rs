@@ -1,12 +1,13 @@
 //! `world.toml` beside a mission.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
+#![expect(clippy::unwrap_used, reason = "a failed unwrap in a test shows where")]
 
 use std::path::Path;
 
 use backseat_mission::{Layers, Mission};
 use backseat_scenario::Scenario;
 
-/// A copy of the mission of the grid's tests with another `world.toml`, or with none, and these lines in its mission.
+/// A copy of the mission of the grid's tests with `world.toml` changed or left out, and with these lines added to
+/// `mission.toml`.
 fn mission(world: impl FnOnce(String) -> Option<String>, lines: &str) -> (tempfile::TempDir, Mission) {
     let original = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/missions/charted");
     let folder = tempfile::tempdir().unwrap();
@@ -43,7 +44,7 @@ fn a_mission_without_a_world_is_none_to_simulate() {
     assert!(Scenario::find(&mission).unwrap().is_none());
     let error = Scenario::load(&mission).unwrap_err().to_string();
     assert!(
-        error.ends_with("world.toml: not there: a mission needs its world to be simulated"),
+        error.ends_with("world.toml: not found: to be simulated, a mission needs this file"),
         "{error}"
     );
 }
@@ -56,11 +57,11 @@ fn the_plan_is_the_files_then_the_missions_then_the_worlds() {
     let file = folder.path().join("other.toml");
     let waypoint = "[[plan]]\nkind = \"waypoint\"\nat = { east_m = 0, north_m = 50 }\ndepth_m = 5\nspeed_mps = 1.5\n";
     std::fs::write(&file, waypoint).unwrap();
-    // What has no origin counts from this world's.
+    // Positions without an origin are relative to this world's origin.
     assert_eq!(scenario.plan(&own, Some(&file)).unwrap().behaviors.len(), 1);
     let (_folder, named) = mission(Some, "[plan]\nfile = \"world.toml\"");
     assert_eq!(scenario.plan(&named, None).unwrap().behaviors.len(), 2);
-    // The world's vehicle cannot fly what another may.
+    // The world's vehicle cannot fly what a vehicle of another class can.
     std::fs::write(&file, waypoint.replace("depth_m = 5", "depth_m = 250")).unwrap();
     let error = scenario.plan(&own, Some(&file)).unwrap_err().to_string();
     assert!(error.contains("other.toml: plan element 1: depth_m is 250"), "{error}");

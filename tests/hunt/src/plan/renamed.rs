@@ -1,4 +1,4 @@
-/// What the reader of TOML says, with the new name of a table that has one.
+/// The TOML parser's message, with the new name if a table was renamed.
 pub(super) fn with_new_name(message: &str) -> String {
     if message.contains("unknown field `trouble`") {
         return format!("`[[trouble]]` is called `[[fault]]` now: {message}");
@@ -6,7 +6,7 @@ pub(super) fn with_new_name(message: &str) -> String {
     message.to_owned()
 }
 
-/// What a state is called now, where it had another name.
+/// The present name of a state that had another one.
 pub(super) fn state(old: &str) -> Option<&'static str> {
     (old == "hold").then_some("station")
 }
@@ -24,7 +24,7 @@ mod tests {
             (before, "`[[trouble]]` is called `[[fault]]` now"),
             (
                 text.replacen("[[fault]]", state, 1),
-                "state is \"hold\", which is called \"station\" now",
+                "state is \"hold\", whose name is \"station\" now",
             ),
         ] {
             let error = Plan::from_toml(&text).unwrap_err();

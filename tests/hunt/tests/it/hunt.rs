@@ -1,11 +1,11 @@
 use backseat_hunt::{Coverage, Hunt, Order, Plan};
 use backseat_test_support::plugins;
 
-/// A reduced hunt: `cargo xtask hunt` flies as many as there is time for.
+/// A short hunt. `cargo xtask hunt` flies as many missions as there is time for.
 #[test]
 fn drawn_missions_with_drawn_faults_do_nothing_unsafe_and_converge() {
     let coverage = fly(Plan::draw, 60);
-    // Not an empty victory.
+    // Enough must have been exercised.
     assert!(coverage.with_both >= 50 && coverage.faults > 200, "{coverage}");
 }
 
@@ -15,7 +15,7 @@ fn inserts_that_are_led_round_walls_and_taken_back_do_nothing_unsafe() {
     assert!(coverage.with_both >= 6, "{coverage}");
 }
 
-/// Flies so many, of which none may fail.
+/// Flies this many missions, none of which may fail.
 #[track_caller]
 fn fly(draw: fn(u64) -> Plan, runs: u64) -> Coverage {
     let order = Order {

@@ -1,4 +1,4 @@
-//! The hunt, reduced: see the files.
+//! The hunt in a short form: see the files.
 
 mod alarms;
 mod hunt;

@@ -3,7 +3,7 @@ use std::fs;
 use backseat_hunt::{Plan, Range};
 use backseat_test_support::{plugins, workspace};
 
-/// What the hunt has found is found no more.
+/// The failures that the hunt has found do not occur any more.
 #[test]
 fn no_plan_that_once_failed_fails_again() {
     let range = Range::new(plugins()).unwrap();

@@ -32,7 +32,7 @@ fn hunts_add_up_to_what_one_would_have_been() {
     let summed = told(hunt(&["sum", &second, &first]));
     assert!(summed.starts_with("5 missions, "), "{summed}");
     assert_eq!(summed, told(hunt(&["sum", &whole])));
-    // No mission counts twice.
+    // No mission may count twice.
     let twice = hunt(&["sum", &first, &whole]);
     assert_eq!(twice.status.code(), Some(2));
     let text = String::from_utf8_lossy(&twice.stderr);

@@ -7,32 +7,32 @@ use backseat_core::plugin::{
 use backseat_core::{BottomBox, Grant, HullBox, Limits, Note, Operator, Order, StationLimits};
 use backseat_pair::{Dive, Setup, circle, course_plugin, limits, line, modify, place};
 
-/// A capability, tried four ways.
+/// A capability, tried in four ways.
 struct Capability {
     name: &'static str,
-    /// The command's three letters.
+    /// The three letters of its command.
     command: &'static str,
     vehicle: Vehicle,
     grants: &'static [Grant],
     topics: &'static [Topic],
-    /// The request under tag 1.
+    /// The request, with tag 1.
     ask: fn() -> Request,
-    /// What it comes to, and in how many seconds at most.
+    /// The states that it goes through, and the most seconds for that.
     good: (&'static [&'static str], f64),
-    /// Where the vehicle refuses it.
+    /// The states if the vehicle refuses it.
     refused: &'static [&'static str],
-    /// Where the vehicle never answers; it may have done it.
+    /// The states if the vehicle never answers; it may still have carried it out.
     unanswered: &'static [&'static str],
-    /// Where the link is cut before the answer, and back some seconds later.
+    /// The states if the link is cut before the answer, and restored some seconds later.
     cut: &'static [&'static str],
 }
 
-/// Which vehicle, and where it stands when it is asked.
+/// The vehicle, and its situation at the time of the request.
 #[derive(Clone, Copy, PartialEq)]
 enum Vehicle {
-    /// On its line, under the backseat.
+    /// On its line, where the backseat may steer.
     UnderWay,
-    /// Ten metres down in an empty mission, its thruster off.
+    /// Ten metres deep in an empty mission, with the thruster off.
     Drifting,
     /// Beside a ship.
     Hovering,
@@ -429,7 +429,7 @@ const CAPABILITIES: &[Capability] = &[
     },
 ];
 
-/// Asks, and waits until it has begun.
+/// Makes a request, and waits until it has begun.
 fn asked(capability: &Capability, faults: &str) -> Dive {
     let mut dive = Dive::new(setup(capability, faults));
     dive.run_for(3.0);

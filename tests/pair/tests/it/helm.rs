@@ -56,7 +56,7 @@ fn inserts_are_flown_to_their_end() {
         dive.states(1)
     );
     assert_eq!(dive.states(1), ["sent", "pending", "accepted", "started", "ended"]);
-    // It would have interrupted an interruption.
+    // It would have interrupted an insert that interrupts.
     assert_eq!(dive.states(2), ["rejected"]);
     assert_eq!(dive.core.open_requests(), 0);
 }

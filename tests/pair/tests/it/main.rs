@@ -1,4 +1,4 @@
-//! Each capability against the mock vehicle: its good path, refused, without an answer, the link lost midway.
+//! Each capability with the mock vehicle: accepted, refused, without an answer, and with the link lost midway.
 
 mod capabilities;
 mod helm;

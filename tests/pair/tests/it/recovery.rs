@@ -2,7 +2,7 @@ use backseat_core::plugin::Request;
 use backseat_core::{Grant, Note, Recovery, Settings};
 use backseat_pair::{Dive, Setup, course_plugin, line, modify};
 
-/// Half a minute after the start navigation says that the vehicle is far north of the box, for a minute.
+/// Half a minute after the start navigation reports for a minute that the vehicle is far north of the box.
 const JUMP: &str = "
 [[faults.fault]]
 at_s = 30
@@ -52,7 +52,7 @@ fn sr_020_a_vehicle_that_is_outside_loses_the_lease_and_what_waits_and_gets_its_
     dive.run_for(15.0);
     assert_eq!(dive.count("$BPTOP"), 1);
     assert_eq!(dive.count("$BPABT"), 0);
-    // The vehicle has all of it understood.
+    // The vehicle has understood all of it.
     assert_eq!(dive.count("$BPRCN"), 1);
     dive.run_for(90.0);
     assert!(said(&dive, "inside the fence again"), "{:#?}", dive.notes);

@@ -1,9 +1,9 @@
 //! Each term of the envelope is needed: without it the vehicle leaves.
 //!
-//! In each test one thing is as bad as the limits let it be, and all others are as good as they can be. The closest request
-//! that the monitor admits is flown by the mock vehicle, whose true place must stay inside the fence or the bound; and it
-//! must come closer than the term is wide, so that the test fails once the term counts for nothing. By so many metres the
-//! vehicle has then left:
+//! In each test one thing is as bad as the limits allow, and all others are as good as they can be. The mock vehicle
+//! flies the closest request that the monitor accepts. Its true position must stay inside the fence or the bound. It
+//! must also come closer than the width of the term, so that the test fails if the term is left out. The table has how
+//! far the vehicle then leaves the fence:
 //!
 //! | term | m | test |
 //! |---|---|---|
@@ -37,9 +37,9 @@
 //! | station: the age | 0.6 | `the_age_of_relative_navigation` |
 //! | station: the link's delay | 0.2 | `the_delay_of_the_link_to_station_keeping` |
 //!
-//! `figures` holds by their figures what the mock makes no use of, for a greater term covers it: the tracking error, the
-//! current while a modify is obeyed, the error of relative navigation. The limit of 2.5 s to a refresh is behind three other
-//! checks, see `no_refresh_is_later_than_two_and_a_half_seconds`.
+//! `figures` checks the values of terms that the mock does not need, because a greater term covers them: the tracking
+//! error, the current while a modify is obeyed, the error of relative navigation. Three other checks come before the
+//! limit of 2.5 s for a refresh: see `no_refresh_is_later_than_two_and_a_half_seconds`.
 
 mod figures;
 mod hover;

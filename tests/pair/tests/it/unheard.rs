@@ -1,11 +1,12 @@
-//! Nobody heard what the vehicle flies: the link was lost in mid-leg, or the process that heard it was killed. No vehicle
-//! says of itself what it flies to who connects later (SPI 6.9), so that it has to be seen by the line that it keeps to.
+//! It is unknown what the vehicle flies: the link was lost during a leg, or the process that knew was killed. No
+//! vehicle reports its current behavior to a client that connects later (SPI 6.9), so the runtime must recognise it by
+//! the line that the vehicle keeps to.
 
 use backseat_core::plugin::{Request, RequestState};
 use backseat_core::{Grant, Note};
 use backseat_pair::{Dive, Setup, course_plugin, line, modify};
 
-/// Who connects later is told who has control, but not what is flown.
+/// A client that connects later is told who has control, but not the current behavior.
 const REPLAYS: &str = "[interpretation]\ncontrol_replay = true\n";
 
 fn under_way() -> Dive {
@@ -19,7 +20,8 @@ fn under_way() -> Dive {
     dive
 }
 
-/// The plugin insists on a modify to the north-east. After how many seconds it steers; 400 s are too many.
+/// The plugin keeps requesting a modify to the north-east. Returns after how many seconds it steers; 400 s are too
+/// many.
 fn steers_after_s(dive: &mut Dive) -> Option<f64> {
     let asked = dive.now;
     for tag in 100..900 {
@@ -51,7 +53,7 @@ fn lost(dive: &mut Dive, killed: bool) {
     }
 }
 
-/// On its line it is ten seconds and what the connection takes; led away from it, its way back to the line comes first.
+/// On its line it takes ten seconds and the time to connect; away from its line, the vehicle first returns to it.
 #[test]
 fn sr_002_over_a_lost_link_or_a_killed_process_it_steers_again_once_the_line_is_seen() {
     for killed in [false, true] {
@@ -76,7 +78,7 @@ fn sr_002_an_insert_waits_until_a_begin_is_heard() {
         let mut dive = under_way();
         lost(&mut dive, killed);
         steers_after_s(&mut dive).expect("it is seen by then");
-        // What was seen is enough for a modify, but for no insert.
+        // What was seen is enough for a modify, but not for an insert.
         let ask = |dive: &mut Dive, tag, interrupt| {
             dive.ask(Request::Trackline(line(tag, (0.0, 200.0), (200.0, 200.0), interrupt)));
             dive.run_for(3.0);
@@ -99,7 +101,7 @@ fn sr_002_an_insert_waits_until_a_begin_is_heard() {
     }
 }
 
-/// On a heading without a line there is nothing that it could be seen by.
+/// On a heading without a line there is nothing to recognise it by.
 #[test]
 fn sr_002_who_keeps_to_no_line_of_the_plan_is_not_steered() {
     let mut dive = Dive::under_way(Setup {

@@ -5,35 +5,35 @@ use backseat_suite::{Line, Way};
 use super::plan::{Act, Plan, Subject};
 use super::trial::{BACK, FAULT, Record};
 
-/// A step of the vehicle, seconds: what lapses is noticed by then.
+/// One step of the vehicle, seconds: a lapse is noticed within this time.
 const TICK_S: f64 = 0.1;
-/// What had left the runtime when its fault came is received within this, seconds: it was under way.
+/// Bytes that had left the runtime when its fault began are received within this time, seconds.
 const UNDER_WAY_S: f64 = 0.25;
-/// A suspension that is longer has been noticed, seconds: core has promised to wake within a second at the latest, and a
-/// wake-up later than that by half a second ends every lease. A shorter one may go unnoticed, and what is then sent has
-/// been judged since.
+/// A suspension that lasts longer is always noticed, seconds: core has promised to wake within a second at the latest,
+/// and a wake-up more than half a second later ends every lease. A shorter suspension may not be noticed, but what is
+/// sent after it has been judged after it.
 const NOTICED_S: f64 = 1.6;
-/// What was judged longer ago is not sent, seconds: the driver's half second.
+/// Output that was judged longer ago is not sent, seconds: the driver's limit of half a second.
 const JUDGED_WITHIN_S: f64 = 0.6;
-/// Clocks are told to the millisecond.
+/// The precision of clocks, a millisecond.
 const ROUNDED_S: f64 = 0.002;
-/// The mission's cap on open inserts.
+/// The mission's limit on open inserts.
 const INSERTS_OPEN_MAX: usize = 4;
 
-/// What the vehicle's log says of a trial.
+/// The results of a trial, from the vehicle's log.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Verdict {
-    /// From the last refresh that it received to the end, seconds; none where the lease went on.
+    /// From the last refresh that it received to the end, seconds; `None` if the lease continued.
     pub(super) after_last_s: Option<f64>,
-    /// From the fault to the end, seconds; of SIGTERM, from the process's end.
+    /// From the fault to the end, seconds; for SIGTERM, from the process's end.
     pub(super) after_fault_s: Option<f64>,
     /// From when the runtime could act again to its next refresh, seconds.
     pub(super) again_s: Option<f64>,
-    /// A lease stood when the fault came.
+    /// Whether a lease was active when the fault began.
     pub(super) stood: bool,
-    /// Identifiers that were used.
+    /// The identifiers that were used.
     pub(super) identifiers: usize,
-    /// What must not be.
+    /// Everything that is not as required.
     pub(super) misses: Vec<String>,
 }
 
@@ -75,7 +75,7 @@ pub(super) fn judge(plan: &Plan, record: &Record) -> Verdict {
     verdict
 }
 
-/// Where the log has this mark of ours.
+/// The index of our mark with this text in the log.
 fn mark(lines: &[Line], text: &str) -> Option<usize> {
     lines
         .iter()
@@ -97,7 +97,7 @@ fn is_release(subject: Subject, line: &Line) -> bool {
     })
 }
 
-/// A runtime that is not there is not heard.
+/// A runtime that is not running sends nothing.
 fn silence(plan: &Plan, lines: &[Line], fault: usize, back: Option<usize>, verdict: &mut Verdict) {
     let from_s = lines[fault].at_s + UNDER_WAY_S;
     let restarted = plan.subject == Subject::Insert && back.is_none();
@@ -113,7 +113,7 @@ fn silence(plan: &Plan, lines: &[Line], fault: usize, back: Option<usize>, verdi
     }
 }
 
-/// Whatever was refreshed has ended in time, in the whole of the log.
+/// In the whole log, everything that was refreshed has ended in time.
 fn lapses(plan: &Plan, lines: &[Line], verdict: &mut Verdict) {
     let most_s = plan.subject.lasts_s() + TICK_S + ROUNDED_S;
     let mut last: Option<&Line> = None;
@@ -134,13 +134,13 @@ fn lapses(plan: &Plan, lines: &[Line], verdict: &mut Verdict) {
             late(last, line.at_s, "it ended");
         }
     }
-    // A refused one begins nothing, but none is refused in these missions without control's being lost.
+    // A refused suspension begins nothing, but in these missions none is refused unless control is lost.
     if let (Some(last), Some(end)) = (last, lines.last()) {
         late(last, end.at_s, "it stood");
     }
 }
 
-/// How long it took to end, from the last refresh before the fault took effect.
+/// The time to the end, from the last refresh before the fault took effect.
 fn end(plan: &Plan, lines: &[Line], fault: usize, verdict: &mut Verdict) {
     let under_way = |line: &&Line| line.at_s <= lines[fault].at_s + UNDER_WAY_S;
     let before = lines.iter().take_while(under_way).count();
@@ -160,11 +160,11 @@ fn end(plan: &Plan, lines: &[Line], fault: usize, verdict: &mut Verdict) {
     if plan.act == Act::Terminate && !lines[steered..].iter().any(|line| is_release(plan.subject, line)) {
         verdict
             .misses
-            .push("told to end, it did not give the helm back".to_owned());
+            .push("told to end, it did not hand back control".to_owned());
     }
 }
 
-/// What a runtime does that can act again.
+/// What the runtime does when it can act again.
 fn again(plan: &Plan, record: &Record, fault: usize, back: usize, verdict: &mut Verdict) {
     let lines = &record.lines;
     let first = lines[back..].iter().find(|line| plan.subject.is_refresh(line));
@@ -180,7 +180,7 @@ fn again(plan: &Plan, record: &Record, fault: usize, back: usize, verdict: &mut 
     }
     let before = lines[..fault].iter().rfind(|line| plan.subject.is_refresh(line));
     if before.is_some_and(|before| before.client != first.client) {
-        // Another connection: whatever stood on the one before is over.
+        // On another connection, everything of the previous one has ended.
         return;
     }
     if plan.act.is_cut() {
@@ -192,14 +192,14 @@ fn again(plan: &Plan, record: &Record, fault: usize, back: usize, verdict: &mut 
         let refresh = lines[back..].iter().position(|line| plan.subject.is_refresh(line));
         if release.is_none() || release > refresh {
             verdict.misses.push(format!(
-                "it went on steering without an end of what stood: {}",
+                "it continued to steer without ending the earlier lease: {}",
                 first.text
             ));
         }
     }
 }
 
-/// What was judged before it could act again is not sent.
+/// Output that was judged before the runtime could act again is not sent.
 fn stale(plan: &Plan, record: &Record, back: usize, verdict: &mut Verdict) {
     let Some(back_s) = record.back_utc_s else { return };
     if plan
@@ -218,7 +218,7 @@ fn stale(plan: &Plan, record: &Record, back: usize, verdict: &mut Verdict) {
             verdict.misses.push(format!("no time in {}", line.text));
             continue;
         };
-        // Half a day either way: midnight may pass.
+        // Half a day in either direction, because it may be midnight in between.
         let later_s = (made_s - back_s + 43_200.0).rem_euclid(86_400.0) - 43_200.0;
         if later_s < -ROUNDED_S {
             verdict.misses.push(format!(
@@ -234,7 +234,7 @@ fn seconds_of_day(time: &str) -> Option<f64> {
     Some(part(0..2)? * 3600.0 + part(2..4)? * 60.0 + part(4..time.len())?)
 }
 
-/// No identifier twice, and no more inserts open than the mission's cap.
+/// No identifier is used twice, and no more inserts are open than the mission allows.
 fn identifiers(lines: &[Line], verdict: &mut Verdict) {
     let (mut used, mut open) = (BTreeSet::new(), BTreeSet::new());
     for line in lines {
@@ -290,7 +290,7 @@ mod tests {
         received(at_s, 1, &format!("$BPMSG,000000.000,{text}"))
     }
 
-    /// A modify made at this second after noon.
+    /// A modify with this second after noon as its creation time.
     fn modify(at_s: f64, client: u32, made_s: u32) -> Line {
         received(
             at_s,
@@ -358,7 +358,7 @@ mod tests {
             event(13.6, "modify ended: by the payload"),
         );
         assert!(goes_on(vec![release.clone(), ended.clone(), modify(14.0, 2, 14)]).is_empty());
-        one(&goes_on(vec![modify(13.6, 2, 14)]), "without an end of what stood");
+        one(&goes_on(vec![modify(13.6, 2, 14)]), "without ending the earlier lease");
         one(
             &goes_on(vec![release.clone(), ended.clone(), modify(14.0, 2, 12)]),
             "made 1.500 s before it could act again",
@@ -390,7 +390,7 @@ mod tests {
             misses(Act::Terminate, lines)
         };
         assert!(ends("$BPEMB,1*00").is_empty());
-        one(&ends("$BPSTS,1*00"), "did not give the helm back");
+        one(&ends("$BPSTS,1*00"), "did not hand back control");
     }
 
     #[test]

@@ -3,10 +3,10 @@ use std::time::Duration;
 
 use backseat_world::Stream;
 
-/// What the runtime does when its fault comes.
+/// What the runtime is doing when its fault begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject {
-    /// It keeps a modify alive.
+    /// It refreshes a modify.
     Modify,
     /// It keeps a hovering vehicle at its station.
     Station,
@@ -14,25 +14,25 @@ pub enum Subject {
     Insert,
 }
 
-/// What happens to it.
+/// The fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Act {
     /// SIGKILL.
     Kill,
-    /// SIGSTOP, for good.
+    /// SIGSTOP, without an end.
     Stop,
-    /// SIGSTOP, and SIGCONT after so long.
+    /// SIGSTOP, and SIGCONT after this time.
     Pause(Duration),
-    /// The connection is closed in order, and there is none for so long.
+    /// The connection is closed in order, and there is none for this time.
     Close(Duration),
-    /// The connection is reset, and there is none for so long.
+    /// The connection is reset, and there is none for this time.
     Reset(Duration),
-    /// The connections stay and pass nothing for so long, and are then reset; what is written is taken and lost, or
-    /// waits in the sockets' buffers.
+    /// For this time the connections stay open and pass nothing; then they are reset. Written bytes are accepted and
+    /// lost, or wait in the sockets' buffers.
     HalfOpen {
-        /// For so long.
+        /// The duration.
         lasts: Duration,
-        /// Nothing is taken from the sockets.
+        /// Whether bytes stay in the sockets' buffers.
         waits: bool,
     },
     /// SIGTERM.
@@ -44,16 +44,16 @@ pub enum Act {
 pub struct Plan {
     /// Counted from 1.
     pub number: u32,
-    /// What the runtime does.
+    /// What the runtime is doing.
     pub subject: Subject,
-    /// What happens to it.
+    /// The fault.
     pub act: Act,
-    /// So long after it has begun to steer.
+    /// The time from when it begins to steer to the fault.
     pub after: Duration,
 }
 
 impl Plan {
-    /// Draws a trial; the same seed and number give the same.
+    /// Draws a trial; the same seed and number give the same one.
     #[must_use]
     pub fn draw(seed: u64, number: u32, hovering_share: f64, inserting_share: f64) -> Self {
         let mut stream = Stream::new(seed, &format!("kill {number}"));
@@ -87,7 +87,7 @@ impl Plan {
 }
 
 impl Act {
-    /// How long it lasts, where the runtime then goes on by itself.
+    /// The duration, for faults after which the runtime continues by itself.
     #[must_use]
     pub const fn lasts(&self) -> Option<Duration> {
         match self {
@@ -96,13 +96,13 @@ impl Act {
         }
     }
 
-    /// Whether it happens to the connection.
+    /// Whether the fault is in the connection.
     #[must_use]
     pub const fn is_cut(&self) -> bool {
         matches!(self, Self::Close(_) | Self::Reset(_) | Self::HalfOpen { .. })
     }
 
-    /// Without its figures.
+    /// The name without values.
     #[must_use]
     pub const fn kind(&self) -> &'static str {
         match self {

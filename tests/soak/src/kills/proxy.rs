@@ -10,7 +10,7 @@ use socket2::SockRef;
 
 const LOOK_EVERY: Duration = Duration::from_millis(10);
 
-/// How the link is.
+/// The state of the link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
     /// It passes everything at once.
@@ -19,9 +19,9 @@ pub(super) enum Way {
     Closed,
     /// Connections are reset, and new ones at once.
     Reset,
-    /// Connections stay, new ones are taken, and nothing passes.
+    /// Connections stay open, new ones are accepted, and nothing passes.
     HalfOpen {
-        /// What is written waits in the sockets' buffers instead of being lost.
+        /// Whether written bytes wait in the sockets' buffers instead of being lost.
         waits: bool,
     },
 }
@@ -62,14 +62,14 @@ impl Proxy {
         Ok(Self { address, state })
     }
 
-    /// From now on it is so.
+    /// Sets the state from now on.
     pub(super) fn set(&self, way: Way) {
         let mut link = self.state.link();
         let before = std::mem::replace(&mut link.way, way);
         match way {
             Way::Closed => link.end(false),
             Way::Reset => link.end(true),
-            // What it kept back is not passed on later.
+            // Bytes that were held back are not passed on later.
             Way::Open if matches!(before, Way::HalfOpen { .. }) => link.end(true),
             Way::Open | Way::HalfOpen { .. } => {}
         }
@@ -86,10 +86,10 @@ impl Drop for Proxy {
 impl Link {
     fn end(&mut self, reset: bool) {
         for (ends, cut) in self.connections.drain(..) {
-            // The threads that read it let go of it then, and with the last hold on it the reset leaves.
+            // The threads that read it then drop it, and the reset is sent when the last handle is dropped.
             cut.store(reset, Ordering::Relaxed);
             for end in ends {
-                // Where it fails, the connection is gone already.
+                // If this fails, the connection is closed already.
                 let _gone = if reset {
                     SockRef::from(&end).set_linger(Some(Duration::ZERO))
                 } else {
@@ -109,7 +109,7 @@ impl State {
         while !self.over.load(Ordering::Relaxed) {
             match listener.accept() {
                 Ok((stream, _)) => {
-                    // A connection that fails at once has been cut at once.
+                    // A connection that fails at once counts as cut.
                     let _gone = self.join(stream);
                 }
                 Err(_) => thread::sleep(LOOK_EVERY),
@@ -117,7 +117,7 @@ impl State {
         }
     }
 
-    /// Joins a new connection of the runtime's with one to the vehicle.
+    /// Joins a new connection of the runtime with one to the vehicle.
     fn join(self: &Arc<Self>, runtime: TcpStream) -> std::io::Result<()> {
         runtime.set_nonblocking(false)?;
         let mut link = self.link();
@@ -152,7 +152,7 @@ impl State {
             match from.read(&mut buffer) {
                 Ok(0) => break,
                 Ok(count) => {
-                    // Under the lock: once it has been set otherwise, nothing passes.
+                    // Done under the lock, so that nothing passes once the state has been changed.
                     let link = self.link();
                     let passes = link.way == Way::Open && !cut.load(Ordering::Relaxed);
                     if passes && to.write_all(buffer.get(..count).unwrap_or_default()).is_err() {
@@ -164,7 +164,7 @@ impl State {
             }
         }
         if !cut.load(Ordering::Relaxed) {
-            // The one side's end is the other's; where it fails, it has been.
+            // When one side ends, the other is ended too; if that fails, it has ended already.
             let _gone = to.shutdown(Shutdown::Both);
         }
     }
@@ -197,7 +197,7 @@ mod tests {
             vehicle.write_all(b"two").unwrap();
             assert_eq!(runtime.read(&mut buffer).unwrap(), 3);
             proxy.set(way);
-            // It may have been cut already.
+            // It may be cut already.
             let _cut = runtime.write_all(b"three");
             vehicle.set_read_timeout(Some(Duration::from_millis(200))).unwrap();
             let end = vehicle.read(&mut buffer).map_err(|error| error.kind());

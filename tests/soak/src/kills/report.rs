@@ -4,7 +4,7 @@ use std::fmt;
 use super::judge::Verdict;
 use super::plan::{Plan, Subject};
 
-/// What came of the trials.
+/// The results of the trials.
 #[derive(Clone, Debug, Default)]
 pub struct KillsReport {
     rows: BTreeMap<(Subject, &'static str), Row>,
@@ -42,38 +42,38 @@ impl KillsReport {
         self.misses.push(format!("{plan}: could not be flown: {why}"));
     }
 
-    /// What is not as it must be.
+    /// Everything that is not as required.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         self.misses.clone()
     }
 
-    /// How many trials were flown to their end.
+    /// The number of trials that were flown to their end.
     #[must_use]
     pub const fn flown(&self) -> usize {
         self.flown
     }
 
-    /// In how many a lease stood when the fault came.
+    /// The number of trials in which a lease was active when the fault began.
     #[must_use]
     pub fn stood(&self) -> usize {
         self.rows.values().map(|row| row.stood).sum()
     }
 
-    /// How many identifiers were used.
+    /// The number of identifiers that were used.
     #[must_use]
     pub const fn identifiers(&self) -> usize {
         self.identifiers
     }
 
-    /// Figures of a subject in all its trials.
+    /// The measurements for a subject in all its trials.
     fn all(&self, subject: Subject, of: fn(&Row) -> &Vec<f64>) -> Vec<f64> {
         let rows = self.rows.iter().filter(|((row, _), _)| *row == subject);
         rows.flat_map(|(_, row)| of(row).iter().copied()).collect()
     }
 }
 
-/// Least, middle, nine tenths, 99 hundredths, most.
+/// The minimum, and the 50th, 90th and 99th percentile, and the maximum.
 fn spread(mut values: Vec<f64>) -> String {
     values.sort_by(f64::total_cmp);
     let Some(last) = values.len().checked_sub(1) else {

@@ -8,38 +8,38 @@ use backseat_suite::{Backseat, Line, Mission, Process, Signal, Vehicle};
 use super::plan::{Act, Plan, Subject};
 use super::proxy::{Proxy, Way};
 
-/// Programs start slowly where many do at once.
+/// Programs start slowly where many start at once.
 const STARTS_WITHIN: Duration = Duration::from_secs(180);
-/// What the vehicle's clock must show within, real time.
+/// The vehicle's log must show an event within this real time.
 const SHOWS_WITHIN: Duration = Duration::from_secs(120);
 const LOOK_EVERY: Duration = Duration::from_millis(100);
-/// The fault comes after so many refreshes at the earliest.
+/// The least number of refreshes before the fault.
 const REFRESHES: usize = 3;
-/// A runtime that can steer again is given so long, vehicle's time.
+/// How long a runtime that can steer again is watched, vehicle's time.
 const AGAIN_WITHIN_S: f64 = 30.0;
 const FIRST_IDENTIFIER: &str = "100";
 
-/// What came of a trial.
+/// The result of a trial.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Record {
     /// The vehicle's log.
     pub(super) lines: Vec<Line>,
-    /// The same as it is.
+    /// The log's text.
     pub(super) text: String,
-    /// Seconds of the day by the runtime's clock when it could act again.
+    /// The time of day by the runtime's clock when it could act again, seconds.
     pub(super) back_utc_s: Option<f64>,
-    /// How it ended, where it was told to.
+    /// How it ended, if it was told to.
     pub(super) exit: Option<Option<i32>>,
-    /// A panic, where its standard error has one.
+    /// A panic on its standard error, if there is one.
     pub(super) panic: Option<String>,
 }
 
-/// The texts by which the vehicle's log says what was done to the runtime.
+/// The texts that mark in the vehicle's log what was done to the runtime.
 pub(super) const FAULT: &str = "trial: now";
 pub(super) const BACK: &str = "trial: back";
 
 impl Subject {
-    /// What keeps it alive.
+    /// The sentence that keeps it active.
     pub(super) const fn refreshes(self) -> &'static [&'static str] {
         match self {
             Self::Modify => &["BPRMB"],
@@ -48,7 +48,7 @@ impl Subject {
         }
     }
 
-    /// How long the vehicle keeps it without, seconds.
+    /// How long the vehicle keeps it active without this sentence, seconds.
     pub(super) const fn lasts_s(self) -> f64 {
         match self {
             Self::Station => 2.0,
@@ -64,7 +64,7 @@ impl Subject {
         match self {
             Self::Modify => Mission::steady(),
             Self::Station => Mission::hovering(),
-            // One of some 60 m after the other, each second where none is under way.
+            // Lines of some 60 m, one after the other; a new one each second when none is open.
             Self::Insert => Mission::steady()
                 .in_legs()
                 .edit("mission.toml", "[\"modify\"]", "[\"insert\", \"interrupt\"]")
@@ -77,10 +77,11 @@ impl Subject {
     }
 }
 
-/// Flies a trial to its end, and gives what the vehicle has seen.
+/// Flies a trial to its end, and returns what the vehicle has logged.
 ///
 /// # Panics
-/// Where it cannot be flown: a program does not start, or never steers.
+///
+/// If it cannot be flown: a program does not start, or never steers.
 pub(super) fn fly(plan: &Plan) -> Record {
     let mut trial = Trial::begin(plan);
     thread::sleep(plan.after);
@@ -112,7 +113,7 @@ pub(super) fn fly(plan: &Plan) -> Record {
     let before = trial.seen(plan.subject);
     let died = matches!(plan.act, Act::Kill | Act::Stop | Act::Terminate);
     match (plan.subject, died) {
-        // Until it has certainly lapsed.
+        // Until the lease has certainly lapsed.
         (Subject::Modify | Subject::Station, true) => trial.wait_for_clock(plan.subject.lasts_s() + 0.5, |_| false),
         (Subject::Modify | Subject::Station, false) => {
             trial.wait_for_clock(AGAIN_WITHIN_S, |seen| seen > before);
@@ -126,7 +127,7 @@ pub(super) fn fly(plan: &Plan) -> Record {
             trial.wait_for_clock(AGAIN_WITHIN_S, |seen| seen > before + 1);
         }
     }
-    // Once more what a log's flush could still owe.
+    // Once more, for what the flush of the log may still leave out.
     thread::sleep(Duration::from_millis(300));
     record.text = trial.vehicle.log_text();
     record.lines = trial.vehicle.lines();
@@ -137,7 +138,7 @@ pub(super) fn fly(plan: &Plan) -> Record {
 
 struct Trial {
     subject: Subject,
-    /// Dropped in this order: first who talks to the vehicle.
+    /// Dropped in this order: first the programs that talk to the vehicle.
     runtime: Process,
     proxy: Option<Proxy>,
     marker: TcpStream,
@@ -146,7 +147,7 @@ struct Trial {
 }
 
 impl Trial {
-    /// Up to the moment when the runtime steers.
+    /// Runs until the runtime steers.
     fn begin(plan: &Plan) -> Self {
         let mission = plan.subject.mission();
         let vehicle = Vehicle::start_within(&mission, STARTS_WITHIN);
@@ -194,7 +195,7 @@ impl Trial {
         run(&self.mission, address, flags)
     }
 
-    /// Writes a line of ours into the vehicle's log.
+    /// Writes a marker line into the vehicle's log.
     fn mark(&self, text: &str) {
         let line = format!("$BPMSG,000000.000,{text}\n");
         (&self.marker)
@@ -202,7 +203,7 @@ impl Trial {
             .expect("the vehicle serves us to the end");
     }
 
-    /// How many refreshes the vehicle has received.
+    /// The number of refreshes that the vehicle has received.
     fn seen(&self, subject: Subject) -> usize {
         let text = self.vehicle.log_text();
         let of = |name: &&str| text.matches(&format!(" ${name},")).count();
@@ -217,7 +218,7 @@ impl Trial {
         last.and_then(|at| at.parse().ok()).unwrap_or(0.0)
     }
 
-    /// Waits until the vehicle's clock has gone on by so many seconds, or so many refreshes are enough.
+    /// Waits until the vehicle's clock has advanced by this many seconds, or until there are enough refreshes.
     fn wait_for_clock(&self, seconds: f64, enough: impl Fn(usize) -> bool) {
         let (start, from_s) = (Instant::now(), self.clock_s());
         while self.clock_s() < from_s + seconds && !enough(self.seen(self.subject)) {
@@ -253,7 +254,7 @@ fn run(mission: &Mission, address: &str, flags: &[&str]) -> Process {
         .spawn()
 }
 
-/// A client that marks the vehicle's log, and listens to navigation so that the log's clock goes on without a runtime.
+/// A client that marks the vehicle's log. It receives navigation, so that the log's clock advances without a runtime.
 fn marker(address: &str) -> TcpStream {
     let stream = TcpStream::connect(address).expect("the vehicle listens");
     stream.set_nodelay(true).expect("the connection is new");
@@ -266,7 +267,7 @@ fn marker(address: &str) -> TcpStream {
     stream
 }
 
-/// Seconds of the day by the machine's clock, which is the runtime's.
+/// The time of day by the machine's clock, which is also the runtime's, seconds.
 fn utc_s() -> f64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     since.as_secs_f64() % 86_400.0

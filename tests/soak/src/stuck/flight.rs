@@ -2,10 +2,10 @@ use std::time::Duration;
 
 use backseat_suite::{Heard, Process, Scripted, Signal, Stopwatch, settle};
 
-/// What the vehicle saw of one flight, by its own clock, seconds.
+/// Measurements of one flight from the vehicle's log, by its own clock, seconds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Figures {
-    /// How many BPRMB it was sent in the window.
+    /// The number of BPRMB that it received in the window.
     pub(super) modifies: usize,
     /// The longest time in the window without one.
     pub(super) gap_s: f64,
@@ -15,12 +15,12 @@ pub(super) struct Figures {
     pub(super) ended_s: f64,
     /// From SIGTERM to the end of the process.
     pub(super) gone_s: f64,
-    /// How late the loop woke at worst, where standard error can be read.
+    /// The latest wake-up of the loop, if standard error can be read.
     pub(super) slip_s: Option<f64>,
 }
 
 impl Figures {
-    /// The worse of each.
+    /// The worse value of each.
     pub(super) fn worst(self, other: Self) -> Self {
         Self {
             modifies: self.modifies.min(other.modifies),
@@ -38,8 +38,8 @@ pub(super) fn begin(vehicle: &Scripted) {
     vehicle.hears("BPRMB", 3, super::STARTS_WITHIN);
 }
 
-/// How the vehicle is steered for so long: the number of modifies and the longest time without one, to the end of the
-/// window too.
+/// Watches the vehicle for this long. Returns the number of modifies and the longest time without one, including the
+/// time to the end of the window.
 pub(super) fn window(vehicle: &Scripted, seconds: f64) -> (usize, f64) {
     let since_s = vehicle.now_s();
     let before = vehicle.heard("BPRMB").last().map_or(since_s, |heard| heard.at_s);
@@ -68,7 +68,7 @@ pub(super) fn release(vehicle: &Scripted, runtime: &Process) {
     vehicle.hears("BPRMB", vehicle.heard("BPRMB").len() + 2, super::ACTS_WITHIN);
 }
 
-/// Holds, releases and ends. Gives what the vehicle saw, and the exit code.
+/// Holds, releases and ends. Returns the measurements and the exit code.
 pub(super) fn end(vehicle: &Scripted, runtime: &mut Process) -> (Figures, Option<i32>) {
     let held_s = end_lease(vehicle, runtime, Signal::USR1);
     release(vehicle, runtime);
@@ -84,7 +84,7 @@ pub(super) fn end(vehicle: &Scripted, runtime: &mut Process) -> (Figures, Option
     (figures, code)
 }
 
-/// How late the loop woke at worst, as it says at its end: `slips: none`, or `slips: ... the worst 0.123 s`.
+/// The latest wake-up of the loop, which it reports at its end: `slips: none`, or `slips: ... the worst 0.123 s`.
 pub(super) fn slip(said: &str) -> Option<f64> {
     let slips = said.lines().rev().find_map(|line| line.split_once(" slips: "))?.1;
     if slips == "none" {

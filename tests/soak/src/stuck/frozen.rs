@@ -1,8 +1,8 @@
-//! A file system that is frozen under the log (`fsfreeze`): what writes to it waits in the kernel, where no signal ends it.
-//! A frozen ext4 on a loop device stands for it; root alone may make one.
+//! A frozen file system under the log (`fsfreeze`): a thread that writes to it waits in the kernel, where no signal
+//! ends it. The test freezes an ext4 file system on a loop device, which only root can create.
 //!
-//! It is thawed in every exit: by whoever froze it, and where this process is killed, by a child of its own that waits for
-//! nothing else.
+//! The file system is thawed on every exit: by the code that froze it or, if this process is killed, by a child process
+//! that waits only for that.
 
 use std::fmt;
 use std::fs::File;
@@ -20,10 +20,10 @@ use super::flight::{self, Figures};
 use super::{ACTS_WITHIN, heading, last_lines, late, line};
 
 const IMAGE_BYTES: u64 = 64 << 20;
-/// What the child waits for the end of this process at most, seconds: then it thaws whatever there is.
+/// How long the child waits for the end of this process at most, seconds; then it thaws the file system in any case.
 const THAWS_WITHIN_S: &str = "300";
 
-/// Waits for the end of its standard input, thaws, kills whoever still writes there, and unmounts.
+/// Waits for the end of standard input, thaws, kills processes that still write there, and unmounts.
 const THAW: &str = r#"
 trap '' INT TERM HUP
 timeout "$1" cat >/dev/null
@@ -36,33 +36,34 @@ done 2>/dev/null
 umount --lazy --quiet "$0"
 "#;
 
-/// What to freeze.
+/// The parameters.
 #[derive(Clone, Debug, Args)]
 pub struct Frozen {
-    /// For so long, seconds
+    /// Duration of the freeze, seconds
     #[arg(long, default_value_t = 8.0)]
     pub seconds: f64,
 }
 
-/// What came of it.
+/// The results.
 #[derive(Clone, Debug)]
 pub enum FrozenReport {
     /// Nothing was shown, and why.
     NotShown(String),
-    /// It was flown.
+    /// The flights took place.
     Flown {
-        /// The figures, under what was frozen.
+        /// The measurements, with what was frozen.
         table: String,
-        /// What is not as it must be.
+        /// Everything that is not as required.
         faults: Vec<String>,
     },
 }
 
-/// Flies twice: the log's file system is frozen for a time; and the log's and the state's, until the process has been told
-/// to end.
+/// Flies twice: first the log's file system is frozen for some time; then the log's and the state's, until the process
+/// has been told to end.
 ///
 /// # Errors
-/// Never; where no file system can be frozen the report says why.
+///
+/// None; if no file system can be frozen, the report gives the reason.
 pub fn run(arguments: &Frozen) -> Result<FrozenReport> {
     let disk = match Disk::mount() {
         Ok(disk) => disk,
@@ -78,7 +79,7 @@ pub fn run(arguments: &Frozen) -> Result<FrozenReport> {
         match catch_unwind(AssertUnwindSafe(|| fly(&disk, arguments.seconds))) {
             Ok(Ok(figures)) => {
                 table = format!("{table}\n{}", line(name, &figures));
-                // Nothing ends a process before the thaw, one of whose threads waits for a frozen file system.
+                // Nothing can end a process before the thaw if one of its threads waits for a frozen file system.
                 let judged = Figures { gone_s: 0.0, ..figures };
                 faults.extend(late(name, &judged));
             }
@@ -120,7 +121,7 @@ fn thawed(disk: &Disk, seconds: f64) -> Result<Figures> {
         bail!("it ended with {code:?}\n{}", last_lines(&runtime.stderr()));
     }
     if runtime.stderr().contains("the log has no end") {
-        bail!("the log has not gone on\n{}", last_lines(&runtime.stderr()));
+        bail!("the log did not continue\n{}", last_lines(&runtime.stderr()));
     }
     Ok(Figures {
         modifies,
@@ -149,7 +150,7 @@ fn to_the_end(disk: &Disk, seconds: f64) -> Result<Figures> {
     let code = runtime.wait(ACTS_WITHIN);
     let gone_s = stopped.elapsed().as_secs_f64();
     if before_the_thaw.is_some() {
-        bail!("it ended before the thaw: nothing of it waited for the file system, so that nothing was shown");
+        bail!("it ended before the thaw, so no thread waited for the file system and nothing was shown");
     }
     if code != Some(0) {
         bail!("it ended with {code:?}\n{}", last_lines(&runtime.stderr()));
@@ -164,15 +165,15 @@ fn to_the_end(disk: &Disk, seconds: f64) -> Result<Figures> {
     })
 }
 
-/// A small file system of its own. Dropped, it is thawed, unmounted and removed.
+/// A small separate file system. It is thawed, unmounted and removed when this is dropped.
 struct Disk {
     folder: PathBuf,
-    /// Whoever thaws it where this process is killed; it waits for the end of its standard input.
+    /// The child that thaws it if this process is killed; it waits for the end of its standard input.
     watchdog: Child,
     _image: TempDir,
 }
 
-/// The disk while it is frozen. Dropped, it is thawed.
+/// The frozen disk. It is thawed when this is dropped.
 struct Freeze<'a>(&'a Disk);
 
 impl Disk {
@@ -183,7 +184,7 @@ impl Disk {
         File::create(&path)?.set_len(IMAGE_BYTES)?;
         tool(Command::new("mkfs.ext4").arg("-q").arg(&path))?;
         tool(Command::new("mount").args(["-o", "loop"]).arg(&path).arg(&folder))?;
-        // From here on it is unmounted in every exit.
+        // From here on it is unmounted on every exit.
         let watchdog = watch(&folder);
         let unmount = || unmounted(&folder);
         let disk = Self {
@@ -191,13 +192,13 @@ impl Disk {
             folder,
             _image: image,
         };
-        // Whether it can be frozen at all.
+        // Checks whether it can be frozen at all.
         drop(disk.freeze()?);
         Ok(disk)
     }
 
     fn freeze(&self) -> Result<Freeze<'_>> {
-        // Before it is: whatever comes after this thaws it.
+        // Created before the freeze, so that any exit after this thaws it.
         let freeze = Freeze(self);
         tool(Command::new("fsfreeze").arg("--freeze").arg(&self.folder))?;
         Ok(freeze)
@@ -206,27 +207,27 @@ impl Disk {
 
 impl Drop for Freeze<'_> {
     fn drop(&mut self) {
-        // It fails where it is not frozen.
+        // This fails if it is not frozen.
         let _thawed = tool(Command::new("fsfreeze").arg("--unfreeze").arg(&self.0.folder));
     }
 }
 
 impl Drop for Disk {
     fn drop(&mut self) {
-        // The end of its input: it thaws once more and unmounts.
+        // The end of its input makes it thaw once more and unmount.
         drop(self.watchdog.stdin.take());
         let _ended = self.watchdog.wait();
         unmounted(&self.folder);
     }
 }
 
-/// Unmounts it where it is mounted.
+/// Unmounts it if it is mounted.
 fn unmounted(folder: &Path) {
     let _not_mounted = tool(Command::new("umount").args(["--lazy", "--quiet"]).arg(folder));
 }
 
-/// A child in a process group of its own, which Ctrl-C does not reach: once this process has ended, in whatever way, it thaws
-/// the file system and unmounts it.
+/// Starts a child in a process group of its own, which Ctrl-C does not reach. When this process has ended, in whatever
+/// way, the child thaws the file system and unmounts it.
 fn watch(folder: &Path) -> Result<Child> {
     use std::os::unix::process::CommandExt as _;
     Command::new("sh")
@@ -241,7 +242,7 @@ fn watch(folder: &Path) -> Result<Child> {
         .context("sh")
 }
 
-/// Runs a tool of the system; what it says is the error.
+/// Runs a system tool. Its output is the error.
 fn tool(command: &mut Command) -> Result<()> {
     let name = command.get_program().to_string_lossy().into_owned();
     let output = command.stdin(Stdio::null()).output().with_context(|| name.clone())?;
@@ -253,7 +254,7 @@ fn tool(command: &mut Command) -> Result<()> {
 }
 
 impl FrozenReport {
-    /// What is not as it must be.
+    /// Everything that is not as required.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         match self {

@@ -1,4 +1,4 @@
-//! The long runs, cut short enough for every change.
+//! The long runs, shortened for every change.
 
 mod real_time;
 

@@ -1,4 +1,4 @@
-//! The long runs in real time, cut short enough for every change.
+//! The long runs in real time, shortened for every change.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -6,7 +6,7 @@ use backseat_soak::beside::{self, Beside};
 use backseat_soak::kills::{self, Kills};
 use backseat_soak::tcp::{self, Tcp};
 
-/// What flies in real time flies alone here: a machine that is busy with the other is late with both.
+/// Runs in real time run alone here, because on a machine that is busy with another both would be late.
 static ALONE: Mutex<()> = Mutex::new(());
 
 #[test]

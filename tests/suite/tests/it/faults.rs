@@ -1,5 +1,5 @@
-//! A bad plugin beside a good one: the good one does not notice (safety requirement 006). Each fault of `faulty` has its
-//! test here; `backseat-soak beside` has each in real time.
+//! A faulty plugin beside a good one, which is not affected (safety requirement 006). Each fault of `faulty` has its
+//! test here; `backseat-soak beside` runs each in real time.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -7,15 +7,15 @@ use std::sync::OnceLock;
 use backseat_recorder::{Log, read};
 use backseat_suite::{Backseat, Mission};
 
-/// A live modify is sent again each second; more than this and a sibling has held it up.
+/// A live modify is sent again each second; a longer gap means that another plugin has delayed it.
 const GAP_MAX_S: f64 = 1.05;
 
-/// All that a mission can let a plugin do.
+/// All the grants of a plugin.
 const EVERY_GRANT: &str = r#"["modify", "insert", "interrupt", "message", "surface", "topside", "dvl", "silent", "trim", "buoyancy",
     "acoustic", "station", "devices"]"#;
 
-/// Isobath, the first in priority, beside `faulty` with a fault that comes a minute after control has, which is after
-/// about 150 s and for five minutes. What lies across the fence lies to the north.
+/// Isobath, first in priority, beside `faulty`, whose fault begins a minute after control is gained, that is after
+/// about 150 s, and lasts for five minutes. The target across the fence is in the north.
 fn beside_isobath(fault: &str) -> Mission {
     Mission::copy("isobath")
         .edit("mission.toml", "inserts_open_max = 0", "inserts_open_max = 2")
@@ -29,11 +29,11 @@ fn beside_isobath(fault: &str) -> Mission {
             ),
         )
         .edit("world.toml", "timeout_s = 3600", "timeout_s = 300")
-        // How well isobath follows in a whole mission is another test's affair.
+        // Other tests check how well isobath follows the contour in a whole mission.
         .cut("world.toml", "[expect.contour]")
 }
 
-/// The whole sentences that were sent, with their times in seconds.
+/// The sentences that were sent, with their times in seconds.
 fn sent(log: &Log) -> Vec<(f64, String)> {
     let mut sentences = Vec::new();
     for (at, from_vehicle, bytes) in log.link() {
@@ -45,7 +45,7 @@ fn sent(log: &Log) -> Vec<(f64, String)> {
     sentences
 }
 
-/// How often the log says that the bad plugin failed in this way.
+/// How many times the log reports this failure of the faulty plugin.
 fn failures(log: &Log, kind: &str) -> usize {
     let begin = format!("plugin 1 failed ({kind})");
     log.notes().filter(|(_, note)| note.starts_with(&begin)).count()
@@ -65,8 +65,8 @@ fn flies(mission: &Mission, path: &Path) -> Log {
     read(path).expect("the log can be read")
 }
 
-/// What the bad plugin steers until its fault comes: whoever is stepped first after the hand-over has the helm until the
-/// other, which has priority, asks for it.
+/// The faulty plugin may steer until its fault begins: after control is gained, the plugin that is stepped first steers
+/// until the other, which has priority, makes a request.
 const SIBLINGS: &str = ",0,10,0,1.5,1,0*";
 
 /// The sentences by which isobath steers, with the times when they were sent.
@@ -78,7 +78,7 @@ fn steering(log: &Log) -> Vec<(f64, String)> {
     sentences
 }
 
-/// What isobath sends beside a sibling that does nothing wrong.
+/// The sentences of isobath beside a plugin that behaves well.
 fn undisturbed() -> &'static Vec<(f64, String)> {
     static STEERING: OnceLock<Vec<(f64, String)>> = OnceLock::new();
     STEERING.get_or_init(|| {
@@ -87,7 +87,7 @@ fn undisturbed() -> &'static Vec<(f64, String)> {
     })
 }
 
-/// The good plugin steers for the five minutes, and every refresh comes in time.
+/// The good plugin steers for the five minutes, and every refresh is in time.
 #[track_caller]
 fn isobath_is_refreshed(log: &Log) {
     let (mut steered_s, mut last) = (0.0, None::<f64>);
@@ -115,21 +115,22 @@ fn isobath_is_refreshed(log: &Log) {
     );
 }
 
-/// As above, and no byte that steers is different for the bad one's being there.
+/// As above, and no sentence that steers differs because of the faulty plugin.
 #[track_caller]
 fn isobath_steers(log: &Log) {
     isobath_is_refreshed(log);
     let steering = steering(log);
     for (here, there) in steering.iter().zip(undisturbed()) {
-        // What follows the sibling's own modify waits for its rate, from a moment that shows the sibling's fuel.
+        // After the other plugin's own modify, the next waits for its rate, at a time that depends on the other
+        // plugin's fuel.
         let same = here.1 == there.1 && (here.0 - there.0).abs() < 1e-6;
         assert!(same, "the first difference: {here:?}, undisturbed {there:?}");
     }
     assert_eq!(steering.len(), undisturbed().len());
 }
 
-/// A test for each fault: its name in the plugin's configuration, how it is told where it is a failure, and what must
-/// hold of isobath.
+/// A test for each fault: its name in the plugin's configuration, how the log reports it if it is a failure, and what
+/// must be true of isobath.
 macro_rules! faults {
     ($all:ident $holds:ident: $($name:ident $fault:literal $($kind:literal)?;)*) => {
         const $all: &[&str] = &[$($fault),*];
@@ -171,7 +172,7 @@ faults! { STEERS isobath_steers:
     a_plugin_whose_message_is_too_long "long_topside" "TooMuch";
 }
 
-// What these ask for may be sent within its limits. On a link whose delays are drawn write by write, isobath's own
+// Requests of these faults may be sent within the limits. The link's delay is drawn for each write, so isobath's own
 // sentences are then not the same to the byte.
 faults! { IS_REFRESHED isobath_is_refreshed:
     a_plugin_that_floods_the_topside "topside_flood";
@@ -191,8 +192,8 @@ fn sr_006_every_fault_of_the_plugin_is_tried_beside_a_good_one() {
     assert_eq!(tried, all);
 }
 
-/// When the pilot's modifies leave in four minutes of the steady mission, seconds: what it asks for does not depend on
-/// what it hears.
+/// The times at which the pilot's modifies leave in four minutes of the steady mission, seconds. Its requests do not
+/// depend on its input.
 fn pilots_modifies(sibling: &str) -> Vec<f64> {
     let mission = Mission::steady()
         .edit("world.toml", "timeout_s = 600", "timeout_s = 230")
@@ -211,7 +212,8 @@ fn sr_006_no_fault_moves_a_siblings_refresh_by_a_millisecond() {
              [plugin.config]\nfault = \"{fault}\"\nafter_s = 20.0"
         ))
     };
-    // Beside a good one: what that is granted is subscribed at the beginning, and control comes with the first answers.
+    // Compared with a run beside a good plugin, because a plugin's grants decide the first subscriptions, whose answers
+    // bring control.
     let alone = beside("none");
     assert!(alone.len() > 200, "{} modifies in four minutes", alone.len());
     for fault in faulty::Fault::names() {
@@ -226,7 +228,7 @@ fn sr_006_no_fault_moves_a_siblings_refresh_by_a_millisecond() {
     }
 }
 
-/// The reasons that requests of the bad plugin were rejected for, but for isobath's steering.
+/// The reasons for which requests of the faulty plugin were rejected, other than isobath's steering.
 fn rejections(log: &Log) -> Vec<String> {
     log.notes()
         .filter(|(_, note)| note.contains("(plugin 1, ") && note.contains("rejected: ") && !note.contains("priority"))
@@ -241,7 +243,7 @@ fn figures_that_make_no_sense_are_rejected_by_name() {
         ("infinite", "no finite number"),
         ("latitude_91", "latitude is 91"),
     ] {
-        // Alone, so that no priority comes first.
+        // Alone, so that no other plugin has priority.
         let mission = Mission::steady()
             .edit("world.toml", "timeout_s = 600", "timeout_s = 60")
             .edit("mission.toml", "[\"modify\"]", "[\"modify\", \"insert\"]")
@@ -260,7 +262,7 @@ fn figures_that_make_no_sense_are_rejected_by_name() {
 
 #[test]
 fn sr_006_the_lease_of_a_plugin_that_fails_ends_at_once_and_the_next_one_steers() {
-    // The bad one first in priority: it steers until it panics, then isobath does.
+    // With the faulty plugin first in priority: it steers until it panics, and then isobath does.
     let mission = beside_isobath("trap");
     let text = mission.read("mission.toml");
     let (good, bad) = (text.find("[[plugin]]").unwrap(), text.rfind("[[plugin]]").unwrap());
@@ -305,7 +307,7 @@ fn what_should_stand_for_a_year_is_rejected_and_the_silent_plugins_lease_ends() 
         sent.iter().filter(is).count()
     };
     assert!(modifies(0.0, silent_s) > 3, "it steered before");
-    // The last one that it was granted stands for 5 s.
+    // Its last accepted modify lasts for 5 s.
     assert_eq!(modifies(silent_s + 5.0, f64::MAX), 0);
     let ended = sent.iter().rfind(|(_, sentence)| sentence.starts_with("$BPEMB,"));
     assert!(

@@ -1,11 +1,11 @@
-//! A plugin that wants across the fence: told so, and never sent.
+//! A plugin whose requests lead across the fence: they are refused with a reason, and never sent.
 
 use backseat_recorder::{Record, read};
 use backseat_suite::{Backseat, Mission};
 
 #[test]
 fn what_crosses_the_fence_is_rejected_with_edge_and_metres_and_never_sent() {
-    // 60 m from the northern edge's margin; the target lies behind it.
+    // 60 m from the northern edge's margin; the target is beyond it.
     let mission = Mission::steady()
         .edit("world.toml", "north_m = 0\ndepth_m", "north_m = 700\ndepth_m")
         .edit(

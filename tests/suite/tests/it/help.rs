@@ -1,4 +1,4 @@
-//! What somebody meets who has never seen the program.
+//! The program as seen by someone who has never used it.
 
 use backseat_suite::{Backseat, Mission};
 use backseat_test_support::workspace;

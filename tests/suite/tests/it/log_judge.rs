@@ -1,9 +1,9 @@
-//! `backseat log judge`: a recorded run is judged, and what is wrong with it is named.
+//! `backseat log judge`: judges a recorded run, and reports what is wrong with it.
 
 #![expect(
     clippy::unwrap_used,
     clippy::wildcard_enum_match_arm,
-    reason = "a log that cannot be written anew fails its test, and what is not judged is left out of it"
+    reason = "a log that cannot be written again fails its test, and records that are not judged are left out"
 )]
 
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ fn judge(path: &Path, arguments: &[&str]) -> Finished {
     Backseat::new().args(["log", "judge"]).arg(path).args(arguments).run()
 }
 
-/// A record of a log, the time at which it was made, and the sentence of ours that it is, checksum and line end apart.
+/// A record of a log, its time, and the sentence of ours in it, without checksum and line end.
 struct Line<'a> {
     at: Timestamp,
     record: &'a Record,
@@ -50,7 +50,7 @@ fn body_of(record: &Record) -> Option<&str> {
     Some(text.strip_prefix('$')?.split_once('*')?.0)
 }
 
-/// The same log, but for what `change` makes of each record: nothing leaves it as it is.
+/// The same log with each record as `change` returns it; `None` leaves it as it is.
 fn rewritten(log: &Log, path: PathBuf, change: impl FnMut(&Line<'_>) -> Option<Vec<Record>>) -> PathBuf {
     let fence = std::str::from_utf8(log.attachment("fence.geojson").unwrap()).unwrap();
     fenced(log, path, fence, change)
@@ -87,7 +87,7 @@ fn fenced(log: &Log, path: PathBuf, fence: &str, mut change: impl FnMut(&Line<'_
                     recorder.gap(at, since, records)
                 }
                 Record::Truth(json) => recorder.truth(at, &json),
-                // Nothing of that is judged.
+                // None of that is judged.
                 _ => Ok(()),
             }
             .unwrap();
@@ -97,7 +97,7 @@ fn fenced(log: &Log, path: PathBuf, fence: &str, mut change: impl FnMut(&Line<'_
     path
 }
 
-/// The same log with one sentence of ours changed: the first that `change` has something for.
+/// The same log with one sentence of ours changed: the first for which `change` returns something.
 fn changed(mission: &Mission, log: &Log, change: impl Fn(Timestamp, &str) -> Option<Vec<String>>) -> PathBuf {
     let mut done = false;
     let path = rewritten(log, mission.beside("changed.mcap"), |line| {
@@ -109,7 +109,7 @@ fn changed(mission: &Mission, log: &Log, change: impl Fn(Timestamp, &str) -> Opt
     path
 }
 
-/// It must say that this rule broke, with a sentence that begins so; gives the finding.
+/// Requires that this rule is broken by a sentence that begins with this text; returns the finding.
 #[track_caller]
 fn breaks(path: &Path, rule: &str, begins: &str) -> Value {
     let finished = judge(path, &["--json"]).exit(1);
@@ -143,7 +143,7 @@ fn after(at: Timestamp, seconds: u64) -> bool {
     at > Timestamp::from_secs(seconds)
 }
 
-/// A heartbeat's own time, where a sentence is one.
+/// The time in a heartbeat, if the sentence is one.
 fn beat(body: &str) -> Option<&str> {
     body.strip_prefix("BPSTS,")?.split(',').next()
 }
@@ -155,8 +155,8 @@ fn a_clean_log_held_and_says_what_could_not_be_judged() {
     let finished = judge(&mission.beside("flown.mcap"), &[]).exit(0);
     assert_eq!(finished.stderr, "");
     for (rule, fared) in [
-        ("no-control", "held, 599 to judge"),
-        ("end-missing", "held, 1 to judge"),
+        ("no-control", "held, judged 599 times"),
+        ("end-missing", "held, judged 1 times"),
         ("cancel-foreign", "not judged: it never came to it"),
         ("truth-fence", "not judged: no truth"),
         ("stale-delivery", "not judged: when our sentences arrived"),
@@ -173,7 +173,7 @@ fn a_clean_log_held_and_says_what_could_not_be_judged() {
         (&Value::Bool(true), &Value::Bool(true))
     );
     assert_eq!(report["broken"], serde_json::json!([]));
-    // What is written anew without a change is the same to the judge.
+    // A log that is written again without a change gives the same result.
     let path = rewritten(&log, mission.beside("same.mcap"), |_| None);
     let same = judge(&path, &["--json"]).exit(0).json();
     assert_eq!(same["rules"], report["rules"]);
@@ -203,7 +203,8 @@ fn one_modify_that_is_changed_is_named() {
     }
 }
 
-/// The plan leads along the middle, from 600 m in the west: 45 s before the middle the vehicle is 67 m away from it.
+/// The plan leads along the middle, from 600 m in the west; 45 s before it reaches the middle, the vehicle is 67 m away
+/// from it.
 #[test]
 fn a_modify_that_leads_out_of_the_attached_fence_is_named() {
     let mission = Mission::steady();
@@ -283,7 +284,7 @@ fn what_steers_under_the_operators_hold_is_named() {
     let log = flown(&mission);
     let _clean = judge(&mission.beside("flown.mcap"), &[]).exit(0);
     let mut done = false;
-    // Here the note counts by which core says who holds.
+    // Here the note with the source of the hold matters.
     let path = rewritten(&log, mission.beside("changed.mcap"), |line| {
         if let Record::Note(note) = line.record {
             let hold = note["note"] == "operator";
@@ -296,7 +297,7 @@ fn what_steers_under_the_operators_hold_is_named() {
     breaks(&path, "operator-hold", "$BPRMB");
 }
 
-/// Control is taken at 602 s and the lease is ended; a disk that took neither hides both.
+/// Control is taken at 602 s and the lease ends; a disk that accepted neither record hides both.
 #[test]
 fn past_a_gap_nothing_is_claimed_that_hangs_on_what_was_before() {
     let mission = Mission::steady();
@@ -320,7 +321,7 @@ fn past_a_gap_nothing_is_claimed_that_hangs_on_what_was_before() {
         }
         match line.body.and_then(beat).filter(|_| !modified) {
             Some(time) => {
-                // Nobody can know whose control is.
+                // It cannot be known who has control.
                 modified = true;
                 records.push(sentence(&format!("BPRMB,{time},90,8,0,1.5,1,0")));
                 records.push(sentence(&format!("BPEMB,{time}")));
@@ -338,7 +339,10 @@ fn past_a_gap_nothing_is_claimed_that_hangs_on_what_was_before() {
             .contains("gap: 77 records are missing from 601.000 s to 603."),
         "{told}"
     );
-    assert!(told.stdout.contains("unknown until the log tells it again"), "{told}");
+    assert!(
+        told.stdout.contains("not judged until the log states it again"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The program as its users meet it, a file a behavior.
+//! The program as its users see it, one file for each behavior.
 
 mod explain;
 mod faults;

@@ -1,9 +1,9 @@
-//! `backseat check`: what keeps a mission from being dived is told before, each with its place.
+//! `backseat check` reports everything that would prevent a dive, with its place.
 
 use backseat_suite::{Backseat, Mission};
 use backseat_units::math::{cos, sin};
 
-/// All that check says of a mission that is not ready.
+/// The output of a check of a mission that is not ready.
 #[track_caller]
 fn not_ready(mission: &Mission, arguments: &[&str]) -> String {
     let finished = Backseat::new()
@@ -28,7 +28,7 @@ fn ready(mission: &Mission, arguments: &[&str]) -> String {
     finished.stdout
 }
 
-/// One line has all of these.
+/// Requires one line that contains all of these.
 #[track_caller]
 fn has(said: &str, parts: &[&str]) {
     let told = said.lines().any(|line| parts.iter().all(|part| line.contains(part)));
@@ -60,7 +60,7 @@ const ON_THE_LEG: &str =
 fn missions_of_the_project_are_ready() {
     for name in ["isobath", "plume"] {
         let said = ready(&Mission::copy(name), &[]);
-        has(&said, &["plan: its start and all", "inside the fence"]);
+        has(&said, &["plan: its start, all", "inside the fence"]);
     }
 }
 
@@ -71,12 +71,12 @@ fn a_leg_over_a_keep_out_zone_is_told_with_its_edge_and_metres() {
         &not_ready(&mission, &[]),
         &["plan element 1: ", "'wreck'", " edge ", " m"],
     );
-    // Beside the leg, but nearer than the vehicle tracks it.
+    // Beside the leg, but closer than the vehicle's tracking error.
     let beside = "[-70.699, 42.3501], [-70.697, 42.3501], [-70.697, 42.351], [-70.699, 42.351], [-70.699, 42.3501]";
     let mission = with_zone(r#""name": "wreck", "kind": "keep-out", "margin_m": 8"#, beside);
     has(&not_ready(&mission, &[]), &["plan element 1: ", "'wreck'"]);
     let _ = ready(&mission, &["--set", "limits.tracking_error_m=1"]);
-    // Under or above the leg's depth it lies in nobody's way.
+    // Above or below the leg's depth it is no obstacle.
     let deep = with_zone(
         r#""name": "wreck", "kind": "keep-out", "margin_m": 5, "depth_min_m": 20"#,
         ON_THE_LEG,
@@ -128,10 +128,20 @@ fn zones_that_come_and_go_count_today_and_on_the_day_of_the_simulation() {
     };
     let since = zone(r#""valid_from": "2026-06-02T00:00:00Z""#);
     let said = not_ready(&since, &[]);
-    has(&said, &["plan: judged as begun at 2026-06-01T08:00:00Z", "now", "--at"]);
-    has(&said, &["plan element 1: ", "'dredging'", "begun now"]);
+    has(
+        &said,
+        &[
+            "plan: checked for a dive that begins at 2026-06-01T08:00:00Z",
+            "now",
+            "--at",
+        ],
+    );
+    has(&said, &["plan element 1: ", "'dredging'", "start of the dive: now"]);
     let until = zone(r#""valid_until": "2026-06-02T00:00:00Z""#);
-    has(&not_ready(&until, &[]), &["'dredging'", "begun as world.toml says"]);
+    has(
+        &not_ready(&until, &[]),
+        &["'dredging'", "start of the dive: from world.toml"],
+    );
     let _ = ready(&until, &["--at", "2027-01-01T00:00:00+01:00"]);
     let line = Backseat::new()
         .args(["check", "--at", "tomorrow"])
@@ -158,7 +168,7 @@ fn line(from: [i32; 2], to: [i32; 2], rest: &str) -> String {
 
 #[test]
 fn a_time_limit_may_end_an_element_anywhere_on_it() {
-    // From the middle of the first line, the way to the second leads over the zone.
+    // From the middle of the first line, the path to the second leads across the zone.
     let zone = with_zone(
         r#""name": "reef", "kind": "keep-out", "margin_m": 5"#,
         "[-70.7005, 42.3518], [-70.699, 42.3518], [-70.699, 42.3522], [-70.7005, 42.3522], [-70.7005, 42.3518]",
@@ -196,7 +206,7 @@ fn the_way_down_is_judged() {
 
 #[test]
 fn a_turn_needs_room() {
-    // The zone's edge is 20 m beyond the end of the line, with the margin, and a turn back is wider.
+    // The zone's edge is 20 m beyond the end of the line and its margin, and a turn back is wider.
     let mission = Mission::steady();
     let plan = |east_m: i32| {
         let there = line([0, 0], [east_m, 0], "");
@@ -244,17 +254,17 @@ fn a_keep_in_zone_that_nobody_can_reach_is_told() {
     let properties = r#""name": "island", "kind": "keep-in", "margin_m": 5, "depth_max_m": 30, "altitude_min_m": 3"#;
     has(
         &not_ready(&with_zone(properties, island), &[]),
-        &["keep-in zone 'island': ", "expected one that can be reached"],
+        &["keep-in zone 'island': ", "cannot be reached"],
     );
     let joined = island.replace("-70.6650", "-70.6900");
     let _ = ready(&with_zone(properties, &joined), &[]);
-    // At other depths than the zone that it lies over.
+    // At other depths than the zone that it overlaps.
     let under = properties.replace(r#""depth_max_m": 30"#, r#""depth_min_m": 45, "depth_max_m": 50"#);
     has(
         &not_ready(&with_zone(&under, &joined), &[]),
-        &["keep-in zone 'island': ", "at a depth of both"],
+        &["keep-in zone 'island': ", "both allow"],
     );
-    // Where two keep-out zones together leave no place in it, though neither does.
+    // Two keep-out zones together leave no room in it, though neither does alone.
     let half = |name: &str, mission: Mission, west: f64, east: f64| {
         let ring = format!("[{west}, 42.344], [{east}, 42.344], [{east}, 42.356], [{west}, 42.356], [{west}, 42.344]");
         and_zone(
@@ -268,7 +278,7 @@ fn a_keep_in_zone_that_nobody_can_reach_is_told() {
     let _ = ready(&eastern(), &[]);
     has(
         &not_ready(&half("west", eastern(), -70.69, -70.6699), &[]),
-        &["keep-in zone 'island': ", "keep-out zones", "no place"],
+        &["keep-in zone 'island': ", "keep-out zones", "no room"],
     );
 }
 
@@ -292,7 +302,7 @@ fn limits_are_held_against_the_class() {
             .args(["check", "--set", limit])
             .mission(&Mission::steady())
             .run();
-        // A plan that the class cannot fly is no plan.
+        // A plan that the class cannot fly is invalid.
         if finished.code == Some(2) {
             assert!(
                 finished.stderr.contains("plan element 1: speed_mps is 1.5"),
@@ -344,7 +354,7 @@ fn what_would_keep_the_run_from_steering_is_told() {
     std::fs::create_dir(&state).unwrap();
     let _ = ready(&mission, &arguments);
     std::fs::write(state.join("hold"), "").unwrap();
-    has(&not_ready(&mission, &arguments), &["hold: ", "stands"]);
+    has(&not_ready(&mission, &arguments), &["hold: ", "exists"]);
     std::fs::remove_file(state.join("hold")).unwrap();
     std::fs::write(state.join("identifiers"), "many").unwrap();
     has(&not_ready(&mission, &arguments), &["identifiers", "expected a number"]);
@@ -445,7 +455,7 @@ fn refused(mission: &Mission, parts: &[&str]) {
 #[test]
 fn a_mission_has_one_fence_and_what_it_needs() {
     let two = Mission::steady().write("fence.kml", KML_FENCE);
-    refused(&two, &["fence.geojson and fence.kml", "expected one"]);
+    refused(&two, &["fence.geojson and fence.kml", "expected only one"]);
     refused(
         &Mission::steady().without("fence.geojson"),
         &["fence.geojson, fence.plan and fence.kml"],
@@ -478,7 +488,7 @@ fn a_mission_has_one_fence_and_what_it_needs() {
     refused(&broken, &["fence.kml", "box"]);
 }
 
-/// The same fault in each form of file.
+/// The same error in each file format.
 #[test]
 fn fences_that_are_none_are_refused_before_the_dive_with_the_place() {
     let geojson = |ring: &str| {
@@ -516,7 +526,7 @@ fn fences_that_are_none_are_refused_before_the_dive_with_the_place() {
     );
     refused(&plan, &["fence.plan", "polygon 1", "antimeridian"]);
 
-    // Inside out: what is to be kept out of and what to be kept in mistaken for each other.
+    // Keep-in and keep-out exchanged.
     let inside_out = with_zone(
         r#""name": "sea", "kind": "keep-out", "margin_m": 5"#,
         "[-70.74, 42.33], [-70.66, 42.33], [-70.66, 42.37], [-70.74, 42.37], [-70.74, 42.33]",
@@ -530,7 +540,7 @@ fn fences_that_are_none_are_refused_before_the_dive_with_the_place() {
         &PLAN_FENCE.replace("\"inclusion\": true", "\"inclusion\": false"),
     );
     refused(&outside_alone, &["fence.plan", "keep-in"]);
-    // A ring's direction says nothing: clockwise or not it is the same zone.
+    // The direction of a ring does not matter: clockwise or not, it is the same zone.
     let clockwise =
         "[[-70.7182, 42.3428], [-70.7182, 42.3572], [-70.6818, 42.3572], [-70.6818, 42.3428], [-70.7182, 42.3428]]";
     let _ = ready(&geojson(clockwise), &[]);
@@ -539,7 +549,7 @@ fn fences_that_are_none_are_refused_before_the_dive_with_the_place() {
     refused(&narrow, &["fence.geojson", "'box'", "margin_m", "900"]);
 }
 
-/// A closed ring of so many vertices about the middle of the suite's mission, 1,200 m wide.
+/// A closed ring with this many vertices around the middle of the suite's mission, 1,200 m wide.
 fn many(vertices: usize) -> String {
     let ring = (0..=vertices).map(|at| {
         let turn = std::f64::consts::TAU * (at % vertices) as f64 / vertices as f64;
@@ -564,7 +574,7 @@ fn a_million_vertices_are_loaded_in_time_or_refused() {
     };
     // A million and one positions, the first repeated as the last.
     refused(&with(1_000_000), &["fence.geojson", "vertices", "1000000"]);
-    // It ends within the time that a command has.
+    // It ends within the time limit of a command.
     let _ = ready(&with(100_000), &[]);
 }
 

@@ -1,11 +1,11 @@
-//! A restless plugin: it asks for what is at the edge of what is allowed, and nothing unsafe is sent.
+//! A plugin with many requests at the edge of what is allowed: nothing unsafe is sent.
 
 use backseat_suite::{Backseat, Mission};
 
 const CONFIG: &str = "east_min_m = -1600.0\neast_max_m = 1600.0\nnorth_min_m = -900.0\nnorth_max_m = 900.0\n\
     depth_m = [4.0, 30.0]\naltitude_m = [8.0, 25.0]\nspeed_mps = [1.0, 2.0]";
 
-/// The restless one alone, over ground that is as flat as the mission's limits say.
+/// This plugin alone, over ground that is as flat as the mission's limits say.
 fn restless(seed: u64) -> Mission {
     Mission::steady()
         .edit(
@@ -41,7 +41,7 @@ fn what_a_restless_plugin_asks_for_is_flown_or_rejected_and_nothing_unsafe_is_se
             seen("leases") >= 1 && seen("inserts_accepted") >= 1,
             "seed {seed}: {report}"
         );
-        // By the fence, by a limit and by a time that was not the right one.
+        // By the fence, by a limit, and by a wrong time.
         let rejections = report["rejections"].to_string();
         for rule in ["keep-in: ", "limit: ", "window: "] {
             assert!(rejections.contains(rule), "seed {seed}, no {rule}: {rejections}");

@@ -1,5 +1,5 @@
-//! What runs against the clock: it waits more than it computes, and holds the program to its times, so that nothing else
-//! may run beside it. `cargo xtask test` runs these tests apart, several at once.
+//! Tests in real time. They wait more than they compute, and check the program's timing, so that nothing else may run
+//! beside them. `cargo xtask test` runs these tests separately, several at once.
 
 mod clocks;
 mod connect;

@@ -1,16 +1,16 @@
-//! Bad input: exit code 2, one line on standard error that names file, key and what was expected, and no panic.
+//! Invalid input gives exit code 2, one line on standard error with file, key and what was expected, and no panic.
 
 use std::net::TcpListener;
 
 use backseat_suite::{Backseat, Mission};
 use backseat_test_support::plugins;
 
-/// The line that `backseat sim` refuses a mission with.
+/// The line with which `backseat sim` refuses a mission.
 fn refusal(mission: &Mission) -> String {
     Backseat::new().args(["sim", "--json"]).mission(mission).run().refusal()
 }
 
-/// The line has all of these.
+/// Requires that the line contains all of these.
 #[track_caller]
 fn names(line: &str, parts: &[&str]) {
     for part in parts {
@@ -61,7 +61,7 @@ fn what_is_not_there_is_named() {
     );
     names(
         &refusal(&Mission::steady().without("world.toml")),
-        &["world.toml", "needs its world"],
+        &["world.toml", "needs this file"],
     );
     let mission = Mission::steady();
     let line = Backseat::new()
@@ -266,19 +266,16 @@ fn sr_009_the_state_is_the_vehicles_and_whose_it_is_must_be_plain() {
             .run()
             .refusal()
     };
-    // A record of the kind that was kept before.
+    // A record in the former format.
     std::fs::create_dir(&state).unwrap();
     std::fs::write(state.join("identifiers"), "40 1 3 0\n").unwrap();
     let line = run(&mission);
-    names(
-        &line,
-        &["nothing that says of which vehicle", "echo steady >", "state/vehicle"],
-    );
-    // Another vehicle's.
+    names(&line, &["does not name its vehicle", "echo steady >", "state/vehicle"]);
+    // Another vehicle's record.
     std::fs::write(state.join("vehicle"), "other\n").unwrap();
     let line = run(&mission);
     names(&line, &["`other`", "`steady`", "vehicle.name"]);
-    // A mission that names no vehicle.
+    // A mission that does not name its vehicle.
     let nameless = Mission::steady().edit("mission.toml", "name = \"steady\"\n", "");
     let line = run(&nameless);
     names(&line, &["`other`", "set vehicle.name"]);

@@ -1,8 +1,8 @@
-//! The program as it goes to sea, and `world.toml`, which only simulation needs.
+//! The program for sea, and `world.toml`, which only simulation needs.
 
 use backseat_suite::{Backseat, Finished, Mission};
 
-const NOT_LOOKED_AT: &str = "world.toml was not looked at: this program was built for sea, without the simulation";
+const NOT_LOOKED_AT: &str = "world.toml not read: this program was built for sea, without the simulation";
 const GARBAGE: &str = "nonsense\n";
 
 fn check(mission: &Mission, arguments: &[&str]) -> Finished {
@@ -14,7 +14,7 @@ fn check(mission: &Mission, arguments: &[&str]) -> Finished {
         .run()
 }
 
-/// A plan that is as far north as said, with its own origin.
+/// A plan this far north, with its own origin.
 fn plan(north_m: u32) -> String {
     format!(
         "[origin]\nlatitude_deg = 42.35\nlongitude_deg = -70.70\n\n[[plan]]\nkind = \"waypoint\"\n\
@@ -60,9 +60,7 @@ fn a_check_for_sea_judges_the_missions_plan_or_a_files() {
             .write("plan.toml", plan(100));
         let said = check(&named, &[]).exit(0).stdout;
         assert!(
-            said.contains(
-                "plan: its first place and all 1 behaviors, with the ways between them, lie inside the fence"
-            ),
+            said.contains("plan: its first position, all 1 behaviors and the paths between them lie inside the fence"),
             "{said}"
         );
         let outside = named.write("plan.toml", plan(900));
@@ -106,7 +104,7 @@ fn log_info_tells_what_a_log_is_of() {
     }
     let text = Backseat::new().args(["log", "info"]).arg(&log).run().exit(0);
     assert!(text.stdout.contains("attached: mission.toml, "), "{text}");
-    assert!(text.stdout.ends_with("the log has its end\n"), "{text}");
+    assert!(text.stdout.ends_with("the log is complete\n"), "{text}");
     let none = Backseat::new()
         .args(["log", "info"])
         .arg(mission.path().join("mission.toml"))

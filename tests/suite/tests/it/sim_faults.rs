@@ -1,10 +1,11 @@
-//! `backseat sim` with faults, of the world or of `--faults`: what goes wrong is survived, told, and the same again.
+//! `backseat sim` with faults, from the world or from `--faults`: the run survives them, reports them, and can be
+//! repeated.
 
 use backseat_recorder::{Log, read};
 use backseat_suite::{Backseat, Mission};
 use serde_json::Value;
 
-/// The steady mission with these faults of its own, shortened to four minutes.
+/// The steady mission with these faults, shortened to four minutes.
 fn world(faults: &str) -> Mission {
     Mission::steady()
         .edit("world.toml", "timeout_s = 600", "timeout_s = 230")
@@ -23,7 +24,7 @@ fn fly(mission: &Mission) -> (Value, Log) {
     (report, read(&path).expect("the log can be read"))
 }
 
-/// When the runtime has sent a sentence of this name, seconds.
+/// The times at which the runtime has sent a sentence of this name, seconds.
 fn sent(log: &Log, name: &str) -> Vec<f64> {
     let ours = log.link().filter(|(_, from_vehicle, _)| !from_vehicle);
     ours.filter(|(_, _, bytes)| String::from_utf8_lossy(bytes).contains(name))
@@ -52,9 +53,9 @@ fn a_stall_ends_the_connection_when_a_write_has_waited_for_two_seconds() {
         (sent(&log, "$BPVER,"), sent(&log, "$BPRMB,"))
     };
     assert_eq!(stall(0.9).0.len(), 1);
-    // A modify each second: the first that waits is written by 61 s and given up by 63 s.
+    // There is a modify each second: the first that waits is written by 61 s and given up by 63 s.
     assert_eq!(stall(3.0).0.len(), 2);
-    // While it lasts every new connection is stalled as well, and given up in turn. Then one stays.
+    // While the fault lasts every new connection is stalled as well, and given up in turn. Then one stays.
     let (connections, modifies) = stall(20.0);
     assert!(connections.len() > 2, "{connections:?}");
     let last = connections.last().copied().unwrap_or_default();

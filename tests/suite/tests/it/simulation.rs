@@ -192,7 +192,7 @@ fn an_expectation_that_does_not_hold_exits_1() {
         "{report}"
     );
     let told = fly(&mission, &[]).exit(1);
-    assert!(told.stdout.contains("not as expected: "), "{told}");
+    assert!(told.stdout.contains("expectation not met: "), "{told}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The tools for the interface itself: its catalogue, recordings, hand-written messages, a live vehicle.
+//! The tools for the interface: its catalogue, recordings, hand-written messages, a live vehicle.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Command, Stdio};
@@ -6,9 +6,9 @@ use std::process::{Command, Stdio};
 use backseat_suite::{Backseat, Mission};
 use serde_json::Value;
 
-/// Each kind of dirt that recordings of real traffic have: text of a console, line ends of all kinds, blank lines, a
-/// checksum of one digit, none, a wrong one, bytes that are not UTF-8, a name nobody knows, a sentence cut by the next
-/// one, a value out of range, a line without an end, and a cut at the end.
+/// Every kind of fault in recordings of real traffic: text of a console, line ends of all kinds, blank lines, a
+/// checksum of one digit, a missing and a wrong one, bytes that are not UTF-8, an unknown name, a sentence cut short by
+/// the next one, a value out of range, a line without an end, and a cut at the end.
 fn nasty() -> Vec<u8> {
     let mut recording = b"VxWorks login: \r\n\
         $BFVER,081025.000,1.11*4A\r\n\n\
@@ -65,7 +65,7 @@ fn list_shows_one_message_whole() {
     }
     let line = Backseat::new().args(["spi", "list", "XYZ"]).run().refusal();
     assert!(
-        line.contains("no message is named \"XYZ\"") && line.contains("spi list"),
+        line.contains("unknown message \"XYZ\"") && line.contains("spi list"),
         "{line}"
     );
 }
@@ -178,7 +178,7 @@ fn encode_stops_at_what_is_wrong_and_says_where() {
             r#"{"name":"BPMSG","message":{"created":"08:10:25","text":"a,b"}}"#,
             "line 2: BPMSG field text: character ','",
         ),
-        (r#"{"name":"BPXYZ","message":{}}"#, "line 2: \"BPXYZ\" is no message"),
+        (r#"{"name":"BPXYZ","message":{}}"#, "line 2: unknown message \"BPXYZ\""),
         ("rubbish", "line 2 column 1: "),
     ] {
         let input = format!("{good}\n{bad}\n{good}\n");
@@ -201,9 +201,9 @@ fn what_cannot_be_read_or_reached_is_named() {
     for (arguments, said) in [
         (
             ["host:port", "--json"],
-            "\"host:port\" is no address: expected HOST or HOST:PORT",
+            "invalid address \"host:port\": expected HOST or HOST:PORT",
         ),
-        (["127.0.0.1", "--only=NVX"], "--only: no message is named \"NVX\""),
+        (["127.0.0.1", "--only=NVX"], "--only: unknown message \"NVX\""),
         (["127.0.0.1", "--only=RMB"], "RMB goes to the vehicle"),
     ] {
         let line = Backseat::new().args(["spi", "connect"]).args(arguments).run().refusal();
@@ -221,14 +221,14 @@ fn a_reader_that_goes_away_ends_decode_quietly() {
         .spawn()
         .unwrap();
     let mut input = decode.stdin.take().unwrap();
-    // What is on a pipe that stays open is shown as it comes.
+    // Input from a pipe that stays open is shown as it arrives.
     input.write_all(b"$BFCTL,081025.987,1*78\r\n").unwrap();
     let mut output = BufReader::new(decode.stdout.take().unwrap());
     let mut line = String::new();
     output.read_line(&mut line).unwrap();
     assert_eq!(line, "BFCTL  backseat control: created 08:10:25.987, granted yes\n");
     drop(output);
-    // It ends of itself at the next line that it cannot write; that may be before all of these are taken.
+    // It ends by itself at the next line that it cannot write, which may be before it has read all of these.
     let more = "$BFCTL,081025.987,1*78\r\n".repeat(10_000);
     let _it_may_have_ended = input.write_all(more.as_bytes());
     drop(input);

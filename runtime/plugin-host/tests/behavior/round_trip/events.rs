@@ -10,7 +10,7 @@ use backseat_core::refusal::{Figure, FigureBreach};
 use backseat_sdk as sdk;
 use backseat_units::{EastNorth, Position, Timestamp};
 
-/// Every event beside its form in the guest, in a step at `now`.
+/// Every event with its form in the guest, in a step at `now`.
 pub(super) fn events(now: Timestamp) -> Vec<(Event, sdk::Event)> {
     let outcome = |state, guest| {
         (

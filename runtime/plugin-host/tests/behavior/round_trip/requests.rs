@@ -6,7 +6,7 @@ use backseat_core::plugin::{
     TracklineRequest, Transport, VerticalRequest,
 };
 
-/// What the plugin `echo` asks for, as core is to have it.
+/// What the plugin `echo` requests, as core receives it.
 pub(super) fn every_request() -> Vec<Request> {
     let position = |latitude_deg, longitude_deg| PositionRequest {
         latitude_deg,

@@ -7,7 +7,7 @@ use backseat_core::plugin::{
 use backseat_sdk as sdk;
 use backseat_units::Timestamp;
 
-/// Every sample beside its form in the guest, in a step at `now`.
+/// Every sample with its form in the guest, in a step at `now`.
 pub(super) fn samples(now: Timestamp) -> Vec<(Sample, sdk::Sample)> {
     let ago = |before_ms| now - Duration::from_millis(before_ms);
     vec![

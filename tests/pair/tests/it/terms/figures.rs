@@ -1,5 +1,5 @@
-//! What no vehicle of the mock's makes necessary, for another term is greater, is held by its figure: each metre of an
-//! error is a metre of clearance.
+//! Terms that the mock's vehicles do not need, because another term is greater, are checked by their values: each metre
+//! of an error must cost a metre of clearance.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ use backseat_units::{Altitude, Depth, Heading, Timestamp, Utc};
 use super::hover;
 use super::scene::{ORIGIN, Zone, exact, fence, frame, modify, place, trackline};
 
-/// By how many metres a request of a vehicle in the middle of a box holds.
+/// The clearance of a request of a vehicle in the middle of a box, metres.
 fn clearance_m(limits: &Limits, request: &Request, cartesian: Option<CartesianSample>) -> f64 {
     let harbour = "\"depth_max_m\":60,\"altitude_min_m\":2,\"surfacing\":true";
     let inside = Zone("keep-in", [-700.0, -700.0, 700.0, 700.0], harbour.to_owned());
@@ -49,7 +49,7 @@ fn clearance_m(limits: &Limits, request: &Request, cartesian: Option<CartesianSa
     judged.expect("it is in the middle of the box")
 }
 
-/// By how many metres less it holds with other limits.
+/// How much less the clearance is with other limits, metres.
 fn costs_m(request: &Request, changed: impl FnOnce(&mut Limits)) -> f64 {
     let limits = exact();
     let mut worse = limits.clone();
@@ -64,8 +64,8 @@ fn assert_costs(what: &str, cost_m: f64, expected_m: f64) {
     );
 }
 
-/// The mock keeps to its lines within a decimetre, and its circles within two metres: a turn's width, which is judged
-/// too, is more. A vehicle that strays and then turns needs both.
+/// The mock keeps to its lines within a decimetre, and to its circles within two metres. A turn's width, which is also
+/// counted, is more. A vehicle that is off its line and then turns needs both.
 #[test]
 fn what_the_vehicle_strays_counts_in_full() {
     let circle = Request::Trackcircle(TrackcircleRequest {
@@ -94,15 +94,15 @@ fn what_the_vehicle_strays_counts_in_full() {
     }
 }
 
-/// The part of the current while the vehicle obeys, which the speed over ground may hide where it is along the way.
+/// The current's part while the vehicle obeys a modify. The speed over ground may hide it where it is along the path.
 #[test]
 fn the_current_counts_while_it_obeys_and_while_it_turns() {
     let cost_m = costs_m(&modify(0.0, 2.0), |limits| limits.current_max_mps += 0.5);
-    // From the solution on: 0.1 s, 5 s, and what a word may take.
+    // Since the solution: 0.1 s, 5 s, and the longest delay of a sentence.
     assert_costs("the current", cost_m, 0.5 * (0.1 + 5.0 + 0.05 + 180.0 / 14.0));
 }
 
-/// No error of relative navigation can be set in the mock but as noise.
+/// In the mock, an error of relative navigation can only be set as noise.
 #[test]
 fn the_error_of_relative_navigation_counts_in_full() {
     let cartesian = CartesianSample {

@@ -7,7 +7,7 @@ use backseat_units::Timestamp;
 
 use super::scene::{ORIGIN, Zone, closest_admitted, exact, fence, setup, world};
 
-/// What is allowed up to some x, and nothing uncertain.
+/// Allows everything up to some x, and makes nothing uncertain.
 pub(super) fn limits(x_max_m: f64, link_delay_max_s: f64) -> Limits {
     Limits {
         speed_min_mps: 0.4,
@@ -41,7 +41,7 @@ pub(super) fn limits(x_max_m: f64, link_delay_max_s: f64) -> Limits {
     }
 }
 
-/// A hovering vehicle that goes ahead at 0.7 m/s, and 20 s later is to stay where it is.
+/// A hovering vehicle that moves ahead at 0.7 m/s, and 20 s later is asked to stay in place.
 fn asks(x_max_m: f64, link_delay_max_s: f64, before: impl FnOnce(&mut Dive)) -> Dive {
     let plan = "[[plan]]\nkind = \"trackline\"\nstart = { east_m = 0, north_m = 0 }\nend = { east_m = 0, north_m = 150 }\n\
         depth_m = 20\nspeed_mps = 0.7\ndynamic = true\n";
@@ -68,8 +68,8 @@ fn asks(x_max_m: f64, link_delay_max_s: f64, before: impl FnOnce(&mut Dive)) -> 
     dive
 }
 
-/// How far it stays within its box for so long after it was asked, while nothing more is heard: the mission goes on after
-/// two seconds.
+/// The clearance inside its box for some time after the request, while the vehicle receives nothing more: the mission
+/// is resumed after two seconds.
 fn suspended(dive: &mut Dive, x_max_m: f64, seconds: f64) -> f64 {
     let mut least_m = f64::MAX;
     while dive.now < Timestamp::from_millis(20_000) + Duration::from_secs_f64(seconds) {

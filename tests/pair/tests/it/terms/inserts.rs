@@ -11,7 +11,7 @@ use super::scene::{
 /// A wide box.
 const INSIDE: [f64; 4] = [-700.0, -700.0, 700.0, 700.0];
 
-/// On the plan's line to the east for some seconds, in a box that has this northern edge; then it asks.
+/// On the plan's line to the east for some seconds, in a box with this northern edge; then it makes the request.
 fn asks(edge_m: f64, plan: &str, (limits, more): (&Limits, &str), after_s: f64, request: &Request) -> Dive {
     let inside = Zone::inside([-700.0, -700.0, 700.0, edge_m]);
     let world = world(ORIGIN, (-600.0, 0.0, 90.0), plan, more);
@@ -42,7 +42,7 @@ fn the_error_of_navigation_on_a_line() {
 
 #[test]
 fn the_width_of_a_turn() {
-    // What it is to go to is behind it, and a little to the north, so that it turns that way.
+    // Its destination is behind it and a little to the north, so that it turns that way.
     let plan = line((-600.0, 0.0), (-500.0, 0.0));
     let request = trackline((-590.0, 4.0), (-650.0, -20.0), 2.0);
     let (edge_m, mut dive) = closest_admitted((4.0, 100.0), |edge_m| {
@@ -59,7 +59,7 @@ fn the_current_in_a_turn() {
         turn_rate_dps: 14.9,
         ..exact()
     };
-    // From a line to the north-east it turns left to the west, all the while set to the north.
+    // From a line to the north-east it turns left to the west, while the current sets it to the north.
     let end = EastNorth::new(-525.5, 43.0);
     let plan = line((-600.0, 0.0), (end.east_m, end.north_m));
     let request = trackline((-560.0, 49.0), (-620.0, 20.0), 2.0);
@@ -85,7 +85,7 @@ fn the_longest_lead() {
         ..exact()
     };
     let plan = line((-600.0, 0.0), (600.0, 0.0));
-    // Straight away from the edge, with as long a lead-in as a vehicle may have.
+    // Straight away from the edge, with the longest lead-in of any vehicle.
     let request = trackline((-400.0, 60.0), (-400.0, 40.0), 2.0);
     let lead = "[interpretation]\nlead_in_m = 50\n";
     let (edge_m, mut dive) = closest_admitted((60.0, 300.0), |edge_m| {
@@ -111,7 +111,7 @@ fn asks_beside(zone: [f64; 4], plan: &str, request: &Request) -> Dive {
 fn the_way_to_a_line() {
     let plan = line((-600.0, 0.0), (600.0, 0.0));
     let request = trackline((-300.0, 300.0), (-200.0, 300.0), 2.0);
-    // A zone beside the straight way there; to the west of it, so that it is beside no other.
+    // A zone beside the straight path to the line, far enough to the west to be beside no other path.
     let zone = |west_by_m: f64| [-480.0 - west_by_m, 140.0, -420.0 - west_by_m, 160.0];
     let (by_m, mut dive) = closest_admitted((0.0, 100.0), |by_m| asks_beside(zone(by_m), &plan, &request));
     let least_m = watch(&mut dive, 250.0, &|truth: &Truth| outside_of(zone(by_m), truth.local));
@@ -125,7 +125,7 @@ fn the_way_on_from_a_line() {
         line((-600.0, 0.0), (0.0, 0.0))
     );
     let request = trackline((-500.0, 100.0), (-400.0, 100.0), 2.0);
-    // The way on leads from the line's end to the north-east.
+    // The path from the line's end leads to the north-east.
     let zone = |west_by_m: f64| [-180.0 - west_by_m, 340.0, -120.0 - west_by_m, 360.0];
     let (by_m, mut dive) = closest_admitted((0.0, 150.0), |by_m| asks_beside(zone(by_m), &plan, &request));
     let least_m = watch(&mut dive, 450.0, &|truth: &Truth| outside_of(zone(by_m), truth.local));
@@ -138,7 +138,7 @@ fn a_circle_that_is_entered_anywhere_is_left_anywhere() {
         "{}[[plan]]\nkind = \"waypoint\"\nat = {{ east_m = 100, north_m = 600 }}\ndepth_m = 20\nspeed_mps = 2\n",
         line((-600.0, 0.0), (0.0, 0.0))
     );
-    // Entered in the south-west and left in the north-west.
+    // The circle is entered in the south-west and left in the north-west.
     let request = Request::Trackcircle(TrackcircleRequest {
         tag: 1,
         centre: place(-300.0, 200.0),
@@ -155,7 +155,7 @@ fn a_circle_that_is_entered_anywhere_is_left_anywhere() {
     assert!((0.0..40.0).contains(&least_m), "{least_m}");
 }
 
-/// Off the end of a line at 20 m, a GPS hit in a box in which it may surface.
+/// From the end of a line at 20 m, a GPS hit in a box in which the vehicle may surface.
 fn asks_to_surface(
     edges_m: [f64; 4],
     shallows: Option<[f64; 4]>,
@@ -187,7 +187,7 @@ fn asks_to_surface(
     dive
 }
 
-/// Down to here fishing gear may be, metres.
+/// The depth down to which there may be fishing gear, metres.
 const SHALLOW_M: f64 = 8.0;
 
 #[test]
@@ -214,7 +214,7 @@ fn the_depths_on_the_way_from_the_surface() {
         gps_hit_duration_max_s: 240.0,
         ..exact()
     };
-    // Beside the way on, on which it dives again.
+    // Beside the path after it, on which the vehicle dives again.
     let shallows = |north_m: f64| [-380.0, north_m, -250.0, north_m + 60.0];
     let (north_m, mut dive) = closest_admitted((-20.0, 100.0), |north_m| {
         asks_to_surface(INSIDE, Some(shallows(north_m)), 100.0, &limits, "")
@@ -226,8 +226,8 @@ fn the_depths_on_the_way_from_the_surface() {
     assert!((0.0..20.0).contains(&least_m), "{north_m} {least_m}");
 }
 
-/// A torpedo that goes up in a straight line from the place of a GPS hit has gone on by the time that it is up: from 20 m
-/// by 57 m.
+/// A torpedo that climbs in a straight line from the position of a GPS hit has moved on when it reaches the surface:
+/// from 20 m by 57 m.
 #[test]
 fn a_climb_leads_on_from_the_place() {
     let limits = Limits {

@@ -12,10 +12,10 @@ use super::scene::{
 
 /// The fence's northern edge.
 const EDGE_M: f64 = 100.0;
-/// How far a second of a vehicle that heads north-east is from one that has not flown it, northwards.
+/// How far north a vehicle that heads north-east gets in one second more.
 const NORTH_EAST_MPS: f64 = 2.0 * 0.707;
 
-/// A vehicle that flies on a heading of its plan's, south of an edge.
+/// A vehicle that flies on a heading of its plan, south of an edge.
 fn off_the_edge(south_m: f64, own_deg: f64, limits: Limits, more: &str) -> Dive {
     let start = (0.0, EDGE_M - south_m, own_deg);
     let plan = setpoint(own_deg, 2.0);
@@ -32,7 +32,7 @@ fn off_the_edge(south_m: f64, own_deg: f64, limits: Limits, more: &str) -> Dive 
     dive
 }
 
-/// A vehicle on a line of its plan's to the east, south of an edge.
+/// A vehicle on a line of its plan to the east, south of an edge.
 fn along_the_edge(south_m: f64, limits: Limits, more: &str) -> Dive {
     let north_m = EDGE_M - south_m;
     let plan = line((-600.0, north_m), (600.0, north_m));
@@ -47,12 +47,12 @@ fn earlier(than: Timestamp, millis: u64) -> Timestamp {
     Timestamp::from_nanos(than.as_nanos() - millis * 1_000_000)
 }
 
-/// How long a vehicle turns away, and a little more.
+/// The time that a vehicle needs to turn away, and a little more.
 const TURNS_AWAY_S: f64 = 14.0;
 
 #[test]
 fn the_five_seconds_that_it_obeys_after_the_last_word() {
-    // Obliquely to the edge, and back by a left turn along it.
+    // At an angle to the edge, and back by a left turn along it.
     let mut dive = off_the_edge(150.0, 230.0, exact(), "");
     steer_until_refused(&mut dive, 45.0, 2.0);
     let least_m = watch(&mut dive, 5.0 + TURNS_AWAY_S, &south_of(EDGE_M));
@@ -67,7 +67,7 @@ fn the_age_of_navigation() {
     };
     let mut rehearsal = off_the_edge(150.0, 230.0, limits.clone(), "");
     let ended = steer_until_refused(&mut rehearsal, 45.0, 2.0);
-    // What navigation tells stands still just before the vehicle is too close.
+    // Navigation stops just before the vehicle is too close.
     let frozen_s = ended.as_secs_f64() - 0.25;
     let fault = format!("[[faults.fault]]\nat_s = {frozen_s}\nfor_s = 60\nkind = \"navigation_frozen\"\n");
     let mut dive = off_the_edge(150.0, 230.0, limits, &fault);
@@ -82,8 +82,8 @@ fn the_delay_of_the_link() {
         link_delay_max_s: 4.2,
         ..exact()
     };
-    // Of a behavior that begins it is known the less well where, the more a word is late, and so all ways back to it
-    // are judged wider. On a line that has been flown for a while nothing of this is left.
+    // The later a sentence may be, the less is known of where a behavior began, so all paths back to it are judged
+    // wider. Nothing of this remains on a line that has been flown for some time.
     let dive = || {
         let mut dive = along_the_edge(65.0, limits.clone(), "");
         dive.run_for(20.0);
@@ -91,7 +91,8 @@ fn the_delay_of_the_link() {
     };
     let mut rehearsal = dive();
     let ended = steer_until_refused(&mut rehearsal, 345.0, 2.0);
-    // The last words are as late as a word may be. The lease would end without an acknowledgement a second later.
+    // The last sentences are as late as a sentence may be. The lease would end a second later without an
+    // acknowledgement.
     let mut dive = dive();
     assert!(!steer(&mut dive, 345.0, 2.0, Some(earlier(ended, 800))));
     dive.delay[0] = Duration::from_millis(4200);
@@ -139,8 +140,8 @@ fn the_turn_away() {
     assert!((0.0..16.0).contains(&least_m), "{least_m}");
 }
 
-/// A vehicle on its way to the edge turns onto a heading along it, as late as the monitor admits it, and is then not heard
-/// of again until it has come back. How far it stays from the edge, metres.
+/// A vehicle on its way to the edge turns onto a heading along it, as late as the monitor allows, and then receives
+/// nothing until it has come back. Returns its distance from the edge, metres.
 fn turned_along_the_edge(first_deg: f64, speed_mps: f64, limits: &Limits, more: &str) -> f64 {
     let dive = || {
         let world = world(ORIGIN, (0.0, EDGE_M - 110.0, 268.0), &setpoint(268.0, speed_mps), more);
@@ -150,7 +151,7 @@ fn turned_along_the_edge(first_deg: f64, speed_mps: f64, limits: &Limits, more: 
         dive
     };
     let ended = steer_until_refused(&mut dive(), first_deg, speed_mps);
-    // A modify may be judged once more after its own end was lost on the link, for as long as the vehicle obeys.
+    // After the sentence that ended it was lost, a modify may be judged once more, for as long as the vehicle obeys.
     let asked_at = |tenths: u64| {
         let mut dive = dive();
         let at = earlier(ended, 5000) + Duration::from_millis(100 * tenths);
@@ -190,7 +191,7 @@ fn the_turn_onto_the_heading() {
 
 #[test]
 fn the_other_north() {
-    // At the edge of a UTM zone near the pole, where grid north is 2.6 degrees from true north. Nearly along the edge.
+    // At the edge of a UTM zone near the pole, where grid north is 2.6 degrees from true north; nearly along the edge.
     let origin = (70.0, -71.8);
     let limits = Limits {
         turn_rate_dps: 14.9,
@@ -216,9 +217,9 @@ fn the_other_north() {
     assert!((0.0..0.8).contains(&least_m), "{least_m}");
 }
 
-/// A turn has to begin and to end: the 12-inch vehicle turns at 8.19 degrees a second at 1 m/s, with a time constant of a
-/// second and slower for its last 30 degrees. Without the lag it leaves by 0.2 m where nothing else is uncertain, and with
-/// limits of exactly what the classes reach by 0.9 m (9-inch, 15) and 1.5 m (12-inch, 10).
+/// A turn needs time to begin and to end: the 12-inch vehicle turns at 8.19 degrees a second at 1 m/s, with a time
+/// constant of a second, and more slowly for its last 30 degrees. Without the lag it leaves by 0.2 m if nothing else is
+/// uncertain, and with limits that are exactly those of the classes by 0.9 m (9-inch, 15) and 1.5 m (12-inch, 10).
 #[test]
 fn a_turn_has_to_begin() {
     for (class, turn_rate_dps, speed_mps) in [("12-inch", 8.0, 1.0), ("9-inch", 15.0, 2.0), ("12-inch", 10.0, 2.0)] {
@@ -237,7 +238,7 @@ fn a_turn_has_to_begin() {
 
 #[test]
 fn the_ways_back() {
-    // It would go away from its line at a slant, and come back across what lies between the two.
+    // It would leave its line at an angle, and return across the area between the two.
     let zone = [10.0, 22.0, 40.0, 60.0];
     let inside = Zone::inside([-700.0, -700.0, 700.0, 700.0]);
     let plan = line((-200.0, 0.0), (600.0, 0.0));
@@ -251,17 +252,17 @@ fn the_ways_back() {
     assert!((0.0..23.0).contains(&least_m), "{least_m}");
 }
 
-/// The limit of 2.5 s to a refresh keeps no vehicle inside the fence by itself. Each refresh is judged from where the vehicle
-/// is by then; a runtime that wakes over half a second late ends its leases, and so do an acknowledgement that is missing
-/// for a second and navigation that is stale. The limit is what is left where the cadence itself is wrong: without it this
-/// fails as soon as a refresh is due each 4 s.
+/// The limit of 2.5 s for a refresh keeps no vehicle inside the fence by itself. Each refresh is judged from the
+/// vehicle's position at that time. A runtime that wakes more than half a second late ends its leases, and so does an
+/// acknowledgement that is missing for a second, or stale navigation. The limit only matters if the cadence itself is
+/// wrong: without it this test fails as soon as a refresh is due each 4 s.
 #[test]
 fn no_refresh_is_later_than_two_and_a_half_seconds() {
     for late_ms in (100..7000).step_by(300) {
         let mut dive = off_the_edge(150.0, 230.0, exact(), "");
         dive.ask(modify(45.0, 2.0));
         dive.run_for(10.0);
-        // Nothing is handled for so long, and then all of it.
+        // Nothing is handled for this long, and then everything.
         dive.now = dive.now + Duration::from_millis(late_ms);
         dive.run_for(10.0);
         let mut last: Option<Timestamp> = None;
@@ -277,11 +278,11 @@ fn no_refresh_is_later_than_two_and_a_half_seconds() {
     }
 }
 
-/// After a modify the vehicle is as fast again as its plan is: the turn away is judged for the speed at which it was seen to
-/// fly its plan in this dive, or for `plan_speed_max_mps` where that is more.
+/// After a modify the vehicle is as fast again as its plan: the turn away is judged with the speed that was seen while
+/// it flew its plan in this dive, or with `plan_speed_max_mps` if that is higher.
 #[test]
 fn the_plan_may_be_faster_than_any_request() {
-    // It has come up to speed by then, or it was said how fast it will be.
+    // By then it has reached its speed, or the mission has stated it.
     for (seen_s, plan_speed_max_mps) in [(4.0, None), (0.0, Some(2.5))] {
         let limits = Limits {
             speed_max_mps: 1.4,

@@ -1,5 +1,5 @@
-//! A calm sea with exact sensors, a vehicle whose figures the limits state exactly, and a fence of rectangles: so that
-//! each test can make one thing bad and keep all others good.
+//! A calm sea with exact sensors, a vehicle whose properties the limits state exactly, and a fence of rectangles, so
+//! that each test can make one thing bad and keep all others good.
 
 use backseat_core::plugin::{ModifyRequest, PositionRequest, Request, TracklineRequest, VerticalRequest};
 use backseat_core::{Grant, IntegrityLimits, Limits};
@@ -9,7 +9,7 @@ use backseat_units::math::hypot;
 use backseat_units::{EastNorth, LocalFrame, Position, Timestamp};
 use std::time::Duration;
 
-/// Where east and north are zero, in most of the tests.
+/// The origin of east and north in most of the tests.
 pub(super) const ORIGIN: (f64, f64) = (42.0, -70.0);
 
 /// No noise, no drift, no bias.
@@ -33,7 +33,7 @@ misalignment_deg = 0
 error_m = 0
 ";
 
-/// A rectangle of the fence: its kind, its west, south, east and north edges, metres, and what else it says.
+/// A rectangle of the fence: its kind, its west, south, east and north edges in metres, and further properties.
 pub(super) struct Zone(pub(super) &'static str, pub(super) [f64; 4], pub(super) String);
 
 impl Zone {
@@ -46,7 +46,7 @@ impl Zone {
     }
 }
 
-/// A fence without margins: what the monitor keeps off an edge is its envelope alone.
+/// A fence without margins, so that only the envelope keeps the vehicle away from an edge.
 pub(super) fn fence(origin: (f64, f64), zones: &[Zone]) -> String {
     let frame = frame(origin);
     let mut features = Vec::new();
@@ -78,7 +78,7 @@ pub(super) fn frame((latitude_deg, longitude_deg): (f64, f64)) -> LocalFrame {
     LocalFrame::new(Position::from_deg(latitude_deg, longitude_deg).expect("a place on the globe"))
 }
 
-/// A world: where the vehicle starts and how it heads, its plan, and sections in front of the sensors.
+/// A world: the vehicle's start and heading, its plan, and sections to put before the sensors.
 pub(super) fn world(origin: (f64, f64), start: (f64, f64, f64), plan: &str, more: &str) -> String {
     let mut text = format!(
         "[start]\nutc = 2026-06-01T08:00:00Z\neast_m = {}\nnorth_m = {}\nheading_deg = {}\ndepth_m = 20\n\
@@ -95,7 +95,7 @@ pub(super) fn world(origin: (f64, f64), start: (f64, f64, f64), plan: &str, more
     text + plan + "\n" + EXACT + "\n" + more
 }
 
-/// A heading for a time, at 20 m and 2 m/s: it has no line to come back to, but the place where it leads to.
+/// A heading for some time, at 20 m and 2 m/s. There is no line to return to, only the place to which it leads.
 pub(super) fn setpoint(heading_deg: f64, speed_mps: f64) -> String {
     format!(
         "[[plan]]\nkind = \"setpoint\"\nheading_deg = {heading_deg}\nduration_s = 250\ndepth_m = 20\n\
@@ -112,7 +112,7 @@ pub(super) fn line(from: (f64, f64), to: (f64, f64)) -> String {
     )
 }
 
-/// Nothing is uncertain but that the 9-inch vehicle's turn is a degree a second faster than it is promised to be.
+/// Nothing is uncertain except the turn of the 9-inch vehicle, which is a degree a second faster than stated.
 pub(super) fn exact() -> Limits {
     Limits {
         integrity: IntegrityLimits {
@@ -170,11 +170,11 @@ pub(super) fn modify(heading_deg: f64, speed_mps: f64) -> Request {
     })
 }
 
-/// A clearance of the vehicle's true place, metres.
+/// A clearance of the vehicle's true position, metres.
 pub(super) type Clearance<'a> = &'a dyn Fn(&Truth) -> f64;
 
-/// The least value within some bounds, to a five-hundredth of them, with which the monitor does not reject what a dive asks for under
-/// tag 1, and that dive: the least of all where nothing is rejected.
+/// The least value within some bounds, to a five-hundredth of them, for which the monitor accepts the request with tag
+/// 1, together with its dive; the lower bound if everything is accepted.
 pub(super) fn closest_admitted((from, to): (f64, f64), dive: impl Fn(f64) -> Dive) -> (f64, Dive) {
     let admitted = |value: f64| {
         let dive = dive(value);
@@ -202,7 +202,7 @@ pub(super) fn south_of(north_m: f64) -> impl Fn(&Truth) -> f64 {
     move |truth| north_m - truth.local.north_m
 }
 
-/// How far a place is from a rectangle; less than nothing inside.
+/// The distance of a position from a rectangle; negative inside.
 pub(super) fn outside_of([west_m, south_m, east_m, north_m]: [f64; 4], at: EastNorth) -> f64 {
     let east_m = (west_m - at.east_m).max(at.east_m - east_m);
     let north_m = (south_m - at.north_m).max(at.north_m - north_m);
@@ -213,7 +213,7 @@ pub(super) fn outside_of([west_m, south_m, east_m, north_m]: [f64; 4], at: EastN
     }
 }
 
-/// Lets the time pass. The least clearance, looked at ten times a second.
+/// Advances the time. Returns the least clearance, measured ten times a second.
 pub(super) fn watch(dive: &mut Dive, seconds: f64, clearance: Clearance<'_>) -> f64 {
     let mut least_m = clearance(&dive.mvc.truth());
     for _ in 0..(10.0 * seconds) as u32 {
@@ -223,9 +223,9 @@ pub(super) fn watch(dive: &mut Dive, seconds: f64, clearance: Clearance<'_>) -> 
     least_m
 }
 
-/// Steers on a heading until the monitor ends the lease, or until some time. True where it has ended it. The speed differs
-/// by a millimetre a second from one request to the next, so that BPRMB is sent five times a second: the last that is
-/// admitted is the closest to the fence that there is.
+/// Steers on a heading until the monitor ends the lease, or until some time. Returns whether the monitor has ended it.
+/// The speed differs by a millimetre a second from one request to the next, so that BPRMB is sent five times a second:
+/// the last accepted request is the closest one to the fence.
 pub(super) fn steer(dive: &mut Dive, heading_deg: f64, speed_mps: f64, until: Option<Timestamp>) -> bool {
     let mut asked = false;
     while until.is_none_or(|until| dive.now < until) {
@@ -235,14 +235,14 @@ pub(super) fn steer(dive: &mut Dive, heading_deg: f64, speed_mps: f64, until: Op
         assert!(dive.now < Timestamp::from_millis(300_000), "nothing ends the lease");
         let step = dive.now.as_nanos() / 100_000_000 % 2;
         dive.ask(modify(heading_deg, speed_mps - 0.001 * step as f64));
-        // A step of the plugin, and what it returned.
+        // A step of the plugin, and its result.
         dive.run_for(0.1);
         asked = asked || dive.core.is_steering();
     }
     false
 }
 
-/// As [`steer`]: when the monitor ended the lease.
+/// Like [`steer`]; returns when the monitor ended the lease.
 pub(super) fn steer_until_refused(dive: &mut Dive, heading_deg: f64, speed_mps: f64) -> Timestamp {
     assert!(steer(dive, heading_deg, speed_mps, None));
     dive.now

@@ -9,7 +9,7 @@ use super::scene::{
 
 const BOX: [f64; 4] = [-700.0, -700.0, 700.0, 700.0];
 
-/// On a line of the plan's to the east; then it asks for another beside it.
+/// On a line of the plan to the east; then it requests another one beside it.
 fn asks(band: &str, limits: &Limits, more: &str, vertical: VerticalRequest) -> Dive {
     let inside = Zone("keep-in", BOX, band.to_owned());
     let plan = line((-300.0, 0.0), (100.0, 0.0));
@@ -29,7 +29,7 @@ fn asks(band: &str, limits: &Limits, more: &str, vertical: VerticalRequest) -> D
     dive
 }
 
-/// The depth sensor reads too little, by some metres.
+/// The depth sensor shows some metres too little.
 const READS_TOO_LITTLE: &str = "[sensors.depth]\nbias_kpa = 30\n";
 
 #[test]
@@ -58,7 +58,7 @@ fn the_error_of_the_depth() {
     assert!((0.0..error_m).contains(&least_m), "{least_m}");
 }
 
-/// The bed rises to the east.
+/// The seabed rises to the east.
 const RISES: &str = "[seabed]\ndepth_m = 90\nslope = 0.15\nmeanders = 0\ndownslope_deg = 270\n";
 
 fn up_a_slope() -> Limits {
@@ -74,12 +74,12 @@ fn up_a_slope() -> Limits {
 fn the_slope_of_the_bed() {
     const ALTITUDE_MIN_M: f64 = 10.0;
     let band = format!("\"depth_max_m\":150,\"altitude_min_m\":{ALTITUDE_MIN_M}");
-    // The shallower it asks to fly, the farther from the bed.
+    // The shallower the requested depth, the farther from the seabed.
     let (_, mut dive) = closest_admitted((0.0, 90.0), |above_m| {
         asks(&band, &up_a_slope(), RISES, VerticalRequest::DepthM(100.0 - above_m))
     });
     let least_m = watch(&mut dive, 160.0, &|truth: &Truth| truth.altitude_m - ALTITUDE_MIN_M);
-    // What is judged is the farthest of it all, on every way to the line and on from it.
+    // The greatest depth counts, on every path to the line and from it.
     assert!((0.0..60.0).contains(&least_m), "{least_m}");
 }
 
@@ -88,7 +88,7 @@ fn the_slope_of_the_bed_below_an_altitude() {
     const DEEPEST_M: f64 = 60.0;
     let band = format!("\"depth_max_m\":{DEEPEST_M},\"altitude_min_m\":2");
     let falls = RISES.replace("270", "90");
-    // Down the slope at an altitude it goes deeper and deeper.
+    // Down the slope at an altitude it gets deeper and deeper.
     let (_, mut dive) = closest_admitted((5.0, 120.0), |altitude_m| {
         asks(&band, &up_a_slope(), &falls, VerticalRequest::AltitudeM(altitude_m))
     });
@@ -125,7 +125,7 @@ fn the_age_of_the_bottom_lock() {
         dive
     };
     let ended = steer_until_refused(&mut dive(""), 90.0, 2.0);
-    // The bed was last seen just before, and the vehicle goes on for as long as that counts.
+    // The seabed was last seen just before, and the vehicle continues for as long as that counts.
     let dark_s = ended.as_secs_f64() - 0.25;
     let fault =
         format!("[[faults.fault]]\nat_s = {dark_s}\nfor_s = 60\nkind = \"sensor_dropout\"\nsensor = \"altimeter\"\n");

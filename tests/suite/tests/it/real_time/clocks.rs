@@ -1,5 +1,5 @@
-//! Clocks that are wrong: the vehicle's is hours from ours, or is stepped under way. A request lives by time that goes on
-//! alone; only zones that are valid for a time need the hour, and they stay shut.
+//! Wrong clocks: the vehicle's clock is hours away from ours, or is set during the dive. A request lasts by time that
+//! is not affected. Only zones with a time window need the right time, and they stay closed.
 
 use std::time::Duration;
 
@@ -7,15 +7,15 @@ use backseat_suite::{Line, Mission, Vehicle, settle};
 
 use super::session::{SOON, runtime, steers};
 
-/// Seconds of the day that the vehicle says in its navigation.
+/// The time of day in the vehicle's navigation, seconds.
 fn said_s(line: &Line) -> f64 {
     let time = line.field(1);
     let part = |range: std::ops::Range<usize>| time[range].parse::<f64>().expect("a time is digits");
     part(0..2) * 3600.0 + part(2..4) * 60.0 + part(4..time.len())
 }
 
-/// The steady mission on a vehicle whose clock is hours from ours, whatever the hour is: stepped by a third of a day where
-/// the two would agree by chance.
+/// The steady mission on a vehicle whose clock is hours away from ours: set by a third of a day, at the hours at which
+/// the two would otherwise agree.
 fn hours_apart() -> Mission {
     let now = std::process::Command::new("date").args(["-u", "+%H"]).output();
     let hour: u32 = String::from_utf8_lossy(&now.expect("there is `date`").stdout)
@@ -37,7 +37,7 @@ fn a_vehicle_whose_clock_is_hours_away_is_steered_but_not_by_zones_that_need_the
     let _runtime = runtime(&mission, &vehicle.address, &["--arm"]);
     vehicle.receives("BPRMB", 4, SOON);
 
-    // The same box, allowed from long ago for a long time to come.
+    // The same box, with a window from long ago into the far future.
     let mission = hours_apart().edit(
         "fence.geojson",
         "\"kind\": \"keep-in\",",
@@ -67,7 +67,8 @@ fn sr_008_a_vehicles_clock_that_is_stepped_ends_no_promise() {
         vehicle.sees("the runtime steer again", Duration::from_secs(120), |line| {
             line.is_received("BPRMB") && line.at_s > stepped.at_s + 3.0
         });
-        // While its navigation was not believed, nothing was refreshed that the vehicle had not let go of in time.
+        // While its navigation was not trusted, the runtime refreshed nothing, and the vehicle ended the modify in
+        // time.
         let lines = vehicle.lines();
         let mut last: Option<f64> = None;
         for line in &lines {

@@ -49,7 +49,7 @@ fn connect_subscribes_shows_what_comes_and_sends_nothing_else() {
         );
     }
     vehicle.receives("BPLOG", 4, SOON);
-    // The vehicle's log is written every half second: had there been more, it would be there.
+    // The vehicle's log is written every half second, so that any further line would be there.
     settle(Duration::from_secs(2));
     let received: Vec<_> = vehicle
         .lines()
@@ -84,8 +84,8 @@ fn connect_asks_only_for_what_it_is_told_to() {
     assert_eq!(subscribed, ["NVR", "CTL"]);
 }
 
-/// A vehicle after a script: for each connection what it sends after the subscriptions, in pieces. It keeps the last
-/// connection. Gives the address, and what it has received from each.
+/// A scripted vehicle: for each connection, the pieces that it sends after the subscriptions. It keeps the last
+/// connection open. Returns the address, and what it has received on each.
 fn scripted(connections: Vec<Vec<&'static [u8]>>) -> (String, Arc<Mutex<Vec<String>>>) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("the machine has a free port");
     let address = listener.local_addr().expect("what is bound has an address").to_string();
@@ -135,7 +135,7 @@ fn connect_survives_a_vehicle_of_bad_manners_and_a_silent_one() {
         vec![b"$BFCTL,081025.987,0*79\r\n"],
     ]);
     let mut watch = watch(&address, &[]);
-    watch.says("the vehicle has closed the connection; next attempt in 0.5 s", SOON);
+    watch.says("the vehicle closed the connection; next attempt in 0.5 s", SOON);
     watch.says("silent for 5", SOON);
     eventually(
         SOON,

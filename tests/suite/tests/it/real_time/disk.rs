@@ -1,4 +1,4 @@
-//! A full disk: what cannot be recorded is not sent, what need not be goes on, and each loss is told once.
+//! A full disk: what cannot be recorded is not sent, everything else continues, and each loss is reported once.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -8,7 +8,7 @@ use backseat_suite::{Backseat, Mission, Process, Signal, Vehicle, settle};
 
 use super::session::{SOON, runtime};
 
-/// The steady mission with a second plugin that asks each second for a trackline ahead.
+/// The steady mission with a second plugin that requests a trackline ahead each second.
 fn steering_and_inserting() -> Mission {
     Mission::steady().in_legs().append(
         "mission.toml",
@@ -18,7 +18,7 @@ fn steering_and_inserting() -> Mission {
     )
 }
 
-/// Whatever is written under this name in the state folder finds the disk full.
+/// Writes to this name in the state folder fail as on a full disk.
 fn fill(mission: &Mission, name: &str) {
     let state = mission.beside("state");
     fs::create_dir_all(&state).expect("the folder is ours");
@@ -48,7 +48,7 @@ fn sr_009_no_insert_is_sent_whose_identifier_could_not_be_reserved_and_the_lease
     assert!(vehicle.received("BPRTK").is_empty(), "{}", vehicle.story());
     let record = fs::read_to_string(mission.beside("state/identifiers")).expect("the record is as it was");
     assert_eq!(record, "70");
-    // Once there is room again, inserts go out again.
+    // When there is room again, inserts are sent again.
     fs::remove_file(mission.beside("state/identifiers.new")).expect("the link is ours");
     runtime.says("inserts are sent again", SOON);
     let sent = vehicle.receives("BPRTK", 1, SOON);
@@ -66,13 +66,13 @@ fn sr_015_a_hold_that_cannot_be_kept_holds_all_the_same() {
     let mission = Mission::steady();
     let vehicle = Vehicle::start(&mission);
     fill(&mission, "hold.new");
-    // Nor is there room for an empty file.
+    // There is no room for an empty file either.
     symlink(mission.beside("nowhere/hold"), mission.beside("state/hold")).expect("the folder is ours");
     let runtime = runtime(&mission, &vehicle.address, &["--arm"]);
     vehicle.receives("BPRMB", 2, SOON);
     runtime.signal(Signal::USR1);
     let ended = vehicle.receives("BPEMB", 1, SOON);
-    runtime.says("the operator's act holds for this run only", SOON);
+    runtime.says("the operator's hold or release counts for this run only", SOON);
     settle(Duration::from_secs(3));
     let since = vehicle
         .received("BPRMB")
@@ -104,7 +104,7 @@ fn sr_015_a_hold_on_a_full_disk_is_kept_over_a_restart() {
 fn a_log_on_a_full_disk_ends_and_the_vehicle_is_steered_on() {
     let mission = Mission::steady();
     let vehicle = Vehicle::start(&mission);
-    // As large as a log is with all that is attached to it, and a little.
+    // The size of a log with its attachments, and a little more.
     let mut first = runtime(&mission, &vehicle.address, &["--arm"]);
     vehicle.receives("BPRMB", 4, SOON);
     first.kill();
@@ -121,7 +121,7 @@ fn a_log_on_a_full_disk_ends_and_the_vehicle_is_steered_on() {
         .mission(&mission)
         .spawn();
     vehicle.receives("BPRMB", before + 1, SOON);
-    runtime.says("the log ends here, the run goes on", Duration::from_secs(90));
+    runtime.says("the log ends here, the run continues", Duration::from_secs(90));
     let then = vehicle.received("BPRMB").len();
     vehicle.receives("BPRMB", then + 4, SOON);
     let said = ends_in_order(runtime);

@@ -1,5 +1,5 @@
-//! An external source of the operator's as a program of its own, which speaks to the runtime as it would to the
-//! vehicle.
+//! An external source of the operator, as a separate program that sends the runtime the sentences that it would send
+//! the vehicle.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
@@ -67,7 +67,7 @@ fn what_an_external_source_says_reaches_the_vehicle_and_the_answer_comes_back() 
     second.read_line(&mut line).unwrap();
     assert_eq!(line, "external source modem is connected already\r\n");
 
-    // Whatever it floods, the vehicle is steered and no refresh is late.
+    // However much it sends, the vehicle is steered and no refresh is late.
     let steered = vehicle.received("BPRMB").len();
     let flood = "$BPTMR,081025.987,3,come home\n".repeat(100_000);
     source
@@ -96,7 +96,7 @@ fn an_address_that_is_taken_is_refused_at_the_start() {
         .run()
         .refusal();
     assert!(
-        refusal.contains(&format!("external source `modem`: no listening on {address}")),
+        refusal.contains(&format!("external source `modem`: cannot listen on {address}")),
         "{refusal}"
     );
 }

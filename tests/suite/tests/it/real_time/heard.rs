@@ -1,5 +1,5 @@
-//! The deployed process before a vehicle that was written from the specification alone, and that is late, deaf, wrong or
-//! floods: what core promises holds over TCP too.
+//! The deployed process with a vehicle that was written from the specification alone, and is late, deaf, wrong or sends
+//! too much: the guarantees of core hold over TCP too.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use backseat_suite::{Backseat, Behavior, Heard, Mission, Process, Scripted, Sign
 
 use super::session::SOON;
 
-/// What goes wrong with the vehicle.
+/// A fault of the vehicle.
 type Wrong = fn(&mut Behavior);
 
 fn steered(behavior: Behavior) -> (Mission, Scripted, Process) {
@@ -23,7 +23,7 @@ fn steered(behavior: Behavior) -> (Mission, Scripted, Process) {
     (mission, vehicle, runtime)
 }
 
-/// Under a lease for some time.
+/// Steers under a lease for some time.
 fn steering() -> (Mission, Scripted, Process) {
     let (mission, vehicle, runtime) = steered(Behavior::default());
     vehicle.hears("BPRMB", 4, SOON);
@@ -37,7 +37,7 @@ pub(crate) fn worst_gap_s(heard: &[Heard]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Waits for the end of the lease after a time, and gives how long that took, seconds.
+/// Waits for the end of the lease after a time, and returns how long that took, seconds.
 pub(crate) fn ended_after_s(vehicle: &Scripted, since_s: f64, within: Duration) -> f64 {
     let watch = Stopwatch::start();
     loop {
@@ -89,7 +89,7 @@ fn sr_023_a_link_that_becomes_late_ends_the_lease_either_way() {
         let (_mission, vehicle, _runtime) = steering();
         let since_s = vehicle.now_s();
         vehicle.change(become_late);
-        // What is slow on its way is heard 4 s after it left.
+        // The vehicle receives sentences 4 s after they left.
         let ended_s = ended_after_s(&vehicle, since_s, Duration::from_secs(15));
         assert!(ended_s < 8.5, "{ended_s:.2} s");
         settle(Duration::from_secs(6));
@@ -106,7 +106,7 @@ fn sr_023_a_vehicle_that_reads_nothing_finds_the_end_of_the_lease_when_it_reads_
     let since_s = vehicle.now_s();
     vehicle.change(|behavior| behavior.deaf = false);
     let _ended_s = ended_after_s(&vehicle, since_s, Duration::from_secs(5));
-    // All that waited is read at once: the lease had 3 s at most, and its end is the last word on it.
+    // Everything that waited is read at once: the lease lasted for 3 s at most, and its end comes last.
     let waited = vehicle.heard_since("BPRMB", since_s).len();
     assert!(waited <= 4, "{waited} BPRMB waited");
 }

@@ -1,4 +1,4 @@
-//! SPI identifiers: recorded on disk before they are sent, never used twice (safety requirement 009).
+//! SPI identifiers are recorded on disk before they are sent, and never used twice (safety requirement 009).
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use backseat_suite::{Backseat, Mission, Process, Signal, Vehicle, free_address, 
 
 use super::session::{SOON, runtime};
 
-/// Asks each second for a trackline that is flown after the current behavior.
+/// Requests a trackline each second that is flown after the current behavior.
 fn inserting() -> Mission {
     Mission::steady()
         .in_legs()
@@ -47,7 +47,7 @@ fn without_a_record_no_insert_is_sent() {
 
 #[test]
 fn sr_009_a_killed_runtimes_identifiers_are_never_used_again() {
-    // What is refused uses up its identifier all the same, and does not keep the next process from knowing what is flown.
+    // A refused request also uses up its identifier, and the next process still learns the current behavior.
     let mission = inserting().append(
         "world.toml",
         "[[faults.fault]]\nkind = \"acks_negative\"\nat_s = 0\nfor_s = 1000\ncommand = \"RTK\"",
@@ -119,7 +119,7 @@ fn two_runtimes_do_not_share_a_record() {
         .mission(&mission);
     let line = second.run().refusal();
     assert!(line.contains("state") && line.contains("another runtime"), "{line}");
-    // What a kill leaves behind stops nobody.
+    // What a killed process leaves behind prevents nothing.
     first.kill();
     let third = runtime(&mission, &address, &["--arm"]);
     third.says("next attempt in", SOON);

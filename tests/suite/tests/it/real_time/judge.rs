@@ -1,4 +1,4 @@
-//! What a real run has recorded is judged: the runtime's side alone, by its own clock.
+//! The log of a real run can be judged: the runtime's side alone, by its own clock.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! The mock vehicle as a program of its own: clients in other languages, clients at their worst, roles, its log.
+//! The mock vehicle as a separate program: clients in other languages, hostile clients, roles, its log.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpStream};
@@ -39,7 +39,7 @@ impl Client {
             .expect("the vehicle reads");
     }
 
-    /// Reads once; false where the vehicle has closed the connection.
+    /// Reads once; returns false if the vehicle has closed the connection.
     fn read(&mut self) -> bool {
         let mut buffer = [0; 16 * 1024];
         match self.stream.read(&mut buffer) {
@@ -70,7 +70,7 @@ impl Client {
         );
     }
 
-    /// The vehicle closes the connection, soon.
+    /// The vehicle closes the connection soon.
     fn is_cut_off(&mut self) {
         eventually(SOON, || (!self.read()).then_some(()), || "still connected".to_owned());
     }
@@ -101,7 +101,7 @@ fn a_client_in_python_turns_the_vehicle_and_flies_a_line() {
     });
 }
 
-/// Sets it when it goes.
+/// Sets the flag when dropped.
 struct Stops<'a>(&'a AtomicBool);
 
 impl Drop for Stops<'_> {
@@ -110,14 +110,14 @@ impl Drop for Stops<'_> {
     }
 }
 
-/// Each kind of hostile client at once, and in their midst one who listens to navigation.
+/// Each kind of hostile client at once, and among them one that receives navigation.
 #[test]
 fn hostile_clients_cost_nobody_else_anything() {
     let mission = Mission::steady().edit("world.toml", "[mission]", "[spi]\nclients_max = 24\n\n[mission]");
     let vehicle = vehicle_with(&mission, &[]);
     let address = vehicle.address.clone();
     let before = vehicle.process.memory_kib();
-    // Before the others: while a storm of connections holds every place, a newcomer is refused like any of them.
+    // Before the others, because during a storm of connections every place is taken, and any new client is refused.
     let mut friend = Client::connect(&address);
     friend.say("$BPLOG,NVG,ON");
     friend.hears("$BFNVG");
@@ -126,7 +126,7 @@ fn hostile_clients_cost_nobody_else_anything() {
     let mut gaps = Vec::new();
     let going = || !stop.load(Ordering::Relaxed);
     std::thread::scope(|scope| {
-        // However this ends, the others end too, or a failure would wait for them for ever.
+        // The others also end if this fails; otherwise the failure would wait for them for ever.
         let _stops = Stops(&stop);
         let spam = |bytes: Vec<u8>, reads: bool| {
             let (address, going) = (&address, &going);
@@ -151,7 +151,7 @@ fn hostile_clients_cost_nobody_else_anything() {
                 }
             });
         };
-        // Garbage, commands, half lines, ten megabytes without an end, oversized fields.
+        // Garbage, commands, half lines, ten megabytes without a line end, oversized fields.
         spam((0..=255).cycle().take(100_000).collect(), true);
         spam(
             b"$BPLOG,ACK,ON\r\n$BPRMP,070000.000\r\n$BPRCN,070000.000,7\r\n".repeat(500),
@@ -202,7 +202,7 @@ fn hostile_clients_cost_nobody_else_anything() {
     assert!(*longest < Duration::from_millis(500), "{longest:?}");
     let grown = vehicle.process.memory_kib().saturating_sub(before);
     assert!(grown < 64 * 1024, "{grown} KiB more");
-    // A new client is served as ever.
+    // A new client is served as usual.
     let mut late = Client::connect(&vehicle.address);
     late.hears("$BFVER");
 }
@@ -230,7 +230,7 @@ fn as_fast_as_its_clients_read() {
     while client.read() {
         assert!(watch.elapsed() < Duration::from_secs(60), "it goes on");
     }
-    // From when it asked to the end not one is missing, and the last is the last step's.
+    // From its subscription to the end no update is missing, and the last is that of the last step.
     let lines = client.lines();
     let stamps: Vec<u64> = lines
         .iter()
@@ -285,7 +285,7 @@ fn the_log_has_every_sentence_whole_and_in_order() {
     let address: SocketAddr = client.stream.local_addr().unwrap();
     client.say("$BPLOG,ALL,ON");
     client.say("$BPLOG,ACK,ON");
-    // One sentence in three reads, two in one, one that is no text.
+    // One sentence in three reads, two in one, one that is not text.
     for piece in [
         "$BPMSG,0700",
         "00.000,in ",
@@ -299,7 +299,7 @@ fn the_log_has_every_sentence_whole_and_in_order() {
         client.say(&format!("$BPMSG,{:06}.{:03},x", 70_000 + count / 1000, count % 1000));
     }
     client.hears("MSG,070001.999");
-    // What was said stops before the end, what is said goes on to it.
+    // The copy of what the vehicle sent stops early; the client received everything to the end.
     vehicle.process.signal(Signal::TERM);
     assert_eq!(vehicle.process.wait(SOON), Some(0));
     while client.read() {}
@@ -333,8 +333,12 @@ fn the_log_has_every_sentence_whole_and_in_order() {
     );
     assert_eq!(received.last().copied(), Some("$BPMSG,070001.999,x"));
     assert!(lines.windows(2).all(|pair| pair[0].at_s <= pair[1].at_s));
-    assert!(lines.iter().any(|line| line.text == format!("client 1 is {address}")));
-    // The clock of a line is the sentence's own, to the millisecond.
+    assert!(
+        lines
+            .iter()
+            .any(|line| line.text == format!("client 1 connected from {address}"))
+    );
+    // The clock of a line is that of the sentence, to the millisecond.
     for line in lines
         .iter()
         .filter(|line| line.way == Way::Sent && line.name() == "BFNVG")
@@ -420,7 +424,7 @@ fn faults_of_a_file_are_played_on_the_link_too() {
         "{longest:?}"
     );
     vehicle.sees("the cut", SOON, |line| line.text == "client 1 is cut off by a fault");
-    // While it is cut nobody gets in, and after it everybody.
+    // While the link is cut no client can connect, and afterwards every client can.
     Client::connect(&vehicle.address).is_cut_off();
     settle(Duration::from_millis(1200));
     Client::connect(&vehicle.address).hears("$BFVER");

@@ -1,4 +1,4 @@
-//! The operator beats every plugin, by signal, and over a restart (safety requirement 015).
+//! The operator overrules every plugin, by signal, and across restarts (safety requirement 015).
 
 use std::time::Duration;
 
@@ -30,7 +30,7 @@ fn sr_015_a_hold_ends_the_lease_and_stands_until_it_is_released() {
     first.kill();
     let before = vehicle.lines().iter().filter(|line| steers(line)).count();
     let mut second = runtime(&mission, &vehicle.address, &["--arm"]);
-    second.says("the operator's hold stands", SOON);
+    second.says("the operator's hold is set", SOON);
     second.says("the operator holds", SOON);
     settle(Duration::from_secs(4));
     assert_eq!(
@@ -48,7 +48,7 @@ fn sr_015_a_hold_ends_the_lease_and_stands_until_it_is_released() {
     let third = runtime(&mission, &vehicle.address, &["--arm"]);
     vehicle.receives("BPRMB", steered + 2, SOON);
     assert!(
-        !third.stderr().contains("hold stands"),
+        !third.stderr().contains("hold is set"),
         "a release outlives the process too"
     );
 }
@@ -63,7 +63,7 @@ fn one_release_undoes_any_number_of_holds() {
         runtime.signal(Signal::USR1);
     }
     runtime.says("operator: Hold", SOON);
-    // A hold and a release that are read together are a hold: all three are read before.
+    // A hold and a release that are read together count as a hold; here all three are read before.
     settle(Duration::from_millis(500));
     runtime.signal(Signal::USR2);
     let count = vehicle.received("BPRMB").len();

@@ -1,10 +1,10 @@
-//! At sea nothing is needed that only simulation knows.
+//! At sea nothing is needed that only simulation uses.
 
 use backseat_suite::{Backseat, Mission, Signal, Vehicle};
 
 use crate::real_time::session::SOON;
 
-/// A mission whose `world.toml` was spoilt after the vehicle had read it, or taken away.
+/// A mission whose `world.toml` was damaged or removed after the vehicle had read it.
 fn spoilt(mission: Mission, world: Option<&str>) -> Mission {
     match world {
         Some(world) => mission.write("world.toml", world),

@@ -1,4 +1,4 @@
-//! What the service manager is told, and when it is told nothing.
+//! The messages to the service manager, and their absence.
 
 use std::os::unix::net::UnixDatagram;
 use std::time::Duration;
@@ -7,10 +7,10 @@ use backseat_suite::{Backseat, Mission, Process, Signal, Vehicle, eventually, fr
 
 use super::session::SOON;
 
-/// Fed at half of this.
+/// The watchdog is fed at half of this time.
 const WATCHDOG: Duration = Duration::from_millis(1000);
 
-/// The runtime, and what it tells its service manager.
+/// The runtime, and the socket of its service manager.
 fn served(mission: &Mission, address: &str, environment: &[(&str, &str)]) -> (Process, UnixDatagram) {
     let path = mission.beside("notify");
     let manager = UnixDatagram::bind(&path).expect("a socket of ours");
@@ -28,7 +28,7 @@ fn served(mission: &Mission, address: &str, environment: &[(&str, &str)]) -> (Pr
     (command.mission(mission).spawn(), manager)
 }
 
-/// All that has been told since it was last asked.
+/// The messages since the last call.
 fn told(manager: &UnixDatagram) -> Vec<String> {
     let mut buffer = [0; 256];
     let mut all = Vec::new();
@@ -76,7 +76,7 @@ fn sr_007_the_loop_that_serves_the_vehicle_feeds_the_watchdog_and_a_stopped_one_
     runtime.signal(Signal::TERM);
     assert_eq!(runtime.wait(SOON), Some(0), "{}", runtime.stderr());
     assert_eq!(told(&manager).last().map(String::as_str), Some("STOPPING=1"));
-    // It stood still for two seconds, and says so.
+    // It stood still for two seconds, and reports it.
     let slips = runtime.says("slips: ", SOON);
     let worst: f64 = slips
         .split("the worst ")
@@ -112,5 +112,5 @@ fn a_service_manager_that_is_gone_stops_nobody() {
     let (runtime, manager) = served(&mission, &vehicle.address, &[("NOTIFY_SOCKET", "/nonexistent/notify")]);
     drop(manager);
     vehicle.receives("BPRMB", 3, SOON);
-    assert_eq!(runtime.stderr().matches("the service manager is not told").count(), 1);
+    assert_eq!(runtime.stderr().matches("the service manager: ").count(), 1);
 }

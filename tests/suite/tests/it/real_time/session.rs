@@ -1,4 +1,4 @@
-//! The mock vehicle and the runtime as two programs on one machine: who may steer, who starts first, who comes back.
+//! The mock vehicle and the runtime as two programs on one machine: who may steer, who starts first, who reconnects.
 
 use std::time::Duration;
 
@@ -19,7 +19,7 @@ pub(crate) fn runtime(mission: &Mission, address: &str, arguments: &[&str]) -> P
         .spawn()
 }
 
-/// What only an armed runtime sends.
+/// Sentences that only an armed runtime sends.
 pub(crate) fn steers(line: &Line) -> bool {
     ["BPRMB", "BPRTK", "BPRTC"].iter().any(|name| line.is_received(name))
 }
@@ -61,7 +61,7 @@ fn without_arm_nothing_is_sent_that_steers() {
     let runtime = runtime(&mission, &vehicle.address, &["--first-identifier", "1"]);
     runtime.says("not armed", SOON);
     runtime.says("control granted", SOON);
-    // Its plugin asks each second.
+    // Its plugin makes a request each second.
     runtime.says("the runtime is not armed", SOON);
     vehicle.receives("BPSTS", 1, SOON);
     settle(Duration::from_secs(4));
@@ -108,7 +108,7 @@ fn a_runtime_without_a_vehicle_tries_again_with_back_off() {
     let told = said.lines().filter(about).count();
     assert!(told <= attempts(&runtime).len(), "one line for an attempt\n{said}");
 
-    // A vehicle that comes later is found.
+    // A vehicle that starts later is found.
     let vehicle = Vehicle::start_at(&mission, &address);
     runtime.says("connected to the vehicle", SOON);
     vehicle.receives("BPRMB", 2, SOON);

@@ -1,5 +1,5 @@
-//! The runtime killed, hung, stopped: the vehicle has the helm again in time, by its own clock (safety requirement
-//! 007), and what it had accepted it flies.
+//! The runtime is killed, hung or stopped: the vehicle steers itself again in time, by its own clock (safety
+//! requirement 007), and flies the inserts that it had accepted.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -10,10 +10,10 @@ use backseat_suite::{Line, Mission, Signal, Vehicle, Way, settle};
 
 use super::session::{SOON, runtime};
 
-/// A modify lapses 5 s after the last one received; the rest is a step of the vehicle.
+/// A modify lapses 5 s after the last one received; the rest is one step of the vehicle.
 const LAPSES_WITHIN_S: f64 = 5.2;
 
-/// Another client that only listens to navigation, so that the log shows where the vehicle goes.
+/// Another client that only receives navigation, so that the log shows the vehicle's course.
 fn watch(vehicle: &Vehicle) {
     let mut stream = TcpStream::connect(&vehicle.address).expect("the vehicle listens");
     stream.write_all(b"$BPLOG,NVG,ON\n").expect("the connection is new");
@@ -23,7 +23,7 @@ fn watch(vehicle: &Vehicle) {
     });
 }
 
-/// The headings that the vehicle told, with their times.
+/// The headings that the vehicle sent, with their times.
 fn headings(vehicle: &Vehicle) -> Vec<(f64, f64)> {
     let told = |line: &Line| line.way == Way::Sent && line.client == 1 && line.name() == "BFNVG";
     vehicle
@@ -34,7 +34,7 @@ fn headings(vehicle: &Vehicle) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Seconds of the day of a sentence's own time.
+/// The time of day in a sentence, seconds.
 fn created_s(line: &Line) -> f64 {
     let time = line.field(1);
     let part = |range: std::ops::Range<usize>| time[range].parse::<f64>().expect("a time is digits");
@@ -144,7 +144,7 @@ fn an_ordered_stop_gives_the_helm_back_before_it_goes() {
 
 #[test]
 fn sr_007_an_accepted_insert_is_flown_without_us() {
-    // 30 m or so: half a minute.
+    // About 30 m, which takes half a minute.
     let mission = Mission::steady()
         .in_legs()
         .edit("mission.toml", "[\"modify\"]", "[\"insert\", \"interrupt\"]")

@@ -1,5 +1,5 @@
-//! A disk that hangs: calls that reach it do not return until it thaws, if ever. The lease, the operator and the end of the
-//! process go on as ever (safety requirement 022).
+//! A disk that hangs: calls that reach it do not return until it recovers, if ever. The lease, the operator's acts and
+//! the end of the process are not affected (safety requirement 022).
 
 use std::fs;
 use std::path::PathBuf;
@@ -11,14 +11,14 @@ use backseat_suite::{Backseat, Behavior, Mission, Process, Scripted, Signal, Sta
 use super::heard::{ended_after_s, worst_gap_s};
 use super::session::SOON;
 
-/// A lease without a refresh for so long is nearly lost, seconds. (Measured on a machine that does nothing else: 1.1.)
+/// A lease without a refresh for this long has nearly lapsed, seconds. (Measured on an otherwise idle machine: 1.1.)
 const GAP_MAX_S: f64 = 2.5;
-/// The operator waits no longer for the end of the lease, seconds. (Measured: 0.01.)
+/// The longest that the operator may wait for the end of the lease, seconds. (Measured: 0.01.)
 const OBEYED_WITHIN_S: f64 = 1.0;
 /// The end of a run gives the log 2 s and the state folder half a second.
 const ENDS_WITHIN: Duration = Duration::from_secs(6);
 
-/// The armed runtime, with files in these folders that hang while the stall stands.
+/// The armed runtime, whose files in these folders hang during the stall.
 fn runtime(mission: &Mission, address: &str, stall: &Stall, folders: &[&str]) -> Process {
     let folders: Vec<PathBuf> = folders.iter().map(|folder| mission.beside(folder)).collect();
     let folders: Vec<_> = folders.iter().map(PathBuf::as_path).collect();
@@ -75,7 +75,7 @@ fn sr_022_the_log_hangs_for_eight_seconds_and_says_what_it_missed() {
     vehicle.hears("BPRMB", 3, SOON);
     let since_s = vehicle.now_s();
     stall.begin();
-    // More than the queue before the disk takes.
+    // More than the queue holds before the disk accepts anything.
     vehicle.change(|behavior| behavior.noise_kib_per_s = 6 << 10);
     runtime.says("records are left out until it does", SOON);
     vehicle.change(|behavior| behavior.noise_kib_per_s = 0);
@@ -128,7 +128,10 @@ fn sr_022_the_log_hangs_for_ever() {
     is_held(&vehicle, &runtime);
     is_released(&vehicle, &runtime);
     let said = ends(&vehicle, runtime);
-    assert!(said.contains("the log has no end: the disk does not take it"), "{said}");
+    assert!(
+        said.contains("the log has no end: the disk does not accept it"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -143,7 +146,10 @@ fn sr_022_the_state_folder_hangs_and_the_lease_goes_on_until_the_operator_ends_i
     vehicle.hears("BPRMB", vehicle.heard("BPRMB").len() + 4, SOON);
     steered_without_a_gap(&vehicle, since_s);
     is_held(&vehicle, &runtime);
-    runtime.says("until it does the operator's acts hold for this run only", SOON);
+    runtime.says(
+        "until it does, the operator's hold or release counts for this run only",
+        SOON,
+    );
     let said = ends_held(runtime);
     assert!(said.contains("the state folder does not answer"), "{said}");
     assert!(!mission.beside("state/hold").exists(), "nothing reached the disk");
@@ -170,7 +176,7 @@ fn sr_022_no_insert_leaves_while_the_state_folder_hangs_and_a_hold_reaches_it_wh
     fs::create_dir(mission.beside("state")).expect("the folder is ours");
     fs::write(mission.beside("state/vehicle"), "steady").expect("the folder is ours");
     fs::write(mission.beside("state/identifiers"), "70").expect("the folder is ours");
-    // The draft alone: with the whole folder, the start itself would hang.
+    // Only the draft hangs: if the whole folder hung, the start itself would.
     stall.begin();
     let runtime = runtime(
         &mission,
@@ -183,7 +189,7 @@ fn sr_022_no_insert_leaves_while_the_state_folder_hangs_and_a_hold_reaches_it_wh
     let held = Stopwatch::start();
     runtime.signal(Signal::USR1);
     vehicle.receives("BPEMB", 1, SOON);
-    // The vehicle's log is read in steps, and the machine may be busy.
+    // The vehicle's log is read at intervals, and the machine may be busy.
     assert!(
         held.elapsed() < Duration::from_secs(2),
         "held after {:?}",
@@ -200,7 +206,7 @@ fn sr_022_no_insert_leaves_while_the_state_folder_hangs_and_a_hold_reaches_it_wh
         || format!("the hold is not kept\n{}", runtime.stderr()),
     );
     runtime.signal(Signal::USR2);
-    // What was asked for while it hung is on disk now: what is sent from here on is reserved.
+    // Identifiers requested during the stall are on disk now, so whatever is sent from here on is reserved.
     let record = || fs::read_to_string(mission.beside("state/identifiers")).unwrap_or_default();
     backseat_suite::eventually(
         SOON,

@@ -1,4 +1,4 @@
-//! Whatever is around the runtime is stuck, full or gone: its lease, the operator and its end go on as ever.
+//! Something around the runtime is stuck, full or closed: its lease, the operator's acts and its end are not affected.
 
 use std::fs::{self, File};
 use std::io::{Write, pipe};
@@ -9,17 +9,18 @@ use backseat_suite::{Backseat, Line, Mission, Process, Signal, Stopwatch, Vehicl
 
 use super::session::SOON;
 
-/// A lease without a refresh for so long is nearly lost, seconds. (Measured on a machine that does nothing else: 1.1.)
+/// A lease without a refresh for this long has nearly lapsed, seconds. (Measured on an otherwise idle machine: 1.1.)
 const GAP_MAX_S: f64 = 2.5;
-/// How long an operator waits at most, with all that a busy machine and the vehicle's log add. (Measured: 0.1 s.)
+/// The longest that an operator may wait, including the delay of a busy machine and the vehicle's log. (Measured: 0.1
+/// s.)
 const OBEYED_WITHIN: Duration = Duration::from_secs(3);
 
-/// The pilot says 1,000 lines at each step, more than its cap.
+/// The pilot logs 1,000 lines in each step, more than its limit.
 fn talkative() -> Mission {
     Mission::steady().edit("mission.toml", "fault = \"none\"", "fault = \"log_flood\"\nafter_s = 3")
 }
 
-/// The armed runtime, all of whose words are let through.
+/// The armed runtime, which logs at every level.
 fn runtime(mission: &Mission, vehicle: &Vehicle) -> Backseat {
     Backseat::new()
         .args(["run", "--arm", "--connect", &vehicle.address, "--log"])
@@ -30,8 +31,8 @@ fn runtime(mission: &Mission, vehicle: &Vehicle) -> Backseat {
         .mission(mission)
 }
 
-/// It has been steered for some time without a gap, is held and released at once when the operator says so, and gives the
-/// helm back in order.
+/// Requires that it has steered for some time without a gap, that the operator's hold and release take effect at once,
+/// and that it hands back control in order.
 fn is_steered_held_and_left(mission: &Mission, vehicle: &Vehicle, mut runtime: Process) {
     vehicle.receives("BPRMB", 20, SOON);
     let modifies: Vec<Line> = vehicle.received("BPRMB");
@@ -83,13 +84,13 @@ fn sr_022_nobody_reads_standard_error() {
     let mission = talkative();
     let vehicle = Vehicle::start(&mission);
     let (_reader, mut writer) = pipe().expect("a pipe can be made");
-    // It takes 64 KiB, of which a page is left.
+    // It holds 64 KiB, of which a page is left.
     writer.write_all(&[b'\n'; 15 << 12]).expect("there is room");
     let runtime = runtime(&mission, &vehicle).stderr_to(writer).spawn();
     is_steered_held_and_left(&mission, &vehicle, runtime);
 }
 
-/// A named pipe that nobody opens: whoever writes the file waits for ever.
+/// A named pipe that no process opens, so that whoever writes the file waits for ever.
 fn stall(mission: &Mission, name: &str) {
     let state = mission.beside("state");
     fs::create_dir_all(&state).expect("the folder is ours");

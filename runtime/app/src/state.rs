@@ -53,8 +53,8 @@ impl State {
         }
     }
 
-    /// Opens the state of the vehicle `vehicle` in a folder. A folder that belongs to another vehicle is refused, and
-    /// so is a folder with an owner if the mission does not name its vehicle.
+    /// Opens the state of the vehicle `vehicle` in a folder. Refused are a folder that belongs to another vehicle, one
+    /// that belongs to a vehicle while the mission names none, and one with a record that belongs to no vehicle.
     pub(crate) fn open(folder: &Path, vehicle: Option<&str>) -> Result<Self> {
         let folder = folder.to_path_buf();
         fs::create_dir_all(&folder).with_context(|| format!("{}", folder.display()))?;

@@ -65,7 +65,10 @@ pub fn run(arguments: &Beside) -> Result<BesideReport> {
         &arguments.faults
     };
     if let Some(unknown) = faults.iter().find(|fault| !all.contains(fault)) {
-        bail!("--faults: unknown fault {unknown:?}, expected one of {}", all.join(", "));
+        bail!(
+            "--faults: unknown fault {unknown:?}, expected one of {}",
+            all.join(", ")
+        );
     }
     // Built here, before several threads try to build it.
     let _program = backseat_test_support::program();

@@ -92,7 +92,10 @@ pub fn run(arguments: &Stuck) -> Result<StuckReport> {
     let chosen = |name: &str| arguments.only.as_ref().is_none_or(|only| name.contains(only.as_str()));
     if !FAULTS.iter().any(|(_, name)| chosen(name)) {
         let names: Vec<&str> = FAULTS.iter().map(|(_, name)| *name).collect();
-        bail!("--only: no fault has this in its name; the faults are: {}", names.join("; "));
+        bail!(
+            "--only: no fault has this in its name; the faults are: {}",
+            names.join("; ")
+        );
     }
     let mut report = StuckReport::default();
     for (fault, name) in FAULTS.into_iter().filter(|(_, name)| chosen(name)) {

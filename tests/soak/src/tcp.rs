@@ -267,7 +267,9 @@ impl TcpReport {
         }
         let (clock, expected) = self.clock_s;
         if (clock - expected).abs() > 0.1001 {
-            faults.push(format!("the last BFNVG is from {clock} s, expected the end at {expected} s"));
+            faults.push(format!(
+                "the last BFNVG is from {clock} s, expected the end at {expected} s"
+            ));
         }
         faults
     }

@@ -32,7 +32,10 @@ fn the_program_for_sea_has_no_commands_of_the_simulation() {
             .filter_map(|line| line.split_whitespace().next().map(str::to_owned))
             .collect()
     };
-    assert_eq!(commands(&help(&["--help"])), ["run", "check", "log", "spi", "explain", "help"]);
+    assert_eq!(
+        commands(&help(&["--help"])),
+        ["run", "check", "log", "spi", "explain", "help"]
+    );
     assert_eq!(commands(&help(&["log", "--help"])), ["info", "help"]);
     let sim = Backseat::new().for_sea().args(["sim", "x"]).run().exit(2);
     assert!(sim.stderr.contains("unrecognized subcommand 'sim'"), "{sim}");

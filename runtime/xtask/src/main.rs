@@ -6,6 +6,7 @@ mod compile;
 mod cross;
 mod demo;
 mod digest;
+mod explore;
 mod hunt;
 mod mutations;
 mod plugins;
@@ -49,6 +50,8 @@ enum Task {
     Seeds(seeds::Seeds),
     /// Fly drawn missions with drawn faults on all cores, and look for what must never be
     Hunt(hunt::Hunt),
+    /// Try all short sequences of inputs to core from prepared states, and look for a broken safety requirement
+    Explore(explore::Explore),
     /// Fly the same seeds in several processes and builds, and compare what they tell
     Digest(digest::Digest),
     /// Check the project's own rules
@@ -65,6 +68,7 @@ fn main() -> ExitCode {
         Task::Bench => demo::bench(),
         Task::Seeds(arguments) => seeds::seeds(&arguments),
         Task::Hunt(arguments) => hunt::hunt(&arguments),
+        Task::Explore(arguments) => explore::explore(&arguments),
         Task::Digest(arguments) => digest::digest(&arguments),
         Task::Tidy => tidy::tidy(),
     };

@@ -60,6 +60,8 @@ enum Stage {
 struct Insert {
     interrupts: bool,
     stage: Stage,
+    /// A BPRCN has left for it, which the vehicle has not refused.
+    taken_back: bool,
 }
 
 /// A command that no answer has come for.
@@ -99,6 +101,8 @@ pub(crate) struct Judge {
     /// How many more inserts may leave: as many as the plugin has asked for.
     asked: u32,
     inserts: BTreeMap<u32, Insert>,
+    /// Our inserts that the hold is to take back, and since when.
+    to_cancel: BTreeMap<u32, Timestamp>,
     /// The vehicle's plan has come whole, for the dive that it flies, on this connection.
     planned: bool,
     /// Our inserts that it has had so far.
@@ -142,7 +146,16 @@ impl Judge {
         self.up && !self.held && self.control == Some(true) && self.running == Some(true)
     }
 
-    pub(crate) fn holds(&mut self, held: bool) {
+    /// The operator holds, or releases.
+    pub(crate) fn holds(&mut self, now: Timestamp, held: bool) {
+        if held && !self.held && self.up {
+            let waits = |insert: &Insert| insert.stage == Stage::Answered && !insert.taken_back;
+            let waiting = self.inserts.iter().filter(|(_, insert)| waits(insert));
+            self.to_cancel = waiting.map(|(identifier, _)| (*identifier, now)).collect();
+        }
+        if !held {
+            self.to_cancel.clear();
+        }
         self.held = held;
     }
 
@@ -182,6 +195,7 @@ impl Judge {
     pub(crate) fn link(&mut self, up: bool) {
         self.up = up;
         self.unanswered.clear();
+        self.to_cancel.clear();
         (self.control, self.running, self.answered) = (None, None, None);
         (self.solved, self.modified, self.suspended) = (None, None, None);
         self.planned = false;
@@ -207,6 +221,9 @@ impl Judge {
                 self.names_dive(1, line.field(1));
                 // One behavior is flown at a time, and what is interrupted is not taken up again (SPI 7.5).
                 self.inserts.retain(|_, insert| insert.stage != Stage::Flown);
+                if let Some(identifier) = line.number::<u32>(3) {
+                    self.to_cancel.remove(&identifier);
+                }
                 if let Some(insert) = line.number(3).and_then(|identifier| self.inserts.get_mut(&identifier)) {
                     insert.stage = Stage::Flown;
                 }
@@ -229,6 +246,13 @@ impl Judge {
         if self.dive[of].as_deref().is_some_and(|before| before != name) {
             self.planned = false;
             self.unanswered.retain(|command| command.command != "RMP");
+            for insert in self
+                .inserts
+                .values_mut()
+                .filter(|insert| insert.stage == Stage::Answered)
+            {
+                insert.stage = Stage::Doubtful;
+            }
         }
         self.dive[of] = Some(name.to_owned());
     }
@@ -272,10 +296,13 @@ impl Judge {
                 self.unanswered.remove(index);
             }
         }
+        let mut listed = BTreeSet::new();
+        if command == "RMP" && settled {
+            listed = std::mem::take(&mut self.listed);
+        }
         if fresh_plan {
             self.planned = true;
             // What the plan does not have is over; what left after it was asked for may come yet.
-            let listed = std::mem::take(&mut self.listed);
             for insert in self
                 .inserts
                 .values_mut()
@@ -287,10 +314,17 @@ impl Judge {
                 .retain(|identifier, insert| insert.stage == Stage::Sent || listed.contains(identifier));
         }
         if command == "RCN"
-            && line.field(4) == SUCCEEDED
             && let Some(identifier) = line.number::<u32>(3)
         {
-            self.inserts.remove(&identifier);
+            match line.field(4) {
+                SUCCEEDED => drop(self.inserts.remove(&identifier)),
+                PENDING => {}
+                _ => {
+                    if let Some(insert) = self.inserts.get_mut(&identifier) {
+                        insert.taken_back = false;
+                    }
+                }
+            }
         }
         if command == "RTK"
             && let Some(identifier) = line.number(3)
@@ -306,6 +340,13 @@ impl Judge {
 
     /// Core has handled what it was given; `late` where it had wished to be called over half a second before.
     pub(crate) fn settled(&mut self, now: Timestamp, late: bool, before: (Option<Timestamp>, Option<Timestamp>)) {
+        let waits = self.to_cancel.iter().find(|(_, since)| now.since(**since) > PROMPT);
+        if let Some(identifier) = waits.map(|(identifier, _)| *identifier) {
+            self.broke(
+                "SR-015 hold cancels",
+                format!("insert {identifier} waits under the operator's hold"),
+            );
+        }
         let control = self.has_control();
         let stands = |what: &str, why: String| format!("{what} stands {why}");
         if let Some(sent) = self.modified {

@@ -27,7 +27,7 @@
 //! | SR-012 | BPABT and BPKIL never leave |
 //! | SR-013 | no panic; at most 64 outputs of an input; each is a sentence |
 //! | SR-014 | no lease stands without control; BPRCN names our own inserts |
-//! | SR-015 | nothing that steers leaves under the hold, and no lease stands |
+//! | SR-015 | nothing that steers leaves under the hold, and no lease stands; BPRCN leaves for each insert that waits |
 //! | SR-019 | BPRMB at most each 0.2 s; no more open inserts than allowed |
 //! | SR-021 | nothing that steers leaves within 10 s of a jump, and no lease stands |
 //! | SR-022 | core's next wish is never over, and time goes on |

@@ -69,7 +69,7 @@ pub struct World {
     connect_at: Option<Timestamp>,
     ask: Option<Ask>,
     fails: bool,
-    /// How many inserts it has asked for, and the tag of the newest that does not interrupt.
+    /// How many inserts it has asked for, and the tag of the newest that does not interrupt: at first one that nothing has.
     tags: u64,
     newest: u64,
     answer: Option<(Timestamp, Answer)>,
@@ -102,7 +102,7 @@ impl World {
             ask: None,
             fails: false,
             tags: 0,
-            newest: 0,
+            newest: u64::MAX,
             answer: None,
             asleep_until: Timestamp::ZERO,
             invoked: Timestamp::ZERO,
@@ -259,7 +259,7 @@ impl World {
 
     fn operator(&mut self, act: Operator) {
         self.awake();
-        self.judge.holds(act == Operator::Hold);
+        self.judge.holds(self.now, act == Operator::Hold);
         if self.planted == Some(Planted::HoldUntold) && act == Operator::Hold {
             return self.judge.settled(self.now, false, self.judge.leases());
         }
@@ -429,7 +429,11 @@ impl World {
             count += 1;
             match output {
                 Output::Send(bytes) => self.sends(&bytes),
-                Output::Connect { after } => self.connect_at = Some(self.now + after),
+                // To a whole second: what jitter adds makes no other state.
+                Output::Connect { after } => {
+                    let seconds = after.as_secs() + u64::from(after.subsec_nanos() > 0);
+                    self.connect_at = Some(self.now + Duration::from_secs(seconds));
+                }
                 Output::ResetLink => self.cut(),
                 Output::Invoke(_, _) => {
                     self.invoked = self.now;

@@ -12,7 +12,7 @@ pub enum Treatment {
     Identifier,
     /// A plugin's own name for a request, in the same way.
     Tag,
-    /// Metres, in cells of 256 m around the origin: the vehicle moves 1 m a second, and the fence's edges are further.
+    /// Metres, in cells of 250 m around the origin: the vehicle moves 1 m a second, and the fence's edges are further.
     Cell,
     /// Seconds on core's clock, as a number: how long ago.
     SecondsAgo,
@@ -62,6 +62,7 @@ rules! {
     Entry: T::Cell => [duration_s] "it follows from the place, in seconds: far from the mission's cap";
     Entry: T::Tag => [tag] "which request, whatever the plugin calls it";
     Entry: T::Identifier => [identifier] "which insert, whatever its number";
+    Excursion: T::Leave => [refusal] "it is told, and follows from the place";
     Flown: T::Identifier => [Inserted] "which insert, whatever its number";
     Good: T::Cell => [clearance_m] "it follows from the place";
     Helm: T::Leave => [since] "the mission caps no plugin's steering";
@@ -82,7 +83,7 @@ rules! {
     Outbox: T::Leave => [vehicle_lines] "how many lines for people may yet be written";
     Plan: T::Leave => [lost] "the count of lines that were cut short: here none is";
     PreviousRun: T::Identifier => [still_flown_after_end left surfacing cancelled] "which insert, whatever its number";
-    Purpose: T::Request => [Lease Insert Station cancel insert] "which request, whatever its number";
+    Purpose: T::Request => [Lease Insert Station Topside cancel insert] "which request, whatever its number";
     Recall: T::Identifier => [identifier] "which insert, whatever its number";
     Recalls: T::Request => [open] "which requests, whatever their numbers";
     Session: T::Leave => [lost jitter malformed clock_told control_notes] "counts, the seed of the back-off's jitter, lines for people";
@@ -100,12 +101,11 @@ rules! {
     Flies: T::Identifier => [Insert] "which insert, whatever its number";
     Front: T::Identifier => [queue] "which inserts, whatever their numbers";
     Judge: T::Leave => [used ended] "numbers that were used: core draws each from a counter that is left out too";
-    Judge: T::Identifier => [inserts listed] "which inserts, whatever their numbers";
+    Judge: T::Identifier => [inserts listed to_cancel] "which inserts, whatever their numbers";
     Judge: T::Within(1) => [last_modify] "no BPRMB within 0.2 s of the last, and nothing else";
     Judge: T::Within(4) => [solved solution answered] "both are too old after three";
     Judge: T::Within(11) => [moved] "navigation is steady after ten seconds";
     Judge: T::Thousandth => [place] "the vehicle moves all the time: a thousandth of a degree is 100 m";
-    Saying: T::Identifier => [InsertElement] "which insert, whatever its number";
     World: T::Leave => [tags] "a counter";
     World: T::Tag => [newest] "which request, whatever the plugin calls it";
 }

@@ -15,7 +15,7 @@ use super::{AGE_MAX_S, Fingerprint};
 
 const FIRST: u64 = 0x9E37_79B9_7F4A_7C15;
 const SECOND: u64 = 0xD6E8_FEB8_6659_FD93;
-const CELL_M: f64 = 256.0;
+const CELL_M: f64 = 250.0;
 const AGE_MAX_NANOS: i64 = AGE_MAX_S as i64 * 1_000_000_000;
 
 /// Eats a state, value by value.

@@ -68,8 +68,13 @@ impl Judge {
                 self.expect(ends, "SR-005 one BPRES", || "a BPRES that ends nothing".to_owned());
             }
             "RTK" => self.inserts(line),
-            "RMP" => self.listed.clear(),
             "RCN" => {
+                if let Some(identifier) = line.number::<u32>(1) {
+                    self.to_cancel.remove(&identifier);
+                    if let Some(insert) = self.inserts.get_mut(&identifier) {
+                        insert.taken_back = true;
+                    }
+                }
                 let ours = line.number(1).is_some_and(|identifier: u32| self.is_ours(identifier));
                 self.expect(ours, "SR-014 own inserts", || {
                     format!("BPRCN {} is not ours", line.field(1))
@@ -200,8 +205,12 @@ impl Judge {
         self.expect(open <= course::OPEN_MAX as usize, "SR-019 open inserts", || {
             format!("insert {identifier} is the {open}. that is open")
         });
-        let stage = Stage::Sent;
-        self.inserts.insert(identifier, Insert { interrupts, stage });
+        let insert = Insert {
+            interrupts,
+            stage: Stage::Sent,
+            taken_back: false,
+        };
+        self.inserts.insert(identifier, insert);
     }
 }
 

@@ -23,9 +23,9 @@ fn no_sequence_of_three_inputs_breaks_a_requirement() {
         assert!(found.is_empty(), "{}: {found:#?}", state.name());
         assert_eq!(searched.depth(), 3);
         assert!(searched.states() > 2000, "{}: {}", state.name(), searched.states());
-        let modified = searched.said[0];
-        // A lease, and inserts but where the vehicle's mission or the link stand against it.
-        assert!(modified > 0, "{}: {:?}", state.name(), searched.said);
+        // Nothing is shown by sequences in which core says nothing. Over a lost link the first lease takes longer.
+        let modified = searched.said[0] > 0 || *state == Prepared::InsertUnknown;
+        assert!(modified, "{}: {:?}", state.name(), searched.said);
         assert!(searched.cut() > 2000, "{}: {}", state.name(), searched.cut());
     }
 }

@@ -1,8 +1,12 @@
 //! What a fingerprint tells apart, and what not.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use backseat_explore::{Kind, Prepared, RULES, World};
+
+/// Every so many kinds are tried.
+const STRIDE: usize = 10;
 
 fn after(state: Prepared, sequence: &[Kind]) -> World {
     let mut world = state.world();
@@ -10,6 +14,12 @@ fn after(state: Prepared, sequence: &[Kind]) -> World {
         assert_eq!(world.step(*kind), Ok(()));
     }
     world
+}
+
+/// The words of two fingerprints that are not the same, some of them.
+fn differ(one: &World, other: &World) -> Vec<(String, String)> {
+    let pairs = one.anatomy().1.into_iter().zip(other.anatomy().1);
+    pairs.filter(|(one, other)| one != other).take(4).collect()
 }
 
 /// The words of a fingerprint that come of the fields below this one.
@@ -21,13 +31,7 @@ fn part<'a>(words: &'a [String], below: &str) -> Vec<&'a String> {
 fn the_same_state_at_another_time_is_the_same() {
     for state in Prepared::all() {
         let [now, later] = [0, 20].map(|later_s| state.world_after(Duration::from_secs(later_s)));
-        let differ = now
-            .anatomy()
-            .1
-            .into_iter()
-            .zip(later.anatomy().1)
-            .filter(|(now, later)| now != later);
-        assert_eq!(differ.collect::<Vec<_>>(), [], "{}", state.name());
+        assert_eq!(differ(&now, &later), [], "{}", state.name());
         assert_eq!(now.fingerprint(), later.fingerprint(), "{}", state.name());
     }
 }
@@ -147,6 +151,7 @@ fn each_rule_is_about_something() {
         let start = state.world();
         let mut sequences: Vec<_> = Kind::all(start.hovers()).into_iter().map(|kind| vec![kind]).collect();
         sequences.push(vec![Kind::AnswersMissing, Kind::AsksInterrupt]);
+        sequences.push(vec![Kind::NavigationOutside, Kind::WaitTen]);
         for sequence in sequences {
             let world = after(*state, &sequence);
             for (known, new) in met.iter_mut().zip(world.anatomy().0) {
@@ -168,4 +173,47 @@ fn the_rules_of_a_type_stand_together_and_say_why() {
     once.dedup();
     assert_eq!(once.len(), types.len(), "{types:?}");
     assert!(RULES.iter().all(|rule| !rule.why.is_empty()));
+}
+
+/// What a fingerprint leaves out must not matter: two states that it takes for the same go on the same, whatever happens.
+#[test]
+fn what_counts_as_the_same_goes_on_the_same() {
+    let (mut pairs, mut apart) = (0, Vec::new());
+    for state in Prepared::all() {
+        let start = state.world();
+        let kinds = Kind::all(start.hovers());
+        let mut known = BTreeMap::from([(start.fingerprint(), start.clone())]);
+        for first in &kinds {
+            let one = after(*state, &[*first]);
+            for second in &kinds {
+                let mut two = one.clone();
+                assert_eq!(two.step(*second), Ok(()));
+                let Some(same) = known.get(&two.fingerprint()) else {
+                    known.insert(two.fingerprint(), two);
+                    continue;
+                };
+                pairs += 1;
+                // Other kinds from each: together they are all tried often.
+                for kind in kinds.iter().skip(pairs % STRIDE).step_by(STRIDE) {
+                    let [one, other] = [same, &two].map(|world| {
+                        let mut world = world.clone();
+                        let stepped = world.step(*kind);
+                        (stepped, world)
+                    });
+                    let of = format!("{}: {first:?}, {second:?}, {kind:?}", state.name());
+                    assert_eq!(one.0, other.0, "{of}");
+                    if one.1.fingerprint() != other.1.fingerprint() {
+                        apart.push((of, differ(&one.1, &other.1)));
+                    }
+                }
+            }
+        }
+    }
+    assert!(pairs > 1000, "{pairs}");
+    assert!(
+        apart.is_empty(),
+        "{} of {pairs}: {:#?}",
+        apart.len(),
+        &apart[..apart.len().min(20)]
+    );
 }

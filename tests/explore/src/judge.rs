@@ -103,6 +103,9 @@ pub(crate) struct Judge {
     inserts: BTreeMap<u32, Insert>,
     /// Our inserts that the hold is to take back, and since when.
     to_cancel: BTreeMap<u32, Timestamp>,
+    /// A behavior has begun or ended, or the plugin has failed, and core has not handled it yet.
+    #[serde(skip)]
+    ends_lease: Option<&'static str>,
     /// The vehicle's plan has come whole, for the dive that it flies, on this connection.
     planned: bool,
     /// Our inserts that it has had so far.
@@ -169,6 +172,11 @@ impl Judge {
         }
     }
 
+    /// The plugin's step has failed.
+    pub(crate) const fn plugin_fails(&mut self) {
+        self.ends_lease = Some("SR-006 lease of a failed plugin");
+    }
+
     /// Core has told the plugin that a request does not leave.
     pub(crate) fn refused(&mut self, kind: RequestKind) {
         if kind == RequestKind::Trackline {
@@ -218,6 +226,7 @@ impl Judge {
             "BFNVG" => self.navigates(now, line, solved),
             "BFACK" => self.answers(now, line),
             "BFMBS" => {
+                self.ends_lease = Some("SR-003 lease over a behavior");
                 self.names_dive(1, line.field(1));
                 // One behavior is flown at a time, and what is interrupted is not taken up again (SPI 7.5).
                 self.inserts.retain(|_, insert| insert.stage != Stage::Flown);
@@ -230,6 +239,7 @@ impl Judge {
             }
             "BFPLN" => self.listed.extend(line.number::<u32>(2)),
             "BFMBE" => {
+                self.ends_lease = Some("SR-003 lease over a behavior");
                 if let Some(identifier) = line.number::<u32>(3) {
                     self.inserts.remove(&identifier);
                 }
@@ -346,6 +356,12 @@ impl Judge {
                 "SR-015 hold cancels",
                 format!("insert {identifier} waits under the operator's hold"),
             );
+        }
+        if let Some(rule) = self.ends_lease.take() {
+            let stands = before.0.is_some() && self.modified == before.0;
+            self.expect(!stands, rule, || {
+                "the modify that stood before stands after it".to_owned()
+            });
         }
         let control = self.has_control();
         let stands = |what: &str, why: String| format!("{what} stands {why}");

@@ -16,10 +16,10 @@
 //! |---|---|
 //! | SR-001 | nothing leaves without control but what SR-014 lists |
 //! | SR-002 | both ends of a trackline are inside the fence; a modify leads out of it within 5 s in no case. Ways are not judged: that takes geometry, and is the hunt's |
-//! | SR-003 | a modify stands for 2.5 s after its last BPRMB at most, no longer than its term, and not after a late wake-up; BPEMB ends something |
+//! | SR-003 | a modify stands for 2.5 s after its last BPRMB at most, no longer than its term, and not after a late wake-up or over a behavior's begin or end; BPEMB ends something |
 //! | SR-004 | through SR-002 and SR-008, which hold for each refresh |
 //! | SR-005 | the same for station keeping, within 1 s; BPRES ends something; one helm at a time |
-//! | SR-006 | the plugin's failure ends nothing else; there is one plugin, so siblings are not judged |
+//! | SR-006 | the plugin's failure ends its modify; there is one plugin, so siblings are not judged |
 //! | SR-007 | not judged: what the vehicle does by itself is the vehicle's. After a kill nothing that the other rules forbid leaves |
 //! | SR-008 | nothing that steers leaves, and no lease stands, on navigation older than the limit |
 //! | SR-009 | no identifier twice nor unreserved; no insert leaves twice, nor while another is in doubt; a request has one end |

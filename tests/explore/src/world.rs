@@ -354,6 +354,7 @@ impl World {
         match answer {
             Answer::Step { ask, fails } => {
                 let result = if fails {
+                    self.judge.plugin_fails();
                     Err(fault())
                 } else {
                     if let Some(ask) = ask {

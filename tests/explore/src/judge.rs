@@ -60,7 +60,7 @@ enum Stage {
 struct Insert {
     interrupts: bool,
     stage: Stage,
-    /// A BPRCN has left for it, which the vehicle has not refused.
+    /// A BPRCN has left for it. Where the vehicle refuses that, core sends it again in its own time.
     taken_back: bool,
 }
 
@@ -324,17 +324,10 @@ impl Judge {
                 .retain(|identifier, insert| insert.stage == Stage::Sent || listed.contains(identifier));
         }
         if command == "RCN"
+            && line.field(4) == SUCCEEDED
             && let Some(identifier) = line.number::<u32>(3)
         {
-            match line.field(4) {
-                SUCCEEDED => drop(self.inserts.remove(&identifier)),
-                PENDING => {}
-                _ => {
-                    if let Some(insert) = self.inserts.get_mut(&identifier) {
-                        insert.taken_back = false;
-                    }
-                }
-            }
+            self.inserts.remove(&identifier);
         }
         if command == "RTK"
             && let Some(identifier) = line.number(3)

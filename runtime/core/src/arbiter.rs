@@ -19,6 +19,7 @@ pub(crate) enum LeaseKind {
 
 /// Who has a lease, and since when without a pause.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Helm {
     plugin: PluginId,
     since: Timestamp,
@@ -26,6 +27,7 @@ struct Helm {
 
 /// Who steers, and how long each plugin has.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Arbiter {
     modify: Option<Helm>,
     station: Option<Helm>,

@@ -48,6 +48,7 @@ pub(crate) enum Checked<'a> {
 }
 
 /// All of them.
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Capabilities {
     pub(crate) modify: Modify,
     pub(crate) station: Station,

@@ -31,8 +31,10 @@ use crate::vehicle::phase::Phase;
 
 /// What every capability is given, and never `Core`: the time, what is known of the vehicle, the monitor, the ledger and
 /// the ways out.
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Context {
     pub(crate) now: Timestamp,
+    #[cfg_attr(feature = "explore", serde(skip))]
     pub(crate) settings: Settings,
     pub(crate) stamper: Stamper,
     pub(crate) vehicle: Vehicle,

@@ -2,6 +2,7 @@ use crate::settings::ControlHook;
 
 /// What the vehicle, the operator and the run itself say of who steers.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Control {
     /// The operator lets this process send what steers.
     pub(crate) armed: bool,

@@ -39,6 +39,7 @@ const LATE: Duration = Duration::from_millis(500);
 ///
 /// Hand it what happens with [`Core::handle`], then drain [`Core::poll_output`] until it is empty, then call again at
 /// [`Core::poll_timeout`] or when something happens, whichever is first.
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub struct Core {
     cx: Context,
     capabilities: Capabilities,

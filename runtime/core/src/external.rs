@@ -19,13 +19,17 @@ const TEXT_BYTES_MAX: usize = 200;
 
 /// What core knows of its external sources.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Externals {
     pub(crate) ports: Vec<Port>,
 }
 
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Port {
+    #[cfg_attr(feature = "explore", serde(skip))]
     pub(crate) setup: ExternalSetup,
+    #[cfg_attr(feature = "explore", serde(skip))]
     pub(crate) framer: Framer,
     /// What of `framer`'s counts has been dealt with.
     pub(crate) dropped: u64,

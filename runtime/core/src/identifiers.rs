@@ -21,6 +21,7 @@ const ASK_AGAIN: Duration = Duration::from_secs(5);
 
 /// What has been used of the reservations, and what is left.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Identifiers {
     /// `None` where the state on disk is missing.
     reserved: Option<Reserved>,

@@ -88,6 +88,7 @@ pub struct RequestCounts {
 
 /// A request that is not at its end.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Entry {
     pub(crate) owner: Owner,
     pub(crate) tag: u64,
@@ -139,6 +140,7 @@ pub struct Transition {
 ///
 /// Open entries are kept; an entry that has come to its end is told once and forgotten.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Ledger {
     open: BTreeMap<u64, Entry>,
     last: u64,

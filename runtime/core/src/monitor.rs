@@ -9,7 +9,9 @@ use crate::monitor::gate::Permits;
 use crate::monitor::limits::Limits;
 
 /// The safety monitor: what may be asked of the vehicle, and what may leave.
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Monitor {
+    #[cfg_attr(feature = "explore", serde(skip))]
     pub(crate) envelope: Arc<Envelope>,
     pub(crate) permits: Permits,
 }

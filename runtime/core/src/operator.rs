@@ -28,6 +28,7 @@ use policies::Stale;
 
 /// Where the operator's orders stand.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Orders {
     /// Aborts and kills that are not at their end; at most one of each.
     endings: Vec<Ending>,

@@ -9,7 +9,9 @@ use crate::outbox::budget::LineBudget;
 
 /// What is to be done by whoever drives core, oldest first.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Outbox {
+    #[cfg_attr(feature = "explore", serde(skip))]
     outputs: VecDeque<Output>,
     /// Lines about what the vehicle says.
     vehicle_lines: LineBudget,

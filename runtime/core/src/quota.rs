@@ -10,6 +10,7 @@ const MINUTE: Duration = Duration::from_secs(60);
 /// When something was done in the last minute: for limits of so many a minute, whichever minute it is (safety
 /// requirement 019).
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct LastMinute {
     at: VecDeque<Timestamp>,
 }

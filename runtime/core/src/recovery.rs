@@ -33,6 +33,7 @@ use crate::timer::Timer;
 
 /// The steps of the ladder, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 enum Step {
     Leases,
     Inserts,
@@ -63,6 +64,7 @@ impl Step {
 
 /// Where the vehicle is in respect of the fence.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Whereabouts {
     /// The last place that was judged and good, with what it answers for.
     good: Option<Good>,
@@ -73,6 +75,7 @@ pub(crate) struct Whereabouts {
 
 /// A time in which the vehicle is outside, as far as is known.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Excursion {
     /// Since when, the times inside left out.
     since: Timestamp,

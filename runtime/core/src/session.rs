@@ -53,7 +53,9 @@ const CLOCK_NOTE_EVERY: Duration = Duration::from_secs(10);
 
 /// Speaks with the vehicle: connects, subscribes, asks for the plan, tells our status, and sees to it that both are heard.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Session {
+    #[cfg_attr(feature = "explore", serde(skip))]
     framer: Framer,
     /// How many lines the framer had lost when it was last asked.
     lost: u64,
@@ -84,6 +86,7 @@ pub(crate) struct Line {
 
 /// How many changes of control are still told of, and what has not been.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 struct ControlNotes {
     left: u32,
     /// When one more was let through last.

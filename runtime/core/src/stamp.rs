@@ -10,6 +10,7 @@ const BURST: Duration = Duration::from_secs(60);
 /// an acknowledgement's echo names exactly one command. Never midnight to the millisecond, which in an echo means that
 /// there was no time.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Stamper {
     utc_at_start: Utc,
     /// By how much our computer's clock was set since then, nanoseconds.

@@ -78,6 +78,7 @@ impl Timer {
 
 /// When each timer expires.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Timers {
     at: [Option<Timestamp>; Timer::ALL.len()],
 }

@@ -28,6 +28,7 @@ use crate::vehicle::relative::Track;
 
 /// What is believed of the vehicle. Each part follows what the vehicle says of one thing.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Vehicle {
     pub(crate) navigation: Tracker,
     pub(crate) relative: Track<RelativeSample>,

@@ -13,7 +13,6 @@ const NANOS_PER_DAY: u64 = SECONDS_PER_DAY * NANOS_PER_SECOND;
 
 /// Nanoseconds since the start of the run: the only clock that the deterministic crates know, and it is given to them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(transparent)]
 pub struct Timestamp(u64);
 
 impl Timestamp {
@@ -85,7 +84,6 @@ impl fmt::Display for Timestamp {
 
 /// An instant in UTC: nanoseconds since 1970-01-01T00:00:00, leap seconds not counted (as POSIX counts).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(transparent)]
 pub struct Utc(u64);
 
 impl Utc {

@@ -6,6 +6,7 @@ mod compile;
 mod cross;
 mod demo;
 mod digest;
+mod explore;
 mod hunt;
 mod mutations;
 mod plugins;
@@ -51,6 +52,8 @@ enum Task {
     Seeds(seeds::Seeds),
     /// Fly random missions with random faults on all cores, and look for violations of safety
     Hunt(hunt::Hunt),
+    /// Try all short sequences of inputs to core from prepared states, and look for a broken safety requirement
+    Explore(explore::Explore),
     /// Fly the same seeds in several processes and builds, and compare the results
     Digest(digest::Digest),
     /// Generate the pages in runtime/docs/reference and the schemas in missions/schemas from runtime/reference/keys
@@ -69,6 +72,7 @@ fn main() -> ExitCode {
         Task::Bench => demo::bench(),
         Task::Seeds(arguments) => seeds::seeds(&arguments),
         Task::Hunt(arguments) => hunt::hunt(&arguments),
+        Task::Explore(arguments) => explore::explore(&arguments),
         Task::Digest(arguments) => digest::digest(&arguments),
         Task::Reference => reference::reference(),
         Task::Tidy => tidy::tidy(),

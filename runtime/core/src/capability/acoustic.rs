@@ -31,6 +31,7 @@ const WINDOW_MAX: Duration = Duration::from_secs(3600);
 
 /// What is known of the modem.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Acoustic {
     /// When the window was said by the vehicle's clock, and for how long.
     said: Option<(TimeOfDay, Duration)>,
@@ -40,6 +41,7 @@ pub(crate) struct Acoustic {
 }
 
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 struct Unreported {
     request: u64,
     /// Our name for it in BFCPS.

@@ -71,6 +71,7 @@ impl Adjusts {
 
 /// A request that is not at its end.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Adjustment {
     request: u64,
     /// It has been seen in progress before its acknowledgement.
@@ -82,6 +83,7 @@ struct Adjustment {
 
 /// What is known of the adjustments: one of each kind at a time.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Adjustments {
     trim: Option<Adjustment>,
     buoyancy: Option<Adjustment>,

@@ -42,6 +42,7 @@ const ANSWER_EVERY: Duration = Duration::from_secs(1);
 
 /// Where the handshake stands.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct DvlTrigger {
     open: Option<Handshake>,
     /// When a BFDVT that nobody had asked for was last answered.
@@ -50,6 +51,7 @@ pub(crate) struct DvlTrigger {
 
 /// The one open request.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Handshake {
     request: u64,
     plugin: PluginId,
@@ -60,6 +62,7 @@ struct Handshake {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 enum Phase {
     /// BPDVR 1,0 was sent.
     Requested,

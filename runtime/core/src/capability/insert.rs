@@ -40,6 +40,7 @@ pub(crate) struct Admitted {
 
 /// The inserts that wait for an answer of the vehicle before they leave, and those that are being taken back.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Inserts {
     waiting: Vec<Waiting>,
     recalls: Recalls,

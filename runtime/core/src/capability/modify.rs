@@ -36,6 +36,7 @@ const ANSWERS_APART_MAX: Duration = Duration::from_millis(1500);
 /// How long no lease begins after the vehicle has refused a BPRMB, or not answered one: a plugin that insists would
 /// otherwise have the vehicle under a modify most of the time (safety requirement 023).
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Pause {
     until: Timestamp,
     /// The pause after the next failure.
@@ -72,6 +73,7 @@ impl Pause {
 
 /// Who steers, and where to.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Lease {
     plugin: PluginId,
     request: u64,
@@ -85,6 +87,7 @@ struct Lease {
 
 /// The modify that stands, and when the next may.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Modify {
     lease: Option<Lease>,
     pause: Pause,

@@ -23,6 +23,7 @@ use crate::timer::Timer;
 
 /// What is known of the vehicle's silence.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Silent {
     state: State,
     /// How often it has been asked for.
@@ -30,6 +31,7 @@ pub(crate) struct Silent {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 enum State {
     /// The vehicle is not silent for us.
     #[default]
@@ -43,6 +45,7 @@ enum State {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Entry {
     plugin: PluginId,
     request: u64,
@@ -50,6 +53,7 @@ struct Entry {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Silence {
     /// Who asked for it.
     plugin: PluginId,

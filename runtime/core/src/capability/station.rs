@@ -40,6 +40,7 @@ const LEFT_MAX: usize = 16;
 
 /// Where station keeping stands, and where the vehicle is relative to its target.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Station {
     keeping: Option<Keeping>,
     limit: SpeedLimit,
@@ -49,6 +50,7 @@ pub(crate) struct Station {
 
 /// For whom the vehicle keeps its station, and how.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Keeping {
     plugin: PluginId,
     request: u64,
@@ -69,6 +71,7 @@ pub(crate) struct Keeping {
 
 /// How far the newest request of station keeping has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 enum Stage {
     /// Its first message is due.
     Due,

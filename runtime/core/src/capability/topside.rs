@@ -17,6 +17,7 @@ const TEXT_BYTES_MAX: usize = 200;
 
 /// What has been sent to the topside.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Topside {
     sent: LastMinute,
 }

@@ -8,6 +8,7 @@ use backseat_units::Timestamp;
 
 /// By when an insert was judged to be flown.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Schedule {
     pub(crate) begins_by: Timestamp,
     pub(crate) ends_by: Timestamp,

@@ -40,6 +40,7 @@ pub(crate) const MODIFY_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// A vertical setpoint that is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Vertical {
     Depth(Depth),
     Altitude(Altitude),
@@ -47,6 +48,7 @@ pub(crate) enum Vertical {
 
 /// What a modify sets: always all three, never left for the vehicle to inherit.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Setpoint {
     pub(crate) heading: Heading,
     pub(crate) vertical: Vertical,
@@ -55,6 +57,7 @@ pub(crate) struct Setpoint {
 
 /// How a line or a circle is flown.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Flight {
     pub(crate) vertical: Vertical,
     pub(crate) speed: Speed,
@@ -62,6 +65,7 @@ pub(crate) struct Flight {
 
 /// Where an insert goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum InsertPath {
     Line {
         start: Position,
@@ -82,6 +86,7 @@ pub(crate) enum InsertPath {
 
 /// An insert whose figures have been checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Insert {
     pub(crate) path: InsertPath,
     /// It begins at once rather than after the current behavior.
@@ -107,6 +112,7 @@ impl Insert {
 
 /// A water depth that bottom lock gave, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct BottomLock {
     pub(crate) water_depth_m: f64,
     pub(crate) at: EastNorth,

@@ -103,6 +103,7 @@ const fn steers(message: &ToVehicle) -> bool {
 
 /// What the vehicle has permitted, and which of our own ends is on its way.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Permits {
     /// An acoustic packet may leave before this, to arrive before the window's end (016).
     pub(crate) window_until: Option<Timestamp>,

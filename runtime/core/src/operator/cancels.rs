@@ -7,7 +7,7 @@ use crate::context::Context;
 use crate::ended::{EndCause, Failure};
 use crate::io::Note;
 use crate::ledger::RequestKind;
-use crate::monitor::envelope::End;
+use crate::monitor::envelope::{End, Insert};
 use crate::mutations::{Check, is_on};
 use crate::plugin::{Refusal, RequestState};
 use crate::refusal::Reason;
@@ -30,7 +30,8 @@ impl Orders {
     /// The vehicle's answer to BPRCA. Inserts of ours that it had accepted are cancelled, those that have begun are not. A
     /// GPS hit stays open: BPRCN does not cover it (7.8), and 7.9 does not say whether BPRCA does. What was not answered stays
     /// in doubt, for it may have begun, and may be what nothing may interrupt (safety requirement 010): the plan that is
-    /// asked for now, and what begins then, settle it.
+    /// asked for now, and what begins then, settle it. So does an insert that interrupts and was accepted: it begins as it is
+    /// accepted (7.5), and only its BFMBS was not heard.
     ///
     /// True where it has cancelled them: what is left of the plan is then for the vehicle to say.
     pub(crate) fn cancel_all_answered(&mut self, cx: &mut Context, request: u64, answer: Answer<'_>) -> bool {
@@ -41,19 +42,21 @@ impl Orders {
             Answer::Done => {
                 cx.transition(request, RequestState::Accepted);
                 cx.transition(request, RequestState::Ended(EndCause::Done.into()));
-                let accepted: Vec<(u64, bool)> = cx
+                let accepted: Vec<(u64, Insert)> = cx
                     .ledger
                     .iter()
                     .filter(|(_, entry)| entry.state == RequestState::Accepted)
-                    .filter_map(|(insert, entry)| Some((insert, entry.insert?.surfaces())))
+                    .filter_map(|(request, entry)| Some((request, entry.insert?)))
                     .collect();
-                for (insert, surfaces) in accepted {
-                    if surfaces {
+                for (request, insert) in accepted {
+                    if insert.surfaces() {
                         cx.note(Note::Text {
-                            text: format!("GPS hit {insert} may be flown yet: it is not certain that BPRCA covers it"),
+                            text: format!("GPS hit {request} may be flown yet: it is not certain that BPRCA covers it"),
                         });
+                    } else if insert.interrupt {
+                        cx.transition(request, RequestState::Unknown);
                     } else {
-                        cx.transition(insert, RequestState::Cancelled);
+                        cx.transition(request, RequestState::Cancelled);
                     }
                 }
                 return true;

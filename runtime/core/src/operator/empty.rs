@@ -21,6 +21,7 @@ const RUNS_WITHIN: Duration = Duration::from_secs(30);
 
 /// The empty mission that is being started.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(super) struct EmptyMission {
     request: u64,
     /// When it is given up; `None` while its acknowledgement is awaited.

@@ -33,6 +33,7 @@ const TEXT_MAX: usize = 200;
 
 /// An abort or kill that is not at its end.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Ending {
     request: u64,
     kind: RequestKind,

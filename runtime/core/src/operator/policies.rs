@@ -16,6 +16,7 @@ use crate::timer::Timer;
 
 /// A time in which navigation is stale.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(super) struct Stale {
     since: Timestamp,
     /// Policies that were due by then have acted.

@@ -8,6 +8,7 @@ const LINES_PER_S: u32 = 20;
 /// Lines that are told of one source: so many a second, and the rest is counted (safety requirement 022). What a peer says
 /// must not fill a log, nor what a plugin is refused.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct LineBudget {
     per_s: u32,
     left: u32,

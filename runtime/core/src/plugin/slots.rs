@@ -27,6 +27,7 @@ const PERIOD_MIN: Duration = Duration::from_millis(20);
 
 /// Where a plugin stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 enum State {
     Idle,
     /// A step is under way.
@@ -41,7 +42,9 @@ enum State {
 }
 
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 struct Slot {
+    #[cfg_attr(feature = "explore", serde(skip))]
     setup: PluginSetup,
     state: State,
     events: Vec<Event>,
@@ -131,6 +134,7 @@ impl Slot {
 
 /// How often something may be asked: so many at once as in a second, refilled as time passes.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Allowance {
     used: f64,
     at: Timestamp,
@@ -152,6 +156,7 @@ impl Allowance {
 
 /// The plugins of the mission, in priority order, and what each is to be told.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Plugins {
     slots: Vec<Slot>,
     /// Those that have failed while something else was being done, which is finished first.

@@ -18,6 +18,7 @@ pub(crate) const PLAN_WITHIN: Duration = Duration::from_secs(10);
 
 /// What a command was sent for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Purpose {
     /// It leaves before acknowledgements are asked for; a vehicle may answer it all the same.
     Early,
@@ -73,6 +74,7 @@ pub(crate) enum Answer<'a> {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Command {
     pub(crate) name: CommandName,
     pub(crate) created: Option<TimeOfDay>,
@@ -84,6 +86,7 @@ pub(crate) struct Command {
 
 /// The commands under way, oldest first.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Commands {
     sent: Vec<Command>,
     /// The vehicle answers on this connection what was sent before it was asked to.

@@ -41,6 +41,7 @@ const RESET_AFTER: Duration = Duration::from_secs(30);
 
 /// What carries the beat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Carrier {
     /// BPSTS.
     #[default]
@@ -67,6 +68,7 @@ pub(crate) struct Heard {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Sent {
     name: CommandName,
     created: TimeOfDay,
@@ -75,6 +77,7 @@ struct Sent {
 
 /// A BPLOG that is not answered.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct SentLog {
     at: Timestamp,
     /// When the first BPLOG left whose answer may be taken for the answer to this one.
@@ -83,6 +86,7 @@ struct SentLog {
 
 /// The round trips of a connection.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Heartbeat {
     delay_max: Duration,
     /// Commands with a time whose first acknowledgement has not come, oldest first.

@@ -9,6 +9,7 @@ use crate::session::subscriptions::Subscriptions;
 
 /// What is known of the connection: whether it is up, what the vehicle owes an answer to, and whether it hears us.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Link {
     up: bool,
     pub(crate) commands: Commands,

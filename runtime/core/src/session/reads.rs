@@ -12,6 +12,7 @@ const READ_WITHIN: Duration = Duration::from_secs(2);
 
 /// When the link was read.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Reads {
     last: Timestamp,
     /// The last read before the last pause, and the first after it.

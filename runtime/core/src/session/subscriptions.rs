@@ -55,6 +55,7 @@ const fn of_grant(grant: Grant) -> &'static [&'static str] {
 
 /// The subscriptions of a run, in the order that they are sent, and how far each is.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Subscriptions {
     subjects: Vec<&'static str>,
     /// Which of them the vehicle has acknowledged, or has sent the data of, on this connection.

@@ -37,6 +37,7 @@ const FUTURE_NANOS: i64 = 250_000_000;
 /// Our clock knows no leap seconds. Where the vehicle's has one, its new day begins a second later than ours would have
 /// it, and the offset is a second more from there on.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct VehicleClock {
     bounds: Option<Bounds>,
     first: Option<i64>,
@@ -47,6 +48,7 @@ pub(crate) struct VehicleClock {
 
 /// Our clock less the vehicle's, nanoseconds: neither less nor more than this, when it was last measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Bounds {
     least: i64,
     most: i64,
@@ -55,6 +57,7 @@ struct Bounds {
 
 /// A measured round trip: a command, and what the vehicle wrote in answer to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Trip {
     /// When the command left.
     pub(crate) sent: Timestamp,
@@ -71,6 +74,7 @@ impl Trip {
 
 /// Where the vehicle's clock stands to a leap second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 enum Leap {
     #[default]
     None,

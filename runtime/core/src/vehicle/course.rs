@@ -28,6 +28,7 @@ const ALONG: f64 = 0.866;
 
 /// Whose path is flown: an element of the plan by its number, or an insert.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Flown {
     Planned(u32),
     Inserted(BehaviorId),
@@ -35,6 +36,7 @@ pub(crate) enum Flown {
 
 /// Where a behavior began, as well as navigation knows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Begin {
     pub(crate) at: EastNorth,
     pub(crate) within_m: f64,
@@ -42,6 +44,7 @@ pub(crate) struct Begin {
 
 /// Where the behaviors began that the vehicle may fly on.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Courses {
     begun: BTreeMap<Flown, Vec<Begin>>,
     current: Option<Flown>,

@@ -9,6 +9,7 @@ use backseat_spi::Text;
 /// own kind alone. An empty name says nothing: it is left out where a behavior is the payload's, and while no mission
 /// is loaded.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Dive {
     of_status: Option<Text>,
     of_behavior: Option<Text>,

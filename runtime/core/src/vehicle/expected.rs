@@ -46,6 +46,7 @@ pub enum ExpectedPath {
 
 /// What has become of the comparison on this connection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Compared {
     /// The vehicle's plan is not known yet.
     #[default]

@@ -31,6 +31,7 @@ const GAP_S: f64 = 3.0;
 
 /// What in navigation cannot be true.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Flaw {
     /// In a few words, for whoever loses control by it.
     pub(crate) what: EndCause,
@@ -40,6 +41,7 @@ pub(crate) struct Flaw {
 
 /// A sample, and what had been integrated of the vehicle's rates until then.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Mark {
     at_s: f64,
     /// Position less what the velocities add up to, metres.
@@ -56,6 +58,7 @@ struct Mark {
 
 /// The navigation of one connection, as far back as the window reaches.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Integrity {
     limits: IntegrityLimits,
     slope_max: f64,
@@ -71,6 +74,7 @@ pub(crate) struct Integrity {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Sum {
     at_s: f64,
     way: EastNorth,
@@ -79,6 +83,7 @@ struct Sum {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Rates {
     way_mps: EastNorth,
     down_mps: f64,

@@ -2,6 +2,7 @@ use backseat_spi::BehaviorId;
 
 /// The insert that the newest BFMBS named, until its BFMBE.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct NamedInsert {
     current: Option<BehaviorId>,
     /// What was the current one when something was not heard, and may be still.

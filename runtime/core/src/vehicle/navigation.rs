@@ -45,7 +45,9 @@ pub(crate) struct Jump {
 
 /// Follows the vehicle's navigation: pairs BFNVG with its BFNVR, counts its age, and sees it jump.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Tracker {
+    #[cfg_attr(feature = "explore", serde(skip))]
     frame: LocalFrame,
     age_max: Duration,
     speed_max_mps: f64,
@@ -67,6 +69,7 @@ pub(crate) struct Tracker {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Newest {
     sample: NavigationSample,
     /// When it came.

@@ -1,5 +1,6 @@
 /// How far the vehicle's mission is, as BFMIS has last said on this connection (SPI 6.11).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Phase {
     /// Nothing that means anything.
     #[default]

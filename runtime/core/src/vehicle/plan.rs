@@ -12,6 +12,7 @@ const LACKS_MAX: usize = 64;
 
 /// One behavior of the vehicle's plan, from a series of BFPLN with one number (SPI 6.20).
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Element {
     pub(crate) number: Option<u32>,
     pub(crate) identifier: Option<BehaviorId>,
@@ -69,6 +70,7 @@ impl Element {
 
 /// The vehicle's plan as BPRMP last gave it, and where in it the vehicle is.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Plan {
     elements: Vec<Element>,
     collecting: Option<Vec<Element>>,

@@ -18,6 +18,7 @@ const PATHS: [&str; 2] = ["trackline", "trackcircle"];
 
 /// The identifiers of previous runs, and what is known of their inserts.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct PreviousRun {
     identifiers: Range<u32>,
     /// A behavior has begun on this connection: what is flown is known.

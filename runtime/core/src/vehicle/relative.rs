@@ -47,6 +47,7 @@ impl Placed for CartesianSample {
 
 /// The newest sample of one kind, and whether it can be trusted.
 #[derive(Debug)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Track<S> {
     age_max: Duration,
     speed_max_mps: f64,

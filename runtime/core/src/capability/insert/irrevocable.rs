@@ -22,6 +22,7 @@ const WAITING_MAX: usize = 8;
 
 /// An insert that waits for an answer of the vehicle.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Waiting {
     pub(crate) request: u64,
     pub(crate) plugin: PluginId,

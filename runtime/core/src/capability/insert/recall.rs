@@ -26,6 +26,7 @@ const AGAIN_AFTER: Duration = Duration::from_secs(1);
 
 /// An insert that is being taken back.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 struct Recall {
     identifier: BehaviorId,
     /// How often its cancel was sent on this connection.
@@ -36,6 +37,7 @@ struct Recall {
 
 /// The inserts that are being taken back, by their requests.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(crate) struct Recalls {
     open: BTreeMap<u64, Recall>,
 }

@@ -9,6 +9,7 @@ use crate::session::commands::{Answer, Command, Purpose};
 
 /// What is known of the vehicle's speed limit (BPSPD), which outlives station keeping and connections.
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "explore", derive(Clone, serde::Serialize))]
 pub(super) struct SpeedLimit {
     /// What it is, where the vehicle has acknowledged it and nothing has been sent since.
     pub(super) known_mps: Option<f64>,

@@ -13,6 +13,7 @@ const ROOM_M: f64 = 2.0;
 
 /// A place inside the fence: no other within so many metres of it, and within these depths, is outside.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Good {
     pub(crate) at: EastNorth,
     pub(crate) clearance_m: f64,

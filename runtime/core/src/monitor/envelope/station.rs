@@ -30,6 +30,7 @@ const CAMERA_MAX: i32 = 9;
 
 /// A place that a held vehicle is sent to.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) enum Aim {
     /// BPGHP.
     Hull {
@@ -43,6 +44,7 @@ pub(crate) enum Aim {
 
 /// Station keeping whose figures are what they are called.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Hover {
     /// `None`: it stays where it is.
     pub(crate) aim: Option<Aim>,
@@ -52,6 +54,7 @@ pub(crate) struct Hover {
 
 /// Where the mission was suspended, in each frame that was known then: BPRES may lead back there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "explore", derive(serde::Serialize))]
 pub(crate) struct Suspended {
     /// Horizontal, vertical, distance.
     pub(crate) hull_m: Option<[f64; 3]>,

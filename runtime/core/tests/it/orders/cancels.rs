@@ -85,6 +85,35 @@ fn sr_010_a_cancel_of_all_does_not_end_an_insert_that_was_not_answered_and_may_b
 }
 
 #[test]
+fn sr_010_a_cancel_of_all_does_not_end_an_interrupting_insert_whose_begin_was_not_heard() {
+    for flown in [true, false] {
+        let mut trial = Trial::under_way();
+        trial.ask(0, [interrupting(11)]);
+        trial.run_for(0.5);
+        // It begins as it is accepted (SPI 7.5), and the BFMBS of that was lost.
+        assert_eq!(shorts(&trial.states(11)), ["sent", "accepted"]);
+        if flown {
+            trial.vehicle.inserted.insert(1);
+        }
+        order(&mut trial, Order::CancelAll);
+        trial.run_for(5.0);
+        assert_eq!(
+            shorts(&states(&trial, RequestKind::CancelAll)),
+            ["sent", "accepted", "ended"]
+        );
+        if flown {
+            assert_eq!(shorts(&trial.states(11)), ["sent", "accepted", "unknown", "accepted"]);
+            refused_for(&mut trial, interrupting(12), 12, "interrupt");
+        } else {
+            assert_eq!(shorts(&trial.states(11)), ["sent", "accepted", "unknown", "failed"]);
+            trial.ask(0, [interrupting(13)]);
+            trial.run_for(0.5);
+            assert_eq!(shorts(&trial.states(13)), ["sent", "accepted"]);
+        }
+    }
+}
+
+#[test]
 fn cancels_need_control() {
     for prepare in [
         |trial: &mut Trial| trial.operator(Operator::Hold),

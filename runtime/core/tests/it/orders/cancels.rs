@@ -92,8 +92,8 @@ fn sr_010_a_cancel_of_all_does_not_end_an_interrupting_insert_whose_begin_was_no
         trial.run_for(0.5);
         // It begins as it is accepted (SPI 7.5), and the BFMBS of that was lost.
         assert_eq!(shorts(&trial.states(11)), ["sent", "accepted"]);
-        if flown {
-            trial.vehicle.inserted.insert(1);
+        if !flown {
+            trial.vehicle.inserted.remove(&1);
         }
         order(&mut trial, Order::CancelAll);
         trial.run_for(5.0);

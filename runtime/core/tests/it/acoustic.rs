@@ -50,14 +50,14 @@ fn open_window(trial: &mut Trial, seconds: f64) {
     trial.run_for(0.1);
 }
 
-/// In a window of ten minutes.
+/// A trial inside an acoustic window of ten minutes.
 fn in_window() -> Trial {
     let mut trial = Trial::with_under_way(setup());
     open_window(&mut trial, 600.0);
     trial
 }
 
-/// BFCPS for an identifier.
+/// The vehicle reports with a BFCPS on the packet with the identifier `request`.
 fn report(trial: &mut Trial, request: u32, statuses: &[FrameSentStatus]) {
     let mut all = [FrameSentStatus::Unset; 8];
     all[..statuses.len()].copy_from_slice(statuses);
@@ -72,7 +72,7 @@ fn report(trial: &mut Trial, request: u32, statuses: &[FrameSentStatus]) {
     trial.run_for(0.1);
 }
 
-/// A sentence that core's own table would not write.
+/// Core hears a sentence that its own table of messages would not write.
 fn hear_line(trial: &mut Trial, body: &str) {
     let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
     trial.hear_bytes(format!("${body}*{sum:02X}\r\n").as_bytes());
@@ -198,7 +198,7 @@ fn sr_016_no_packet_leaves_outside_a_window() {
     assert!(trial.rejection(1).starts_with("window: "));
     open_window(&mut trial, 10.0);
     let end = windows(&trial)[0].until;
-    // It asks in every step, and the minute's limit is not what stops it.
+    // The plugin asks in every step, and the limit of packets a minute is too high to stop it.
     let limits = Limits {
         packets_per_min: 1000,
         ..limits()
@@ -212,7 +212,7 @@ fn sr_016_no_packet_leaves_outside_a_window() {
     let sent = trial.sent("CPD");
     assert!(sent.len() > 50, "{}", sent.len());
     assert!(sent[0] >= from);
-    // Each arrives before the end, were it as long on its way as may be.
+    // Even with the longest allowed link delay, each packet arrives before the window ends.
     let last = *sent.last().unwrap() + Duration::from_secs(1);
     assert!(last < from + Duration::from_secs(10), "{last} {end}");
     assert!(trial.rejection(2).starts_with("window: "));
@@ -221,7 +221,7 @@ fn sr_016_no_packet_leaves_outside_a_window() {
 #[test]
 fn sr_016_a_window_is_counted_on_the_vehicles_clock_across_midnight_and_from_when_it_was_said() {
     let mut trial = Trial::with(setup());
-    // 22:13:20 at the start, and five seconds to midnight for the vehicle.
+    // The trial starts at 22:13:20; after 5 s it is five seconds to midnight on the vehicle's clock.
     trial.vehicle.clock_nanos = (106 * 60 + 40 - 10) * 1_000_000_000;
     trial.run_for(5.0);
     assert_eq!(trial.vehicle.clock(trial.now).hms_nano(), (23, 59, 55, 0));
@@ -279,7 +279,7 @@ fn sr_016_a_window_that_was_said_while_nobody_read_may_be_as_old_as_that() {
     trial.run_for(1.0);
     trial.asleep_until = trial.now + Duration::from_secs(18);
     trial.run_for(1.0);
-    // The vehicle's clock is ahead for a while, and what it says then looks younger than it is.
+    // The vehicle's clock is ahead for a while, so that its messages look newer than they are.
     trial.vehicle.clock_nanos += 30_000_000_000;
     trial.run_for(1.0);
     let said = window(&trial, 30.0);
@@ -450,7 +450,7 @@ fn the_report_says_what_became_of_each_frame() {
         trial.ask(0, [small(1)]);
         trial.run_for(0.3);
         if statuses.is_empty() {
-            // Never written so, but read.
+            // The table of messages never writes this form, but core reads it.
             hear_line(&mut trial, "BFCPS,221322.000,221322.000,1,0,0,0,0,0,0,0,0,0");
         } else {
             report(&mut trial, 1, statuses);
@@ -531,7 +531,7 @@ fn received_packets_reach_those_who_listen_with_as_many_frames_as_they_say() {
         data,
     };
     trial.hear_now([FromVehicle::from(message)]);
-    // Nothing at all, nine frames, and frames that end in the middle.
+    // No frame at all, nine frames, and a list of frames that ends in the middle.
     hear_line(&mut trial, "BFCPR,221322.000,221322.000,3,7,4,0");
     hear_line(&mut trial, "BFCPR,221322.000,221322.000,3,7,4,9,1,AA");
     hear_line(&mut trial, "BFCPR,221322.000,221322.000,3,7,4,2,1,AA");
@@ -581,7 +581,7 @@ fn sr_016_a_clock_that_is_found_to_be_ahead_brings_the_windows_end_nearer() {
     trial.vehicle.clock_nanos -= 6_000_000_000;
     trial.run_for(3.0);
     open_window(&mut trial, 20.0);
-    // What came late had made it look behind.
+    // As if late messages had made the vehicle's clock look behind until now.
     trial.vehicle.clock_nanos += 6_000_000_000;
     // Navigation has to be steady again.
     trial.run_for(11.5);

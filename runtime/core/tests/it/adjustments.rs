@@ -136,7 +136,7 @@ fn a_trim_is_accepted_when_it_begins_started_by_its_status_and_ended_by_the_fina
         sum,
         format!("{:02X}", body[1..].bytes().fold(0, |sum, byte| sum ^ byte))
     );
-    // Its plugin was told of it all, the other one of the estimates alone.
+    // The plugin that asked learns everything; the other one learns only the estimates.
     let samples = |plugin: usize| {
         let events = trial.events(plugin).into_iter();
         let mut trims = events.filter_map(|event| match event {
@@ -230,7 +230,7 @@ fn sr_009_one_that_is_refused_or_not_answered_ends_so() {
 
 #[test]
 fn what_comes_before_the_acknowledgement_may_be_of_another_adjustment() {
-    // The end of one that the vehicle had begun by itself.
+    // This is the end of an adjustment that the vehicle had begun by itself.
     let mut trial = sent();
     trim(&mut trial, InProgress);
     trim(&mut trial, Completed);
@@ -239,7 +239,7 @@ fn what_comes_before_the_acknowledgement_may_be_of_another_adjustment() {
     trim(&mut trial, InProgress);
     trim_error(&mut trial, Failed, AdjustmentError::Failed);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "started", "failed"]);
-    // Progress that is seen before the acknowledgement and goes on is ours after it.
+    // An adjustment that is in progress before the acknowledgement and goes on counts as ours after it.
     let mut trial = sent();
     trim(&mut trial, InProgress);
     assert_eq!(shorts(&trial.states(1)), ["sent"]);
@@ -261,11 +261,11 @@ fn one_that_was_over_at_once_ends_when_the_vehicle_has_been_idle_for_a_while() {
     trial.run_for(10.0);
     trim(&mut trial, Idle);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "ended"]);
-    // One that has been seen at it is over as soon as the vehicle is idle.
+    // An adjustment that was seen in progress is over as soon as the vehicle is idle.
     let mut trial = started();
     trim(&mut trial, Idle);
     assert_eq!(shorts(&trial.states(1)).last(), Some(&"ended"));
-    // It need not have been seen.
+    // A final status ends it, even if it was never seen in progress.
     let mut trial = accepted();
     trim(&mut trial, Completed);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "ended"]);
@@ -279,7 +279,7 @@ fn a_behavior_of_its_type_shows_that_it_has_begun_and_no_other_does() {
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
     behavior(&mut trial, true, "TrimAdjustment");
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "started"]);
-    // It ends, and no final status comes.
+    // The behavior ends, but no final status comes.
     behavior(&mut trial, false, "TrimAdjustment");
     trial.run_for(20.0);
     assert_eq!(shorts(&trial.states(1)).last(), Some(&"started"));
@@ -338,7 +338,7 @@ fn sr_009_a_lost_link_leaves_one_in_doubt_until_its_status_tells() {
     trial.cut();
     trial.run_for(25.5 * 60.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "unknown", "timed out"]);
-    // What has begun goes on.
+    // An adjustment that has begun goes on over a link loss.
     let mut trial = started();
     trial.cut();
     trial.run_for(3.0);

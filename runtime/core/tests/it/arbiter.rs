@@ -1,4 +1,4 @@
-//! What several plugins may do beside each other: priority, and what each may use of what the mission allows to all.
+//! Several plugins beside each other: their priority, and each one's share of what the mission allows to all.
 
 use std::time::Duration;
 
@@ -47,7 +47,7 @@ fn sr_019_a_plugins_own_inserts_are_capped_in_number_and_the_others_keep_theirs(
         "{}",
         trial.rejection(6)
     );
-    // What was rejected has not been counted.
+    // A rejected request does not count.
     assert_eq!(trial.commands("RTK").len(), 4);
 }
 
@@ -79,7 +79,7 @@ fn sr_019_a_plugins_time_at_the_helm_is_capped_and_counted_as_it_was_used() {
     trial.ask(0, [modify_for(1, Duration::from_secs(61))]);
     trial.run_for(0.2);
     assert_eq!(shorts(&trial.states(1)), ["rejected"]);
-    // Thirty seconds, renewed after ten, given back after twenty: twenty are used.
+    // The plugin asks for thirty seconds, renews after ten and ends after twenty: it has used twenty.
     trial.ask(0, [modify_for(2, Duration::from_secs(30))]);
     trial.run_for(10.0);
     trial.ask(0, [modify_for(2, Duration::from_secs(30))]);
@@ -98,7 +98,7 @@ fn sr_019_a_plugins_time_at_the_helm_is_capped_and_counted_as_it_was_used() {
     trial.ask(0, [modify_for(4, Duration::from_secs(35))]);
     trial.run_for(36.0);
     assert_eq!(shorts(&trial.states(4)), ["sent", "accepted", "ended"]);
-    // Nothing is left of it, and the other one has its own.
+    // The first plugin has no time left; the second one has its own.
     trial.ask(0, [modify_for(5, Duration::from_secs(10))]);
     trial.ask(1, [modify_for(6, Duration::from_secs(60))]);
     trial.run_for(0.5);
@@ -135,10 +135,10 @@ fn sr_019_a_plugins_own_rate_is_the_lower_of_the_two() {
             requests_per_s: own,
             ..PluginLimits::default()
         });
-        // Lines of no length: each is taken and rejected for what it is, while the rate allows it.
+        // These cancel unknown tags: while the rate allows it, each is taken and rejected for its own reason.
         trial.ask(0, (0..30).map(|tag| Request::Cancel(tag + 100)));
         trial.run_for(0.3);
-        // The log has a count of them, the plugin is told of each.
+        // The log has only a count of these; the plugin learns each one.
         let over = |event: &&Event| match event {
             Event::Outcome {
                 state: RequestState::Rejected(refusal),
@@ -161,7 +161,7 @@ fn sr_006_sr_019_what_a_flooding_plugin_is_refused_takes_nothing_from_the_others
         ..Setup::default()
     };
     let mut trial = Trial::with_under_way(setup);
-    // A thousand lines out of the box in each step, and a modify into the wreck.
+    // In each step the first plugin asks for a thousand lines that leave the box.
     trial.script(0, |_| {
         let bad = (0..1000).map(|tag| Request::Trackline(line(1000 + tag, (0.0, 0.0), (9000.0, 0.0))));
         (Duration::from_millis(1), Ok(bad.collect()))

@@ -8,7 +8,7 @@ use backseat_units::Timestamp;
 use crate::course::{good_line, modify};
 use crate::trial::{Seen, Setup, Trial};
 
-/// Tells the vehicle to say it and lets it arrive.
+/// Lets the vehicle say something, and waits until it has arrived.
 fn tell(trial: &mut Trial, say: impl FnOnce(&mut crate::vehicle::Vehicle, Timestamp)) {
     let now = trial.now;
     say(&mut trial.vehicle, now);
@@ -225,7 +225,7 @@ fn sr_011_before_power_goes_plugins_are_told_and_the_logs_closed_within_ten_seco
     let told = trial.now;
     for _ in 0..15 {
         let created = trial.vehicle.clock(trial.now);
-        // A vehicle may say it again and again.
+        // A vehicle may repeat its announcement.
         tell(&mut trial, |vehicle, now| {
             vehicle.say(now, backseat_spi::Shutdown { created })
         });

@@ -1,4 +1,5 @@
-//! SR-025: a plan serves only the dive that it was told for; and what the vehicle's words make us send and tell is bounded.
+//! SR-025: a plan serves only the dive that it was sent for. What the vehicle's messages make core send and log is
+//! bounded.
 
 use std::time::Duration;
 
@@ -85,7 +86,7 @@ fn sr_025_what_begins_belongs_to_the_dive_that_its_begin_names() {
     let other = begin_of(&trial, "other", 1);
     trial.hear_now([other]);
     trial.run_for(5.0);
-    // It was heard what is flown of the other dive, whose plan has come.
+    // Core knows what the vehicle flies of the other dive, and has that dive's plan.
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
@@ -231,7 +232,8 @@ fn sr_002_sr_025_an_insert_that_is_answered_after_another_dive_may_have_been_acc
     trial.vehicle.replies.remove("RTK");
     trial.run_for(3.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
-    // From the leg the wreck lies before the start of this one, and from the end of the first it does not.
+    // The wreck bars the way from the leg to the start of this insert, but not the way from the end of the first
+    // insert.
     let behind = Request::Trackline(line(2, (0.0, -1500.0), (500.0, -1500.0)));
     refused_for(&mut trial, behind, 2, "wreck");
 }

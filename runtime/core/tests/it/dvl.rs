@@ -93,7 +93,7 @@ const PHASES: [(&str, Reach); 5] = [
     ("ceasing", ceasing),
 ];
 
-/// All that was said, as the two fields.
+/// All BPDVR that were sent, each as its two fields.
 fn said(trial: &Trial) -> Vec<(u8, u8)> {
     let fields = |(_, command)| match command {
         ToVehicle::DvlTriggerRequest(said) => (u8::from(said.external), u8::from(said.triggering)),
@@ -180,7 +180,7 @@ fn sr_017_triggering_is_never_said_where_the_vehicle_has_not_allowed_it() {
         );
         assert_eq!(trial.core.open_requests(), 1);
     }
-    // Without a request, and after one.
+    // Without a request, and after a request has ended.
     let mut trial = under_way();
     for (tag, request) in [(2, trigger(2)), (3, say(3, false, true)), (4, end(4))] {
         ask(&mut trial, request);
@@ -228,7 +228,7 @@ fn sr_017_a_sign_of_life_that_is_handled_after_its_time_is_too_late() {
     let mut trial = triggering();
     let last = *trial.sent("DVR").last().unwrap();
     trial.run_for((last + Duration::from_millis(4750)).since(trial.now).as_secs_f64());
-    // It returns in time, to a core that wakes a little late, and is the first that this hears.
+    // The step returns in time, but core wakes a little late and handles the return of the step first.
     trial.script(0, |_| (Duration::from_millis(300), Ok(vec![trigger(1)])));
     trial.run_for(0.1);
     trial.asleep_until = last + Duration::from_millis(5250);
@@ -381,7 +381,7 @@ fn sr_017_a_lost_link_ends_it_without_a_word_and_nothing_is_said_for_it_later() 
         trial.run_for(10.0);
         assert!(trial.core.has_control());
         assert_eq!(said(&trial).len(), before, "{phase}");
-        // The vehicle has not heard of the end.
+        // The vehicle has not received the end.
         vehicle_says(&mut trial, true);
         assert_eq!(said(&trial).last(), Some(&(0, 0)), "{phase}");
         ask(&mut trial, want(2));
@@ -419,7 +419,7 @@ fn sr_014_whatever_takes_control_or_the_plugin_ends_it_with_one_bpdvr_within_100
     for (why, act) in acts {
         for (phase, reach) in PHASES {
             if matches!((why, phase), ("navigation is stale", "ceasing")) {
-                // It would be over before.
+                // The handshake ends before navigation is stale.
                 continue;
             }
             let mut trial = reach();
@@ -465,7 +465,7 @@ fn one_plugin_has_it_at_a_time_and_under_one_tag() {
     assert!(trial.rejection(3).starts_with("priority: "));
     assert!(trial.rejection(1).starts_with("priority: "));
     assert_eq!(said(&trial), [(1, 0), (1, 1)]);
-    // The other one's failure is not its owner's.
+    // The failure of the other plugin does not end it.
     trial.fail(1, FaultKind::Trap);
     trial.run_for(0.5);
     assert_eq!(trial.core.open_requests(), 1);

@@ -36,7 +36,7 @@ fn expecting(plan: ExpectedPlan) -> Setup {
     }
 }
 
-/// What the operator is told of the difference; it must leave the runtime without control.
+/// The difference as the operator reads it. It must leave the runtime without control.
 #[track_caller]
 fn unlike(setup: Setup, arrange: impl FnOnce(&mut Trial)) -> String {
     let mut trial = Trial::with(setup);
@@ -68,7 +68,7 @@ fn sr_001_where_the_vehicles_plan_is_the_one_that_was_checked_control_is_as_ever
     trial.run_for(0.5);
     assert!(trial.core.is_steering());
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
-    // A hand's breadth is no other plan.
+    // A difference within the tolerance of 2 m does not make another plan.
     let mut near = Trial::with(expecting(plan()));
     near.vehicle.moved = Some((2, EastNorth::new(1.2, -1.2)));
     near.run_for(2.0);

@@ -1,4 +1,4 @@
-//! External sources: what they may send, what is made of it, and what they are told.
+//! External sources: what they may send, what core sends for them, and how core answers them.
 
 use std::time::Duration;
 
@@ -42,7 +42,7 @@ pub(crate) fn setup(bounds: ExternalBounds) -> Setup {
     }
 }
 
-/// Often enough for a test that says many things one after the other.
+/// Bounds with a rate that is high enough for a test that sends many sentences in a row.
 pub(crate) fn often() -> ExternalBounds {
     ExternalBounds {
         rate_max_hz: 50.0,
@@ -54,12 +54,12 @@ pub(crate) fn under_way(bounds: ExternalBounds) -> Trial {
     Trial::with_under_way(setup(bounds))
 }
 
-/// As real payloads do: no checksum, a line feed alone.
+/// The source sends a line as real payloads do: without a checksum, and with a line feed alone at its end.
 pub(crate) fn say(trial: &mut Trial, body: &str) {
     trial.feed(Input::External(ExternalId(0), format!("${body}\n").as_bytes()));
 }
 
-/// Our clock, so many seconds from now, as a field.
+/// Our clock, this many seconds from now, as a field.
 pub(crate) fn clock(trial: &Trial, seconds: f64) -> String {
     let now = Utc::from_unix_nanos(1_700_000_000_000_000_000) + Duration::from_nanos(trial.now.as_nanos());
     let nanos = now.as_unix_nanos().wrapping_add_signed((seconds * 1e9) as i64);
@@ -73,7 +73,7 @@ pub(crate) fn line(message: &ToVehicle) -> String {
     String::from_utf8(out).unwrap()
 }
 
-/// A fix so many metres from navigation.
+/// A fix that is this far from navigation.
 pub(crate) fn fix(trial: &Trial, off: EastNorth) -> PositionFix {
     let here = trial.core.navigation().unwrap().local;
     let now = Utc::from_unix_nanos(1_700_000_000_000_000_000) + Duration::from_nanos(trial.now.as_nanos());
@@ -92,7 +92,7 @@ pub(crate) fn say_fix(trial: &mut Trial, fix: PositionFix) {
     trial.feed(Input::External(ExternalId(0), bytes.as_bytes()));
 }
 
-/// What source 0 has been told: name, echoed time, status, text.
+/// The acknowledgements that source 0 has received: name, echoed time, status, text.
 pub(crate) fn told(trial: &Trial) -> Vec<(String, String, AckStatus, String)> {
     told_to(trial, 0)
 }
@@ -145,7 +145,7 @@ fn each_sentence_leaves_under_our_own_stamp_and_its_answer_comes_back_under_that
         "BPRNS,081025.987,1.5,-2.25,90",
         "BPRBO,081025.987,-2.5",
     ] {
-        // What moves the frame has its ten seconds.
+        // A sentence that moves the frame takes control for ten seconds.
         trial.run_for(11.0);
         let body = body.replace("RECENT", &clock(&trial, -0.5));
         let at = clock(&trial, 0.0);
@@ -363,7 +363,7 @@ fn a_modem_line_is_relayed_whole_and_one_that_holds_a_command_is_refused() {
         panic!("it was not relayed: {:?}", told(&trial))
     };
     assert_eq!(sent.text.as_str(), modem);
-    // By hand: who encodes it is refused already.
+    // The line is written by hand, because encoding it already fails.
     let body = "BPTMR,010203.456,$CCRXD,$BPKIL,1";
     let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
     let count = trial.sent("TMR").len();
@@ -466,7 +466,8 @@ fn sr_019_a_external_sources_rate_is_bounded_each_for_itself() {
         let told = told_to(&trial, source).into_iter();
         told.filter(|(_, _, status, _)| *status == AckStatus::Succeeded).count()
     };
-    // Two at once and two a second for two seconds; one at once and none in the five seconds after it.
+    // The first source may send two at once, then two a second for two seconds. The second may send one at once, and
+    // the next after five seconds.
     assert_eq!((passed(0), passed(1)), (5, 1));
     assert!(
         told(&trial)
@@ -504,7 +505,7 @@ fn sr_006_sr_013_a_flood_and_garbage_of_an_external_source_disturb_nobody() {
             .windows(2)
             .all(|pair| pair[1].since(pair[0]) <= Duration::from_millis(1100))
     );
-    // What comes after the garbage is read.
+    // Core reads the sentence that follows the garbage.
     trial.run_for(1.0);
     say(&mut trial, "");
     let relayed = trial.sent("TMR").len();
@@ -525,7 +526,7 @@ fn an_external_sources_sentences_come_in_any_split_and_without_order() {
     }
     trial.run_for(0.1);
     assert_eq!(statuses(&trial), [AckStatus::Succeeded]);
-    // One that was cut is not ended by what comes next.
+    // The next sentence does not complete one that was cut.
     trial.feed(Input::External(ExternalId(0), b"$BPTMR,081025.987,3,abo"));
     trial.feed(Input::External(ExternalId(0), b"$\n"));
     trial.run_for(0.1);

@@ -175,7 +175,7 @@ fn sr_021_what_moves_the_frame_ends_the_lease_before_it_leaves_and_ten_seconds_p
         assert!(trial.core.has_control());
         assert_eq!(statuses(&trial), [AckStatus::Succeeded]);
     }
-    // A fix that the vehicle weighs by itself is watched as all navigation is.
+    // The vehicle weighs a fix that is not forced by itself, so core only watches the navigation, as it always does.
     let mut trial = under_way(often());
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(0.5);

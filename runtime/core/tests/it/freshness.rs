@@ -9,7 +9,7 @@ use crate::trial::{Seen, Trial};
 
 const HOUR_NANOS: i64 = 3_600_000_000_000;
 
-/// Asks for a lease at every step from now on.
+/// The first plugin asks for a lease in every step from now on.
 fn insist(trial: &mut Trial) {
     trial.script(0, |_| (Duration::from_millis(1), Ok(vec![Request::Modify(modify(1))])));
 }
@@ -73,7 +73,7 @@ fn sr_008_a_burst_of_buffered_navigation_is_old() {
     let mut trial = Trial::steering();
     insist(&mut trial);
     let stalled = trial.now;
-    // The link holds what the vehicle says back for 4 s, and from then on each message is 3 s late.
+    // The link holds back the vehicle's messages for 4 s.
     trial.stalled_until = stalled + Duration::from_secs(4);
     trial.run_for(3.9);
     assert!(!trial.core.has_control());
@@ -132,7 +132,7 @@ fn hours_between_the_clocks_mean_nothing() {
     }
 }
 
-/// A dive whose vehicle's clock says this many seconds before midnight at its start.
+/// A dive that starts this many seconds before midnight on the vehicle's clock.
 fn before_midnight(seconds: i64) -> Trial {
     let mut trial = Trial::new();
     let clock = i64::try_from(trial.vehicle.clock(Timestamp::ZERO).as_nanos()).unwrap();
@@ -187,7 +187,8 @@ fn sr_008_a_vehicle_clock_set_forward_never_makes_old_navigation_fresh() {
     let mut trial = Trial::steering();
     insist(&mut trial);
     trial.vehicle.clock_nanos += 5_000_000_000;
-    // What the vehicle says from now on comes 2 s late, and by the clock that was measured it is not written yet.
+    // From now on the vehicle's messages come 2 s late, and by the clock as core measured it they are not even written
+    // yet.
     trial.delay = Duration::from_secs(2);
     trial.delay_to_vehicle = Some(Duration::from_millis(5));
     trial.run_for(30.0);
@@ -256,7 +257,7 @@ fn sr_021_a_jump_while_the_link_was_lost_is_seen() {
 fn sr_021_a_jump_over_a_lost_link_is_seen_though_the_vehicles_clock_was_set_before() {
     let mut trial = Trial::under_way();
     trial.vehicle.clock_nanos -= 20_000_000_000;
-    // What comes then was solved 20 s ago, by all that is known.
+    // By all that core knows, the navigation that comes then was solved 20 s ago.
     trial.run_for(24.0);
     trial.cut();
     trial.vehicle.jump = EastNorth::new(0.0, 100.0);

@@ -31,14 +31,14 @@ fn under_way() -> Trial {
     Trial::with_under_way(setup())
 }
 
-/// Under way for long enough to know at what depth the plan is flown.
+/// A trial that has run long enough for core to know the depth of the plan.
 fn settled() -> Trial {
     let mut trial = under_way();
     trial.run_for(5.0);
     trial
 }
 
-/// In the harbour, with clear ways to it and on.
+/// A GPS hit in the harbour, with a clear way to it and a clear way on.
 fn hit(tag: u64) -> Request {
     hit_at(tag, (0.0, 500.0))
 }
@@ -169,7 +169,8 @@ fn sr_002_it_surfaces_only_where_the_fence_allows_it_drift_and_all() {
         text.starts_with("surfacing: outside keep-in zone 'harbour', the nearest that allows surfacing,"),
         "{text}"
     );
-    // 0.3 m/s for 900 s is 270 m, and the errors: 200 m from the harbour's edge are too few.
+    // At 0.3 m/s the vehicle drifts 270 m in 900 s, and the errors add to that: 200 m from the harbour's edge are too
+    // few.
     assert!(rejected(&mut trial, hit_at(2, (0.0, 700.0))).starts_with("surfacing: "));
     let limits = Limits {
         gps_hit_duration_max_s: 300.0,
@@ -179,7 +180,7 @@ fn sr_002_it_surfaces_only_where_the_fence_allows_it_drift_and_all() {
     quicker.ask(0, [hit_at(2, (0.0, 700.0))]);
     quicker.run_for(0.5);
     assert_eq!(shorts(&quicker.states(2)), ["sent", "accepted"]);
-    // A fence that allows it nowhere.
+    // This fence allows surfacing nowhere.
     let mut trial = Trial::with_under_way(Setup {
         fence: course::fence(),
         ..setup()
@@ -189,8 +190,8 @@ fn sr_002_it_surfaces_only_where_the_fence_allows_it_drift_and_all() {
 
 #[test]
 fn sr_002_the_ways_to_and_from_the_surface_are_judged_at_every_depth_that_is_passed() {
-    // The plan's leg ends at (600, 0). The way from there leads over the shoals: a line at 20 m passes under them, the way
-    // to the surface may not.
+    // The plan's leg ends at (600, 0). The way from there leads over the shoals: a line at 20 m passes under them, but
+    // the way to the surface does not.
     let mut trial = settled();
     let text = rejected(&mut trial, hit_at(1, (1450.0, 500.0)));
     assert!(text.starts_with("keep-out: inside keep-out zone 'shoals'"), "{text}");
@@ -216,7 +217,7 @@ fn sr_002_what_follows_a_gps_hit_comes_from_the_surface_and_from_where_it_has_dr
 
 #[test]
 fn sr_002_what_interrupts_before_a_gps_hit_goes_on_to_the_surface() {
-    // From a line beyond the shoals, which interrupts, the vehicle may go on to the GPS hit and come up on the way.
+    // From the interrupting line beyond the shoals the vehicle may go on to the GPS hit, and come up on the way.
     let beyond = |tag| {
         let mut beyond = line(tag, (1300.0, 270.0), (1400.0, 270.0));
         beyond.interrupt = true;
@@ -265,7 +266,7 @@ fn sr_002_a_depth_of_what_is_flown_before_it_counts() {
         deep.vertical = backseat_core::plugin::VerticalRequest::DepthM(55.0);
         Request::Trackline(deep)
     };
-    // Over 58.5 m of water a line at 55 m keeps 2.5 m, its error of 1 m included; where the vehicle comes from there, it
+    // In 58.5 m of water a line at 55 m keeps 2.5 m, with its error of 1 m included. A vehicle that comes from there
     // may be at 56 m, and the same error leaves too little.
     let limits = Limits {
         water_depth_min_m: Some(58.5),
@@ -294,7 +295,7 @@ fn figures_that_are_no_place_are_rejected() {
         let text = rejected(&mut trial, Request::GpsHit(GpsHitRequest { tag, position }));
         assert!(text.starts_with("limit: "), "{text}");
     }
-    // A legal place on the other side of the earth.
+    // A valid place 3000 km away.
     assert!(rejected(&mut trial, hit_at(9, (3e6, 0.0))).starts_with("surfacing: "));
     assert!(trial.commands("RGP").is_empty());
 }

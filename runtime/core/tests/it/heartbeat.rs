@@ -1,5 +1,5 @@
-//! SR-023: no control, and no clock, without a fresh measured round trip; what cannot be taken back leaves only where the
-//! vehicle has just answered. The trial's judge measures the round trips by itself.
+//! SR-023: there is no control, and no clock, without a fresh measured round trip. A request that cannot be taken back
+//! leaves only if the vehicle has just answered. The trial's judge measures the round trips by itself.
 
 use std::time::Duration;
 
@@ -86,7 +86,7 @@ fn sr_023_a_link_that_becomes_slow_while_steering_ends_the_lease_and_nothing_is_
             !ended.is_empty() && ended[0].since(slow) <= Duration::from_millis(3100),
             "{ended:?}"
         );
-        // Quick again, it steers again.
+        // When the link is quick again, the plugin steers again.
         trial.delay = Duration::from_millis(5);
         trial.delay_to_vehicle = None;
         let quick = trial.now;
@@ -140,7 +140,7 @@ fn sr_023_a_vehicle_that_acknowledges_nothing_is_never_steered_and_that_is_told(
         "{:?}",
         trial.notes()
     );
-    // It navigates, and is not reset for its habits.
+    // The vehicle navigates, so core does not reset the connection although nothing is acknowledged.
     assert_eq!(trial.sent("VER").len(), 1);
 }
 
@@ -156,7 +156,7 @@ fn sr_023_a_vehicle_that_hears_nothing_more_loses_the_lease_within_three_seconds
     assert!(last.since(deaf) <= Duration::from_secs(3), "{last}");
     assert!(trial.sent_since("EMB", deaf)[0].since(deaf) <= Duration::from_secs(3));
     assert!(!trial.core.has_control());
-    // Acknowledgements are asked for anew, and the connection is reset only long after the BPEMB.
+    // Core asks for acknowledgements again, and resets the connection only long after the BPEMB.
     let asked = trial.sent_since("LOG", deaf).len();
     assert!(asked >= 3, "{asked}");
     let reset = trial
@@ -196,7 +196,7 @@ fn sr_023_a_modify_that_is_never_answered_is_tried_less_and_less() {
             "the plugin is told: {}",
             trial.rejection(1)
         );
-        // Half a minute of answers, and the next pause is the shortest again.
+        // After half a minute of answers the next pause is the shortest again.
         trial.vehicle.replies.remove("RMB");
         trial.run_for(61.0 + 40.0);
         assert!(trial.core.is_steering());
@@ -208,7 +208,7 @@ fn sr_023_a_modify_that_is_never_answered_is_tried_less_and_less() {
     }
 }
 
-/// A lease that is over before its answer comes is no way around the pause.
+/// A lease that ends before its answer comes does not avoid the pause.
 #[test]
 fn sr_023_a_refusal_that_comes_after_the_lease_has_ended_counts_too() {
     for reply in [Reply::Silent, Reply::Refuse] {
@@ -220,7 +220,7 @@ fn sr_023_a_refusal_that_comes_after_the_lease_has_ended_counts_too() {
         });
         trial.run_for(240.0);
         let sent = trial.sent("RMB");
-        // Without an answer some leave until the first is known to be missing.
+        // Without an answer, some BPRMB leave before core knows that the first is not answered.
         let pauses = sent.windows(2).map(|pair| pair[1].since(pair[0]));
         let pauses: Vec<f64> = pauses
             .map(|pause| pause.as_secs_f64())
@@ -249,13 +249,13 @@ fn sr_023_where_status_is_never_answered_subscriptions_carry_the_beat() {
     assert!(lost.is_empty(), "{lost:?}");
     let beats = trial.sent_since("LOG", Timestamp::from_secs(10)).len();
     assert!((18..=21).contains(&beats), "{beats}");
-    // The habit is remembered: a new connection has its beats sooner.
+    // Core remembers this: on a new connection the beats begin sooner.
     trial.cut();
     let cut = trial.now;
     trial.run_for(8.0);
     assert!(trial.core.has_control());
     assert!(trial.sent_since("LOG", cut).len() > 10);
-    // A vehicle that is deaf then is found to be.
+    // Core still notices a vehicle that no longer hears it.
     trial.deaf = true;
     let deaf = trial.now;
     trial.run_for(3.5);
@@ -315,7 +315,7 @@ fn sr_023_an_insert_that_interrupts_needs_a_grant_of_its_own() {
 #[test]
 fn sr_023_what_cannot_be_taken_back_waits_for_an_answer_and_leaves_behind_it() {
     let mut trial = Trial::with_under_way(with_interrupt());
-    // Nothing was answered within the last second.
+    // The vehicle has answered nothing within the last second.
     trial.vehicle.replies.insert("STS", Reply::Silent);
     trial.run_for(1.3);
     assert!(trial.core.has_control());
@@ -349,7 +349,7 @@ fn sr_023_to_a_vehicle_that_hears_nothing_what_cannot_be_taken_back_is_refused()
             .iter()
             .all(|(_, command)| !format!("{command:?}").contains("InterruptCurrent"))
     );
-    // The other one is taken back like any: it can be.
+    // The other insert leaves as always, because it can be taken back.
     assert_eq!(shorts(&trial.states(2))[0], "sent");
     assert!(trial.now.since(deaf) < Duration::from_secs(3));
 }

@@ -22,7 +22,7 @@ fn end(trial: &mut Trial, identifier: u32) {
     trial.run_for(0.3);
 }
 
-/// The plan goes on.
+/// The vehicle goes on with its plan.
 fn goes_on(trial: &mut Trial) {
     let now = trial.now;
     trial.vehicle.begin(now, Some(1), None);
@@ -143,7 +143,7 @@ fn sr_009_an_answer_that_comes_after_the_end_changes_nothing() {
     assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
 }
 
-/// An insert whose answer was lost with the link; the vehicle has it or not.
+/// An insert whose answer was lost with the link. The argument says whether the vehicle has it.
 fn in_doubt(vehicle_has_it: bool) -> Trial {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
@@ -232,7 +232,7 @@ fn sr_009_identifiers_are_reserved_before_they_are_sent_and_never_used_twice() {
             trial.run_for(5.0);
         }
     }
-    // The judge of the trial holds each against what was reserved and used.
+    // The judge of the trial compares each identifier with those that were reserved and used.
     assert_eq!(trial.commands("RTK").len(), 60);
     assert_eq!(trial.core.open_requests(), 0);
 }
@@ -322,12 +322,13 @@ fn sr_002_the_transit_from_an_insert_that_was_not_answered_is_judged() {
     );
 }
 
-/// From the planned line's end the way to its start is free, from the line's west it leads over the wreck.
+/// An insert behind the wreck. The way to its start is clear from the end of the planned line, but leads over the wreck
+/// from the west of the line.
 fn beyond_the_wreck(tag: u64) -> Request {
     Request::Trackline(line(tag, (300.0, -1300.0), (600.0, -1300.0)))
 }
 
-/// In the east, clear of the wreck all the way, as is the way from its end to [`beyond_the_wreck`].
+/// An insert in the east, clear of the wreck all the way. The way from its end to [`beyond_the_wreck`] is clear too.
 fn in_the_east(tag: u64) -> Request {
     Request::Trackline(line(tag, (900.0, -600.0), (900.0, -1300.0)))
 }
@@ -348,11 +349,11 @@ fn sr_002_the_transit_to_an_insert_is_judged_from_the_whole_planned_line_that_ma
     trial.run_for(0.5);
     is_over_the_wreck(&trial, 1);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
-    // After that one it does not come from the line any more.
+    // After insert 2 the vehicle no longer comes from the planned line.
     trial.ask(0, [beyond_the_wreck(3)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(3)), ["sent", "accepted"], "{:?}", trial.states(3));
-    // Without it, it would.
+    // Without insert 2 it would, so insert 2 cannot be cancelled.
     trial.ask(0, [Request::Cancel(2)]);
     trial.run_for(0.5);
     let states = trial.cancel_states(2);
@@ -379,7 +380,7 @@ fn sr_002_an_insert_that_another_planned_behavior_comes_before_is_judged_from_th
     trial.ask(0, [beyond_the_wreck(1)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"], "{:?}", trial.states(1));
-    // This vehicle flies it after the next behavior.
+    // This vehicle flies the insert only after the next behavior.
     let now = trial.now;
     trial.vehicle.begin(now, Some(2), None);
     trial.run_for(0.3);
@@ -408,7 +409,7 @@ fn sr_002_sr_020_bottom_lock_tells_how_high_the_ways_are_that_remain() {
         trial.run_for(0.5);
         assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"], "{:?}", trial.states(2));
         trial.vehicle.altitude_m = altitude_m;
-        // Longer than a lock that is lost still counts.
+        // This is longer than a lost bottom lock still counts.
         trial.run_for(60.0);
         trial
     };
@@ -420,7 +421,7 @@ fn sr_002_sr_020_bottom_lock_tells_how_high_the_ways_are_that_remain() {
     trial.ask(0, [Request::Cancel(1)]);
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.cancel_states(1)), ["sent", "accepted", "ended"]);
-    // Nobody knows how high.
+    // Without bottom lock the height above the seabed is unknown.
     let mut trial = waiting(None);
     trial.ask(0, [Request::Cancel(1)]);
     trial.run_for(0.5);
@@ -438,7 +439,8 @@ fn sr_002_the_way_onto_an_interrupted_line_is_judged_for_what_is_flown_first() {
     end(&mut trial, 1);
     begin(&mut trial, 2);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted", "started"]);
-    // From its end the way to the next behavior is free, and onto the line that was left for the first it is not.
+    // From its end the way to the next behavior is clear, but the way back to the line that the first insert
+    // interrupted is not.
     let behind = |tag| Request::Trackline(line(tag, (400.0, -1100.0), (400.0, -1300.0)));
     trial.ask(0, [behind(3)]);
     trial.run_for(0.5);
@@ -579,7 +581,7 @@ fn sr_010_nothing_interrupts_an_interrupting_insert() {
     assert!(trial.rejection(3).contains("interrupt"));
     assert_eq!(shorts(&trial.states(4)), ["sent", "accepted"], "one that waits may");
     end(&mut trial, 1);
-    // Until something begins nobody knows what an insert would come after.
+    // Until a behavior begins, core does not know what an insert would follow.
     trial.ask(1, [good_line(6)]);
     trial.run_for(0.5);
     assert!(trial.rejection(6).contains("not heard"), "{}", trial.rejection(6));

@@ -9,7 +9,7 @@ use crate::course::{LIFTED, limits, line, modify, modify_for, turn};
 use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::Reply;
 
-/// What the last BPRMB said.
+/// The last BPRMB.
 fn last_modify(trial: &Trial) -> backseat_spi::ModifyBehavior {
     match trial.commands("RMB").pop() {
         Some((_, ToVehicle::ModifyBehavior(modify))) => modify,
@@ -222,7 +222,7 @@ fn a_wake_up_a_little_late_is_borne() {
 
 #[test]
 fn sr_004_each_refresh_is_checked_anew_and_the_fence_ends_the_lease() {
-    // It drifts towards the western edge, some 1990 m from the middle, though it is told to head east.
+    // The vehicle drifts towards the western edge, some 1990 m from the middle, although the modify says east.
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(-1850.0, 500.0);
     trial.vehicle.heading_deg = 270.0;
@@ -243,7 +243,7 @@ fn sr_004_each_refresh_is_checked_anew_and_the_fence_ends_the_lease() {
 
 #[test]
 fn sr_004_a_lease_whose_reach_comes_to_touch_the_margin_ends_at_that_sample_and_not_at_its_next_refresh() {
-    // The bottom rises under it: only the bottom lock tells.
+    // The seabed rises under the vehicle; only the bottom lock shows it.
     let setup = Setup {
         limits: Limits {
             water_depth_min_m: None,
@@ -285,7 +285,8 @@ fn sr_004_an_insert_that_is_asked_for_under_a_lease_is_a_way_back_from_it_at_onc
     trial.run_for(0.5);
     assert!(trial.core.is_steering(), "{:?}", trial.states(1));
     let before = trial.now;
-    // Good for itself, for the way there is clear of the wreck; but in its turn the lease may come nearer to it.
+    // The insert itself is good, because the way there is clear of the wreck. But in a turn back to it a vehicle under
+    // the lease may come nearer to the wreck.
     trial.ask(1, [Request::Trackline(line(2, (705.0, -1400.0), (990.0, -1400.0)))]);
     trial.run_for(0.35);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);

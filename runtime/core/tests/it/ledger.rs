@@ -26,7 +26,8 @@ fn sr_009_every_request_has_one_end_and_is_counted_once() {
     assert_eq!(trial.core.open_requests(), 0);
 }
 
-/// An insert was refused for want of the plan, and one is taken once the vehicle has told it again.
+/// Checks that an insert was refused because the plan is unknown, and that one is accepted once the vehicle has sent
+/// the plan again.
 fn known_once_it_has_come_anew(trial: &mut Trial) {
     assert!(
         trial.rejection(1).contains("plan is not known"),
@@ -47,7 +48,7 @@ fn sr_002_a_plan_whose_series_was_interrupted_by_the_missions_start_is_not_taken
     let mut trial = Trial::new();
     trial.vehicle.status = "Ready";
     trial.run_for(2.0);
-    // Asked for anew; the mission starts in the midst of the old series.
+    // Core asks for the plan again; the mission starts in the middle of the old series.
     trial.vehicle.replies.insert("RMP", Reply::Silent);
     trial.cut();
     trial.run_for(2.0);

@@ -1,4 +1,4 @@
-//! What holds though a word came late, damaged or not at all.
+//! What holds although a message came late, damaged or not at all.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use crate::vehicle::{Reply, name_of};
 
 const SECOND: i64 = 1_000_000_000;
 
-/// SPI 2: the vehicle's clock is disciplined from GPS hits, which move its position too.
+/// GPS hits discipline the vehicle's clock (SPI 2), and also move its position.
 #[test]
 fn sr_021_a_jump_is_seen_though_the_vehicles_clock_is_set_with_it() {
     for seconds in [30, 120, 4000] {
@@ -33,7 +33,7 @@ fn sr_021_a_jump_is_seen_though_the_vehicles_clock_is_set_with_it() {
     }
 }
 
-/// The vehicle has not decided on the insert when the operator holds, and knows none that could be cancelled.
+/// When the operator holds, the vehicle has not decided on the insert and knows none that it could cancel.
 #[test]
 fn sr_015_a_hold_takes_back_an_insert_that_the_vehicle_accepts_after_it_has_refused_the_cancel() {
     let mut trial = Trial::under_way();
@@ -55,7 +55,7 @@ fn sr_015_a_hold_takes_back_an_insert_that_the_vehicle_accepts_after_it_has_refu
     );
 }
 
-/// Neither an insert nor its cancels were answered; then the vehicle hears again.
+/// Neither an insert nor its cancels are answered; then the vehicle hears again.
 fn never_answered(setup: Setup) -> Trial {
     let mut trial = Trial::with_under_way(setup);
     trial.vehicle.replies.insert("RTK", Reply::Silent);
@@ -64,7 +64,7 @@ fn never_answered(setup: Setup) -> Trial {
     trial.run_for(60.0);
     assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
     trial.vehicle.replies.clear();
-    // It has it all the same.
+    // The vehicle has the insert in spite of that.
     trial.vehicle.inserted.insert(1);
     trial
 }
@@ -94,7 +94,7 @@ fn sr_015_a_plugin_that_fails_leaves_no_insert_behind_that_was_never_answered() 
     assert!(!trial.sent_since("RCN", failed).is_empty(), "no cancel");
 }
 
-/// As above, where the link was lost before the answer.
+/// Like the test before the last one, but the link was lost before the answer.
 #[test]
 fn sr_015_a_hold_takes_back_an_insert_whose_answer_was_lost_with_the_link() {
     let mut trial = Trial::under_way();
@@ -155,7 +155,7 @@ fn sr_001_control_that_the_vehicle_takes_in_words_that_cannot_be_read_is_not_our
     }
 }
 
-/// Who persists the hold syncs the disk: the vehicle's helm does not wait for that.
+/// Persisting the hold syncs the disk, and the vehicle's helm must not wait for that.
 #[test]
 fn sr_003_a_holds_bpemb_comes_before_it_is_kept() {
     let mut trial = Trial::steering();
@@ -176,7 +176,7 @@ fn begun(trial: &mut Trial, identifier: u32) {
     trial.run_for(0.3);
 }
 
-/// What was damaged may have been our insert's end and the begin of another payload's.
+/// The damaged sentences may have been the end of our insert and the begin of another payload's.
 #[test]
 fn sr_012_the_current_behavior_is_not_cancelled_where_it_may_be_anothers() {
     let mut trial = Trial::under_way();

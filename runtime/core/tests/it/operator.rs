@@ -75,7 +75,7 @@ fn a_stop_ends_the_lease_and_closes_the_logs() {
     assert!(trial.sent_since("RMB", stopped).is_empty());
 }
 
-/// Who persists a hold learns of it by this.
+/// The operator's acts as core reports them. The driver that persists a hold learns of it from these.
 fn acts(trial: &Trial) -> Vec<Operator> {
     let act = |(_, note)| match note {
         Note::Operator { act } => Some(act),
@@ -117,7 +117,7 @@ fn sr_015_a_mission_command_holds_at_once_and_is_latched_until_its_counterpart_r
     assert_eq!(trial.sent_since("EMB", held), [held]);
     assert_eq!(trial.sent_since("RCN", held), [held]);
     assert_eq!(acts(&trial), [Operator::Hold]);
-    // It outlives the link, control that comes anew, and every plugin's wish.
+    // The hold outlives the link, a new grant of control, and every plugin's request.
     trial.script(0, |_| {
         (
             std::time::Duration::from_millis(1),
@@ -143,10 +143,10 @@ fn sr_015_a_text_releases_only_where_the_operator_named_one() {
     trial.run_for(5.0);
     assert!(!trial.core.has_control());
     assert!(!acts(&trial).contains(&Operator::Release));
-    // Whoever else may release it does.
+    // The operator can still release the hold in another way.
     trial.operator(Operator::Release);
     assert!(trial.core.has_control());
-    // Without texts no text is one.
+    // If no texts are configured, no text acts.
     let mut trial = Trial::steering();
     for text in ["hold", ""] {
         commanded(&mut trial, text);

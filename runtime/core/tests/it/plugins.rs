@@ -431,7 +431,7 @@ fn sr_019_requests_are_limited_in_their_rate_each_plugin_for_itself() {
     trial.ask(0, (0..100).map(|number| turn(number, number as f64)));
     trial.ask(1, [good_line(500)]);
     trial.run_for(0.5);
-    // The log has a count of them, the plugin is told of each.
+    // The log has only a count of these; the plugin learns each one.
     let over = |event: &&Event| match event {
         Event::Outcome {
             state: RequestState::Rejected(refusal),
@@ -461,7 +461,7 @@ fn sr_006_ten_thousand_requests_in_a_step_hurt_nobody_else() {
         })
     };
     trial.ask(0, (1000..11_000).map(nonsense));
-    // The last is a good one: a plugin that has failed by then steers no longer.
+    // The last request is a good one, but a plugin that has failed by then no longer steers.
     trial.ask(0, [turn(20_000, 45.0)]);
     trial.run_for(5.0);
     assert!(trial.lease_ends().is_empty(), "{:?}", trial.lease_ends());

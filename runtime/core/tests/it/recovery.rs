@@ -34,7 +34,7 @@ fn setup(recovery: Recovery) -> Setup {
     }
 }
 
-/// What recovery has said, with when.
+/// What recovery has reported, and when.
 fn said(trial: &Trial) -> Vec<(Timestamp, String)> {
     let recovery = |(at, note)| match note {
         Note::Recovery { text } => Some((at, text)),
@@ -104,8 +104,8 @@ fn sr_020_the_ladder_is_climbed_step_by_step_each_after_its_time_and_told_once()
             other => panic!("{other:?}"),
         })
         .collect();
-    // The vehicle's log at once; the topside once control is back, ten seconds after the jump. By how much and where: the
-    // box ends some 2000 m north, and navigation says some 2100.
+    // The vehicle's log has it at once; the topside has it once control is back, ten seconds after the jump. Both say
+    // by how much and where: the box ends some 2000 m north, and navigation says some 2100 m.
     assert!(
         told.len() == 2 && told[1].starts_with("outside the fence by 1"),
         "{told:?}"
@@ -136,7 +136,7 @@ fn sr_020_the_flown_insert_is_ended_where_the_table_says_so_and_its_way_holds() 
     };
     let mut trial = outside_with_inserts(allowed());
     trial.run_for(20.0);
-    // From where the vehicle is said to be, outside, no way holds.
+    // Navigation says that the vehicle is outside, and no way from there is good.
     assert!(trial.commands("RCB").is_empty());
     let refused = trial.notes().into_iter().any(|(_, note)| {
         matches!(note, Note::Request(transition) if transition.kind == RequestKind::CancelCurrent
@@ -159,8 +159,8 @@ fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_is_left_and_the_next_st
         ],
     );
     trial.run_for(0.5);
-    // The front seat goes on to its next waypoint meanwhile: from the second insert's end the wreck is in the way to what
-    // comes after that.
+    // The front seat goes on to its next waypoint. From the end of the second insert, the wreck bars the way to what
+    // follows that waypoint.
     let now = trial.now;
     trial.vehicle.begin(now, Some(2), None);
     trial.run_for(0.2);
@@ -168,7 +168,7 @@ fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_is_left_and_the_next_st
     trial.vehicle.begin(now, None, Some(1));
     trial.run_for(0.5);
     assert_eq!(shorts(&trial.states(21)), ["sent", "accepted", "started"]);
-    // Outside, where navigation does not jump: too near to the bottom.
+    // The vehicle is now outside without a jump of navigation: it is too near to the seabed.
     trial.vehicle.altitude_m = Some(1.0);
     trial.run_for(15.0);
     assert_eq!(shorts(&trial.states(22)), ["sent", "accepted", "cancelled"]);
@@ -185,7 +185,7 @@ fn no_request_is_accepted_until_the_vehicle_is_well_inside_for_long_enough() {
     trial.run_for(1.5);
     trial.ask(1, [good_line(7)]);
     trial.run_for(0.3);
-    // The jump of navigation has taken control: the plugin is told of that first.
+    // The jump of navigation has taken control, and the refusal names that first.
     assert!(trial.rejection(7).starts_with("control"), "{}", trial.rejection(7));
     trial.run_for(12.0);
     trial.ask(1, [good_line(8), Request::Modify(modify(9))]);
@@ -197,8 +197,8 @@ fn no_request_is_accepted_until_the_vehicle_is_well_inside_for_long_enough() {
             trial.rejection(tag)
         );
     }
-    // Back inside, by less than it takes: the box ends some 1999 m north, and 10 m of margin and 5 m of navigation's own
-    // error are kept from that.
+    // The vehicle is back inside, but not by enough: the box ends some 1999 m north. After 10 m of margin and 5 m of
+    // navigation error, 2 m of the 5 m in `back_by_m` are left.
     trial.vehicle.jump = EastNorth::new(0.0, 1982.0);
     trial.run_for(15.0);
     trial.ask(1, [good_line(10)]);
@@ -232,7 +232,7 @@ fn an_excursion_of_the_front_seats_own_is_told_of_once_and_nothing_is_done() {
         abort_after_s: Some(9.0),
         ..ladder()
     }));
-    // An insert that waits is not flown.
+    // An insert that waits is not active.
     trial.ask(0, [good_line(1)]);
     trial.run_for(1.0);
     let before = trial.now;
@@ -252,7 +252,7 @@ fn a_lease_that_has_just_ended_is_what_brought_the_vehicle_there() {
     let mut trial = Trial::with_under_way(setup(ladder()));
     trial.ask(0, [Request::Modify(modify(1)), good_line(2)]);
     trial.run_for(1.0);
-    // The end of the lease comes before the excursion counts.
+    // The jump ends the lease before the excursion counts.
     trial.vehicle.jump = EastNorth::new(0.0, 2100.0);
     trial.run_for(15.0);
     said_of(&trial, "inserts are cancelled");
@@ -351,7 +351,8 @@ fn sr_020_a_fail_action_leaves_what_would_leave_a_worse_way() {
     };
     setup.plugins[1].on_failure = backseat_core::FailAction::Cancel;
     let mut trial = Trial::with_under_way(setup);
-    // West of the wreck, around its south, east of it: without the middle one the way goes through the wreck.
+    // The inserts lead past the wreck in the west, south and east: without the southern one the way leads through the
+    // wreck.
     trial.ask(0, [Request::Trackline(line(1, (-400.0, -700.0), (-400.0, -1000.0)))]);
     trial.run_for(0.3);
     trial.ask(1, [Request::Trackline(line(2, (-300.0, -1400.0), (300.0, -1400.0)))]);

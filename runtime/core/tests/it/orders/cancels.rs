@@ -1,4 +1,4 @@
-//! Cancels beyond a plugin's own.
+//! Cancels that only the operator may order.
 
 use backseat_core::plugin::Request;
 use backseat_core::{Operator, Order, RequestKind};
@@ -60,7 +60,7 @@ fn a_cancel_of_all_that_is_refused_not_answered_or_lost_leaves_the_inserts() {
 fn sr_010_a_cancel_of_all_does_not_end_an_insert_that_was_not_answered_and_may_be_flown() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
-    // It has begun, and can no longer be cancelled by its identifier (SPI 7.8).
+    // The insert has begun, and can no longer be cancelled by its identifier (SPI 7.8).
     trial.vehicle.replies.insert("RCN", Reply::Refuse);
     trial.ask(0, [interrupting(11)]);
     trial.run_for(5.0);
@@ -72,7 +72,7 @@ fn sr_010_a_cancel_of_all_does_not_end_an_insert_that_was_not_answered_and_may_b
         ["sent", "accepted", "ended"]
     );
     refused_for(&mut trial, interrupting(12), 12, "interrupt");
-    // It neither waits nor is flown.
+    // The insert now neither waits nor is flown.
     begins(&mut trial, Some(2), None);
     trial.ask(0, [interrupting(13)]);
     trial.run_for(0.5);
@@ -90,7 +90,7 @@ fn sr_010_a_cancel_of_all_does_not_end_an_interrupting_insert_whose_begin_was_no
         let mut trial = Trial::under_way();
         trial.ask(0, [interrupting(11)]);
         trial.run_for(0.5);
-        // It begins as it is accepted (SPI 7.5), and the BFMBS of that was lost.
+        // The insert begins when it is accepted (SPI 7.5), and the BFMBS of that was lost.
         assert_eq!(shorts(&trial.states(11)), ["sent", "accepted"]);
         if !flown {
             trial.vehicle.inserted.remove(&1);
@@ -185,7 +185,7 @@ fn what_the_vehicle_flies_is_not_known_after_a_reconnect() {
 
 #[test]
 fn sr_002_sr_020_the_way_from_a_cancelled_behavior_to_what_comes_next_is_judged() {
-    // The vehicle stands north of the wreck, its next insert begins south of it.
+    // The vehicle is north of the wreck. The first of the two next inserts begins south of it.
     for (next_start, clear) in [((0.0, -1400.0), false), ((900.0, -400.0), true)] {
         let mut trial = Trial::new();
         trial.vehicle.start = backseat_units::EastNorth::new(-10.0, -600.0);

@@ -230,7 +230,7 @@ fn the_vehicles_version_is_noted() {
     assert_eq!(versions.len(), 1);
 }
 
-/// An acknowledgement as real vehicles write it, with the name and the text as they are.
+/// An acknowledgement of a BPLOG as real vehicles write it, with this name and text.
 fn log_ack(trial: &mut Trial, name: &str, status: u8, text: &str) {
     let (hour, minute, second, nanos) = trial.vehicle.clock(trial.now).hms_nano();
     let millis = nanos / 1_000_000;
@@ -401,7 +401,7 @@ fn sr_009_a_late_answer_changes_nothing_and_confirms_no_later_command() {
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(1.15);
     assert_eq!(shorts(&trial.states(1)), ["sent", "timed out"]);
-    // The pause after a BPRMB without an answer.
+    // This is the pause after a BPRMB without an answer.
     trial.run_for(1.0);
     trial.vehicle.replies.insert("RMB", Reply::Silent);
     trial.ask(0, [Request::Modify(modify(2))]);
@@ -440,7 +440,7 @@ fn an_answer_is_for_the_behavior_that_it_names() {
     let stamps: Vec<_> = sent.iter().map(|(_, command)| command.created().unwrap()).collect();
     assert_ne!(stamps[0], stamps[1], "no two of one name bear the same time");
     let now = trial.now;
-    // The time of the first and the identifier of the second name neither.
+    // The time of the first with the identifier of the second names neither.
     trial
         .vehicle
         .acknowledge(now, ("RTK", stamps[0], Some(2), AckStatus::Failed));

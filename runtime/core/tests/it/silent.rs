@@ -35,7 +35,7 @@ fn under_way_with(setup: Setup) -> Trial {
     trial
 }
 
-/// The first plugin has made the vehicle silent under tag 1; when it asked.
+/// A trial in which the first plugin has made the vehicle silent under tag 1, and when it asked for that.
 fn quiet() -> (Trial, Timestamp) {
     let mut trial = under_way();
     trial.ask(0, [silent(1)]);
@@ -65,7 +65,8 @@ fn sr_018_silence_is_kept_for_five_minutes_from_when_it_was_asked_for() {
     run_until(&mut trial, sent + Duration::from_secs(300));
     assert_eq!(trial.states(1).last().cloned(), lapsed());
     assert_eq!(trial.core.open_requests(), 0);
-    // The vehicle counts from when it was silent, up to 1.5 s later: until then nothing would be gained by asking.
+    // The vehicle counts from when it became silent, up to 1.5 s later. Until then another request would not extend the
+    // silence.
     trial.ask(0, [silent(2)]);
     trial.run_for(0.3);
     assert!(trial.rejection(2).starts_with("state: "));
@@ -119,7 +120,7 @@ fn sr_009_a_refused_entry_has_failed_and_can_be_asked_for_again() {
 
 #[test]
 fn sr_018_an_entry_without_its_answers_may_have_made_the_vehicle_silent() {
-    // No receipt; a receipt and no more; a second one that comes too late.
+    // No receipt; a receipt but no second answer; a second answer that comes too late.
     for (reply, after) in [
         (Reply::Silent, 2.0),
         (Reply::PendingForEver, 6.0),
@@ -300,7 +301,7 @@ fn what_the_state_does_not_allow_is_rejected() {
     trial.ask(0, [normal(1)]);
     trial.run_for(0.3);
     assert!(trial.rejection(1).contains("is not silent"));
-    // One after the other, and the second before the first is answered.
+    // The second and the third request come before the first is answered.
     trial.ask(0, [silent(2), silent(3), normal(4)]);
     trial.run_for(2.0);
     assert!(trial.rejection(3).contains("has not answered for the last one"));

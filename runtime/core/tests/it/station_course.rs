@@ -1,5 +1,5 @@
-//! What becomes of station keeping when the link, the navigation, control or another plugin comes in between, and what
-//! is none.
+//! What happens to station keeping when the link, the navigation, control or another plugin interferes, and which
+//! requests are rejected.
 
 use std::time::Duration;
 
@@ -177,7 +177,7 @@ fn a_modify_and_station_keeping_never_stand_together() {
     trial.ask(1, [Request::Station(station(5))]);
     trial.run_for(0.3);
     assert!(trial.rejection(5).contains("higher priority steers"));
-    // The same plugin: the newest.
+    // Of the requests of the same plugin the newest counts.
     trial.ask(0, [Request::Station(station(6))]);
     trial.run_for(0.3);
     assert_eq!(shorts(&trial.states(6)), ["sent", "accepted"]);

@@ -1,4 +1,4 @@
-//! One station after the other, and station keeping under a GPS hit.
+//! One station keeping after another, and station keeping during a GPS hit.
 
 use std::time::Duration;
 

@@ -62,7 +62,7 @@ fn sr_009_a_refused_text_has_failed_and_an_unanswered_one_has_timed_out() {
         (Reply::Nak, RequestState::Failed(Failure::Vehicle("as told".to_owned()))),
         (Reply::Silent, RequestState::TimedOut),
         (Reply::PendingForEver, RequestState::TimedOut),
-        // Late: it changes nothing.
+        // A late answer changes nothing.
         (
             Reply::Late(Duration::from_secs(3), AckStatus::Succeeded),
             RequestState::TimedOut,
@@ -136,7 +136,7 @@ fn a_text_that_cannot_be_sent_as_it_stands_is_refused_and_not_mended() {
         assert!(!reason.contains(['\n', '\r']));
     }
     assert!(trial.sent("TOP").is_empty());
-    // Nothing of the minute's number is used up.
+    // The rejected texts do not count under the limit of a minute.
     trial.ask(0, [text(20, &"x".repeat(200)), text(21, "0123456789ABCDEF")]);
     trial.run_for(0.2);
     assert_eq!(trial.sent("TOP").len(), 2);

@@ -1,4 +1,4 @@
-//! What the vehicle may fly though nobody has heard it: over a lost link, without an answer, after a killed process.
+//! What the vehicle may fly without core's knowledge: after a link loss, without an answer, after a killed process.
 
 use std::time::Duration;
 
@@ -12,7 +12,8 @@ use crate::scene::{EAST, WEST, accepted, at_once, begins, ends, led_to, outage, 
 use crate::trial::{Setup, Trial, granted, shorts};
 use crate::vehicle::Reply;
 
-/// Known: the planned leg is flown. From (-600, -1500) the way back to the leg's east leads over the wreck.
+/// For comparison: core knows that the planned leg is flown. From (-600, -1500) the way back to the leg's east leads
+/// over the wreck.
 #[test]
 fn where_the_plan_is_flown_the_way_back_leads_over_the_wreck() {
     let mut trial = Trial::under_way();
@@ -26,7 +27,7 @@ fn sr_002_over_a_lost_link_an_insert_that_was_flown_may_have_ended() {
     accepted(&mut trial, at_once(line(1, WEST.0, WEST.1)), 1);
     ends(&mut trial, Some(1), None);
     begins(&mut trial, None, Some(1));
-    // While the link is down the insert ends and the plan goes on; the vehicle's plan has the insert no more.
+    // While the link is down, the insert ends and the plan goes on. The vehicle's plan no longer has the insert.
     trial.vehicle.inserted.remove(&1);
     outage(&mut trial);
     led_to(&mut trial, -600.0, -1500.0);
@@ -37,7 +38,7 @@ fn sr_002_over_a_lost_link_an_insert_that_was_flown_may_have_ended() {
 fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_been_flown() {
     let first = Request::Trackline(line(1, (-900.0, -1300.0), (-1200.0, -1300.0)));
     let second = || Request::Trackline(line(2, (-300.0, -1700.0), (-900.0, -1700.0)));
-    // Control: all is heard.
+    // For comparison: core hears everything.
     let mut trial = Trial::under_way();
     accepted(&mut trial, first.clone(), 1);
     begins(&mut trial, None, Some(1));
@@ -57,7 +58,7 @@ fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_been_flown() {
 fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_begun() {
     let flown = |heard: bool| {
         let mut trial = Trial::under_way();
-        // Its start is south-west of the wreck, and it leads along the wreck's south to the east.
+        // The insert starts south-west of the wreck, and leads east along the wreck's south.
         accepted(
             &mut trial,
             Request::Trackline(line(1, (-900.0, -1300.0), (900.0, -1300.0))),
@@ -98,7 +99,8 @@ fn sr_010_nothing_interrupts_what_may_have_begun_to_interrupt_over_a_lost_link()
     trial.ask(0, [interrupting(1)]);
     trial.run_for(0.5);
     trial.vehicle.replies.remove("RTK");
-    // It was begun during the outage, and the plan names what waits (SPI 6.20 does not say that it names what is flown).
+    // The insert began during the outage, and the plan names what waits (SPI 6.20 does not say that it names what is
+    // flown).
     outage(&mut trial);
     refused_for(&mut trial, interrupting(2), 2, "interrupt");
 }
@@ -113,7 +115,7 @@ fn sr_009_a_plan_says_nothing_of_an_insert_that_the_vehicle_may_not_have_decided
     trial.ask(0, [interrupting(1)]);
     trial.run_for(0.2);
     trial.cut();
-    // It will be accepted on 1.9 s after it was asked for (SPI 4.4), and begins at once.
+    // The vehicle accepts the insert 1.9 s after the request (SPI 4.4), and begins it at once.
     trial.run_for(1.2);
     assert!(trial.is_connected());
     assert_ne!(
@@ -171,7 +173,7 @@ fn sr_002_the_way_on_from_an_interrupt_leads_to_what_was_not_answered_too() {
         trial.vehicle.replies.remove("RTK");
         trial
     };
-    // It ends in the west of the wreck; the first one begins in the south-east of it.
+    // The second insert ends west of the wreck, and the first one begins south-east of it.
     let second = || at_once(line(2, (-700.0, -800.0), (-400.0, -800.0)));
     refused_for(&mut ask(Reply::Ok), second(), 2, "wreck");
     refused_for(&mut ask(Reply::Silent), second(), 2, "wreck");
@@ -203,7 +205,7 @@ fn sr_002_of_what_was_lost_on_the_link_any_may_have_been_a_begin() {
     refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
 }
 
-/// Noise on the line: a bit of each such sentence is turned.
+/// Noise on the line: each such sentence gets one character too many, so that its checksum is wrong.
 fn damage(name: &'static str, part: &'static str) -> impl FnMut(Vec<u8>) -> Vec<u8> {
     move |bytes| {
         let text = String::from_utf8(bytes).unwrap();
@@ -245,7 +247,7 @@ fn sr_002_a_successor_does_not_know_what_the_vehicle_comes_back_to_until_it_goes
     let mut trial = successor(0);
     trial.vehicle.replays = false;
     trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
-    // The behavior began at (-300, -1400), and a modify of the previous run has led it here.
+    // The behavior began at (-300, -1400), and a modify of the previous run has led the vehicle here.
     trial.vehicle.start = EastNorth::new(500.0, -1200.0);
     trial.run_for(1.0);
     let now = trial.now;

@@ -1,4 +1,5 @@
-//! Zones that are valid for a time: what counts is when a geometry may be flown, by our clock and the vehicle's.
+//! Zones that are valid for a time: what counts is when the vehicle may fly a geometry, by our clock and by the
+//! vehicle's.
 
 use std::time::Duration;
 
@@ -14,7 +15,7 @@ use crate::trial::{Setup, Trial, shorts};
 /// The trials' time zero, 2023-11-14T22:13:20Z.
 const START_S: u64 = 1_700_000_000;
 
-/// The time so many seconds after the start, as a fence's file has it.
+/// The time this many seconds after the start, in the format of a fence's file.
 fn rfc3339(after_s: u64) -> String {
     let of_day = START_S + after_s - 1_699_920_000;
     assert!(of_day < 2 * 86_400, "{after_s}");
@@ -27,7 +28,7 @@ fn rfc3339(after_s: u64) -> String {
     )
 }
 
-/// The box of the trials, with a window of its own, and a keep-out zone of another.
+/// The box of the trials with this window, and a keep-out zone with another.
 fn fence(of_box: &str, keep_out: Option<(&str, &str)>) -> Fence {
     let keep_out = keep_out.map_or(String::new(), |(ring, window)| {
         format!(
@@ -64,7 +65,7 @@ fn trial(fence: Fence) -> Trial {
     })
 }
 
-/// Asks and says what became of it: the refusal, or nothing where the vehicle has it.
+/// Asks, and returns the refusal, or nothing if the vehicle has accepted.
 fn ask(trial: &mut Trial, tag: u64, request: Request) -> Option<String> {
     trial.ask(0, [request]);
     trial.run_for(0.5);
@@ -87,7 +88,7 @@ fn sr_002_an_insert_that_may_still_fly_when_a_keep_out_zone_opens_is_rejected_an
         ask(&mut trial(opens_after(ON_THE_LINE, 3600)), 1, interrupting(1)),
         None
     );
-    // The same, asked for a quarter of an hour later.
+    // The same request, a quarter of an hour later.
     let mut later = trial(opens_after(ON_THE_LINE, 3600));
     later.run_for(900.0);
     let refusal = ask(&mut later, 1, interrupting(1)).unwrap();
@@ -100,11 +101,11 @@ fn sr_002_an_insert_that_may_still_fly_when_a_keep_out_zone_opens_is_rejected_an
 
 #[test]
 fn sr_002_what_is_flown_before_an_insert_delays_it() {
-    // An interruption would be over in time; after the planned leg it is not.
+    // An interrupting insert would be over in time; one after the planned leg is not.
     let fence = || opens_after(ON_THE_LINE, 3300);
     assert_eq!(ask(&mut trial(fence()), 1, interrupting(1)), None);
     assert!(ask(&mut trial(fence()), 1, good_line(1)).is_some());
-    // Nor after another insert.
+    // Neither is one after another insert.
     let mut behind = trial(opens_after(ON_THE_LINE, 4000));
     assert_eq!(ask(&mut behind, 1, good_line(1)), None);
     assert!(ask(&mut behind, 2, good_line(2)).is_some());
@@ -114,7 +115,7 @@ fn sr_002_what_is_flown_before_an_insert_delays_it() {
 fn sr_002_after_a_behavior_whose_end_nobody_can_tell_every_zone_counts() {
     let mut trial = trial(opens_after(ON_THE_LINE, 80_000));
     let now = trial.now;
-    // A single place: how long the vehicle is there, no sentence says.
+    // This behavior is a single place, and no sentence says how long the vehicle stays there.
     trial.vehicle.begin(now, Some(2), None);
     trial.run_for(0.5);
     assert!(ask(&mut trial, 1, good_line(1)).is_some());
@@ -154,7 +155,7 @@ fn sr_002_while_the_clocks_differ_by_over_a_minute_zones_with_a_window_count_at_
                 ..Setup::default()
             });
             trial.vehicle.clock_nanos = clock_s * 1_000_000_000;
-            // The clocks' difference is no time at which the zones begin or end.
+            // By then no zone begins or ends within the difference of the clocks.
             trial.run_for(120.0);
             let refusal = ask(&mut trial, 1, interrupting(1));
             assert_eq!(refusal.is_none(), known, "{clock_s} s: {refusal:?}");
@@ -168,7 +169,7 @@ fn sr_002_zones_follow_a_computers_clock_that_is_set_after_the_start_and_stamps_
     let mut trial = trial(opens);
     let refusal = ask(&mut trial, 1, interrupting(1)).unwrap();
     assert!(refusal.starts_with("time: "), "{refusal}");
-    // Both clocks had been 700 s behind, and are set.
+    // Both clocks were 700 s behind, and are set now.
     let ahead = 700_000_000_000;
     trial.vehicle.clock_nanos += ahead;
     trial.feed(Input::UtcSet(ahead));
@@ -182,7 +183,7 @@ fn sr_002_zones_follow_a_computers_clock_that_is_set_after_the_start_and_stamps_
         _ => false,
     };
     assert!(trial.notes().iter().any(told));
-    // Set back, the zone is closed again.
+    // When the clocks are set back, the zone is closed again.
     trial.vehicle.clock_nanos -= ahead;
     trial.feed(Input::UtcSet(0));
     trial.run_for(15.0);
@@ -200,7 +201,7 @@ fn sr_002_a_zone_that_opens_between_the_two_clocks_is_open() {
     trial.run_for(2.0);
     let begun = trial.now;
     let mut last = None;
-    // Until some time the line is over before by both clocks; the vehicle's is the earlier to end it.
+    // At first the line ends before the zone opens, by both clocks. By the vehicle's clock that changes first.
     while last.is_none() && trial.now.since(begun) < Duration::from_secs(1200) {
         let (_, step) = trial.steps(0).pop().unwrap();
         let by = |apart: Option<Duration>| {
@@ -250,7 +251,7 @@ fn sr_002_an_insert_that_has_not_begun_in_time_is_called_back() {
     trial.run_for(600.0);
     assert_eq!(trial.commands("RCN").len(), 1);
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "cancelled"]);
-    // Where no zone changes by then it may be late.
+    // If no zone changes by then, the insert may be late.
     let mut unhurried = self::trial(opens_after(ON_THE_LINE, 80_000));
     unhurried.vehicle.speed_mps = 0.8;
     unhurried.run_for(0.5);

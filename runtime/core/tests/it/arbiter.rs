@@ -16,7 +16,7 @@ fn limited(of_first: PluginLimits) -> Trial {
 }
 
 #[test]
-fn sr_019_a_plugins_own_inserts_are_capped_in_number_and_the_others_keep_theirs() {
+fn sr_019_a_plugins_own_cap_on_inserts_does_not_limit_the_other_plugins() {
     let mut trial = limited(PluginLimits {
         inserts_open_max: Some(1),
         inserts_total_max: Some(2),
@@ -52,7 +52,7 @@ fn sr_019_a_plugins_own_inserts_are_capped_in_number_and_the_others_keep_theirs(
 }
 
 #[test]
-fn sr_019_a_plugins_own_inserts_are_capped_in_duration() {
+fn sr_019_the_duration_of_a_plugins_own_inserts_is_capped() {
     let mut trial = limited(PluginLimits {
         inserts_duration_max_s: Some(1500.0),
         ..PluginLimits::default()
@@ -71,7 +71,7 @@ fn sr_019_a_plugins_own_inserts_are_capped_in_duration() {
 }
 
 #[test]
-fn sr_019_a_plugins_time_at_the_helm_is_capped_and_counted_as_it_was_used() {
+fn sr_019_a_plugins_steering_time_is_capped_and_only_used_time_counts() {
     let mut trial = limited(PluginLimits {
         steering_max_s: Some(60.0),
         ..PluginLimits::default()
@@ -107,7 +107,7 @@ fn sr_019_a_plugins_time_at_the_helm_is_capped_and_counted_as_it_was_used() {
 }
 
 #[test]
-fn sr_019_time_at_the_helm_counts_where_another_takes_it_too() {
+fn sr_019_steering_time_also_counts_if_another_plugin_takes_over() {
     let mut setup = Setup::default();
     setup.plugins[1].limits.steering_max_s = Some(40.0);
     let mut trial = Trial::with_under_way(setup);
@@ -129,7 +129,7 @@ fn sr_019_time_at_the_helm_counts_where_another_takes_it_too() {
 }
 
 #[test]
-fn sr_019_a_plugins_own_rate_is_the_lower_of_the_two() {
+fn sr_019_the_lower_of_the_missions_and_the_plugins_own_rate_applies() {
     let rejected = |own: Option<u32>| {
         let mut trial = limited(PluginLimits {
             requests_per_s: own,
@@ -152,7 +152,7 @@ fn sr_019_a_plugins_own_rate_is_the_lower_of_the_two() {
 }
 
 #[test]
-fn sr_006_sr_019_what_a_flooding_plugin_is_refused_takes_nothing_from_the_others() {
+fn sr_006_sr_019_the_refused_requests_of_a_flooding_plugin_cost_the_others_nothing() {
     let setup = Setup {
         limits: Limits {
             inserts_total_max: 3,

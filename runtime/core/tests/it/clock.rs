@@ -42,7 +42,7 @@ fn late_sentences(trial: &Trial) -> bool {
 }
 
 #[test]
-fn midnight_on_either_clock_costs_nothing_whichever_comes_first() {
+fn midnight_on_either_clock_ends_no_lease() {
     // Our clock starts this long before midnight.
     for (ours_before_s, vehicle_ahead_s) in [(10, 5), (10, -5), (10, 3600), (10, -3600), (10, 0), (10, 43_200)] {
         let mut setup = Setup::default();
@@ -63,7 +63,7 @@ fn midnight_on_either_clock_costs_nothing_whichever_comes_first() {
 }
 
 #[test]
-fn a_leap_second_costs_nothing() {
+fn a_leap_second_ends_no_lease() {
     for delay_ms in [5, 80] {
         let mut trial = before_midnight(10);
         trial.delay = Duration::from_millis(delay_ms);
@@ -84,7 +84,7 @@ fn a_leap_second_costs_nothing() {
 }
 
 #[test]
-fn hours_between_the_clocks_are_told_and_cost_nothing() {
+fn hours_between_the_clocks_are_reported_and_do_no_harm() {
     for hours in [-9, 1, 7] {
         let mut trial = Trial::new();
         trial.vehicle.clock_nanos = hours * HOUR;
@@ -100,7 +100,7 @@ fn hours_between_the_clocks_are_told_and_cost_nothing() {
 }
 
 #[test]
-fn sr_023_a_clock_that_is_set_ends_leases_for_ten_seconds_and_is_told() {
+fn sr_023_setting_the_vehicles_clock_ends_leases_for_ten_seconds_and_is_reported() {
     // Also by hours: half a day forward looks the same as half a day back.
     for millis in [
         300,
@@ -139,7 +139,7 @@ fn sr_023_a_clock_that_is_set_ends_leases_for_ten_seconds_and_is_told() {
 }
 
 #[test]
-fn clocks_that_drift_apart_cost_nothing() {
+fn drifting_clocks_end_no_lease() {
     for parts_per_million in [-90, 90] {
         let mut trial = Trial::under_way();
         trial.ask(0, [modify_for(1, Duration::from_secs(60))]);

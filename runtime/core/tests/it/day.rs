@@ -392,7 +392,7 @@ fn happen(trial: &mut Trial, chance: &mut Chance) {
 }
 
 #[test]
-fn sr_009_sr_013_a_day_of_traffic_loses_nothing_but_what_was_cut_and_closes_its_ledger() {
+fn sr_009_sr_013_a_day_of_traffic_loses_only_cut_sentences_and_every_request_ends() {
     let mut trial = Trial::with(setup());
     let midnight = Timestamp::from_secs(BEFORE_MIDNIGHT_S);
     let ours = midnight + Duration::from_secs(BEHIND_S);
@@ -448,21 +448,24 @@ fn sr_009_sr_013_a_day_of_traffic_loses_nothing_but_what_was_cut_and_closes_its_
     let now = trial.now;
     trial.vehicle.set_status(now, "Completed");
     trial.run_for(20.0);
-    assert_eq!(trial.core.open_requests(), 0, "the ledger is closed");
+    assert_eq!(trial.core.open_requests(), 0, "no request is open");
     trial.cut();
     books.enter(&mut trial);
 
     let expected = bad.borrow().counts;
     assert_eq!(
         books.counts, expected,
-        "every whole sentence was taken, every other one dropped under its cause"
+        "core takes every intact sentence and counts every other one under its cause"
     );
     for message in HEARD {
         assert_eq!(books.events.get(message), said.get(message), "{message}");
     }
     let counts = trial.core.request_counts();
     assert_eq!(counts.proposed, books.ends.len() as u64);
-    assert!(books.ends.values().all(|ends| *ends == 1), "one end for each");
+    assert!(
+        books.ends.values().all(|ends| *ends == 1),
+        "each request ends exactly once"
+    );
     let of = |kind: &str| books.kinds.get(kind).copied().unwrap_or(0);
     assert_eq!(
         (counts.rejected, counts.sent),

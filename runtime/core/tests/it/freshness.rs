@@ -27,7 +27,7 @@ fn sr_008_a_lease_ends_when_navigation_stops() {
 }
 
 #[test]
-fn sr_008_messages_that_keep_coming_with_a_frozen_solution_are_stale() {
+fn sr_008_messages_with_a_frozen_solution_are_stale() {
     let mut trial = Trial::steering();
     let frozen = trial.now;
     trial.vehicle.frozen = Some(frozen);
@@ -40,7 +40,7 @@ fn sr_008_messages_that_keep_coming_with_a_frozen_solution_are_stale() {
 }
 
 #[test]
-fn sr_008_a_frozen_solution_is_silence_and_the_connection_is_reset() {
+fn sr_008_a_frozen_solution_counts_as_silence_and_resets_the_connection() {
     let mut trial = Trial::under_way();
     trial.vehicle.frozen = Some(trial.now);
     trial.run_for(15.5);
@@ -85,7 +85,7 @@ fn sr_008_a_burst_of_buffered_navigation_is_old() {
 }
 
 #[test]
-fn sr_008_a_link_that_has_become_slow_is_seen_though_messages_keep_coming() {
+fn sr_008_a_link_that_becomes_slow_is_noticed_although_messages_keep_coming() {
     let mut trial = Trial::steering();
     insist(&mut trial);
     trial.delay = Duration::from_millis(1500);
@@ -110,7 +110,7 @@ fn sr_008_a_new_connection_that_is_slow_from_its_first_byte_is_not_taken_for_ano
 }
 
 #[test]
-fn hours_between_the_clocks_mean_nothing() {
+fn hours_between_the_clocks_do_not_matter() {
     for hours in [-23, -12, -11, -3, 2, 11, 12, 23] {
         for offset_nanos in [-20_000_000, -3_000_000, 0, 3_000_000, 20_000_000] {
             let mut trial = Trial::new();
@@ -141,7 +141,7 @@ fn before_midnight(seconds: i64) -> Trial {
 }
 
 #[test]
-fn midnight_passes_on_the_vehicles_clock_and_on_ours() {
+fn midnight_on_the_vehicles_clock_or_on_ours_ends_no_lease() {
     let mut trial = before_midnight(10);
     trial.run_for(2.0);
     insist(&mut trial);
@@ -209,11 +209,11 @@ fn sr_021_a_jump_ends_the_lease_until_navigation_has_been_steady_for_ten_seconds
     assert!(trial.core.has_control() && trial.core.is_steering());
     trial.vehicle.jump = EastNorth::new(0.0, 45.0);
     trial.run_for(1.0);
-    assert!(trial.core.is_steering(), "5 m may be");
+    assert!(trial.core.is_steering(), "a step of 5 m is allowed");
 }
 
 #[test]
-fn sr_021_a_second_jump_begins_the_ten_seconds_anew() {
+fn sr_021_a_second_jump_restarts_the_ten_seconds() {
     let mut trial = Trial::steering();
     trial.vehicle.jump = EastNorth::new(0.0, 40.0);
     trial.run_for(6.0);
@@ -237,7 +237,7 @@ fn sr_021_a_new_connection_does_not_shorten_the_ten_seconds() {
 }
 
 #[test]
-fn sr_021_a_jump_while_the_link_was_lost_is_seen() {
+fn sr_021_a_jump_during_a_link_loss_is_noticed() {
     let mut trial = Trial::steering();
     trial.cut();
     trial.vehicle.jump = EastNorth::new(0.0, 200.0);
@@ -254,7 +254,7 @@ fn sr_021_a_jump_while_the_link_was_lost_is_seen() {
 }
 
 #[test]
-fn sr_021_a_jump_over_a_lost_link_is_seen_though_the_vehicles_clock_was_set_before() {
+fn sr_021_a_jump_during_a_link_loss_is_noticed_even_if_the_vehicles_clock_was_set_before() {
     let mut trial = Trial::under_way();
     trial.vehicle.clock_nanos -= 20_000_000_000;
     // By all that core knows, the navigation that comes then was solved 20 s ago.
@@ -267,7 +267,7 @@ fn sr_021_a_jump_over_a_lost_link_is_seen_though_the_vehicles_clock_was_set_befo
 }
 
 #[test]
-fn a_vehicle_that_has_gone_on_while_the_link_was_lost_has_not_jumped() {
+fn a_vehicle_that_moves_on_during_a_link_loss_has_not_jumped() {
     let mut trial = Trial::steering();
     trial.cut();
     trial.unreachable = true;

@@ -78,7 +78,7 @@ fn sr_002_the_transit_to_the_line_is_checked() {
 }
 
 #[test]
-fn sr_002_the_way_to_what_is_abeam_is_a_turns_width_wide() {
+fn sr_002_the_way_to_a_line_abeam_is_checked_with_the_width_of_a_turn() {
     // The straight way passes the wreck some 12 m or 33 m outside its margin and the errors. A turn at 1.5 m/s takes 22
     // m of that, and the current takes another 7 m.
     let asked = |east_m: f64| {
@@ -94,7 +94,7 @@ fn sr_002_the_way_to_what_is_abeam_is_a_turns_width_wide() {
 }
 
 #[test]
-fn sr_002_the_way_on_to_what_comes_next_is_checked() {
+fn sr_002_the_way_from_an_insert_to_the_next_behavior_is_checked() {
     // From the end of the line the way to waypoint 2, 600 m east and 300 m north, leads over the wreck.
     let line = line(1, (600.0, -1700.0), (-500.0, -1700.0));
     let mut trial = Trial::under_way();
@@ -192,7 +192,7 @@ fn an_altitude_needs_bottom_lock_or_a_known_depth() {
 }
 
 #[test]
-fn sr_002_a_modify_is_checked_for_all_that_can_be_reached_in_silence() {
+fn sr_002_a_modify_is_checked_for_everything_in_reach_until_it_lapses() {
     // At 1.5 m/s the vehicle moves 9 m until a modify lapses, and then needs the width of a turn.
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(1940.0, 500.0);
@@ -235,7 +235,7 @@ fn with_a_leg_east_of_the_wreck(start: EastNorth) -> Trial {
 }
 
 #[test]
-fn sr_002_the_way_back_from_a_modify_to_the_line_behind_the_start_of_a_leg_is_checked() {
+fn sr_002_the_way_back_from_a_modify_to_a_legs_line_before_its_start_is_checked() {
     let mut trial = with_a_leg_east_of_the_wreck(EastNorth::new(0.0, -500.0));
     trial.ask(0, [Request::Modify(modify(1))]);
     trial.run_for(0.5);
@@ -248,7 +248,7 @@ fn sr_002_the_way_back_from_a_modify_to_the_line_behind_the_start_of_a_leg_is_ch
 }
 
 #[test]
-fn sr_002_the_way_from_an_interrupting_insert_onto_the_line_that_it_interrupts_is_checked() {
+fn sr_002_the_way_from_an_interrupting_insert_back_to_the_interrupted_line_is_checked() {
     let insert = |interrupt, end| {
         let mut trial = with_a_leg_east_of_the_wreck(EastNorth::new(-700.0, -500.0));
         let line = line(1, (-500.0, -500.0), end);
@@ -265,7 +265,7 @@ fn sr_002_the_way_from_an_interrupting_insert_onto_the_line_that_it_interrupts_i
 }
 
 #[test]
-fn sr_002_the_way_back_from_a_modify_to_the_way_to_the_leg_is_checked() {
+fn sr_002_the_way_back_from_a_modify_to_the_transit_before_a_leg_is_checked() {
     let led_off = |began: EastNorth| {
         let mut trial = Trial::new();
         trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));
@@ -289,7 +289,7 @@ fn sr_002_the_way_back_from_a_modify_to_the_way_to_the_leg_is_checked() {
 }
 
 #[test]
-fn sr_002_a_behavior_that_begins_as_navigation_jumps_may_have_begun_before_or_after() {
+fn sr_002_a_behavior_that_begins_during_a_jump_may_have_begun_before_or_after_it() {
     const AWAY: EastNorth = EastNorth::new(-800.0, 0.0);
     let led_off = |east_m, jumps: fn(&mut Trial)| {
         let mut trial = Trial::new();
@@ -331,7 +331,7 @@ fn sr_002_a_behavior_that_begins_as_navigation_jumps_may_have_begun_before_or_af
 }
 
 #[test]
-fn sr_002_where_the_lead_in_of_an_insert_begins_only_the_vehicle_knows_and_so_the_way_to_it() {
+fn sr_002_the_way_to_an_insert_is_checked_with_and_without_its_lead_in() {
     let led_off = |start: (f64, f64)| {
         let mut trial = Trial::new();
         trial.vehicle.start = EastNorth::new(300.0, -400.0);
@@ -362,7 +362,7 @@ fn sr_002_where_the_lead_in_of_an_insert_begins_only_the_vehicle_knows_and_so_th
 }
 
 #[test]
-fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_at() {
+fn sr_002_the_way_back_from_a_modify_is_checked_at_the_depths_of_the_plan() {
     // East of the planned leg lie shoals, a keep-out zone down to 5 m. The modify is flown at 20 m.
     let started_and_asked_after = |start: Start, seconds: f64, flown_at_m: f64| {
         let mut trial = Trial::with(Setup {
@@ -402,7 +402,7 @@ fn sr_002_on_the_way_back_from_a_modify_the_depths_count_that_the_plan_is_flown_
 }
 
 #[test]
-fn the_answer_that_plugins_get_for_their_question_is_the_judgement_of_the_geometry() {
+fn a_plugins_query_gets_the_same_verdict_as_its_request() {
     let mut trial = Trial::under_way();
     let envelope = crate::course::envelope(limits());
     let (_, input) = trial.steps(0).pop().unwrap();

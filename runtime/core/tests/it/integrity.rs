@@ -124,7 +124,7 @@ fn ends_after_s(wrong: Wrong, figure: f64) -> Option<f64> {
 }
 
 #[test]
-fn sr_024_what_was_found_to_steer_on_ends_the_lease() {
+fn sr_024_each_kind_of_wrong_navigation_ends_the_lease() {
     let cases: [(&str, Wrong, f64, f64); 8] = [
         ("creeping 9 m a sample", creeps, 90.0, 2.0),
         ("frozen under 1.5 m/s", freezes, 1.5, 12.0),
@@ -172,7 +172,7 @@ fn sr_024_each_flaw_has_its_limit() {
 }
 
 #[test]
-fn sr_024_a_true_fix_is_no_flaw_and_unsteady_all_the_same() {
+fn sr_024_a_true_gps_fix_is_no_flaw_but_counts_as_unsteady() {
     for metres in [5.0, 15.0, 200.0] {
         let mut trial = Trial::under_way();
         trial.vehicle.bend = Some(Box::new(
@@ -204,7 +204,7 @@ fn sr_024_a_true_fix_is_no_flaw_and_unsteady_all_the_same() {
 
 /// The BPLOG,NVR was lost on its way, and core took the answer to another BPLOG for its own.
 #[test]
-fn sr_024_velocities_that_stay_away_are_subscribed_anew() {
+fn sr_024_missing_velocities_are_subscribed_again() {
     let mut trial = Trial::under_way();
     trial.vehicle.subscribed.remove("NVR");
     let at = trial.now;

@@ -121,11 +121,11 @@ impl Judge {
     pub(crate) fn settled(&self, now: Timestamp) {
         assert!(
             self.has_control() || self.modified.is_none(),
-            "a modify stands at {now} without control"
+            "a modify goes on at {now} without control"
         );
         assert!(
             self.has_control() || self.suspended.is_none(),
-            "station keeping stands at {now} without control"
+            "station keeping goes on at {now} without control"
         );
     }
 
@@ -185,7 +185,10 @@ impl Judge {
                 self.identifiers.push(packet.request);
             }
             ToVehicle::DvlTriggerRequest(request) => {
-                assert!(self.may_trigger || !request.triggering, "BPDVR x,1 at {now} unasked");
+                assert!(
+                    self.may_trigger || !request.triggering,
+                    "BPDVR x,1 at {now} without permission"
+                );
                 self.may_trigger &= request.external || request.triggering;
             }
             _ => {}

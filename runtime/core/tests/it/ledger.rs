@@ -44,7 +44,7 @@ fn known_once_it_has_come_anew(trial: &mut Trial) {
 }
 
 #[test]
-fn sr_002_a_plan_whose_series_was_interrupted_by_the_missions_start_is_not_taken_for_whole() {
+fn sr_002_a_plan_series_that_the_missions_start_interrupts_does_not_count_as_complete() {
     let mut trial = Trial::new();
     trial.vehicle.status = "Ready";
     trial.run_for(2.0);
@@ -76,7 +76,7 @@ fn sr_002_a_plan_whose_series_was_interrupted_by_the_missions_start_is_not_taken
 }
 
 #[test]
-fn a_plan_that_the_vehicle_does_not_follow_is_asked_for_anew() {
+fn core_asks_again_for_a_plan_that_the_vehicle_does_not_follow() {
     let mut trial = Trial::under_way();
     let asked = trial.commands("RMP").len();
     let now = trial.now;
@@ -86,7 +86,7 @@ fn a_plan_that_the_vehicle_does_not_follow_is_asked_for_anew() {
 }
 
 #[test]
-fn sr_002_a_plan_whose_series_ended_in_a_refusal_is_not_taken_for_whole() {
+fn sr_002_a_plan_series_that_ends_in_a_refusal_does_not_count_as_complete() {
     let mut trial = Trial::new();
     trial.vehicle.replies.insert("RMP", Reply::Silent);
     trial.run_for(1.0);
@@ -102,7 +102,7 @@ fn sr_002_a_plan_whose_series_ended_in_a_refusal_is_not_taken_for_whole() {
 }
 
 #[test]
-fn sr_002_a_plan_of_whose_series_anything_was_lost_is_not_taken_for_whole() {
+fn sr_002_a_plan_series_with_a_lost_sentence_does_not_count_as_complete() {
     let told = |between: &[u8]| {
         let mut trial = Trial::new();
         trial.vehicle.replies.insert("RMP", Reply::Silent);

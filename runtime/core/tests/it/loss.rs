@@ -15,7 +15,7 @@ const SECOND: i64 = 1_000_000_000;
 
 /// GPS hits discipline the vehicle's clock (SPI 2), and also move its position.
 #[test]
-fn sr_021_a_jump_is_seen_though_the_vehicles_clock_is_set_with_it() {
+fn sr_021_a_jump_is_noticed_even_if_the_vehicles_clock_is_set_with_it() {
     for seconds in [30, 120, 4000] {
         let mut trial = Trial::under_way();
         trial.ask(0, [modify_for(1, Duration::from_secs(60))]);
@@ -79,7 +79,7 @@ fn sr_015_a_hold_takes_back_an_insert_that_was_never_answered() {
 }
 
 #[test]
-fn sr_015_a_plugin_that_fails_leaves_no_insert_behind_that_was_never_answered() {
+fn sr_015_an_unanswered_insert_of_a_failed_plugin_is_taken_back() {
     let failing = PluginSetup {
         on_failure: FailAction::Cancel,
         ..plugin("first")
@@ -139,7 +139,7 @@ fn bytes(body: &str) -> Vec<u8> {
 }
 
 #[test]
-fn sr_001_control_that_the_vehicle_takes_in_words_that_cannot_be_read_is_not_ours() {
+fn sr_001_an_unreadable_message_about_control_takes_control_away() {
     for body in [
         "BFCTL,221325.000,",
         "BFCTL,221325.000",
@@ -157,7 +157,7 @@ fn sr_001_control_that_the_vehicle_takes_in_words_that_cannot_be_read_is_not_our
 
 /// Persisting the hold syncs the disk, and the vehicle's helm must not wait for that.
 #[test]
-fn sr_003_a_holds_bpemb_comes_before_it_is_kept() {
+fn sr_003_the_bpemb_of_a_hold_is_sent_before_the_hold_is_persisted() {
     let mut trial = Trial::steering();
     let before = trial.seen.len();
     trial.operator(Operator::Hold);
@@ -178,7 +178,7 @@ fn begun(trial: &mut Trial, identifier: u32) {
 
 /// The damaged sentences may have been the end of our insert and the begin of another payload's.
 #[test]
-fn sr_012_the_current_behavior_is_not_cancelled_where_it_may_be_anothers() {
+fn sr_012_the_current_behavior_is_not_cancelled_if_it_may_be_another_payloads() {
     let mut trial = Trial::under_way();
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
@@ -192,7 +192,7 @@ fn sr_012_the_current_behavior_is_not_cancelled_where_it_may_be_anothers() {
 }
 
 #[test]
-fn sr_010_an_insert_of_another_payload_is_not_interrupted_where_its_begin_was_damaged() {
+fn sr_010_another_payloads_insert_is_not_interrupted_even_if_its_begin_was_damaged() {
     let mut trial = Trial::under_way();
     trial.hear_bytes(b"$BFMBS,221325.000,,,77,trackline*00\r\n");
     trial.run_for(10.0);
@@ -202,7 +202,7 @@ fn sr_010_an_insert_of_another_payload_is_not_interrupted_where_its_begin_was_da
 }
 
 #[test]
-fn sr_010_an_insert_of_another_payload_is_not_interrupted_over_a_lost_link() {
+fn sr_010_another_payloads_insert_is_not_interrupted_after_a_link_loss() {
     let mut trial = Trial::under_way();
     begun(&mut trial, 77);
     trial.ask(0, [interrupting(1)]);

@@ -4,7 +4,7 @@ use backseat_core::ended::EndCause;
 use backseat_core::refusal::{Figure, Reason, Rule, Uncontrolled};
 
 #[test]
-fn the_page_tells_of_every_rule_figure_state_and_end() {
+fn the_page_lists_every_rule_figure_state_and_end() {
     let page = include_str!("../../../docs/outcomes.md");
     let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
     let mut expected: Vec<String> = Vec::new();

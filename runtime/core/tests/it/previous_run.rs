@@ -43,7 +43,7 @@ fn cancelled(trial: &Trial) -> Vec<u32> {
 }
 
 #[test]
-fn sr_009_sr_019_an_interrupted_insert_stays_open_until_it_is_known_whether_it_is_taken_up_again() {
+fn sr_009_sr_019_an_interrupted_insert_stays_open_until_core_knows_whether_it_is_resumed() {
     for resumed in [true, false] {
         let mut trial = Trial::under_way();
         trial.ask(0, [good_line(1)]);
@@ -82,7 +82,7 @@ fn sr_009_sr_019_an_interrupted_insert_stays_open_until_it_is_known_whether_it_i
 }
 
 #[test]
-fn sr_010_an_insert_that_was_refused_and_is_flown_all_the_same_is_not_interrupted() {
+fn sr_010_a_refused_insert_that_is_flown_anyway_is_not_interrupted() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Refuse);
     trial.ask(0, [interrupting(1)]);
@@ -112,7 +112,7 @@ fn successor(inserts: u32, limits: impl FnOnce(&mut Limits)) -> Trial {
 }
 
 #[test]
-fn sr_019_an_insert_of_a_killed_process_that_is_flown_counts_though_the_plan_does_not_name_it() {
+fn sr_019_a_flown_insert_of_a_killed_process_counts_although_the_plan_does_not_name_it() {
     let mut trial = successor(9, |limits| limits.inserts_open_max = 1);
     trial.run_for(2.0);
     let now = trial.now;
@@ -136,7 +136,7 @@ fn sr_019_an_insert_of_a_killed_process_that_is_flown_counts_though_the_plan_doe
 }
 
 #[test]
-fn sr_002_what_a_killed_process_may_have_sent_to_the_surface_nobody_modifies() {
+fn sr_002_a_possible_gps_hit_of_a_killed_process_is_not_modified() {
     let successor = |gps_hits| {
         let setup = granted(&[Grant::Modify, Grant::Insert, Grant::Surface], &[]);
         let mut trial = Trial::with(setup.after(3, gps_hits));
@@ -172,11 +172,11 @@ fn sr_002_what_a_killed_process_may_have_sent_to_the_surface_nobody_modifies() {
     // The killed process sent no GPS hit, because it had reserved none.
     assert!(!refused(&mut successor(0), 1));
     let mut trial = successor(2);
-    assert!(refused(&mut trial, 1), "one may be flown");
+    assert!(refused(&mut trial, 1), "a GPS hit may be flown");
     begins(&mut trial, 4, "trackline");
     assert!(!refused(&mut trial, 2), "a line is flown");
     begins(&mut trial, 5, "gps");
-    assert!(refused(&mut trial, 3), "what it calls so may be one");
+    assert!(refused(&mut trial, 3), "a behavior of the kind `gps` may be a GPS hit");
     // While the link was lost, another insert may have begun.
     let mut trial = successor(2);
     begins(&mut trial, 4, "trackline");
@@ -194,7 +194,7 @@ fn sr_002_what_a_killed_process_may_have_sent_to_the_surface_nobody_modifies() {
 }
 
 #[test]
-fn sr_019_what_may_be_sent_to_the_surface_is_reserved_where_something_may() {
+fn sr_019_gps_hits_are_reserved_only_if_a_plugin_may_ask_for_them() {
     let reserved = |grants: &[Grant]| {
         let setup = granted(grants, &[]);
         let start = Start {
@@ -214,7 +214,7 @@ fn sr_019_what_may_be_sent_to_the_surface_is_reserved_where_something_may() {
 }
 
 #[test]
-fn sr_019_the_inserts_of_a_killed_process_count_among_those_of_the_mission() {
+fn sr_019_the_inserts_of_a_killed_process_count_under_the_cap_of_the_mission() {
     let mut trial = successor(9, |limits| limits.inserts_total_max = 10);
     trial.run_for(2.0);
     for tag in [1, 2] {
@@ -256,7 +256,7 @@ fn sr_010_nothing_interrupts_while_an_insert_of_a_killed_process_may_be_flown() 
 }
 
 #[test]
-fn sr_015_the_operators_hold_takes_back_what_a_killed_process_left_in_the_plan() {
+fn sr_015_a_hold_takes_back_the_inserts_that_a_killed_process_left_in_the_plan() {
     let mut trial = successor(2, |_| {});
     trial.vehicle.inserted.extend([7, 40]);
     trial.run_for(2.0);
@@ -267,7 +267,7 @@ fn sr_015_the_operators_hold_takes_back_what_a_killed_process_left_in_the_plan()
 }
 
 #[test]
-fn sr_015_a_successor_takes_back_what_is_left_though_the_plan_does_not_come_again() {
+fn sr_015_a_successor_takes_back_such_an_insert_even_if_the_plan_does_not_come_again() {
     let mut trial = successor(2, |_| {});
     trial.vehicle.inserted.extend([7]);
     trial.run_for(2.0);
@@ -290,7 +290,7 @@ fn sr_015_a_successor_takes_back_what_is_left_though_the_plan_does_not_come_agai
 }
 
 #[test]
-fn sr_015_under_the_hold_what_is_left_is_taken_back_as_soon_as_the_plan_names_it() {
+fn sr_015_during_a_hold_such_an_insert_is_taken_back_as_soon_as_the_plan_names_it() {
     let mut trial = successor(2, |_| {});
     trial.vehicle.replies.insert("RMP", Reply::Silent);
     trial.run_for(2.0);

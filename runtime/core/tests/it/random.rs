@@ -539,7 +539,7 @@ proptest! {
     }
 
     #[test]
-    fn sr_009_sr_012_whatever_is_ordered_leaves_only_by_the_order_and_every_order_has_one_end(
+    fn sr_009_sr_012_what_only_the_operator_may_order_leaves_only_by_order_and_every_order_has_one_end(
         acts in vec(prop_oneof![4 => act(), 1 => order().prop_map(Act::Order)], 1..60),
         stale in (1.0..5.0, order()),
         quarantined in order(),

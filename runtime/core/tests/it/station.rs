@@ -167,7 +167,7 @@ pub(crate) fn lines(trial: &Trial, name: &str) -> Vec<String> {
 }
 
 #[test]
-fn sr_005_a_move_suspends_limits_the_speed_moves_and_is_refreshed_each_half_second_until_its_term() {
+fn sr_005_a_move_suspends_limits_the_speed_moves_and_is_refreshed_each_half_second_until_its_term_ends() {
     let mut trial = hovering();
     let asked = trial.now;
     let duration = Duration::from_secs(5);
@@ -207,12 +207,12 @@ fn sr_005_a_move_suspends_limits_the_speed_moves_and_is_refreshed_each_half_seco
             }
         )
     };
-    assert!(trial.events(0).iter().any(told), "the plugin hears of it");
+    assert!(trial.events(0).iter().any(told), "the plugin learns of it");
     assert_eq!(trial.core.open_requests(), 0);
 }
 
 #[test]
-fn a_move_over_the_bottom_goes_by_depth_or_by_altitude() {
+fn a_move_over_the_bottom_is_sent_with_a_depth_or_an_altitude() {
     let mut trial = hovering();
     trial.ask(
         0,
@@ -245,13 +245,13 @@ fn a_move_over_the_bottom_goes_by_depth_or_by_altitude() {
         "{:?}",
         trial.states(2)
     );
-    assert_eq!(lines(&trial, "SPD"), ["0.2"], "it is known already");
+    assert_eq!(lines(&trial, "SPD"), ["0.2"], "the vehicle already has this limit");
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted", "ended"]);
     assert_eq!(shorts(&trial.states(2)), ["sent", "accepted"]);
 }
 
 #[test]
-fn station_keeping_where_it_is_needs_no_move_and_no_speed() {
+fn station_keeping_at_the_current_place_needs_no_move_and_no_speed() {
     let mut trial = hovering();
     let asked = trial.now;
     trial.ask(0, [Request::Station(station(1))]);
@@ -263,7 +263,7 @@ fn station_keeping_where_it_is_needs_no_move_and_no_speed() {
 }
 
 #[test]
-fn a_station_that_is_asked_for_in_each_step_is_refreshed_no_more_often_and_stays_open_once() {
+fn a_station_request_repeated_in_each_step_is_refreshed_no_more_often_and_stays_one_request() {
     for target in [station(1), to_hull(1, 3.0, 5.0, 5.0)] {
         let mut trial = hovering();
         trial.script(0, move |_| {
@@ -319,7 +319,7 @@ fn station_requests_that_end_and_begin_are_sent_at_most_five_times_a_second() {
 }
 
 #[test]
-fn a_moved_vehicle_that_is_to_stay_is_sent_to_where_it_is() {
+fn a_moving_vehicle_that_is_to_stay_is_sent_to_its_current_place() {
     let mut trial = moving();
     glide(&mut trial, [4.0, 5.0, 5.5], 4.0);
     trial.ask(0, [Request::Station(station(2))]);
@@ -362,7 +362,7 @@ fn a_move_without_a_speed_never_inherits_one() {
     assert_eq!(lines(&trial, "SPD"), ["1.5", "0.5", "1.5"], "{:?}", trial.states(1));
     trial.ask(0, [Request::EndStation]);
     trial.run_for(0.5);
-    assert_eq!(lines(&trial, "SPD").len(), 3, "it has its own already");
+    assert_eq!(lines(&trial, "SPD").len(), 3, "the vehicle already has its own limit");
     // If the vehicle's own limit is above that of a move, a move must state its speed.
     let mut trial = hovering();
     trial.ask(0, [Request::Station(plain(1))]);
@@ -451,7 +451,7 @@ fn sr_005_station_keeping_ends_with_one_bpres_whatever_ends_it() {
 }
 
 #[test]
-fn sr_005_relative_navigation_ends_station_keeping_the_moment_that_it_is_stale() {
+fn sr_005_station_keeping_ends_the_moment_that_relative_navigation_is_stale() {
     let mut trial = moving();
     let last = trial.now;
     trial.vehicle.hull_m = None;
@@ -498,13 +498,17 @@ fn sr_005_a_refusal_or_silence_at_any_step_ends_station_keeping_and_its_request_
                 assert_eq!(waited, Duration::from_secs(1), "{name}");
             }
             let moved = !trial.commands("GHP").is_empty();
-            assert_eq!(moved, name == "GHP", "no move before what it needs is acknowledged");
+            assert_eq!(
+                moved,
+                name == "GHP",
+                "no move leaves before the steps that it needs are acknowledged"
+            );
         }
     }
 }
 
 #[test]
-fn an_acknowledgement_may_take_its_time_and_the_mission_stays_suspended_meanwhile() {
+fn an_acknowledgement_may_take_its_time_while_the_mission_stays_suspended() {
     let mut trial = hovering();
     for name in ["SUS", "SPD", "GHP"] {
         let reply = Reply::Pending(Duration::from_millis(1500), AckStatus::Succeeded);
@@ -515,12 +519,12 @@ fn an_acknowledgement_may_take_its_time_and_the_mission_stays_suspended_meanwhil
     assert_eq!(shorts(&trial.states(1)), ["sent", "pending", "accepted"]);
     assert!(
         trial.commands("CON").len() > 6,
-        "the judge of the trial looks at the pauses"
+        "the judge of the trial checks the pauses"
     );
 }
 
 #[test]
-fn answers_twice_late_or_for_something_else_change_nothing() {
+fn repeated_late_and_unrelated_answers_change_nothing() {
     let mut trial = moving();
     let echo = trial.sent("GHP")[0];
     let now = trial.now;
@@ -550,7 +554,7 @@ fn answers_twice_late_or_for_something_else_change_nothing() {
 }
 
 #[test]
-fn what_is_asked_for_while_another_is_under_way_follows_its_acknowledgement() {
+fn a_request_during_another_is_sent_after_the_acknowledgement_of_the_first() {
     let mut trial = hovering();
     let slow = Reply::Late(Duration::from_millis(450), AckStatus::Succeeded);
     for name in ["SUS", "SPD", "GHP"] {

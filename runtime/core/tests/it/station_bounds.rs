@@ -18,7 +18,7 @@ fn ask(trial: &mut Trial, request: StationRequest) -> Result<(), String> {
 }
 
 #[test]
-fn sr_002_the_whole_way_on_the_hull_is_in_the_box_and_at_or_beyond_the_least_standoff() {
+fn sr_002_the_whole_way_of_a_move_on_the_hull_is_in_the_box_and_not_nearer_than_the_least_standoff() {
     // At 0.2 m/s the vehicle may stray by 1.1 m, and in addition by what it covers within navigation's age.
     let cases = [
         (to_hull(1, 10.0, 5.0, 2.2), None),
@@ -48,7 +48,7 @@ fn sr_002_the_whole_way_on_the_hull_is_in_the_box_and_at_or_beyond_the_least_sta
 }
 
 #[test]
-fn sr_002_a_way_that_leads_past_a_screw_is_no_way_though_its_ends_are_clear() {
+fn sr_002_a_move_past_a_screw_is_rejected_although_its_ends_are_clear() {
     // The vehicle and the target are at least 10 m from the screw, on either side of it.
     let mut trial = hovering();
     let rejection = ask(&mut trial, to_hull(1, 40.0, 7.0, 5.0)).unwrap_err();
@@ -84,7 +84,7 @@ fn sr_002_the_way_back_to_where_the_mission_was_suspended_is_part_of_a_move() {
     // not.
     let rejection = ask(&mut trial, to_hull(3, 40.0, 5.0, 9.0)).unwrap_err();
     assert!(rejection.contains("screw"), "{rejection}");
-    assert!(trial.core.is_steering(), "the move that was good stands");
+    assert!(trial.core.is_steering(), "the earlier move goes on");
     // A mission that has not gone on yet is still suspended at its first place.
     trial.ask(0, [Request::EndStation]);
     trial.run_for(0.5);
@@ -98,7 +98,7 @@ fn sr_002_the_way_back_to_where_the_mission_was_suspended_is_part_of_a_move() {
 }
 
 #[test]
-fn sr_020_where_the_vehicle_is_must_be_good_too_and_no_way_leads_back_in() {
+fn sr_020_from_a_bad_place_every_station_request_is_rejected_even_one_that_leads_back() {
     let places = [
         ([0.0, 5.0, 1.2], "distance_min_m 1"),
         ([0.0, 5.0, 16.0], "distance_max_m 15"),
@@ -119,7 +119,7 @@ fn sr_020_where_the_vehicle_is_must_be_good_too_and_no_way_leads_back_in() {
 }
 
 #[test]
-fn sr_004_each_refresh_is_checked_anew_and_the_box_ends_station_keeping() {
+fn sr_004_each_refresh_of_station_keeping_is_checked_again_and_the_box_ends_it() {
     let mut trial = hovering();
     assert_eq!(ask(&mut trial, station(1)), Ok(()));
     // The vehicle drifts towards the hull.
@@ -134,7 +134,7 @@ fn sr_004_each_refresh_is_checked_anew_and_the_box_ends_station_keeping() {
 }
 
 #[test]
-fn sr_004_station_keeping_ends_at_the_sample_that_shows_it_out_of_its_box() {
+fn sr_004_station_keeping_ends_at_the_sample_that_shows_the_vehicle_outside_its_box() {
     let mut trial = hovering();
     glide(&mut trial, [0.0, 5.0, 2.0], 6.0);
     assert_eq!(ask(&mut trial, station(1)), Ok(()));
@@ -166,7 +166,7 @@ fn sr_002_a_fast_vehicle_strays_further() {
 }
 
 #[test]
-fn sr_002_a_way_over_the_bottom_is_in_the_box_with_its_depths() {
+fn sr_002_the_whole_way_of_a_move_over_the_bottom_is_in_the_box_and_within_its_depths() {
     let depth = VerticalRequest::DepthM;
     let cases = [
         (to_bottom(1, 10.0, 10.0, depth(25.0)), None),
@@ -237,7 +237,11 @@ fn each_kind_of_move_needs_its_own_navigation_and_its_own_box() {
     trial.run_for(1.5);
     let rejection = ask(&mut trial, to_hull(1, 5.0, 5.0, 5.0)).unwrap_err();
     assert_eq!(rejection, "navigation: a move on the hull needs fresh BFRNV");
-    assert_eq!(ask(&mut trial, station(2)), Ok(()), "either tells where it is");
+    assert_eq!(
+        ask(&mut trial, station(2)),
+        Ok(()),
+        "either of the two positions is enough"
+    );
     // The mission was suspended at a place whose position on the hull is not known.
     trial.vehicle.hull_m = Some([0.0, 5.0, 5.0]);
     trial.run_for(1.0);
@@ -269,7 +273,7 @@ fn each_kind_of_move_needs_its_own_navigation_and_its_own_box() {
 }
 
 #[test]
-fn the_question_of_a_plugin_and_the_request_get_the_same_answer() {
+fn a_plugins_query_and_its_request_get_the_same_answer() {
     let limits = setup(Some(station_limits())).limits;
     let judge = envelope(limits);
     let requests = [

@@ -13,7 +13,7 @@ use crate::trial::{Setup, Trial, shorts};
 use crate::vehicle::{Reply, name_of};
 
 #[test]
-fn sr_002_what_an_insert_has_interrupted_may_be_taken_up_from_where_a_modify_has_led() {
+fn sr_002_the_way_back_from_a_modify_to_the_leg_that_an_insert_has_interrupted_is_checked() {
     let mut trial = Trial::new();
     trial.vehicle.start = EastNorth::new(700.0, -1300.0);
     trial.run_for(2.0);
@@ -26,7 +26,7 @@ fn sr_002_what_an_insert_has_interrupted_may_be_taken_up_from_where_a_modify_has
 }
 
 #[test]
-fn sr_002_sr_020_the_way_back_to_an_interrupted_insert_is_judged_before_what_interrupts_is_cancelled() {
+fn sr_002_sr_020_the_way_back_to_an_interrupted_insert_is_checked_before_the_interrupting_one_is_cancelled() {
     let mut trial = Trial::under_way();
     // This insert leads from south to north, east of the wreck.
     accepted(
@@ -50,7 +50,7 @@ fn sr_002_sr_020_the_way_back_to_an_interrupted_insert_is_judged_before_what_int
 }
 
 #[test]
-fn sr_019_an_insert_that_is_interrupted_without_a_word_is_open_still() {
+fn sr_019_an_insert_that_is_interrupted_without_a_bfmbe_stays_open() {
     let limits = Limits {
         inserts_open_max: 2,
         ..limits()
@@ -73,7 +73,7 @@ fn sr_019_an_insert_that_is_interrupted_without_a_word_is_open_still() {
 }
 
 #[test]
-fn sr_002_the_way_on_from_an_interrupt_leads_to_another_payloads_insert_too() {
+fn sr_002_the_way_on_from_an_interrupting_insert_to_another_payloads_insert_is_checked() {
     let mut trial = Trial::new();
     trial.vehicle.moved = Some((1, EastNorth::new(900.0, 0.0)));
     trial.vehicle.start = EastNorth::new(400.0, 0.0);
@@ -88,14 +88,14 @@ fn sr_002_the_way_on_from_an_interrupt_leads_to_another_payloads_insert_too() {
 }
 
 #[test]
-fn sr_010_an_insert_of_another_payload_is_not_interrupted() {
+fn sr_010_another_payloads_insert_is_not_interrupted() {
     let mut trial = Trial::under_way();
     begins(&mut trial, None, Some(40));
     refused_for(&mut trial, interrupting(1), 1, "interrupt");
 }
 
 #[test]
-fn sr_002_an_insert_of_another_payload_that_the_plan_does_not_name_is_not_modified() {
+fn sr_002_another_payloads_insert_that_the_plan_does_not_name_is_not_modified() {
     let mut trial = Trial::under_way();
     // Another payload inserted it after core had asked for the plan.
     begins(&mut trial, None, Some(40));
@@ -111,7 +111,7 @@ fn beside_the_plan() -> Trial {
 }
 
 #[test]
-fn sr_002_a_planned_behavior_that_the_plan_does_not_tell_of_is_not_modified() {
+fn sr_002_a_planned_behavior_that_is_missing_from_the_plan_is_not_modified() {
     let mut trial = beside_the_plan();
     // The wreck lies between here and the whole plan.
     led_to(&mut trial, 0.0, -1300.0);
@@ -119,7 +119,7 @@ fn sr_002_a_planned_behavior_that_the_plan_does_not_tell_of_is_not_modified() {
 }
 
 #[test]
-fn sr_002_after_a_planned_behavior_that_the_plan_does_not_tell_of_any_may_come() {
+fn sr_002_after_a_planned_behavior_that_is_missing_from_the_plan_any_other_may_come() {
     let mut trial = beside_the_plan();
     led_to(&mut trial, 0.0, -1300.0);
     refused_for(
@@ -131,7 +131,7 @@ fn sr_002_after_a_planned_behavior_that_the_plan_does_not_tell_of_any_may_come()
 }
 
 #[test]
-fn sr_002_a_way_to_a_leg_that_runs_along_another_is_still_to_be_kept_in_mind() {
+fn sr_002_the_transit_to_the_first_leg_counts_even_if_it_runs_along_another_leg() {
     // The last leg of the plan passes the place where the behavior begins, 23 degrees off the way from there to its
     // first point.
     let led_off = |last: [(f64, f64); 2]| {
@@ -191,7 +191,7 @@ fn sr_002_a_way_to_a_leg_that_runs_along_another_is_still_to_be_kept_in_mind() {
 }
 
 #[test]
-fn sr_002_a_circle_may_be_entered_as_far_aside_as_a_line_touches_it() {
+fn sr_002_the_entry_of_a_circle_may_lie_as_far_aside_as_a_tangent_touches_it() {
     let led_off = |entry_angle_deg| {
         let mut trial = Trial::new();
         trial.vehicle.start = EastNorth::new(571.0, -4.0);
@@ -214,7 +214,7 @@ fn sr_002_a_circle_may_be_entered_as_far_aside_as_a_line_touches_it() {
 }
 
 #[test]
-fn sr_002_an_insert_that_waits_is_called_back_where_its_way_on_no_longer_holds() {
+fn sr_002_a_waiting_insert_is_called_back_when_its_way_on_is_no_longer_good() {
     let mut trial = Trial::new();
     trial.vehicle.moved = Some((3, EastNorth::new(-300.0, -2000.0)));
     trial.run_for(2.0);
@@ -239,7 +239,7 @@ fn by_the_leg(tag: u64) -> Request {
 }
 
 #[test]
-fn sr_002_what_interrupts_is_refused_where_an_insert_that_waits_has_no_way_back_to_what_is_interrupted() {
+fn sr_002_an_interrupting_insert_is_refused_if_a_waiting_one_has_no_way_back_to_the_interrupted_leg() {
     let mut trial = Trial::under_way();
     accepted(&mut trial, beside_the_wreck(1), 1);
     refused_for(&mut trial, by_the_leg(2), 2, "wreck");
@@ -251,7 +251,7 @@ fn sr_002_what_interrupts_is_refused_where_an_insert_that_waits_has_no_way_back_
 }
 
 #[test]
-fn sr_002_sr_020_the_way_back_to_the_line_of_an_interrupted_leg_is_judged_before_an_insert_is_cancelled() {
+fn sr_002_sr_020_the_way_back_to_the_line_of_an_interrupted_leg_is_checked_before_an_insert_is_cancelled() {
     let mut trial = Trial::new();
     // The leg begins at (700, 0).
     trial.vehicle.moved = Some((1, EastNorth::new(1300.0, 0.0)));
@@ -278,7 +278,7 @@ fn sr_002_sr_020_the_way_back_to_the_line_of_an_interrupted_leg_is_judged_before
 }
 
 #[test]
-fn sr_002_an_insert_that_waits_is_called_back_where_another_payload_interrupts() {
+fn sr_002_a_waiting_insert_is_called_back_when_another_payload_interrupts() {
     let mut trial = Trial::new();
     trial.vehicle.others = vec![(40, (500.0, 100.0))];
     trial.run_for(2.0);
@@ -289,7 +289,7 @@ fn sr_002_an_insert_that_waits_is_called_back_where_another_payload_interrupts()
 }
 
 #[test]
-fn sr_002_the_last_insert_that_stays_is_called_back_for_its_way_on_too() {
+fn sr_002_the_last_remaining_insert_is_also_called_back_if_its_way_on_is_no_longer_good() {
     let failing = PluginSetup {
         on_failure: FailAction::Cancel,
         ..plugin("second")
@@ -319,7 +319,7 @@ fn sr_002_the_last_insert_that_stays_is_called_back_for_its_way_on_too() {
 }
 
 #[test]
-fn sr_002_the_turn_away_from_a_slow_modify_may_be_as_wide_as_the_plan_is_fast() {
+fn sr_002_the_turn_away_from_a_slow_modify_is_checked_at_the_speed_of_the_plan() {
     let at_edge = |speed_mps: f64| {
         let mut trial = Trial::new();
         // The plan is flown at 2 m/s.
@@ -345,7 +345,7 @@ fn sr_002_the_turn_away_from_a_slow_modify_may_be_as_wide_as_the_plan_is_fast() 
 }
 
 #[test]
-fn sr_002_the_way_on_from_a_slow_insert_may_be_flown_faster() {
+fn sr_002_the_way_on_from_a_slow_insert_is_checked_at_the_speed_of_the_plan() {
     let asked = |speed_mps| {
         let mut trial = Trial::under_way();
         // The insert leads north beside the eastern edge. The next behavior lies behind it.
@@ -365,7 +365,7 @@ fn sr_002_the_way_on_from_a_slow_insert_may_be_flown_faster() {
 }
 
 #[test]
-fn sr_002_the_depth_of_an_insert_is_not_the_plans() {
+fn sr_002_the_depth_of_an_insert_does_not_count_as_that_of_the_plan() {
     let after = |seconds: f64| {
         let mut trial = Trial::with(Setup {
             fence: course::harbour(),
@@ -388,7 +388,7 @@ fn sr_002_the_depth_of_an_insert_is_not_the_plans() {
 }
 
 #[test]
-fn sr_002_the_depth_of_another_payloads_insert_nobody_knows() {
+fn sr_002_the_depth_of_another_payloads_insert_is_unknown() {
     let mut trial = Trial::with(Setup {
         fence: course::harbour(),
         ..Setup::default()
@@ -400,7 +400,7 @@ fn sr_002_the_depth_of_another_payloads_insert_nobody_knows() {
 }
 
 #[test]
-fn sr_002_an_insert_that_the_vehicle_would_not_take_back_may_be_gone_from_before_the_next() {
+fn sr_002_an_insert_whose_cancel_was_refused_may_no_longer_come_before_the_next_one() {
     // The wreck bars the way from the leg to the start of the second insert, but not the way from the end of the first.
     let first = || Request::Trackline(line(1, (800.0, -300.0), (800.0, -1500.0)));
     let second = || Request::Trackline(line(2, (0.0, -1500.0), (500.0, -1500.0)));

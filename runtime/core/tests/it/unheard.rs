@@ -15,14 +15,14 @@ use crate::vehicle::Reply;
 /// For comparison: core knows that the planned leg is flown. From (-600, -1500) the way back to the leg's east leads
 /// over the wreck.
 #[test]
-fn where_the_plan_is_flown_the_way_back_leads_over_the_wreck() {
+fn while_the_plan_is_flown_the_way_back_leads_over_the_wreck() {
     let mut trial = Trial::under_way();
     led_to(&mut trial, -600.0, -1500.0);
     refused_for(&mut trial, Request::Modify(modify(9)), 9, "wreck");
 }
 
 #[test]
-fn sr_002_over_a_lost_link_an_insert_that_was_flown_may_have_ended() {
+fn sr_002_during_a_link_loss_the_flown_insert_may_have_ended() {
     let mut trial = Trial::under_way();
     accepted(&mut trial, at_once(line(1, WEST.0, WEST.1)), 1);
     ends(&mut trial, Some(1), None);
@@ -35,7 +35,7 @@ fn sr_002_over_a_lost_link_an_insert_that_was_flown_may_have_ended() {
 }
 
 #[test]
-fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_been_flown() {
+fn sr_002_during_a_link_loss_a_waiting_insert_may_have_been_flown() {
     let first = Request::Trackline(line(1, (-900.0, -1300.0), (-1200.0, -1300.0)));
     let second = || Request::Trackline(line(2, (-300.0, -1700.0), (-900.0, -1700.0)));
     // For comparison: core hears everything.
@@ -55,7 +55,7 @@ fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_been_flown() {
 
 /// An insert that was accepted begins before the outage or during it.
 #[test]
-fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_begun() {
+fn sr_002_during_a_link_loss_a_waiting_insert_may_have_begun() {
     let flown = |heard: bool| {
         let mut trial = Trial::under_way();
         // The insert starts south-west of the wreck, and leads east along the wreck's south.
@@ -76,7 +76,7 @@ fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_begun() {
 }
 
 #[test]
-fn sr_002_over_a_lost_link_a_gps_hit_may_have_begun() {
+fn sr_002_during_a_link_loss_a_gps_hit_may_have_begun() {
     let setup = granted(&[Grant::Surface], &[]);
     let mut trial = Trial::with_under_way(Setup {
         fence: course::harbour(),
@@ -93,7 +93,7 @@ fn sr_002_over_a_lost_link_a_gps_hit_may_have_begun() {
 }
 
 #[test]
-fn sr_010_nothing_interrupts_what_may_have_begun_to_interrupt_over_a_lost_link() {
+fn sr_010_nothing_interrupts_an_interrupting_insert_that_may_have_begun_during_a_link_loss() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.ask(0, [interrupting(1)]);
@@ -106,7 +106,7 @@ fn sr_010_nothing_interrupts_what_may_have_begun_to_interrupt_over_a_lost_link()
 }
 
 #[test]
-fn sr_009_a_plan_says_nothing_of_an_insert_that_the_vehicle_may_not_have_decided_on() {
+fn sr_009_a_plan_proves_nothing_about_an_insert_on_which_the_vehicle_may_not_have_decided() {
     let mut trial = Trial::under_way();
     trial
         .vehicle
@@ -127,7 +127,7 @@ fn sr_009_a_plan_says_nothing_of_an_insert_that_the_vehicle_may_not_have_decided
 }
 
 #[test]
-fn sr_002_an_insert_that_was_not_answered_may_be_what_a_modify_leads_back_to() {
+fn sr_002_the_way_back_from_a_modify_to_an_unanswered_insert_is_checked() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.vehicle.replies.insert("RCN", Reply::Silent);
@@ -139,7 +139,7 @@ fn sr_002_an_insert_that_was_not_answered_may_be_what_a_modify_leads_back_to() {
 }
 
 #[test]
-fn sr_002_an_insert_that_was_not_answered_and_is_flown_is_not_modified() {
+fn sr_002_an_unanswered_insert_that_is_flown_is_not_modified() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     trial.vehicle.replies.insert("RCN", Reply::Refuse);
@@ -151,7 +151,7 @@ fn sr_002_an_insert_that_was_not_answered_and_is_flown_is_not_modified() {
 }
 
 #[test]
-fn sr_002_an_insert_that_was_refused_and_is_flown_is_not_modified() {
+fn sr_002_a_refused_insert_that_is_flown_is_not_modified() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Refuse);
     trial.ask(0, [Request::Trackline(line(1, EAST.0, EAST.1))]);
@@ -163,7 +163,7 @@ fn sr_002_an_insert_that_was_refused_and_is_flown_is_not_modified() {
 }
 
 #[test]
-fn sr_002_the_way_on_from_an_interrupt_leads_to_what_was_not_answered_too() {
+fn sr_002_the_way_on_from_an_interrupting_insert_to_an_unanswered_one_is_checked() {
     let ask = |reply| {
         let mut trial = Trial::under_way();
         trial.vehicle.replies.insert("RTK", reply);
@@ -180,7 +180,7 @@ fn sr_002_the_way_on_from_an_interrupt_leads_to_what_was_not_answered_too() {
 }
 
 #[test]
-fn sr_002_after_a_planned_behavior_has_ended_it_is_not_known_which_is_flown_until_one_begins() {
+fn sr_002_after_the_end_of_a_planned_behavior_the_current_one_is_unknown_until_one_begins() {
     let mut trial = Trial::new();
     trial.vehicle.moved = Some((3, EastNorth::new(-300.0, -2000.0)));
     trial.run_for(2.0);
@@ -193,7 +193,7 @@ fn sr_002_after_a_planned_behavior_has_ended_it_is_not_known_which_is_flown_unti
 }
 
 #[test]
-fn sr_002_of_what_was_lost_on_the_link_any_may_have_been_a_begin() {
+fn sr_002_any_sentence_that_was_lost_may_have_been_a_begin() {
     let mut trial = Trial::new();
     trial.vehicle.moved = Some((3, EastNorth::new(-300.0, -2000.0)));
     trial.run_for(2.0);
@@ -225,7 +225,7 @@ fn successor(gps_hits: u32) -> Trial {
 }
 
 #[test]
-fn sr_002_a_gps_hit_of_a_killed_process_that_is_heard_to_begin_is_flown() {
+fn sr_002_a_gps_hit_of_a_killed_process_counts_as_flown_once_its_begin_is_heard() {
     let mut trial = successor(2);
     trial.run_for(2.0);
     // BFPLN has no code for a GPS hit, and the plan does not name it.
@@ -243,7 +243,7 @@ fn sr_002_a_gps_hit_of_a_killed_process_that_is_heard_to_begin_is_flown() {
 }
 
 #[test]
-fn sr_002_a_successor_does_not_know_what_the_vehicle_comes_back_to_until_it_goes_along_a_line() {
+fn sr_002_a_successor_knows_what_the_vehicle_comes_back_to_only_once_it_goes_along_a_line() {
     let mut trial = successor(0);
     trial.vehicle.replays = false;
     trial.vehicle.moved = Some((1, EastNorth::new(900.0, -600.0)));

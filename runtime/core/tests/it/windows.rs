@@ -77,7 +77,7 @@ fn ask(trial: &mut Trial, tag: u64, request: Request) -> Option<String> {
 }
 
 #[test]
-fn sr_002_an_insert_that_may_still_fly_when_a_keep_out_zone_opens_is_rejected_and_one_that_is_over_before_is_not() {
+fn sr_002_an_insert_that_may_be_flown_when_a_keep_out_zone_opens_is_rejected_and_one_that_ends_before_is_not() {
     // With its transit and its way on the insert takes some 55 min at most.
     let refusal = ask(&mut trial(opens_after(ON_THE_LINE, 600)), 1, interrupting(1)).unwrap();
     assert!(
@@ -100,7 +100,7 @@ fn sr_002_an_insert_that_may_still_fly_when_a_keep_out_zone_opens_is_rejected_an
 }
 
 #[test]
-fn sr_002_what_is_flown_before_an_insert_delays_it() {
+fn sr_002_the_behaviors_before_an_insert_delay_it() {
     // An interrupting insert would be over in time; one after the planned leg is not.
     let fence = || opens_after(ON_THE_LINE, 3300);
     assert_eq!(ask(&mut trial(fence()), 1, interrupting(1)), None);
@@ -112,18 +112,22 @@ fn sr_002_what_is_flown_before_an_insert_delays_it() {
 }
 
 #[test]
-fn sr_002_after_a_behavior_whose_end_nobody_can_tell_every_zone_counts() {
+fn sr_002_every_zone_counts_after_a_behavior_whose_end_cannot_be_predicted() {
     let mut trial = trial(opens_after(ON_THE_LINE, 80_000));
     let now = trial.now;
     // This behavior is a single place, and no sentence says how long the vehicle stays there.
     trial.vehicle.begin(now, Some(2), None);
     trial.run_for(0.5);
     assert!(ask(&mut trial, 1, good_line(1)).is_some());
-    assert_eq!(ask(&mut trial, 2, interrupting(2)), None, "at once can be told");
+    assert_eq!(
+        ask(&mut trial, 2, interrupting(2)),
+        None,
+        "the end of an interrupting insert can be predicted"
+    );
 }
 
 #[test]
-fn sr_002_a_keep_in_zone_that_closes_holds_only_what_is_over_before() {
+fn sr_002_a_keep_in_zone_that_closes_allows_only_what_ends_before() {
     let closes = |after_s| fence(&format!(r#","valid_until":"{}""#, rfc3339(after_s)), None);
     let refusal = ask(&mut trial(closes(600)), 1, interrupting(1)).unwrap();
     assert!(refusal.starts_with("time: "), "{refusal}");
@@ -164,7 +168,7 @@ fn sr_002_while_the_clocks_differ_by_over_a_minute_zones_with_a_window_count_at_
 }
 
 #[test]
-fn sr_002_zones_follow_a_computers_clock_that_is_set_after_the_start_and_stamps_do_not() {
+fn sr_002_zones_follow_our_clock_when_it_is_set_after_the_start_but_the_times_in_messages_do_not() {
     let opens = fence(&format!(r#","valid_from":"{}""#, rfc3339(600)), None);
     let mut trial = trial(opens);
     let refusal = ask(&mut trial, 1, interrupting(1)).unwrap();
@@ -191,7 +195,7 @@ fn sr_002_zones_follow_a_computers_clock_that_is_set_after_the_start_and_stamps_
 }
 
 #[test]
-fn sr_002_a_zone_that_opens_between_the_two_clocks_is_open() {
+fn sr_002_a_zone_that_is_open_by_one_of_the_two_clocks_counts_as_open() {
     // The vehicle's clock is half a minute ahead, and there the zone is open already.
     let mut trial = Trial::with(Setup {
         fence: opens_after(ON_THE_LINE, 1700),
@@ -261,7 +265,7 @@ fn sr_002_an_insert_that_has_not_begun_in_time_is_called_back() {
 }
 
 #[test]
-fn a_plugin_that_asks_the_fence_gets_the_answer_of_the_hour() {
+fn a_plugins_query_is_answered_for_its_time() {
     let mut trial = trial(over(ON_THE_LINE));
     trial.run_for(1.0);
     let envelope = Envelope::new(over(ON_THE_LINE), limits());

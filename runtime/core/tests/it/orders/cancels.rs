@@ -32,7 +32,7 @@ fn a_cancel_of_all_cancels_our_inserts_that_have_not_begun_and_asks_for_the_plan
 }
 
 #[test]
-fn a_cancel_of_all_that_is_refused_not_answered_or_lost_leaves_the_inserts() {
+fn a_refused_unanswered_or_lost_cancel_of_all_leaves_the_inserts() {
     for (reply, end) in [(Reply::Refuse, "failed"), (Reply::Silent, "timed out")] {
         for lost in [false, true] {
             let mut trial = Trial::under_way();
@@ -57,7 +57,7 @@ fn a_cancel_of_all_that_is_refused_not_answered_or_lost_leaves_the_inserts() {
 }
 
 #[test]
-fn sr_010_a_cancel_of_all_does_not_end_an_insert_that_was_not_answered_and_may_be_flown() {
+fn sr_010_a_cancel_of_all_does_not_end_an_unanswered_insert_that_may_be_flown() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RTK", Reply::Silent);
     // The insert has begun, and can no longer be cancelled by its identifier (SPI 7.8).
@@ -136,7 +136,7 @@ fn cancels_need_control() {
 }
 
 #[test]
-fn the_current_behavior_is_cancelled_only_where_it_is_an_insert_of_ours() {
+fn the_current_behavior_is_cancelled_only_if_it_is_our_insert() {
     let mut trial = Trial::under_way();
     let attempt = |trial: &mut Trial| {
         order(trial, Order::CancelCurrent);
@@ -170,7 +170,7 @@ fn the_current_behavior_is_cancelled_only_where_it_is_an_insert_of_ours() {
 }
 
 #[test]
-fn what_the_vehicle_flies_is_not_known_after_a_reconnect() {
+fn the_current_behavior_is_unknown_after_a_reconnect() {
     let mut trial = Trial::under_way();
     trial.ask(0, [interrupting(11)]);
     trial.run_for(0.3);
@@ -184,7 +184,7 @@ fn what_the_vehicle_flies_is_not_known_after_a_reconnect() {
 }
 
 #[test]
-fn sr_002_sr_020_the_way_from_a_cancelled_behavior_to_what_comes_next_is_judged() {
+fn sr_002_sr_020_the_way_from_a_cancelled_behavior_to_the_next_one_is_checked() {
     // The vehicle is north of the wreck. The first of the two next inserts begins south of it.
     for (next_start, clear) in [((0.0, -1400.0), false), ((900.0, -400.0), true)] {
         let mut trial = Trial::new();
@@ -228,7 +228,7 @@ fn sr_002_sr_020_the_way_from_a_cancelled_behavior_to_what_comes_next_is_judged(
 }
 
 #[test]
-fn a_cancel_of_the_element_is_sent_as_the_operator_says() {
+fn a_cancel_of_the_element_is_sent_as_ordered() {
     for (reply, end) in [
         (Reply::Ok, "ended"),
         (Reply::Refuse, "failed"),
@@ -244,7 +244,7 @@ fn a_cancel_of_the_element_is_sent_as_the_operator_says() {
 }
 
 #[test]
-fn the_link_of_a_cancel_is_not_the_link_of_the_next() {
+fn an_answer_on_a_new_connection_does_not_belong_to_an_old_cancel() {
     let mut trial = Trial::under_way();
     trial.vehicle.replies.insert("RCE", Reply::Silent);
     order(&mut trial, Order::CancelElement);

@@ -9,7 +9,7 @@ use crate::course::{modify, plugin};
 use crate::trial::{Setup, Trial};
 
 #[test]
-fn sr_015_hold_and_release_can_be_ordered_and_are_told_as_the_operators_acts() {
+fn sr_015_policies_can_hold_and_release_and_core_reports_this_as_the_operators_acts() {
     let policies = vec![
         Policy {
             when: Condition::MissionCommand("payload hold".to_owned()),
@@ -93,7 +93,7 @@ fn stale_policy(seconds: f64, order: Order) -> Policy {
 }
 
 #[test]
-fn a_policy_on_stale_navigation_acts_once_in_each_stale_time() {
+fn a_policy_on_stale_navigation_acts_once_in_each_stale_period() {
     let policies = vec![stale_policy(20.0, abort()), stale_policy(5.0, Order::Hold)];
     let mut trial = Trial::with_under_way(with_policies(policies));
     let holds = |trial: &Trial| -> Vec<Timestamp> {
@@ -123,7 +123,7 @@ fn a_policy_on_stale_navigation_acts_once_in_each_stale_time() {
 }
 
 #[test]
-fn a_policy_on_stale_navigation_waits_for_the_first_connection_and_takes_no_nonsense_for_a_time() {
+fn a_policy_on_stale_navigation_waits_for_the_first_connection_and_ignores_invalid_times() {
     let policies = vec![stale_policy(5.0, Order::Hold)];
     let mut trial = Trial::with(with_policies(policies));
     trial.unreachable = true;
@@ -149,7 +149,7 @@ fn a_policy_on_stale_navigation_waits_for_the_first_connection_and_takes_no_nons
 }
 
 #[test]
-fn a_policy_on_quarantine_and_a_plugins_fail_action_abort_once() {
+fn a_policy_on_quarantine_and_a_plugins_fail_action_act_once() {
     let failing = PluginSetup {
         on_failure: FailAction::Abort,
         ..plugin("first")

@@ -1,7 +1,7 @@
 use crate::files::CALM;
 use crate::payload::{Payload, done, line};
 
-/// The command messages of a run, each with its second.
+/// The command messages with these names that the payload has received, without their time.
 fn told(payload: &mut Payload, names: &[&str]) -> Vec<String> {
     payload
         .heard()
@@ -65,7 +65,7 @@ fn logging_begins_with_the_lead_in_and_ends_after_the_lead_out() {
     );
 }
 
-/// Every BFBDL has its BFSDL, however the line ends, and a line that is resumed begins its logging anew.
+/// Every BFBDL has its BFSDL, however the line ends, and a line that is resumed begins its logging again.
 #[test]
 fn logging_ends_with_the_line_however_it_ends() {
     let text = CALM.replace("kind = \"trackline\"", "kind = \"trackline\"\npayload_message = \"x\"");
@@ -86,7 +86,7 @@ fn logging_ends_with_the_line_however_it_ends() {
     }
 }
 
-/// SPI 7.5: an inserted trackline is flown "with the payloads activated", by the setting.
+/// SPI 7.5: an inserted trackline is flown "with the payloads activated", depending on the setting.
 #[test]
 fn an_inserted_line_may_be_logged_too() {
     for (setting, count) in [("true", 2), ("false", 0)] {
@@ -154,7 +154,7 @@ fn a_plan_that_cannot_be_told_is_refused_with_its_key() {
     }
 }
 
-/// SPI 5.1: a mission file may hold user-defined behaviors alone.
+/// SPI 5.1: a mission file may contain only user-defined behaviors.
 #[test]
 fn a_plan_of_commands_alone_is_over_as_it_begins() {
     let (head, _) = CALM.split_once("[[plan]]").expect("the file has a plan");

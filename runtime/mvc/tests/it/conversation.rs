@@ -1,7 +1,7 @@
 use crate::files::CALM;
 use crate::payload::{ME, Payload};
 
-/// Each sentence and all that the vehicle says to it, five seconds into the mission.
+/// Sentences, and everything that the vehicle answers to each, five seconds into the mission.
 const TABLE: &[(&str, &[&str])] = &[
     ("$BPVER,070000.000,1.12", &["$BFACK,080005.000,VER,070000.000,0,2,0,"]),
     (
@@ -158,7 +158,7 @@ fn without_acknowledgements_on_nothing_is_answered() {
         payload.say(said);
     }
     assert_eq!(payload.heard(), Vec::<String>::new());
-    // ALL leaves it out (SPI 7.1); asked for by name, it is itself acknowledged.
+    // ALL does not include BFACK (SPI 7.1). The subscription of BFACK by its name is itself acknowledged.
     payload.say("$BPLOG,ALL,ON");
     assert_eq!(payload.heard(), Vec::<String>::new());
     payload.say("$BPLOG,ACK,ON");

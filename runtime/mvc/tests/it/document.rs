@@ -1,6 +1,6 @@
 use backseat_mvc::{Mvc, WorldFile};
 
-/// What is written for people to copy must be read.
+/// The mock must accept the files that people copy from the page.
 #[test]
 fn the_files_of_the_documentation_are_flown() {
     let text = include_str!("../../../docs/mock.md");
@@ -18,7 +18,7 @@ fn the_files_of_the_documentation_are_flown() {
     }
 }
 
-/// The longer file says what the defaults are.
+/// The longer file states the defaults.
 #[test]
 fn the_documented_defaults_are_the_defaults() {
     let text = include_str!("../../../docs/mock.md");

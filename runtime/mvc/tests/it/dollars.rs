@@ -1,9 +1,9 @@
-//! Dollar signs inside what a client sends: in a text, or where a sentence was cut short by the next one.
+//! Dollar signs inside what a client sends: in a text, or because the next sentence cut one short.
 
 use crate::files::CALM;
 use crate::payload::{ME, Payload};
 
-/// The sum is computed here anew: the tests share no code with the reader.
+/// The test computes the checksum itself, because it shares no code with the reader.
 fn checked(body: &str) -> String {
     format!("${body}*{:02X}", body.bytes().fold(0, |sum, byte| sum ^ byte))
 }
@@ -14,7 +14,7 @@ fn connected() -> Payload {
     payload
 }
 
-// SPI 4.2 reserves comma and asterisk, and no dollar sign: operators write it.
+// SPI 4.2 reserves comma and asterisk, but not the dollar sign, and operators write it.
 #[test]
 fn a_status_with_a_dollar_sign_is_acknowledged_in_whatever_pieces_it_comes() {
     let status = checked("BPSTS,070000.000,1,battery $2 of $5");

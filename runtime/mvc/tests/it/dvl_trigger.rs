@@ -81,7 +81,7 @@ fn the_vehicle_stops_it_and_begins_again_where_it_is_still_wished() {
     payload.until(17.0);
     assert_eq!(dvt(&mut payload), ["$BFDVT,080017.000,1"]);
 
-    // Not wished any more.
+    // The payload no longer wants it.
     let mut payload = triggering("stop_at_s = [10]");
     payload.until(10.5);
     payload.heard();
@@ -89,7 +89,7 @@ fn the_vehicle_stops_it_and_begins_again_where_it_is_still_wished() {
     payload.until(60.0);
     assert_eq!(dvt(&mut payload), Vec::<String>::new());
 
-    // It answers late: it may begin a second after its answer.
+    // The payload answers late, and may begin a second after its answer.
     let mut payload = triggering("stop_at_s = [10]");
     payload.until(40.0);
     payload.heard();
@@ -128,12 +128,12 @@ fn without_pulses_for_five_seconds_the_dvl_is_triggered_internally() {
     payload.until(7.1);
     assert!(reverted(&mut payload).unwrap().starts_with("7.000 s"));
     assert_eq!(dvt(&mut payload), ["$BFDVT,080002.000,1"]);
-    // It may ask again.
+    // The payload may ask again.
     payload.say("$BPDVR,070002.000,1,0");
     payload.until(9.0);
     assert_eq!(dvt(&mut payload), ["$BFDVT,080008.100,1"]);
 
-    // A line that is dead for less than that, and for more.
+    // The triggering line is dead for less than five seconds, and then for more.
     let mut payload = triggering("line_faults = [{ at_s = 10, for_s = 4.5 }, { at_s = 20.05, for_s = 30 }]");
     payload.until(24.9);
     assert_eq!(reverted(&mut payload), None);
@@ -144,7 +144,7 @@ fn without_pulses_for_five_seconds_the_dvl_is_triggered_internally() {
     payload.until(30.0);
     assert!(reverted(&mut payload).unwrap().starts_with("4.000 s"));
 
-    // Announced, where the mission's reading says so.
+    // The vehicle announces it if `dvl_timeout_announced` is set.
     let text =
         with("payload_triggers = false").replace("[spi]", "[interpretation]\ndvl_timeout_announced = true\n[spi]");
     let mut payload = Payload::connected(&text, 1, &[]);
@@ -186,7 +186,7 @@ fn triggering_without_leave_is_refused() {
 
 #[test]
 fn every_other_message_of_the_handshake_changes_nothing() {
-    // Internal: 0,0. Asked: again, then withdrawn.
+    // While triggering is internal: 0,0. While a request waits: the request again, and then its withdrawal.
     let mut payload = Payload::connected(&with("safe_after_s = 5"), 1, &[]);
     payload.say("$BPDVR,070000.000,0,0");
     payload.say("$BPDVR,070001.000,1,0");
@@ -200,10 +200,10 @@ fn every_other_message_of_the_handshake_changes_nothing() {
     payload.say("$BPDVR,070002.000,0,0");
     payload.until(30.0);
     assert_eq!(dvt(&mut payload), Vec::<String>::new());
-    // Internal, and it says that it triggers and wants to end: it is told to cease.
+    // While triggering is internal, the payload says that it triggers and wants to end: the vehicle tells it to stop.
     payload.say("$BPDVR,070003.000,0,1");
     assert_eq!(dvt(&mut payload), ["$BFDVT,080030.000,0"]);
-    // Told to stop, it goes on, and stops then.
+    // The payload goes on after the vehicle has told it to stop, and stops later.
     let mut payload = triggering("stop_at_s = [10]");
     payload.until(11.0);
     payload.heard();

@@ -9,7 +9,7 @@ use crate::payload::{ME, Payload};
 const RMB: &str = "$BPRMB,070000.000,90,15,0,1.5,1,0";
 const RTK: &str = "$BPRTK,070000.000,11,4218.1,N,07054.0,W,4218.2,N,07054.0,W,0,10,1.5,0,0";
 
-/// The calm world with these faults in its own section, each `kind = ..., key = ...` a line.
+/// The calm world with these faults, each in a section of its own. A `; ` in a fault begins a new line.
 fn with(faults: &[&str]) -> String {
     let sections: Vec<String> = faults
         .iter()
@@ -62,7 +62,7 @@ fn each_begin_and_end_is_a_line_of_the_log_at_its_own_time() {
     );
 }
 
-// SPI 6.21: an acknowledgement for each command, where it was asked for.
+// SPI 6.21: an acknowledgement for each command, if it was subscribed.
 #[test]
 fn acknowledgements_are_lost_from_the_begin_and_not_at_the_end() {
     let mut payload = connected(
@@ -165,7 +165,7 @@ fn a_refused_command_is_not_done() {
         payload.say(RTK);
         assert_eq!(payload.heard(), [expected]);
         assert!(!payload.log().iter().any(|line| line.contains("added")));
-        // The identifier was not used up by it.
+        // The refused command has not used up the identifier.
         payload.until(6.0);
         payload.say(RTK);
         assert_eq!(payload.heard(), ["$BFACK,080006.000,RTK,070000.000,11,2,0,"]);
@@ -272,7 +272,7 @@ fn navigation_jumps_and_where_the_fault_lasts_back_again() {
         let before = north_minutes(&mut payload);
         payload.until(2.0);
         let jumped = north_minutes(&mut payload);
-        // A minute of latitude is 1852 m; in 0.1 s the vehicle itself makes less than 0.3 m.
+        // A minute of latitude is 1852 m; in 0.1 s the vehicle itself moves less than 0.3 m.
         assert!((jumped - before - 0.1).abs() < 0.001, "{before} {jumped}");
         payload.until(4.95);
         let before = north_minutes(&mut payload);
@@ -283,7 +283,7 @@ fn navigation_jumps_and_where_the_fault_lasts_back_again() {
     }
 }
 
-// SPI 6.11: BFMIS when the status changes; with the mission control ends (6.24).
+// SPI 6.11: BFMIS is sent when the status changes. Control ends with the mission (6.24).
 #[test]
 fn the_vehicle_aborts_its_mission() {
     let mut payload = connected(&["kind = \"mission_abort\"; at_s = 5"], &["MIS", "CTL"]);
@@ -299,7 +299,7 @@ fn the_vehicle_aborts_its_mission() {
     assert!(payload.mvc.mission_over());
 }
 
-// SPI 6.1: no altitude without bottom lock is 0.000.
+// SPI 6.1: without bottom lock the altitude is 0.000.
 #[test]
 fn sensors_drop_out_one_by_one() {
     let mut payload = connected(
@@ -350,7 +350,7 @@ fn the_vehicles_clock_is_set_and_set_back() {
     payload.until(4.9);
     assert_eq!(stamp(&mut payload), "080004.900");
     payload.until(5.0);
-    // Eight hours and a half second: midnight is passed backwards.
+    // Eight hours and half a second back: the clock passes midnight backwards.
     assert_eq!(stamp(&mut payload), "000004.500");
     payload.until(7.0);
     assert_eq!(stamp(&mut payload), "080007.000");
@@ -372,7 +372,7 @@ fn a_plan_may_come_during_the_run_and_replace_another() {
     );
     let log = payload.log();
     let faults: Vec<&String> = log.iter().filter(|line| line.contains(": fault ")).collect();
-    // The first of the new plan is over; the second acts from now on.
+    // The first fault of the new plan is already over; the second acts from now on.
     assert_eq!(
         faults,
         [

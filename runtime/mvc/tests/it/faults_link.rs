@@ -24,12 +24,12 @@ fn from_vehicle(text: &str) -> FaultyLink {
     faults(text).link(Timestamp::ZERO, ME, None, Direction::FromVehicle)
 }
 
-/// A line each 0.1 s from 0.1 s on, each with its number; what arrives, and when.
+/// Writes a numbered line each 0.1 s, from 0.1 s on. Returns what arrives, and when.
 fn lines(link: &mut FaultyLink, seconds: u32) -> Vec<(Timestamp, String)> {
     lines_and(link, seconds, &[])
 }
 
-/// As [`lines`], with these faults injected at their times.
+/// Like [`lines`], with these faults injected at their times.
 fn lines_and(link: &mut FaultyLink, seconds: u32, faults: &[Fault]) -> Vec<(Timestamp, String)> {
     let mut faults: Vec<&Fault> = faults.iter().rev().collect();
     let mut writes: Vec<(Timestamp, String)> = (1..=10 * seconds)
@@ -79,14 +79,14 @@ fn without_a_fault_bytes_are_given_back_at_once() {
     let mut link = from_vehicle("");
     assert_eq!(link.pass(at(1.0), bytes), Some(bytes.as_slice()));
     assert_eq!(link.poll_timeout(), None);
-    // Before and after a fault as well.
+    // Also before and after a fault.
     let mut link = from_vehicle("fault \"stall\"; at_s = 5; for_s = 1");
     assert!(link.pass(at(4.999), bytes).is_some());
     assert!(link.pass(at(5.0), bytes).is_none());
     assert_eq!(link.poll(at(5.999)), None);
     assert_eq!(link.poll_timeout(), Some(at(6.0)));
     assert_eq!(link.poll(at(6.0)).unwrap().bytes, bytes);
-    // What is taken in after the fault is over comes through, and from the next write on nothing is taken.
+    // A write that the link takes in when the fault is over still comes through, and the link takes in no later one.
     let _ = link.pass(at(6.0), bytes);
     while link.poll(at(6.0)).is_some() {}
     assert!(link.pass(at(6.1), bytes).is_some());
@@ -101,7 +101,7 @@ fn a_cut_is_at_its_instant_and_for_both_ways() {
         link.push(at(4.999), b"under way");
         assert!(!link.is_cut(at(4.999)) && link.is_cut(at(5.0)));
         assert_eq!(link.poll(at(5.0)), None);
-        // A connection that is made afterwards is another one.
+        // A connection that is made afterwards is not cut.
         let mut link = faults.link(at(7.0), ME, None, direction);
         assert!(!link.is_cut(at(100.0)) && link.pass(at(8.0), b"x").is_some());
     }
@@ -165,7 +165,7 @@ fn a_delay_keeps_order_and_stays_within_its_jitter() {
             assert!((0.5..1.2).contains(&late), "{number} {late}");
             jitters.push(late);
         } else {
-            // After the end nothing is late, but for those that must not overtake.
+            // After the fault only those lines are late that must not overtake an earlier one.
             assert!(late < 1.2, "{number} {late}");
         }
     }
@@ -228,7 +228,7 @@ fn half_a_sentence_is_kept_no_longer_than_its_fault_lasts() {
     assert_eq!(link.poll_timeout(), Some(at(2.0)));
     assert_eq!(link.poll(at(1.999)), None);
     assert_eq!(link.poll(at(2.0)).unwrap().bytes, b"$TW");
-    // And its rest follows it, where nobody asked in between.
+    // The rest of the sentence follows, even if nobody has polled in between.
     link = from_vehicle("fault \"drop\"; at_s = 1; for_s = 1; chance = 1");
     link.push(at(1.5), b"$TW");
     link.push(at(2.5), b"O\r\n");
@@ -268,7 +268,7 @@ fn a_link_that_holds_too_much_is_cut() {
 
 #[test]
 fn what_is_injected_is_what_was_planned() {
-    // What is under way has been delayed, so that a stall finds some of it.
+    // The delay keeps some bytes under way, so that a stall finds some.
     let before = "fault \"delay\"; at_s = 0; for_s = 9; delay_s = 0.7; jitter_s = 0.4\n";
     for later in [
         "fault \"link_cut\"; at_s = 5.05; for_s = 2",
@@ -310,7 +310,7 @@ fn a_fault_is_injected_into_the_connections_that_it_names_alone() {
     let held = links.each_mut().map(|link| link.pass(at(6.0), b"x").is_none());
     assert_eq!(held, [true, false, false, false]);
     assert!(!links[3].is_cut(at(9.0)));
-    // Connections that come later meet what lasts, and are refused by a cut that does.
+    // Later connections have the faults that still last, and a cut that still lasts refuses them.
     faults.inject(&named.faults[0]);
     faults.inject(&plan("fault \"link_cut\"; at_s = 8; for_s = 3").faults[0]);
     assert!(
@@ -323,7 +323,7 @@ fn a_fault_is_injected_into_the_connections_that_it_names_alone() {
     assert!(!faults.link(at(11.0), ME, None, to).is_cut(at(20.0)));
 }
 
-/// TCP's user time-out (RFC 5482) counts what is not acknowledged, which lost data never is.
+/// TCP's user time-out (RFC 5482) counts data that is not acknowledged, and lost data never is.
 #[test]
 fn a_write_that_waits_or_is_lost_is_given_up_in_time() {
     let within = Duration::from_secs(2);
@@ -341,7 +341,7 @@ fn a_write_that_waits_or_is_lost_is_given_up_in_time() {
     lost.push(at(4.0), b"x");
     assert_eq!(lost.gives_up(within), Some(at(5.0)));
 
-    // What is lost is sent again, and arrives when the loss is over: only a long one is found out.
+    // TCP sends lost data again, and it arrives when the loss is over: only a long loss is noticed.
     let mut short = from_vehicle(
         "fault \"half_open\"; at_s = 1; for_s = 1.5\nfault \"half_open\"; at_s = 6; for_s = 1\nfault \"half_open\"; at_s = 7; for_s = 3",
     );
@@ -351,7 +351,7 @@ fn a_write_that_waits_or_is_lost_is_given_up_in_time() {
     assert_eq!(short.gives_up(within), Some(at(8.5)));
 }
 
-/// The vehicle's computer takes what a deaf vehicle does not read: TCP acknowledges it.
+/// The computer of a deaf vehicle receives what the vehicle does not read, so TCP acknowledges it.
 #[test]
 fn a_deaf_vehicle_reads_all_that_waited_in_order_and_nobody_gives_the_link_up() {
     let text = "fault \"deaf\"; at_s = 2; for_s = 4";
@@ -371,7 +371,7 @@ fn a_deaf_vehicle_reads_all_that_waited_in_order_and_nobody_gives_the_link_up() 
     let mut deaf = faults(text).link(Timestamp::ZERO, ME, None, Direction::ToVehicle);
     deaf.push(at(3.0), b"x");
     assert_eq!((deaf.gives_up(within), deaf.poll_timeout()), (None, Some(at(6.0))));
-    // What does not even arrive is given up as ever, and holds back what comes after it.
+    // Data that does not even arrive counts for the time-out as always, and holds back what comes after it.
     let text = "fault \"deaf\"; at_s = 2; for_s = 4\nfault \"stall\"; at_s = 4; for_s = 9";
     let mut both = faults(text).link(Timestamp::ZERO, ME, None, Direction::ToVehicle);
     both.push(at(3.0), b"a");
@@ -380,7 +380,7 @@ fn a_deaf_vehicle_reads_all_that_waited_in_order_and_nobody_gives_the_link_up() 
     assert_eq!(both.poll(at(5.9)), None);
     assert_eq!(both.poll(at(6.0)).unwrap().bytes, b"a");
     assert_eq!((both.poll(at(6.0)), both.poll_timeout()), (None, Some(at(13.0))));
-    // Its own words go on.
+    // The vehicle's own messages go on.
     let mut from = from_vehicle(text.lines().next().unwrap());
     assert!(from.pass(at(3.0), b"x").is_some());
 }
@@ -425,22 +425,22 @@ fn a_delay_grows_from_its_begin_on_whatever_connection() {
     assert_eq!(arrives(0.0, 10.0), at(10.5));
     assert_eq!(arrives(0.0, 110.0), at(112.5));
     assert_eq!(arrives(100.0, 110.0), at(112.5));
-    // No more than a minute.
+    // The delay grows to no more than a minute.
     assert_eq!(arrives(4500.0, 4510.0), at(4570.5));
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Whatever the plan: nothing comes of the future, order stays, the same seed gives the same bytes, and what is
-    /// written after the last fault arrives whole and at once.
+    /// For every plan: nothing arrives before it is written, the order stays, the same seed gives the same bytes, and
+    /// what is written after the last fault arrives whole and at once.
     #[test]
     fn every_drawn_link_is_orderly(seed in 0_u64..10_000, intensity in 0.0..1.0_f64) {
         let plan = FaultPlan::draw(seed, Duration::from_secs(60), intensity);
         let faults = LinkFaults::new(&plan, seed);
         for direction in [Direction::ToVehicle, Direction::FromVehicle] {
             let run = || {
-                // Cuts are for another test: the connection is made again.
+                // Another test covers cuts: here the connection is made again.
                 let (mut since, mut all) = (Timestamp::ZERO, Vec::new());
                 for _ in 0..100 {
                     let mut link = faults.link(since, ME, None, direction);

@@ -1,4 +1,4 @@
-//! Faults of what navigation says (SPI 6.1, 6.2): the vehicle is well, its words are wrong.
+//! Faults of the navigation messages (SPI 6.1, 6.2): the vehicle is well, but its messages are wrong.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
 
 use backseat_mvc::Truth;
@@ -9,10 +9,10 @@ use crate::payload::Payload;
 /// A minute of latitude, metres.
 const MINUTE_M: f64 = 1852.0;
 
-/// A step's BFNVG and BFNVR, as far as they are asked about here.
+/// The BFNVG and the BFNVR of a step, as far as these tests need them.
 #[derive(Clone, Debug, PartialEq)]
 struct Said {
-    /// Latitude, minutes, and both fields as they are written.
+    /// The minutes of the latitude; `place` has the fields of the whole position as they are written.
     minutes: f64,
     place: String,
     depth_m: f64,
@@ -21,7 +21,8 @@ struct Said {
     velocity: Option<String>,
 }
 
-/// What is said from 2 s on in steps of 0.1 s until 12 s, and the truth of the end, with a fault from 4 s to 10 s.
+/// What the vehicle says from 2 s to 12 s in steps of 0.1 s, and the truth at the end, with this fault from 4 s to 10
+/// s.
 fn said(fault: &str) -> (Vec<Said>, Truth) {
     let section = if fault.is_empty() {
         String::new()
@@ -53,8 +54,8 @@ fn said(fault: &str) -> (Vec<Said>, Truth) {
     (all, payload.mvc.truth())
 }
 
-/// What is said with a fault beside what is said without it, while it acts; before and after it they are the same, and so is
-/// the vehicle.
+/// What the vehicle says without and with a fault, in pairs, while the fault acts. Checks that both say the same before
+/// and after it, and that the fault does not move the vehicle.
 fn beside(fault: &str) -> Vec<(Said, Said)> {
     let ((well, truth), (ill, as_true)) = (said(""), said(fault));
     assert_eq!(truth, as_true, "{fault}");

@@ -152,8 +152,8 @@ fn inserts_have_their_place_by_the_letter_of_the_section() {
     }
 }
 
-/// SPI 6.20: "the sequence of waypoints contained in a series of BFPLN messages will accurately describe a mission's planned
-/// course": an insert is told where it will be flown.
+/// SPI 6.20: "the sequence of waypoints contained in a series of BFPLN messages will accurately describe a mission's
+/// planned course": the plan has an insert where the vehicle will fly it.
 #[test]
 fn the_plan_tells_an_insert_at_its_place() {
     for (second, interpretation, expected) in [
@@ -244,7 +244,7 @@ fn a_pending_insert_is_cancelled_after_it_was_accepted() {
 }
 
 /// SPI 7.19: "this command will always return an immediate, initial pending acknowledgement, followed by the BFPLN
-/// messages, followed by the final success/failure": each request its own, in their order.
+/// messages, followed by the final success/failure": each request gets its own, in order.
 #[test]
 fn two_requests_for_the_plan_are_both_answered() {
     let mut payload = Payload::connected(&plan(""), 1, &["ACK"]);

@@ -61,7 +61,7 @@ fn the_battery_runs_down_with_the_cube_of_the_speed() {
 // down."
 #[test]
 fn an_empty_battery_shuts_the_payload_down_with_a_minutes_notice() {
-    // A watt-hour a second: half empty at 50 s.
+    // A watt-hour a second: the battery is half empty at 50 s.
     let text = with("capacity_wh = 100\nhotel_w = 3600\npropulsion_w_at_1_mps = 0\nshutdown_below_percent = 50");
     let mut payload = Payload::connected(&text, 1, &[]);
     payload.until(49.8);
@@ -74,7 +74,7 @@ fn an_empty_battery_shuts_the_payload_down_with_a_minutes_notice() {
     assert!(payload.cut_off.is_empty());
     payload.until(at + 60.1);
     assert_eq!(payload.cut_off, [ME]);
-    // And no power for another.
+    // A new client gets no power either.
     payload.connect(ME);
     assert_eq!(payload.cut_off, [ME, ME]);
 }

@@ -80,7 +80,7 @@ fn run(said: &[(u32, usize)], seed: u64) -> Vec<String> {
         payload.until(at_s);
         payload.say(&command(*index, number));
     }
-    // All that is open comes to its end.
+    // By then everything that was open has ended.
     payload.until(at_s + 120.0);
     payload.heard()
 }

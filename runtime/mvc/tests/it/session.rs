@@ -82,7 +82,7 @@ fn a_client_that_never_reads_is_cut_off_and_the_others_fly_on() {
     let mut payload = Payload::connected(CALM, 1, &["NVG"]);
     let deaf = ClientId(2);
     payload.connect(deaf);
-    // No draining between: all that the deaf client asks for piles up.
+    // Nothing is drained in between, so everything that the deaf client asks for piles up.
     let flood = "$BPLOG,ACK,ON\r\n$BPMSG,070000.000,x\r\n".repeat(60_000);
     payload.mvc.receive(payload.now, deaf, flood.as_bytes());
     let mut out = Vec::new();

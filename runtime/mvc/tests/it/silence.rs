@@ -34,7 +34,7 @@ fn silence_is_acknowledged_twice() {
     assert_eq!(payload.heard(), Vec::<String>::new());
     payload.until(7.0);
     assert_eq!(payload.heard(), ["$BFACK,080006.000,SIL,070000.000,0,2,0,"]);
-    // And back again.
+    // And back to normal mode.
     payload.say("$BPSIL,070001.000,0");
     payload.until(9.0);
     assert_eq!(
@@ -74,7 +74,8 @@ fn a_driven_tailcone_refuses_silence() {
 #[test]
 fn a_tailcone_that_spins_down_holds_the_acknowledgement_off() {
     for (spins_s, at, outcome) in [
-        // Asked at 5.2 s, looked at 6.2 s and 8.2 s; the thruster was last on at 5.0 s.
+        // Silence is requested at 5.2 s, and the tailcone is checked at 6.2 s and 8.2 s; the thruster was last on at
+        // 5.0 s.
         (1.1, "080006.200", "2,0,"),
         (1.3, "080008.200", "2,0,"),
         (3.1, "080008.200", "2,0,"),
@@ -140,7 +141,7 @@ fn silence_times_out_after_five_minutes_and_is_not_extended() {
         ]
     );
     payload.log();
-    // Silent from 6.2 s on.
+    // The vehicle is silent from 6.2 s on.
     payload.until(306.1);
     assert_eq!(payload.log(), Vec::<String>::new());
     payload.until(306.2);
@@ -225,7 +226,7 @@ fn silence_ends_implicit_adjustments_at_once_and_forbids_others() {
         let answer = format!("$BFACK,080005.000,{command},070001.000,0,1,0,the vehicle is silent");
         assert_eq!(payload.heard(), [answer]);
     }
-    // Nor does the next implicit one begin.
+    // The next implicit adjustment does not begin either.
     payload.until(25.0);
     let heard = of(&payload.heard(), "BFBOY");
     assert!(heard.iter().all(|line| line.contains(",0,0,idle,")), "{heard:?}");

@@ -27,7 +27,7 @@ fn a_message_is_acknowledged_when_it_is_queued_and_delivered_later() {
     payload.until(23.9);
     assert_eq!(payload.log(), Vec::<String>::new());
     payload.until(33.0);
-    // Over whichever link there is: the field is advice, and unimplemented.
+    // The vehicle uses whichever link there is: the field is advice, and unimplemented.
     assert_eq!(
         payload.log(),
         [
@@ -68,7 +68,7 @@ fn what_has_no_meaning_is_invalid() {
             "TOP,070000.000,0,0,0,slowest 7: expected 0 to 3",
         ),
         ("$BPTOP,070000.000,3,,0", "TOP,070000.000,0,0,0,text: empty"),
-        // "Reserved for future specification. Must be empty or 0": a comma in the text, perhaps.
+        // "Reserved for future specification. Must be empty or 0": here perhaps because of a comma in the text.
         (
             "$BPTOP,070000.000,3,hello,world",
             "TOP,000000.000,0,0,0,reserved field world: expected empty or 0",
@@ -155,7 +155,7 @@ role = "sonar"
     );
 }
 
-// 7.14: what came over the payload's own modem.
+// 7.14: a message that came over the payload's own modem.
 #[test]
 fn a_relayed_message_is_logged_where_the_vehicle_takes_it() {
     let mut payload = Payload::connected(&with(""), 1, &["ACK"]);

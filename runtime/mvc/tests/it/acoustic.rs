@@ -110,7 +110,7 @@ fn a_sent_packet_is_reported_with_its_own_identifier() {
 // 9.4: "If the payload desires an ack'd response to the packet being sent, set the flag to 1, and the vehicle will wait
 // to send the $BFCPS message until the ack has been received."
 #[test]
-fn an_acknowledged_packet_is_reported_once_the_acknowledgement_is_there() {
+fn an_acknowledged_packet_is_reported_once_the_acknowledgement_has_arrived() {
     let mut payload = in_window("", PEER);
     payload.say("$BPCPD,070000.000,5,3,1,1,1,0A,,,,,,,");
     payload.until(25.0);
@@ -137,7 +137,7 @@ fn an_acknowledged_packet_is_reported_once_the_acknowledgement_is_there() {
 }
 
 #[test]
-fn what_does_not_fit_into_the_window_is_reported_as_not_sent() {
+fn a_packet_that_does_not_fit_into_the_window_is_reported_as_not_sent() {
     let mut payload = in_window("", PEER);
     payload.until(28.0);
     // The first packet takes 1.5 s and fits; the second takes 2.5 s and does not.
@@ -267,7 +267,7 @@ fn a_silent_vehicle_sends_nothing() {
 
 // 9.2: "The message will also be sent for every packet that the vehicle has originated."
 #[test]
-fn the_vehicles_own_packets_are_reported_and_keep_out_of_the_windows() {
+fn the_vehicles_own_packets_are_reported_and_avoid_the_windows() {
     let mut payload = Payload::connected(&with("own_period_s = 15\nown_request_first = 900"), 1, &["CPS"]);
     payload.until(100.0);
     let heard = payload.heard();
@@ -290,7 +290,7 @@ fn sending(peer: &str, packet: &str) -> String {
 // 9.3: arrival time, source, destination ("may NOT be this vehicle"), telemetry mode, frames; "The remaining slots for
 // frames will be blank for the data, and unset (0) for the status."
 #[test]
-fn packets_of_another_vehicle_arrive_after_their_way() {
+fn packets_of_another_vehicle_arrive_after_their_travel_time() {
     let packet = "first_s = 20\nperiod_s = 30\nmode = 2\nframes = [\"48656C6C6F\", \"00ff\"]";
     let mut payload = Payload::connected(&(with("") + &sending("", packet)), 1, &["CPR"]);
     payload.until(60.0);
@@ -315,7 +315,7 @@ fn packets_of_another_vehicle_arrive_after_their_way() {
 }
 
 #[test]
-fn a_peer_that_moves_is_heard_later_and_later() {
+fn packets_of_a_peer_that_moves_away_arrive_later_and_later() {
     let packet = "first_s = 20\nperiod_s = 100\nframes = [\"0A\"]";
     let text = with("") + &sending("east_mps = 1.5\n", packet);
     let mut payload = Payload::connected(&text, 1, &["CPR"]);
@@ -357,7 +357,7 @@ fn frames_are_corrupted_or_undecodable_and_packets_lost_by_chance() {
 }
 
 #[test]
-fn what_arrives_while_the_modem_sounds_is_not_heard() {
+fn a_packet_that_arrives_while_the_modem_sends_is_not_heard() {
     let packet = "first_s = 12.4\nframes = [\"0A\"]";
     let text = with("") + &sending("", packet);
     let mut payload = Payload::connected(&text, 1, &["CPR"]);

@@ -174,7 +174,7 @@ fn an_adjustment_fails_at_its_limit_or_by_chance() {
 // "The implemented buoyancy algorithm will adjust the buoyancy after it is detected that the vehicle has stopped moving
 // forward."
 #[test]
-fn in_a_mission_it_waits_for_the_vehicle_to_stop_and_the_plan_goes_on_afterwards() {
+fn in_a_mission_an_adjustment_waits_for_the_vehicle_to_stop_and_the_plan_goes_on_afterwards() {
     let mut payload = Payload::connected(CALM, 1, TOPICS);
     payload.until(60.0);
     payload.heard();
@@ -255,7 +255,7 @@ fn a_powered_ascent_does_not_wait_for_an_adjustment() {
 
 // 7.24: "It is possible that the vehicle may perform implicit buoyancy adjustments".
 #[test]
-fn the_vehicle_adjusts_by_itself_and_gives_way() {
+fn the_vehicle_adjusts_by_itself_and_stops_for_a_request() {
     let mut payload = Payload::connected(&waiting("implicit_at_s = [5]"), 1, TOPICS);
     payload.until(10.0);
     let heard = payload.heard();
@@ -268,7 +268,7 @@ fn the_vehicle_adjusts_by_itself_and_gives_way() {
 }
 
 #[test]
-fn a_vehicle_that_is_neutral_no_longer_floats_up() {
+fn a_neutrally_buoyant_vehicle_does_not_float_up() {
     let mission = CALM.replace("starts_after_s = 1", "starts_after_s = 1\ntime_limit_s = 100");
     let rise = |buoyancy: &str| {
         let text = mission.replace("[spi]", &format!("[adjustment]\n{buoyancy}\n[spi]"));

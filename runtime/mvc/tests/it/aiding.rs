@@ -56,7 +56,7 @@ const SAME: (&str, &str) = ("120000.000", "120000.000");
 
 /// SPI 7.21: "provides the vehicle with an additional navigation fix".
 #[test]
-fn a_fix_moves_the_navigation_by_its_accuracy() {
+fn a_fix_moves_the_navigation_according_to_its_accuracy() {
     let moved = |error_m: &str| {
         let mut payload = astray(6.0);
         let truth = payload.mvc.truth().local;
@@ -119,7 +119,7 @@ fn an_outlier_is_refused_unless_it_is_forced() {
 }
 
 #[test]
-fn the_limit_of_outliers_is_in_standard_deviations_of_both() {
+fn the_outlier_limit_counts_the_standard_deviations_of_fix_and_navigation() {
     // 5 m of the fix and 5 m of the navigation, each way, make 7.07 m: five times that is 35.4 m.
     for (metres, status) in [(34.9, ",2,0,"), (35.9, ",1,0,")] {
         let mut payload = astray(metres);
@@ -132,7 +132,7 @@ fn the_limit_of_outliers_is_in_standard_deviations_of_both() {
 /// SPI 7.21: a fix has a time of its own, and that of a USBL is seconds old when it arrives. Its age is measured on the
 /// payload's clock. Here that differs by hours from the vehicle's clock, which is never a reason to refuse.
 #[test]
-fn an_old_fix_is_of_where_the_vehicle_was() {
+fn an_old_fix_counts_for_the_place_where_the_vehicle_was() {
     let mut payload = astray(4.0);
     let then = payload.mvc.truth().local;
     payload.until(110.0);
@@ -146,7 +146,7 @@ fn an_old_fix_is_of_where_the_vehicle_was() {
 }
 
 #[test]
-fn age_makes_a_fix_worth_less_and_then_nothing() {
+fn a_fix_counts_less_with_its_age_and_then_not_at_all() {
     let text_off = |age: &str| {
         let mut payload = astray(4.0);
         let then = payload.mvc.truth().local;
@@ -217,7 +217,7 @@ fn the_vehicle_steers_by_the_navigation_that_a_fix_has_moved() {
 
 /// SPI 7.15: the payload's CTD data aid the navigation. Without a sensor the vehicle estimates BFSVS from them (6.4).
 #[test]
-fn a_payloads_ctd_data_are_logged_and_make_the_speed_of_sound() {
+fn a_payloads_ctd_data_are_logged_and_give_the_speed_of_sound() {
     let text = with(CALM, "sensors", "ctd_fitted = false");
     let mut payload = Payload::connected(&text, 1, &["SVS", "ACK"]);
     payload.until(10.5);

@@ -138,7 +138,7 @@ fn a_command_that_does_not_parse_keeps_its_name_and_names_the_field() {
 }
 
 #[test]
-fn clients_as_they_are_in_the_field_are_understood() {
+fn the_formats_of_real_clients_are_understood() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.until(5.0);
     // LF alone, no checksum, lower-case and unpadded checksums, two at once, one in pieces.
@@ -151,7 +151,7 @@ fn clients_as_they_are_in_the_field_are_understood() {
 }
 
 #[test]
-fn without_acknowledgements_on_nothing_is_answered() {
+fn nothing_is_answered_until_acknowledgements_are_on() {
     let mut payload = Payload::connected(CALM, 1, &[]);
     payload.until(5.0);
     for (said, _) in TABLE.iter().filter(|(said, _)| !said.contains(",ON")) {

@@ -2,7 +2,7 @@ use backseat_mvc::{Mvc, WorldFile};
 
 /// The mock must accept the files that people copy from the page.
 #[test]
-fn the_files_of_the_documentation_are_flown() {
+fn the_mock_accepts_the_files_of_the_documentation() {
     let text = include_str!("../../../docs/mock.md");
     let files: Vec<&str> = text
         .split("```toml\n")

@@ -52,7 +52,7 @@ fn the_extended_message_has_axes_on_torpedoes_and_beams_on_hovering_hulls() {
 }
 
 #[test]
-fn without_bottom_lock_the_log_gives_ranges_to_nothing_and_perhaps_the_water() {
+fn without_bottom_lock_the_dvl_gives_no_ranges_and_if_configured_the_velocity_through_the_water() {
     let deep = with(CALM, "sensors", "altitude_range_m = 20");
     let (_, lines) = heard(&deep, 1, "DVL", 20.0, 60.0);
     assert!(lines.iter().all(|line| line.contains(",,,,,,,")), "{:?}", lines[0]);
@@ -69,7 +69,7 @@ fn without_bottom_lock_the_log_gives_ranges_to_nothing_and_perhaps_the_water() {
 }
 
 #[test]
-fn lock_ends_at_reach_blanking_tilt_and_with_two_beams() {
+fn bottom_lock_ends_at_the_limits_of_reach_blanking_and_tilt_and_with_two_beams() {
     let locked = |text: &str, from_s, to_s| {
         let (_, lines) = heard(text, 1, "NVG", from_s, to_s);
         let with = lines.iter().filter(|line| field(line, 7) > 0.0).count();
@@ -138,7 +138,7 @@ fn losses_of_bottom_lock_come_at_their_rate_and_last_their_time() {
 }
 
 #[test]
-fn a_log_without_a_phased_array_errs_as_the_speed_of_sound_does() {
+fn a_dvl_without_a_phased_array_has_the_error_of_the_speed_of_sound() {
     let text = with(
         &with(CALM, "sensors", "ctd_fitted = false"),
         "sensors.sound",

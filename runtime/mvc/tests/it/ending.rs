@@ -386,7 +386,7 @@ fn an_empty_mission_does_what_the_payload_asks_and_nothing_else() {
 
 /// SPI 7.20: "Maximum mission duration (hours, minutes or seconds)".
 #[test]
-fn an_empty_mission_has_its_longest_time_and_its_refusals() {
+fn an_empty_mission_has_a_maximum_duration_and_is_refused_with_a_reason() {
     let allowed = CALM.replace("[mission]", "[mission]\nempty_allowed = true");
     let cases = [
         (

@@ -74,7 +74,7 @@ fn written(numbers: impl Iterator<Item = u32>) -> String {
 }
 
 #[test]
-fn without_a_fault_bytes_are_given_back_at_once() {
+fn without_a_fault_bytes_pass_at_once() {
     let bytes = b"$BFNVG\r\n";
     let mut link = from_vehicle("");
     assert_eq!(link.pass(at(1.0), bytes), Some(bytes.as_slice()));
@@ -93,7 +93,7 @@ fn without_a_fault_bytes_are_given_back_at_once() {
 }
 
 #[test]
-fn a_cut_is_at_its_instant_and_for_both_ways() {
+fn a_cut_happens_at_its_instant_and_in_both_directions() {
     let faults = faults("fault \"link_cut\"; at_s = 5; for_s = 2");
     for direction in [Direction::ToVehicle, Direction::FromVehicle] {
         let mut link = faults.link(Timestamp::ZERO, ME, None, direction);
@@ -112,7 +112,7 @@ fn a_cut_is_at_its_instant_and_for_both_ways() {
 }
 
 #[test]
-fn a_refusal_is_of_new_connections_alone() {
+fn a_refusal_affects_only_new_connections() {
     let faults = faults("fault \"refuse\"; at_s = 5; for_s = 2; role = \"sonar\"");
     assert!(faults.refuses(at(6.0), ME, Some("sonar")));
     assert!(!faults.refuses(at(6.0), ME, Some("camera")) && !faults.refuses(at(6.0), ME, None));
@@ -121,7 +121,7 @@ fn a_refusal_is_of_new_connections_alone() {
 }
 
 #[test]
-fn a_fault_is_of_those_that_it_names() {
+fn a_fault_affects_only_the_connections_that_it_names() {
     let faults = faults("fault \"half_open\"; at_s = 1; for_s = 9; client = 2; direction = \"to_vehicle\"");
     let lost = |client, direction| {
         let mut link = faults.link(Timestamp::ZERO, ClientId(client), None, direction);
@@ -132,7 +132,7 @@ fn a_fault_is_of_those_that_it_names() {
 }
 
 #[test]
-fn a_stall_holds_all_back_and_then_it_comes_as_one() {
+fn a_stall_holds_everything_back_and_then_releases_it_at_once() {
     let mut link = from_vehicle("fault \"stall\"; at_s = 2; for_s = 1.55");
     let arrived = lines(&mut link, 5);
     assert_eq!(texts(&arrived), written(1..=50));
@@ -146,7 +146,7 @@ fn a_stall_holds_all_back_and_then_it_comes_as_one() {
 }
 
 #[test]
-fn half_open_loses_what_is_written_meanwhile_and_nothing_after_it() {
+fn a_half_open_link_loses_only_what_is_written_during_the_fault() {
     let mut link = from_vehicle("fault \"half_open\"; at_s = 2; for_s = 1");
     let arrived = lines(&mut link, 5);
     assert_eq!(texts(&arrived), written((1..=19).chain(30..=50)));
@@ -200,7 +200,7 @@ fn joined_writes_come_as_one() {
 }
 
 #[test]
-fn sentences_come_twice_or_not_at_all_and_always_whole() {
+fn duplicate_and_drop_affect_only_whole_sentences() {
     let mut link = from_vehicle("fault \"duplicate\"; at_s = 2; for_s = 1; chance = 1");
     let twice = (20..30).flat_map(|n| [n, n]);
     assert_eq!(
@@ -237,7 +237,7 @@ fn half_a_sentence_is_kept_no_longer_than_its_fault_lasts() {
 }
 
 #[test]
-fn corruption_flips_single_bits_as_often_as_it_says() {
+fn corruption_flips_single_bits_at_its_rate() {
     let mut link = from_vehicle("fault \"corrupt\"; at_s = 0; for_s = 10; chance = 0.02");
     let clean = vec![0_u8; 50_000];
     link.push(at(1.0), &clean);
@@ -267,7 +267,7 @@ fn a_link_that_holds_too_much_is_cut() {
 }
 
 #[test]
-fn what_is_injected_is_what_was_planned() {
+fn an_injected_fault_acts_like_a_planned_one() {
     // The delay keeps some bytes under way, so that a stall finds some.
     let before = "fault \"delay\"; at_s = 0; for_s = 9; delay_s = 0.7; jitter_s = 0.4\n";
     for later in [
@@ -291,7 +291,7 @@ fn what_is_injected_is_what_was_planned() {
 }
 
 #[test]
-fn a_fault_is_injected_into_the_connections_that_it_names_alone() {
+fn an_injected_fault_affects_only_the_connections_that_it_names() {
     let mut faults = faults("");
     let live = |faults: &LinkFaults, client, role, direction| faults.link(at(1.0), ClientId(client), role, direction);
     let to = Direction::ToVehicle;
@@ -325,7 +325,7 @@ fn a_fault_is_injected_into_the_connections_that_it_names_alone() {
 
 /// TCP's user time-out (RFC 5482) counts data that is not acknowledged, and lost data never is.
 #[test]
-fn a_write_that_waits_or_is_lost_is_given_up_in_time() {
+fn the_sender_gives_up_the_link_in_time_if_a_write_waits_or_is_lost() {
     let within = Duration::from_secs(2);
     let mut stalled = from_vehicle("fault \"stall\"; at_s = 1; for_s = 60");
     assert_eq!(stalled.gives_up(within), None);
@@ -353,7 +353,7 @@ fn a_write_that_waits_or_is_lost_is_given_up_in_time() {
 
 /// The computer of a deaf vehicle receives what the vehicle does not read, so TCP acknowledges it.
 #[test]
-fn a_deaf_vehicle_reads_all_that_waited_in_order_and_nobody_gives_the_link_up() {
+fn a_deaf_vehicle_later_reads_everything_in_order_and_nobody_gives_up_the_link() {
     let text = "fault \"deaf\"; at_s = 2; for_s = 4";
     let mut link = faults(text).link(Timestamp::ZERO, ME, None, Direction::ToVehicle);
     let arrived = lines(&mut link, 8);
@@ -386,7 +386,7 @@ fn a_deaf_vehicle_reads_all_that_waited_in_order_and_nobody_gives_the_link_up() 
 }
 
 #[test]
-fn deafness_that_is_injected_keeps_what_was_under_way() {
+fn an_injected_deafness_keeps_what_was_under_way() {
     let mut link = faults("fault \"delay\"; at_s = 0; for_s = 100; delay_s = 1").link(
         Timestamp::ZERO,
         ME,
@@ -404,7 +404,7 @@ fn deafness_that_is_injected_keeps_what_was_under_way() {
 }
 
 #[test]
-fn a_delay_is_there_from_the_first_byte_and_over_reconnects_in_its_own_direction() {
+fn a_delay_acts_from_the_first_byte_and_on_new_connections_only_in_its_direction() {
     let faults = faults("fault \"delay\"; at_s = 0; for_s = 100; delay_s = 0.7; direction = \"to_vehicle\"");
     for since in [0.0, 30.0] {
         let mut to = faults.link(at(since), ME, None, Direction::ToVehicle);
@@ -415,7 +415,7 @@ fn a_delay_is_there_from_the_first_byte_and_over_reconnects_in_its_own_direction
 }
 
 #[test]
-fn a_delay_grows_from_its_begin_on_whatever_connection() {
+fn a_delay_grows_from_its_begin_on_every_connection() {
     let text = "fault \"delay\"; at_s = 10; for_s = 5000; delay_s = 0.5; growth = 0.02; direction = \"from_vehicle\"";
     let arrives = |since: f64, written: f64| {
         let mut link = faults(text).link(at(since), ME, None, Direction::FromVehicle);
@@ -435,7 +435,7 @@ proptest! {
     /// For every plan: nothing arrives before it is written, the order stays, the same seed gives the same bytes, and
     /// what is written after the last fault arrives whole and at once.
     #[test]
-    fn every_drawn_link_is_orderly(seed in 0_u64..10_000, intensity in 0.0..1.0_f64) {
+    fn every_drawn_plan_keeps_the_link_in_order(seed in 0_u64..10_000, intensity in 0.0..1.0_f64) {
         let plan = FaultPlan::draw(seed, Duration::from_secs(60), intensity);
         let faults = LinkFaults::new(&plan, seed);
         for direction in [Direction::ToVehicle, Direction::FromVehicle] {

@@ -176,7 +176,7 @@ fn every_kind_is_read_and_written_back_in_full() {
 }
 
 #[test]
-fn a_wrong_fault_is_told_with_number_key_and_what_was_expected() {
+fn an_error_in_a_fault_names_its_number_its_key_and_what_was_expected() {
     let good = "[[fault]]\nat_s = 1\nkind = \"control_taken\"\nfor_s = 1\n";
     for (fault, expected) in [
         (
@@ -418,7 +418,7 @@ proptest! {
 
     /// Any plan over a short mission: no panic, the same bytes again, and each fault's begin and end in the log.
     #[test]
-    fn any_drawn_plan_is_lived_through(seed in 0_u64..100_000, intensity in 0.1..1.0_f64) {
+    fn the_mock_survives_any_drawn_plan_and_logs_each_fault(seed in 0_u64..100_000, intensity in 0.1..1.0_f64) {
         let plan = FaultPlan::draw(seed, Duration::from_secs(90), intensity);
         let one = run(&plan, seed);
         let two = run(&plan, seed);

@@ -64,7 +64,7 @@ fn beside(fault: &str) -> Vec<(Said, Said)> {
 }
 
 #[test]
-fn a_position_creeps_while_the_velocity_is_that_of_the_vehicle() {
+fn the_position_creeps_while_the_velocity_stays_that_of_the_vehicle() {
     for (number, (well, ill)) in beside("kind = \"position_creep\"; speed_mps = 2; towards_deg = 180")
         .iter()
         .enumerate()
@@ -77,7 +77,7 @@ fn a_position_creeps_while_the_velocity_is_that_of_the_vehicle() {
 }
 
 #[test]
-fn a_position_is_frozen_to_its_last_digit_while_the_solutions_time_goes_on() {
+fn the_position_is_frozen_to_its_last_digit_while_the_solutions_time_goes_on() {
     let pairs = beside("kind = \"position_frozen\"");
     let first = pairs[0].1.place.clone();
     assert_eq!(first, pairs[0].0.place);
@@ -88,7 +88,7 @@ fn a_position_is_frozen_to_its_last_digit_while_the_solutions_time_goes_on() {
 }
 
 #[test]
-fn a_position_goes_back_as_far_as_the_vehicle_goes_ahead() {
+fn the_position_goes_back_as_far_as_the_vehicle_goes_ahead() {
     let pairs = beside("kind = \"position_backwards\"");
     let way_m = |from: f64, to: f64| (to - from) * MINUTE_M;
     let (first, last) = (&pairs[0], &pairs[pairs.len() - 1]);
@@ -102,7 +102,7 @@ fn a_position_goes_back_as_far_as_the_vehicle_goes_ahead() {
 }
 
 #[test]
-fn velocities_are_missing_and_positions_come() {
+fn velocities_are_missing_while_positions_continue() {
     for (well, ill) in beside("kind = \"velocity_missing\"") {
         assert_eq!(ill.velocity, None);
         assert!(well.velocity.is_some());
@@ -147,7 +147,7 @@ fn another_dive_may_be_the_same_plan_under_another_name() {
 }
 
 #[test]
-fn another_dive_ends_what_was_flown_and_begins_its_own_plan_while_the_mission_runs() {
+fn another_dive_ends_the_current_behavior_and_begins_its_own_plan_during_the_mission() {
     let mut payload = diving(true);
     let plan = |payload: &Payload| payload.mvc.plan_points();
     let whole = {

@@ -101,7 +101,7 @@ fn a_manual_gps_hit_is_brought_up_by_the_payload() {
 
 /// SPI 7.7: "1 = spiral (future implementation)". The identifier rules are those of the other inserts.
 #[test]
-fn gps_hits_that_are_refused() {
+fn wrong_gps_hits_are_refused_with_a_reason() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     let mut answer = |said: &str| {
         payload.say(said);
@@ -118,7 +118,7 @@ fn gps_hits_that_are_refused() {
     assert!(answer(&hit(0, 0)).ends_with(",0,0,0,identifier 0: expected 1 or more"));
     assert!(
         answer(&line(7, 20, 0)).ends_with(",7,2,0,"),
-        "what was refused is not used"
+        "a refused identifier is not used up"
     );
     assert!(answer(&hit(7, 0)).ends_with(",7,1,0,the identifier has been used in this mission"));
     let far = "$BPRGP,070000.000,8,4318.06,N,07053.95,W,120,5,0";
@@ -131,7 +131,7 @@ fn gps_hits_that_are_refused() {
 /// SPI 7.8 cancels "a behavior inserted by a preceding BPRTK or BPRTC request", and no GPS hit; 7.9 does not say
 /// whether it cancels one.
 #[test]
-fn a_gps_hit_is_not_cancelled_but_by_what_ends_behaviors() {
+fn bprcn_does_not_cancel_a_gps_hit_bprca_may_and_bprcb_does() {
     for (gps, left) in [("false", "1 cancelled"), ("true", "2 cancelled")] {
         let text = format!("{CALM}\n[interpretation]\ncancel_all_gps = {gps}");
         let mut payload = Payload::connected(&text, 1, &["ACK", "MBS", "MBE"]);
@@ -154,7 +154,7 @@ fn a_gps_hit_is_not_cancelled_but_by_what_ends_behaviors() {
 
 /// SPI 6.20: a GPS hit is a waypoint of the plan.
 #[test]
-fn the_plan_tells_a_gps_hit_as_a_waypoint() {
+fn the_plan_contains_a_gps_hit_as_a_waypoint() {
     let mut payload = Payload::connected(CALM, 1, &[]);
     payload.until(10.0);
     payload.say(&hit(7, 0));

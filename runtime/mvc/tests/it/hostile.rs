@@ -57,7 +57,7 @@ fn oversized_fields_are_answered_and_not_obeyed() {
 }
 
 #[test]
-fn thousands_of_requests_leave_the_others_their_room() {
+fn thousands_of_requests_of_one_client_do_not_block_the_others() {
     let text = CALM.replace("acknowledge = \"immediate\"", "pending_s = 1.9");
     let mut payload = Payload::connected(&text, 1, &["ACK"]);
     payload.connect(FOE);
@@ -103,7 +103,7 @@ fn storms_of_connections_leave_nothing_behind() {
 }
 
 #[test]
-fn every_byte_value_is_survived_between_sentences() {
+fn every_byte_value_between_sentences_does_no_harm() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     for byte in 0..=255u8 {
         payload.bytes(ME, &[byte, byte, b'\n']);

@@ -194,7 +194,7 @@ fn each_command_has_its_answer() {
 }
 
 #[test]
-fn vehicles_that_do_not_hover_say_so() {
+fn vehicles_that_do_not_hover_refuse_the_commands_of_those_that_do() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.until(5.0);
     for (said, _) in TABLE.iter().filter(|(_, answer)| !answer.contains("000000.000")) {
@@ -228,7 +228,7 @@ fn cameras_and_lights_must_be_installed() {
 }
 
 #[test]
-fn a_suspension_lapses_two_seconds_after_the_last_one_to_the_millisecond() {
+fn a_suspension_lapses_exactly_two_seconds_after_the_last_refresh() {
     // SPI 8.1, 8.2, 8.6, 8.7: each of the four commands restarts the 2 s, even if its target is refused. The first 8.1
     // starts them.
     for (keeps, said) in [
@@ -270,7 +270,7 @@ fn a_suspension_lapses_two_seconds_after_the_last_one_to_the_millisecond() {
 }
 
 #[test]
-fn what_comes_as_the_two_seconds_end_is_too_late() {
+fn a_refresh_at_the_end_of_the_two_seconds_is_too_late() {
     let mut payload = Payload::connected(HARBOUR, 1, &["ACK"]);
     at_ms(&mut payload, 5003);
     payload.say("$BPSUS,070000.000");
@@ -290,7 +290,7 @@ fn what_comes_as_the_two_seconds_end_is_too_late() {
 }
 
 #[test]
-fn a_lost_link_gives_the_vehicle_back_in_two_seconds() {
+fn after_a_lost_link_the_mission_goes_on_within_two_seconds() {
     let mut payload = Payload::connected(HARBOUR, 1, &[]);
     payload.until(6.0);
     payload.say("$BPSUS,070000.000");
@@ -304,7 +304,7 @@ fn a_lost_link_gives_the_vehicle_back_in_two_seconds() {
 }
 
 #[test]
-fn any_client_keeps_and_ends_a_suspension() {
+fn any_client_can_refresh_and_end_a_suspension() {
     let mut payload = Payload::connected(HARBOUR, 1, &[]);
     payload.connect(ClientId(2));
     payload.until(6.0);
@@ -318,7 +318,7 @@ fn any_client_keeps_and_ends_a_suspension() {
 }
 
 #[test]
-fn only_a_running_mission_is_suspended() {
+fn only_a_running_mission_can_be_suspended() {
     let mut payload = Payload::connected(HARBOUR, 1, &["ACK"]);
     payload.until(0.5);
     payload.say("$BPSUS,070000.000");
@@ -356,7 +356,7 @@ fn whether_a_suspension_needs_control_is_a_setting() {
 }
 
 #[test]
-fn the_clock_of_the_mission_stands_still_and_with_it_the_window_of_requests() {
+fn the_missions_time_and_the_window_for_requests_stand_still_during_a_suspension() {
     let mut payload = Payload::connected(&station(), 1, &["CTL", "MIS"]);
     payload.until(10.0);
     // The suspension lasts ten seconds, and 2 s until it lapses: everything else comes 12 s later. The mission began at
@@ -385,7 +385,7 @@ fn the_clock_of_the_mission_stands_still_and_with_it_the_window_of_requests() {
 }
 
 #[test]
-fn a_modify_is_not_taken_while_suspended_and_its_five_seconds_go_on() {
+fn a_modify_is_refused_during_a_suspension_and_the_five_seconds_of_an_earlier_one_go_on() {
     let mut payload = Payload::connected(HARBOUR, 1, &["ACK"]);
     payload.until(10.0);
     payload.say("$BPRMB,070000.000,90,3,0,0.5,1,0");
@@ -408,7 +408,7 @@ fn a_modify_is_not_taken_while_suspended_and_its_five_seconds_go_on() {
 }
 
 #[test]
-fn what_is_inserted_meanwhile_is_flown_afterwards() {
+fn an_insert_during_a_suspension_is_flown_afterwards() {
     // Also one that interrupts: the payload has the vehicle until it gives it back.
     let mut payload = Payload::connected(HARBOUR, 1, &["ACK"]);
     payload.until(10.0);

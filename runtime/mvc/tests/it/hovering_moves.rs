@@ -98,7 +98,7 @@ fn the_port_side_counts_the_other_way() {
 }
 
 #[test]
-fn which_way_the_vertical_counts_is_a_setting() {
+fn the_direction_of_the_vertical_is_a_setting() {
     let text = format!("{HARBOUR}\n[interpretation]\nhull_vertical = \"up\"");
     let mut payload = Payload::connected(&text, 1, &["RNV", "ACK"]);
     payload.until(6.0);
@@ -145,7 +145,7 @@ fn a_bottom_position_is_reached_by_depth_and_by_altitude() {
 }
 
 #[test]
-fn suspended_without_a_place_it_stays_in_a_current() {
+fn a_suspended_vehicle_without_a_target_stays_at_its_place_in_a_current() {
     let text = format!("{HARBOUR}\n[current]\nspeed_mps = 0.2\ntowards_deg = 0");
     let mut payload = Payload::connected(&text, 1, &[]);
     payload.until(8.0);
@@ -304,7 +304,7 @@ fn a_bearing_offset_adds_to_the_bearings_and_turns_the_vehicle_that_faces_the_hu
 }
 
 #[test]
-fn an_error_of_the_bearing_turns_the_way_that_is_reckoned() {
+fn an_error_of_the_bearing_turns_the_dead_reckoned_way() {
     // SPI 8.9: the way that the vehicle believes to be straight to the right leads away from the hull.
     let mut payload = Payload::connected(HARBOUR, 1, &["CNV"]);
     payload.until(6.0);
@@ -319,7 +319,7 @@ fn an_error_of_the_bearing_turns_the_way_that_is_reckoned() {
 }
 
 #[test]
-fn nobody_else_is_told_of_a_suspension() {
+fn no_message_announces_a_suspension() {
     // SPI 8.1 to 8.3 name no message: the mission is still `Running`, and control as it was.
     let mut payload = Payload::connected(HARBOUR, 1, &["MIS", "CTL", "MBS", "MBE"]);
     payload.until(6.0);
@@ -360,7 +360,7 @@ fn sonar_and_dvl_turn_at_their_rate() {
 }
 
 #[test]
-fn each_message_comes_at_its_rate_and_only_where_there_is_something_to_say() {
+fn each_message_comes_at_its_rate_and_only_if_there_is_something_to_say() {
     let count = |text: &str| {
         let mut payload = Payload::connected(text, 1, &["ALL"]);
         payload.until(10.0);
@@ -379,7 +379,7 @@ fn each_message_comes_at_its_rate_and_only_where_there_is_something_to_say() {
 }
 
 #[test]
-fn without_a_ship_there_is_no_hull_to_go_to_and_the_bottom_counts_from_the_start() {
+fn without_a_ship_hull_positions_are_refused_and_bottom_positions_count_from_the_start() {
     let open = HARBOUR.split("[hovering.hull]").next().expect("a part").to_owned()
         + "[mission]\nstarts_after_s = 1\n[[plan]]\nkind = \"setpoint\"\nheading_deg = 0\nduration_s = 60\ndepth_m = 3\nspeed_mps = 0\n";
     let open = open.replace("depth_m = 3\n[origin]", "depth_m = 3\nheading_deg = 90\n[origin]");
@@ -425,7 +425,7 @@ fn relative_navigation_drifts_with_the_seed_and_the_distance_does_not() {
 }
 
 #[test]
-fn a_ship_that_cannot_be_there_is_refused_at_the_start() {
+fn an_impossible_ship_is_refused_at_the_start() {
     for (from, to, expected) in [
         (
             "draft_m = 5",
@@ -461,7 +461,7 @@ fn a_ship_that_cannot_be_there_is_refused_at_the_start() {
 }
 
 #[test]
-fn a_file_without_the_section_flies_as_before() {
+fn a_file_without_the_hovering_section_has_its_defaults() {
     let file = WorldFile::from_toml(crate::files::CALM).expect("the file is right");
     assert_eq!(file.hovering, backseat_mvc::HoveringConfig::default());
     assert!(Mvc::new(&file, 1).is_ok());

@@ -37,7 +37,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn whatever_is_said_the_vehicle_stays_clear_and_comes_back(
+    fn whatever_the_payload_says_the_vehicle_stays_clear_and_the_suspension_lapses(
         said in prop::collection::vec((command(), 1u64..3000), 1..60),
         seed in 0u64..1000,
         current_mps in 0.0..0.5f64,

@@ -99,7 +99,7 @@ fn cancel_works_before_the_begin_and_fails_after_it() {
 }
 
 #[test]
-fn cancel_all_takes_those_of_every_client_or_only_its_own() {
+fn cancel_all_cancels_the_inserts_of_every_client_or_only_its_own() {
     for (scope, left) in [("all", 0), ("own", 1)] {
         let text = format!("{CALM}\n[interpretation]\ncancel_all_scope = \"{scope}\"");
         let mut payload = Payload::connected(&text, 1, &["ACK"]);
@@ -164,7 +164,7 @@ fn a_request_outlives_its_connection_and_its_answer_does_not() {
 }
 
 #[test]
-fn cancel_all_reaches_what_is_still_pending() {
+fn cancel_all_also_cancels_what_is_still_pending() {
     let text = CALM.replace("acknowledge = \"immediate\"", "pending_s = 1");
     let mut payload = Payload::connected(&text, 1, &["ACK"]);
     payload.until(10.0);
@@ -231,7 +231,7 @@ fn a_circle_is_flown_round_its_rim() {
 }
 
 #[test]
-fn the_plan_is_told_with_its_inserts_at_their_place() {
+fn the_plan_is_sent_with_its_inserts_at_their_place() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.until(10.0);
     payload.say(&line(4, 30, 0));

@@ -37,7 +37,7 @@ fn each_status_message_can_be_switched_on_and_off() {
 }
 
 #[test]
-fn what_is_no_status_message_is_refused() {
+fn command_messages_cannot_be_switched_off_and_unknown_names_are_refused() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     for name in COMMANDS {
         payload.say(&format!("$BPLOG,{name},ON"));
@@ -66,7 +66,7 @@ fn what_is_no_status_message_is_refused() {
 }
 
 #[test]
-fn one_message_comes_alone_and_stops_alone() {
+fn each_message_is_switched_on_and_off_by_itself() {
     let mut payload = Payload::connected(CALM, 1, &["NVR"]);
     payload.until(1.0);
     assert_eq!(names(&payload.heard()), ["NVR"]);
@@ -92,7 +92,7 @@ fn all_leaves_acknowledgements_as_they_are() {
 }
 
 #[test]
-fn one_of_all_may_be_switched_off() {
+fn a_single_message_may_be_switched_off_after_all() {
     let mut payload = Payload::connected(CALM, 1, &["ALL"]);
     payload.say("$BPLOG,NVG,OFF");
     payload.until(20.0);
@@ -105,7 +105,7 @@ fn one_of_all_may_be_switched_off() {
 }
 
 #[test]
-fn command_messages_come_unasked() {
+fn command_messages_come_without_a_subscription() {
     let text = CALM.replace(
         "[mission]",
         "[mission]\nshutdown_after_s = 70\ncommands = [{ at_s = 3, text = \"ping\" }]",
@@ -119,7 +119,7 @@ fn command_messages_come_unasked() {
 /// A client that takes control from BFCTL must know first that the mission runs. The vehicle sends the two in this
 /// order, and replays them in it.
 #[test]
-fn a_replay_tells_the_mission_before_control() {
+fn a_replay_sends_the_mission_status_before_control() {
     let text = format!("{CALM}\n[interpretation]\ncontrol_replay = true");
     let mut payload = Payload::connected(&text, 1, &[]);
     payload.until(10.0);
@@ -145,7 +145,7 @@ fn a_replay_tells_the_mission_before_control() {
 
 /// On vehicles in the field BFCTL and BFMIS are on from the start, and come only on a transition.
 #[test]
-fn a_field_vehicle_hands_over_once() {
+fn a_field_vehicle_announces_control_only_on_a_transition() {
     let field = CALM.replace("[spi]", "[spi]\nprofile = \"field\"");
     let mut payload = Payload::new(&field, 1);
     payload.until(10.0);
@@ -163,7 +163,7 @@ fn a_field_vehicle_hands_over_once() {
 
 /// Sentences as real clients write them: LF alone, checksums in lower case, of one digit or absent, blank lines.
 #[test]
-fn a_field_client_is_understood() {
+fn the_sentences_of_a_field_client_are_understood() {
     let sum = |body: &str| body.bytes().fold(0u8, |sum, byte| sum ^ byte);
     let mut payload = Payload::connected(&CALM.replace("[spi]", "[spi]\nprofile = \"field\""), 1, &["ACK"]);
     let bodies: Vec<String> = (0..900)

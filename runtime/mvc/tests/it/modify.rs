@@ -14,7 +14,7 @@ fn modified(payload: &Payload) -> bool {
 }
 
 #[test]
-fn a_modify_lapses_five_seconds_after_the_last_one_between_two_steps() {
+fn a_modify_lapses_five_seconds_after_the_last_one_even_between_two_steps() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.until(10.0);
     payload.say("$BPRMB,070000.000,90,15,0,1.5,1,0");
@@ -38,7 +38,7 @@ fn a_modify_lapses_five_seconds_after_the_last_one_between_two_steps() {
 }
 
 #[test]
-fn a_lapse_does_not_need_the_client() {
+fn a_modify_lapses_even_without_its_client() {
     let mut payload = Payload::connected(CALM, 1, &[]);
     payload.until(10.0);
     payload.say("$BPRMB,070000.000,90,15,0,1.5,1,0");
@@ -241,7 +241,7 @@ fn rudder_pitch_elevator_and_rpm_are_flown() {
 
 /// SPI 7.12 calls rudder and elevator values adjustments, and does not say of what.
 #[test]
-fn fins_may_be_a_change_of_what_the_behavior_steers() {
+fn fin_values_may_be_changes_of_what_the_behavior_steers() {
     let text = format!("{CALM}\n[interpretation]\nmodify_fins = \"change\"");
     // On its line to the north the vehicle has the rudder a little to starboard: it settles to the east of the line and
     // goes on north.
@@ -292,7 +292,7 @@ fn beyond_the_safe_limits_a_modify_is_clipped_or_refused() {
 
 /// SPI 7.22 to 7.24 ask for a mission that is "executing but the tailcone is not spinning": a payload can stop it.
 #[test]
-fn the_thruster_may_be_stopped_whatever_is_beyond_the_limits() {
+fn the_thruster_may_be_stopped_whatever_happens_to_values_beyond_the_limits() {
     for reading in ["clip", "refuse"] {
         let text = format!("{CALM}\n[interpretation]\nmodify_beyond = \"{reading}\"");
         for fields in [",,,0,1,", ",,,0,0,"] {

@@ -6,7 +6,7 @@ use crate::payload::Payload;
 use crate::sentences::{field, off, place, seconds, with};
 
 #[test]
-fn navigation_comes_at_ten_hertz_in_pairs_with_one_stamp() {
+fn navigation_comes_at_ten_hertz_in_pairs_with_the_same_time() {
     let mut payload = Payload::connected(CALM, 1, &["NVG", "NVR"]);
     payload.until(2.0);
     let heard = payload.heard();
@@ -20,7 +20,7 @@ fn navigation_comes_at_ten_hertz_in_pairs_with_one_stamp() {
 }
 
 #[test]
-fn the_heading_is_the_grids() {
+fn the_heading_counts_from_grid_north() {
     let mut payload = Payload::connected(LIVELY, 1, &["NVG"]);
     payload.until(60.0);
     let heard = payload.heard();
@@ -145,7 +145,7 @@ fn with_bottom_lock_the_error_is_a_share_of_the_distance_and_a_walk() {
 }
 
 #[test]
-fn the_errors_of_the_missions_of_today_stay_modest() {
+fn the_default_sensors_have_modest_errors() {
     let (before, after) = far()
         .split_once("[sensors]")
         .map(|(a, b)| (a.to_owned(), b.to_owned()))
@@ -179,7 +179,7 @@ fn without_bottom_lock_the_error_grows_with_the_time_to_the_power_of_three_halve
 }
 
 #[test]
-fn without_bottom_lock_navigation_by_water_errs_by_the_change_of_the_current() {
+fn without_bottom_lock_navigation_by_water_is_wrong_by_the_change_of_the_current() {
     let text = far().replace(
         "[sensors]",
         "[current]\nspeed_mps = 0.4\ntowards_deg = 90\ndecay_depth_m = 5\n[sensors]",
@@ -195,7 +195,7 @@ fn without_bottom_lock_navigation_by_water_errs_by_the_change_of_the_current() {
 }
 
 #[test]
-fn gps_is_in_the_solution_on_the_surface_only_and_after_its_acquisition() {
+fn gps_is_in_the_solution_only_on_the_surface_and_after_its_acquisition() {
     let text =
         surfacing("acquisition_s = 20").replace("position_drift_m_per_sqrt_h = 0", "position_drift_m_per_sqrt_h = 30");
     let mut payload = Payload::connected(&text, 3, &["NVG"]);
@@ -269,7 +269,7 @@ fn fixes_have_the_spread_of_the_receiver() {
 
 /// SPI 6.1, 6.2: what clients have subscribed to does not influence a reading.
 #[test]
-fn other_subscriptions_move_no_byte_of_the_navigation() {
+fn other_subscriptions_change_no_byte_of_the_navigation() {
     let run = |before: &[&str], later: &[&str]| {
         let mut payload = Payload::connected(LIVELY, 9, before);
         payload.until(50.0);
@@ -320,7 +320,7 @@ fn frozen_navigation_repeats_its_solution_and_goes_on() {
 }
 
 #[test]
-fn navigation_jumps_and_the_vehicle_follows_it_and_falls_silent() {
+fn the_vehicle_follows_a_jump_of_its_navigation_and_navigation_can_fall_silent() {
     let mut payload = Payload::connected(CALM, 1, &["NVG", "NVR"]);
     payload.until(100.0);
     payload.heard();
@@ -342,7 +342,7 @@ fn navigation_jumps_and_the_vehicle_follows_it_and_falls_silent() {
 }
 
 #[test]
-fn a_heading_is_held_as_the_vehicle_reads_it() {
+fn heading_and_depth_are_held_as_the_vehicle_reads_them() {
     let text = with(
         &with(CALM, "sensors.ins", "heading_bias_deg = 5"),
         "sensors.depth",
@@ -367,7 +367,7 @@ fn a_heading_is_held_as_the_vehicle_reads_it() {
 }
 
 #[test]
-fn sensors_that_fail_take_their_share_of_the_navigation() {
+fn a_failed_sensor_takes_its_part_out_of_the_navigation() {
     let mut payload = Payload::connected(CALM, 1, &["NVG"]);
     payload.until(5.0);
     payload.mvc.fail_sensor(SensorFailure::Dropout(Sensor::Depth, true));

@@ -290,7 +290,7 @@ fn a_kinematic_vehicles_motion_is_possible() {
 }
 
 #[test]
-fn a_body_with_six_degrees_of_freedom_moves_as_one() {
+fn the_motion_of_a_body_with_six_degrees_of_freedom_is_possible() {
     many(&[Kind::SixDof], 0..15);
 }
 

@@ -9,7 +9,7 @@ fn with(power: &str) -> String {
 // SPI 6.8: "A separate message will be sent for each battery. A special pseudo battery 0 will be sent for systems with
 // multiple batteries."
 #[test]
-fn each_battery_reports_and_one_for_all() {
+fn each_battery_reports_and_so_does_a_pseudo_battery_for_all() {
     let mut payload = Payload::connected(&with(""), 1, &["RBS"]);
     payload.until(25.0);
     let heard = payload.heard();
@@ -80,7 +80,7 @@ fn an_empty_battery_shuts_the_payload_down_with_a_minutes_notice() {
 }
 
 #[test]
-fn the_notice_is_never_short_of_a_minute() {
+fn the_notice_is_never_shorter_than_a_minute() {
     for after_s in ["60", "60.05", "60.1", "99.95"] {
         let text = CALM.replace("[mission]", &format!("[mission]\nshutdown_after_s = {after_s}"));
         let mut payload = Payload::connected(&text, 1, &[]);

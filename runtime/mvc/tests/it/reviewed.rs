@@ -37,7 +37,7 @@ fn a_start_below_the_seabed_is_refused() {
 /// SPI 6.20: "the sequence of waypoints contained in a series of BFPLN messages will accurately describe a mission's
 /// planned course".
 #[test]
-fn the_plan_tells_lines_with_their_leads() {
+fn the_plan_contains_lines_with_their_lead_ins_and_lead_outs() {
     let text = CALM
         .replacen("kind = \"trackline\"", "kind = \"trackline\"\nlead_in_m = 200", 1)
         .replace("[spi]", "[interpretation]\nlead_in_m = 50\n[spi]");
@@ -78,7 +78,7 @@ fn the_interrupt_code_has_a_default() {
 
 /// SPI 6.12: BFERC "is only provided on vehicles with tailcones": a vehicle without one does not wait for it to stop.
 #[test]
-fn a_hovering_vehicle_has_no_tailcone_that_spins() {
+fn a_hovering_vehicle_has_no_spinning_tailcone() {
     let mut payload = Payload::connected(HARBOUR, 1, &["ACK"]);
     payload.until(5.0);
     payload.say("$BPSIL,070000.000,1");
@@ -92,7 +92,7 @@ fn a_hovering_vehicle_has_no_tailcone_that_spins() {
 }
 
 #[test]
-fn a_fault_of_a_command_that_is_none_is_refused() {
+fn a_fault_of_an_unknown_command_is_refused() {
     let text = format!("{CALM}\n[[faults.fault]]\nat_s = 1\nfor_s = 1\nkind = \"acks_lost\"\ncommand = \"ZZZ\"\n");
     let fault = WorldFile::from_toml(&text)
         .expect_err("there is no such command")
@@ -105,7 +105,7 @@ fn a_fault_of_a_command_that_is_none_is_refused() {
 
 /// The vehicle logs what it does not answer, in one line a second at most.
 #[test]
-fn what_is_no_sentence_is_counted_in_the_log() {
+fn bytes_that_are_no_sentence_are_counted_in_the_log() {
     let mut payload = Payload::connected(CALM, 1, &["ACK"]);
     payload.until(1.0);
     payload.log();

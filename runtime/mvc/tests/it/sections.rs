@@ -166,7 +166,7 @@ fn every_section_has_a_conversation() {
 }
 
 #[test]
-fn every_command_is_said_in_the_conversation_of_its_section() {
+fn every_message_occurs_in_the_conversation_of_its_section() {
     for entry in catalogue().iter().filter(|entry| entry.name.starts_with("BP")) {
         let said = sections()
             .filter(|section| section.number == entry.section)

@@ -136,7 +136,7 @@ fn a_bias_is_constant_in_a_run_and_has_its_spread_over_seeds() {
 
 /// SPI 6.5.
 #[test]
-fn the_compass_reads_magnetic_north_and_is_deviated_by_its_heading() {
+fn the_compass_reads_magnetic_north_with_a_deviation_that_depends_on_the_heading() {
     let text = with(CALM, "sensors.compass", "declination_deg = -14");
     let (payload, lines) = heard(&text, 1, "RCM", 0.0, 60.0);
     let line = lines.last().expect("a compass");
@@ -194,7 +194,7 @@ fn pressure_is_absolute() {
 
 /// SPI 6.7.
 #[test]
-fn the_thrusters_turns_tell_the_speed_through_the_water() {
+fn the_thrusters_rpm_gives_the_speed_through_the_water() {
     let (payload, lines) = heard(CALM, 1, "RVL", 0.0, 60.0);
     let line = lines.last().expect("a reading");
     let speed = payload.mvc.truth().speed_mps;

@@ -46,7 +46,7 @@ fn a_late_subscriber_misses_control_unless_it_is_replayed() {
 }
 
 #[test]
-fn subscriptions_are_each_clients_own_and_end_with_its_connection() {
+fn subscriptions_belong_to_one_client_and_end_with_its_connection() {
     let other = ClientId(2);
     let mut payload = Payload::connected(CALM, 1, &["NVG", "CTD"]);
     payload.connect(other);
@@ -78,7 +78,7 @@ fn subscriptions_are_each_clients_own_and_end_with_its_connection() {
 }
 
 #[test]
-fn a_client_that_never_reads_is_cut_off_and_the_others_fly_on() {
+fn a_client_that_never_reads_is_cut_off_and_the_others_go_on() {
     let mut payload = Payload::connected(CALM, 1, &["NVG"]);
     let deaf = ClientId(2);
     payload.connect(deaf);

@@ -38,7 +38,7 @@ fn newest(payload: &mut Payload, name: &str) -> String {
 
 /// SPI 6.1, 6.2, 6.9, 6.10.
 #[test]
-fn the_plan_is_flown_as_planned_and_told_as_ever() {
+fn the_plan_is_flown_as_planned_and_reported_as_always() {
     let mut payload = Payload::connected(&body(CALM), 1, &["MBS", "MBE", "MIS"]);
     // On the line, once the dive has settled.
     let (mut off_m, mut off_depth_m, mut off_mps) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -66,7 +66,7 @@ fn the_plan_is_flown_as_planned_and_told_as_ever() {
 
 /// SPI 6.1, 6.2: attitude and rates are the body's; BFNVR's north and east are over ground.
 #[test]
-fn navigation_tells_the_bodys_motion() {
+fn navigation_reports_the_bodys_motion() {
     let mut payload = Payload::connected(&body(CALM), 1, &["NVG", "NVR"]);
     let (mut steepest_deg, mut rolled_deg) = (0.0_f64, 0.0_f64);
     let mut before_deg = None;
@@ -156,7 +156,7 @@ fn heading_depth_and_speed_are_flown_until_they_lapse() {
 
 /// SPI 7.12: "0 signifies the previous field is a thruster RPM"; 6.7 reports the thruster's own RPM.
 #[test]
-fn turns_of_the_thruster_are_held_as_turns() {
+fn a_requested_thruster_rpm_is_held() {
     let mut payload = modified(&body(CALM), "0,10,0,1000,0,0", 120);
     let line = newest(&mut payload, "RVL");
     assert!((field(&line, 2) - 1000.0).abs() < 1.0, "{line}");
@@ -174,7 +174,7 @@ fn turns_of_the_thruster_are_held_as_turns() {
 /// SPI 7.12: a rudder and an elevator adjustment, here taken as the angles themselves; 6.12 reports the angles and
 /// their targets.
 #[test]
-fn fins_are_held_where_they_are_asked_to_be_and_told() {
+fn fins_are_held_at_the_requested_angles_and_reported() {
     let mut payload = modified(&body(CALM), "6,10,0,1.6,1,1", 90);
     let line = newest(&mut payload, "ERC");
     assert!(
@@ -228,7 +228,7 @@ fn a_fin_follows_its_target_and_does_not_pass_its_stop() {
 
 /// SPI 7.16: the abort's wrap-up is a powered ascent; then the vehicle drifts with the water.
 #[test]
-fn an_abort_brings_it_up_and_it_drifts_with_the_current() {
+fn an_abort_brings_the_vehicle_up_and_it_drifts_with_the_current() {
     let text = with(&body(CALM), "mission", "wrap_up = \"surface\"");
     let text = format!("{text}\n[current]\nspeed_mps = 0.3\ntowards_deg = 90\n");
     let mut payload = Payload::connected(&text, 1, &["MIS", "NVR"]);
@@ -259,7 +259,7 @@ fn an_abort_brings_it_up_and_it_drifts_with_the_current() {
 
 /// In a current abeam the vehicle stays on a line by heading into the current. On a fixed heading it drifts (SPI 5.3).
 #[test]
-fn a_line_is_crabbed_and_a_heading_drifts() {
+fn the_vehicle_crabs_along_a_line_and_drifts_on_a_heading() {
     let text = format!("{}\n[current]\nspeed_mps = 0.4\ntowards_deg = 90\n", body(CALM));
     let mut payload = Payload::connected(&text, 1, &[]);
     payload.until(120.0);
@@ -277,7 +277,7 @@ fn a_line_is_crabbed_and_a_heading_drifts() {
 
 /// SPI 7.24: buoyancy floats the vehicle up, or lets it sink, when nothing drives it.
 #[test]
-fn buoyancy_lifts_and_sinks_it_adrift() {
+fn buoyancy_lifts_or_sinks_a_vehicle_adrift() {
     // A modify to 0 rpm stops the thruster.
     let drift = |newtons: f64| {
         let text = format!("{}\n[adjustment]\nbuoyancy_n = {newtons}\n", body(CALM));
@@ -297,7 +297,7 @@ fn buoyancy_lifts_and_sinks_it_adrift() {
 
 /// Whatever the payload asks, the vehicle stays off the bottom, within its depth and its speed (SPI 7.12).
 #[test]
-fn it_keeps_its_own_limits() {
+fn the_body_keeps_its_own_limits() {
     let text = body(CALM).replace("slope = 0", "slope = 0.1\ndownslope_deg = 270");
     for fields in [
         "90,5000,0,20,1,0",
@@ -316,7 +316,7 @@ fn it_keeps_its_own_limits() {
 }
 
 #[test]
-fn what_the_body_cannot_fly_is_refused_at_the_file() {
+fn a_file_with_what_the_body_cannot_fly_is_refused() {
     let fault = |text: &str| WorldFile::from_toml(text).unwrap_err().to_string();
     assert_eq!(
         fault(&format!("{}class = \"hovering\"\n", body(CALM))),
@@ -337,7 +337,7 @@ fn what_the_body_cannot_fly_is_refused_at_the_file() {
 
 /// The same run gives the same bits, and the body's steps are 20 ms whatever the vehicle's are.
 #[test]
-fn the_same_file_gives_the_same_bytes_and_ticks_hardly_matter() {
+fn the_same_file_gives_the_same_bytes_and_the_tick_rate_hardly_matters() {
     let run = |text: &str| {
         let mut payload = Payload::connected(text, 3, &["NVG", "NVR", "ERC", "IMU"]);
         payload.until(30.0);
@@ -354,7 +354,7 @@ fn the_same_file_gives_the_same_bytes_and_ticks_hardly_matter() {
 
 /// After a long time adrift no value is NaN.
 #[test]
-fn adrift_for_hours_it_stays_where_the_water_takes_it() {
+fn a_vehicle_adrift_for_hours_moves_only_with_the_water() {
     let mut payload = Payload::new(&body(CALM), 1);
     payload.connect(ME);
     payload.until(60.0);

@@ -133,7 +133,7 @@ fn a_plan_or_a_start_off_the_grid_is_refused() {
 
 /// A drawn seabed is checked as this seed has it.
 #[test]
-fn a_drawn_seabed_refuses_what_lies_below_it_and_where_the_vehicle_cannot_be() {
+fn a_plan_without_enough_water_over_a_drawn_seabed_is_refused() {
     let shallow = |depth: &str| {
         let low = CALM.replace("depth_m = 10", "depth_m = 2");
         let file = WorldFile::from_toml(&low.replace("depth_m = 60", depth)).expect("a file");
@@ -158,7 +158,7 @@ fn a_drawn_seabed_refuses_what_lies_below_it_and_where_the_vehicle_cannot_be() {
 }
 
 #[test]
-fn a_grid_that_is_named_must_be_given_and_fit() {
+fn a_grid_that_is_named_must_be_given_and_valid() {
     let file = WorldFile::from_toml(&charted(CALM)).expect("a file is right without its grid");
     assert_eq!(
         Mvc::new(&file, 1).unwrap_err().to_string(),
@@ -198,7 +198,7 @@ fn the_tide_raises_the_surface_over_the_bottom() {
 
 /// SPI 6.4, 6.6, 6.16: all three sensors measure the same sea water.
 #[test]
-fn pressure_and_speed_of_sound_are_the_worlds() {
+fn pressure_and_speed_of_sound_are_those_of_the_world() {
     let text = with(CALM, "sensors.sound", "fitted = true");
     let mut payload = Payload::connected(&text, 1, &["CTD", "RDP", "SVS"]);
     payload.until(60.0);

@@ -1,4 +1,4 @@
-//! Requirements 001, 012, 014 and 021: what may be said with and without control.
+//! Requirements 001, 012, 014 and 021: what may be sent with and without control.
 
 use backseat_oracle::{Activity, ControlHook};
 
@@ -67,7 +67,7 @@ fn requirement_014_after_control_only_harmless_sentences() {
     quiet.clone().ours(7000, END).finds(&["end-surplus"]);
     quiet.ours(7000, "BPSIL,{t},1").finds(&["not-allowed-without-control"]);
     lost().activity(10_000, Activity::Plan).finds(&["end-missing"]);
-    // 100 ms after the words were there, and 50 ms more.
+    // 100 ms after the message has arrived, and 50 ms more.
     lost()
         .ours(5350, END)
         .activity(5400, Activity::Plan)

@@ -1,5 +1,5 @@
-//! What faults of the link do to the judgement: what they hide from the runtime is not held against it, and what it
-//! should have seen still is.
+//! How faults of the link change the judgement: the runtime is not blamed for what they hide from it, but it is blamed
+//! for what it should have seen.
 
 use backseat_oracle::Activity;
 
@@ -7,14 +7,14 @@ use crate::scenario::{END, MODIFY, Scenario, sentence};
 
 const TRACKLINE: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700,W,0,10,1.5,0,0";
 
-/// The word that takes control away.
+/// The message that takes control away.
 fn taken() -> Vec<u8> {
     sentence("BFCTL,000004.000,0").into_bytes()
 }
 
 #[test]
 fn a_stall_lets_the_words_go_at_its_end() {
-    // Said at 5 s, let go at 8 s with all that waited.
+    // The vehicle has sent this by 5 s. It arrives at 8 s with everything that waited.
     let run = Scenario::with_control()
         .vehicle_bytes(8000, &sentence("BFMBS,000005.000,a.dive,3,,trackline").into_bytes())
         .vehicle_bytes(8000, &taken());
@@ -24,7 +24,7 @@ fn a_stall_lets_the_words_go_at_its_end() {
 
 #[test]
 fn a_delay_makes_navigation_old() {
-    // 1.3 s are allowed on this link, and then there are 100 ms to end the lease.
+    // This link allows an age of 1.3 s, and then there are 100 ms to end the lease.
     let delayed = |delay_ms: u64| {
         Scenario::with_control()
             .lease(3000, 6000)
@@ -68,7 +68,7 @@ fn a_corrupt_word_was_not_said() {
     run.vehicle_bytes(4500, &taken())
         .ours(5000, TRACKLINE)
         .finds(&["no-control"]);
-    // The end of one line is damaged, and the word behind it is not.
+    // The end of one line is damaged, but the message behind it is not.
     let joined = [b"$BFVER,000004.000,1.12*4F\r\x0b".as_slice(), &taken()].concat();
     Scenario::with_control()
         .vehicle_bytes(4000, &joined)
@@ -114,7 +114,7 @@ fn a_word_in_pieces_is_said_with_the_last_of_them() {
 
 #[test]
 fn what_never_arrives_has_no_effect() {
-    // From 5 s on nothing of ours comes through; the vehicle should have forgotten the modify at 10.1 s.
+    // From 5 s on nothing of ours arrives; the vehicle should have forgotten the modify at 10.1 s.
     let lost = |until: u64| {
         Scenario::with_control()
             .lease(3000, 9000)

@@ -1,10 +1,10 @@
-//! Where a run was not written down whole, nothing is claimed of what hangs on the part that is missing.
+//! If the record of a run has a gap, the oracle claims nothing that depends on the missing part.
 
 use crate::scenario::{END, MODIFY, Scenario};
 
 const TRACKLINE: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700,W,0,10,1.5,0,0";
 
-/// Control was last told to be the vehicle's, and then records are missing from 4 to 5 s.
+/// The vehicle last said that it has control, and then records are missing from 4 to 5 s.
 fn denied() -> Scenario {
     Scenario::with_control().vehicle(3000, "BFCTL,{t},0").gap(4000, 5000)
 }
@@ -17,7 +17,7 @@ fn whose_control_is_nobody_knows_until_the_vehicle_says_it_again() {
         .vehicle(6000, "BFCTL,{t},0")
         .ours(6300, TRACKLINE)
         .finds(&["no-control"]);
-    // Half of it is no more than unknown, and without the other half a no is a no.
+    // One half of control leaves the other unknown, but either half alone can deny control.
     denied()
         .vehicle(6000, "BFCTL,{t},1")
         .ours(6300, TRACKLINE)
@@ -53,7 +53,7 @@ fn what_was_alive_may_have_ended_and_what_ends_may_have_lived() {
         .ours(5500, "BPCON,{t}")
         .ours(6000, "BPRES,{t}")
         .finds_nothing();
-    // What begins after it is judged as ever.
+    // A lease that begins after the gap is judged as always.
     Scenario::with_control()
         .gap(2000, 3000)
         .ours(4000, MODIFY)
@@ -75,7 +75,7 @@ fn an_operators_hold_may_have_been_released() {
 fn what_was_written_down_on_both_sides_stays_a_fact() {
     let twice = || Scenario::with_control().ours(3000, TRACKLINE).gap(4000, 5000);
     twice().ours(6000, TRACKLINE).finds(&["identifier-repeated"]);
-    // What was sent unseen may be cancelled.
+    // An insert that was sent in the gap may be cancelled.
     twice().ours(6000, "BPRCN,{t},99").finds_nothing();
 }
 

@@ -1,5 +1,5 @@
-//! The oracle's reader beside that of `backseat-spi`, which shares nothing with it: over every example of the catalogue,
-//! over drawn sentences, and where the two mean to differ.
+//! Compares the oracle's reader with that of `backseat-spi`, which shares nothing with it: on every example of the
+//! catalogue, on drawn sentences, and where the two differ on purpose.
 
 use backseat_oracle::Position;
 use backseat_oracle::wire::{
@@ -15,7 +15,7 @@ use proptest::prelude::*;
 
 use crate::scenario::sentence;
 
-/// To a tenth of a millimetre, so that the last bit of a conversion makes no difference.
+/// A position, rounded to a tenth of a millimetre, so that the last bit of a conversion makes no difference.
 fn place(latitude_deg: f64, longitude_deg: f64) -> Position {
     let round = |deg: f64| (deg * 1e9).round() / 1e9 + 0.0;
     Position {
@@ -36,8 +36,8 @@ fn nanos(time: backseat_units::TimeOfDay) -> u64 {
     time.as_nanos()
 }
 
-/// What `backseat-spi` reads in a sentence of ours, as the oracle says it. Nothing where it reads nothing, or a code that
-/// the specification does not have.
+/// What `backseat-spi` reads in a sentence of ours, in the oracle's types. `None` if it reads nothing, or a code that
+/// the specification does not define.
 fn spi_ours(line: &str) -> Option<(u64, Ours)> {
     let sentence = Sentence::parse(line.trim_end()).ok()?;
     if sentence.checksum() != ChecksumState::Valid {
@@ -140,7 +140,7 @@ fn spi_ours(line: &str) -> Option<(u64, Ours)> {
     Some((created, asks))
 }
 
-/// By the specification's letters, for comparison alone.
+/// A time of day by the letter of the specification, only for comparison.
 fn time_of(field: &str) -> Option<u64> {
     let (clock, decimals) = field.split_once('.').unwrap_or((field, ""));
     let clock: u64 = clock.parse().ok()?;
@@ -172,10 +172,10 @@ fn oracle_ours(line: &str) -> Option<(u64, Ours)> {
     Some((created.map_or(0, backseat_oracle::TimeOfDay::as_nanos), asks))
 }
 
-/// What the vehicle said, with its times in nanoseconds and its text of its own.
+/// What the vehicle said: a text for comparison, and the times in nanoseconds.
 type Heard = (String, Vec<u64>);
 
-/// What `backseat-spi` reads in a sentence of the vehicle's, as the oracle says it.
+/// What `backseat-spi` reads in a sentence of the vehicle's, in the same form.
 fn spi_heard(line: &str) -> Option<Heard> {
     let sentence = Sentence::parse(line.trim_end()).ok()?;
     if sentence.checksum() != ChecksumState::Valid {
@@ -296,7 +296,7 @@ fn oracle_heard(line: &str) -> Option<Heard> {
     Some((text, times))
 }
 
-/// The sentences of the vehicle's that a rule needs.
+/// The vehicle's sentences that a rule needs.
 const HEARD: [&str; 12] = [
     "BFNVG", "BFNVR", "BFACK", "BFMBS", "BFMBE", "BFPLN", "BFCTL", "BFMIS", "BFMSC", "BFCMA", "BFDVT", "BFSHT",
 ];
@@ -327,7 +327,8 @@ fn both_readers_agree_over_every_example_of_the_catalogue() {
     assert_eq!(heard, HEARD.len());
 }
 
-/// The fields on the wire of one value of a sentence, as the specification writes them, by its entry in the catalogue.
+/// Draws the fields on the wire of one value of a sentence, as the specification writes them, from its entry in the
+/// catalogue.
 fn fields_of(field: &'static EntryField) -> BoxedStrategy<Vec<String>> {
     if field.range == "1..8 frames" {
         return (1..9usize)
@@ -343,7 +344,7 @@ fn fields_of(field: &'static EntryField) -> BoxedStrategy<Vec<String>> {
     field.formats.iter().copied().map(format).collect::<Vec<_>>().boxed()
 }
 
-/// One field on the wire.
+/// Draws one field on the wire.
 fn field_of(format: &'static str, range: &'static str) -> BoxedStrategy<String> {
     match format {
         "x.x" => {
@@ -363,7 +364,7 @@ fn field_of(format: &'static str, range: &'static str) -> BoxedStrategy<String> 
             }
             match bounds(range) {
                 Some((least, most)) => (least as i64..=most as i64).prop_map(|value| value.to_string()).boxed(),
-                // Reserved.
+                // A reserved field.
                 None => Just("0".to_owned()).boxed(),
             }
         }
@@ -400,7 +401,7 @@ fn angle(max: u32, width: usize) -> impl Strategy<Value = String> {
     })
 }
 
-/// What real vehicles, other payloads and damage make of a field.
+/// Draws a field as real vehicles, other payloads or damage may leave it.
 fn odd_field() -> impl Strategy<Value = String> {
     prop_oneof![
         Just(String::new()),
@@ -415,7 +416,7 @@ fn odd_field() -> impl Strategy<Value = String> {
 /// A sentence's name and its fields.
 type Drawn = (&'static str, Vec<String>);
 
-/// A sentence that is as the specification writes it.
+/// Draws a sentence as the specification writes it.
 fn drawn(direction: Direction) -> impl Strategy<Value = Drawn> {
     let judged = |entry: &&Entry| match direction {
         Direction::ToVehicle => entry.direction == direction,
@@ -428,7 +429,7 @@ fn drawn(direction: Direction) -> impl Strategy<Value = Drawn> {
     })
 }
 
-/// A sentence with a field that is odd, lost or too many.
+/// Draws a sentence in which a field is odd, missing or one too many.
 fn odd(direction: Direction) -> impl Strategy<Value = Drawn> {
     let change = (any::<proptest::sample::Index>(), 0..5u8, odd_field());
     (drawn(direction), change).prop_map(|((name, mut fields), (at, what, text))| {
@@ -469,7 +470,7 @@ proptest! {
         prop_assert_eq!(oracle_heard(&line), spi_heard(&line), "{}", line);
     }
 
-    /// Of ours the oracle reads nothing that `backseat-spi` does not read, and nothing in another way.
+    /// Of our sentences the oracle reads only what `backseat-spi` reads too, and in the same way.
     #[test]
     fn the_oracle_is_the_stricter_reader_of_ours(odd in odd(Direction::ToVehicle)) {
         let line = line(&odd);
@@ -477,7 +478,8 @@ proptest! {
         prop_assert!(read.is_none() || read == spi_ours(&line), "{line} {read:?} {:?}", spi_ours(&line));
     }
 
-    /// Of the vehicle's, what is odd is read in the same way; in what has a place, what both read is the same.
+    /// Both read an odd sentence of the vehicle in the same way. A sentence with a position may be read by only one of
+    /// them, but if both read it, they read the same.
     #[test]
     fn both_readers_agree_over_what_is_odd_in_the_vehicles(odd in odd(Direction::FromVehicle)) {
         let line = line(&odd);
@@ -504,8 +506,8 @@ proptest! {
     }
 }
 
-/// Where the two readers mean to differ. `backseat-spi` reads what other payloads and vehicles may send; of what we send
-/// ourselves the oracle wants the specification's every word.
+/// The two readers differ on purpose here. `backseat-spi` reads what other payloads and vehicles may send; of our own
+/// sentences the oracle accepts only the exact form of the specification.
 #[test]
 fn the_oracle_takes_nothing_from_us_that_the_specification_does_not_write() {
     let checked = |body: &str| sentence(body);
@@ -561,7 +563,7 @@ fn the_oracle_takes_nothing_from_us_that_the_specification_does_not_write() {
     }
 }
 
-/// A BFNVG is where the vehicle believes to be: what is damaged and has a right checksum by chance moves nothing.
+/// A BFNVG has the position that the vehicle believes. A damaged one whose checksum is right by chance moves nothing.
 #[test]
 fn a_fix_is_read_as_the_specification_writes_it() {
     let body = "BFNVG,081025.987,4221.81092,N,07106.84603,W,1,45.3,20.1,203.1,-3.4,4.5,081025.980";
@@ -598,7 +600,8 @@ fn a_fix_is_read_as_the_specification_writes_it() {
     ] {
         assert_eq!(read(&body.replacen(right, damaged, 1)), None, "{damaged}");
     }
-    // `backseat-spi` brings a heading to the circle, reads codes of more digits, and refuses what no sea is as deep as.
+    // `backseat-spi` wraps a heading into the circle, reads codes with more digits, and refuses a depth that no sea
+    // has.
     let spi = |body: &str| spi_heard(&sentence(body)).is_some();
     for (changed, oracle_reads) in [
         (body.replace("203.1", "403.1"), false),
@@ -611,7 +614,7 @@ fn a_fix_is_read_as_the_specification_writes_it() {
             "{changed}"
         );
     }
-    // And it takes a blank for a digit of the degrees.
+    // It also accepts a blank as a digit of the degrees.
     let element = "BFPLN,000000.000,3,,0,1,4200,N,07000,W,,,";
     assert!(spi_heard(&sentence(element)).is_some() && oracle_heard(&sentence(element)).is_some());
     let blank = sentence(&element.replace(",4200,", ", 000,"));

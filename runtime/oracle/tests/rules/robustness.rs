@@ -1,4 +1,4 @@
-//! What is malformed, on either side, and bounds.
+//! Malformed input from either side, and bounds.
 
 use backseat_oracle::{Activity, Limits, Oracle, OracleError, Truth};
 use proptest::prelude::*;
@@ -30,7 +30,7 @@ fn every_sentence_of_ours_is_whole_and_right() {
         .bytes(2000, first)
         .bytes(2001, second)
         .finds_nothing();
-    // What a lost link cut off is nobody's fault.
+    // A sentence that a lost link cuts off is no violation.
     Scenario::with_control()
         .bytes(2000, first)
         .link(2001, false)

@@ -1,4 +1,4 @@
-//! Requirements 001, 005 and 014: how a hovering vehicle is held.
+//! Requirements 001, 005 and 014: how a hovering vehicle keeps its station.
 
 use crate::scenario::Scenario;
 
@@ -6,7 +6,7 @@ const SUSPEND: &str = "BPSUS,{t}";
 const CONTINUE: &str = "BPCON,{t}";
 const RESUME: &str = "BPRES,{t}";
 
-/// BPSUS at 3 s, and each half second more of it until 6 s.
+/// BPSUS at 3 s, and then a refresh each half second until 6 s.
 fn held() -> Scenario {
     let mut run = Scenario::with_control()
         .ours(3000, SUSPEND)
@@ -39,7 +39,7 @@ fn requirement_005_no_gap_over_a_second() {
     held().ours(7100, CONTINUE).ours(7200, RESUME).finds(&["station-gap"]);
     held().ours(7100, RESUME).finds(&["station-gap"]);
     held().finds(&["station-gap"]);
-    // A lost link cannot be helped, nor can a stopped runtime.
+    // The runtime cannot avoid a gap when the link is lost or when it is stopped.
     held().link(6500, false).finds_nothing();
     held().stopped(6500).finds_nothing();
     held().stopped(6500).ours(9000, RESUME).finds_nothing();

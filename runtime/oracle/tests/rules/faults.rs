@@ -13,7 +13,7 @@ fn taken() -> Vec<u8> {
 }
 
 #[test]
-fn a_stall_lets_the_words_go_at_its_end() {
+fn a_stall_delivers_the_messages_at_its_end() {
     // The vehicle has sent this by 5 s. It arrives at 8 s with everything that waited.
     let run = Scenario::with_control()
         .vehicle_bytes(8000, &sentence("BFMBS,000005.000,a.dive,3,,trackline").into_bytes())
@@ -51,7 +51,7 @@ fn a_half_open_link_lets_navigation_grow_old() {
 }
 
 #[test]
-fn a_dropped_word_was_not_said_and_the_next_one_counts() {
+fn a_dropped_message_does_not_count_and_the_next_one_does() {
     let run = Scenario::with_control();
     run.clone().ours(5000, TRACKLINE).finds_nothing();
     run.vehicle(4000, "BFMIS,{t},a.dive,Aborting,leak")
@@ -60,7 +60,7 @@ fn a_dropped_word_was_not_said_and_the_next_one_counts() {
 }
 
 #[test]
-fn a_corrupt_word_was_not_said() {
+fn a_corrupt_message_does_not_count() {
     let mut corrupt = taken();
     corrupt[10] ^= 4;
     let run = Scenario::with_control().vehicle_bytes(4000, &corrupt);
@@ -77,7 +77,7 @@ fn a_corrupt_word_was_not_said() {
 }
 
 #[test]
-fn a_word_that_comes_twice_is_one() {
+fn a_repeated_message_counts_once() {
     let run = Scenario::with_control()
         .vehicle(3000, "BFCTL,{t},1")
         .limits(|limits| limits.inserts_open_max = 1)
@@ -91,7 +91,7 @@ fn a_word_that_comes_twice_is_one() {
 }
 
 #[test]
-fn a_word_in_pieces_is_said_with_the_last_of_them() {
+fn a_message_in_pieces_counts_from_the_last_of_them() {
     let word = taken();
     let mut run = Scenario::with_control();
     for (index, byte) in word.iter().enumerate() {
@@ -113,7 +113,7 @@ fn a_word_in_pieces_is_said_with_the_last_of_them() {
 }
 
 #[test]
-fn what_never_arrives_has_no_effect() {
+fn sentences_that_never_arrive_have_no_effect() {
     // From 5 s on nothing of ours arrives; the vehicle should have forgotten the modify at 10.1 s.
     let lost = |until: u64| {
         Scenario::with_control()
@@ -129,7 +129,7 @@ fn what_never_arrives_has_no_effect() {
 }
 
 #[test]
-fn what_a_stopped_runtime_was_told_it_hears_when_it_goes_on() {
+fn a_stopped_runtime_receives_messages_when_it_goes_on() {
     let run = Scenario::with_control()
         .stopped(3000)
         .vehicle_bytes(4000, &taken())

@@ -21,7 +21,7 @@ fn under_a_creep(mps: f64) -> Outcome {
 }
 
 #[test]
-fn requirement_024_a_creep_that_steers_on_is_named_and_one_within_the_limits_is_not() {
+fn requirement_024_a_lease_on_a_creeping_position_is_found_unless_the_creep_is_within_the_limits() {
     // 10 m and 0.3 m/s in 9.5 s are 12.9 m.
     for mps in [0.1, 0.3, 1.0, 1.3] {
         assert_eq!(rules(&under_a_creep(mps)), Vec::<&str>::new(), "{mps} m/s");
@@ -43,7 +43,7 @@ fn requirement_024_a_creep_that_steers_on_is_named_and_one_within_the_limits_is_
 }
 
 #[test]
-fn requirement_024_what_place_and_velocity_have_wrong_alike_nobody_sees() {
+fn requirement_024_an_error_that_position_and_velocity_share_cannot_be_seen() {
     let run = Scenario::with_control().creeps(0, 20_000, 1.5).goes_north(1.5);
     modified(run, 14_000).finds_nothing();
     // The vehicle and the position stand still, and only the velocity is wrong: that is no error of the position.
@@ -51,7 +51,7 @@ fn requirement_024_what_place_and_velocity_have_wrong_alike_nobody_sees() {
 }
 
 #[test]
-fn requirement_024_a_creep_that_is_over_is_forgotten_when_the_window_is() {
+fn requirement_024_a_creep_that_is_over_is_forgotten_with_its_window() {
     // The position creeps 24 m from 4 s to 7 s. A lease at 6.8 s is wrong, and so is one at 12 s.
     let crept = |ms| modified(Scenario::with_control().creeps(4000, 7000, 8.0), ms);
     crept(6800).finds(&["navigation-untrue"]);
@@ -64,7 +64,7 @@ fn requirement_024_a_creep_that_is_over_is_forgotten_when_the_window_is() {
 }
 
 #[test]
-fn requirement_024_another_connection_or_process_begins_another_window() {
+fn requirement_024_a_new_connection_or_process_begins_a_new_window() {
     let lost = Scenario::with_control()
         .creeps(4000, 5500, 9.0)
         .reconnects(5600, 5700)
@@ -99,7 +99,7 @@ fn requirement_024_navigation_without_velocities_steers_nothing_for_ten_seconds(
 }
 
 #[test]
-fn requirement_023_a_clock_that_was_set_steers_nothing_for_ten_seconds() {
+fn requirement_023_after_a_clock_was_set_nothing_steers_for_ten_seconds() {
     let set = |by_ms, ms| modified(Scenario::with_control().clock_set(5000, by_ms), ms);
     for by_ms in [600, 3000] {
         // The beat of 5.055 s shows it.
@@ -135,7 +135,7 @@ fn answer(command: &str, ms: u64, by_ms: u64) -> String {
 }
 
 #[test]
-fn requirement_023_answers_to_subscriptions_tell_of_the_clock_too() {
+fn requirement_023_answers_to_subscriptions_also_show_that_a_clock_was_set() {
     let set = |ms| modified(answers_only_subscriptions(3000), ms);
     // The beat of 5.26 s shows it.
     set(5400).finds_nothing();
@@ -145,7 +145,7 @@ fn requirement_023_answers_to_subscriptions_tell_of_the_clock_too() {
 }
 
 #[test]
-fn requirement_023_what_the_runtime_has_seen_in_other_answers_is_no_news_in_a_later_one() {
+fn requirement_023_a_set_clock_that_the_runtime_has_seen_before_does_not_count_again() {
     let precise = |run: Scenario, ms: u64| {
         run.ours(ms, "BPSTS,{t},1,well")
             .vehicle(ms + 5, &answer(&format!("STS,{}", stamp(ms)), ms + 5, 3000))
@@ -180,7 +180,7 @@ fn requirement_023_an_answer_to_an_earlier_subscription_sets_no_clock() {
 }
 
 #[test]
-fn requirement_023_of_a_clock_that_was_set_when_the_link_was_lost_nobody_may_have_heard() {
+fn requirement_023_the_runtime_may_not_know_of_a_clock_that_was_set_as_the_link_was_lost() {
     let beat = |run: Scenario, (ms, by_ms)| {
         run.ours(ms, "BPSTS,{t},1,well")
             .vehicle(ms + 5, &answer(&format!("STS,{}", stamp(ms)), ms + 5, by_ms))

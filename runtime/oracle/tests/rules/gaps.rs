@@ -10,7 +10,7 @@ fn denied() -> Scenario {
 }
 
 #[test]
-fn whose_control_is_nobody_knows_until_the_vehicle_says_it_again() {
+fn after_a_gap_control_is_unknown_until_the_vehicle_says_it_again() {
     denied().ours(5500, MODIFY).ours(6000, END).finds_nothing();
     denied().ours(5500, TRACKLINE).finds_nothing();
     denied()
@@ -35,7 +35,7 @@ fn whose_control_is_nobody_knows_until_the_vehicle_says_it_again() {
 }
 
 #[test]
-fn what_was_alive_may_have_ended_and_what_ends_may_have_lived() {
+fn a_lease_may_have_ended_or_begun_in_the_gap() {
     // A lease that is never ended: its end may be in the gap.
     Scenario::with_control()
         .ours(3000, MODIFY)
@@ -72,7 +72,7 @@ fn an_operators_hold_may_have_been_released() {
 }
 
 #[test]
-fn what_was_written_down_on_both_sides_stays_a_fact() {
+fn what_was_recorded_on_both_sides_of_a_gap_still_counts() {
     let twice = || Scenario::with_control().ours(3000, TRACKLINE).gap(4000, 5000);
     twice().ours(6000, TRACKLINE).finds(&["identifier-repeated"]);
     // An insert that was sent in the gap may be cancelled.
@@ -103,7 +103,7 @@ fn silence_after_a_gap_is_judged_from_its_end() {
 }
 
 #[test]
-fn the_end_of_a_sentence_that_began_in_the_gap_is_no_sentence() {
+fn the_end_of_a_sentence_that_began_in_the_gap_is_ignored() {
     Scenario::with_control()
         .gap(4000, 5000)
         .bytes(5020, b"0,1.5,1,0*54\r\n")

@@ -12,7 +12,7 @@ fn modified(run: Scenario, ms: u64) -> Scenario {
 }
 
 #[test]
-fn requirement_023_an_answer_speaks_for_three_seconds_from_when_its_command_left() {
+fn requirement_023_an_answer_counts_for_three_seconds_from_when_its_command_left() {
     // The last beat leaves at 3.055 s.
     let silent = || Scenario::with_control().without_answers().beats_until(4000);
     modified(silent(), 6054).finds_nothing();
@@ -29,7 +29,7 @@ fn requirement_023_an_answer_speaks_for_three_seconds_from_when_its_command_left
 }
 
 #[test]
-fn requirement_023_only_an_answer_in_the_missions_time_and_on_this_connection_counts() {
+fn requirement_023_only_an_answer_within_the_missions_time_and_on_this_connection_counts() {
     let slow = |ms| modified(Scenario::with_control().without_answers().beats_take(ms), 8000);
     slow(999).finds_nothing();
     slow(1001).finds(&["unheard"]);
@@ -67,7 +67,7 @@ fn requirement_023_subscriptions_are_answered_in_their_order() {
 }
 
 #[test]
-fn requirement_023_what_nothing_takes_back_needs_an_answer_of_this_second() {
+fn requirement_023_an_irrevocable_request_needs_an_answer_within_the_last_second() {
     // The last beat is of 3.055 s, and so is its answer; 250 ms may pass until the runtime reads it.
     let silent = || Scenario::with_control().beats_until(4000);
     for body in [INTERRUPT, GPS_HIT] {
@@ -88,7 +88,7 @@ fn requirement_023_what_nothing_takes_back_needs_an_answer_of_this_second() {
 }
 
 #[test]
-fn requirement_023_what_nothing_takes_back_waits_for_the_answer_to_what_left_before_it() {
+fn requirement_023_an_irrevocable_request_waits_for_the_answers_to_earlier_commands() {
     // The beat of 4.055 s has left, and its answer comes 300 ms later.
     let slow = |ms, body| Scenario::with_control().beats_take(300).ours(ms, body);
     for body in [INTERRUPT, GPS_HIT] {
@@ -104,7 +104,7 @@ fn requirement_023_what_nothing_takes_back_waits_for_the_answer_to_what_left_bef
 }
 
 #[test]
-fn requirement_023_what_a_stopped_runtime_reads_late_was_not_answered_in_time() {
+fn requirement_023_an_answer_that_a_stopped_runtime_reads_late_does_not_count() {
     // The beat of 3.055 s is answered at once, while the runtime reads nothing.
     let stopped = |until| {
         Scenario::with_control()
@@ -119,7 +119,7 @@ fn requirement_023_what_a_stopped_runtime_reads_late_was_not_answered_in_time() 
 }
 
 #[test]
-fn an_echo_with_two_decimals_is_as_good_as_one_with_three() {
+fn an_echo_with_two_decimals_counts_like_one_with_three() {
     let cut = |ms: u64| stamp(ms)[..9].to_owned();
     // 6.004 s is echoed as 6.00 s, and 6.006 s rounded as 6.01 s.
     for (made, echoed) in [(6004, cut(6004)), (6006, cut(6010))] {

@@ -26,7 +26,7 @@ fn circle(radius: f64, minutes: f64, rest: &str) -> String {
 }
 
 #[test]
-fn an_insert_inside_the_fence_finds_nothing() {
+fn an_insert_inside_the_fence_is_no_violation() {
     let outcome = Scenario::with_control()
         .ours(2000, &good(7))
         .vehicle(2100, &ack(7, 3))
@@ -93,7 +93,7 @@ fn requirement_002_a_circle_keeps_its_whole_rim_inside() {
 }
 
 #[test]
-fn requirement_002_setpoints_keep_to_the_bands() {
+fn requirement_002_setpoints_keep_to_the_limits_of_depth_altitude_and_speed() {
     let line = |rest| Scenario::with_control().ours(2000, &trackline(7, 0.3, 0.9, 0.8, rest));
     line("0,40,1.5,0,0").finds_nothing();
     line("0,40.1,1.5,0,0").finds(&["request-vertical"]);
@@ -123,7 +123,7 @@ fn requirement_002_nothing_is_inserted_into_an_unknown_plan() {
 }
 
 #[test]
-fn requirement_002_nothing_is_inserted_where_nobody_heard_what_is_flown() {
+fn requirement_002_nothing_is_inserted_before_it_was_heard_what_is_flown() {
     let again = || {
         Scenario::with_control()
             .link(3000, false)
@@ -161,7 +161,7 @@ fn requirement_009_identifiers_never_repeat_even_after_a_reconnect() {
 }
 
 #[test]
-fn requirement_009_nothing_is_asked_for_while_another_is_in_doubt() {
+fn requirement_009_no_insert_is_sent_while_another_is_in_doubt() {
     let lost = || Scenario::with_control().ours(2000, &good(7)).reconnects(3000, 4000);
     lost().ours(6000, &good(8)).finds(&["insert-in-doubt"]);
     for words in [
@@ -189,7 +189,7 @@ fn requirement_009_nothing_is_asked_for_while_another_is_in_doubt() {
 }
 
 #[test]
-fn requirement_019_the_number_is_counted_through_all_processes() {
+fn requirement_019_the_number_of_inserts_counts_across_all_processes() {
     Scenario::with_control()
         .limits(|limits| limits.inserts_total_max = 1)
         .ours(2000, &good(7))
@@ -226,7 +226,7 @@ fn inherited_and_asked_twice() -> Scenario {
 }
 
 #[test]
-fn requirement_019_each_plan_that_is_told_says_what_waits() {
+fn requirement_019_each_received_plan_says_which_inserts_wait() {
     let again = |run: Scenario| run.ours(6000, &good(8)).vehicle(6100, &ack(8, 2));
     again(inherited_and_asked_twice()).finds(&["inserts-open"]);
     // The vehicle has dropped the insert meanwhile: the second plan does not have it.
@@ -272,7 +272,7 @@ fn requirement_009_timestamps_never_repeat_under_one_name() {
 }
 
 #[test]
-fn requirement_010_an_interrupt_is_not_interrupted() {
+fn requirement_010_an_interrupting_insert_is_not_interrupted() {
     let run = Scenario::with_control()
         .ours(2000, &interrupting(7))
         .vehicle(2200, &ack(7, 2));
@@ -362,7 +362,7 @@ fn requirement_019_the_open_inserts_are_capped() {
 }
 
 #[test]
-fn requirement_010_what_the_vehicle_could_not_read_is_not_done() {
+fn requirement_010_an_insert_that_the_vehicle_could_not_read_is_not_flown() {
     let after = |answer: &str| {
         Scenario::with_control()
             .ours(2000, &interrupting(7))
@@ -387,7 +387,7 @@ fn requirement_010_what_the_vehicle_could_not_read_is_not_done() {
 }
 
 #[test]
-fn requirement_019_what_the_plan_holds_counts_without_its_acknowledgement() {
+fn requirement_019_an_insert_in_the_plan_counts_without_its_acknowledgement() {
     let run = Scenario::with_control()
         .limits(|limits| limits.inserts_open_max = 1)
         .ours(2000, &good(7))
@@ -398,7 +398,7 @@ fn requirement_019_what_the_plan_holds_counts_without_its_acknowledgement() {
 }
 
 #[test]
-fn requirement_019_the_time_of_open_inserts_is_capped() {
+fn requirement_019_the_duration_of_open_inserts_is_capped() {
     // 138 m at 1.5 m/s are 92 s.
     let run = |cap: f64| {
         Scenario::with_control()

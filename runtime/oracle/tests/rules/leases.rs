@@ -11,7 +11,7 @@ fn lease() -> Scenario {
 }
 
 #[test]
-fn requirement_003_a_lease_that_is_kept_and_ended_finds_nothing() {
+fn requirement_003_a_lease_that_is_refreshed_and_ended_is_no_violation() {
     let outcome = lease().ours(6500, END).finds_nothing();
     let statistics = outcome.statistics;
     assert_eq!(
@@ -34,7 +34,7 @@ fn requirement_003_no_gap_over_two_and_a_half_seconds() {
 }
 
 #[test]
-fn requirement_003_a_lease_does_not_just_stop() {
+fn requirement_003_a_lease_must_not_stop_without_an_end() {
     lease().finds(&["modify-gap", "modify-abandoned"]);
 }
 
@@ -51,7 +51,7 @@ fn requirement_003_never_faster_than_five_hertz() {
 }
 
 #[test]
-fn requirement_003_a_lease_that_nobody_answers_ends() {
+fn requirement_003_an_unanswered_lease_must_end() {
     // A second, the 100 ms of the end, and 800 ms for the delays of the link and a busy vehicle.
     let silent = || {
         Scenario::with_control()
@@ -132,7 +132,7 @@ fn requirement_003_a_standstill_ends_the_lease_before_anything_else() {
 }
 
 #[test]
-fn requirement_003_nothing_is_inherited() {
+fn requirement_003_a_modify_inherits_no_value() {
     for body in [
         "BPRMB,{t},,10,0,1.5,1,0",
         "BPRMB,{t},90,,0,1.5,1,0",
@@ -156,7 +156,7 @@ fn requirement_002_a_modify_keeps_to_the_limits() {
 }
 
 #[test]
-fn requirement_002_a_modify_does_not_certainly_lead_out() {
+fn requirement_002_a_modify_must_not_certainly_lead_out_of_the_fence() {
     // A minute of longitude is 1379.9 m here: at 1.5 m/s the vehicle goes 6.75 m in 4.5 s, 0.0049 of it.
     let near = |place| {
         Scenario::with_control()
@@ -182,7 +182,7 @@ fn requirement_002_a_modify_does_not_certainly_lead_out() {
 }
 
 #[test]
-fn requirement_004_a_modify_keeps_the_margin_of_where_the_vehicle_believes_to_be() {
+fn requirement_004_a_modify_keeps_the_margin_at_the_believed_position() {
     let near = |place, body| {
         Scenario::with_control()
             .believes(0, place)
@@ -215,7 +215,7 @@ fn requirement_004_a_modify_keeps_the_margin_of_where_the_vehicle_believes_to_be
 }
 
 #[test]
-fn requirement_004_a_refresh_does_not_certainly_lead_out() {
+fn requirement_004_a_refresh_must_not_certainly_lead_out_of_the_fence() {
     Scenario::with_control()
         .believes(4500, "4200.300,N,07000.8990,W")
         .believes(4600, "4200.300,N,07000.8980,W")
@@ -262,7 +262,7 @@ fn requirement_021_a_jump_ends_the_lease_until_navigation_has_been_steady() {
 }
 
 #[test]
-fn requirement_021_whoever_takes_navigation_for_old_hears_of_no_jump_until_it_has_none() {
+fn requirement_021_a_runtime_that_takes_navigation_for_old_may_miss_a_jump_until_it_has_no_navigation() {
     // The vehicle's clock goes back by 3 s at 4.5 s.
     let leased = |end_ms| {
         Scenario::with_control()
@@ -277,7 +277,7 @@ fn requirement_021_whoever_takes_navigation_for_old_hears_of_no_jump_until_it_ha
 }
 
 #[test]
-fn requirement_021_one_that_is_old_and_elsewhere_and_alone_is_no_jump() {
+fn requirement_021_a_single_sample_that_is_old_and_elsewhere_is_no_jump() {
     // This sample is damaged in its time and its position, and its checksum is right by chance.
     let elsewhere = || {
         Scenario::with_control()
@@ -296,7 +296,7 @@ fn requirement_021_one_that_is_old_and_elsewhere_and_alone_is_no_jump() {
 }
 
 #[test]
-fn requirement_021_a_jump_is_seen_over_a_lost_link() {
+fn requirement_021_a_jump_during_a_link_loss_counts() {
     let lost = || {
         Scenario::with_control()
             .believes(5000, "4200.300,N,07000.990,W")
@@ -308,7 +308,7 @@ fn requirement_021_a_jump_is_seen_over_a_lost_link() {
 }
 
 #[test]
-fn requirement_021_who_tells_the_vehicle_that_it_is_elsewhere_does_not_steer() {
+fn requirement_021_a_lease_beside_a_sentence_that_moves_the_position_is_a_violation() {
     let reset = |body: &str, ms: u64| {
         Scenario::with_control()
             .limits(|limits| limits.operator_commands = true)
@@ -428,7 +428,7 @@ fn requirement_008_a_repeated_or_late_solution_is_not_fresh() {
 }
 
 #[test]
-fn requirement_008_a_connection_without_navigation_gives_no_lease() {
+fn requirement_008_a_connection_without_navigation_allows_no_lease() {
     Scenario::with_control()
         .navigation(0, false)
         .ours(5000, MODIFY)

@@ -63,7 +63,7 @@ fn requirement_015_a_stopped_runtime_obeys_when_it_goes_on() {
 }
 
 #[test]
-fn requirement_015_a_hold_stands_after_a_restart() {
+fn requirement_015_a_hold_survives_a_restart() {
     Scenario::with_control()
         .operator(3000, true)
         .stopped(3500)
@@ -75,7 +75,7 @@ fn requirement_015_a_hold_stands_after_a_restart() {
 }
 
 #[test]
-fn requirement_015_inserts_that_wait_are_taken_back() {
+fn requirement_015_a_hold_cancels_the_waiting_inserts() {
     let waits = |body: &str| {
         Scenario::with_control()
             .ours(2000, body)

@@ -302,7 +302,7 @@ const HEARD: [&str; 12] = [
 ];
 
 #[test]
-fn both_readers_agree_over_every_example_of_the_catalogue() {
+fn both_readers_agree_on_every_example_of_the_catalogue() {
     let mut heard = 0;
     for entry in catalogue() {
         let line = format!("{}\r\n", entry.example);
@@ -456,7 +456,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn both_readers_agree_over_every_sentence_of_ours(drawn in drawn(Direction::ToVehicle)) {
+    fn both_readers_agree_on_every_sentence_of_ours(drawn in drawn(Direction::ToVehicle)) {
         let line = line(&drawn);
         let read = oracle_ours(&line);
         prop_assert!(read.is_some(), "{line} {:?}", read_ours(line.trim_end_matches('\n').as_bytes()));
@@ -464,7 +464,7 @@ proptest! {
     }
 
     #[test]
-    fn both_readers_agree_over_every_sentence_of_the_vehicle(drawn in drawn(Direction::FromVehicle)) {
+    fn both_readers_agree_on_every_sentence_of_the_vehicle(drawn in drawn(Direction::FromVehicle)) {
         let line = line(&drawn);
         prop_assert!(oracle_heard(&line).is_some(), "{line}");
         prop_assert_eq!(oracle_heard(&line), spi_heard(&line), "{}", line);
@@ -472,7 +472,7 @@ proptest! {
 
     /// Of our sentences the oracle reads only what `backseat-spi` reads too, and in the same way.
     #[test]
-    fn the_oracle_is_the_stricter_reader_of_ours(odd in odd(Direction::ToVehicle)) {
+    fn the_oracle_is_the_stricter_reader_of_our_sentences(odd in odd(Direction::ToVehicle)) {
         let line = line(&odd);
         let read = oracle_ours(&line);
         prop_assert!(read.is_none() || read == spi_ours(&line), "{line} {read:?} {:?}", spi_ours(&line));
@@ -481,7 +481,7 @@ proptest! {
     /// Both read an odd sentence of the vehicle in the same way. A sentence with a position may be read by only one of
     /// them, but if both read it, they read the same.
     #[test]
-    fn both_readers_agree_over_what_is_odd_in_the_vehicles(odd in odd(Direction::FromVehicle)) {
+    fn both_readers_agree_on_odd_sentences_of_the_vehicle(odd in odd(Direction::FromVehicle)) {
         let line = line(&odd);
         let (read, other) = (oracle_heard(&line), spi_heard(&line));
         if !matches!(odd.0, "BFNVG" | "BFPLN") || read.is_some() && other.is_some() {
@@ -509,7 +509,7 @@ proptest! {
 /// The two readers differ on purpose here. `backseat-spi` reads what other payloads and vehicles may send; of our own
 /// sentences the oracle accepts only the exact form of the specification.
 #[test]
-fn the_oracle_takes_nothing_from_us_that_the_specification_does_not_write() {
+fn the_oracle_accepts_our_sentences_only_in_the_form_of_the_specification() {
     let checked = |body: &str| sentence(body);
     let lower = (0..16)
         .map(|identifier| checked(&format!("BPRCN,000001.000,{identifier}")))
@@ -520,12 +520,12 @@ fn the_oracle_takes_nothing_from_us_that_the_specification_does_not_write() {
         ("no checksum", "$BPEMB,000001.000\r\n".to_owned()),
         ("a checksum in lower case", lower),
         ("a line feed alone", checked("BPEMB,000001.000").replace('\r', "")),
-        ("a field more", checked("BPEMB,000001.000,0")),
+        ("one field too many", checked("BPEMB,000001.000,0")),
         ("no milliseconds", checked("BPEMB,000001")),
         ("two decimals", checked("BPEMB,000001.50")),
         ("a topic of two letters", checked("BPLOG,NV,ON")),
         ("a code of a later version", checked("BPTOP,000001.000,4,x,0")),
-        ("what is reserved", checked("BPRCB,000001.000,1")),
+        ("a reserved value", checked("BPRCB,000001.000,1")),
         ("no reserved field", checked("BPRCB,000001.000")),
         (
             "no interrupt code",

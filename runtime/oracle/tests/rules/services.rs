@@ -6,7 +6,7 @@ const TRACKLINE: &str = "BPRTK,{t},7,4200.300,N,07000.900,W,4200.300,N,07000.700
 const PACKET: &str = "BPCPD,{t},1,2,0,1,1,AB,,,,,,,";
 
 #[test]
-fn requirement_011_nothing_new_after_the_word_that_power_will_go() {
+fn requirement_011_nothing_new_leaves_after_the_shutdown_notice() {
     let shutdown = || Scenario::with_control().beats_until(14_000).vehicle(4000, "BFSHT,{t}");
     for body in [TRACKLINE, MODIFY, "BPSUS,{t}"] {
         let end = if body == MODIFY { END } else { "BPRES,{t}" };
@@ -22,7 +22,7 @@ fn requirement_011_nothing_new_after_the_word_that_power_will_go() {
 }
 
 #[test]
-fn requirement_011_nothing_at_all_ten_seconds_after() {
+fn requirement_011_nothing_at_all_leaves_ten_seconds_after_the_notice() {
     let shutdown = || Scenario::with_control().beats_until(14_000).vehicle(4000, "BFSHT,{t}");
     shutdown().ours(14_700, "BPMSG,{t},bye").finds_nothing();
     shutdown()
@@ -37,7 +37,7 @@ fn requirement_011_nothing_at_all_ten_seconds_after() {
 }
 
 #[test]
-fn requirement_011_a_runtime_that_stands_still_hears_the_word_when_it_goes_on() {
+fn requirement_011_a_stopped_runtime_receives_the_notice_when_it_goes_on() {
     let woken = || {
         Scenario::with_control()
             .beats_until(16_000)
@@ -58,7 +58,7 @@ fn requirement_011_a_runtime_that_stands_still_hears_the_word_when_it_goes_on() 
 }
 
 #[test]
-fn requirement_011_a_word_that_may_be_lost_with_the_link_was_not_heard() {
+fn requirement_011_a_notice_that_may_be_lost_with_the_link_does_not_count() {
     let lost = |ms| {
         Scenario::with_control()
             .beats_until(12_000)
@@ -87,7 +87,7 @@ fn requirement_016_packets_keep_to_the_windows() {
 }
 
 #[test]
-fn requirement_017_the_dvl_is_triggered_with_leave() {
+fn requirement_017_the_dvl_is_triggered_only_with_permission() {
     let asked = || Scenario::with_control().ours(2000, "BPDVR,{t},1,0");
     asked()
         .vehicle(3000, "BFDVT,{t},1")
@@ -106,7 +106,7 @@ fn requirement_017_the_dvl_is_triggered_with_leave() {
 }
 
 #[test]
-fn requirement_017_the_word_to_cease_is_answered() {
+fn requirement_017_a_request_to_stop_must_be_answered() {
     let ceased = || {
         Scenario::with_control()
             .ours(2000, "BPDVR,{t},1,0")
@@ -124,7 +124,7 @@ fn requirement_017_the_word_to_cease_is_answered() {
 }
 
 #[test]
-fn requirement_014_triggering_is_not_asked_for_without_control() {
+fn requirement_014_triggering_is_not_requested_without_control() {
     let lost = || {
         Scenario::with_control()
             .ours(2000, "BPDVR,{t},1,0")
@@ -138,7 +138,7 @@ fn requirement_014_triggering_is_not_asked_for_without_control() {
 }
 
 #[test]
-fn requirement_018_silence_is_not_asked_for_while_it_stands() {
+fn requirement_018_silence_is_not_requested_while_it_lasts() {
     let silent = || {
         Scenario::with_control()
             .limits(|limits| limits.caps.silent_term_s = 10.0)
@@ -163,7 +163,7 @@ fn requirement_018_silence_is_not_asked_for_while_it_stands() {
 }
 
 #[test]
-fn requirement_019_what_outlives_us_is_capped_in_number() {
+fn requirement_019_the_number_of_requests_that_outlive_us_is_capped() {
     let answered = |what: &str, status: u32, asked_s: [u32; 3]| {
         let mut run = Scenario::with_control().limits(|limits| {
             limits.caps.gps_hits_total_max = 2;
@@ -195,7 +195,7 @@ fn requirement_019_what_outlives_us_is_capped_in_number() {
 }
 
 #[test]
-fn requirement_019_messages_and_packets_are_limited_in_their_rate() {
+fn requirement_019_the_rate_of_texts_and_packets_is_limited() {
     let run = |count: u64, body: &str| {
         let mut run = Scenario::with_control()
             .limits(|limits| {
@@ -215,7 +215,7 @@ fn requirement_019_messages_and_packets_are_limited_in_their_rate() {
 }
 
 #[test]
-fn requirement_002_the_vehicle_surfaces_where_a_zone_lets_it() {
+fn requirement_002_the_vehicle_surfaces_only_where_a_zone_allows_it() {
     let hit = |longitude: &str| {
         let body = format!("BPRGP,{{t}},7,4200.300,N,{longitude},W,,,0");
         Scenario::with_control().ours(3000, &body)
@@ -225,7 +225,7 @@ fn requirement_002_the_vehicle_surfaces_where_a_zone_lets_it() {
 }
 
 #[test]
-fn requirement_002_a_height_above_the_seabed_needs_a_seabed() {
+fn requirement_002_an_altitude_needs_a_known_seabed() {
     let at_altitude = |made_ms| {
         Scenario::with_control()
             .limits(|limits| limits.water_depth_known = false)
@@ -255,7 +255,7 @@ fn requirement_002_a_height_above_the_seabed_needs_a_seabed() {
 }
 
 #[test]
-fn requirement_019_lines_and_commands_to_devices_keep_to_their_seconds() {
+fn requirement_019_the_number_of_log_lines_and_device_commands_a_second_is_limited() {
     let burst = |body: &str, count: u64| {
         (0..count).fold(
             Scenario::with_control().limits(|limits| {

@@ -19,7 +19,7 @@ fn held() -> Scenario {
 }
 
 #[test]
-fn requirement_005_a_station_that_is_kept_and_ended_finds_nothing() {
+fn requirement_005_a_station_that_is_refreshed_and_ended_is_no_violation() {
     let outcome = held().ours(6400, RESUME).finds_nothing();
     assert_eq!(outcome.statistics.stations, 1);
     assert!(
@@ -46,7 +46,7 @@ fn requirement_005_no_gap_over_a_second() {
 }
 
 #[test]
-fn requirement_005_what_is_over_is_not_kept() {
+fn requirement_005_station_keeping_that_is_over_is_not_refreshed() {
     for body in [CONTINUE, "BPGHP,{t},2.5,-1.25,1.5", "BPGBP,{t},1,2,A,3"] {
         held().ours(6400, RESUME).ours(6500, body).finds(&["station-dead"]);
         Scenario::with_control().ours(3000, body).finds(&["station-dead"]);

@@ -33,7 +33,7 @@ fn requirement_002_the_vehicle_stays_in_the_fence_under_our_commands() {
 }
 
 #[test]
-fn requirement_002_the_plan_may_lead_where_it_likes() {
+fn requirement_002_the_plan_may_lead_anywhere() {
     Scenario::with_control()
         .place(5000, 42.005, -70.03)
         .depth(5000, 90.0)
@@ -42,7 +42,7 @@ fn requirement_002_the_plan_may_lead_where_it_likes() {
 }
 
 #[test]
-fn requirement_002_the_way_back_to_the_plan_is_our_doing() {
+fn requirement_002_we_answer_for_the_way_back_to_the_plan() {
     insert().place(10_000, 42.005, -70.021).finds(&["truth-fence"]);
     // This holds however long the way back takes, until the vehicle has been on its plan.
     let outcome = insert().place(40_000, 42.005, -70.021).run(50_000);
@@ -67,7 +67,7 @@ fn requirement_002_the_way_back_to_the_plan_is_our_doing() {
 }
 
 #[test]
-fn requirement_002_a_planned_leg_excuses_what_follows() {
+fn requirement_002_a_plan_that_leads_out_of_the_fence_excuses_an_excursion() {
     let planned = |longitude: &str| {
         insert()
             .ours(500, "BPRMP,{t}")
@@ -85,7 +85,7 @@ fn requirement_002_a_planned_leg_excuses_what_follows() {
 }
 
 #[test]
-fn requirement_002_the_vehicle_keeps_to_the_depths() {
+fn requirement_002_the_vehicle_keeps_to_the_depths_of_its_zone() {
     insert().depth(5000, 40.9).finds_nothing();
     insert().depth(5000, 41.1).depth(6000, 30.0).finds(&["truth-depth"]);
     insert().depth(5000, 0.9).finds(&["truth-depth"]);
@@ -95,7 +95,7 @@ fn requirement_002_the_vehicle_keeps_to_the_depths() {
 }
 
 #[test]
-fn requirement_002_a_keep_out_zone_holds_at_its_depths() {
+fn requirement_002_a_keep_out_zone_counts_only_at_its_depths() {
     let over = |metres| insert().place(5000, 42.003, -70.011).depth(4900, metres);
     over(20.0).finds_nothing();
     over(35.0).finds(&["truth-fence"]);
@@ -109,7 +109,7 @@ fn requirement_002_the_vehicle_does_not_run_aground_under_our_commands() {
 }
 
 #[test]
-fn requirement_002_what_navigation_cannot_see_is_nobodys_fault() {
+fn requirement_002_an_excursion_within_the_error_of_navigation_is_no_violation() {
     // A minute of longitude is 1379.9 m here: 82.8 m beyond the edge.
     let beyond = || insert().place(5000, 42.005, -70.021).place(6000, 42.005, -70.019);
     beyond().error(4900, 85.0).finds_nothing();
@@ -121,7 +121,7 @@ fn requirement_002_what_navigation_cannot_see_is_nobodys_fault() {
 }
 
 #[test]
-fn requirement_002_under_an_insert_the_vehicle_believes_to_be_out_of_the_margins() {
+fn requirement_002_under_an_insert_the_believed_position_keeps_the_margins() {
     // A minute of longitude is 1379.9 m here: 19.3 m and 17.9 m from the eastern edge, whose margin is 20 m.
     let believes = |place| insert().place(2900, 42.005, -70.0002).believes(2900, place);
     believes("4200.300,N,07000.0140,W").finds_nothing();
@@ -151,7 +151,7 @@ fn requirement_002_under_an_insert_the_vehicle_believes_to_be_out_of_the_margins
 }
 
 #[test]
-fn requirement_020_a_cancel_does_not_lead_out() {
+fn requirement_020_a_cancel_must_not_lead_out_of_the_fence() {
     let cancelled = |command: &str| {
         Scenario::with_control()
             .limits(|limits| limits.operator_commands = true)

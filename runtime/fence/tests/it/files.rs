@@ -31,7 +31,7 @@ fn document(zones: &[(&str, &str, String)]) -> String {
     )
 }
 
-/// A closed ring of the file.
+/// A closed ring in the form of the file.
 fn ring(points: &[Position]) -> String {
     let mut text = String::from("[");
     for point in points.iter().chain(points.first()) {
@@ -151,7 +151,7 @@ fn long_edges_follow_the_straight_line_of_the_file() {
             "{longitude} {outside}"
         );
     }
-    // All pieces bear the number of the edge.
+    // All pieces of an edge have the number of that edge.
     for (latitude, longitude, edge) in [
         (60.001, 10.2, 1),
         (60.05, 10.71, 2),

@@ -1,4 +1,4 @@
-//! Plans of QGroundControl and KML: the same fences as GeoJSON's, and faults with their place.
+//! Plans of QGroundControl, and KML: the same fences as in GeoJSON, and errors with their place.
 #![expect(clippy::unwrap_used, reason = "a test may fail so")]
 
 use backseat_fence::{Fence, Kind, Rule, Shape, Sweep, Terms, VerticalExtent};
@@ -119,7 +119,7 @@ fn kml_is_read_into_zones() {
     let Kind::KeepIn { depth, surfacing, .. } = first.kind() else {
         panic!("{:?}", first.kind())
     };
-    // What the placemark says goes before the terms.
+    // Values of the placemark override the terms.
     assert_eq!((depth.min_m, depth.max_m, surfacing), (2.0, 40.0, false));
     let window = fence.zones().nth(1).unwrap().window();
     assert_eq!(window.to_string(), "from 2026-05-01T08:00:00Z");
@@ -309,7 +309,7 @@ proptest! {
     fn no_text_panics(text in r#"[<>/&;!a-z"= \[\]{},:0-9.\-]{0,80}"#, cut in 0..1500usize, junk in "[<>/&;!\"\\[{,]{1,3}") {
         prop_assert!(Fence::from_kml(&text, &TERMS).is_err());
         prop_assert!(Fence::from_plan(&text, &TERMS).is_err());
-        // And files with a scratch.
+        // Nor does a file that is damaged at one place.
         for whole in [KML, PLAN] {
             let cut = cut % whole.len();
             let scratched = format!("{}{junk}{}", &whole[..cut], &whole[cut..]);

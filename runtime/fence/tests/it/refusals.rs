@@ -1,4 +1,4 @@
-//! What is no fence is refused, with the place and what was expected, in one line.
+//! An invalid fence is refused in one line, with the place and what was expected.
 #![expect(clippy::unwrap_used, reason = "a test may fail so")]
 
 use backseat_fence::{Fence, FenceError, Kind};
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 const SQUARE: &str = "[[-70.0, 42.0], [-69.99, 42.0], [-69.99, 42.01], [-70.0, 42.01], [-70.0, 42.0]]";
 
-/// A document of one feature, whose properties and geometry are given.
+/// A feature with these properties and this geometry.
 fn feature(properties: &Value, geometry: &Value) -> Value {
     json!({ "type": "Feature", "properties": properties, "geometry": geometry })
 }
@@ -70,7 +70,7 @@ fn a_good_fence_is_taken() {
     let text = collection(&[feature(&keep_in(), &square())]);
     let fence = Fence::from_geojson(&text).unwrap();
     assert_eq!(fence.zones().count(), 1);
-    // As written by editors and by GDAL.
+    // A document as editors and GDAL write it.
     let decorated = format!(
         "\u{feff}{}",
         text.replacen(
@@ -386,9 +386,9 @@ fn edges_that_cross_are_named_with_their_place() {
     let text = "feature 'survey box' outer ring: edge 1 crosses or touches edge 3 at latitude 42.005000 longitude -69.995000, expected edges that meet at their shared vertices only";
     assert_eq!(with_ring(&bow_tie), text);
     let turned: Vec<_> = bow_tie.into_iter().rev().collect();
-    // The other way round edge 2 leads from the third vertex to the first crossing's other edge.
+    // In the other direction edges 2 and 4 cross.
     assert!(with_ring(&turned).contains("edge 2 crosses or touches edge 4 at latitude 42.005000 longitude -69.995000"));
-    // A vertex that touches an edge, and a vertex met twice.
+    // A vertex that touches an edge, and then a vertex that occurs twice.
     let touch = [
         (0.0, 0.0),
         (10.0, 0.0),
@@ -423,7 +423,7 @@ fn edges_that_cross_are_named_with_their_place() {
 
 #[test]
 fn a_crossing_is_named_by_the_files_own_numbers_whichever_way_the_ring_runs() {
-    // Its edge 3 is crossed by edge 5; the other way round, and after a repeated vertex.
+    // Edge 5 crosses edge 3, also in a ring of the other direction. After a repeated vertex the numbers are one higher.
     let text = with_ring(&[
         (0.0, 0.0),
         (10.0, 0.0),
@@ -518,7 +518,7 @@ fn the_antimeridian_is_not_crossed() {
         refused(&collection(&[feature(&keep_in(), &west), feature(&keep_out(), &east)]))
             .starts_with("fence: crosses the antimeridian")
     );
-    // Up to it is well.
+    // A fence that ends at the antimeridian is accepted.
     let beside = polygon(&[vec![(179.99, 10.0), (180.0, 10.0), (180.0, 10.01), (179.99, 10.0)]]);
     assert!(Fence::from_geojson(&collection(&[feature(&keep_in(), &beside)])).is_ok());
 }
@@ -555,11 +555,11 @@ fn a_margin_that_leaves_nothing_is_refused() {
         text,
         "feature 'survey box' outer ring: `margin_m` of 450 leaves nothing inside, expected under 414.254, half of its width"
     );
-    // A slanting strip is as narrow as it is wide.
+    // What counts for a slanting strip is its width across.
     let strip = ring(&[(0.0, 0.0), (0.2, 0.0), (10.2, 10.0), (10.0, 10.0), (0.0, 0.0)]);
     let text = refused(&collection(&[feature(&keep_in(), &polygon(&[strip]))]));
     assert!(text.contains("leaves nothing inside"), "{text}");
-    // A keep-out zone's margin may be as wide as it likes.
+    // A keep-out zone's margin may have any width.
     let mut wide = keep_out();
     wide["margin_m"] = json!(450);
     assert!(
@@ -633,7 +633,7 @@ fn a_keep_in_zone_that_a_keep_out_zone_covers_is_refused() {
     let message = "feature 'survey box' outer ring: lies wholly inside keep-out zone 'wreck', expected a part that can be reached";
     let around =
         |low: f64, high: f64| polygon(&[ring(&[(low, low), (high, low), (high, high), (low, high), (low, low)])]);
-    // Around it, and the very same ring: the two kinds mistaken for each other.
+    // The keep-out zone lies around the keep-in zone, or has the very same ring, as if the two kinds had been swapped.
     assert_eq!(
         zones(&keep_in(), &keep_out(), &around(-1.0, 11.0)),
         Err(message.to_owned())
@@ -643,7 +643,7 @@ fn a_keep_in_zone_that_a_keep_out_zone_covers_is_refused() {
         zones(&keep_in(), &keep_out(), &around(0.0, 11.0)),
         Err(message.to_owned())
     );
-    // Something is left.
+    // A part is left.
     assert_eq!(zones(&keep_in(), &keep_out(), &around(0.0, 9.9)), Ok(()));
     assert_eq!(zones(&keep_in(), &keep_out(), &around(1.0, 12.0)), Ok(()));
     let notched = polygon(&[ring(&[

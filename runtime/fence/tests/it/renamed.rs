@@ -1,4 +1,4 @@
-//! Files of before are refused with the names of now.
+//! Files with former names are refused with the present names.
 
 use backseat_fence::{Fence, Terms};
 

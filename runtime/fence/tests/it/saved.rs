@@ -1,4 +1,4 @@
-//! Written out as GeoJSON and read again, a fence of any file judges as it did.
+//! A fence of any file that is written as GeoJSON and read again judges as before.
 
 use backseat_fence::{Fence, Kind, Shape, Span, Sweep, Terms, VerticalExtent};
 use backseat_units::{EastNorth, Utc};
@@ -85,7 +85,8 @@ fn a_fence_that_is_written_out_and_read_again_judges_as_it_did() {
                     outside += 1;
                     assert_eq!(ours.rule, theirs.rule);
                 }
-                // Between the two are the centimetre by which edges are divided and the plane's own.
+                // The two may differ by the centimetre by which edges are divided, and by the difference of their
+                // planes.
                 (Ok(clearance), Err(breach)) | (Err(breach), Ok(clearance)) => {
                     assert!(
                         clearance.metres < 0.05 && breach.metres < 0.05,

@@ -1,4 +1,4 @@
-//! Several shapes at once are judged as one by one.
+//! Several shapes at once are judged as if one by one.
 
 use backseat_fence::{Fence, Rule, Shape, Sweep, VerticalExtent};
 use backseat_units::EastNorth;

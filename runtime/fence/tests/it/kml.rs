@@ -1,5 +1,5 @@
 //! KML whose misspelt or misplaced parts would make the fence laxer is refused; what real programs write is read.
-#![expect(clippy::unwrap_used, reason = "a test may fail so")]
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use backseat_fence::{Fence, Terms};
 
@@ -59,7 +59,7 @@ fn read_with(from: &str, to: &str) -> Fence {
 }
 
 #[test]
-fn the_document_is_read_as_it_stands() {
+fn the_unchanged_document_is_accepted() {
     let fence = Fence::from_kml(KML, &TERMS).unwrap();
     let zone = fence.zones().next().unwrap();
     assert_eq!((zone.name(), zone.margin_m()), ("box", 90.0));
@@ -68,7 +68,7 @@ fn the_document_is_read_as_it_stands() {
 
 /// The elements whose loss would change the fence.
 #[test]
-fn a_misspelt_element_is_refused_wherever_it_stands() {
+fn a_misspelt_element_is_refused_everywhere() {
     for name in [
         "kml",
         "Document",
@@ -365,7 +365,7 @@ fn no_property_is_lost() {
 }
 
 #[test]
-fn nothing_lies_outside_of_the_root_element() {
+fn text_outside_of_the_root_element_is_refused() {
     for (text, message) in [
         (
             format!("fence\n{KML}"),

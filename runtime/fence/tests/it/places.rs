@@ -1,5 +1,5 @@
 //! Errors that no single ring shows still name the feature, and the vertex if there is one.
-#![expect(clippy::unwrap_used, reason = "a test may fail so")]
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use backseat_fence::{Fence, Terms};
 use serde_json::{Value, json};
@@ -89,7 +89,7 @@ fn a_wide_fence_names_the_vertex_that_is_farthest_out() {
 }
 
 #[test]
-fn too_many_vertices_name_the_feature_at_which_they_are() {
+fn too_many_vertices_are_reported_with_the_feature_that_exceeds_the_limit() {
     // The vertices that divide long edges count: along this parallel each edge gets some hundred.
     let (west, east) = (json!([-70.0, 84.0]), json!([-66.0, 84.0]));
     let mut parallels: Vec<_> = [west.clone(), east].into_iter().cycle().take(10_000).collect();
@@ -109,7 +109,7 @@ fn too_many_vertices_name_the_feature_at_which_they_are() {
 }
 
 #[test]
-fn coordinates_that_are_no_numbers_are_named_by_ring_and_vertex() {
+fn coordinates_that_are_not_numbers_are_named_by_ring_and_vertex() {
     let with = |geometry: Value| refused(&[("box", "keep-in", geometry)]);
     let mut hole = square(-69.998, 42.002);
     for (position, found) in [
@@ -137,7 +137,7 @@ fn coordinates_that_are_no_numbers_are_named_by_ring_and_vertex() {
 }
 
 #[test]
-fn a_plan_s_positions_are_expected_in_its_own_order() {
+fn positions_of_a_plan_are_expected_in_the_plans_own_order() {
     let terms = Terms {
         margin_m: 10.0,
         depth_min_m: 2.0,

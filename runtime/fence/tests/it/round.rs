@@ -1,5 +1,5 @@
 //! Circles and corridors contain what is in them, to a centimetre, and nothing else.
-#![expect(clippy::unwrap_used, reason = "a test may fail so")]
+#![expect(clippy::unwrap_used, reason = "a panic fails the test")]
 
 use backseat_fence::{Fence, Rule, Shape, Sweep, VerticalExtent};
 use backseat_units::{EastNorth, LocalFrame, Position};
@@ -105,7 +105,7 @@ fn circles_are_round_to_a_centimetre_and_never_laxer() {
 }
 
 #[test]
-fn the_edge_of_a_circle_is_one() {
+fn a_circle_has_one_edge() {
     let fence = load(&[(keep_in("radius_m", 300.0), point(0.0, 0.0))]).unwrap();
     for bearing in [0.0, 100.0, 200.0, 300.0] {
         let at = EastNorth::default().offset(bearing, 200.0);
@@ -115,7 +115,7 @@ fn the_edge_of_a_circle_is_one() {
 }
 
 #[test]
-fn a_corridor_is_passed_along_and_not_left() {
+fn a_corridor_allows_its_line_and_nothing_outside() {
     let way = [(0.0, 0.0), (1000.0, 0.0), (1000.0, 800.0), (1800.0, 1500.0)];
     let fence = load(&[(keep_in("half_width_m", 50.0), line(&way))]).unwrap();
     let local = |(east_m, north_m)| fence.frame().to_local(position(EastNorth::new(east_m, north_m)));
@@ -170,7 +170,7 @@ fn a_corridor_that_cannot_be_drawn_is_refused_with_its_place() {
 }
 
 #[test]
-fn lengths_of_circles_and_corridors_are_given_and_in_range() {
+fn circles_and_corridors_need_a_length_within_the_range() {
     let refused = |properties: Value, geometry: Value| load(&[(properties, geometry)]).unwrap_err();
     let mut bare = keep_in("radius_m", 5.0);
     bare.as_object_mut().unwrap().remove("radius_m");

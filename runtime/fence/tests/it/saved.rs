@@ -43,7 +43,7 @@ const TERMS: Terms = Terms {
 };
 
 #[test]
-fn a_fence_that_is_written_out_and_read_again_judges_as_it_did() {
+fn a_fence_that_is_written_out_and_read_again_judges_as_before() {
     let fences = [
         Fence::from_geojson(GEOJSON).unwrap(),
         Fence::from_plan(PLAN, &TERMS).unwrap(),
@@ -100,7 +100,7 @@ fn a_fence_that_is_written_out_and_read_again_judges_as_it_did() {
 }
 
 #[test]
-fn what_is_written_has_areas_alone() {
+fn the_written_geojson_has_only_areas() {
     let fence = Fence::from_geojson(GEOJSON).unwrap();
     let text = fence.to_geojson();
     assert!(!text.contains("Point") && !text.contains("LineString"), "{text}");

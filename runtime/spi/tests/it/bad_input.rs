@@ -9,7 +9,7 @@ fn checked(body: &str) -> String {
     format!("${body}*{sum:02X}\r\n")
 }
 
-/// All sentences of a stream, and what was counted.
+/// The number of sentences in a stream, the counts, and the most memory that the framer had.
 fn frame(policy: Policy, bytes: &[u8]) -> (usize, FrameCounts, usize) {
     let mut framer = Framer::new(policy);
     let (mut sentences, mut memory) = (0, 0);
@@ -110,7 +110,7 @@ fn each_cause_is_counted_apart() {
     }
 }
 
-/// Every number, code, time, place and flag of every message, replaced by what is none.
+/// Replaces each number, code, time, place and flag of each message by something invalid.
 #[test]
 fn what_is_no_value_is_refused_in_every_field_of_every_message() {
     let mut refused = 0;
@@ -138,7 +138,7 @@ fn what_is_no_value_is_refused_in_every_field_of_every_message() {
                 "1 2",
                 "99999999999999999999999999999999999999999999999999999999999999999999999999",
             ] {
-                // Digits are the data of a frame too.
+                // Digits are valid data of a frame too.
                 if *format == "hex" && bad.bytes().all(|byte| byte.is_ascii_hexdigit()) || bad.contains(',') {
                     continue;
                 }

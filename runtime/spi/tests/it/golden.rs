@@ -4,7 +4,7 @@ use backseat_spi::{Sentence, catalogue};
 
 use crate::Message;
 
-/// A line for each message: the sentence, written from its section of the specification, a tabulator, and its values.
+/// A line for each message: the sentence as its section of the specification writes it, a tab, and its values.
 const GOLDEN: &str = include_str!("golden.txt");
 
 #[test]

@@ -1,4 +1,4 @@
-//! What the crate promises about all its messages at once.
+//! Properties that all messages of the crate have.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on says where")]
 
 mod allocation;

@@ -17,7 +17,7 @@ fn refused(line: &str) -> (&'static str, Fault) {
     (error.field, error.fault)
 }
 
-/// SPI 7.16: abort with errors is the default.
+/// SPI 7.16: without a reason, an abort is one with errors.
 #[test]
 fn an_abort_without_a_reason_is_one_with_errors() {
     for line in [

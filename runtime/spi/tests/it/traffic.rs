@@ -1,6 +1,6 @@
 use backseat_spi::{Direction, Framer, FromVehicle, Policy, catalogue};
 
-/// Every message from the vehicle, with noise of all kinds between, in any pieces: all come out, once and in order.
+/// Every message from the vehicle, with all kinds of noise between and in any pieces, comes out once and in order.
 #[test]
 fn nothing_is_lost_but_what_was_cut() {
     let rows: Vec<_> = catalogue()

@@ -44,7 +44,7 @@ fn line(text: &str) -> (Vec<String>, u64) {
 }
 
 #[test]
-fn a_line_whose_checksum_is_right_stands_whole() {
+fn a_line_with_a_right_checksum_is_one_sentence() {
     for body in [
         "BPSTS,081025.987,1,battery cost $5",
         "BPSTS,081025.987,1,$",
@@ -63,7 +63,7 @@ fn a_line_whose_checksum_is_right_stands_whole() {
 }
 
 #[test]
-fn a_cut_sentence_is_passed_over_and_the_whole_one_after_it_stands() {
+fn a_cut_sentence_is_skipped_and_the_complete_one_after_it_is_read() {
     let relay = checked("BPTMR,081025.987,3,$CCRXD,1,2*5B");
     for whole in [CONTROL, &relay] {
         for (cut, number) in [
@@ -85,20 +85,20 @@ fn a_cut_sentence_is_passed_over_and_the_whole_one_after_it_stands() {
 
 /// A fragment that occurs twice cancels out in the checksum.
 #[test]
-fn a_checksum_that_is_right_from_several_is_the_first_ones_whose_text_it_can_be() {
+fn a_checksum_that_fits_several_dollar_signs_belongs_to_the_first_possible_one() {
     let twice = format!("$BFNVG,08$BFNVG,08{CONTROL}");
-    assert_eq!(line(&twice), (vec![CONTROL.to_owned()], 2), "no $ stands in a BFNVG");
+    assert_eq!(line(&twice), (vec![CONTROL.to_owned()], 2), "a BFNVG contains no $");
     let twice = format!("$BFMIS,0810$BFMIS,0810{CONTROL}");
     assert_eq!(
         line(&twice),
         (vec![CONTROL.to_owned()], 2),
-        "nor in the time of a BFMIS"
+        "the time of a BFMIS contains no $"
     );
     let twice = format!("$BFXYZ,0810$BFXYZ,0810{CONTROL}");
     assert_eq!(
         line(&twice),
         (vec![twice.clone()], 1),
-        "what is not known may be anything"
+        "an unknown message may contain anything"
     );
     // Sentences that the first one may have swallowed count as lost.
     let twice = format!("$BFMIS,081025.987,b$BFMIS,081025.987,b{CONTROL}");
@@ -111,7 +111,7 @@ fn a_checksum_that_is_right_from_several_is_the_first_ones_whose_text_it_can_be(
 
 /// Nothing shows that such a line is one sentence.
 #[test]
-fn without_a_checksum_the_line_begins_anew_at_its_last_dollar_sign() {
+fn without_a_checksum_the_sentence_begins_at_the_last_dollar_sign() {
     let (out, counts) = frame(Policy::FromPayload, [b"$BPSTS,081025.987,1,for $5 or $6\n".as_slice()]);
     assert_eq!((out, counts.cut_short), (vec!["$6".to_owned()], 2));
     let (out, counts) = frame(Policy::FromPayload, [b"$BPRMB,0810$BPRMP,081025.987\n".as_slice()]);
@@ -140,7 +140,7 @@ fn without_a_checksum_the_line_begins_anew_at_its_last_dollar_sign() {
 }
 
 #[test]
-fn a_damaged_line_is_lost_once_for_each_dollar_sign_as_ever() {
+fn a_damaged_line_counts_once_for_each_dollar_sign() {
     let damaged = checked("BPSTS,081025.987,1,cost $5").replace("cost", "cast");
     let (out, counts) = frame(Policy::FromVehicle, [format!("{damaged}\r\n{CONTROL}\r\n").as_bytes()]);
     assert_eq!(out, [CONTROL]);
@@ -163,7 +163,7 @@ fn a_damaged_line_is_lost_once_for_each_dollar_sign_as_ever() {
 }
 
 #[test]
-fn the_longest_line_stands_and_a_longer_one_begins_anew() {
+fn the_longest_line_is_read_and_a_longer_one_begins_at_its_next_dollar_sign() {
     let text = |length: usize| {
         checked(&format!(
             "BPTMR,081025.987,3,${}",
@@ -287,7 +287,7 @@ fn a_command_inside_a_relayed_line_is_read_and_not_written() {
 /// SPI 4.2: comma and asterisk are delimiters. They stay delimiters in texts that other fields follow, or may follow in
 /// a later version.
 #[test]
-fn the_other_texts_end_at_a_comma_and_have_blanks_for_delimiters() {
+fn other_texts_end_at_a_comma_and_have_blanks_instead_of_delimiters() {
     let vehicle = |body: &str| FromVehicle::decode(&Sentence::parse(&checked(body)).unwrap()).unwrap();
     let FromVehicle::TopsideMessage(top) = vehicle("BFTOP,081025.987,3,$5 for 2*3,later") else {
         panic!("another message")
@@ -473,7 +473,7 @@ proptest! {
     /// The framer gives the sentences and counts of the reference for the stream in one piece, byte by byte, and cut at
     /// random.
     #[test]
-    fn the_framer_does_as_the_reference(
+    fn the_framer_agrees_with_the_reference(
         parts in proptest::collection::vec(part(), 0..24),
         cuts in proptest::collection::vec(1..300usize, 1..8),
     ) {
@@ -488,7 +488,7 @@ proptest! {
 
     /// Every relayed text is read unchanged, and a sentence lost before it does not matter.
     #[test]
-    fn every_relayed_text_is_read_as_it_was_said(text in "[ -~]{0,80}", millis in 0..86_400_000u64) {
+    fn every_relayed_text_is_read_unchanged(text in "[ -~]{0,80}", millis in 0..86_400_000u64) {
         let message = ToVehicle::from(TopsideRelay {
             created: TimeOfDay::from_nanos(millis * 1_000_000).unwrap(),
             transport: Transport::AcousticModem,

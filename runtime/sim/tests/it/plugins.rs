@@ -27,7 +27,7 @@ fn sr_006_an_understudy_that_traps_is_a_failure_of_its_place_alone() {
     flight.until(90.0);
     flight.sim.substitute(SECOND, None);
     flight.until(150.0);
-    // The pilot's lease has stood all the time.
+    // The pilot's lease has gone on all the time.
     assert_eq!(flight.sim.statistics().leases, leases);
     assert!(flight.sim.is_steering());
     let (report, _) = flight.land();
@@ -41,7 +41,7 @@ fn its_own_plugin_takes_over_again() {
     flight.until(60.0);
     assert!(flight.sim.is_steering());
     flight.sim.substitute(PILOT, Some(understudy("nan")));
-    // A lease stands for five seconds without being asked for again.
+    // A lease goes on for five seconds without another request.
     flight.until(66.5);
     assert!(!flight.sim.is_steering());
     flight.sim.substitute(PILOT, None);

@@ -115,7 +115,7 @@ fn sr_003_the_lease_is_ended_first_thing_when_a_stopped_runtime_goes_on() {
         (after.end_modifies, after.modifies),
         (before.end_modifies + 1, before.modifies)
     );
-    // Its connection has lived through it.
+    // The connection has survived the stop.
     flight.until_it(|sim| sim.is_steering());
     let (report, _) = flight.land();
     assert_eq!(report.seen.connections, 1);
@@ -128,7 +128,7 @@ fn sr_007_a_stop_that_is_longer_than_the_vehicles_patience_lapses_the_modify() {
     flight.until(60.0).sim.stop_for(seconds(30));
     let lapsed = flight.until_it(|sim| !is_modified(sim));
     assert!(lapsed <= at(65.1), "{lapsed}");
-    // A longer one holds.
+    // The longer of two stops counts.
     flight.sim.stop_for(seconds(1));
     flight.until(89.9);
     assert!(!is_modified(&flight.sim));
@@ -157,7 +157,7 @@ fn a_connection_that_ends_during_a_stop_is_found_ended() {
     let before = flight.sim.statistics();
     assert_eq!(before.connections, 1);
     flight.until(63.0);
-    // Nothing leaves by a connection that is gone.
+    // Nothing leaves on a connection that is gone.
     assert_eq!(
         flight.sim.statistics().sentences_to_vehicle,
         before.sentences_to_vehicle
@@ -187,7 +187,7 @@ fn sr_015_a_hold_outlives_the_process_and_reaches_one_that_is_stopped() {
     flight.sim.operate(Operator::Release);
     flight.until_it(|sim| sim.is_steering());
 
-    // While it is away, the file is read by the next one.
+    // While no process runs, a hold is kept in its file, and the next process reads it.
     let now = flight.sim.now().as_secs_f64();
     flight.sim.kill(seconds(3), crew(), 0);
     flight.sim.operate(Operator::Hold);
@@ -219,7 +219,7 @@ fn a_signal_to_a_process_that_is_killed_before_it_hears_is_lost_and_nobody_holds
 fn sr_009_on_a_full_disk_no_insert_is_sent_until_there_is_room_and_the_lease_stands() {
     let mut flight = Flight::in_legs(1);
     flight.sim.reserve_fails(true);
-    // The first block was reserved at once; the next process finds the disk full.
+    // The first process has reserved its first block at once; the next one finds the disk full.
     flight.until(20.0).sim.kill(seconds(1), crew(), 0);
     flight.until(30.0);
     flight.sim.substitute(SECOND, Some(patient_understudy("cross_fence")));

@@ -75,7 +75,7 @@ fn injected(faults: &[&str]) -> Flight {
 }
 
 #[test]
-fn a_fault_that_is_injected_is_one_that_was_planned() {
+fn an_injected_fault_acts_like_a_planned_one() {
     let fly = |mut flight: Flight| {
         flight.towards(80.0);
         flight.end().0
@@ -93,7 +93,7 @@ fn a_fault_that_is_injected_is_one_that_was_planned() {
 }
 
 #[test]
-fn several_that_begin_at_once_are_those_of_a_plan_in_that_order() {
+fn several_injected_faults_act_like_those_of_a_plan_in_that_order() {
     let faults = [FAULTS[5], FAULTS[7], FAULTS[9], FAULTS[10], FAULTS[11], FAULTS[16]];
     let (planned, injected) = (planned(&faults).land().0, injected(&faults).land().0);
     assert_eq!(planned.digest, injected.digest);
@@ -140,7 +140,7 @@ fn a_silent_loss_of_what_we_send_resets_the_connection_after_two_seconds() {
 }
 
 #[test]
-fn a_silent_loss_that_is_over_by_then_resets_nothing() {
+fn a_silent_loss_of_under_two_seconds_resets_nothing() {
     let mut flight = Flight::new(1);
     flight.until(60.0);
     flight

@@ -123,7 +123,7 @@ impl Flight {
     /// Runs to a time.
     pub(crate) fn until(&mut self, seconds: f64) -> &mut Self {
         self.towards(seconds);
-        assert_eq!(self.sim.now(), at(seconds), "the run ended before");
+        assert_eq!(self.sim.now(), at(seconds), "the run ended too early");
         self
     }
 
@@ -131,7 +131,7 @@ impl Flight {
     pub(crate) fn until_it(&mut self, holds: impl Fn(&Simulation) -> bool) -> Timestamp {
         while !holds(&self.sim) {
             let step = self.sim.advance_until(Timestamp::MAX).unwrap();
-            assert_eq!(step, Step::Went, "it never came");
+            assert_eq!(step, Step::Went, "the run ended before the condition held");
         }
         self.sim.now()
     }

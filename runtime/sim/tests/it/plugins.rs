@@ -19,7 +19,7 @@ fn components_are_compiled_once_and_every_run_begins_afresh() {
 }
 
 #[test]
-fn sr_006_an_understudy_that_traps_is_a_failure_of_its_place_alone() {
+fn sr_006_a_substitute_that_traps_is_a_failure_of_its_slot_only() {
     let mut flight = Flight::new(1);
     flight.until(60.0);
     flight.sim.substitute(SECOND, Some(understudy("trap")));
@@ -36,7 +36,7 @@ fn sr_006_an_understudy_that_traps_is_a_failure_of_its_place_alone() {
 }
 
 #[test]
-fn its_own_plugin_takes_over_again() {
+fn the_original_plugin_takes_over_again() {
     let mut flight = Flight::new(1);
     flight.until(60.0);
     assert!(flight.sim.is_steering());

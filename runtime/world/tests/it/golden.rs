@@ -1,4 +1,4 @@
-//! What older configurations draw stays bit for bit: recorded runs depend on it.
+//! Older configurations draw the same bits as before, because recorded runs depend on them.
 
 use backseat_units::{EastNorth, Timestamp};
 use backseat_world::{World, WorldConfig};
@@ -31,7 +31,7 @@ const TEXT: &str = "
     depth_m = [5, 30]
 ";
 
-/// A configuration with all that came later.
+/// A configuration with all sections that came later.
 const LATER: &str = "
     [origin]
     latitude_deg = 42.3
@@ -97,7 +97,7 @@ fn the_newer_sections_draw_the_same_everywhere() {
     );
 }
 
-/// Of what twenty seeds draw, along a way through time and space.
+/// A digest of what twenty seeds draw along a path through time and space.
 fn digest(text: &str) -> String {
     let config: WorldConfig = toml::from_str(text).unwrap();
     let mut digest = Sha256::new();

@@ -50,7 +50,7 @@ fn expected() -> Grid {
 }
 
 #[test]
-fn integers_and_floats_packed_and_not() {
+fn integers_and_floats_are_read_packed_and_unpacked() {
     let expected = expected();
     let float: Vec<f32> = VALUES.iter().map(|value| f32::from(*value)).collect();
     let double: Vec<f64> = VALUES.iter().map(|value| f64::from(*value)).collect();
@@ -75,7 +75,7 @@ fn integers_and_floats_packed_and_not() {
 }
 
 #[test]
-fn unsigned_integers_too() {
+fn unsigned_integers_are_read() {
     let words: Vec<u16> = VALUES.iter().map(|value| value.unsigned_abs()).collect();
     let bytes: Vec<u8> = words.iter().map(|value| (*value).min(255) as u8).collect();
     let grid = Grid::from_geotiff(&encode::<Gray16>(&words, Compression::Lzw, Predictor::None)).unwrap();
@@ -85,7 +85,7 @@ fn unsigned_integers_too() {
 }
 
 #[test]
-fn big_tiffs_too() {
+fn big_tiffs_are_read() {
     let mut bytes = Cursor::new(Vec::new());
     let mut encoder = TiffEncoder::new_big(&mut bytes).unwrap();
     let mut image = encoder.new_image::<GrayI16>(5, 4).unwrap();
@@ -103,7 +103,7 @@ fn big_tiffs_too() {
 }
 
 #[test]
-fn a_world_stands_on_it() {
+fn a_world_uses_a_geotiff_grid() {
     let text = "
         [origin]
         latitude_deg = 42.3
@@ -208,7 +208,7 @@ pub(crate) fn georeference() -> Vec<(u16, u16, Vec<f64>)> {
 }
 
 #[test]
-fn tiles_points_and_what_the_file_says_of_itself() {
+fn tiles_points_and_the_files_own_frame_are_read() {
     let grid = Grid::from_geotiff(&tiled(&georeference())).unwrap();
     assert_eq!((grid.columns(), grid.rows()), (3, 2));
     assert_eq!((grid.value(0, 2), grid.value(1, 0)), (Some(9.0), Some(17.0)));
@@ -230,7 +230,7 @@ fn tiles_points_and_what_the_file_says_of_itself() {
 }
 
 #[test]
-fn what_is_missing_is_named() {
+fn missing_and_invalid_tags_are_named() {
     let message = |bytes: &[u8]| {
         let message = Grid::from_geotiff(bytes).unwrap_err().to_string();
         assert!(!message.contains('\n'), "{message}");

@@ -82,7 +82,7 @@ const LATER: &str = "
 ";
 
 #[test]
-fn configurations_without_the_newer_sections_draw_what_they_always_drew() {
+fn configurations_without_the_newer_sections_draw_the_same_as_before() {
     assert_eq!(
         digest(TEXT),
         "e5d4e893ab8fabcae54a8d22fee463a1654d5dbd07058d46a4a0fbdac4fbe07c"

@@ -24,7 +24,7 @@ fn count(bytes: isize) {
 
 #[expect(
     unsafe_code,
-    reason = "an allocator can't be written without; it only counts and passes on"
+    reason = "an allocator needs unsafe code; this one only counts and passes the calls on"
 )]
 // SAFETY: every call goes to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
@@ -70,7 +70,7 @@ fn assert_bounded(bytes: &[u8], factor: usize) {
 }
 
 #[test]
-fn a_header_alone_claims_nothing() {
+fn a_header_alone_takes_no_memory() {
     for text in [
         "ncols 4000000000 nrows 4000000000 xllcorner 0 yllcorner 0 cellsize 1 5",
         "ncols 5000 nrows 5000 xllcorner 0 yllcorner 0 cellsize 1 5",

@@ -64,7 +64,7 @@ fn a_restart_goes_on_from_the_last_snapshot() {
     assert!(restarted.fuel > 0);
     // The snapshot was taken after the sixth input, so the seventh, the eighth and the fatal one are lost.
     assert_eq!(restarted.lost_steps, 3);
-    // The restored state has the time of the first step, so the plugin knows that its time has come again.
+    // The restored state contains the time of the first step, so the plugin traps again 8 s after that time.
     assert_eq!(only_modify(&plugin.step(&input(7))).tag, 7);
     assert_eq!(fault_kind(&plugin.step(&input(9))), Some(FaultKind::Trap));
     // The first loss is still counted, because no snapshot was taken since.

@@ -28,7 +28,7 @@ fn echo(answer: &str, judge: Arc<dyn Judge>) -> Started {
     components().echo.start(budget, &config, judge).unwrap()
 }
 
-/// What the guest received, as it logs it.
+/// What the guest received, in the form in which it logs it.
 #[track_caller]
 fn heard(input: &StepInput) -> String {
     let returned = echo("input", Arc::new(Latitude)).plugin.step(input);

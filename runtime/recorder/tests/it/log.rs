@@ -306,7 +306,7 @@ proptest! {
         let Some((_, LoggedInput::Returned(_, Returned { result: Ok(requests), .. }))) = log.inputs().next() else {
             panic!("no step returned: {log:?}");
         };
-        // The shortest decimal that parses to the same number, with its sign; NaN whatever its bits.
+        // `Debug` writes the shortest decimal that parses to the same number, with its sign, and NaN whatever its bits.
         prop_assert_eq!(format!("{requests:?}"), format!("{asked:?}"));
     }
 
@@ -469,7 +469,7 @@ fn outputs_go_to_their_channels() {
     assert_eq!(log.notes().count(), 5);
     assert_eq!(log.link().count(), 1);
 
-    // At sea an invocation is logged whole, so that a plugin's author can read it without a replay.
+    // At sea the log has the whole input of a step, so that a plugin's author can read it without a replay.
     let log = parse(&recorded(Rate::Deployed, write)).unwrap();
     let Record::Output(invoke) = &log.entries[3].record else {
         panic!("{:?}", log.entries[3]);

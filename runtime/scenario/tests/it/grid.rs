@@ -12,7 +12,7 @@ fn mission() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/missions/charted")
 }
 
-/// A copy of it with one file replaced, or left out.
+/// A copy of the mission with one file replaced or removed.
 fn changed(file: &str, content: Option<&[u8]>) -> tempfile::TempDir {
     let copy = tempfile::tempdir().unwrap();
     for entry in std::fs::read_dir(mission()).unwrap() {

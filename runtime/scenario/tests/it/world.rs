@@ -6,7 +6,7 @@ use std::path::Path;
 use backseat_mission::{Layers, Mission};
 use backseat_scenario::Scenario;
 
-/// A copy of the mission of the grid's tests with `world.toml` changed or left out, and with these lines added to
+/// A copy of the mission of the grid's tests with `world.toml` changed or removed, and with these lines added to
 /// `mission.toml`.
 fn mission(world: impl FnOnce(String) -> Option<String>, lines: &str) -> (tempfile::TempDir, Mission) {
     let original = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/missions/charted");

@@ -127,6 +127,20 @@ impl Fence {
         self.ask(sweep, vertical, None, true, None)
     }
 
+    /// As [`Fence::check_surfacing`], of a path on which the vehicle may also be at other depths: from and to, metres.
+    /// Keep-out zones count at all of them.
+    ///
+    /// # Errors
+    /// As [`Fence::check_surfacing`]; also [`Rule::NotFinite`] if a depth is not finite.
+    pub fn check_surfacing_passing(
+        &self,
+        sweep: &Sweep,
+        vertical: &VerticalExtent,
+        depths_m: [f64; 2],
+    ) -> Result<Clearance, Breach> {
+        self.ask(sweep, vertical, Some(depths_m), true, None)
+    }
+
     /// As [`Fence::check`], of a way on which the vehicle may come to other depths than those of the extent, which are not
     /// the asker's affair: from and to, metres. Keep-out zones count at all of them, keep-in zones by the extent alone.
     ///
@@ -240,6 +254,19 @@ impl FenceDuring<'_> {
     /// The [`Breach`]; [`Rule::Closed`] where the zone that would hold is not valid throughout.
     pub fn check_surfacing(&self, sweep: &Sweep, vertical: &VerticalExtent) -> Result<Clearance, Breach> {
         self.fence.ask(sweep, vertical, None, true, Some(self.span))
+    }
+
+    /// As [`Fence::check_surfacing_passing`], with the zones that are valid then.
+    ///
+    /// # Errors
+    /// As [`Fence::check_surfacing_passing`]; [`Rule::Closed`] if the zone that would hold is not valid throughout.
+    pub fn check_surfacing_passing(
+        &self,
+        sweep: &Sweep,
+        vertical: &VerticalExtent,
+        depths_m: [f64; 2],
+    ) -> Result<Clearance, Breach> {
+        self.fence.ask(sweep, vertical, Some(depths_m), true, Some(self.span))
     }
 
     /// As [`Fence::contains`], with the zones that are valid then.

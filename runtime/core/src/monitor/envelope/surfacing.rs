@@ -89,10 +89,11 @@ impl Envelope {
         self.limits.current_max_mps * self.limits.gps_hit_duration_max_s
     }
 
-    /// The least and the greatest depth of an insert's flight, metres; `None` where they cannot be known.
+    /// The least and the greatest depth at which an insert is flown, metres; `None` if they cannot be known. A GPS hit
+    /// leads from the depth now to the surface.
     pub(crate) fn depths_m(&self, insert: &Insert, depth: Depth, lock: Option<BottomLock>) -> Option<[f64; 2]> {
         let (InsertPath::Line { flight, .. } | InsertPath::Circle { flight, .. }) = insert.path else {
-            return None;
+            return Some([depth.as_m().min(0.0), depth.as_m()]);
         };
         let around = self.ends(insert).0.middle();
         let extent = self.extent(flight.vertical, depth, lock, around, self.length_m(insert));
@@ -141,9 +142,11 @@ impl Envelope {
             depth_min_m: way.extent.depth_min_m.min(0.0),
             ..way.extent
         };
-        let checked = self
-            .check(sweep, &from_surface, way.when)
-            .or_else(|breach| self.check_surfacing(sweep, &way.extent, way.when).map_err(|_| breach));
+        let passing = (way.depths_m, way.when);
+        let checked = self.check_passing(sweep, &from_surface, passing).or_else(|breach| {
+            self.check_surfacing_passing(sweep, &way.extent, passing)
+                .map_err(|_| breach)
+        });
         match checked {
             Ok(clearance) => Ok(clearance.metres),
             Err(breach) => Err(breach.into()),

@@ -95,4 +95,17 @@ impl Envelope {
             None => self.fence.check_surfacing(sweep, extent),
         }
     }
+
+    /// As [`Envelope::check_surfacing`], of a path on which the vehicle may also be at other depths.
+    pub(super) fn check_surfacing_passing(
+        &self,
+        sweep: &Sweep,
+        extent: &VerticalExtent,
+        (depths_m, when): ([f64; 2], Option<Span>),
+    ) -> Result<Clearance, Breach> {
+        match when {
+            Some(span) => self.fence.during(span).check_surfacing_passing(sweep, extent, depths_m),
+            None => self.fence.check_surfacing_passing(sweep, extent, depths_m),
+        }
+    }
 }

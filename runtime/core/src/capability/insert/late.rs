@@ -1,5 +1,5 @@
-//! Inserts that have not begun in time (safety requirement 002). Core compares each with its zones at the new time, and
-//! cancels it if they change until then.
+//! Inserts that have not begun in time (safety requirement 002). Core cancels such an insert if a zone opens or closes
+//! before the new time by which it may be flown.
 
 use super::Inserts;
 use crate::context::Context;

@@ -86,7 +86,7 @@ impl Inserts {
         all
     }
 
-    /// Cancels inserts that ended without the vehicle's word: they may still be in its plan.
+    /// Cancels the inserts that timed out: they may still be in the vehicle's plan.
     fn recall_doubtful(&mut self, cx: &mut Context, plugin: Option<PluginId>) {
         let doubtful: Vec<(u64, BehaviorId)> = cx
             .ledger

@@ -1,8 +1,9 @@
-//! The monitor's checks by name, and, in a build for a test alone, mutations that leave them out one at a time.
+//! The monitor's checks by name and, in test builds only, mutations that leave out one check at a time.
 //!
-//! A hunt that finds nothing proves little. With the feature `mutations` a test leaves a single check out and must then
-//! see the hunt find what that check had kept back. Without the feature there is no mutation: every check is on, at no
-//! cost, and this module is not public. No program of ours has the feature; `cargo xtask tidy` sees to that.
+//! A hunt that finds nothing proves little. With the feature `mutations`, a test leaves out a single check, and must
+//! then see the hunt find what that check had prevented. Without the feature there are no mutations: every check is on,
+//! at no cost, and this module is not public. No program of ours has the feature; `cargo xtask tidy` makes sure of
+//! that.
 #![cfg_attr(
     not(feature = "mutations"),
     doc = "
@@ -17,7 +18,7 @@ backseat_core::mutations::is_on(backseat_core::mutations::Check::Shutdown);
 
 macro_rules! checks {
     ($($(#[$present:meta])* $name:ident $kebab:literal $requirement:literal $what:literal;)*) => {
-        /// A single check of the monitor.
+        /// A check of the monitor.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Check {
             $(
@@ -29,7 +30,7 @@ macro_rules! checks {
 
         #[cfg(feature = "mutations")]
         impl Check {
-            /// All of them, by their requirements.
+            /// All of them.
             pub const ALL: [Self; [$($requirement),*].len()] = [$(Self::$name),*];
 
             /// Its name, in kebab case.
@@ -48,7 +49,7 @@ macro_rules! checks {
                 }
             }
 
-            /// What it checks, in a line.
+            /// What it checks, in one line.
             #[must_use]
             pub const fn what(self) -> &'static str {
                 match self {
@@ -85,7 +86,7 @@ checks! {
     StationEndSaid "station-end-said" 5 "the end of station keeping is said by BPRES";
     PluginFailure "plugin-failure" 6 "a plugin's failure ends its leases";
     InheritedInserts "inherited-inserts" 7 "what a previous run has left in the vehicle's plan counts under the cap";
-    #[cfg(feature = "mutations")] // It is the drivers' of the link, and the simulation's.
+    #[cfg(feature = "mutations")] // The drivers of the link and the simulation make this check.
     StaleSends "stale-sends" 7 "a link whose write has waited for a second is reset, and what waited is not delivered";
     NavigationFresh "navigation-fresh" 8 "navigation that is too old is none";
     NavigationAge "navigation-age" 8 "navigation's age is counted from its solution; without it, from its arrival";
@@ -134,7 +135,7 @@ pub(crate) const fn is_on(_: Check) -> bool {
     true
 }
 
-/// What a plugin is told, with every check on.
+/// Computes an answer to a plugin with every check on.
 #[cfg(not(feature = "mutations"))]
 pub(crate) fn with_every_check<T>(answer: impl FnOnce() -> T) -> T {
     answer()
@@ -148,7 +149,7 @@ mod mutation {
     use super::Check;
 
     const _: () = assert!(Check::ALL.len() <= 128, "a bit for each");
-    /// A bit for each check that is off.
+    /// One bit for each check that is off.
     static OFF: [AtomicU64; 2] = [AtomicU64::new(0), AtomicU64::new(0)];
 
     const fn bit(check: Check) -> (usize, u64) {
@@ -156,7 +157,7 @@ mod mutation {
     }
 
     thread_local! {
-        /// This thread answers a plugin's question.
+        /// Whether this thread is computing an answer to a plugin.
         static ANSWERS: Cell<bool> = const { Cell::new(false) };
     }
 
@@ -167,7 +168,8 @@ mod mutation {
         OFF[word].load(Ordering::Relaxed) & bit == 0 || ANSWERS.get()
     }
 
-    /// What a plugin is told whatever is left out: the monitor's own check is, not the plugin's knowledge.
+    /// Computes an answer to a plugin with every check on: a mutation changes what the monitor checks, and not what the
+    /// plugin knows.
     pub fn with_every_check<T>(answer: impl FnOnce() -> T) -> T {
         let before = ANSWERS.replace(true);
         let answer = answer();
@@ -181,7 +183,7 @@ mod mutation {
         OFF[word].fetch_or(bit, Ordering::Relaxed);
     }
 
-    /// Has all checks made again.
+    /// Puts all checks on again.
     pub fn leave_none_out() {
         for word in &OFF {
             word.store(0, Ordering::Relaxed);
@@ -209,12 +211,12 @@ mod tests {
         }
     }
 
-    /// SR-013 is kept by what parses, before there is anything to check.
+    /// The parser keeps SR-013, before there is anything to check.
     #[test]
     fn every_requirement_that_a_check_keeps_has_a_mutation() {
         let with: BTreeSet<u32> = Check::ALL.iter().map(|check| check.requirement()).collect();
         let without: Vec<u32> = (1..=23).filter(|requirement| !with.contains(requirement)).collect();
-        // SR-022 is kept by the loop around core.
+        // The loop around core keeps SR-022.
         assert_eq!(without, [13, 22]);
     }
 

@@ -1,10 +1,10 @@
-//! States of things that refuse a request.
+//! States that refuse a request.
 
 use serde::{Deserialize, Serialize};
 
 use super::Rule;
 
-/// A row for each reason: what it is, its name in logs, its rule, its text.
+/// A row for each reason: its name in logs, its rule, its text.
 macro_rules! reasons {
     ($(#[$doc_of_all:meta])* $all:ident; $($reason:ident $name:literal $rule:ident $text:literal;)*) => {
         $(#[$doc_of_all])*
@@ -18,19 +18,19 @@ macro_rules! reasons {
             /// All of them.
             pub const ALL: &[Self] = &[$(Self::$reason),*];
 
-            /// As logs and plugins name it, in lower case with hyphens.
+            /// Its name in logs and for plugins, in lower case with hyphens.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$reason => $name,)* }
             }
 
-            /// The rule that refuses for it.
+            /// The rule that refuses a request for this reason.
             #[must_use]
             pub const fn rule(self) -> Rule {
                 match self { $(Self::$reason => Rule::$rule,)* }
             }
 
-            /// In one line.
+            /// The reason in one line.
             #[must_use]
             pub const fn text(self) -> &'static str {
                 match self { $(Self::$reason => $text,)* }

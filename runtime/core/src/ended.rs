@@ -74,31 +74,31 @@ causes! {
     PluginFailed "plugin-failed" Plugin "its plugin failed";
     NavigationJumped "navigation-jumped" Navigation "navigation jumped";
     NavigationStale "navigation-stale" Navigation "navigation is stale";
-    VelocityTooHigh "velocity-too-high" Navigation "the velocity is more than any vehicle's";
-    VerticalVelocityTooHigh "vertical-velocity-too-high" Navigation "the vertical velocity is more than any vehicle's";
+    VelocityTooHigh "velocity-too-high" Navigation "the velocity is higher than any vehicle's";
+    VerticalVelocityTooHigh "vertical-velocity-too-high" Navigation "the vertical velocity is higher than any vehicle's";
     PositionFrozen "position-frozen" Navigation "the position is frozen";
     PositionAgainstVelocity "position-against-velocity" Navigation "position and velocity disagree";
     PositionTooFast "position-too-fast" Navigation "the position moves faster than any vehicle";
-    DepthTooFast "depth-too-fast" Navigation "the depth changes faster than any vehicle's";
+    DepthTooFast "depth-too-fast" Navigation "the depth changes faster than that of any vehicle";
     DepthAgainstVelocity "depth-against-velocity" Navigation "depth and vertical velocity disagree";
     HeadingAgainstYawRate "heading-against-yaw-rate" Navigation "heading and yaw rate disagree";
-    SeabedJumps "seabed-jumps" Navigation "depth and altitude tell of another seabed";
+    SeabedJumps "seabed-jumps" Navigation "the seabed, as depth plus altitude, jumps";
     VelocitiesMissing "velocities-missing" Navigation "navigation comes without velocities";
     NavigationReset "navigation-reset" Navigation "an external source resets the vehicle's navigation";
     ClockSet "clock-set" Navigation "the vehicle's clock was set";
     OutsideFence "outside-fence" Fence "recovery: the vehicle is outside the fence";
-    BehaviorBegan "behavior-began" Behavior "a behavior began under it";
-    BehaviorEnded "behavior-ended" Behavior "a behavior ended under it";
+    BehaviorBegan "behavior-began" Behavior "a behavior began during it";
+    BehaviorEnded "behavior-ended" Behavior "a behavior ended during it";
     MissionGoesOn "mission-goes-on" Behavior "a behavior began: the mission goes on";
     Overtaken "overtaken" Behavior "another behavior has begun";
-    Interrupted "interrupted" Behavior "interrupted, and not taken up again";
+    Interrupted "interrupted" Behavior "interrupted and not resumed";
     OtherDive "other-dive" Mission "the vehicle flies another dive";
     MissionNotRunning "mission-not-running" Mission "the mission is not running";
     MissionOver "mission-over" Mission "the mission is over";
     MissionIs "mission-is" Mission "the mission is";
     OperatorEndsMission "operator-ends-mission" Mission "the operator ends the mission";
     EmptyMission "empty-mission" Mission "the operator starts an empty mission";
-    PowerGoes "power-goes" Mission "power goes";
+    PowerGoes "power-goes" Mission "the power is being switched off";
 }
 
 /// The kind of an end. Plugins branch on it.

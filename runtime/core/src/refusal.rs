@@ -371,10 +371,10 @@ impl fmt::Display for Detail<'_> {
             Refusal::Delays { request } => {
                 write!(
                     f,
-                    "it would delay insert {request} into a time for which that was not judged"
+                    "it would delay insert {request} into a time for which that insert was not judged"
                 )
             }
-            Refusal::WayBack(refusal) => write!(f, "on the way back from an insert that waits: {}", refusal.detail()),
+            Refusal::WayBack(refusal) => write!(f, "on the way back from a waiting insert: {}", refusal.detail()),
         }
     }
 }

@@ -66,7 +66,7 @@ impl fmt::Display for BoxBreach {
                 bound_m,
             } => write!(
                 f,
-                "{stretch}: {axis} is no finite number; {}'s {key} is {bound_m}",
+                "{stretch}: {axis} is not a finite number; {}'s {key} is {bound_m}",
                 self.name
             ),
             BoxEdge::Kept {

@@ -74,7 +74,7 @@ figures! {
     /// A circle's radius. The circle must not be tighter than the vehicle can turn.
     CircleRadius "circle-radius" "radius of a circle" "m" Limit "limits.turn_rate_dps";
     /// A circle's orbits. Their sign is the direction.
-    CircleOrbits "circle-orbits" "number of orbits (more than 0 either way)" "" Limit "";
+    CircleOrbits "circle-orbits" "number of orbits (not 0)" "" Limit "";
     /// The angle at which a circle is entered.
     EntryAngle "entry-angle" "entry angle of a circle" "deg" Limit "";
     /// How long station keeping lasts.
@@ -82,9 +82,9 @@ figures! {
     /// The speed of a hovering vehicle.
     StationSpeed "station-speed" "speed of station keeping" "m/s" Limit "limits.station.speed_max_mps";
     /// The vehicle's own speed, which a move without a speed uses.
-    DefaultSpeed "default-speed" "the vehicle's own speed (of a move without one)" "m/s" Limit "limits.station.speed_default_mps";
+    DefaultSpeed "default-speed" "the vehicle's own speed (for a move without a speed)" "m/s" Limit "limits.station.speed_default_mps";
     /// The number of places at which the mission may have been suspended.
-    Suspensions "suspensions" "places where the mission stands suspended" "" Cap "";
+    Suspensions "suspensions" "places where the mission is suspended" "" Cap "";
     /// A sonar's angle.
     SonarAngle "sonar-angle" "angle of the sonar" "deg" Limit "limits.station.sonar_angle_min_deg, limits.station.sonar_angle_max_deg";
     /// A camera's pan.
@@ -98,9 +98,9 @@ figures! {
     /// A packet's telemetry mode (SPI 9.3).
     TelemetryMode "telemetry-mode" "telemetry mode" "" Limit "";
     /// The bytes of a packet's frames.
-    FrameBytes "frame-bytes" "frames of a packet" "bytes" Limit "";
+    FrameBytes "frame-bytes" "size of a packet's frames" "bytes" Limit "";
     /// The bytes of a message to the topside.
-    TextBytes "text-bytes" "text" "bytes" Text "";
+    TextBytes "text-bytes" "length of the text" "bytes" Text "";
     /// A plugin's requests in a second.
     Requests "requests" "requests in a second" "" Rate "limits.requests_per_s";
     /// Packets in a minute.
@@ -146,9 +146,9 @@ figures! {
     /// The depth of an external source's fix.
     FixDepth "fix-depth" "depth of the fix" "m" Limit "external.fix_depth_difference_max_m";
     /// The distance of an external source's fix from the middle of the fence.
-    FixFromFence "fix-from-fence" "way of the fix from the fence's middle" "m" Limit "";
+    FixFromFence "fix-from-fence" "distance of the fix from the fence's middle" "m" Limit "";
     /// The distance of an external source's fix from navigation.
-    FixFromNavigation "fix-from-navigation" "way of the fix from navigation" "m" Limit "external.fix_distance_max_m";
+    FixFromNavigation "fix-from-navigation" "distance of the fix from navigation" "m" Limit "external.fix_distance_max_m";
     /// The x to which relative navigation is set.
     ResetX "reset-x" "x" "m" Limit "external.reset_max_m";
     /// The y to which relative navigation is set.
@@ -220,7 +220,7 @@ impl fmt::Display for FigureBreach {
         write!(f, "{} is ", figure.spoken())?;
         match value {
             Some(value) => Decimal(*value).fmt(f)?,
-            None => f.write_str("no finite number")?,
+            None => f.write_str("not a finite number")?,
         }
         match (least, most) {
             (Some(least), Some(most)) => write!(f, "; expected {} to {}", Decimal(*least), Decimal(*most))?,
@@ -265,7 +265,7 @@ mod tests {
         );
         assert_eq!(
             told(Figure::Depth.under(f64::NAN, 0.0)),
-            "limit: depth is no finite number; expected at least 0 m"
+            "limit: depth is not a finite number; expected at least 0 m"
         );
     }
 

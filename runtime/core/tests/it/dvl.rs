@@ -410,7 +410,7 @@ fn sr_014_whatever_takes_control_or_the_plugin_ends_it_with_one_bpdvr_within_100
             let now = trial.now;
             trial.vehicle.set_status(now, "Aborting");
         }),
-        ("power goes", |trial| {
+        ("the power is being switched off", |trial| {
             let created = trial.vehicle.clock(trial.now);
             trial.hear_now([FromVehicle::from(Shutdown { created })]);
         }),

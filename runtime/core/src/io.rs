@@ -65,7 +65,7 @@ pub enum Operator {
 /// What core asks the driver to do.
 #[expect(
     clippy::large_enum_variant,
-    reason = "a step is the commonest output; it is moved once, and a box would be an allocation a step"
+    reason = "a step is the most common output; it is moved once, and a box would be an allocation for each step"
 )]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Output {

@@ -156,7 +156,7 @@ impl Acoustic {
                 cx.plugins.tell_wanting(Topic::Acoustic, &Event::Window(window));
             }
             Err(reason) => cx.note(Note::Text {
-                text: format!("an acoustic window until {} is none: {reason}", message.until),
+                text: format!("ignored an acoustic window until {}: {reason}", message.until),
             }),
         }
         self.set_timer(cx);
@@ -179,7 +179,7 @@ impl Acoustic {
         if open_until > cx.now {
             Ok((until, open_until))
         } else {
-            Err("nothing that leaves now would arrive in it")
+            Err("a packet sent now would arrive after its end")
         }
     }
 

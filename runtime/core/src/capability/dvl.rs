@@ -267,7 +267,7 @@ impl DvlTrigger {
         self.answered = Some(cx.now);
         let what = if begin { "allows" } else { "stops" };
         cx.note(Note::Text {
-            text: format!("the vehicle {what} DVL triggering that no open request is about"),
+            text: format!("the vehicle {what} DVL triggering, and no request for it is open"),
         });
         self.say_not_triggering(cx);
     }

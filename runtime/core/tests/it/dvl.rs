@@ -444,7 +444,7 @@ fn sr_017_what_nobody_has_asked_for_is_answered_and_no_more_than_once_a_second()
     let from = trial.now;
     vehicle_says(&mut trial, true);
     assert_eq!(said(&trial), [(0, 0)]);
-    assert!(format!("{:?}", trial.notes()).contains("DVL triggering that no open request is about"));
+    assert!(format!("{:?}", trial.notes()).contains("DVL triggering, and no request for it is open"));
     for _ in 0..50 {
         vehicle_says(&mut trial, false);
     }

@@ -40,7 +40,7 @@ impl Inserts {
                 self.call_back(
                     cx,
                     request,
-                    "it has not begun in the time that its zones were judged for",
+                    "it has not begun in the time for which its zones were judged",
                 );
             }
         }
@@ -52,7 +52,7 @@ impl Inserts {
             let text = format!("GPS hit {request}: {why}, and it cannot be cancelled (SPI 7.8)");
             return cx.note(Note::Text { text });
         }
-        let text = format!("insert {request} is called back: {why}");
+        let text = format!("insert {request} is cancelled: {why}");
         cx.note(Note::Text { text });
         self.recall(cx, request);
     }

@@ -46,7 +46,7 @@ impl Inserts {
         let message = ToVehicle::CancelBehavior(CancelBehavior { created, identifier });
         if cx.transmit(&message, Some(command)) {
             cx.vehicle.previous_run.taken_back(identifier);
-            let text = format!("insert {identifier} of a previous run is taken back");
+            let text = format!("insert {identifier} of a previous run is cancelled");
             cx.note(Note::Text { text });
         }
     }

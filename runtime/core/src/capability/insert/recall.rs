@@ -69,7 +69,7 @@ impl Inserts {
                 all = false;
                 cx.note(Note::Text {
                     text: format!(
-                        "insert {insert} is not cancelled, what would remain is worse: {}",
+                        "insert {insert} is not cancelled, because the way without it is refused: {}",
                         refusal.detail()
                     ),
                 });
@@ -114,7 +114,7 @@ impl Inserts {
         let kept = cx.ledger.is_gps_hit(Some(insert));
         if kept {
             cx.note(Note::Text {
-                text: format!("GPS hit {insert} may be flown yet: it cannot be cancelled (SPI 7.8)"),
+                text: format!("GPS hit {insert} may still be flown: it cannot be cancelled (SPI 7.8)"),
             });
         }
         kept
@@ -171,7 +171,7 @@ impl Inserts {
             Answer::Refused(text) => {
                 if self.forget_recall(cx, insert) {
                     cx.note(Note::Text {
-                        text: format!("insert {insert} was not taken back: {text}"),
+                        text: format!("insert {insert} was not cancelled: {text}"),
                     });
                 }
             }
@@ -197,7 +197,7 @@ impl Inserts {
         } else {
             self.forget_recall(cx, insert);
             cx.note(Note::Text {
-                text: format!("insert {insert} may be flown yet: its cancel was not answered {SENT_MAX} times"),
+                text: format!("insert {insert} may still be flown: the vehicle did not answer {SENT_MAX} cancels"),
             });
         }
     }

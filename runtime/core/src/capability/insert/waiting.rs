@@ -33,7 +33,11 @@ impl Inserts {
                 // All others come after it.
                 break;
             };
-            self.call_back(cx, *request, &format!("its way no longer holds: {}", refusal.detail()));
+            self.call_back(
+                cx,
+                *request,
+                &format!("the way to it is no longer allowed: {}", refusal.detail()),
+            );
             if insert.surfaces() {
                 return;
             }
@@ -46,7 +50,7 @@ impl Inserts {
             let Err(refusal) = cx.outlook().judge_way_on(&open.1) else {
                 return;
             };
-            let text = format!("its way on no longer holds: {}", refusal.detail());
+            let text = format!("the way on from it is no longer allowed: {}", refusal.detail());
             self.call_back(cx, open.0, &text);
         }
     }

@@ -62,7 +62,7 @@ impl Station {
             }
             // The limit stays changed. The next end of station keeping, and the next gain of control, try again.
             Answer::Refused(_) | Answer::Missing => cx.note(Note::Text {
-                text: "the vehicle has not taken its own speed limit back (BPSPD)".to_owned(),
+                text: "the vehicle did not accept its own speed limit again (BPSPD)".to_owned(),
             }),
         }
         self.limit.restoring = None;

@@ -301,7 +301,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_unique_and_those_of_the_log() {
+    fn names_are_unique_and_the_same_in_the_log() {
         for cause in EndCause::ALL {
             assert_eq!(serde_json::to_value(cause).unwrap(), cause.name());
             let same = EndCause::ALL.iter().filter(|other| other.name() == cause.name());

@@ -480,7 +480,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_begun_fails_only_where_it_is_no_insert() {
+    fn a_request_that_has_begun_can_fail_unless_it_is_an_insert() {
         for (kind, fails) in [(RequestKind::Trim, true), (RequestKind::Trackline, false)] {
             let mut ledger = Ledger::default();
             let request = ledger.propose(PluginId(0), 1, kind);
@@ -507,7 +507,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_one_is_in_doubt_until_the_vehicle_names_it() {
+    fn an_unknown_insert_is_in_doubt_until_the_vehicle_names_it() {
         let mut ledger = Ledger::default();
         let request = ledger.propose(PluginId(0), 1, RequestKind::Trackline);
         ledger.get_mut(request).unwrap().insert = Some(insert());

@@ -137,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_of_commands_are_refused_in_upper_case_only_and_hexadecimal_digits_never() {
+    fn names_of_commands_are_refused_in_upper_case_and_hexadecimal_digits_are_not() {
         for bad in ["at RMB", "STOP", "BPKIL", "all CONtacts lost", "xRTKx"] {
             let refusal = admit_text(bad).unwrap_err();
             assert!(matches!(refusal, Refusal::CommandInText { .. }), "{refusal:?}");

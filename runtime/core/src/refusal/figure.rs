@@ -253,7 +253,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_figure_is_told_with_its_range_its_unit_and_its_key() {
+    fn a_refused_figure_is_printed_with_its_range_its_unit_and_its_key() {
         let told = |refusal: Refusal| refusal.to_string();
         assert_eq!(
             told(Figure::Speed.not_within(3.0, 1.0, 2.25)),
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_unique_and_those_of_the_log() {
+    fn names_are_unique_and_the_same_in_the_log() {
         for figure in Figure::ALL {
             assert_eq!(serde_json::to_value(figure).unwrap(), figure.name());
             let same = Figure::ALL.iter().filter(|other| other.name() == figure.name());

@@ -108,7 +108,7 @@ impl Port {
         takes
     }
 
-    /// How many lines were dropped since the last call because they are no sentences. Lines that the next sentence cut
+    /// How many lines were dropped since the last call because they are not sentences. Lines that the next sentence cut
     /// short are not counted: they had no end that could be answered.
     pub(crate) fn dropped(&mut self) -> u64 {
         let FrameCounts {

@@ -220,7 +220,7 @@ impl Adjustments {
                 let idle = || RequestState::Ended(Ended::Said(EndCause::Idle, text.to_owned()));
                 match cx.ledger.get(request).map(|entry| &entry.state) {
                     Some(RequestState::Started | RequestState::Unknown) => self.end(cx, request, idle()),
-                    // An earlier one may have been on its way when the adjustment began.
+                    // An earlier report may have been on its way when the adjustment began.
                     Some(RequestState::Accepted) if acknowledged.is_some_and(|at| cx.now.since(at) >= IDLE_AFTER) => {
                         self.end(cx, request, idle());
                     }

@@ -1,5 +1,5 @@
 //! Inserts that have not begun in time (safety requirement 002). Core cancels such an insert if a zone opens or closes
-//! before the new time by which it may be flown.
+//! before its new latest end.
 
 use super::Inserts;
 use crate::context::Context;

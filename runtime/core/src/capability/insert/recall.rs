@@ -79,7 +79,7 @@ impl Inserts {
             self.recall(cx, insert);
         }
         // Each judgement of a way allows for a vehicle that does not have the doubtful inserts, so they may be
-        // cancelled without another one. But none of them may be flown: core must know what the vehicle flies.
+        // cancelled without one of their own. But none of them may be flown: core must know what the vehicle flies.
         if cx.vehicle.courses.current().is_some() {
             self.recall_doubtful(cx, plugin);
         }

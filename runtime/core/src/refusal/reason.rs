@@ -69,7 +69,7 @@ reasons! {
     NavigationIsStale "navigation-is-stale" Navigation "navigation is stale";
     NavigationMissing "navigation-missing" Navigation "no navigation";
     RelativeStale "relative-stale" Navigation "relative navigation is stale";
-    BoxesUnknown "boxes-unknown" Navigation "no fresh and steady BFRNV with a hull_box, or BFCNV with a bottom_box";
+    BoxesUnknown "boxes-unknown" Navigation "neither BFRNV with a hull_box nor BFCNV with a bottom_box is fresh and steady";
     HullPlaceUnknown "hull-place-unknown" Navigation "a move on the hull needs fresh BFRNV";
     BottomPlaceUnknown "bottom-place-unknown" Navigation "a move over the bottom needs fresh BFCNV";
     HullStopUnknown "hull-stop-unknown" Navigation "a stop on the hull needs fresh BFRNV";
@@ -87,7 +87,7 @@ reasons! {
     FlownUnheard "flown-unheard" Plan "current behavior unknown, and the vehicle has not kept to a line of its plan or of an open trackline for 10 s";
     FlownNotPlanned "flown-not-planned" Plan "the current behavior is neither in the plan nor an open insert of this run: cannot check the return path";
     BeginUnheard "begin-unheard" Plan "current behavior unknown: cannot check the way to the insert";
-    TakenUpUnheard "taken-up-unheard" Plan "start of the planned behavior that the vehicle may resume unknown: cannot check the return path";
+    TakenUpUnheard "taken-up-unheard" Plan "it is unknown where the planned behavior began that the vehicle may resume: cannot check the return path";
     OtherSteers "other-steers" Priority "a plugin of higher priority steers";
     OtherKeepsStation "other-keeps-station" Priority "a plugin of higher priority keeps the vehicle at its station";
     OtherSilences "other-silences" Priority "another plugin has asked for the silence";
@@ -134,7 +134,7 @@ reasons! {
     NoMission "no-mission" State "no mission is running";
     MissionStateUnknown "mission-state-unknown" State "the vehicle has not said whether a mission runs";
     EmptyMissionStarting "empty-mission-starting" State "an empty mission is already being started";
-    EndingUnderWay "ending-under-way" State "such an order is already under way";
+    EndingUnderWay "ending-under-way" State "an order of this kind is already under way";
     FixForced "fix-forced" Limit "the mission does not let this external source force a fix";
     NotInStep "not-in-step" State "the fence answers only within a step";
     Undecided "undecided" State "nothing has been decided yet";

@@ -129,7 +129,8 @@ impl DvlTrigger {
         }
     }
 
-    /// The plugin ends its open request. Neither the rate nor a lack of control prevents that: BPDVR 0,0 may always be sent.
+    /// The plugin ends its open request. Neither the rate nor a lack of control prevents that: BPDVR 0,0 may always be
+    /// sent.
     pub(crate) fn asked_end(&mut self, cx: &mut Context) {
         let reason = match self.open.map(|open| open.phase) {
             Some(Phase::Requested | Phase::Allowed | Phase::Triggering | Phase::Ending) | None => EndCause::PluginEnded,

@@ -410,7 +410,7 @@ fn sr_014_whatever_takes_control_or_the_plugin_ends_it_with_one_bpdvr_within_100
             let now = trial.now;
             trial.vehicle.set_status(now, "Aborting");
         }),
-        ("power goes", |trial| {
+        ("the power is being switched off", |trial| {
             let created = trial.vehicle.clock(trial.now);
             trial.hear_now([FromVehicle::from(Shutdown { created })]);
         }),
@@ -444,7 +444,7 @@ fn sr_017_what_nobody_has_asked_for_is_answered_and_no_more_than_once_a_second()
     let from = trial.now;
     vehicle_says(&mut trial, true);
     assert_eq!(said(&trial), [(0, 0)]);
-    assert!(format!("{:?}", trial.notes()).contains("DVL triggering that no open request is about"));
+    assert!(format!("{:?}", trial.notes()).contains("DVL triggering, and no request for it is open"));
     for _ in 0..50 {
         vehicle_says(&mut trial, false);
     }

@@ -388,7 +388,7 @@ fn it_cannot_be_cancelled_by_its_plugin_its_plugins_failure_or_the_operators_hol
     assert_eq!(shorts(&trial.states(1)), ["sent", "accepted"]);
     assert_eq!(shorts(&trial.states(2)).last(), Some(&"cancelled"));
     let said = trial.notes().into_iter().filter(
-        |(_, note)| matches!(note, Note::Text { text } if text.contains("may be flown yet: it cannot be cancelled")),
+        |(_, note)| matches!(note, Note::Text { text } if text.contains("may still be flown: it cannot be cancelled")),
     );
     assert_eq!(said.count(), 2);
 }

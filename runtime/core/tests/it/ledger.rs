@@ -28,11 +28,7 @@ fn sr_009_every_request_has_one_end_and_is_counted_once() {
 
 /// An insert was refused for want of the plan, and one is taken once the vehicle has told it again.
 fn known_once_it_has_come_anew(trial: &mut Trial) {
-    assert!(
-        trial.rejection(1).contains("plan is not known"),
-        "{:?}",
-        trial.states(1)
-    );
+    assert!(trial.rejection(1).contains("plan unknown"), "{:?}", trial.states(1));
     trial.vehicle.replies.clear();
     let now = trial.now;
     trial.vehicle.begin(now, Some(1), None);
@@ -97,7 +93,7 @@ fn sr_002_a_plan_whose_series_ended_in_a_refusal_is_not_taken_for_whole() {
     trial.run_for(0.5);
     trial.ask(0, [good_line(1)]);
     trial.run_for(0.5);
-    assert!(trial.rejection(1).contains("plan is not known"));
+    assert!(trial.rejection(1).contains("plan unknown"));
 }
 
 #[test]

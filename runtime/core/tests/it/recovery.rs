@@ -317,7 +317,7 @@ fn an_unanswered_cancel_of_the_runtimes_own_is_sent_again_five_times_and_no_more
         assert_eq!(pair[1].since(pair[0]), Duration::from_secs(least_s));
     }
     let given_up =
-        |(_, note): &(Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("not answered 5"));
+        |(_, note): &(Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("did not answer 5"));
     assert_eq!(trial.notes().iter().filter(|note| given_up(note)).count(), 1);
     let trial = failing(Reply::Late(Duration::from_millis(1800), AckStatus::Succeeded));
     assert_eq!(trial.commands("RCN").len(), 1);
@@ -369,7 +369,6 @@ fn sr_020_a_fail_action_leaves_what_would_leave_a_worse_way() {
     trial.fail(1, backseat_core::plugin::FaultKind::Error);
     trial.run_for(5.0);
     assert!(trial.commands("RCN").is_empty());
-    let told =
-        |(_, note): (Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("would remain is worse"));
+    let told = |(_, note): (Timestamp, Note)| matches!(note, Note::Text { text } if text.contains("the way without it is refused"));
     assert!(trial.notes().into_iter().any(told));
 }

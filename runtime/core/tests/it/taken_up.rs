@@ -99,7 +99,7 @@ fn sr_002_an_insert_of_another_payload_that_the_plan_does_not_name_is_not_modifi
     let mut trial = Trial::under_way();
     // After the plan was asked for another payload has had it inserted.
     begins(&mut trial, None, Some(40));
-    refused_for(&mut trial, turn(9, 90.0), 9, "not in its plan");
+    refused_for(&mut trial, turn(9, 90.0), 9, "neither in the plan nor an open insert");
 }
 
 fn beside_the_plan() -> Trial {

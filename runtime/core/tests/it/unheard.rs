@@ -30,7 +30,7 @@ fn sr_002_over_a_lost_link_an_insert_that_was_flown_may_have_ended() {
     trial.vehicle.inserted.remove(&1);
     outage(&mut trial);
     led_to(&mut trial, -600.0, -1500.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "current behavior unknown");
 }
 
 #[test]
@@ -49,7 +49,7 @@ fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_been_flown() {
     accepted(&mut trial, first, 1);
     trial.vehicle.inserted.remove(&1);
     outage(&mut trial);
-    refused_for(&mut trial, second(), 2, "not heard");
+    refused_for(&mut trial, second(), 2, "current behavior unknown");
 }
 
 /// An insert that was accepted begins before the outage or during it.
@@ -70,8 +70,18 @@ fn sr_002_over_a_lost_link_an_insert_that_waited_may_have_begun() {
         led_to(&mut trial, -500.0, -700.0);
         trial
     };
-    refused_for(&mut flown(true), Request::Modify(modify(8)), 8, "not heard");
-    refused_for(&mut flown(false), Request::Modify(modify(9)), 9, "not heard");
+    refused_for(
+        &mut flown(true),
+        Request::Modify(modify(8)),
+        8,
+        "current behavior unknown",
+    );
+    refused_for(
+        &mut flown(false),
+        Request::Modify(modify(9)),
+        9,
+        "current behavior unknown",
+    );
 }
 
 #[test]
@@ -187,7 +197,7 @@ fn sr_002_after_a_planned_behavior_has_ended_it_is_not_known_which_is_flown_unti
     begins(&mut trial, Some(2), None);
     trial.way = None;
     led_to(&mut trial, 600.0, -100.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "current behavior unknown");
 }
 
 #[test]
@@ -200,7 +210,7 @@ fn sr_002_of_what_was_lost_on_the_link_any_may_have_been_a_begin() {
     begins(&mut trial, Some(2), None);
     trial.way = None;
     led_to(&mut trial, 600.0, -100.0);
-    refused_for(&mut trial, Request::Modify(modify(9)), 9, "not heard");
+    refused_for(&mut trial, Request::Modify(modify(9)), 9, "current behavior unknown");
 }
 
 /// Noise on the line: a bit of each such sentence is turned.

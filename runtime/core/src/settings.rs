@@ -58,7 +58,7 @@ pub struct Settings {
     /// What the runtime does for the operator when something happens: the mission's `[[policy]]` tables.
     #[serde(skip)]
     pub policies: Vec<Policy>,
-    /// The operator's programs that may send what changes where the vehicle believes itself to be: the mission's
+    /// The external sources: the operator's programs that may send what no plugin may. From the mission's
     /// `[[external]]` tables.
     #[serde(skip)]
     pub externals: Vec<ExternalSetup>,
@@ -68,7 +68,7 @@ pub struct Settings {
     pub expected_plan: Option<ExpectedPlan>,
 }
 
-/// A condition of ours that the vehicle treats as a failure of the backseat, if the operator lists it.
+/// A condition of ours that BPSTS reports as a failure, if the operator lists it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StatusCondition {

@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 use crate::monitor::limits::LimitError;
 
 /// The steps of recovery: the `[recovery]` table of a mission. Times count from when the vehicle was first outside.
-/// Times when it is inside in between do not count.
+/// Time that it spends inside in between does not count.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Recovery {

@@ -161,8 +161,8 @@ impl Courses {
         self.placed.clear();
     }
 
-    /// Nobody has heard what is flown, and nothing of ours steers: the vehicle moves along these paths. Returns true
-    /// once that has shown what it flies: one of them.
+    /// Nobody has heard what is flown, and nothing of ours steers: the vehicle moves along the lines of these
+    /// behaviors. Returns true once it has done so for long enough to show that it flies one of them.
     pub(crate) fn keeps_to(&mut self, now: Timestamp, paths: &[Flown]) -> bool {
         let since = |path: &Flown| {
             let before = self.along.iter().find(|(along, _)| along == path);

@@ -2,7 +2,7 @@
 //! 002, 007, 010 and 015).
 //!
 //! The driver says which identifiers were used in the vehicle's mission before this process began. The vehicle's plan
-//! (BFPLN) says which of these inserts wait. Nothing says which one is flown now to a client that connects later. So
+//! (BFPLN) says which of these inserts wait. No message tells a client that connects later which one is flown now. So
 //! until the vehicle reports that a behavior begins, it may be flying any of them.
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -46,9 +46,9 @@ impl Envelope {
         let ahead = here.offset(setpoint.heading.as_deg() - convergence_deg, along_m);
         // The specification does not say from which north the vehicle counts, so the reach covers both.
         let other_north_m = along_m * utm_convergence_deg(navigation.position).to_radians().abs();
-        // In this order: the sideways distance of the turn onto the heading, and of the lag of that turn; the width of
-        // a whole turn away from the heading, which the vehicle may fly at its greatest speed; the drift in the
-        // current; the error of navigation; and the other north.
+        // The terms, in order: the sideways distance of the turn onto the heading, and of the lag of that turn; the
+        // width of a whole turn away from the heading, which the vehicle may fly at its greatest speed; the drift in
+        // the current; the error of navigation; and the other north.
         let fastest_mps = speed_mps.max(self.fastest_mps(seen_mps));
         let radius_m = radius_of_turn_m * (1.0 - cos(turn_deg.to_radians()))
             + speed_mps * limits.turn_lag_s

@@ -241,7 +241,7 @@ impl Whereabouts {
             cx.control.recovering = excursion.ours;
             if !excursion.ours {
                 let text = format!(
-                    "the vehicle is outside: {}; nothing of ours is active, and nothing is done",
+                    "the vehicle is outside: {}; nothing of ours is active, so recovery does nothing",
                     refusal.detail()
                 );
                 return note(cx, text);
@@ -258,7 +258,10 @@ impl Whereabouts {
             Step::Inserts => {
                 note(cx, "still outside: inserts are cancelled".to_owned());
                 if !self.cancel_for_recovery(cx, capabilities, orders) {
-                    note(cx, "a way that would remain is worse: on to the next step".to_owned());
+                    note(
+                        cx,
+                        "an insert is kept, because the way without it is refused: the next step follows".to_owned(),
+                    );
                     self.take_step(cx, capabilities, orders);
                 }
             }
@@ -294,7 +297,7 @@ impl Whereabouts {
         } else {
             note(
                 cx,
-                "the insert that is flown goes on: `cancel_current` is not set".to_owned(),
+                "the current insert continues: `cancel_current` is not set".to_owned(),
             );
         }
         all
@@ -363,7 +366,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ladder_that_makes_no_sense_is_named() {
+    fn an_invalid_recovery_table_is_named() {
         type Spoil = fn(&mut Recovery);
         assert_eq!(Recovery::default().validate(), Ok(()));
         let cases: [(&str, Spoil); 7] = [

@@ -268,7 +268,7 @@ impl Limits {
             return Err(LimitError {
                 key: "speed_min_mps",
                 value: self.speed_min_mps,
-                expected: "more than current_max_mps, or the vehicle could not keep its way",
+                expected: "more than current_max_mps, so that the vehicle can hold its course",
             });
         }
         if self.navigation_age_max_s > 4.0 {
@@ -433,7 +433,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_limit_that_makes_no_sense_is_named() {
+    fn an_invalid_limit_is_named() {
         assert_eq!(limits().validate(), Ok(()));
         for (key, broken) in [
             (

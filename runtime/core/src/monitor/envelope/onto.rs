@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn behind_the_start_the_way_leads_to_the_line_abeam() {
+    fn a_vehicle_behind_the_start_meets_the_line_abeam() {
         let line = (at(0.0, 0.0), at(100.0, 0.0));
         let solid = |here, ahead, first| vec![Shape::quadrilateral([here, ahead, first, line.1])];
         let (beside, behind, farther) = (at(50.0, 30.0), at(-40.0, 30.0), at(-60.0, 20.0));
@@ -213,7 +213,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(4_000))]
 
         #[test]
-        fn every_way_onto_an_approach_is_held(
+        fn the_solids_contain_every_way_onto_an_approach(
             vehicle in [place(800.0), place(800.0)],
             begun in place(50.0),
             to in [place(80.0), place(80.0)],

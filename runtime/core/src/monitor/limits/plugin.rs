@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_limit_of_a_plugin_that_makes_no_sense_is_named() {
+    fn an_invalid_limit_of_a_plugin_is_named() {
         type Spoil = fn(&mut PluginLimits);
         assert_eq!(PluginLimits::default().validate(), Ok(()));
         let cases: [(&str, Spoil); 3] = [

@@ -164,13 +164,13 @@ impl StationLimits {
                 "station.sonar_angle_min_deg",
                 alone,
                 false,
-                "sonar_angle_max_deg beside it",
+                "sonar_angle_max_deg as well",
             )?,
             (None, Some(alone)) => within(
                 "station.sonar_angle_max_deg",
                 alone,
                 false,
-                "sonar_angle_min_deg beside it",
+                "sonar_angle_min_deg as well",
             )?,
         }
         if let Some(allowed) = &self.hull_box {
@@ -222,7 +222,7 @@ impl BottomBox {
 
 fn ordered(key: &'static str, min: f64, max: f64) -> Result<(), LimitError> {
     let sound = |value: f64| value.abs() < 1e6;
-    within(key, min, sound(min), "metres within a million")?;
+    within(key, min, sound(min), "above -1000000 and below 1000000")?;
     within(key, max, sound(max) && max > min, "each max_m above its min_m")
 }
 
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_that_makes_no_sense_is_named() {
+    fn an_invalid_limit_is_named() {
         assert_eq!(limits().validate(), Ok(()));
         type Break = fn(&mut StationLimits);
         let broken: [(&str, Break); 11] = [

@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_a_link_that_becomes_slow_after_one_quick_trip_is_seen_to_be() {
+    fn sr_023_a_link_that_becomes_slow_after_one_quick_trip_is_noticed() {
         let mut clock = VehicleClock::default();
         trip(&mut clock, 1003, 1005, 1007);
         for second in 2..60u64 {
@@ -302,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_a_clock_that_is_set_is_told_and_followed() {
+    fn sr_023_a_clock_that_is_set_is_reported_and_followed() {
         for step_ms in [-10_000i64, -300, 300, 10_000] {
             let mut clock = VehicleClock::default();
             for second in 1..10 {
@@ -315,7 +315,7 @@ mod tests {
             let written = (at + 2).checked_add_signed(step_ms).unwrap();
             // A time that is later than now has no age.
             assert_eq!(age_s(&clock, written, at).is_none(), step_ms > 250);
-            let step = trip(&mut clock, at, written, at + 4).expect("it is told");
+            let step = trip(&mut clock, at, written, at + 4).expect("the step is reported");
             let error = step + step_ms * 1_000_000;
             assert!(error.abs() < 20_000_000, "{step}");
             let age = age_s(&clock, written, at + 10).unwrap();
@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_stamps_with_the_beginning_of_its_cycle_has_set_no_clock() {
+    fn stamps_of_the_beginning_of_a_cycle_are_no_clock_step() {
         let mut clock = VehicleClock::default();
         for beat in 1..600u64 {
             let sent = beat * 1007;
@@ -335,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn stamps_of_one_or_no_decimals_set_no_clock() {
+    fn stamps_with_two_decimals_or_less_are_no_clock_step() {
         for decimals in 0..3 {
             let mut clock = VehicleClock::default();
             let unit = 10u64.pow(3 - decimals);
@@ -363,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn over_a_leap_second_ages_stay_what_they_are() {
+    fn ages_stay_right_over_a_leap_second() {
         // Our clock is half an hour ahead of the vehicle's and has no leap second.
         let ours = |millis: u64| Utc::from_unix_nanos((86_340_000 + 1_800_000 + millis) * 1_000_000);
         let mut clock = VehicleClock::default();

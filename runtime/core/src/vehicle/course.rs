@@ -302,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_002_a_line_that_a_modify_has_led_along_was_not_kept_to() {
+    fn sr_002_time_on_a_line_counts_only_while_no_modify_steers() {
         let now = Timestamp::default();
         let after = |seconds| now + Duration::from_secs(seconds);
         let mut courses = Courses::default();
@@ -312,7 +312,7 @@ mod tests {
         courses.is_on_line(after(12), Flown::Planned(1), true);
         assert!(
             !courses.is_placed_on(Flown::Planned(1)),
-            "the way to it is not behind it"
+            "the way to the line still counts"
         );
         courses.is_on_line(after(21), Flown::Planned(1), true);
         assert!(!courses.is_placed_on(Flown::Planned(1)));
@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn where_what_is_flown_began_is_known_until_its_line_or_another_behavior() {
+    fn the_places_of_begins_are_kept_until_an_insert_ends_or_a_planned_behavior_begins() {
         let insert = BehaviorId::new(7);
         let mut courses = Courses::default();
         let now = Timestamp::default();
@@ -347,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_heard_is_seen_once_one_path_was_kept_to_for_ten_seconds() {
+    fn what_was_not_heard_is_seen_after_ten_seconds_on_one_path() {
         let (second, third) = (Flown::Planned(2), Flown::Planned(3));
         let at = |seconds: u64| Timestamp::from_millis(1000 * seconds);
         let mut courses = Courses::default();

@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_025_each_message_is_held_against_its_own_kind_and_an_empty_name_says_nothing() {
+    fn sr_025_dive_files_are_compared_by_kind_of_message_and_an_empty_name_does_not_count() {
         use NamedBy::{Behavior, Status};
         let mut dive = Dive::default();
         assert!(!named(&mut dive, Status, "dives/a.dive"));
@@ -83,7 +83,7 @@ mod tests {
         assert!(named(&mut dive, Behavior, "b"));
         assert!(
             !named(&mut dive, Status, "dives/b.dive"),
-            "it is the same, named in its own way"
+            "the same file, named differently"
         );
         assert!(named(&mut dive, Status, "dives/c.dive"));
         assert!(!named(&mut dive, Behavior, "c"));

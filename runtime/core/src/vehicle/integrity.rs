@@ -234,7 +234,7 @@ impl Integrity {
             let rises_m = (here_m - there_m).abs();
             let allowed_m = limits.seabed_step_m + self.slope_max * moved_m;
             if exceeds(rises_m, allowed_m) {
-                let text = format!("{rises_m:.1} m within {moved_m:.1} m of way");
+                let text = format!("{rises_m:.1} m over {moved_m:.1} m travelled");
                 return Some(flaw(EndCause::SeabedJumps, text));
             }
         }

@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plan_counts_only_when_its_series_is_whole() {
+    fn a_plan_counts_only_when_its_series_is_complete() {
         let mut whole = plan();
         assert!(!whole.is_complete());
         assert!(whole.end(3) && whole.is_complete() && whole.has(BehaviorId::new(7)));
@@ -406,7 +406,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_next_is_the_front_seats_next_element_or_any_where_the_current_is_unknown() {
+    fn the_front_seats_next_element_comes_next_or_any_if_the_current_one_is_unknown() {
         let mut plan = plan();
         assert!(plan.end(3));
         assert_eq!(plan.next_points().len(), 3);

@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_solution_that_stands_still_ages_and_one_from_ahead_of_its_message_is_none() {
+    fn an_unchanged_solution_ages_and_one_later_than_its_message_is_invalid() {
         let mut track = track();
         track.take(Timestamp::ZERO, sample(0, 0.0), at(0));
         assert!(!track.advances(at(500), at(0)));
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn after_a_reset_it_must_be_steady_again_however_near() {
+    fn after_a_reset_it_must_be_steady_again_however_near_it_looks() {
         let mut track = track();
         for millis in (0..=1000).step_by(100) {
             track.take(Timestamp::from_millis(millis), sample(millis, 0.0), at(millis));
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_that_is_none_has_jumped() {
+    fn nan_counts_as_a_jump() {
         let mut track = track();
         track.take(Timestamp::ZERO, sample(0, 0.0), at(0));
         assert!(
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_connection_is_no_way_to_be_elsewhere() {
+    fn a_jump_across_a_new_connection_is_found() {
         let mut track = track();
         track.take(Timestamp::ZERO, sample(0, 0.0), at(0));
         track.reset();

@@ -77,7 +77,7 @@ fn sr_020_the_ladder_is_climbed_step_by_step_each_after_its_time_and_told_once()
     for (what, seconds) in [
         ("leases end", 1.0),
         ("inserts are cancelled", 3.0),
-        ("the insert that is flown goes on", 3.0),
+        ("the current insert continues", 3.0),
         ("the topside is told", 6.0),
         ("the mission is aborted", 15.0),
     ] {
@@ -175,7 +175,7 @@ fn sr_020_an_insert_whose_cancel_would_leave_a_worse_way_is_left_and_the_next_st
     assert_eq!(shorts(&trial.states(23)), ["sent", "accepted"], "its way is worse");
     assert_eq!(trial.commands("RCN").len(), 1);
     let step = said_of(&trial, "inserts are cancelled");
-    assert_eq!(said_of(&trial, "a way that would remain is worse"), step);
+    assert_eq!(said_of(&trial, "the way without it is refused"), step);
     assert_eq!(said_of(&trial, "the topside is told"), step);
 }
 

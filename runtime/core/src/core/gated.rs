@@ -1,4 +1,4 @@
-//! What leaves for whom, in every state that core can be in.
+//! Which messages are sent for whom, in every state that core can be in.
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ fn hear_control(core: &mut Core, granted: bool) {
     hear(core, BackseatControl { created, granted });
 }
 
-/// A second of a connection on which the vehicle navigates and says this of its mission.
+/// A core after one second of a connection, on which the vehicle has sent navigation and this mission status.
 fn connected(armed: bool, status: &str) -> Core {
     let mut core = unconnected(armed);
     core.handle(Timestamp::ZERO, Input::LinkUp);
@@ -104,7 +104,7 @@ fn unconnected(armed: bool) -> Core {
     Core::new(Settings::default(), Arc::new(envelope), Vec::new(), start)
 }
 
-/// A way in which the vehicle, the operator and the link can stand.
+/// A state of the vehicle, the operator and the link.
 struct Situation {
     name: &'static str,
     core: Core,
@@ -178,7 +178,7 @@ fn expected(name: &str, owner: Option<Owner>, situation: &Situation, own_insert:
     link && match name {
         // 014: without control too.
         "BPVER" | "BPLOG" | "BPSTS" | "BPMSG" | "BPRMP" | "BPEMB" => true,
-        // Only as the end of station keeping, and none stands.
+        // Only to end station keeping, and there is none.
         "BPRES" => false,
         "BPRCN" => own_insert,
         "BPTMR" => external && armed,

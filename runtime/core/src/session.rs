@@ -257,7 +257,7 @@ impl Session {
         }
         let changed = std::mem::replace(&mut notes.told, granted) != granted;
         cx.note(Note::Text {
-            text: format!("control has changed hands {untold} times more"),
+            text: format!("control has changed {untold} more times"),
         });
         if changed {
             cx.note(Note::Control {
@@ -282,14 +282,14 @@ impl Session {
     fn tell_what_was_counted(&self, cx: &mut Context) {
         let untold = cx.outbox.take_dropped();
         if untold > 0 {
-            let text = format!("{untold} lines more of what the vehicle said were left out");
+            let text = format!("{untold} more lines about what the vehicle said were left out");
             cx.note(Note::Text { text });
         }
         for plugin in cx.plugins.ids() {
             let untold = cx.plugins.take_dropped(plugin);
             if untold > 0 {
                 let name = cx.plugins.name(plugin);
-                let text = format!("{untold} requests more of {name} were over its rate and rejected");
+                let text = format!("{untold} more requests of {name} were over its rate and rejected");
                 cx.note(Note::Text { text });
             }
         }
@@ -475,7 +475,7 @@ impl Session {
             cx.outbox.push(Output::ResetLink);
         } else {
             cx.note(Note::Text {
-                text: "no navigation for 5 s: subscribing anew".to_owned(),
+                text: "no navigation for 5 s: subscribing again".to_owned(),
             });
             cx.link.subscriptions.doubt_all();
             self.subscribe_all(cx);
@@ -508,7 +508,7 @@ impl Session {
         let text = match cx.link.heartbeat.newest() {
             None => "the vehicle acknowledges nothing on this connection: it is not steered".to_owned(),
             Some(trip) => format!(
-                "the vehicle does not answer within {} s, the last time after {:.1} s: it is not steered",
+                "the vehicle does not answer within {} s (its last answer took {:.1} s): it is not steered",
                 cx.monitor.limits().link_delay_max_s,
                 trip.lasted().as_secs_f64()
             ),

@@ -100,7 +100,7 @@ impl Context {
         if let Some(command) = command {
             if !self.link.commands.push(command) {
                 self.note(Note::Text {
-                    text: format!("{} was not sent: too many commands are not answered", message.name()),
+                    text: format!("{} was not sent: too many commands wait for an answer", message.name()),
                 });
                 return false;
             }

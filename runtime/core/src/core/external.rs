@@ -52,7 +52,7 @@ pub(super) fn received(cx: &mut Context, capabilities: &mut Capabilities, source
                 lines,
                 CommandName::NAK,
                 TimeOfDay::MIDNIGHT,
-                "it is no sentence",
+                "not a sentence",
             );
         }
         let Some(said) = said else { break };
@@ -170,7 +170,10 @@ fn admit_external(
 fn bounded(cx: &Context, source: ExternalId, message: ToVehicle) -> Result<ToVehicle, Refusal> {
     let bounds = &cx.externals.ports[source.0].setup.bounds;
     let utc = cx.utc().time_of_day();
-    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is an external source's")]
+    #[expect(
+        clippy::wildcard_enum_match_arm,
+        reason = "an external source can send no other message"
+    )]
     match message {
         ToVehicle::TopsideRelay(relay) if relay.text.holds_command() => Err(Reason::TextHoldsSentence.into()),
         ToVehicle::TopsideRelay(relay) => Ok(relay.into()),
@@ -214,7 +217,7 @@ fn count_refused(cx: &mut Context, source: ExternalId) {
     port.refused += 1;
     if is_told(port.refused) {
         let text = format!(
-            "external source {}: {} lines were not taken",
+            "external source {}: {} lines were refused",
             port.setup.name, port.refused
         );
         cx.note(Note::Text { text });
@@ -223,7 +226,7 @@ fn count_refused(cx: &mut Context, source: ExternalId) {
 
 /// Whether a message is one with which every payload introduces itself (SPI 7.25, 7.1). Core does not pass it on.
 fn is_courtesy(message: &ToVehicle) -> bool {
-    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is one")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message introduces a payload")]
     match message {
         ToVehicle::PayloadVersion(_) => true,
         ToVehicle::LoggingControl(logging) => logging.message.as_str() == ACKNOWLEDGEMENTS,

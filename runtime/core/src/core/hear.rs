@@ -170,7 +170,7 @@ impl Core {
             return;
         }
         self.cx.note_of_vehicle(Note::Text {
-            text: format!("another dive: {}", file.as_str().trim()),
+            text: format!("the vehicle names another dive: {}", file.as_str().trim()),
         });
         self.capabilities.end_leases(&mut self.cx, EndCause::OtherDive);
         self.capabilities.inserts.another_dive(&mut self.cx);

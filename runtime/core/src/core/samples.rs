@@ -21,7 +21,7 @@ pub(super) fn sampled(cx: &mut Context, message: &FromVehicle) {
 
 fn sample(cx: &Context, message: &FromVehicle, created: TimeOfDay) -> Option<(Topic, Sample)> {
     use FromVehicle as M;
-    #[expect(clippy::wildcard_enum_match_arm, reason = "all other messages are no samples")]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "no other message is a sample")]
     Some(match message {
         M::Telemetry(message) => (
             Topic::Telemetry,

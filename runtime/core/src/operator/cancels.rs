@@ -51,7 +51,9 @@ impl Orders {
                 for (request, insert) in accepted {
                     if insert.surfaces() {
                         cx.note(Note::Text {
-                            text: format!("GPS hit {request} may be flown yet: it is not certain that BPRCA covers it"),
+                            text: format!(
+                                "GPS hit {request} may still be flown: it is not certain that BPRCA covers it"
+                            ),
                         });
                     } else if insert.interrupt {
                         cx.transition(request, RequestState::Unknown);

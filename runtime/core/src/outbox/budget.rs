@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_flood_is_told_of_in_part_and_counted_whole() {
+    fn a_flood_is_logged_in_part_and_the_rest_is_counted() {
         let mut budget = LineBudget::default();
         let mut told = 0;
         for millis in 0..10_000 {
@@ -70,6 +70,6 @@ mod tests {
         assert_eq!(budget.take_dropped(), 10_000 - told);
         assert_eq!(budget.take_dropped(), 0);
         let slow = (0..100).all(|second| budget.take(Timestamp::from_secs(20 + second)));
-        assert!(slow, "what comes once a second is told");
+        assert!(slow, "a line a second is always logged");
     }
 }

@@ -423,7 +423,7 @@ impl Plugins {
             slot.back_off(now);
             "it will be restarted"
         } else {
-            "it goes on"
+            "it continues"
         };
         Failed {
             then,

@@ -367,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_answers_when_asked_to_answers_from_the_asking_on() {
+    fn without_early_answers_the_first_answer_is_to_the_first_subscription() {
         let mut commands = begun();
         for index in 1..MESSAGES.len() {
             let log = ack("LOG", TimeOfDay::MIDNIGHT, AckStatus::Succeeded, "log set");
@@ -377,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_answers_unasked_answers_from_the_beginning() {
+    fn with_early_answers_the_first_answer_is_to_the_first_command() {
         for first in [
             ack("VER", at(1), AckStatus::Succeeded, ""),
             ack("NAK", TimeOfDay::MIDNIGHT, AckStatus::Invalid, "what"),
@@ -393,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn a_subscription_that_the_answer_names_is_the_one() {
+    fn an_answer_is_to_the_subscription_that_it_names() {
         let mut commands = begun();
         let log = |text| ack("LOG", TimeOfDay::MIDNIGHT, AckStatus::Failed, text);
         assert_eq!(
@@ -411,7 +411,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_refusal_of_what_could_not_be_read_lacks_the_echo() {
+    fn only_the_refusal_of_an_unreadable_command_may_lack_the_echo() {
         let mut commands = Commands::default();
         commands.push(command("RMB", Some(at(7)), Purpose::Lease(1), 2));
         commands.push(command("RMB", Some(at(8)), Purpose::Lease(2), 2));
@@ -434,17 +434,17 @@ mod tests {
     }
 
     #[test]
-    fn what_hangs_on_a_command_is_never_forgotten_for_want_of_room() {
+    fn a_command_with_consequences_is_never_dropped_for_lack_of_room() {
         let mut commands = Commands::default();
         assert!(commands.push(insert(Purpose::Courtesy)));
         for request in 0..COMMANDS_MAX as u64 {
             assert!(commands.push(insert(Purpose::Insert(request))), "{request}");
         }
-        assert!(!commands.push(insert(Purpose::Insert(999))), "it is not sent then");
         assert!(
-            commands.push(insert(Purpose::Courtesy)),
-            "it is sent, and its answer is nobody's"
+            !commands.push(insert(Purpose::Insert(999))),
+            "not sent, because there is no room"
         );
+        assert!(commands.push(insert(Purpose::Courtesy)), "sent, but not remembered");
         assert!(commands.push(insert(Purpose::Ending(1000))));
         let mut late = Vec::new();
         while let Some(command) = commands.late(Timestamp::ZERO) {

@@ -393,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_a_good_round_trip_speaks_for_3_s_from_when_its_command_left() {
+    fn sr_023_a_good_round_trip_counts_for_3_s_from_when_its_command_was_sent() {
         let mut heartbeat = connected();
         assert!(!heartbeat.is_heard(at(0)));
         assert!(beat(&mut heartbeat, 100, 1100).unwrap().good);
@@ -402,11 +402,14 @@ mod tests {
         assert!(!beat(&mut heartbeat, 3000, 4001).unwrap().good);
         assert!(!heartbeat.is_heard(at(4001)));
         heartbeat.begin(at(4100));
-        assert!(!heartbeat.is_heard(at(4100)), "another connection's");
+        assert!(
+            !heartbeat.is_heard(at(4100)),
+            "the round trip was on another connection"
+        );
     }
 
     #[test]
-    fn sr_023_only_the_first_answer_to_what_was_sent_counts() {
+    fn sr_023_only_the_first_answer_to_a_sent_command_counts() {
         let mut heartbeat = connected();
         assert!(beat(&mut heartbeat, 100, 110).is_some());
         let again = ack("STS", EchoedTime::of(stamp(100)));
@@ -419,7 +422,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_an_echo_that_may_mean_two_is_the_older_ones() {
+    fn sr_023_an_echo_that_matches_two_commands_counts_for_the_older() {
         let mut heartbeat = connected();
         heartbeat.left(at(100), name("RMB"), Some(stamp(100)), false);
         heartbeat.left(at(300), name("RMB"), Some(stamp(300)), false);
@@ -429,7 +432,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_where_status_is_not_answered_and_other_things_are_a_subscription_serves_one_at_a_time() {
+    fn sr_023_if_only_status_is_not_answered_subscriptions_are_the_beat_one_at_a_time() {
         let mut heartbeat = connected();
         heartbeat.left(at(0), name("LOG"), None, false);
         assert!(heartbeat.acknowledged(at(10), &log_answer(9)).unwrap().good);
@@ -455,7 +458,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_an_answer_to_a_subscription_that_is_lost_costs_a_minute_and_not_the_day() {
+    fn sr_023_a_lost_answer_to_a_subscription_costs_a_minute_and_not_the_day() {
         let mut heartbeat = connected();
         heartbeat.left(at(0), name("LOG"), None, false);
         heartbeat.acknowledged(at(10), &log_answer(9));
@@ -481,7 +484,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_an_answer_that_comes_twice_makes_no_round_trip_of_the_next_subscription() {
+    fn sr_023_a_repeated_answer_is_no_round_trip_of_the_next_subscription() {
         let mut heartbeat = connected();
         let subscribe = |heartbeat: &mut Heartbeat, millis| {
             for _ in 0..3 {
@@ -507,7 +510,7 @@ mod tests {
         assert_eq!(
             heartbeat.acknowledged(at(4011), &log_answer(4000)),
             None,
-            "the last of them"
+            "no BPLOG waits for an answer"
         );
         // An answer that is under way now could belong to an earlier BPLOG.
         heartbeat.left(at(5000), name("LOG"), None, false);
@@ -517,7 +520,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_where_subscriptions_carry_the_beat_an_answer_that_comes_twice_is_one() {
+    fn sr_023_if_subscriptions_are_the_beat_a_repeated_answer_counts_once() {
         let mut heartbeat = connected();
         heartbeat.left(at(0), name("LOG"), None, false);
         heartbeat.acknowledged(at(10), &log_answer(9));
@@ -537,7 +540,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_answers_nothing_is_not_taken_for_one_that_answers_subscriptions() {
+    fn a_vehicle_that_answers_nothing_gets_no_subscriptions_as_beats() {
         let mut heartbeat = connected();
         for second in 0..60u64 {
             assert!(!heartbeat.needs_log(at(second * 1000)));
@@ -546,7 +549,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_answers_unasked_has_its_answers_counted_from_the_first() {
+    fn with_early_answers_round_trips_count_from_the_first_command() {
         let mut heartbeat = connected();
         heartbeat.left(at(0), name("VER"), Some(stamp(0)), true);
         heartbeat.left(at(0), name("LOG"), None, true);
@@ -559,7 +562,7 @@ mod tests {
     }
 
     #[test]
-    fn sr_023_what_cannot_be_taken_back_needs_an_answer_of_this_second_and_none_outstanding() {
+    fn sr_023_an_irrevocable_command_needs_an_answer_of_this_second_and_none_outstanding() {
         let mut heartbeat = connected();
         beat(&mut heartbeat, 1000, 1010);
         assert!(heartbeat.has_just_answered(at(2010)) && !heartbeat.has_just_answered(at(2011)));
@@ -573,7 +576,7 @@ mod tests {
     }
 
     #[test]
-    fn acknowledgements_are_subscribed_anew_after_3_6_and_12_s_and_a_good_connection_is_reset_after_30() {
+    fn acknowledgements_are_subscribed_again_after_3_6_and_12_s_and_a_good_connection_is_reset_after_30() {
         let mut heartbeat = connected();
         beat(&mut heartbeat, 1000, 1010);
         let mut done = Vec::new();

@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_read_after_a_pause_may_be_as_old_as_the_pause_until_all_has_been_read() {
+    fn bytes_after_a_pause_may_be_as_old_as_the_pause_until_all_have_been_read() {
         let at = Timestamp::from_millis;
         let mut reads = Reads::default();
         reads.begin(at(1000));

@@ -19,7 +19,7 @@ pub(crate) fn judge(report: &mut Report, expect: &Expectations, trace: &Trace, m
     if report.requests_open > 0 {
         report
             .unmet
-            .push(format!("{} requests without an end", report.requests_open));
+            .push(format!("{} requests have not ended", report.requests_open));
     }
     if let Some(least) = expect.min_accepted
         && report.requests.accepted < u64::from(least)

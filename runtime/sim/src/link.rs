@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_stall_holds_back_is_seen_and_carried_at_its_end() {
+    fn bytes_that_a_stall_holds_back_are_seen_and_carried_at_its_end() {
         let mut lane = lane("[[fault]]\nkind = \"stall\"\nat_s = 1\nfor_s = 2\n");
         let (mut seen, end) = (Vec::new(), Timestamp::from_secs(3));
         lane.write(Timestamp::from_secs(2), b"ab", |bytes| seen.extend_from_slice(bytes));

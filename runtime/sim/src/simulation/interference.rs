@@ -187,7 +187,7 @@ impl Simulation {
         };
         let due = process.is_due(now);
         self.oracle.runtime_continued(now);
-        self.remark("the runtime goes on")?;
+        self.remark("the runtime continues")?;
         let connection_first = ((now.as_nanos() / 1_000_000) ^ self.seed) & 1 == 1;
         if due && !connection_first {
             self.feed(Input::Timeout)?;
@@ -238,7 +238,7 @@ impl Simulation {
         let (settings, envelope) = (self.settings.clone(), self.envelope.clone());
         self.process = Some(Process::new(now, settings, envelope, successor.loaded, start));
         self.oracle.runtime_started(now);
-        self.remark("the runtime has begun anew")?;
+        self.remark("the runtime has started again")?;
         self.drain_core()
     }
 

@@ -95,7 +95,7 @@ struct ControlNotes {
     /// When `left` was last refilled.
     refilled: Timestamp,
     untold: u64,
-    /// When `untold` was last reported.
+    /// When `untold` was last checked.
     caught_up: Timestamp,
     /// The state that was last reported: whether control was ours.
     told: bool,

@@ -7,10 +7,10 @@
 //! dive has neither what the vehicle truly did nor when our messages reached it. The oracle does not judge rules about
 //! these, even if the log of a simulation has the truth.
 //!
-//! The oracle excuses two things of a real computer. It may record what it does up to [`LATE_S`] late. And if the log
-//! has no record at all for [`STANDSTILL`], not even of core's own timers, the process stood still. Then the oracle
-//! does not count what the process should have sent meanwhile, but it does judge what the process sends when it goes
-//! on.
+//! The oracle excuses two things of a real computer. The computer may record what it does up to [`LATE_S`] late. And if
+//! the log has no record at all for [`STANDSTILL`], not even of core's own timers, the process stood still. Then the
+//! oracle does not count what the process should have sent meanwhile, but it does judge what the process sends when it
+//! goes on.
 
 use std::time::Duration;
 

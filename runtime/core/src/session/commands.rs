@@ -45,7 +45,7 @@ pub(crate) enum Purpose {
     Adjustment(u64),
     /// An acoustic packet, by its request.
     Packet(u64),
-    /// The DVL's triggering, by its request.
+    /// A command of the DVL trigger handshake, by its request.
     DvlTrigger(u64),
     /// A command of station keeping, by its request.
     Station(u64),

@@ -120,7 +120,7 @@ impl Subscriptions {
         self.doubt_all();
     }
 
-    /// The vehicle may have lost all subscriptions.
+    /// No subscription is confirmed any more.
     pub(crate) fn doubt_all(&mut self) {
         self.confirmed.fill(false);
         self.unanswered.fill(0);

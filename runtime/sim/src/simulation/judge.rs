@@ -54,7 +54,7 @@ impl Judge {
         self.0.arrived(at.as_nanos(), bytes);
     }
 
-    /// Passes on the vehicle's true state, and how far from it the vehicle believes to be.
+    /// Passes on the vehicle's true state, and how far from it the vehicle's belief is.
     pub(super) fn truth(&mut self, truth: &Truth) {
         let activity = match truth.activity {
             Activity::Plan { .. } => backseat_oracle::Activity::Plan,

@@ -70,7 +70,7 @@ pub enum Request {
     Camera(CameraRequest),
     /// Switch the light (BPLIT, SPI 8.11).
     Light(LightRequest),
-    /// Wake this plugin with [`Event::Timer`].
+    /// Wake this plugin with [`Event::Timer`](super::Event::Timer).
     Timer {
         /// Comes back in the event.
         id: u64,

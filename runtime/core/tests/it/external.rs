@@ -319,8 +319,8 @@ fn what_an_external_source_may_not_send_and_what_is_no_sentence_is_refused_and_c
     assert_eq!(
         counted,
         [
-            "external source ctd: 1 lines were not taken",
-            "external source ctd: 10 lines were not taken"
+            "external source ctd: 1 lines were refused",
+            "external source ctd: 10 lines were refused"
         ]
     );
     assert!(!sent_anything(&trial));

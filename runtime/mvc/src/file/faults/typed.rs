@@ -8,13 +8,13 @@ use crate::event::ClientId;
 use crate::faults::{AckFilter, Directions, Fault, FaultKind, LinkFault, LinkFaultKind, NegativeStatus, Untrue, Whom};
 use crate::file::SHUTDOWN_NOTICE;
 
-/// No time in a plan is longer, seconds: ten years.
+/// The longest time in a plan, seconds: ten years.
 const LONGEST_S: f64 = 315_360_000.0;
-/// Least time in which writes are gathered, seconds.
+/// The least time for which writes are collected, seconds.
 const HOLD_MIN_S: f64 = 0.001;
 const SECONDS: &str = "0 to 315360000 s";
 
-/// The keys that several kinds have.
+/// The keys that several kinds share.
 mod keys {
     pub(super) const FOR: &str = "for_s";
     pub(super) const LINK: [&str; 3] = ["client", "role", "direction"];
@@ -22,7 +22,7 @@ mod keys {
     pub(super) const ACKS: [&str; 2] = ["command", "stage"];
 }
 
-/// An entry as the typed fault that it means.
+/// Converts an entry into the typed fault.
 impl FaultEntry {
     pub(super) fn fault(&self) -> Result<Fault, String> {
         let at = Timestamp::ZERO + seconds("at_s", self.at_s, 0.0, LONGEST_S, SECONDS)?;
@@ -146,7 +146,7 @@ impl FaultEntry {
         })
     }
 
-    /// What is wrong with the words of navigation, where the kind is one of those.
+    /// How navigation messages are wrong, if the kind is one of those.
     fn untrue(&self) -> Result<Untrue, String> {
         let number =
             |key, value: Option<f64>, most: f64, expected| ranged(key, self.needed(key, value)?, -most, most, expected);
@@ -245,7 +245,7 @@ impl FaultEntry {
         value.ok_or_else(|| format!("{} needs `{key}`", self.name()))
     }
 
-    /// Refuses the keys that are there and have no meaning for this kind.
+    /// Refuses keys that are set but have no meaning for this kind.
     fn only(&self, allowed: &[&[&str]]) -> Result<(), String> {
         let there = [
             ("for_s", self.for_s.is_some()),

@@ -1,6 +1,6 @@
 use core::fmt;
 
-/// A client of the server, as the driver numbers its connections.
+/// A client of the server. The driver numbers the connections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ClientId(pub u32);
 
@@ -10,16 +10,16 @@ impl fmt::Display for ClientId {
     }
 }
 
-/// Why the server cut a client off.
+/// Why the server closed a client's connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DropReason {
-    /// It does not fetch what is due to it.
+    /// It does not read what the vehicle sends.
     Backlog,
     /// Too many clients are connected.
     TooMany,
-    /// Each role that it could have is held by another client.
+    /// Other clients hold every role that it could have.
     RoleHeld,
-    /// No role is meant for its address.
+    /// Its address has no role.
     NoRole,
     /// The payload has no power.
     PowerOff,

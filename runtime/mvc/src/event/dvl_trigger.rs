@@ -7,17 +7,17 @@ use super::client::ClientId;
 pub enum DvlTriggerEvent {
     /// A client asks for external triggering.
     Asked(ClientId),
-    /// The payload may trigger: BFDVT 1.
+    /// The payload may trigger (BFDVT 1).
     Began,
-    /// The payload must cease, since it has asked to end: BFDVT 0.
+    /// The payload must stop triggering because it asked to end (BFDVT 0).
     StopAsked,
-    /// The payload must cease, by the vehicle's own decision: BFDVT 0.
+    /// The payload must stop triggering because the vehicle decided so (BFDVT 0).
     StopOrdered,
     /// The DVL is triggered internally again.
     Internal,
-    /// The payload has not triggered the DVL in time: it is triggered internally again.
+    /// The payload did not trigger the DVL in time, so it is triggered internally again.
     TimedOut,
-    /// A client says that it triggers although it may not.
+    /// A client reports that it triggers although it may not.
     WithoutLeave(ClientId),
 }
 

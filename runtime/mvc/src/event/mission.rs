@@ -6,12 +6,12 @@ use backseat_spi::{BehaviorId, Text};
 use crate::event::ClientId;
 use crate::plan::PayloadText;
 
-/// What the executive did at the plan's or a payload's wish.
+/// What the executive did because the plan or a payload asked for it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MissionEvent {
-    /// A text of the plan went to the payload.
+    /// The vehicle sent a text of the plan to the payload.
     Told {
-        /// The role of the client that is meant (SPI 4.1); none is every client.
+        /// The role of the client that gets it (SPI 4.1); `None` for every client.
         role: Option<Box<str>>,
         /// Which message.
         what: Told,
@@ -24,7 +24,7 @@ pub enum MissionEvent {
     Abort {
         /// Which client.
         client: ClientId,
-        /// With errors, not as a successful mission.
+        /// Whether the mission counts as aborted with errors; otherwise as successful.
         errors: bool,
         /// Why.
         text: Text,
@@ -35,7 +35,7 @@ pub enum MissionEvent {
     CancelCurrent(ClientId),
     /// BPRCE: a payload ends the current element.
     CancelElement(ClientId),
-    /// BPSEM: a payload starts an empty mission that lasts at most so long.
+    /// BPSEM: a payload starts an empty mission that may last this long.
     EmptyMission(ClientId, Duration),
 }
 

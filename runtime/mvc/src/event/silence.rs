@@ -5,17 +5,17 @@ use super::client::ClientId;
 /// What happened to silent mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SilenceEvent {
-    /// A client has asked for it: the devices are being quieted.
+    /// A client asked for it, and the devices are becoming quiet.
     Asked(ClientId),
     /// The vehicle is silent.
     Began,
-    /// It could not be entered: why.
+    /// It did not begin, for this reason.
     Failed(&'static str),
     /// It ended at a payload's request.
     Ended,
-    /// It ended by itself.
+    /// It ended because its time limit was over.
     TimedOut,
-    /// The mission's wrap-up, a powered ascent, ended it.
+    /// The mission's wrap-up ended it, because the vehicle climbs under power.
     WrapUp,
 }
 

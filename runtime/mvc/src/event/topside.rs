@@ -11,9 +11,9 @@ pub enum TopsideEvent {
     Queued(ClientId, Text),
     /// A payload's message was delivered to the topside, over this link.
     Delivered(Transport, Text),
-    /// A message of the topside was given to the payloads, or to the one with this role.
+    /// A message from the topside went to the payloads, or to the one with this role.
     Received(Transport, Option<Box<str>>, Text),
-    /// A payload has relayed a message that came over its own modem.
+    /// A payload relayed a message that it received with its own modem.
     Relayed(ClientId, Transport, RelayedText),
 }
 

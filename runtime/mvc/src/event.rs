@@ -169,7 +169,7 @@ impl fmt::Display for MvcEventKind {
             Self::Disconnected(client) => write!(f, "{client} disconnected"),
             Self::RoleGiven(client, role) => write!(f, "{client} has the role {role}"),
             Self::RoleReleased(client, role) => write!(f, "the role {role} of {client} is free"),
-            Self::NobodyHolds { role, message } => write!(f, "{message} is for {role} and nobody holds that role"),
+            Self::NobodyHolds { role, message } => write!(f, "{message} is for the role {role}, which no client holds"),
             Self::Dropped(client, reason) => write!(f, "{client} cut off: {reason}"),
             Self::Subscribed { client, message, on } => {
                 write!(f, "{client} switched {message} {}", if *on { "on" } else { "off" })
@@ -186,21 +186,21 @@ impl fmt::Display for MvcEventKind {
             Self::InsertRefused(client, id, why) => write!(f, "insert {id} of {client} refused: {why}"),
             Self::InsertCancelled(id, cause) => write!(f, "insert {id} cancelled: {cause}"),
             Self::Executive(event) => write!(f, "{event}"),
-            Self::Ignored(client, what) => write!(f, "{client} sent what is no sentence: {what}"),
+            Self::Ignored(client, what) => write!(f, "{client} sent invalid input: {what}"),
             Self::CommandInvalid(client, name, text) => write!(f, "{client} sent an invalid command ({name}): {text}"),
             Self::PayloadStatus { client, ok, text } => {
                 write!(
                     f,
-                    "{client} says that it is {}: {text}",
+                    "{client} reports status {}: {text}",
                     if *ok { "ok" } else { "failed" }
                 )
             }
             Self::PayloadMessage(client, text) => write!(f, "{client} says: {text}"),
-            Self::PayloadVersion(client, text) => write!(f, "{client} speaks version {text}"),
+            Self::PayloadVersion(client, text) => write!(f, "{client} uses interface version {text}"),
             Self::ShutdownSoon => f.write_str("payload power goes off in 60 s"),
             Self::PowerOff => f.write_str("payload power is off"),
-            Self::Gps(true) => f.write_str("GPS is in the navigation"),
-            Self::Gps(false) => f.write_str("navigation without GPS"),
+            Self::Gps(true) => f.write_str("navigation uses GPS"),
+            Self::Gps(false) => f.write_str("navigation no longer uses GPS"),
             Self::BottomLock(true) => f.write_str("bottom lock"),
             Self::BottomLock(false) => f.write_str("bottom lock lost"),
             Self::PositionFix(client, metres) => write!(f, "a fix of {client} moved the navigation by {metres:.2} m"),

@@ -41,9 +41,9 @@ impl fmt::Display for AcousticEvent {
         match self {
             Self::WindowBegan => f.write_str("acoustic window began"),
             Self::WindowEnded => f.write_str("acoustic window ended"),
-            Self::WindowSkipped => f.write_str("acoustic window left out: the vehicle is silent"),
+            Self::WindowSkipped => f.write_str("acoustic window skipped: the vehicle is silent"),
             Self::Queued(client, request) => write!(f, "packet {request} of {client} queued"),
-            Self::Ignored(client, request) => write!(f, "packet {request} of {client} ignored: outside of a window"),
+            Self::Ignored(client, request) => write!(f, "packet {request} of {client} ignored: outside a window"),
             Self::Sent {
                 request,
                 destination,
@@ -61,8 +61,8 @@ impl fmt::Display for AcousticEvent {
                 }
             }
             Self::NotSent(request) => write!(f, "packet {request} was not sent"),
-            Self::Received(source) => write!(f, "packet of modem {source} received"),
-            Self::NotHeard(source) => write!(f, "packet of modem {source} was not heard"),
+            Self::Received(source) => write!(f, "packet from modem {source} received"),
+            Self::NotHeard(source) => write!(f, "packet from modem {source} was not heard"),
         }
     }
 }

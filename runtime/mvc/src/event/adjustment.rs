@@ -37,7 +37,7 @@ impl fmt::Display for AdjustmentEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Began(kind, Some(client)) => write!(f, "{} adjustment of {client} began", kind.name()),
-            Self::Began(kind, None) => write!(f, "{} adjustment of the vehicle's own began", kind.name()),
+            Self::Began(kind, None) => write!(f, "{} adjustment by the vehicle itself began", kind.name()),
             Self::Completed(kind) => write!(f, "{} adjustment completed", kind.name()),
             Self::Failed(kind, why) => write!(f, "{} adjustment ended: {why}", kind.name()),
         }

@@ -28,10 +28,10 @@ pub enum DropReason {
 impl fmt::Display for DropReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Backlog => "it does not fetch what is due to it",
+            Self::Backlog => "it does not read what the vehicle sends",
             Self::TooMany => "too many clients",
             Self::RoleHeld => "another client holds its role",
-            Self::NoRole => "no role is meant for its address",
+            Self::NoRole => "its address has no role",
             Self::PowerOff => "the payload has no power",
         })
     }

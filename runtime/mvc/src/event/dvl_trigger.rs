@@ -26,11 +26,11 @@ impl fmt::Display for DvlTriggerEvent {
         match self {
             Self::Asked(client) => write!(f, "{client} asks to trigger the DVL"),
             Self::Began => f.write_str("external DVL triggering began"),
-            Self::StopAsked => f.write_str("DVL triggering: the payload is told to cease, as it asked"),
-            Self::StopOrdered => f.write_str("DVL triggering: the vehicle tells the payload to cease"),
+            Self::StopAsked => f.write_str("DVL triggering: the payload must stop, as it asked"),
+            Self::StopOrdered => f.write_str("DVL triggering: the vehicle orders the payload to stop"),
             Self::Internal => f.write_str("the DVL is triggered internally"),
             Self::TimedOut => f.write_str("the DVL is triggered internally: the payload did not trigger it"),
-            Self::WithoutLeave(client) => write!(f, "{client} says that it triggers the DVL without leave"),
+            Self::WithoutLeave(client) => write!(f, "{client} says that it triggers the DVL without permission"),
         }
     }
 }

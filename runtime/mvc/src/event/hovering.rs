@@ -70,18 +70,22 @@ impl fmt::Display for HoveringEvent {
         match self {
             Self::Suspended(client) => write!(f, "{client} suspends the mission"),
             Self::SuspensionEnded(why) => write!(f, "suspension ended: {why}"),
-            Self::Returning => f.write_str("back to where the mission was suspended"),
-            Self::Returned(true) => f.write_str("back where the mission was suspended: it goes on"),
-            Self::Returned(false) => f.write_str("where the mission was suspended is out of reach: it goes on"),
+            Self::Returning => f.write_str("going back to where the mission was suspended"),
+            Self::Returned(true) => {
+                f.write_str("the vehicle is back where the mission was suspended: the mission goes on")
+            }
+            Self::Returned(false) => {
+                f.write_str("the vehicle did not reach the place where the mission was suspended: the mission goes on")
+            }
             Self::HullMove {
                 horizontal_m,
                 vertical_m,
                 distance_m,
             } => write!(
                 f,
-                "to the hull at {horizontal_m:.2} m, {vertical_m:.2} m, {distance_m:.2} m off"
+                "move to the hull: horizontal {horizontal_m:.2} m, vertical {vertical_m:.2} m, distance {distance_m:.2} m"
             ),
-            Self::BottomMove { x_m, y_m } => write!(f, "to the bottom at x {x_m:.2} m, y {y_m:.2} m"),
+            Self::BottomMove { x_m, y_m } => write!(f, "move over the bottom: x {x_m:.2} m, y {y_m:.2} m"),
             Self::Arrived => f.write_str("arrived where it was sent"),
             Self::SpeedLimit(mps) => write!(f, "hull relative speed limit {mps:.2} m/s"),
             Self::RelativeReset(metres) => write!(f, "relative navigation moved by {metres:.2} m"),

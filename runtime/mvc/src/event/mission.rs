@@ -64,11 +64,11 @@ impl fmt::Display for MissionEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Told { role, what, text } => {
-                let role = role.as_deref().unwrap_or("payload");
+                let role = role.as_deref().unwrap_or("every client");
                 match what {
-                    Told::Command => write!(f, "{role} is told: {text}"),
-                    Told::LoggingBegins => write!(f, "{role} is to log: {text}"),
-                    Told::LoggingEnds => write!(f, "{role} is to log no more: {text}"),
+                    Told::Command => write!(f, "mission command to {role}: {text}"),
+                    Told::LoggingBegins => write!(f, "start of logging, to {role}: {text}"),
+                    Told::LoggingEnds => write!(f, "end of logging, to {role}: {text}"),
                 }
             }
             Self::GpsFix(id) => write!(f, "gps fix of insert {id}"),

@@ -75,19 +75,19 @@ impl fmt::Display for ModifyValues {
         match self.horizontal {
             Some(ModifyHorizontal::Heading(heading)) => write!(f, "heading {} deg", Fixed::<1>(heading))?,
             Some(ModifyHorizontal::Rudder(rudder)) => write!(f, "rudder {} deg", Fixed::<1>(rudder))?,
-            None => f.write_str("heading its own")?,
+            None => f.write_str("heading of the behavior")?,
         }
         match self.vertical {
             Some(ModifyVertical::Depth(depth)) => write!(f, ", depth {} m", Fixed::<2>(depth))?,
             Some(ModifyVertical::Altitude(altitude)) => write!(f, ", altitude {} m", Fixed::<2>(altitude))?,
             Some(ModifyVertical::Pitch(pitch)) => write!(f, ", pitch {} deg", Fixed::<1>(pitch))?,
             Some(ModifyVertical::Elevator(elevator)) => write!(f, ", elevator {} deg", Fixed::<1>(elevator))?,
-            None => f.write_str(", depth its own")?,
+            None => f.write_str(", depth of the behavior")?,
         }
         match self.speed {
             Some(ModifySpeed::MetresPerSecond(speed)) => write!(f, ", speed {} m/s", Fixed::<2>(speed)),
             Some(ModifySpeed::Rpm(rpm)) => write!(f, ", {} rpm", Fixed::<0>(rpm)),
-            None => f.write_str(", speed its own"),
+            None => f.write_str(", speed of the behavior"),
         }
     }
 }

@@ -22,10 +22,10 @@ pub enum SilenceEvent {
 impl fmt::Display for SilenceEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Asked(client) => write!(f, "{client} asks for silence"),
+            Self::Asked(client) => write!(f, "{client} asks for silent mode"),
             Self::Began => f.write_str("silent mode began"),
-            Self::Failed(why) => write!(f, "silent mode was not entered: {why}"),
-            Self::Ended => f.write_str("silent mode ended: asked for"),
+            Self::Failed(why) => write!(f, "silent mode did not begin: {why}"),
+            Self::Ended => f.write_str("silent mode ended: a payload asked for it"),
             Self::TimedOut => f.write_str("silent mode ended: timed out"),
             Self::WrapUp => f.write_str("silent mode ended: the mission wraps up"),
         }

@@ -20,12 +20,14 @@ pub enum TopsideEvent {
 impl fmt::Display for TopsideEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Queued(client, text) => write!(f, "{client} tells the topside: {text}"),
+            Self::Queued(client, text) => write!(f, "{client} sends to the topside: {text}"),
             Self::Delivered(transport, text) => write!(f, "delivered to the topside by {}: {text}", name(*transport)),
             Self::Received(transport, Some(role), text) => {
-                write!(f, "the topside tells {role} by {}: {text}", name(*transport))
+                write!(f, "message from the topside to {role} by {}: {text}", name(*transport))
             }
-            Self::Received(transport, None, text) => write!(f, "the topside says by {}: {text}", name(*transport)),
+            Self::Received(transport, None, text) => {
+                write!(f, "message from the topside by {}: {text}", name(*transport))
+            }
             Self::Relayed(client, transport, text) => {
                 write!(f, "{client} relays from the topside by {}: {text}", name(*transport))
             }

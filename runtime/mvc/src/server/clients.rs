@@ -186,7 +186,7 @@ impl Clients {
             (counts.checksum_invalid - told.checksum_invalid, "with a wrong checksum"),
             (counts.malformed - told.malformed, "without a name"),
             (counts.too_long - told.too_long, "too long"),
-            (counts.not_utf8 - told.not_utf8, "not of text"),
+            (counts.not_utf8 - told.not_utf8, "not UTF-8"),
             (counts.cut_short - told.cut_short, "cut short"),
             (counts.overflowed - told.overflowed, "too many at once"),
             (counts.noise_bytes - told.noise_bytes, "bytes of noise"),

@@ -280,7 +280,8 @@ impl FaultPlan {
     /// The whole plan as the text of a file, which [`FaultPlan::from_toml`] reads back as the same plan.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        toml::to_string(&FaultFile::of(self)).expect("a fault has only numbers and strings, and no nested table")
+        toml::to_string(&FaultFile::of(self))
+            .expect("a fault has only numbers, strings and booleans, and no nested table")
     }
 
     /// When the last fault ends; `None` for an empty plan.

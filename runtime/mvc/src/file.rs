@@ -311,7 +311,7 @@ pub(crate) fn ordered_times(key: &'static str, times: &[f64]) -> Result<(), MvcE
             (before..=1e9).contains(time),
             key,
             *time,
-            "0 to 1e9 s, none before the one that it follows",
+            "0 to 1e9 s, in order of time",
         )?;
         before = *time;
     }
@@ -412,7 +412,7 @@ dynamic = true
             ),
             (
                 "[adjustment]\nimplicit_at_s = [5, 3]",
-                "adjustment.implicit_at_s is 3, expected 0 to 1e9 s, none before",
+                "adjustment.implicit_at_s is 3, expected 0 to 1e9 s, in order of time",
             ),
             ("[power]\nbatteries = 0", "power.batteries is 0, expected 1 to 32"),
             (

@@ -198,7 +198,7 @@ pub enum StageName {
 /// The name of a [`Sensor`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[expect(missing_docs, reason = "as Sensor says")]
+#[expect(missing_docs, reason = "Sensor documents them")]
 pub enum SensorName {
     Dvl,
     Altimeter,

@@ -158,7 +158,7 @@ impl HoveringConfig {
             return Err(MvcError::Value {
                 key: "vehicle.class",
                 value: format!("\"{}\"", vehicle.class.name()),
-                expected: "\"hovering\" where there is a [hovering.hull]",
+                expected: "\"hovering\" with a [hovering.hull]",
             });
         }
         for (key, value, least, most, expected) in [
@@ -193,7 +193,7 @@ impl HoveringConfig {
         let (clearance_m, _) = Ship::new(hull, frame).clearance(at, start.depth_m);
         check(
             clearance_m >= self.safety_m,
-            "start, as metres from hovering.hull,",
+            "start: the distance from hovering.hull in metres",
             clearance_m,
             "hovering.safety_m or more",
         )

@@ -380,7 +380,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_and_the_word_seed() {
+    fn a_choice_is_a_value_or_the_word_seed() {
         let parse = |text: &str| toml::from_str::<InterpretationConfig>(text);
         let config = parse("lead_in_m = 30\ncontrol_replay = true\nafter_interrupt = \"seed\"").unwrap();
         assert_eq!(config.lead_in_m, Choice::Fixed(30.0));

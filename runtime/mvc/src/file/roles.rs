@@ -85,18 +85,18 @@ impl FromStr for RoleConfig {
         // Split from the end, because an IPv6 address contains colons.
         let mut parts = text.trim().rsplitn(3, ':');
         let (Some(role), Some(port), Some(address)) = (parts.next(), parts.next(), parts.next()) else {
-            return Err(fault("it has not three parts"));
+            return Err(fault("it does not have three parts"));
         };
         let address = address.trim_start_matches('[').trim_end_matches(']');
         let port = match port {
             "" => None,
             port => Some(
                 port.parse()
-                    .map_err(|_| fault("the port is no number from 0 to 65535"))?,
+                    .map_err(|_| fault("the port is not a number from 0 to 65535"))?,
             ),
         };
         Ok(Self {
-            address: address.parse().map_err(|_| fault("the address is none"))?,
+            address: address.parse().map_err(|_| fault("the address is not an IP address"))?,
             port,
             role: if is_name(role) {
                 role.to_owned()
@@ -124,12 +124,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_role_is_told() {
+    fn an_invalid_role_is_refused_with_its_fault() {
         for (text, fault) in [
             ("127.0.0.1", "three parts"),
             ("127.0.0.1:foo", "three parts"),
             ("127.0.0.1:70000:foo", "0 to 65535"),
-            ("localhost::foo", "the address is none"),
+            ("localhost::foo", "the address is not an IP address"),
             ("127.0.0.1::", NAME),
             ("127.0.0.1::a b", NAME),
             ("", "three parts"),

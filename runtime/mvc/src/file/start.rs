@@ -58,7 +58,7 @@ impl StartConfig {
 
 fn utc<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Utc, D::Error> {
     let moment = Datetime::deserialize(deserializer)?;
-    let expected = "expected a date and time since 1970 with its offset, as 2026-06-01T08:00:00Z";
+    let expected = "expected a date and time since 1970 with its offset, such as 2026-06-01T08:00:00Z";
     let (Some(date), Some(time), Some(offset)) = (moment.date, moment.time, moment.offset) else {
         return Err(D::Error::custom(expected));
     };
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn an_offset_is_taken_off() {
+    fn an_offset_is_subtracted() {
         let at = |text: &str| toml::from_str::<StartConfig>(text).map(|start| start.utc.as_unix_nanos());
         assert_eq!(at("utc = 1970-01-01T02:00:01.5+02:00").unwrap(), 1_500_000_000);
         for bad in [

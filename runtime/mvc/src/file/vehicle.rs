@@ -88,13 +88,13 @@ impl VehicleConfig {
             return Err(MvcError::Value {
                 key: "vehicle.model",
                 value: "\"6-dof\"".to_owned(),
-                expected: "\"kinematic\" where vehicle.class is \"hovering\": the body of 6-dof is a torpedo",
+                expected: "\"kinematic\" with the class \"hovering\": the body of 6-dof is a torpedo",
             });
         }
         let performance = self.under_model(Performance::of(self.class));
         if let Some(depth) = self.depth_max_m {
             let ok = (1.0..=performance.depth_max_m).contains(&depth);
-            check(ok, "vehicle.depth_max_m", depth, "1 m to the class's rating")?;
+            check(ok, "vehicle.depth_max_m", depth, "1 m to the rating of the class")?;
         }
         if let Some(speed) = self.speed_max_mps {
             let ok = speed > performance.speed_min_mps && speed <= performance.speed_max_mps;
@@ -102,7 +102,7 @@ impl VehicleConfig {
                 ok,
                 "vehicle.speed_max_mps",
                 speed,
-                "above the class's least speed, at most its greatest",
+                "above the least speed of the class, at most its greatest",
             )?;
         }
         let altitude = self.altitude_min_m;

@@ -96,7 +96,7 @@ fn too_shallow(world: &World, at: EastNorth, needed_m: f64, planned: bool) -> St
         if planned {
             "the element's depth"
         } else {
-            "vehicle.altitude_min_m and 0.5 m"
+            "vehicle.altitude_min_m plus 0.5 m"
         }
     )
 }

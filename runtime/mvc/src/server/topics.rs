@@ -21,7 +21,7 @@ pub(crate) enum Topic {
     Ctd,
     #[expect(
         dead_code,
-        reason = "BFPLN as behaviors begin is not implemented in this release of SPI (6.20)"
+        reason = "this release of SPI does not send BFPLN when a behavior begins (6.20)"
     )]
     Plan,
     Telemetry,

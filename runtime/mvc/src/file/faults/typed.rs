@@ -114,7 +114,9 @@ impl FaultEntry {
                 self.only(&[&["dive_file", "reversed"]])?;
                 let file = self.dive_file.as_deref().unwrap_or_default();
                 if file.trim().is_empty() || Text::cleaned(file).as_str() != file {
-                    return Err(format!("dive_file is {file:?}, expected a name without commas"));
+                    return Err(format!(
+                        "dive_file is {file:?}, expected a name in printable ascii without comma, asterisk and dollar"
+                    ));
                 }
                 FaultKind::AnotherDive {
                     file: Text::cleaned(file),
@@ -152,7 +154,7 @@ impl FaultEntry {
             |key, value: Option<f64>, most: f64, expected| ranged(key, self.needed(key, value)?, -most, most, expected);
         #[expect(
             clippy::wildcard_enum_match_arm,
-            reason = "the caller asks for kinds of untrue words alone"
+            reason = "callers use it only for wrong navigation messages"
         )]
         let (own, untrue): (&[&str], _) = match self.kind {
             FaultName::PositionCreep => {

@@ -473,7 +473,7 @@ fn the_mission_goes_on_from_where_it_was_suspended_or_from_where_the_vehicle_is(
         let says = payload
             .log()
             .iter()
-            .any(|line| line.ends_with("back where the mission was suspended: it goes on"));
+            .any(|line| line.ends_with("the vehicle is back where the mission was suspended: the mission goes on"));
         assert_eq!(says, returns, "{setting}");
     }
 }

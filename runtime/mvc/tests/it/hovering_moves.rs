@@ -434,7 +434,7 @@ fn a_ship_that_cannot_be_there_is_refused_at_the_start() {
         (
             "class = \"hovering\"",
             "class = \"12-inch\"",
-            "vehicle.class is \"12-inch\", expected \"hovering\" where there is a [hovering.hull]",
+            "vehicle.class is \"12-inch\", expected \"hovering\" with a [hovering.hull]",
         ),
         (
             "[hovering]\n",
@@ -452,7 +452,7 @@ fn a_ship_that_cannot_be_there_is_refused_at_the_start() {
     }
     let inside = fault(&HARBOUR.replace("north_m = -12\ndepth_m", "north_m = -5.2\ndepth_m"));
     assert!(
-        inside.starts_with("start, as metres from hovering.hull, is 0.2"),
+        inside.starts_with("start: the distance from hovering.hull in metres is 0.2"),
         "{inside}"
     );
     let unknown = fault(&HARBOUR.replace("beam_m", "width_m"));

@@ -72,7 +72,7 @@ fn a_plan_without_enough_water_is_refused_with_its_element_and_the_place() {
     assert_eq!(
         fault(&format!("{there}{}", waypoint(200, 350, "depth_m = 1"))),
         "plan element 2: the water is 2.00 m deep at 150 m east, 350 m north (latitude 42.30315, longitude -70.89818), \
-         expected at least 2.50 m: vehicle.altitude_min_m and 0.5 m"
+         expected at least 2.50 m: vehicle.altitude_min_m plus 0.5 m"
     );
     // Across the shoulder at 12 m: the depth is in the ground.
     let line = "[[plan]]\nkind = \"trackline\"\nstart = { east_m = -100, north_m = 250 }\nend = { east_m = 280, north_m = 250 }\n\

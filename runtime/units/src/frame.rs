@@ -252,7 +252,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn positions_survive_the_round_trip_to_a_millimetre(
+        fn a_round_trip_moves_a_point_by_less_than_a_millimetre(
             latitude in -80.0..80.0f64, longitude in -180.0..180.0f64, east in -50e3..50e3f64, north in -50e3..50e3f64,
         ) {
             let frame = LocalFrame::new(position(latitude, longitude));

@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_position_is_serialised_with_its_units_and_checked_on_the_way_back() {
+    fn a_position_is_serialised_with_its_units_and_checked_when_read() {
         let position = Position::from_deg(42.25, -70.5).unwrap();
         let text = r#"{"latitude_deg":42.25,"longitude_deg":-70.5}"#;
         assert_eq!(serde_json::to_string(&position).unwrap(), text);

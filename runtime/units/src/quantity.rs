@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn constructors_refuse_what_is_out_of_range_or_no_number() {
+    fn constructors_reject_out_of_range_values_and_nan() {
         assert!(Depth::from_m(20.0).is_ok());
         for bad in [f64::NAN, f64::INFINITY, -101.0, 12001.0] {
             assert!(Depth::from_m(bad).is_err(), "{bad}");
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn grid_and_true_are_each_others_inverse() {
+    fn to_grid_and_to_true_are_inverse() {
         let heading = Heading::from_deg(1.0).unwrap();
         let grid = heading.to_grid(2.0);
         assert_eq!(grid.as_deg(), 359.0);

@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn differences_pass_midnight_the_short_way() {
+    fn differences_across_midnight_take_the_short_way() {
         assert_eq!(at(0, 0, 1).nanos_since(at(23, 59, 59)), 2_000_000_000);
         assert_eq!(at(23, 59, 59).nanos_since(at(0, 0, 1)), -2_000_000_000);
         assert_eq!(at(12, 0, 1).nanos_since(at(12, 0, 0)), 1_000_000_000);
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn times_of_day_are_serialised_as_they_are_shown_and_nothing_is_lost() {
+    fn times_of_day_are_serialised_and_parsed_without_loss() {
         let time = |text: &str| text.parse::<TimeOfDay>();
         for (value, text) in [
             (at(8, 10, 25), "08:10:25.000"),

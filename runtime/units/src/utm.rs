@@ -42,7 +42,7 @@ mod tests {
     }
 
     #[test]
-    fn two_degrees_at_42_north_three_off_the_central_meridian() {
+    fn convergence_is_two_degrees_at_42_north_and_three_off_the_central_meridian() {
         let position = Position::from_deg(42.0, -66.0 - 1e-9).unwrap();
         assert!((utm_convergence_deg(position) - 2.008).abs() < 0.001);
         assert!((utm_convergence_deg(position) - by_frame(position, -69.0)).abs() < 1e-6);

@@ -3,10 +3,10 @@ use std::sync::Arc;
 use super::{CELLS_MAX, Grid, Layout, NO_DATA, VALUE_EXPECTED, VALUE_MAX_M, quoted};
 use crate::error::WorldError;
 
-/// What cells without a value hold where the header does not say: ESRI's own default.
+/// The value of cells without data if the header does not give one: ESRI's default.
 const NO_DATA_DEFAULT: f64 = -9999.0;
 
-/// The numbers of the header, each with the line it stands on.
+/// The numbers of the header, each with its line.
 #[derive(Default)]
 struct Header {
     ncols: Option<(usize, f64)>,
@@ -37,7 +37,7 @@ pub(super) fn read(text: &str) -> Result<Grid, WorldError> {
                 "a number after it",
             ));
         };
-        // Cells without a value may be marked by what is not a number.
+        // Cells without data may be marked with NaN or an infinity.
         let value = match word.parse::<f64>() {
             Ok(value) if value.is_finite() || key.eq_ignore_ascii_case("nodata_value") => value,
             _ => return Err(fault(value_line, quoted(word), format!("a number for {}", quoted(key)))),
@@ -51,7 +51,8 @@ pub(super) fn read(text: &str) -> Result<Grid, WorldError> {
     let no_data = header.nodata_value.map_or(NO_DATA_DEFAULT, |(_, value)| value);
     let count = layout.columns * layout.rows;
     let shape = || format!("{count} values ({} rows of {})", layout.rows, layout.columns);
-    // A value takes two bytes of text at least: a header cannot claim memory that the text does not pay for.
+    // A value takes at least two bytes of text. So a header cannot make us allocate more memory than the length of the
+    // text justifies.
     let mut values = Vec::with_capacity(count.min(text.len() / 2 + 1));
     for (line, word) in words {
         if values.len() == count {
@@ -85,7 +86,7 @@ pub(super) fn read(text: &str) -> Result<Grid, WorldError> {
     })
 }
 
-/// Whether a word of the header is a key; a value that is not a number is none.
+/// Whether a word of the header is a key. `nan` and `inf` are values, not keys.
 fn is_key(word: &str) -> bool {
     word.starts_with(|first: char| first.is_ascii_alphabetic()) && word.parse::<f64>().is_err()
 }
@@ -140,7 +141,7 @@ impl Header {
 
 /// A number of rows or columns.
 fn count((line, value): (usize, f64), key: &str) -> Result<usize, WorldError> {
-    // The bound keeps the product of two of them within a machine word.
+    // The bound keeps the product of two such numbers within a machine word.
     if value.fract() == 0.0 && (2.0..=CELLS_MAX as f64).contains(&value) {
         Ok(value as usize)
     } else {
@@ -205,7 +206,7 @@ mod tests {
         let other = "\u{feff}NROWS 2 NCOLS 3\r\nCellSize 1e1\r\nXLLCENTER 105 YLLCENTRE -45\r\nnodata_VALUE -1\r\n\
                      1\r\n2 3 4.0\r\n\r\n+5 -1";
         assert_eq!(read(other).unwrap(), grid);
-        // ESRI's own default, and what is not a number where the header says so.
+        // ESRI's default, and NaN if the header says so.
         let absent = TEXT.replace("NODATA_value -1\n", "").replace("5 -1", "5 -9999");
         assert_eq!(read(&absent).unwrap(), grid);
         let nan = TEXT

@@ -11,14 +11,14 @@ const E2: f64 = 6.694_379_990_14e-3;
 /// Second eccentricity squared.
 const EP2: f64 = E2 / (1.0 - E2);
 
-/// A grid laid into a world's frame.
+/// A grid, placed in a world's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Chart {
     grid: Grid,
     place: Place,
-    /// 1 where the grid holds depths, -1 where it holds elevations.
+    /// 1 if the grid holds depths, -1 if it holds elevations.
     sign: f64,
-    /// What stands in for a cell without data, as the grid would hold it.
+    /// The value of a cell without data, with the sign of the grid's values.
     no_data: f64,
 }
 
@@ -27,7 +27,7 @@ enum Place {
     Local,
     Geographic {
         frame: LocalFrame,
-        /// Longitude of the grid's middle: longitudes are counted from there, so that a grid may cross 180 degrees.
+        /// Longitude of the grid's middle. Longitudes are counted from there, so a grid can cross 180 degrees.
         middle_deg: f64,
     },
 }
@@ -73,7 +73,7 @@ impl Chart {
         })
     }
 
-    /// Whether a place lies on the grid, the outer halves of its edge cells included.
+    /// Whether a place lies on the grid, including the outer halves of the cells at its edge.
     pub(super) fn covers(&self, at: EastNorth) -> bool {
         let (west, east, south, north) = edges(self.grid.layout());
         let (x, y) = match &self.place {
@@ -90,7 +90,7 @@ impl Chart {
         (west..=east).contains(&x) && (south..=north).contains(&y)
     }
 
-    /// Depth in metres and its gradient, before the bounds.
+    /// Depth in metres and its gradient, before `depth_min_m` and `depth_max_m` are applied.
     pub(super) fn depth_and_gradient(&self, at: EastNorth) -> (f64, EastNorth) {
         match &self.place {
             Place::Local => {
@@ -104,7 +104,8 @@ impl Chart {
                 let x = middle_deg + wrap_180(longitude_deg - middle_deg);
                 let sample = self.grid.sample(x, latitude_deg, self.no_data);
                 let (east_deg, north_deg) = degrees_per_metre(position, at.east_m);
-                // Both along the meridian's own east and north, which the frame's are turned from by the convergence.
+                // These slopes are along true east and north. The frame's axes are turned from those by the
+                // convergence.
                 let (east, north) = (sample.slope_east * east_deg, sample.slope_north * north_deg);
                 let (sin, cos) = sin_cos(frame.convergence_deg(position).to_radians());
                 let gradient = EastNorth::new(east * cos - north * sin, east * sin + north * cos);
@@ -114,8 +115,8 @@ impl Chart {
     }
 }
 
-/// Degrees of longitude and of latitude that a metre of the frame is, east and north: the radii of curvature, and the
-/// frame's scale (Snyder, USGS Professional Paper 1395, 1987, equations 4-18, 4-20 and 8-16).
+/// How many degrees of longitude a metre to the east is, and of latitude a metre to the north, from the radii of
+/// curvature and the frame's scale (Snyder, USGS Professional Paper 1395, 1987, equations 4-18, 4-20 and 8-16).
 fn degrees_per_metre(position: Position, east_m: f64) -> (f64, f64) {
     let (sin, cos) = sin_cos(position.latitude.as_deg().to_radians());
     let w = 1.0 - E2 * sin * sin;
@@ -138,7 +139,7 @@ fn edges(layout: &Layout) -> (f64, f64, f64, f64) {
     (west, east, south, north)
 }
 
-/// From the origin to the nearest point of the grid, metres.
+/// Distance from the origin to the nearest point of the grid, metres.
 fn local_distance_m(layout: &Layout) -> f64 {
     let (west, east, south, north) = edges(layout);
     hypot(0f64.clamp(west, east), 0f64.clamp(south, north))
@@ -147,7 +148,7 @@ fn local_distance_m(layout: &Layout) -> f64 {
 fn geographic(layout: &Layout, frame: &LocalFrame) -> Result<(Place, f64), WorldError> {
     let (west, east, south, north) = edges(layout);
     let key = "the grid's edge, degrees,";
-    // Half a cell of slack: a global grid's centres may lie on the poles.
+    // Half a cell of tolerance, because the outermost centres of a global grid may lie on the poles.
     let pole = 90.0 + 0.5 * layout.cell_north;
     check(south >= -pole, key, south, "a latitude: grid_frame is geographic")?;
     check(north <= pole, key, north, "a latitude: grid_frame is geographic")?;
@@ -170,7 +171,8 @@ fn geographic(layout: &Layout, frame: &LocalFrame) -> Result<(Place, f64), World
     ))
 }
 
-/// Straight through a sphere from one latitude and longitude to another: near enough for a bound, and right for any two.
+/// Length of the straight line through a spherical earth between two latitudes and longitudes. It is exact enough for a
+/// bound, and works for any two points.
 fn chord_m(one_deg: [f64; 2], other_deg: [f64; 2]) -> f64 {
     let point = |[latitude_deg, longitude_deg]: [f64; 2]| {
         let ((sin_lat, cos_lat), (sin_lon, cos_lon)) =
@@ -203,13 +205,13 @@ mod tests {
     fn a_local_grid_is_bilinear_with_its_own_gradient() {
         let grid = Grid::from_esri_ascii(&LOCAL.replace("-9999", "42")).unwrap();
         let chart = Chart::new(&config(""), &frame(42.0, -70.0), grid).unwrap();
-        // At the centre of a cell, and halfway between four.
+        // At the centre of a cell, and in the middle between four.
         assert_eq!(chart.depth_and_gradient(EastNorth::new(-150.0, 0.0)).0, 20.0);
         let (depth_m, gradient) = chart.depth_and_gradient(EastNorth::new(0.0, 50.0));
         assert_eq!(depth_m, (12.0 + 14.0 + 23.0 + 26.0) / 4.0);
         assert!((gradient.east_m - 2.5 / 100.0).abs() < 1e-12);
         assert!((gradient.north_m + 11.5 / 100.0).abs() < 1e-12);
-        // Beyond the edge: the nearest cell's depth, level.
+        // Beyond the edge the depth is that of the nearest cell, and the bed is level.
         let (depth_m, gradient) = chart.depth_and_gradient(EastNorth::new(9000.0, 9000.0));
         assert_eq!((depth_m, gradient), (16.0, EastNorth::default()));
     }
@@ -253,7 +255,7 @@ mod tests {
         assert!(Chart::new(&config(geographic), &here, far).is_err());
     }
 
-    /// A tilted plane in longitude and latitude, which bilinear cells carry exactly.
+    /// A tilted plane in longitude and latitude, which bilinear cells represent exactly.
     fn plane(west: f64, south: f64, cell: f64) -> Grid {
         let mut text = format!("ncols 9 nrows 9 xllcenter {west} yllcenter {south} cellsize {cell}\n");
         for row in (0..9).rev() {

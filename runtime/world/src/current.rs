@@ -164,7 +164,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_turns_and_decays() {
+    fn a_current_turns_and_decays() {
         let config = CurrentConfig {
             speed_mps: Span::fixed(0.4),
             towards_deg: Span::fixed(90.0),
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn mean_and_tides_add_up_and_the_layers_take_both() {
+    fn layers_change_the_sum_of_mean_flow_and_tides() {
         let text = "
             speed_mps = 0.2
             towards_deg = 0
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bed_slows_it_down_by_the_seventh_root() {
+    fn near_the_bed_the_current_follows_the_seventh_root() {
         let config: CurrentConfig = toml::from_str("speed_mps = 0.3\nbottom_boundary_m = 4").unwrap();
         let current = Current::new(&config, 1).unwrap();
         for (height_m, part) in [(-1.0, 0.0), (0.0, 0.0), (4.0 / 128.0, 0.5), (4.0, 1.0), (9.0, 1.0)] {

@@ -25,7 +25,7 @@ pub enum WorldError {
     #[error("origin: {0}")]
     Origin(#[from] OutOfRange),
     /// The configuration names a grid, but the caller passed none.
-    #[error("seabed.grid is `{path}`, expected the grid of that file: only its name was given")]
+    #[error("seabed.grid is `{path}`, but the caller passed no grid: expected the content of that file")]
     GridNotGiven {
         /// The path from the configuration.
         path: String,

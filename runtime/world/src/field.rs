@@ -227,7 +227,7 @@ fn validate(config: &FieldConfig) -> Result<(), WorldError> {
         config.cooling_c_per_m.abs() <= 1.0,
         "field.cooling_c_per_m",
         config.cooling_c_per_m,
-        "within 1 a metre",
+        "-1 to 1 degrees Celsius per metre",
     )?;
     let conductivity = config.conductivity_us_per_cm;
     let conductivity_ok = (0.0..=100_000.0).contains(&conductivity);
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plume_at_a_depth_is_felt_only_near_it() {
+    fn a_plume_at_a_depth_has_no_effect_far_from_it() {
         let plumes = vec![PlumeConfig {
             depth_m: Some(Span::fixed(30.0)),
             sigma_depth_m: Some(5.0),

@@ -67,7 +67,7 @@ const VALUE_MAX_M: f64 = 12_000.0;
 /// The most cells that a grid may have. They take 100 MB.
 const CELLS_MAX: usize = 25_000_000;
 /// The text for error messages.
-const VALUE_EXPECTED: &str = "a number within 12000 m";
+const VALUE_EXPECTED: &str = "a number, -12000 to 12000 m";
 
 /// A value of the bilinear surface, and its slopes per unit of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ impl Grid {
                 let before = bytes.get(..error.valid_up_to()).unwrap_or_default();
                 Err(WorldError::GridText {
                     line: 1 + before.iter().filter(|byte| **byte == b'\n').count(),
-                    found: "bytes that are no text".to_owned(),
+                    found: "bytes that are not text".to_owned(),
                     expected: "an ESRI ASCII grid or a GeoTIFF".to_owned(),
                 })
             }
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_it_goes_on_level_as_the_nearest_edge() {
+    fn outside_a_grid_has_the_value_of_its_nearest_edge() {
         let grid = grid();
         let beyond = grid.sample(1000.0, 22.0, 0.0);
         assert_eq!((beyond.value, beyond.slope_east, beyond.slope_north), (18.0, 0.0, -7.0));
@@ -251,11 +251,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_neither_text_nor_tiff_is_refused_with_its_line() {
+    fn a_file_that_is_neither_text_nor_tiff_is_rejected_with_its_line() {
         let error = Grid::from_bytes(b"ncols 2\n\xff\xfe").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "grid, line 2: bytes that are no text, expected an ESRI ASCII grid or a GeoTIFF"
+            "grid, line 2: bytes that are not text, expected an ESRI ASCII grid or a GeoTIFF"
         );
     }
 }

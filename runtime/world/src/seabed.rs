@@ -133,11 +133,7 @@ impl Seabed {
     /// if the whole grid is more than 50 km from the origin.
     pub fn with_grid(config: &SeabedConfig, frame: &LocalFrame, grid: Grid) -> Result<Self, WorldError> {
         validate(config)?;
-        agree(
-            config.grid.is_some(),
-            "seabed.grid",
-            "the name of the grid that is given",
-        )?;
+        agree(config.grid.is_some(), "seabed.grid", "the name of the grid's file")?;
         Ok(Self::of(Shape::Chart(Chart::new(config, frame, grid)?), config))
     }
 
@@ -247,7 +243,7 @@ pub(crate) fn validate(config: &SeabedConfig) -> Result<(), WorldError> {
 
 fn validate_grid(config: &SeabedConfig) -> Result<(), WorldError> {
     if config.grid.is_none() {
-        let alone = "`seabed.grid` beside it";
+        let alone = "only together with `seabed.grid`";
         agree(config.grid_frame.is_none(), "seabed.grid_frame", alone)?;
         agree(config.grid_positive.is_none(), "seabed.grid_positive", alone)?;
         return agree(
@@ -277,7 +273,7 @@ fn validate_grid(config: &SeabedConfig) -> Result<(), WorldError> {
         (config.bank_east_m == shelf.bank_east_m, "seabed.bank_east_m"),
         (config.bank_north_m == shelf.bank_north_m, "seabed.bank_north_m"),
     ] {
-        agree(is_default, key, "it or `seabed.grid`, not both")?;
+        agree(is_default, key, "this key or `seabed.grid`, not both")?;
     }
     Ok(())
 }
@@ -302,7 +298,7 @@ mod tests {
         }
 
         #[test]
-        fn the_gradient_is_the_depths_own(seed in any::<u64>(), east in -900.0..900.0f64, north in -900.0..900.0f64) {
+        fn the_gradient_is_the_derivative_of_the_depth(seed in any::<u64>(), east in -900.0..900.0f64, north in -900.0..900.0f64) {
             let config = SeabedConfig { depth_m: Span::fixed(200.0), banks: 3, ..SeabedConfig::default() };
             let seabed = Seabed::new(&config, seed).unwrap();
             let at = EastNorth::new(east, north);
@@ -338,16 +334,16 @@ mod tests {
         let message = |text: &str| validate(&parse(text)).unwrap_err().to_string();
         assert_eq!(
             message("grid = \"a.asc\"\nbanks = 2"),
-            "seabed.banks: expected it or `seabed.grid`, not both"
+            "seabed.banks: expected this key or `seabed.grid`, not both"
         );
         assert_eq!(
             message("grid_positive = \"up\""),
-            "seabed.grid_positive: expected `seabed.grid` beside it"
+            "seabed.grid_positive: expected only together with `seabed.grid`"
         );
         let error = Seabed::new(&parse("grid = \"a.asc\""), 1).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "seabed.grid is `a.asc`, expected the grid of that file: only its name was given"
+            "seabed.grid is `a.asc`, but the caller passed no grid: expected the content of that file"
         );
     }
 

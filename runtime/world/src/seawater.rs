@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_leads_to_what_is_no_number() {
+    fn no_input_gives_nan() {
         for conductivity in [-1.0, 0.0, 1e3, 1e5, 2e6] {
             for temperature in [-400.0, 0.0, 20.0, 440.0] {
                 for depth in [-5.0, 0.0, 12_000.0, 1e9] {

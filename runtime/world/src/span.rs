@@ -73,7 +73,7 @@ impl<'de> Visitor<'de> for SpanVisitor {
     type Value = Span;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a finite number or two, [least, most]")
+        f.write_str("a finite number, or two of them as [least, most]")
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<Span, E> {
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_or_two_and_nothing_else() {
+    fn a_span_is_one_number_or_two() {
         let parse = |text: &str| toml::from_str::<Holder>(text).map(|holder| holder.key);
         assert_eq!(parse("key = 3").unwrap(), Span::fixed(3.0));
         assert_eq!(parse("key = 3.5").unwrap(), Span::fixed(3.5));

@@ -215,7 +215,7 @@ mod tests {
     ";
 
     #[test]
-    fn they_lie_in_their_box_as_the_seed_strews_them() {
+    fn the_seed_scatters_targets_within_their_box() {
         let strewn = targets(TEXT, 3).unwrap();
         assert_eq!(strewn, targets(TEXT, 3).unwrap());
         assert_ne!(strewn, targets(TEXT, 4).unwrap());
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn those_near_are_all_those_near() {
+    fn targets_near_a_place_are_complete() {
         let strewn = targets(TEXT, 9).unwrap();
         for (east, north, radius_m) in [
             (0.0, 0.0, 30.0),

@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn high_water_comes_when_the_phase_says() {
+    fn high_water_comes_at_its_phase() {
         let config = toml::from_str("amplitude_m = 1.5\nperiod_h = 12\nphase_deg = 90").unwrap();
         let tide = TideLevel::new(&config, 1).unwrap();
         let at = |hours: u64| tide.at_m(Timestamp::from_secs(hours * 3600));

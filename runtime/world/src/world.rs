@@ -259,7 +259,7 @@ mod tests {
     ";
 
     #[test]
-    fn a_world_is_its_configuration_and_its_seed() {
+    fn configuration_and_seed_determine_a_world() {
         let config: WorldConfig = toml::from_str(TEXT).unwrap();
         let one = World::new(&config, 5).unwrap();
         assert_eq!(one, World::new(&config, 5).unwrap());
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sea_goes_by_its_own_equations() {
+    fn the_sea_follows_its_equations() {
         let text = "
             [origin]
             latitude_deg = 42.3

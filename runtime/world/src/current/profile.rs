@@ -46,7 +46,7 @@ impl Profile {
         if let Some(decay) = decay_depth_m {
             let key = "current.decay_depth_m";
             check((1.0..=1e6).contains(&decay), key, decay, "1 m or more")?;
-            agree(layers.is_empty(), key, "it or `current.layers`, not both")?;
+            agree(layers.is_empty(), key, "this key or `current.layers`, not both")?;
             return Ok(Self::Decay(1.0 / decay));
         }
         let mut above_m = -1.0;
@@ -66,7 +66,7 @@ impl Profile {
             )?;
             check((0.0..=5.0).contains(&factor), "current.layers.factor", factor, "0 to 5")?;
             let ok = turn_deg.abs() <= 360.0;
-            check(ok, "current.layers.turn_deg", turn_deg, "within 360 degrees")?;
+            check(ok, "current.layers.turn_deg", turn_deg, "-360 to 360 degrees")?;
             let (sin, cos) = sin_cos(turn_deg.to_radians());
             drawn.push(Layer {
                 depth_m,
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn layers_are_linear_between_and_level_beyond() {
+    fn layers_are_linear_between_and_constant_beyond() {
         let layers = [
             LayerConfig {
                 depth_m: 10.0,
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn layers_must_deepen_and_stand_alone() {
+    fn layers_must_deepen_and_exclude_a_decay_depth() {
         let layer = LayerConfig {
             depth_m: 10.0,
             factor: 1.0,
@@ -171,7 +171,7 @@ mod tests {
         let error = Profile::new(Some(20.0), &[layer]).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "current.decay_depth_m: expected it or `current.layers`, not both"
+            "current.decay_depth_m: expected this key or `current.layers`, not both"
         );
     }
 }

@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn an_ellipse_has_its_axes_and_turns_its_way() {
+    fn an_ellipse_has_its_axes_and_direction_of_turn() {
         let ellipse = one("speed_mps = 0.4\ntowards_deg = 0\nperiod_h = 12\nphase_deg = 90\nellipticity = 0.5");
         let at = |hours: u64| ellipse.at(Timestamp::from_secs(hours * 3600));
         let near =

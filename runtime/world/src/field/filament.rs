@@ -285,10 +285,10 @@ impl FilamentConfig {
         self.meander_wavelength_m.within(5.0, 20_000.0, key, "5 to 20000 m")?;
         let key = "field.filaments.temperature_c";
         self.temperature_c
-            .within(-400.0, 400.0, key, "within 400 degrees Celsius")?;
+            .within(-400.0, 400.0, key, "-400 to 400 degrees Celsius")?;
         let key = "field.filaments.conductivity_us_per_cm";
         self.conductivity_us_per_cm
-            .within(-100_000.0, 100_000.0, key, "within 100000 uS/cm")?;
+            .within(-100_000.0, 100_000.0, key, "-100000 to 100000 uS/cm")?;
         self.tracer.within(0.0, 1e6, "field.filaments.tracer", "0 to 1000000")?;
         if let Some(depth) = self.depth_m {
             depth.within(0.0, 12_000.0, "field.filaments.depth_m", "0 to 12000 m")?;
@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn without_puffs_it_is_a_gaussian_plume_that_keeps_its_mass() {
+    fn without_puffs_a_filament_is_a_gaussian_plume_of_constant_mass() {
         let filament = one("intermittency = 0\ndiffusivity_m2_per_s = 0.05", 1);
         assert!((at(&filament, 0.0, 0.0, 0.0) - 1.0).abs() < 1e-12);
         for way_m in [10.0, 100.0, 1000.0] {
@@ -405,7 +405,7 @@ mod tests {
     }
 
     #[test]
-    fn a_filament_at_a_depth_is_felt_only_near_it() {
+    fn a_filament_at_a_depth_has_no_effect_far_from_it() {
         let filament = one("depth_m = 30\nsigma_depth_m = 2\nintermittency = 0", 1);
         let share = |depth_m| filament.share(filament.source(), depth_m, Timestamp::ZERO);
         assert!((share(30.0) - 1.0).abs() < 1e-12 && (share(32.0) - exp(-0.5)).abs() < 1e-12);
@@ -427,7 +427,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_has_no_steps(
+        fn a_filament_has_no_steps(
             seed in any::<u64>(), east in -50.0..2050.0f64, north in -60.0..60.0f64, seconds in 0.0..1e5f64,
         ) {
             let filament = one("meander_m = 20\nintermittency = 1", seed);

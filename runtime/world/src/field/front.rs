@@ -81,10 +81,10 @@ impl FrontConfig {
             .within(0.1, 20_000.0, "field.fronts.width_m", "0.1 to 20000 m")?;
         let key = "field.fronts.temperature_c";
         self.temperature_c
-            .within(-40.0, 40.0, key, "within 40 degrees Celsius")?;
+            .within(-40.0, 40.0, key, "-40 to 40 degrees Celsius")?;
         let key = "field.fronts.conductivity_us_per_cm";
         self.conductivity_us_per_cm
-            .within(-100_000.0, 100_000.0, key, "within 100000 uS/cm")
+            .within(-100_000.0, 100_000.0, key, "-100000 to 100000 uS/cm")
     }
 }
 
@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_comes_by_at_its_speed() {
+    fn a_front_moves_at_its_speed() {
         let text =
             "east_m = 100\nnorth_m = -5000\ntowards_deg = 270\nspeed_mps = 0.5\nwidth_m = 20\ntemperature_c = -2";
         let front = draw(&[toml::from_str(text).unwrap()], 1).unwrap()[0];

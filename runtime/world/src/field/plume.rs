@@ -148,12 +148,12 @@ fn validate(configs: &[PlumeConfig]) -> Result<(), WorldError> {
             -400.0,
             400.0,
             "field.plumes.temperature_c",
-            "within 400 degrees Celsius",
+            "-400 to 400 degrees Celsius",
         )?;
         let key = "field.plumes.conductivity_us_per_cm";
         plume
             .conductivity_us_per_cm
-            .within(-100_000.0, 100_000.0, key, "within 100000 uS/cm")?;
+            .within(-100_000.0, 100_000.0, key, "-100000 to 100000 uS/cm")?;
         let tracer_ok = (0.0..=1e6).contains(&plume.tracer);
         check(tracer_ok, "field.plumes.tracer", plume.tracer, "0 to 1000000")?;
         if let Some(depth) = plume.depth_m {

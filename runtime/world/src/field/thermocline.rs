@@ -38,10 +38,10 @@ impl ThermoclineConfig {
         let key = "field.thermocline.thickness_m";
         self.thickness_m.within(0.1, 2000.0, key, "0.1 to 2000 m")?;
         let key = "field.thermocline.drop_c";
-        self.drop_c.within(-40.0, 40.0, key, "within 40 degrees Celsius")?;
+        self.drop_c.within(-40.0, 40.0, key, "-40 to 40 degrees Celsius")?;
         if let Some(drop) = self.conductivity_drop_us_per_cm {
             let key = "field.thermocline.conductivity_drop_us_per_cm";
-            check(drop.abs() <= 100_000.0, key, drop, "within 100000 uS/cm")?;
+            check(drop.abs() <= 100_000.0, key, drop, "-100000 to 100000 uS/cm")?;
         }
         let mut stream = Stream::new(seed, "thermocline");
         let depth_m = self.depth_m.draw(&mut stream);
@@ -86,7 +86,7 @@ mod tests {
     ";
 
     #[test]
-    fn it_is_a_tangent_about_its_depth() {
+    fn a_thermocline_is_a_hyperbolic_tangent_around_its_depth() {
         let field = Field::new(&toml::from_str(TEXT).unwrap(), 1).unwrap();
         let at = |depth_m| field.temperature_c(EastNorth::default(), depth_m, Timestamp::ZERO);
         assert!((at(20.0) - 14.0).abs() < 1e-12);

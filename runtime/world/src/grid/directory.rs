@@ -40,7 +40,11 @@ pub(super) fn inspect(bytes: &[u8]) -> Result<(), WorldError> {
         let entry = directory + count_size + index * entry_size;
         let tag = file.unsigned(entry, 2)?;
         if !seen.insert(tag) {
-            return Err(fault("the directory", format!("tag {tag} twice"), "each tag once"));
+            return Err(fault(
+                "the directory",
+                format!("ambiguous: it has tag {tag} twice"),
+                "each tag once",
+            ));
         }
         let first = file.value(entry)?;
         // A value that is not an unsigned number counts as the greatest one and is rejected below, because a decoder
@@ -88,7 +92,7 @@ impl File<'_> {
         let range = || Some(usize::try_from(at).ok()?..usize::try_from(at.checked_add(size)?).ok()?);
         range().and_then(|range| self.bytes.get(range)).ok_or_else(|| {
             let found = format!("{} bytes long", self.bytes.len());
-            fault("the file", found, "all that its tags point at: it is cut")
+            fault("the file", found, "everything that its tags point to: it is truncated")
         })
     }
 

@@ -34,7 +34,7 @@ pub(super) fn read(text: &str) -> Result<Grid, WorldError> {
             return Err(fault(
                 line,
                 format!("{} without a value", quoted(key)),
-                "a number after it",
+                "a number after the key",
             ));
         };
         // Cells without data may be marked with NaN or an infinity.
@@ -43,7 +43,7 @@ pub(super) fn read(text: &str) -> Result<Grid, WorldError> {
             _ => return Err(fault(value_line, quoted(word), format!("a number for {}", quoted(key)))),
         };
         if slot.replace((value_line, value)).is_some() {
-            return Err(fault(line, format!("{} again", quoted(key)), "each key once"));
+            return Err(fault(line, format!("a second {}", quoted(key)), "each key once"));
         }
     }
     let values_line = words.peek().map_or(last_line, |(line, _)| *line);
@@ -112,7 +112,13 @@ impl Header {
 
     fn layout(&self, values_line: usize) -> Result<Layout, WorldError> {
         let given = |slot: Option<(usize, f64)>, key: &str| {
-            slot.ok_or_else(|| fault(values_line, format!("no `{key}` before the values"), "it in the header"))
+            slot.ok_or_else(|| {
+                fault(
+                    values_line,
+                    format!("no `{key}` before the values"),
+                    "this key in the header",
+                )
+            })
         };
         let columns = count(given(self.ncols, "ncols")?, "ncols")?;
         let rows = count(given(self.nrows, "nrows")?, "nrows")?;
@@ -123,7 +129,11 @@ impl Header {
         }
         let (line, cell) = given(self.cellsize, "cellsize")?;
         if !(cell > 0.0 && cell <= 1e6) {
-            return Err(fault(line, format!("a cellsize of {cell}"), "above 0 to 1000000"));
+            return Err(fault(
+                line,
+                format!("a cellsize of {cell}"),
+                "more than 0, at most 1000000",
+            ));
         }
         let west = first_centre(self.xllcorner, self.xllcenter, cell, "xllcorner", values_line)?;
         let south = first_centre(self.yllcorner, self.yllcenter, cell, "yllcorner", values_line)?;
@@ -161,17 +171,17 @@ fn first_centre(
         (Some((line, corner)), None) => (line, corner + 0.5 * cell),
         (None, Some(centre)) => centre,
         (Some((line, _)), Some(_)) => {
-            return Err(fault(line, format!("`{key}` beside the centre"), "one of the two"));
+            return Err(fault(line, format!("both `{key}` and the centre"), "one of the two"));
         }
         (None, None) => {
             let found = format!("no `{key}` before the values");
-            return Err(fault(values_line, found, "it, or the centre, in the header"));
+            return Err(fault(values_line, found, "the corner or the centre in the header"));
         }
     };
     if at.abs() <= 1e9 {
         Ok(at)
     } else {
-        Err(fault(line, format!("{at}"), "a coordinate within 1e9"))
+        Err(fault(line, format!("{at}"), "a coordinate, -1e9 to 1e9"))
     }
 }
 
@@ -196,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn corner_and_centre_any_case_any_lines() {
+    fn a_header_may_have_corner_or_centre_any_case_any_lines() {
         let grid = read(TEXT).unwrap();
         let layout = grid.layout();
         assert_eq!((layout.west, layout.north, layout.cell_east), (105.0, -35.0, 10.0));
@@ -231,23 +241,23 @@ mod tests {
         );
         assert_eq!(
             fault("2 3", "2 x"),
-            "grid, line 7: `x`, expected a number within 12000 m"
+            "grid, line 7: `x`, expected a number, -12000 to 12000 m"
         );
         assert_eq!(
             fault("2 3", "nan 3"),
-            "grid, line 7: `nan`, expected a number within 12000 m"
+            "grid, line 7: `nan`, expected a number, -12000 to 12000 m"
         );
         assert_eq!(
             fault("2 3", "2 inf"),
-            "grid, line 7: `inf`, expected a number within 12000 m"
+            "grid, line 7: `inf`, expected a number, -12000 to 12000 m"
         );
         assert_eq!(
             fault("2 3", "2 30000"),
-            "grid, line 7: `30000`, expected a number within 12000 m"
+            "grid, line 7: `30000`, expected a number, -12000 to 12000 m"
         );
         assert_eq!(
             fault("cellsize 10", "cellsize 0"),
-            "grid, line 5: a cellsize of 0, expected above 0 to 1000000"
+            "grid, line 5: a cellsize of 0, expected more than 0, at most 1000000"
         );
         assert_eq!(
             fault("cellsize 10", "cellsize nan"),
@@ -255,19 +265,19 @@ mod tests {
         );
         assert_eq!(
             fault("cellsize 10\n", ""),
-            "grid, line 6: no `cellsize` before the values, expected it in the header"
+            "grid, line 6: no `cellsize` before the values, expected this key in the header"
         );
         assert_eq!(
             fault("xllcorner 100\n", ""),
-            "grid, line 6: no `xllcorner` before the values, expected it, or the centre, in the header"
+            "grid, line 6: no `xllcorner` before the values, expected the corner or the centre in the header"
         );
         assert_eq!(
             fault("xllcorner 100", "xllcorner 100 xllcenter 100"),
-            "grid, line 3: `xllcorner` beside the centre, expected one of the two"
+            "grid, line 3: both `xllcorner` and the centre, expected one of the two"
         );
         assert_eq!(
             fault("nrows 2", "nrows 2 nrows 2"),
-            "grid, line 2: `nrows` again, expected each key once"
+            "grid, line 2: a second `nrows`, expected each key once"
         );
         assert_eq!(
             fault("ncols 3", "ncols 2.5"),
@@ -284,11 +294,11 @@ mod tests {
         assert!(fault("ncols", "columns").starts_with("grid, line 1: `columns`, expected ncols, nrows,"));
         assert_eq!(
             message("ncols"),
-            "grid, line 1: `ncols` without a value, expected a number after it"
+            "grid, line 1: `ncols` without a value, expected a number after the key"
         );
         assert_eq!(
             message(""),
-            "grid, line 1: no `ncols` before the values, expected it in the header"
+            "grid, line 1: no `ncols` before the values, expected this key in the header"
         );
     }
 }

@@ -31,7 +31,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Grid, WorldError> {
         return Err(fault(
             "the file",
             found,
-            "enough for the image that its tags claim: it is cut",
+            "enough for the image that its tags describe: it is truncated",
         ));
     }
     let layout = layout(&mut decoder, columns, rows)?;
@@ -126,7 +126,7 @@ fn layout(decoder: &mut Source<'_>, columns: usize, rows: usize) -> Result<Layou
             return Err(fault(
                 "ModelTiepoint (33922)",
                 format!("{number}"),
-                "coordinates within 1e9",
+                "coordinates, -1e9 to 1e9",
             ));
         }
     }
@@ -180,7 +180,7 @@ fn floats(decoder: &mut Source<'_>, tag: Tag) -> Result<Vec<f64>, WorldError> {
 
 fn absent(numbers: &[f64]) -> String {
     if numbers.is_empty() {
-        "not there".to_owned()
+        "missing".to_owned()
     } else {
         format!("{} numbers", numbers.len())
     }
@@ -194,7 +194,7 @@ fn unreadable(error: TiffError) -> WorldError {
     fault(
         "the file",
         format!("unreadable ({found})"),
-        "a GeoTIFF of one band, whole",
+        "a complete GeoTIFF with one band",
     )
 }
 

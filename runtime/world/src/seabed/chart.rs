@@ -37,19 +37,15 @@ impl Chart {
         let layout = grid.layout();
         let kind = config.grid_frame.unwrap_or_default();
         let as_declared = layout.declared.is_none_or(|declared| declared == kind);
-        agree(
-            as_declared,
-            "seabed.grid_frame",
-            "what the GeoTIFF's own GTModelType says",
-        )?;
+        agree(as_declared, "seabed.grid_frame", "what GTModelType in the GeoTIFF says")?;
         let (place, distance_m) = match kind {
             GridFrame::Local => (Place::Local, local_distance_m(layout)),
             GridFrame::Geographic => geographic(layout, frame)?,
         };
-        let expected = "some of it within 50 km of the origin (are its coordinates as grid_frame says?)";
+        let expected = "at most 50000 (is grid_frame right?)";
         check(
             distance_m <= LocalFrame::RADIUS_M,
-            "the grid's distance, metres,",
+            "the grid's distance from the origin, metres,",
             distance_m.round(),
             expected,
         )?;
@@ -150,10 +146,30 @@ fn geographic(layout: &Layout, frame: &LocalFrame) -> Result<(Place, f64), World
     let key = "the grid's edge, degrees,";
     // Half a cell of tolerance, because the outermost centres of a global grid may lie on the poles.
     let pole = 90.0 + 0.5 * layout.cell_north;
-    check(south >= -pole, key, south, "a latitude: grid_frame is geographic")?;
-    check(north <= pole, key, north, "a latitude: grid_frame is geographic")?;
-    check(west >= -360.0, key, west, "a longitude: grid_frame is geographic")?;
-    check(east <= 540.0, key, east, "a longitude: grid_frame is geographic")?;
+    check(
+        south >= -pole,
+        key,
+        south,
+        "a latitude, because grid_frame is geographic",
+    )?;
+    check(
+        north <= pole,
+        key,
+        north,
+        "a latitude, because grid_frame is geographic",
+    )?;
+    check(
+        west >= -360.0,
+        key,
+        west,
+        "a longitude, because grid_frame is geographic",
+    )?;
+    check(
+        east <= 540.0,
+        key,
+        east,
+        "a longitude, because grid_frame is geographic",
+    )?;
     let middle_deg = 0.5 * (west + east);
     let origin = frame.origin();
     let from_middle_deg = wrap_180(origin.longitude.as_deg() - middle_deg);
@@ -234,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_of_somewhere_else_is_refused() {
+    fn a_grid_far_from_the_origin_is_refused() {
         let here = frame(42.0, -70.0);
         let message = |header: &str, text: &str| {
             let grid = Grid::from_esri_ascii(&format!("ncols 2 nrows 2 {header}\n1 2 3 4")).unwrap();
@@ -242,13 +258,12 @@ mod tests {
         };
         assert_eq!(
             message("xllcorner 330000 yllcorner 0 cellsize 10", ""),
-            "the grid's distance, metres, is 330000, expected some of it within 50 km of the origin (are its coordinates \
-             as grid_frame says?)"
+            "the grid's distance from the origin, metres, is 330000, expected at most 50000 (is grid_frame right?)"
         );
         let geographic = "grid_frame = \"geographic\"";
         let message = message("xllcorner -71 yllcorner 4650000 cellsize 10", geographic);
         assert!(
-            message.ends_with("expected a latitude: grid_frame is geographic"),
+            message.ends_with("expected a latitude, because grid_frame is geographic"),
             "{message}"
         );
         let far = Grid::from_esri_ascii("ncols 2 nrows 2 xllcorner 109 yllcorner -42 cellsize 1\n1 2 3 4").unwrap();
@@ -283,7 +298,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_gradient_of_a_geographic_grid_is_its_own(
+        fn the_gradient_of_a_geographic_grid_is_the_derivative_of_its_depth(
             latitude in -80.0..80.0f64, east in -45_000.0..45_000.0f64, north in -45_000.0..45_000.0f64,
         ) {
             let here = frame(latitude, 10.0);

@@ -471,7 +471,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_leads_beyond_its_own_limits() {
+    fn no_demand_exceeds_the_limits() {
         for class in CLASSES {
             for vertical in [Vertical::Depth(5000.0), Vertical::Altitude(0.0), Vertical::Pitch(-20.0)] {
                 let demand = Demand {
@@ -528,7 +528,7 @@ mod tests {
     }
 
     #[test]
-    fn adrift_it_floats_up_and_stops() {
+    fn a_vehicle_adrift_floats_up_and_stops() {
         let demand = Demand {
             turn: Turn::Heading(0.0),
             vertical: Vertical::Depth(5.0),

@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_beam_ends_at_the_first_plate_or_passes() {
+    fn a_beam_ends_at_the_first_plate_or_misses() {
         let ship = ship(ShipSide::Starboard);
         let slant = (0.0, 0.6, 0.8);
         for (east, north, depth, direction, ahead) in [

@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn orders_beyond_the_tail_are_limited_and_lag() {
+    fn orders_beyond_the_limits_are_clamped_and_lag() {
         let mut tail = Tail::default();
         let order = Actuators {
             rudder_deg: 90.0,

@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_right_through_a_loop_without_a_singularity() {
+    fn turns_through_a_whole_loop_without_a_singularity() {
         // A whole loop at 90 degrees a second, through both verticals.
         let mut attitude = Attitude::level(0.5);
         for _ in 0..4000 {

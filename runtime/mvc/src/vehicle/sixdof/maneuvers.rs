@@ -213,7 +213,7 @@ fn altitude_follows_a_slope() {
 }
 
 #[test]
-fn nothing_leads_beyond_its_own_limits() {
+fn no_demand_exceeds_the_limits() {
     let trims = [
         Trim::Depth(5000.0),
         Trim::Altitude(0.0),
@@ -258,7 +258,7 @@ fn nothing_leads_beyond_its_own_limits() {
 }
 
 #[test]
-fn held_it_stays_and_adrift_it_floats_up_with_the_current() {
+fn a_held_vehicle_stays_and_one_adrift_floats_up_with_the_current() {
     let mut vehicle = vehicle(VehicleClass::NineInch, 3.0);
     let around = Surroundings {
         current: (0.3, 0.0, 0.0),
@@ -335,7 +335,7 @@ fn the_same_orders_give_the_same_bits() {
 }
 
 #[test]
-fn comes_up_under_way_and_stays_up() {
+fn surfaces_under_way_and_stays_up() {
     // The wrap-up of a mission does this. At the surface means less than 0.3 m deep, where GPS works.
     for class in TORPEDOES {
         let mut vehicle = vehicle(class, 12.0);
@@ -431,7 +431,7 @@ fn speed_is_reached_and_held_in_turns_and_dives() {
 }
 
 #[test]
-fn the_step_of_the_mock_matters_little() {
+fn the_length_of_the_step_matters_little() {
     // With the same orders, 1, 10 and 100 steps a second lead to the same place.
     let fly_at = |hertz: u32| {
         let mut vehicle = vehicle(VehicleClass::TwelveInch, 5.0);
@@ -452,7 +452,7 @@ fn the_step_of_the_mock_matters_little() {
 }
 
 #[test]
-fn orders_and_waters_that_are_no_numbers_leave_it_flying() {
+fn it_flies_on_after_orders_and_currents_that_are_not_finite() {
     let mut vehicle = vehicle(VehicleClass::NineInch, 10.0);
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for trim in [

@@ -114,7 +114,7 @@ fn steady_circles_are_the_published_equations() {
 }
 
 #[test]
-fn step_inputs_lead_where_they_lead_in_the_reference() {
+fn step_inputs_give_the_track_of_the_reference() {
     // Fossen's open-loop demonstration: rudder 5 degrees for 100 s, stern planes -5 degrees for 50 s, full propeller.
     let reference = [
         (5.0, [7.766_006, 0.389_288, 79.846_508, 0.034_348, 0.149_903, 0.209_157]),
@@ -198,7 +198,7 @@ fn a_current_carries_as_in_the_reference() {
 }
 
 #[test]
-fn depth_step_under_the_published_autopilot_is_the_reference_s() {
+fn depth_step_under_the_published_autopilot_follows_the_reference() {
     // Fossen's depth autopilot (successive loops, `SIMremus100.m`), from 0 to 10 m at 1300 turns a minute, sampled at
     // 50 Hz. Its low-pass filter of 0.02 rad/s makes the dive slow and without overshoot.
     let reference = [
@@ -235,7 +235,7 @@ fn depth_step_under_the_published_autopilot_is_the_reference_s() {
 }
 
 #[test]
-fn righting_moment_rights_as_in_the_reference() {
+fn righting_moment_acts_as_in_the_reference() {
     // Released at rest, with a roll of 30 and a pitch of 20 degrees.
     let mut vehicle = neutral(20.0);
     vehicle.state.attitude = attitude(30.0, 20.0);
@@ -264,7 +264,7 @@ fn attitude(roll_deg: f64, pitch_deg: f64) -> super::attitude::Attitude {
 }
 
 #[test]
-fn at_rest_and_neutral_it_stays_where_it_is() {
+fn a_neutral_vehicle_at_rest_stays_in_place() {
     let mut vehicle = SixDof::new(EastNorth::new(3.0, 4.0), 20.0, 123.0, 0.0);
     run(&mut vehicle, Actuators::default(), STILL, 600.0);
     assert_eq!(vehicle.at(), EastNorth::new(3.0, 4.0));
@@ -317,7 +317,7 @@ fn at_fifty_hertz_the_integrator_is_stable_and_exact_enough() {
 }
 
 #[test]
-fn water_carries_a_drifter_and_adds_to_what_is_under_way() {
+fn a_current_carries_a_drifter_and_adds_to_a_moving_vehicle() {
     let current = (0.4, -0.3, 0.0);
     let mut still = neutral(20.0);
     let mut carried = neutral(20.0);
@@ -337,7 +337,7 @@ fn water_carries_a_drifter_and_adds_to_what_is_under_way() {
 }
 
 #[test]
-fn a_new_current_takes_time_to_carry() {
+fn a_new_current_takes_time_to_carry_the_vehicle() {
     let mut vehicle = neutral(20.0);
     run(&mut vehicle, Actuators::default(), STILL, 1.0);
     run(&mut vehicle, Actuators::default(), (0.5, 0.0, 0.0), 0.02);
@@ -358,7 +358,7 @@ fn buoyancy_brings_it_to_the_surface_and_no_further() {
         least_m = least_m.min(vehicle.depth_m());
     }
     assert!(least_m >= 0.0 && vehicle.depth_m() < 0.05, "{}", vehicle.depth_m());
-    near("way on", hypot(vehicle.velocity()[0], vehicle.velocity()[1]), 0.0, 0.01);
+    near("speed", hypot(vehicle.velocity()[0], vehicle.velocity()[1]), 0.0, 0.01);
     // With full power and the nose up it does not leave the water either.
     let mut vehicle = SixDof::rising_at(EastNorth::default(), 5.0, 0.0, 0.1);
     for _ in 0..3000 {
@@ -368,7 +368,7 @@ fn buoyancy_brings_it_to_the_surface_and_no_further() {
 }
 
 #[test]
-fn no_order_and_no_water_makes_it_lose_its_numbers() {
+fn no_order_and_no_current_makes_its_state_nan() {
     let mut vehicle = neutral(20.0);
     for value in [f64::NAN, f64::INFINITY, -1e300] {
         run(&mut vehicle, tail(value, value, value), STILL, 1.0);
@@ -387,7 +387,7 @@ fn no_order_and_no_water_makes_it_lose_its_numbers() {
 }
 
 #[test]
-fn the_speed_that_the_propeller_is_set_for_is_the_one_that_it_makes() {
+fn the_propeller_reaches_the_speed_that_it_is_set_for() {
     let coefficients = Coefficients::remus_100();
     for mps in [0.6, 1.0, 1.7, 2.5] {
         let mut vehicle = neutral(50.0);
@@ -398,7 +398,7 @@ fn the_speed_that_the_propeller_is_set_for_is_the_one_that_it_makes() {
 }
 
 #[test]
-fn the_bits_are_the_same_everywhere() {
+fn results_are_bit_identical_on_all_platforms() {
     // The result is the same in debug and release builds and on all processors, because the code uses elementary
     // arithmetic and libm only.
     let mut vehicle = SixDof::rising_at(EastNorth::default(), 20.0, 33.0, 0.1);

@@ -114,8 +114,8 @@ const SPEED_RESERVE_MPS: f64 = 0.03;
 const RPM_PER_MPS: f64 = PROPELLER_MAX_RPM / 2.5;
 /// How far ahead the vehicle takes the slope of the seabed into account, seconds.
 const LOOK_AHEAD_S: f64 = 10.0;
-/// The distance that the vehicle keeps from its greatest depth, because a diving body does not stop at once: metres for
-/// each metre a second of its depth rate.
+/// The distance that the vehicle keeps from its greatest depth and its least altitude, because a diving body does not
+/// stop at once: metres for each metre a second of its depth rate.
 const LEVEL_OUT_S: f64 = 1.0;
 
 /// The smallest radius of a turn, metres: with hard rudder from full speed, while the speed drops. A steady turn has 19

@@ -181,7 +181,7 @@ impl Adjustment {
             // An adjustment that the vehicle began by itself is canceled.
             self.end(
                 ctx,
-                failed(AdjustmentError::Canceled, "canceled: another was asked for"),
+                failed(AdjustmentError::Canceled, "canceled: another was requested"),
             );
             ctx.acknowledge(re, AckStatus::Succeeded, "");
             self.begin(ctx, kind, Some(re.client));

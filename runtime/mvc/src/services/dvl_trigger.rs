@@ -189,7 +189,7 @@ impl DvlTrigger {
             // request again.
             (State::Internal | State::Asked { .. }, true, true) => Answer {
                 event: Some(DvlTriggerEvent::WithoutLeave(by)),
-                refused: Some("triggering without leave"),
+                refused: Some("triggering not permitted"),
                 ..becomes_ceasing(State::Internal)
             },
             (State::Internal, false, true) => Answer {

@@ -180,7 +180,7 @@ impl Silence {
 
     fn enter(&mut self, ctx: &mut Context<'_>, mut change: Change, devices: &mut Devices<'_>) {
         if self.is_silent() {
-            let text = "silent already: the time is not extended";
+            let text = "already silent: the time is not extended";
             return ctx.acknowledge(change.re, AckStatus::Succeeded, text);
         }
         if self.is_spinning(ctx.now) {
@@ -205,7 +205,7 @@ impl Silence {
     fn withdraw(&mut self, ctx: &mut Context<'_>) {
         while let Some(at) = self.changes.iter().position(|change| change.silent) {
             if let Some(change) = self.changes.remove(at) {
-                failed(ctx, change.re, "normal mode was asked for meanwhile");
+                failed(ctx, change.re, "normal mode was requested meanwhile");
             }
         }
     }

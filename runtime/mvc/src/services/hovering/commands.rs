@@ -111,10 +111,10 @@ impl Hovering {
                 return failed("there is no hull");
             }
             if !(safety_m..=REACH_M).contains(&distance_m) {
-                return Answer::Failed(format!("the distance is to be from {safety_m} to {REACH_M} m"));
+                return Answer::Failed(format!("the distance must be {safety_m} to {REACH_M} m"));
             }
             if !(0.0..=depth_max_m).contains(&depth_m) {
-                return Answer::Failed(format!("the depth is to be from 0 to {depth_max_m} m"));
+                return Answer::Failed(format!("the depth must be 0 to {depth_max_m} m"));
             }
             if horizontal_m.abs() > REACH_M {
                 return out_of_reach();
@@ -156,13 +156,13 @@ impl Hovering {
             let vertical = match reference {
                 VerticalReference::Depth if (0.0..=depth_max_m).contains(&metres) => Vertical::Depth(metres),
                 VerticalReference::Depth => {
-                    return Answer::Failed(format!("the depth is to be from 0 to {depth_max_m} m"));
+                    return Answer::Failed(format!("the depth must be 0 to {depth_max_m} m"));
                 }
                 VerticalReference::Altitude if (altitude_min_m..=REACH_M).contains(&metres) => {
                     Vertical::Altitude(metres)
                 }
                 VerticalReference::Altitude => {
-                    return Answer::Failed(format!("the altitude is to be from {altitude_min_m} to {REACH_M} m"));
+                    return Answer::Failed(format!("the altitude must be {altitude_min_m} to {REACH_M} m"));
                 }
             };
             if x_m.abs().max(y_m.abs()) > REACH_M {

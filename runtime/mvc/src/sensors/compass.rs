@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_deviation_is_of_the_five_coefficients() {
+    fn the_deviation_follows_the_five_coefficients() {
         // At 90 degrees, the deviation is A + B - E.
         assert!((deviation_deg([0.1, 2.0, 7.0, 9.0, 0.5], 90.0) - 1.6).abs() < 1e-12);
         // At 45 degrees, D counts in full and E not at all.

@@ -139,7 +139,7 @@ mod tests {
         assert_eq!(
             draws.bits(),
             0xE220_A839_7B1D_CDAF,
-            "SplitMix64's own first number of seed 0"
+            "the first number of SplitMix64 for seed 0"
         );
         let mut draws = Noise { key: 1 }.reading(1);
         let drawn: Vec<f64> = (0..3).map(|_| draws.gaussian()).collect();
@@ -153,7 +153,7 @@ mod tests {
     ];
 
     #[test]
-    fn normal_numbers_have_their_moments_and_their_tails() {
+    fn normal_numbers_have_the_right_moments_and_tails() {
         let noise = Noise::new(3, "moments");
         let count = 400_000_u32;
         // A few numbers of each reading, as the sensors draw them.

@@ -66,7 +66,7 @@ impl Executive {
                 self.end_mission(errors, details);
                 Ok(())
             }
-            Status::WrappingUp | Status::Aborting => Err("the mission is ending already"),
+            Status::WrappingUp | Status::Aborting => Err("the mission is already ending"),
             Status::Ready | Status::Completed | Status::Aborted | Status::Stopped => Err(NO_MISSION),
         }
     }

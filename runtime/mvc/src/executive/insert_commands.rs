@@ -82,7 +82,10 @@ impl Mission {
     }
 
     /// BPRMP (SPI 7.19). It is always pending first, whatever the setting is.
-    #[expect(clippy::unused_self, reason = "the mission answers it when it is decided")]
+    #[expect(
+        clippy::unused_self,
+        reason = "a command of the mission like the others, answered by `decide`"
+    )]
     pub(crate) fn request_plan(&self, ctx: &mut Context<'_>, re: Regarding) {
         ctx.server.begin_pending(ctx.now, re, Asked::Plan);
     }

@@ -55,7 +55,7 @@ impl Executive {
                 return Err("a gps hit cannot be cancelled");
             }
             if !self.interpretation.cancel_any && insert.client != client {
-                return Err("the behavior is of another client");
+                return Err("the behavior is another client's");
             }
             self.queue.remove(at);
             self.log

@@ -130,7 +130,7 @@ pub(super) fn read(request: &ModifyBehavior, grid_convergence_deg: f64) -> Resul
         (None, _) => None,
         (Some(rpm), Some(ModifySpeedMode::Rpm)) => Some(ModifySpeed::Rpm(rpm)),
         (Some(mps), Some(ModifySpeedMode::MetresPerSecond)) => Some(ModifySpeed::MetresPerSecond(mps)),
-        (Some(_), None) => return Err("speed_mode: empty beside a speed".to_owned()),
+        (Some(_), None) => return Err("speed_mode: required with speed".to_owned()),
         (Some(_), Some(ModifySpeedMode::Other(code))) => {
             return Err(format!("speed_mode {code}: expected 0 or 1"));
         }

@@ -53,7 +53,7 @@ impl Mission {
         let created = ctx.stamp();
         #[expect(
             clippy::wildcard_enum_match_arm,
-            reason = "the rest is the vehicle's own affair, or acknowledged"
+            reason = "the other events are internal to the vehicle, or acknowledged"
         )]
         match kind {
             MvcEventKind::Control(granted) => {

@@ -13,7 +13,7 @@
 //! | `[tide]` | the water level | [`TideLevelConfig`] |
 //! | `[current]` | a mean flow, tidal ellipses, layers, a boundary layer at the bed | [`CurrentConfig`] |
 //! | `[field]` | temperature, conductivity and a tracer: thermocline, plumes, filaments, fronts | [`FieldConfig`] |
-//! | `[[targets]]` | things on the seabed, for a sonar | [`TargetConfig`] |
+//! | `[[targets]]` | objects on the seabed, for a sonar | [`TargetConfig`] |
 //!
 //! Salinity, pressure and the speed of sound are computed from the fields with the equations in [`seawater`].
 //!

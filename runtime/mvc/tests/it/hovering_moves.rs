@@ -108,7 +108,7 @@ fn which_way_the_vertical_counts_is_a_setting() {
         payload
             .heard()
             .iter()
-            .any(|line| line.ends_with("GHP,070000.000,0,1,0,the depth is to be from 0 to 60 m"))
+            .any(|line| line.ends_with("GHP,070000.000,0,1,0,the depth must be 0 to 60 m"))
     );
     keep(&mut payload, 60.0, "$BPGHP,070000.000,0,-4,3");
     assert!(near(payload.mvc.truth().depth_m, 4.0, 0.1));

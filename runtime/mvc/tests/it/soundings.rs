@@ -161,7 +161,7 @@ fn a_grid_that_is_named_must_be_given_and_fit() {
     let file = WorldFile::from_toml(&charted(CALM)).expect("a file is right without its grid");
     assert_eq!(
         Mvc::new(&file, 1).unwrap_err().to_string(),
-        "seabed.grid is `bed.asc`, expected the grid of that file: only its name was given"
+        "seabed.grid is `bed.asc`, but the caller passed no grid: expected the content of that file"
     );
     let message = over(CALM, BED).unwrap_err().to_string();
     assert!(message.starts_with("seabed.grid: expected"), "{message}");
@@ -170,7 +170,7 @@ fn a_grid_that_is_named_must_be_given_and_fit() {
     assert!(message.starts_with("grid, row 1, column 1: no data"), "{message}");
     let both = charted(CALM).replace("grid =", "banks = 2\ngrid =");
     let message = WorldFile::from_toml(&both).unwrap_err().to_string();
-    assert_eq!(message, "seabed.banks: expected it or `seabed.grid`, not both");
+    assert_eq!(message, "seabed.banks: expected this key or `seabed.grid`, not both");
 }
 
 /// SPI 6.1: the altitude is over the seabed, and the depth under the surface, wherever the tide has that.

@@ -126,10 +126,7 @@ fn a_world_stands_on_it() {
         ..config
     };
     let error = World::with_grid(&unnamed, 1, Some(grid)).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "seabed.grid: expected the name of the grid that is given"
-    );
+    assert_eq!(error.to_string(), "seabed.grid: expected the name of the grid's file");
 }
 
 /// A TIFF by hand, big endian, uncompressed: tags as (number, type, values), and the pixels behind them.
@@ -223,7 +220,7 @@ fn tiles_points_and_what_the_file_says_of_itself() {
     let error = World::with_grid(&config("local"), 1, Some(grid)).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "seabed.grid_frame: expected what the GeoTIFF's own GTModelType says"
+        "seabed.grid_frame: expected what GTModelType in the GeoTIFF says"
     );
 }
 
@@ -236,7 +233,7 @@ fn what_is_missing_is_named() {
     };
     assert_eq!(
         message(&tiled(&[])),
-        "grid, GeoTIFF: ModelPixelScale (33550) is not there, expected two numbers above 0: the width and height of a \
+        "grid, GeoTIFF: ModelPixelScale (33550) is missing, expected two numbers above 0: the width and height of a \
          pixel"
     );
     let mut tags = georeference();
@@ -263,7 +260,7 @@ fn what_is_missing_is_named() {
     let bytes = encode::<Gray32Float>(&values, Compression::Uncompressed, Predictor::None);
     assert_eq!(
         message(&bytes),
-        "grid, GeoTIFF: a cell is 1000000000 (row 2, column 3), expected a number within 12000 m"
+        "grid, GeoTIFF: a cell is 1000000000 (row 2, column 3), expected a number, -12000 to 12000 m"
     );
     values[7] = f32::NAN;
     let bytes = encode::<Gray32Float>(&values, Compression::Uncompressed, Predictor::None);

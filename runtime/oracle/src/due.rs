@@ -3,7 +3,7 @@ use crate::moment::Moment;
 use crate::rule::Rule;
 use crate::violation::Findings;
 
-/// What has ended a lease or station keeping, and until when its end must have been said.
+/// Why a lease or station keeping must end, and the time by which the sentence that ends it must have been sent.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Due {
     pub(crate) by: Moment,
@@ -12,7 +12,7 @@ pub(crate) struct Due {
 }
 
 impl Due {
-    /// The one that comes first.
+    /// The earlier one.
     #[expect(clippy::unnecessary_wraps, reason = "it takes the place of what it was given")]
     pub(crate) fn first(due: Option<Self>, other: Self) -> Option<Self> {
         Some(due.filter(|due| due.by <= other.by).unwrap_or(other))

@@ -5,15 +5,15 @@ use crate::error::OracleError;
 use crate::plane::Point;
 use crate::zone::{Kind, Zone};
 
-/// Far more than a fence has.
+/// Far more vertices than a fence has.
 const VERTICES_MAX: usize = 1_000_000;
-/// The plane of a point is of no use nearer to the poles.
+/// Nearer to the poles, the plane of a point is of no use.
 const LATITUDE_MAX_DEG: f64 = 85.0;
 
-/// A property with one of these in its name says when a zone holds.
+/// If the name of a property contains one of these words, the property limits when the zone is valid.
 const TIMES: [&str; 5] = ["valid", "from", "until", "window", "time"];
 
-/// Reads a feature collection of polygons (RFC 7946): the zones, and the reference of their longitudes.
+/// Reads a feature collection of polygons (RFC 7946). Returns the reference of their longitudes, and the zones.
 pub(crate) fn read(text: &str) -> Result<(f64, Vec<Zone>), OracleError> {
     let document: Value = serde_json::from_str(text).map_err(|error| OracleError::Json(error.to_string()))?;
     if document.get("type").and_then(Value::as_str) != Some("FeatureCollection") {
@@ -104,7 +104,7 @@ impl Reader {
         }
     }
 
-    /// The rings of all polygons. Inside and outside alternate over them, so that holes need no mark.
+    /// The rings of all polygons. Inside and outside alternate over all rings, so holes need no mark.
     fn rings(&mut self, feature: &Value) -> Result<Vec<Vec<Point>>, OracleError> {
         let geometry = feature.get("geometry");
         let coordinates = geometry

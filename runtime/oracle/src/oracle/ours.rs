@@ -5,7 +5,7 @@ use crate::rule::Rule;
 use crate::wire::{Ours, Request, read_ours};
 
 impl Oracle {
-    /// A line of ours: it must be a whole sentence as the specification wants it (SPI 4.2), and nothing else.
+    /// Judges a line of ours: it must be exactly one whole sentence as the specification defines it (SPI 4.2).
     pub(super) fn our_line(&mut self, at: Moment, line: &[u8]) {
         self.counts.sentences_to_vehicle += 1;
         self.findings.looks_at(line);
@@ -58,7 +58,8 @@ impl Oracle {
         self.we_say(at, &request, denied);
     }
 
-    /// Whether the vehicle was heard to hear us, and its plan was told, before something that steers.
+    /// Judges whether a request that steers leaves without proof that the vehicle hears us, or without the plan of the
+    /// dive.
     fn judge_answers(&mut self, at: Moment, request: &Request) {
         let name = String::from_utf8_lossy(&request.name);
         self.findings.judge(Rule::Unheard);
@@ -96,7 +97,8 @@ impl Oracle {
         }
     }
 
-    /// Whether navigation, and the clock that it goes by, were well for long enough before something that steers.
+    /// Judges whether navigation, and the vehicle's clock, were free of flaws for long enough before a request that
+    /// steers.
     fn judge_flaws(&mut self, at: Moment, name: &str) {
         if self.integrity.has_window() {
             self.findings.judge(Rule::NavigationUntrue);
@@ -108,7 +110,7 @@ impl Oracle {
             self.findings.judge(Rule::ClockSet);
         }
         let heard = self.process.heard_until(at, self.sure());
-        // A step that is a jump by itself is judged as that.
+        // A step that is a jump by itself is reported by the rule for jumps.
         let jumped = self.unsteady(at).is_some();
         for flaw in self.flaws.standing(at, heard) {
             if jumped && flaw.what.rule() == Rule::NavigationUntrue {
@@ -120,7 +122,8 @@ impl Oracle {
         }
     }
 
-    /// Whether control surely is not ours, after telling so where the sentence needs it.
+    /// Reports a sentence that needs a permission which we certainly do not have. Returns whether we certainly do not
+    /// have control.
     fn judge_permission(&mut self, at: Moment, name: &[u8; 5], asks: &Ours) -> bool {
         if !self.limits.operator_commands {
             self.findings.judge(Rule::OperatorOnly);
@@ -176,7 +179,7 @@ impl Oracle {
     }
 }
 
-/// Whether a sentence asks the vehicle to move otherwise than by its plan, or keeps it doing so.
+/// Whether a sentence asks the vehicle to deviate from its plan, or keeps it doing so.
 fn is_dynamic(name: &[u8; 5]) -> bool {
     matches!(
         name,

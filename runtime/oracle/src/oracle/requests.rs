@@ -11,19 +11,20 @@ use crate::services::Rated;
 use crate::time_of_day::TimeOfDay;
 use crate::wire::{Modify, Ours, Request, Setpoint, Speed, Trackcircle, Trackline};
 
-/// A standstill that is longer ends every lease: half a second late, and a second for the wake-up that was due next.
+/// A stop of the runtime that is longer than this ends every lease: half a second late, plus a second for the wake-up
+/// that was due next.
 const SLEPT_MAX: Duration = Duration::from_millis(1600);
-/// A bottom lock tells the depth of the water for so long.
+/// For so long after a bottom lock the depth of the water counts as known.
 const LOCK_LASTS: Duration = Duration::from_secs(5);
-/// What the wire's three decimals may change of a place, metres.
+/// How much the three decimals of a sentence can change a place, metres.
 const PLACE_SLACK_M: f64 = 0.001;
-/// What the wire's three decimals may change of a speed, m/s.
+/// How much the three decimals of a sentence can change a speed, m/s.
 const SPEED_SLACK_MPS: f64 = 0.001;
 
 impl Oracle {
-    /// Judges what a sentence of ours asks for. `denied` where control surely is not ours.
+    /// Judges what a sentence of ours asks for. `denied` is true if we certainly do not have control.
     pub(super) fn we_say(&mut self, at: Moment, request: &Request, denied: bool) {
-        // BPLOG alone has no time of its own.
+        // Only BPLOG has no time of its own.
         self.heartbeat.we_say(at, request);
         let Some(created) = request.created else { return };
         match &request.asks {
@@ -102,7 +103,7 @@ impl Oracle {
         }
     }
 
-    /// A sentence that keeps a suspension.
+    /// Judges a sentence that refreshes a suspension.
     fn keep_station(&mut self, at: Moment, denied: bool) {
         self.delivery.sent_station(at);
         let (counts, due) = (self.control.is_up() && !denied, self.end_due());
@@ -121,7 +122,7 @@ impl Oracle {
 
     fn judge_modify(&mut self, at: Moment, (created, modify): (TimeOfDay, &Modify), denied: bool) {
         self.counts.modifies += 1;
-        // Where control is just being lost, the lease that this opens ends with it.
+        // If control is just being lost, the lease that this BPRMB opens ends with it.
         let opens = !self.lease.is_alive();
         if opens && !denied {
             self.judge_pause(at);
@@ -143,7 +144,7 @@ impl Oracle {
             .flatten()
             .min_by_key(|due| due.by);
         let counts = self.control.is_up() && !denied;
-        // What is judged as a whole lease already is not told for each of its sentences.
+        // A fault that is reported for the whole lease is not reported again for each of its sentences.
         if jump_due.is_some() || self.frame_moved.is_some() {
             self.findings.judge(Rule::JumpIgnored);
         }
@@ -171,7 +172,7 @@ impl Oracle {
         self.findings.judge(Rule::ModifyTooFast);
         self.lease
             .modify(at, created, counts, self.runtime_late, due, &mut self.findings);
-        // What the vehicle refuses is judged once, as that.
+        // A modify without control, which the vehicle refuses, is reported once, by the rule for control.
         if denied {
             return;
         }
@@ -206,7 +207,7 @@ impl Oracle {
         self.tell_fault(at, "BPRMB", verdict);
     }
 
-    /// What a BPRMB leads to from where the vehicle says that it is.
+    /// Judges where a BPRMB leads from the position that the vehicle reports.
     fn judge_consequence(&mut self, at: Moment, modify: &Modify, opens: bool) {
         let told = self.navigation.heard_for_sure(at, self.sure());
         let Some(told) = told.filter(|told| at.since(told.at) < RECENT) else {
@@ -260,7 +261,7 @@ impl Oracle {
         self.tell_fault(at, &what, verdict);
     }
 
-    /// A lease begins: not too soon after one that the vehicle has refused.
+    /// Judges whether a lease begins too soon after the vehicle refused one.
     fn judge_pause(&mut self, at: Moment) {
         if !self.pause.is_any() {
             return;
@@ -275,7 +276,8 @@ impl Oracle {
         }
     }
 
-    /// We tell the vehicle that it is elsewhere: what steers by where it was has ended before.
+    /// We tell the vehicle that it is elsewhere. Every lease and station keeping, which use the old position, must have
+    /// ended before.
     fn frame_moves(&mut self, at: Moment) {
         self.findings.judge(Rule::JumpIgnored);
         if self.lease.is_alive() || self.station.is_alive() {
@@ -305,7 +307,8 @@ impl Oracle {
         self.inserts.sent(at, identifier, insert, total_max, &mut self.findings);
     }
 
-    /// How long a way takes, seconds. What turns make is not known: the slowest speed is taken.
+    /// How long a path takes, seconds. For a speed in turns of the thruster, which says nothing about metres per
+    /// second, the slowest speed is used.
     fn duration_s(&self, length_m: f64, speed: Speed) -> f64 {
         let speed_mps = match speed {
             Speed::MetresPerSecond(speed_mps) => speed_mps,
@@ -314,7 +317,7 @@ impl Oracle {
         length_m / speed_mps.max(0.1)
     }
 
-    /// A height above the seabed is a depth only where the water's is known.
+    /// Judges an altitude setpoint: it has a known depth only if the depth of the water is known.
     fn judge_bottom(&mut self, at: Moment, what: &str, setpoint: Setpoint) {
         if self.limits.water_depth_known || !matches!(setpoint, Setpoint::Altitude(_)) {
             return;
@@ -331,7 +334,7 @@ impl Oracle {
         }
     }
 
-    /// Where a suspended vehicle is told to go: within the mission's box, in what it says of it.
+    /// Judges where a suspended vehicle is sent: each coordinate of the sentence must be within the mission's box.
     fn judge_move(&mut self, at: Moment, name: &str, bounds_m: Option<[[f64; 2]; 3]>, place_m: [Option<f64>; 3]) {
         let Some(bounds_m) = bounds_m else { return };
         self.findings.judge(Rule::RequestBox);
@@ -346,7 +349,8 @@ impl Oracle {
         }
     }
 
-    /// A speed through the water; what turns make is not known.
+    /// Judges a speed through the water. A speed in turns of the thruster is not judged, because it says nothing about
+    /// metres per second.
     fn judge_speed(&mut self, at: Moment, what: &str, speed: Speed) {
         let Speed::MetresPerSecond(speed_mps) = speed else {
             return;

@@ -5,7 +5,7 @@ use crate::services::Counted;
 use crate::wire::{Answer, Fix, Outcome, Said, newest_sentence, read_vehicle};
 
 impl Oracle {
-    /// A line of the vehicle's, of which its last sentence counts.
+    /// Reads a line of the vehicle. Only its last sentence counts.
     pub(super) fn vehicle_line(&mut self, at: Moment, line: &[u8]) {
         let Some(sentence) = newest_sentence(line) else { return };
         if let Some(said) = read_vehicle(sentence) {
@@ -99,7 +99,7 @@ impl Oracle {
         }
     }
 
-    /// Another behavior than the one that was modified is flown.
+    /// The vehicle now flies another behavior than the one that was modified.
     fn behavior_changed(&mut self, at: Moment) {
         self.lease_must_end(self.due(at, Rule::LeaseOutlives, "a behavior began or ended under it"));
     }

@@ -144,7 +144,7 @@ impl Area {
         if keep_ins.any(|zone| zone.allows(setpoint)) {
             return Ok(());
         }
-        Err(Fault::Vertical(format!("{setpoint} is allowed in no keep-in zone")))
+        Err(Fault::Vertical(format!("no keep-in zone allows {setpoint}")))
     }
 
     fn judge(&self, shape: &Shape<'_>, setpoint: Setpoint) -> Result<(), Fault> {
@@ -167,11 +167,11 @@ impl Area {
         if !inside {
             return Err(match (vertical, fault) {
                 (Some(zone), _) => Fault::Vertical(format!(
-                    "{setpoint} is not allowed in zone {}: {} to {} m deep, {} m above the seabed",
+                    "{setpoint} is not allowed in zone {}: expected {} to {} m deep, or at least {} m above the seabed",
                     zone.name, zone.depth_min_m, zone.depth_max_m, zone.altitude_min_m
                 )),
                 (None, Some((zone, clear_m))) => Fault::Horizontal(format!(
-                    "{clear_m:.2} m from the edge of keep-in zone {}, its margin is {} m",
+                    "{clear_m:.2} m from the edge of keep-in zone {}, whose margin is {} m",
                     zone.name, zone.margin_m
                 )),
                 (None, None) => Fault::Horizontal("begins in no keep-in zone".to_owned()),
@@ -186,7 +186,7 @@ impl Area {
             if inside || clear_m < zone.margin_m - shape.slack_m(zone.margin_m) {
                 let clear_m = if inside { 0.0 } else { clear_m };
                 return Err(Fault::Horizontal(format!(
-                    "{clear_m:.2} m from keep-out zone {}, its margin is {} m",
+                    "{clear_m:.2} m from keep-out zone {}, whose margin is {} m",
                     zone.name, zone.margin_m
                 )));
             }
@@ -227,7 +227,7 @@ mod tests {
         /// The judgement of a shape agrees with that of many points on it. Only the spacing of the points makes a
         /// difference.
         #[test]
-        fn shapes_are_judged_as_their_points_are(
+        fn a_shape_is_judged_like_its_points(
             from in (-9000.0..9000.0f64, -12000.0..12000.0f64), bearing in 0.0..360.0f64, length in 1.0..4000.0f64,
             rim: bool,
         ) {

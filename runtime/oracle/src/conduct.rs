@@ -176,15 +176,15 @@ impl Conduct {
         let outlived = truth.activity == Activity::Modified && over(last, LAPSE);
         self.outlived
             .tell(outlived, findings, at, Rule::ModifyOutlives, || match last {
-                Some(last) => format!("still modified though the last BPRMB was of {last}"),
-                None => "modified without any BPRMB".to_owned(),
+                Some(last) => format!("the vehicle was still modified, although the last BPRMB dates from {last}"),
+                None => "the vehicle was modified without any BPRMB".to_owned(),
             });
         let last = context.delivery.last_station();
         let outlived = truth.activity == Activity::Suspended && over(last, STATION_LAPSE);
         self.station_outlived
             .tell(outlived, findings, at, Rule::StationOutlives, || match last {
-                Some(last) => format!("still suspended though the last sentence that keeps it was of {last}"),
-                None => "suspended without any BPSUS".to_owned(),
+                Some(last) => format!("the vehicle was still suspended, although the last refresh dates from {last}"),
+                None => "the vehicle was suspended without any BPSUS".to_owned(),
             });
     }
 
@@ -238,7 +238,7 @@ impl Conduct {
         });
         let depth = inside && !depth_allowed && !excused;
         self.depth.tell(depth, findings, at, Rule::TruthDepth, || {
-            format!("out of the depths of every keep-in zone at {}", place())
+            format!("outside the depths of every keep-in zone at {}", place())
         });
         // An altitude of NaN is no clearance.
         let grounded = commanded && (truth.altitude_m <= 0.0 || truth.altitude_m.is_nan());
@@ -266,7 +266,8 @@ impl Conduct {
         let zone = context.area.margin_broken(&plane, [0.0, 0.0], &depths_m, slack_m);
         self.margin.tell(zone.is_some(), findings, at, Rule::InsertMargin, || {
             format!(
-                "at {:.6} {:.6}, {:.1} m deep, as it believes: in the margin of zone {} by over {slack_m:.1} m",
+                "the vehicle believes that it is at {:.6} {:.6}, {:.1} m deep: over {slack_m:.1} m into the margin of \
+                 zone {}",
                 fix.position.latitude_deg,
                 fix.position.longitude_deg,
                 fix.depth_m,

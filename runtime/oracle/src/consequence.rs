@@ -35,7 +35,7 @@ impl Consequence {
         let surroundings = self.survey.surroundings();
         let depths_m = depths(modify, fix);
         if self.survey.spare_m() > way_m + 1.0 {
-            return is_out(&surroundings.zones, &depths_m, area).then(|| "it is there already".to_owned());
+            return is_out(&surroundings.zones, &depths_m, area).then(|| "the vehicle is outside already".to_owned());
         }
         let plane = Plane::at(from);
         let mut zones = Vec::new();
@@ -45,7 +45,7 @@ impl Consequence {
                 is_out(&zones, &depths_m, area)
             })
         });
-        all.then(|| format!("{way_m:.1} m on with heading {heading_deg} at {speed_mps} m/s"))
+        all.then(|| format!("within {way_m:.1} m on heading {heading_deg} at {speed_mps} m/s"))
     }
 
     /// Describes how a BPRMB takes the vehicle into a margin, or finds it there, by the same ways. `None` if it does
@@ -75,7 +75,7 @@ impl Consequence {
             })
         });
         name.filter(|_| all).map(|name| {
-            format!("{way_m:.1} m on with heading {heading_deg} at {speed_mps} m/s, in the margin of zone {name}")
+            format!("within {way_m:.1} m on heading {heading_deg} at {speed_mps} m/s, in the margin of zone {name}")
         })
     }
 }

@@ -24,7 +24,7 @@ impl Due {
 
     pub(crate) fn tell(&self, now: Moment, end: &str, findings: &mut Findings) {
         findings.add(now, self.rule, || {
-            format!("no {end} by {} though {}", self.by, self.why)
+            format!("no {end} by {}, although {}", self.by, self.why)
         });
     }
 }

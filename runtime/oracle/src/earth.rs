@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_are_those_that_are_published() {
+    fn lengths_agree_with_published_ones() {
         // A degree of latitude and of longitude at 45 N, by the tables of the ellipsoid: 111,131.745 m and 78,846.835
         // m.
         let north_m = Line::between(position(44.5, 3.0), position(45.5, 3.0)).length_m();
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_nowhere_has_no_length_and_no_panic() {
+    fn a_nan_position_has_no_length_and_does_not_panic() {
         let nowhere = position(f64::NAN, f64::INFINITY);
         let line = Line::between(nowhere, position(0.0, 0.0));
         assert!(line.length_m().is_nan() && line.at(0.5).latitude_deg.is_nan());

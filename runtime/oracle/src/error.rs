@@ -2,10 +2,10 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum OracleError {
     /// The text is not JSON.
-    #[error("the fence is not json: {0}")]
+    #[error("the fence is not JSON: {0}")]
     Json(String),
     /// The document is not a GeoJSON feature collection.
-    #[error("the fence: expected {expected}")]
+    #[error("fence: expected {expected}")]
     Document {
         /// What should be there.
         expected: &'static str,

@@ -42,10 +42,13 @@ impl std::fmt::Display for What {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Untrue { off_m, span_s } => {
-                write!(f, "navigation left the truth by {off_m:.1} m within {span_s:.1} s")
+                write!(
+                    f,
+                    "navigation had moved {off_m:.1} m away from the truth within {span_s:.1} s"
+                )
             }
             Self::NoVelocity { for_s } => write!(f, "navigation had come without velocities for {for_s:.1} s"),
-            Self::ClockSet { by_s } => write!(f, "the vehicle's clock was set by {by_s:.1} s or more"),
+            Self::ClockSet { by_s } => write!(f, "the vehicle's clock had been set by at least {by_s:.1} s"),
         }
     }
 }

@@ -39,7 +39,7 @@ pub(crate) fn read(text: &str) -> Result<(f64, Vec<Zone>), OracleError> {
     }
     if !zones.iter().any(|zone| zone.kind == Kind::KeepIn) {
         return Err(OracleError::Document {
-            expected: "one keep-in zone at least",
+            expected: "at least one keep-in zone",
         });
     }
     Ok((reader.reference.unwrap_or(0.0), zones))
@@ -89,7 +89,7 @@ impl Reader {
             .any(|(key, value)| names_time(key) && !value.is_null());
         zone.surfacing = properties.get("surfacing").and_then(Value::as_bool) == Some(true);
         if zone.depth_min_m > zone.depth_max_m {
-            return self.fail("property depth_max_m", "no less than depth_min_m");
+            return self.fail("property depth_max_m", "at least depth_min_m");
         }
         Ok(zone)
     }
@@ -129,7 +129,7 @@ impl Reader {
             }
         }
         if rings.is_empty() {
-            return self.fail("coordinates", "one ring at least");
+            return self.fail("coordinates", "at least one ring");
         }
         Ok(rings)
     }
@@ -141,7 +141,10 @@ impl Reader {
             };
             self.vertices += positions.len();
             if positions.len() < 4 || self.vertices > VERTICES_MAX {
-                return self.fail("coordinates", "rings of 4 positions at least, a million in all at most");
+                return self.fail(
+                    "coordinates",
+                    "rings of at least 4 positions, and at most a million positions in all",
+                );
             }
             let mut points = Vec::with_capacity(positions.len());
             for position in positions {

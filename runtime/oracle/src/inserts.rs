@@ -172,7 +172,7 @@ impl Inserts {
             })
         {
             findings.add(at, Rule::InterruptOfInterrupt, || {
-                format!("insert {identifier} interrupts while the interrupting insert {running} is not done")
+                format!("insert {identifier} interrupts while the interrupting insert {running} is still open")
             });
         }
         if let Some((doubt, _)) = self
@@ -182,7 +182,7 @@ impl Inserts {
         {
             findings.add(at, Rule::InsertInDoubt, || {
                 format!(
-                    "insert {identifier} while it is not known what became of {doubt}, sent before the link was lost"
+                    "insert {identifier} was sent while the fate of insert {doubt} is unknown since the link was lost"
                 )
             });
         }
@@ -482,7 +482,7 @@ impl Inserts {
         }
         if remaining_s > duration_max_s + 1.0 {
             findings.add(at, Rule::InsertsDuration, || {
-                format!("open inserts fly {remaining_s:.0} s more, {duration_max_s} s allowed")
+                format!("open inserts take {remaining_s:.0} s more, {duration_max_s} s allowed")
             });
         }
     }

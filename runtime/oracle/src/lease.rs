@@ -71,7 +71,7 @@ impl Lease {
             && !core::mem::replace(&mut self.unanswered_told, true)
         {
             findings.add(now, Rule::ModifyUnanswered, || {
-                format!("the lease goes on though nothing has answered the BPRMB at {since}, nor any since")
+                format!("the lease continues although the vehicle has answered no BPRMB from the one at {since} on")
             });
         }
         let Some(last) = self.last_modify else { return };
@@ -84,7 +84,7 @@ impl Lease {
         }
         if idle > LAPSE {
             findings.add(now, Rule::ModifyAbandoned, || {
-                format!("the lease stopped at {last} without BPEMB while the link was up")
+                format!("the last BPRMB left at {last}, and no BPEMB followed although the link was up")
             });
             self.close(last + LAPSE);
         }
@@ -112,7 +112,7 @@ impl Lease {
             && made_apart.is_none_or(|apart| apart < GAP_MIN)
         {
             findings.add(at, Rule::ModifyTooFast, || {
-                format!("{} ms after the BPRMB at {last}", at.since(last).as_millis())
+                format!("a BPRMB {} ms after the one at {last}", at.since(last).as_millis())
             });
         }
         self.last_modify = Some(at);

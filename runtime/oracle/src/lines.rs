@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_without_end_takes_no_memory_and_is_told_once() {
+    fn an_endless_line_takes_no_memory_and_is_reported_once() {
         let long = [b'x'; 3 * LINE_MAX];
         assert_eq!(lines(&[&long, &long, b"\n$A\n"]), [None, Some(b"$A".to_vec())]);
         assert_eq!(

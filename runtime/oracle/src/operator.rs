@@ -50,7 +50,7 @@ impl Operator {
         self.held.map(|held| Due {
             by: process.heard(held) + WITHIN,
             rule: Rule::OperatorHold,
-            why: "the operator holds",
+            why: "the operator's hold was on",
         })
     }
 

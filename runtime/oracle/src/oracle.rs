@@ -283,7 +283,7 @@ impl Oracle {
             Piece::Line(line) => self.our_line(at, line),
             Piece::TooLong => self
                 .findings
-                .add(at, Rule::Malformed, || "a line without end".to_owned()),
+                .add(at, Rule::Malformed, || "a line without an end".to_owned()),
         });
         self.to_vehicle = lines;
     }
@@ -343,7 +343,7 @@ impl Oracle {
         self.pass_time(at);
         if self.control.is_up() && self.to_vehicle.is_open() {
             self.findings
-                .add(at, Rule::Malformed, || "a sentence without end".to_owned());
+                .add(at, Rule::Malformed, || "a sentence without an end".to_owned());
         }
         self.findings.into_violations()
     }
@@ -402,7 +402,7 @@ impl Oracle {
         self.lease.check(at, answer_max, &mut self.findings);
         if self.lease.is_alive() && self.is_stale(at, END_WITHIN) && self.lease.tell_stale() {
             self.findings.add(at, Rule::StaleNavigation, || {
-                "the lease goes on though navigation is stale".to_owned()
+                "the lease continues although navigation is stale".to_owned()
             });
         }
     }
@@ -464,7 +464,7 @@ impl Oracle {
     }
 
     fn lost_due(&self, said: Moment) -> Due {
-        self.due(said, Rule::EndMissing, "control was lost under it")
+        self.due(said, Rule::EndMissing, "control was lost")
     }
 
     /// The longest time from the moment when the vehicle's bytes start on their way until the runtime has certainly

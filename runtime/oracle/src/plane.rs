@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_degree_has_the_length_of_the_tables() {
+    fn a_degree_has_its_published_length() {
         // 111 132.95 m and 78 846.81 m at 45 N.
         let plane = Plane::at(Point { x: 0.0, y: 45.0 });
         let [x, y] = plane.vector(Point { x: 1.0, y: 46.0 });

@@ -55,8 +55,8 @@ impl Trigger {
         }
         if triggering && !self.leave && self.ceased.is_none_or(|ceased| ceased + sure < at) {
             findings.add(at, Rule::TriggerWithoutLeave, || match self.ceased {
-                Some(ceased) => format!("BPDVR says that we trigger, though BFDVT 0 came at {ceased}"),
-                None => "BPDVR says that we trigger, though no BFDVT 1 has come".to_owned(),
+                Some(ceased) => format!("BPDVR says that we trigger, although BFDVT 0 came at {ceased}"),
+                None => "BPDVR says that we trigger, although no BFDVT 1 has come".to_owned(),
             });
         }
         if !triggering && self.cease_due.take().is_some() {
@@ -74,7 +74,7 @@ impl Trigger {
         if let Some(due) = self.cease_due.take_if(|due| now > *due) {
             findings.judge(Rule::TriggerNotCeased);
             findings.add(now, Rule::TriggerNotCeased, || {
-                format!("no BPDVR by {due} that says that triggering has ceased, as BFDVT 0 wants it")
+                format!("no BPDVR by {due} that says that triggering has stopped, as BFDVT 0 demands")
             });
         }
     }
@@ -154,7 +154,7 @@ impl Silence {
             && at + SILENCE_SLACK < until
         {
             findings.add(at, Rule::SilenceRepeated, || {
-                format!("BPSIL 1 though silence stands until {until}, which it does not prolong")
+                format!("BPSIL 1 although silent mode lasts until {until} and cannot be prolonged")
             });
         }
         self.asked = Some((created.to_the_millisecond(), at));
@@ -221,7 +221,7 @@ impl Quota {
         let count = self.taken.iter().filter(|(other, _)| *other == what).count();
         if count > max as usize {
             findings.add(at, Rule::RequestsTotal, || {
-                format!("{count} {name} taken, {max} allowed")
+                format!("{count} {name} accepted, {max} allowed")
             });
         }
     }
@@ -301,7 +301,7 @@ impl Shutdown {
         if (late || is_new && at > heard) && !core::mem::replace(&mut self.told, late) {
             findings.add(at, Rule::AfterShutdown, || {
                 let name = String::from_utf8_lossy(name);
-                format!("{name}, though BFSHT was heard by {heard}")
+                format!("{name} was sent although BFSHT was heard by {heard}")
             });
         }
     }

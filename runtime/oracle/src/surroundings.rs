@@ -61,7 +61,7 @@ mod tests {
     proptest! {
         /// Remembered surroundings are those that a survey on the spot would find.
         #[test]
-        fn a_remembered_survey_holds(
+        fn a_remembered_survey_stays_valid(
             start in (-0.01..0.04f64, -0.01..0.03f64),
             steps in proptest::collection::vec((-1.0..1.0f64, -1.0..1.0f64, 0..4u8), 1..80),
         ) {

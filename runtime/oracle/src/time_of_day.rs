@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn an_echo_is_of_what_its_decimals_may_leave_out() {
+    fn an_echo_matches_within_its_last_decimal() {
         let made = TimeOfDay::new(8, 10, 25, 987_000_000).unwrap();
         for (nanos, decimals, echoes) in [
             (987_000_000, 3, true),
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn midnight_is_passed_the_shorter_way() {
+    fn differences_go_the_shorter_way_round_midnight() {
         let at = |hour, second| TimeOfDay::new(hour, 59, second, 0).unwrap();
         assert_eq!(at(0, 0).nanos_since(at(23, 59)), 3_541_000_000_000);
         assert_eq!(at(23, 59).nanos_since(at(0, 0)), -3_541_000_000_000);

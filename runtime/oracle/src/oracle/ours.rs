@@ -30,7 +30,10 @@ impl Oracle {
             self.findings.judge(Rule::StampRepeated);
             if self.stamps.repeats(name, created) {
                 self.findings.add(at, Rule::StampRepeated, || {
-                    format!("{} has the time {created} twice", String::from_utf8_lossy(&name))
+                    format!(
+                        "{} was sent twice with the time {created}",
+                        String::from_utf8_lossy(&name)
+                    )
                 });
             }
         }
@@ -48,7 +51,7 @@ impl Oracle {
         }
         if !denied && is_dynamic(&name) && due.is_some_and(|due| due.is_missed(at)) {
             self.findings.add(at, Rule::OperatorHold, || {
-                format!("{} under the operator's hold", String::from_utf8_lossy(&name))
+                format!("{} was sent under the operator's hold", String::from_utf8_lossy(&name))
             });
             denied = true;
         }
@@ -68,20 +71,22 @@ impl Oracle {
         if !self.heartbeat.is_heard(at) {
             let newest = self.heartbeat.newest();
             self.findings.add(at, Rule::Unheard, || match newest {
-                Some((left, _)) => format!("{name} though the last command that was answered in time left at {left}"),
-                None => format!("{name} though nothing was answered in time on this connection"),
+                Some((left, _)) => {
+                    format!("{name} was sent although the last command that was answered in time left at {left}")
+                }
+                None => format!("{name} was sent although no command was answered in time on this connection"),
             });
         } else if stays && !self.heartbeat.has_just_answered(at, sure) {
             let newest = self.heartbeat.newest();
             self.findings.add(at, Rule::Unheard, || match newest {
                 Some((left, came)) => format!(
-                    "{name}, which nothing takes back, though the vehicle answered last at {came} what left at {left}"
+                    "{name} cannot be taken back, but the last answer came at {came}, to a command that left at {left}"
                 ),
-                None => format!("{name}, which nothing takes back, though nothing was answered"),
+                None => format!("{name} cannot be taken back, but no command was answered"),
             });
         } else if let Some(left) = self.heartbeat.waits().filter(|_| stays) {
             self.findings.add(at, Rule::Unheard, || {
-                format!("{name}, which nothing takes back, though the BPSTS that left at {left} waits for its answer")
+                format!("{name} cannot be taken back, but the BPSTS that left at {left} still waits for its answer")
             });
         }
         self.judge_flaws(at, &name);
@@ -92,7 +97,10 @@ impl Oracle {
             && self.process.heard(named) + sure < at
         {
             self.findings.add(at, Rule::AnotherDive, || {
-                format!("{name} though another dive file was named at {named}, whose plan was not told since")
+                format!(
+                    "{name} was sent although the vehicle named another dive file at {named} and has not reported \
+                     its plan"
+                )
             });
         }
     }
@@ -117,7 +125,7 @@ impl Oracle {
                 continue;
             }
             self.findings.add(at, flaw.what.rule(), || {
-                format!("{name} though until {} {}", flaw.told, flaw.what)
+                format!("{name} was sent too soon: at {}, {}", flaw.told, flaw.what)
             });
         }
     }

@@ -63,7 +63,7 @@ impl Oracle {
                 }
                 if is_ours == Some(false) {
                     self.findings.add(at, Rule::CancelForeign, || {
-                        format!("BPRCN for {identifier}, which was never sent")
+                        format!("BPRCN for insert {identifier}, which was never sent")
                     });
                 }
                 self.inserts.cancel_sent(created, *identifier);
@@ -95,7 +95,7 @@ impl Oracle {
                 self.findings.judge(Rule::RequestSurfacing);
                 if !self.area.may_surface(*position) {
                     self.findings.add(at, Rule::RequestSurfacing, || {
-                        format!("BPRGP {identifier} where no zone lets the vehicle surface")
+                        format!("BPRGP {identifier} at a place where no zone allows surfacing")
                     });
                 }
             }
@@ -111,7 +111,7 @@ impl Oracle {
         self.findings.judge(Rule::StationDead);
         if !self.station.keep(at, counts, due) && !denied {
             self.findings.add(at, Rule::StationDead, || {
-                "a sentence that keeps a suspension, or moves, without BPSUS before it".to_owned()
+                "a sentence that refreshes a suspension, or moves the vehicle, without a BPSUS before it".to_owned()
             });
         }
     }
@@ -133,7 +133,10 @@ impl Oracle {
         }
         if opens && self.lease.is_unended() && slept > SLEPT_MAX && !denied {
             self.findings.add(at, Rule::LeaseAfterStop, || {
-                format!("BPRMB goes on after {:.1} s at a standstill", slept.as_secs_f64())
+                format!(
+                    "BPRMB continues a lease after the runtime was stopped for {:.1} s",
+                    slept.as_secs_f64()
+                )
             });
         }
         self.delivery.sent_modify(at, created);
@@ -152,7 +155,7 @@ impl Oracle {
         if jumped && !denied {
             let steps_m = unsteady.map_or(0.0, |jump| jump.step_m);
             self.findings.add(at, Rule::JumpIgnored, || {
-                format!("BPRMB though navigation jumped by {steps_m:.0} m within the last 10 s")
+                format!("BPRMB was sent although navigation jumped by {steps_m:.0} m within the last 10 s")
             });
         }
         if let Some(moved) = self.frame_moved
@@ -160,7 +163,7 @@ impl Oracle {
             && at.since(moved) < STEADY
         {
             self.findings.add(at, Rule::JumpIgnored, || {
-                format!("BPRMB though the vehicle was told at {moved} that it is elsewhere")
+                format!("BPRMB was sent although we told the vehicle at {moved} that it is elsewhere")
             });
         }
         let counts = counts && !jumped;
@@ -181,8 +184,8 @@ impl Oracle {
         if self.is_stale(at, Duration::ZERO) && self.lease.tell_stale() {
             let age = self.navigation.age(at);
             self.findings.add(at, Rule::StaleNavigation, || match age {
-                Some(age) => format!("BPRMB while navigation is {:.3} s old", age.as_secs_f64()),
-                None => "BPRMB without any navigation on this connection".to_owned(),
+                Some(age) => format!("BPRMB was sent while navigation was {:.3} s old", age.as_secs_f64()),
+                None => "BPRMB was sent without any navigation on this connection".to_owned(),
             });
         }
         if !modify.complete {
@@ -193,8 +196,9 @@ impl Oracle {
         if let Some(heading) = modify.heading_deg
             && !(0.0..=360.0).contains(&heading)
         {
-            self.findings
-                .add(at, Rule::Malformed, || format!("BPRMB with heading {heading}"));
+            self.findings.add(at, Rule::Malformed, || {
+                format!("BPRMB with heading {heading}: expected 0 to 360")
+            });
         }
         self.judge_consequence(at, modify, opens);
         if let Some(speed_mps) = modify.speed_mps {
@@ -271,7 +275,7 @@ impl Oracle {
         if let Some((refused, pause)) = self.pause.standing(at, heard) {
             self.findings.add(at, Rule::PauseIgnored, || {
                 let pause_s = pause.as_secs_f64();
-                format!("a lease begins though the vehicle refused one at {refused}, and none may for {pause_s:.0} s")
+                format!("a lease began although the vehicle refused one at {refused}, less than {pause_s:.0} s before")
             });
         }
     }
@@ -282,7 +286,7 @@ impl Oracle {
         self.findings.judge(Rule::JumpIgnored);
         if self.lease.is_alive() || self.station.is_alive() {
             self.findings.add(at, Rule::JumpIgnored, || {
-                "the vehicle is told that it is elsewhere under a lease or station keeping".to_owned()
+                "we told the vehicle that it is elsewhere while a lease or station keeping was alive".to_owned()
             });
         }
         self.frame_moved = Some(at);
@@ -294,13 +298,13 @@ impl Oracle {
         }
         if !self.plan_heard && self.control.is_granted() {
             self.findings.add(at, Rule::PlanUnknown, || {
-                format!("insert {identifier} though the vehicle has told nothing of its plan")
+                format!("insert {identifier} was sent although the vehicle has reported no part of its plan")
             });
         }
         self.findings.judge(Rule::BeginUnheard);
         if !self.begin_heard && self.control.is_granted() {
             self.findings.add(at, Rule::BeginUnheard, || {
-                format!("insert {identifier} though on this connection no behavior was told to begin")
+                format!("insert {identifier} was sent although the vehicle has reported no begin on this connection")
             });
         }
         let total_max = self.limits.inserts_total_max;
@@ -329,7 +333,7 @@ impl Oracle {
             .map(|locked| self.process.heard(locked) + self.sure());
         if heard.is_none_or(|heard| at.since(heard) > LOCK_LASTS) {
             self.findings.add(at, Rule::BottomUnknown, || {
-                format!("{what}: {setpoint}, and the vehicle has told of no bottom for over 5 s")
+                format!("{what}: {setpoint}, but the vehicle has reported no bottom lock for over 5 s")
             });
         }
     }
@@ -343,7 +347,7 @@ impl Oracle {
                 && !(from_m - PLACE_SLACK_M..=to_m + PLACE_SLACK_M).contains(&metres)
             {
                 self.findings.add(at, Rule::RequestBox, || {
-                    format!("{name} to {metres} m, which is not within {from_m} to {to_m} m")
+                    format!("{name} to {metres} m: expected {from_m} to {to_m} m")
                 });
             }
         }
@@ -359,7 +363,7 @@ impl Oracle {
         let (min, max) = (self.limits.speed_min_mps, self.limits.speed_max_mps);
         if !(min - SPEED_SLACK_MPS..=max + SPEED_SLACK_MPS).contains(&speed_mps) {
             self.findings.add(at, Rule::RequestSpeed, || {
-                format!("{what}: {speed_mps} m/s is not within {min} to {max}")
+                format!("{what} at {speed_mps} m/s: expected {min} to {max} m/s")
             });
         }
     }

@@ -67,17 +67,19 @@ impl Oracle {
     fn why_unjudged(&self, rule: Rule) -> &'static str {
         let (truths, ..) = self.conduct.counts();
         match (rule, rule.side()) {
-            (_, Side::Truth) if truths == 0 => "no truth",
-            (_, Side::Arrived) if !self.delivery.is_told() => "when our sentences arrived at the vehicle is not known",
+            (_, Side::Truth) if truths == 0 => "no true position is recorded",
+            (_, Side::Arrived) if !self.delivery.is_told() => {
+                "the record does not say when our sentences arrived at the vehicle"
+            }
             (Rule::OperatorOnly | Rule::MovesTruth, _) if self.limits.operator_commands => {
-                "the mission lets its operator order them"
+                "the mission allows the operator to order them"
             }
             (Rule::RequestBox, _) if self.limits.hull_box.is_none() && self.limits.bottom_box.is_none() => {
                 "the mission has no box"
             }
             (Rule::BottomUnknown, _) if self.limits.water_depth_known => "the mission says how deep the water is",
-            (Rule::PlanUnknown, _) if !self.plan_heard => "no plan was told, and no insert was sent",
-            (_, Side::Sent | Side::Heard | Side::Operator | Side::Arrived | Side::Truth) => "it never came to it",
+            (Rule::PlanUnknown, _) if !self.plan_heard => "the vehicle reported no plan, and no insert was sent",
+            (_, Side::Sent | Side::Heard | Side::Operator | Side::Arrived | Side::Truth) => "no case of it occurred",
         }
     }
 

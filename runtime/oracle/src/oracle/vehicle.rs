@@ -101,7 +101,7 @@ impl Oracle {
 
     /// The vehicle now flies another behavior than the one that was modified.
     fn behavior_changed(&mut self, at: Moment) {
-        self.lease_must_end(self.due(at, Rule::LeaseOutlives, "a behavior began or ended under it"));
+        self.lease_must_end(self.due(at, Rule::LeaseOutlives, "a behavior began or ended"));
     }
 
     fn answered(&mut self, at: Moment, answer: &Answer) {
@@ -133,7 +133,7 @@ impl Oracle {
                 if !self.process.is_stopped() {
                     self.pause.refused(at);
                 }
-                self.lease_must_end(self.due(at, Rule::LeaseOutlives, "the vehicle refused it"));
+                self.lease_must_end(self.due(at, Rule::LeaseOutlives, "the vehicle refused the lease"));
             }
             b"RTK" | b"RTC" | b"RGP" => {
                 self.inserts.answered(at, identifier, created, taken);

@@ -29,11 +29,11 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::End => f.write_str("no carriage return before the line feed"),
-            Self::Frame => f.write_str("no $, or no right checksum of two upper-case digits"),
+            Self::Frame => f.write_str("no $, or no correct checksum in two upper-case digits"),
             Self::Byte => f.write_str("a reserved or unprintable byte"),
             Self::Name => f.write_str("not the name of a payload's sentence"),
             Self::Field { index, expected } => write!(f, "field {index}: expected {expected}"),
-            Self::Surplus => f.write_str("more fields than the sentence has"),
+            Self::Surplus => f.write_str("more fields than the specification has"),
         }
     }
 }

@@ -52,7 +52,7 @@ impl Field for BehaviorId {
     }
 }
 
-/// An identifier that may be absent: read as none where it is 0 or empty.
+/// Reads an identifier that may be absent: 0 or an empty field is `None`.
 fn optional_identifier(reader: &mut Reader<'_>) -> Result<Option<BehaviorId>, Fault> {
     let identifier = Optional::<BehaviorId>::decode(reader)?;
     Ok(identifier.filter(|identifier| identifier.get() != 0))
@@ -71,7 +71,7 @@ fn write_optional_identifier(identifier: Option<BehaviorId>, none: &str, writer:
     }
 }
 
-/// An identifier that may be absent, then written as 0, as real acknowledgements have it.
+/// An identifier that may be absent. `None` is written as 0, as in real acknowledgements.
 pub(crate) struct IdentifierOrZero;
 
 impl Field for IdentifierOrZero {
@@ -95,7 +95,7 @@ impl Field for IdentifierOrZero {
     }
 }
 
-/// An identifier that may be absent, then written empty (SPI 6.9).
+/// An identifier that may be absent. `None` is written as an empty field (SPI 6.9).
 pub(crate) struct IdentifierOrEmpty;
 
 impl Field for IdentifierOrEmpty {

@@ -15,7 +15,7 @@ fn navigation(line: &str) -> Navigation {
 
 #[test]
 fn the_example_of_section_6_1_is_read() {
-    // Its checksum is misprinted as 5b.
+    // The specification misprints its checksum as 5b.
     let navigation =
         navigation("$BFNVG,081025.987,4221.81092,N,07106.84603,W,1,45.3,20.1,203.1,-3.4,4.5,081025.980*4E");
     assert_eq!(

@@ -69,7 +69,7 @@ mod tests {
     use crate::{ChecksumState, Sentence};
 
     #[test]
-    fn names_are_unique_and_tell_the_direction() {
+    fn names_are_unique_and_show_the_direction() {
         let names: BTreeSet<_> = catalogue().iter().map(|entry| entry.name).collect();
         assert_eq!(names.len(), catalogue().len());
         for entry in catalogue() {
@@ -103,7 +103,7 @@ mod tests {
     ];
 
     #[test]
-    fn every_section_of_the_specification_has_its_row_and_every_row_is_whole() {
+    fn every_section_of_the_specification_has_its_row_and_every_row_is_complete() {
         let sections: BTreeSet<(String, &str)> = SECTIONS
             .iter()
             .flat_map(|(chapter, names)| {

@@ -45,7 +45,7 @@ macro_rules! codes {
             fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
                 // `Other(0)` would be read back as the choice that 0 means.
                 if Self::from_code(value.code()) != *value {
-                    return Err(Fault::expected("the choice's own name: its number is defined"));
+                    return Err(Fault::expected("the named choice, because its number is defined"));
                 }
                 writer.signed(value.code());
                 Ok(())
@@ -315,7 +315,7 @@ mod tests {
     use crate::forms::{read, written};
 
     #[test]
-    fn speed_modes_of_inserts_and_modifies_are_each_others_reverse() {
+    fn inserts_and_modifies_number_their_speed_modes_in_opposite_ways() {
         assert_eq!((SpeedMode::MetresPerSecond.code(), SpeedMode::Rpm.code()), (0, 1));
         assert_eq!(
             (ModifySpeedMode::MetresPerSecond.code(), ModifySpeedMode::Rpm.code()),
@@ -332,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_not_defined_is_kept() {
+    fn an_undefined_number_is_kept() {
         assert_eq!(read::<AckStatus>("7"), Ok(AckStatus::Other(7)));
         assert_eq!(
             read::<FrameReceivedStatus>("-2147483648"),

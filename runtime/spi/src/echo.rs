@@ -125,13 +125,13 @@ mod tests {
     }
 
     #[test]
-    fn what_says_that_there_was_no_time_echoes_none() {
+    fn an_echo_without_a_time_echoes_no_command() {
         assert!(!EchoedTime::NONE.echoes(TimeOfDay::MIDNIGHT));
         assert!(!EchoedTime::with_decimals(TimeOfDay::MIDNIGHT, 0).echoes(at(300_000_000)));
     }
 
     #[test]
-    fn as_text_it_keeps_its_decimals() {
+    fn an_echo_as_text_keeps_its_decimals() {
         for decimals in 0..=9 {
             let echo = EchoedTime::with_decimals(at(29_425_987_654_321), decimals);
             assert_eq!(EchoedTime::try_from(echo.to_string()), Ok(echo));

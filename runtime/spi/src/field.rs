@@ -260,7 +260,7 @@ impl<'a> Reader<'a> {
 }
 
 fn as_text(bytes: &[u8]) -> &str {
-    core::str::from_utf8(bytes).expect("cut at commas out of a str")
+    core::str::from_utf8(bytes).expect("a piece of a str that is cut at commas is valid UTF-8")
 }
 
 /// Blanks around numbers are legal (SPI 4.2, Table 1: "the first non-whitespace character"). Most have none.
@@ -386,7 +386,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_comma_is_found_wherever_it_stands(text in "[-,+.\u{80}\u{ff}a]{0,80}") {
+        fn the_comma_is_found_at_every_position(text in "[-,+.\u{80}\u{ff}a]{0,80}") {
             prop_assert_eq!(find_comma(text.as_bytes()), text.find(','));
         }
     }

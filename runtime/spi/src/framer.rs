@@ -302,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_counted_and_passed_over() {
+    fn noise_is_counted_and_dropped() {
         let (out, counts) = sentences(
             Policy::FromVehicle,
             &[b"login: \r\n", b"abc", CONTROL.as_bytes(), b"\r\nxyz"],
@@ -312,14 +312,14 @@ mod tests {
     }
 
     #[test]
-    fn a_dollar_sign_inside_a_line_starts_anew() {
+    fn a_dollar_sign_inside_a_line_starts_a_new_sentence() {
         let (out, counts) = sentences(Policy::FromVehicle, &[b"$BFNVG,0810$BF", CONTROL.as_bytes(), b"\r\n"]);
         assert_eq!(out, [CONTROL]);
         assert_eq!(counts.cut_short, 2);
     }
 
     #[test]
-    fn bad_lines_are_dropped_each_under_its_cause() {
+    fn bad_lines_are_dropped_and_counted_by_their_cause() {
         let stream = [
             b"$BF\xff,1*00\r\n$,1*00\r\n$BFCTL,081025.987,0*78\r\n".as_slice(),
             CONTROL.as_bytes(),
@@ -368,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn a_good_sentence_that_nobody_took_is_counted_when_it_goes() {
+    fn a_good_sentence_that_is_dropped_before_it_is_taken_is_counted() {
         let mut framer = Framer::new(Policy::FromVehicle);
         let stream = format!("{CONTROL}\r\n").repeat(100_000);
         framer.push(stream.as_bytes());

@@ -74,7 +74,7 @@ impl CommandName {
     /// The three letters.
     #[must_use]
     pub fn as_str(&self) -> &str {
-        core::str::from_utf8(&self.0).expect("the constructor lets only ascii in")
+        core::str::from_utf8(&self.0).expect("the constructor accepts only ASCII")
     }
 }
 

@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_plain_number_is_refused() {
+    fn text_that_is_not_a_plain_number_is_refused() {
         for bad in [
             "", "-", ".", "-.", "1e3", "1E3", "1e400", "inf", "-inf", "NaN", "infinity", "1.2.3", "--1", "1-", "0x1",
             "1 2",
@@ -309,7 +309,7 @@ mod tests {
         }
 
         #[test]
-        fn a_number_before_a_comma_is_what_it_is_at_the_end(text in "[-+]?[0-9]{0,4}\\.?[0-9]{0,5}", after in "[-.0-9,]{0,9}") {
+        fn a_number_before_a_comma_is_read_like_one_at_the_end(text in "[-+]?[0-9]{0,4}\\.?[0-9]{0,5}", after in "[-.0-9,]{0,9}") {
             let field = format!("{text},{after}");
             let expected = match text.parse::<f64>() {
                 Ok(value) if !text.starts_with('+') => Some((value, text.len())),
@@ -319,7 +319,7 @@ mod tests {
         }
 
         #[test]
-        fn only_numbers_are_numbers(text in "[-+.,0-9 e:/\u{80}]{0,9}") {
+        fn only_numbers_are_read_as_numbers(text in "[-+.,0-9 e:/\u{80}]{0,9}") {
             let plain = !text.contains(['+', ' ', 'e', '\u{80}', '/', ':']);
             for field in [format!("{text},,,,,,,,"), text.clone()] {
                 let first = field.split(',').next().unwrap_or_default();
@@ -331,7 +331,7 @@ mod tests {
         }
 
         #[test]
-        fn what_is_written_is_read_to_half_a_unit(value in -1e9..1e9f64, decimals in 0..=6u8) {
+        fn a_written_number_is_read_back_to_half_a_unit(value in -1e9..1e9f64, decimals in 0..=6u8) {
             let text = written(value, decimals);
             let back = parse_decimal(text.as_bytes()).unwrap();
             prop_assert!((back - value).abs() <= 0.500_001 / POWERS[usize::from(decimals)] + value.abs() * 1e-15);

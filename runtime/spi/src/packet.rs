@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_serialised_as_digits_and_checked_on_the_way_back() {
+    fn frames_are_serialised_as_digits_and_checked_when_read_back() {
         let frames = FrameData::new([vec![0x0a, 0xff], vec![7]]).unwrap();
         assert_eq!(serde_json::to_string(&frames).unwrap(), r#"["0AFF","07"]"#);
         assert_eq!(serde_json::from_str::<FrameData>(r#"["0aFf","07"]"#).unwrap(), frames);

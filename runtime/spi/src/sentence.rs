@@ -238,7 +238,7 @@ mod tests {
         assert_eq!(
             state(&format!("${relayed}")),
             ChecksumState::Invalid,
-            "that is the relayed line's"
+            "the checksum is that of the relayed line"
         );
         assert_eq!(state(&format!("{line}*")), ChecksumState::Invalid);
         // Directly after the name there is no text that could hold an asterisk.
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_sentence_is_refused() {
+    fn a_line_that_is_not_a_sentence_is_refused() {
         for bad in [
             "",
             "$",
@@ -285,7 +285,7 @@ mod tests {
 
     proptest::proptest! {
         #[test]
-        fn the_checksum_is_every_bytes(bytes in proptest::collection::vec(proptest::num::u8::ANY, 0..40)) {
+        fn the_checksum_covers_every_byte(bytes in proptest::collection::vec(proptest::num::u8::ANY, 0..40)) {
             proptest::prop_assert_eq!(xor(&bytes), bytes.iter().fold(0, |sum, byte| sum ^ byte));
         }
     }

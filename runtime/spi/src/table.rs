@@ -123,7 +123,7 @@ macro_rules! messages {
                 match name {
                     $( $name => <$Message as serde::Deserialize>::deserialize(deserializer).map(Self::$Message), )*
                     _ => Err(serde::de::Error::custom(format_args!(
-                        "{name:?} is no message of this direction"
+                        "{name:?} is not a message of this direction"
                     ))),
                 }
             }
@@ -214,7 +214,7 @@ macro_rules! messages {
             }
 
             #[test]
-            fn every_row_ignores_more_fields_and_names_what_is_missing() {
+            fn every_row_ignores_more_fields_and_names_the_missing_one() {
                 for entry in ENTRIES {
                     let (line, _) = entry.example.split_once('*').unwrap();
                     let plain = $Enum::decode(&$crate::Sentence::parse(line).unwrap()).unwrap();

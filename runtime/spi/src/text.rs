@@ -11,7 +11,7 @@ pub struct Text(Box<str>);
 /// A character that the text of a sentence must not hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "character {character:?} at byte {at} is not allowed: expected printable ascii without comma, asterisk, dollar"
+    "character {character:?} at byte {at} is not allowed: expected printable ASCII without comma, asterisk and dollar sign"
 )]
 pub struct TextError {
     /// The first character that is not allowed.
@@ -54,7 +54,7 @@ pub struct RelayedText(Box<str>);
 
 /// A character that no text may hold, not even a text that ends its sentence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("character {character:?} at byte {at} is not allowed: expected printable ascii")]
+#[error("character {character:?} at byte {at} is not allowed: expected printable ASCII")]
 pub struct RelayedTextError {
     /// The first character that is not allowed.
     pub character: char,
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn a_serialised_text_is_a_string_and_checked_on_the_way_back() {
+    fn a_serialised_text_is_a_string_and_is_checked_when_read_back() {
         let text = Text::new("line 3").unwrap();
         assert_eq!(serde_json::to_string(&text).unwrap(), "\"line 3\"");
         assert_eq!(serde_json::from_str::<Text>("\"line 3\"").unwrap(), text);
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_relayed_may_hold_delimiters_and_no_control_characters() {
+    fn a_relayed_text_may_hold_delimiters_but_no_control_characters() {
         let line = "$CCRXD,1,2*5B";
         assert_eq!(RelayedText::new(line).unwrap(), line);
         assert_eq!(RelayedText::from(Text::new("abort").unwrap()), "abort");

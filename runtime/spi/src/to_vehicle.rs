@@ -499,7 +499,7 @@ mod tests {
     }
 
     #[test]
-    fn commands_say_when_they_were_made_if_they_do() {
+    fn commands_with_a_time_say_when_they_were_made() {
         assert_eq!(decode("$BPLOG,NVG,ON").created(), None);
         assert_eq!(decode("$BPRMP,000001").created(), TimeOfDay::from_nanos(1_000_000_000));
     }

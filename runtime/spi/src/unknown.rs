@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn what_would_break_the_sentence_is_refused() {
+    fn fields_that_would_break_the_sentence_are_refused() {
         assert!(UnknownMessage::new("", &[]).is_err());
         assert!(UnknownMessage::new("BF,A", &[]).is_err());
         assert!(UnknownMessage::new("BFABC", &["a\r\n$BPABT"]).is_err());

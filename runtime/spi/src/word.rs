@@ -73,7 +73,7 @@ mod tests {
         }
 
         #[test]
-        fn digits_are_told_from_all_else(bytes in proptest::array::uniform8(0..12u8), other: u8, at in 0..9usize) {
+        fn digits_are_distinguished_from_all_other_bytes(bytes in proptest::array::uniform8(0..12u8), other: u8, at in 0..9usize) {
             let mut bytes = bytes;
             if let Some(byte) = bytes.get_mut(at) {
                 *byte = other;

@@ -16,7 +16,8 @@ impl Field for CommandName {
             reader.skip(3);
             return Ok(letters);
         }
-        Self::new(reader.text()?.trim_ascii()).map_err(|_| Fault::expected("three upper-case letters, or BP and three"))
+        Self::new(reader.text()?.trim_ascii())
+            .map_err(|_| Fault::expected("three upper-case letters, or BP and three letters"))
     }
 
     fn encode(value: &Self, writer: &mut Writer<'_>) -> Result<(), Fault> {
@@ -123,7 +124,7 @@ mod tests {
     use crate::forms::{read, written};
 
     #[test]
-    fn no_identifier_is_zero_or_empty_and_never_a_number() {
+    fn an_absent_identifier_is_zero_or_empty_and_never_a_number() {
         assert_eq!(read::<IdentifierOrZero>("0,"), Ok(None));
         assert_eq!(read::<IdentifierOrEmpty>(","), Ok(None));
         assert_eq!(read::<IdentifierOrZero>("1001"), Ok(Some(BehaviorId::new(1001))));

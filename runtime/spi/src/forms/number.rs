@@ -120,7 +120,7 @@ impl Field for Percent {
         if (0.0..=100.0).contains(value) {
             writer.decimal(*value, 3)
         } else {
-            Err(Fault::expected("a share from 0 to 100"))
+            Err(Fault::expected("a percentage from 0 to 100"))
         }
     }
 
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_moves_nine_tenths_at_most_and_a_battery_may_say_more_than_all() {
+    fn a_camera_moves_at_most_nine_tenths_and_a_battery_may_report_over_100_percent() {
         assert_eq!((read::<Nine>("-9"), read::<Nine>("9")), (Ok(-9), Ok(9)));
         assert!(read::<Nine>("10").is_err() && written::<Nine>(&-10).is_err());
         assert_eq!(read::<Percent>("100.4"), Ok(100.4));
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn an_entry_angle_is_there_where_more_than_the_interrupt_code_is_left() {
+    fn an_entry_angle_is_read_if_more_than_the_interrupt_code_is_left() {
         assert_eq!(read::<CircleEntry>("180.0,4"), Ok(CircleEntry::Angle(180.0)));
         assert_eq!(read::<CircleEntry>(",4"), Ok(CircleEntry::Anywhere));
         assert_eq!(read::<CircleEntry>("4"), Ok(CircleEntry::Absent));

@@ -138,7 +138,7 @@ mod tests {
     use crate::forms::{read, written};
 
     #[test]
-    fn places_for_frames_may_be_left_out_or_empty() {
+    fn places_for_frames_may_be_missing_or_empty() {
         let good = |data: &[u8]| ReceivedFrame {
             status: FrameReceivedStatus::Good,
             data: data.into(),
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn the_frames_to_send_must_be_as_many_as_they_say() {
+    fn the_number_of_frames_must_match_the_frames() {
         assert_eq!(
             read::<FrameData>("2,0a,FF").unwrap(),
             FrameData::new([[10u8], [255]]).unwrap()

@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn degrees_have_a_fixed_width_and_minutes_any() {
+    fn degrees_have_a_fixed_width_and_minutes_have_any() {
         for (text, position) in [
             (
                 "4221.81092,N,07106.84603,W",
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_position_is_refused() {
+    fn an_invalid_position_is_refused() {
         for bad in [
             "",
             "4221.8",

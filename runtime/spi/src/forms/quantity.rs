@@ -98,7 +98,7 @@ mod tests {
     use crate::forms::{read, written};
 
     #[test]
-    fn no_bottom_lock_is_no_height() {
+    fn without_bottom_lock_there_is_no_altitude() {
         for none in ["", " ", "0", "0.000", "-0.0"] {
             assert_eq!(read::<BottomLock>(none), Ok(None), "{none:?}");
         }
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_are_the_units_own() {
+    fn ranges_are_those_of_the_units() {
         assert!(matches!(read::<Depth>("12000.1"), Err(Fault::OutOfRange(_))));
         assert!(matches!(read::<BottomLock>("-1"), Err(Fault::OutOfRange(_))));
         assert!(matches!(read::<GridHeading>("1000001"), Err(Fault::OutOfRange(_))));

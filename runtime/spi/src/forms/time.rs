@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_time_of_day_is_refused() {
+    fn an_invalid_time_of_day_is_refused() {
         for bad in [
             "8:10:25",
             "81025",
@@ -214,7 +214,7 @@ mod tests {
 
     proptest::proptest! {
         #[test]
-        fn the_short_way_reads_what_the_long_way_reads(text in "[0-2/][0-9:][0-6][0-9][0-6][0-9][-./0][0-9:]{2}[0-9/]") {
+        fn the_fast_reader_agrees_with_the_slow_one(text in "[0-2/][0-9:][0-6][0-9][0-6][0-9][-./0][0-9:]{2}[0-9/]") {
             let short = parse_millis(text.as_bytes().try_into().unwrap());
             proptest::prop_assert_eq!(short, parse_time(text.as_bytes()));
         }

@@ -10,7 +10,7 @@ use crate::text::{RelayedText, Text};
 impl Field for Text {
     type Value = Self;
     const FORMATS: &'static [&'static str] = &["c--c"];
-    const RANGE: &'static str = "printable ascii but , * $";
+    const RANGE: &'static str = "printable ASCII without , * $";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         reader.text().map(Self::cleaned)
@@ -57,7 +57,7 @@ impl Field for LastText {
 impl Field for RelayedText {
     type Value = Self;
     const FORMATS: &'static [&'static str] = Text::FORMATS;
-    const RANGE: &'static str = "printable ascii, delimiters too";
+    const RANGE: &'static str = "printable ASCII with delimiters";
 
     fn decode(reader: &mut Reader<'_>) -> Result<Self, Fault> {
         if reader.is_done() {

@@ -143,7 +143,7 @@ fn a_message_that_cannot_be_written_leaves_no_byte() {
 }
 
 #[test]
-fn what_the_payload_sends_is_unknown_here() {
+fn messages_of_the_payload_are_unknown_here() {
     let message = decode("$BPRMB,081025.987,90,3,0,1.5,1,0");
     let FromVehicle::Unknown(unknown) = &message else {
         panic!("{message:?}")

@@ -1,4 +1,4 @@
-//! The cases at the edges, by hand.
+//! Cases at the limits, written by hand.
 
 use super::*;
 
@@ -114,7 +114,7 @@ fn a_leg_that_crosses_an_edge_almost_along_it_is_refused() {
     use parry2d_f64::query;
     use parry2d_f64::shape::Segment;
 
-    // parry's query for two segments has them a sixth of a millimetre apart.
+    // parry's query for two segments reports them a sixth of a millimetre apart.
     let edge = [
         (-20574.405144916982, -3111.4465800436574),
         (-21382.10248824897, -10502.06597039965),
@@ -185,7 +185,7 @@ fn a_rim_around_a_keep_out_zone_passes_and_one_through_it_does_not() {
     }
     assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 101.0), 1.0).0, Rule::KeepIn);
     assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 0.0), 1.0).0, Rule::KeepOut);
-    // Around the whole fence: it touches no edge, and is outside all the same.
+    // Around the whole fence: it touches no edge and is still outside.
     assert_eq!(refused(&fence, Shape::rim(at(0.0, 0.0), 500.0), 1.0).0, Rule::KeepIn);
 }
 
@@ -255,7 +255,7 @@ fn depth_and_altitude_are_those_of_the_zone_that_holds() {
     };
     assert_eq!(verdict(0.0, 50.0, 3.0), Ok(99.0));
     assert_eq!(verdict(30.0, 90.0, 10.0), Ok(49.0));
-    // Neither zone takes 20 to 70 m: the shallow one lacks 20, the deep one 10.
+    // Neither zone allows 20 to 70 m: the shallow one lacks 20 m, the deep one 10 m.
     assert_eq!(verdict(20.0, 70.0, 20.0), Err((Rule::DepthMin, 10.0)));
     assert_eq!(verdict(10.0, 51.0, 20.0), Err((Rule::DepthMax, 1.0)));
     assert_eq!(verdict(-1.0, 5.0, 20.0), Err((Rule::DepthMin, 1.0)));
@@ -288,7 +288,7 @@ fn a_keep_out_zone_counts_at_its_depths_only_and_its_ends_belong_to_it() {
     for (min, max) in [(0.0, 20.0), (30.0, 40.0), (0.0, 50.0), (22.0, 23.0)] {
         assert!(!holds(min, max), "{min} {max}");
     }
-    // A bare position knows no depth.
+    // A bare position has no depth.
     assert_eq!(fence.contains(at(0.0, 0.0)).unwrap_err().rule, Rule::KeepOut);
     assert_eq!(fence.contains(at(50.0, 0.0)).unwrap().metres, 40.0 - 1e-6);
 }
@@ -386,7 +386,7 @@ fn polygons_of_a_millimetre_are_judged_like_large_ones() {
 
 #[test]
 fn edges_on_one_line_do_not_confuse_the_side() {
-    // A rectangle with needless vertices on its sides.
+    // A rectangle with unnecessary vertices on its sides.
     let mut ring = Vec::new();
     ring.extend((0..10).map(|step| (f64::from(step) * 10.0, 0.0)));
     ring.extend([(100.0, 0.0), (100.0, 50.0), (50.0, 50.0), (0.0, 50.0)]);
@@ -406,7 +406,7 @@ fn edges_on_one_line_do_not_confuse_the_side() {
 
 #[test]
 fn points_beyond_a_sharp_corner_are_told_from_those_within() {
-    // Points around the tip of a needle, whose nearest place is the tip: they lie left of one of its edges.
+    // Points around the tip of a needle: their nearest place is the tip, and they lie on the left of one of its edges.
     for angle in [3e-4, 1e-3, 0.1, 1.0] {
         let needle = vec![(0.0, 0.0), (1000.0, -1000.0 * angle), (1000.0, 1000.0 * angle)];
         let keep_in = fence(vec![zone("needle", KEEP_IN, 0.0, std::slice::from_ref(&needle))]);

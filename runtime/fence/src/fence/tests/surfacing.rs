@@ -1,4 +1,4 @@
-//! Where the vehicle may come to the surface.
+//! Tests where the vehicle may surface.
 
 use super::{Fence, KEEP_OUT, at, fence, rectangle, zone};
 use crate::sweep::{Shape, Sweep, VerticalExtent};
@@ -16,7 +16,7 @@ const fn keep_in(surfacing: bool) -> Kind {
     }
 }
 
-/// A large zone in which nothing surfaces, and a small one in its east where it may.
+/// A large zone in which surfacing is not allowed, and a small one in its east in which it is.
 fn waters() -> Fence {
     fence(vec![
         zone(
@@ -56,7 +56,7 @@ fn it_surfaces_only_in_a_zone_that_allows_it_whose_shallowest_depth_does_not_cou
         ),
         "{breach}"
     );
-    // The rest of what the zone limits does count.
+    // The zone's other limits do count.
     assert_eq!(surfacing(&fence, (700.0, 0.0), 51.0).unwrap_err().rule, Rule::DepthMax);
     // An ordinary question still has its shallowest depth.
     let shallow = VerticalExtent {

@@ -58,7 +58,7 @@ fn a_keep_in_zone_holds_only_what_its_window_covers() {
             assert!(breach.metres.is_infinite());
         }
     }
-    // A nanosecond late is late.
+    // A span that ends a nanosecond too late is refused.
     let late = Span {
         from: utc(1500),
         until: utc(2000) + Duration::from_nanos(1),
@@ -126,13 +126,13 @@ fn a_closed_zone_is_told_where_it_alone_is_in_the_way() {
         let far = zone("far", KEEP_IN, 0.0, &[rectangle(5000.0, 0.0, 5100.0, 100.0)]);
         fence(vec![windowed(keep_in(), Some(1_777_622_400), None), far])
     };
-    // Inside the closed one: its window, not the distance to the open one, is what stands against it.
+    // Inside the closed zone, its window is the breach, and not the distance to the open one.
     let breach = judged(&zones(), 1_777_622_399, 1_777_622_460).unwrap_err();
     assert_eq!(
         breach.to_string(),
         "keep-in zone 'range' is valid from 2026-05-01T08:00:00Z only, asked for 2026-05-01T07:59:59Z to 2026-05-01T08:01:00Z"
     );
-    // Inside neither: the open one is named, as its distance can be mended.
+    // Inside neither, the open zone is named, because a request can be moved towards it.
     let outside = Sweep::new(Shape::point(at(4000.0, 50.0)), 1.0);
     let breach = zones().during(span(0, 1)).check(&outside, &VERTICAL).unwrap_err();
     assert_eq!(
